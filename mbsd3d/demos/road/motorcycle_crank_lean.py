@@ -8,11 +8,11 @@ from mbsd3d import (
     AngleDriver,
     Body,
     Kinematic,
-    Prismatic,
+    Parallel,
+    PositionDriver,
     Ramp,
     Revolute,
     Sine,
-    SlideDriver,
     System,
     accelerations,
     rotation,
@@ -29,28 +29,24 @@ def mechanism(*, m=250.0, h=0.6, Iyy=30.0, Izz=25.0, Jw=1.2, r=0.3, Jc=0.03, N=5
               lean_deg=45.0, crank=1) -> System:  # fmt: skip
     """Frame m, (Iyy, Iyy, Izz), G at h, hinged on a base that runs round a circle R to the left at v; wheels of sum Jw.
 
-    Slides along x and y carry the base round, so that no arm reaches to the middle of the circle.
-
     The crankshaft turns N times as fast as the wheels of radius r, forwards (crank 1) or backwards (-1).
     """
     lean, turn, wheel = np.radians(lean_deg), v / R, v / r
     tilt, up = rotation("x", -lean), np.array([0, 0, 1.0])
     axle, along = np.array([0, np.cos(lean), -np.sin(lean)]), np.array([0, np.sin(lean), np.cos(lean)])
     base = Body("base", 0.0, (0, 0, 0), shape=shapes.Box((1.4, 0.05, 0.01), at=(0, 0, 0)))
-    ahead, aside = (Body(f"slide along {name}", 0.0, (0, 0, 0)) for name in "xy")
+    turns = turn / (2 * np.pi)
+    way = (Sine(R, turns), Sine(-R, turns, np.pi / 2, R), 0.0)
     form = [shapes.Box((1.0, 0.25, 0.5 * h), at=(0, 0, 0.1)), shapes.Capsule(0.18, 0.6, at=(-0.15, 0, 0.4))]
     frame = Body("motorcycle", m, (Iyy, Iyy, Izz), position=h * along, orientation=tilt, shape=form)
     joints = [
-        x := Prismatic(GROUND, ahead, at=(0, 0, 0), axis=(1, 0, 0), name="x"),
-        y := Prismatic(ahead, aside, at=(0, 0, 0), axis=(0, 1, 0), name="y"),
-        heading := Revolute(aside, base, at=(0, 0, 0), axis=up, name="heading"),
-        SlideDriver(x, Sine(R, turn / (2 * np.pi)), name="way ahead"),
-        SlideDriver(y, Sine(R, turn / (2 * np.pi), -np.pi / 2, R), name="way aside"),
-        AngleDriver(heading, Ramp(turn), name="turn"),
+        PositionDriver(base, at=(0, 0, 0), signal=way, name="way"),
+        level := Parallel(GROUND, base, axis=up, name="level"),
+        AngleDriver(level, Ramp(turn), name="turn"),
         hinge := Revolute(base, frame, at=(0, 0, 0), axis=(-1, 0, 0), name="lean"),
         AngleDriver(hinge, 0.0, name="balance"),
     ]
-    bodies = [ahead, aside, base, frame]
+    bodies = [base, frame]
     spinners = {"front wheel": (0.7, r, Jw / 2, wheel), "rear wheel": (-0.7, r, Jw / 2, wheel),
                 "crankshaft": (0.0, h, Jc, crank * N * wheel)}  # fmt: skip
     for name, (x, height, J, rate) in spinners.items():
