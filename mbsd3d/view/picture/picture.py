@@ -53,13 +53,17 @@ def painter_of(
     view: Sequence[float] | None,
     dark: bool,
     fine: float = FINE,
+    drawn: slice = slice(None),
 ) -> tuple[Painter, float]:
-    """A painter whose paper holds all poses, paths and arrows, and the length of the longest arrow [m]."""
+    """A painter whose paper holds all poses, paths and drawn arrows, and the length of the longest arrow [m].
+
+    ``drawn``: the frames of the arrows that are shown; their scale is that of all.
+    """
     drawing = draw_system(system)
     low, high = bounds(drawing, r, e, layers)
     camera = seen_from(frame_camera(low, high), view)
     reach = REACH * float((high - low).max())
-    also = [trace.points for trace in paths] + [tips_of(x, reach) for x in vectors]
+    also = [trace.points for trace in paths] + [tips_of(x, reach, drawn) for x in vectors]
     options = {"sheet": theme(dark), "layers": layers, "fine": fine, "also": np.concatenate(also) if also else None}
     return Painter(drawing, lens_of(camera), r, e, inches, **options), reach
 
@@ -110,8 +114,9 @@ def picture_of_solution(
     both = Frames(*(np.concatenate(pair) for pair in zip(run, now, strict=True)))  # one scale for every moment
     vectors = [x for x in arrows_of(motion, both) if x.kind in kinds] if kinds else []
     painter, reach = painter_of(
-        motion.system, now.r, now.e, inches, paths=paths, vectors=vectors, layers=layers, view=view, dark=dark
-    )
+        motion.system, now.r, now.e, inches, paths=paths, vectors=vectors, layers=layers, view=view, dark=dark,
+        drawn=slice(run.t.size, None),
+    )  # fmt: skip
     with house(painter.sheet):
         figure, axes = new_sheet(inches, painter.sheet)
         pointers = [pointers_of(x, k, reach, painter.lens) for x in vectors for k in range(run.t.size, both.t.size)]

@@ -210,9 +210,9 @@ def arrow_along(start: np.ndarray, vector: np.ndarray, reach: float, heads: int)
     return moved(arrow(heads, length, thin, head), matrix(laid(vector[None])[0]), start)
 
 
-def tips_of(arrows: Arrows, reach: float) -> np.ndarray:
-    """(k, 3) where the arrows of all frames end if the longest has the length ``reach`` [m]."""
-    return (arrows.points + reach / arrows.longest * arrows.vectors).reshape(-1, 3)
+def tips_of(arrows: Arrows, reach: float, drawn: slice) -> np.ndarray:
+    """(k, 3) where the arrows of the drawn frames end if the longest of all has the length ``reach`` [m]."""
+    return (arrows.points + reach / arrows.longest * arrows.vectors)[drawn].reshape(-1, 3)
 
 
 def pointers_of(arrows: Arrows, frame: int, reach: float, lens: Lens) -> Pointers:
