@@ -40,6 +40,7 @@ class Viewable:
         dark: bool | None = None,
         live: bool = False,
         follow: "Body | Ground | str | None" = None,
+        view: Sequence[float] | None = None,
         beside: "Poses | None" = None,
     ) -> "View | LiveView":
         """A page that shows the motion in space and curves beside it; one HTML file that needs no network.
@@ -71,6 +72,8 @@ class Viewable:
             Body that the camera of a page follows from near; None = the view holds the whole motion, or follows the
             heaviest body where it travels 20 times the size of the mechanism; GROUND = the camera stands. The reader
             may choose another body.
+        view : (2,) array_like, optional
+            Azimuth from x about z and elevation of the first camera [degrees]; None = the usual view.
         beside : Solution, optional
             Another run, of whose motion the first view of a page holds as much, and whose arrows have the same scale,
             so that two pages can be compared.
@@ -79,7 +82,8 @@ class Viewable:
 
         return animate(
             self, path, curves=curves, traces=traces, shown=shown, hidden=hidden, frames=frames, speed=speed,
-            title=title, dark=dark, live=live, follow=follow, beside=beside,
+            title=title, dark=dark, live=live, follow=follow, view=view,
+            beside=beside,
         )  # fmt: skip
 
     def picture(

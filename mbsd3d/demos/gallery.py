@@ -161,7 +161,7 @@ def film(outcome: Outcome, path: Path) -> None:
 
 def picture_options(options: Mapping[str, object]) -> tuple[dict[str, object], list[str]]:
     """Those options of a page that a picture has too, and what is hidden in a small one."""
-    known = {key: options[key] for key in ("traces", "shown") if key in options}
+    known = {key: options[key] for key in ("traces", "shown", "view") if key in options}
     return known, sorted({"body names", "joint names", *options.get("hidden", ())})
 
 

@@ -11,9 +11,10 @@ from pages import COUNT, END, HINGE, OUTSIDE, SETTLED, TITLE, covered, differing
 from mbsd3d import GROUND, Body, Spherical, System, simulate
 from mbsd3d.base.rotations import matrix
 from mbsd3d.view.page.content import LENGTH, TURN
+from mbsd3d.view.page.stage import FOV
 from mbsd3d.view.scene.artist import draw_system
-from mbsd3d.view.scene.camera import frame_camera
-from mbsd3d.view.scene.drawing import bounds
+from mbsd3d.view.scene.camera import directions, sight
+from mbsd3d.view.scene.drawing import USUAL, bounds
 from mbsd3d.view.scene.frames import frames_of
 
 pytestmark = pytest.mark.slow
@@ -127,7 +128,10 @@ def test_a_body_is_seen_where_the_camera_equations_put_it(page, motion):
 
 def test_the_first_view_is_the_camera_that_was_computed(page, motion):
     frames = frames_of(motion, COUNT)
-    camera = frame_camera(*bounds(draw_system(motion.system), frames.r, frames.e))
+    box = bounds(draw_system(motion.system), frames.r, frames.e, USUAL, directions(None))
+    canvas = page.run("(({width, height}) => width / height)(document.getElementById('scene').getBoundingClientRect())")
+    camera = sight(*box, directions(None), FOV).camera(canvas)
+    page.run(SETTLED)
     place, root, _, _ = camera_of(page)
     position = (np.linalg.inv(root) @ place[:, 3])[:3] / page.run("mbsd3d.data.scale")
     # the client keeps float32 numbers

@@ -7,7 +7,7 @@ from mbsd3d import GROUND, Body, Revolute, System, simulate
 from mbsd3d.mechanism.shapes import Lines
 from mbsd3d.view.page.show import followed_body
 from mbsd3d.view.scene.artist import draw_system
-from mbsd3d.view.scene.camera import frame_camera
+from mbsd3d.view.scene.camera import directions, frame_camera, sight
 from mbsd3d.view.scene.drawing import bounds
 
 
@@ -46,6 +46,26 @@ def test_the_camera_sees_every_corner(extent, fov):
     assert seen[:, 2].max() < 0.0 and np.abs(spots).max() < 0.95
     if np.any(extent):
         assert np.abs(spots).max() > 0.85  # and it fills the picture
+
+
+@pytest.mark.parametrize("aspect", [0.5, 1.0, 1.7])
+@pytest.mark.parametrize("view", [None, (20.0, 35.0), (-130.0, -10.0), (75.0, 88.0)])
+def test_a_window_of_any_shape_is_filled_from_any_side(view, aspect):
+    points = np.random.default_rng(11).normal(size=(60, 3)) * (3.0, 1.0, 0.4) + (5.0, -2.0, 1.0)
+    axes = directions(view)
+    along = points @ axes.T
+    first = sight(along.min(axis=0), along.max(axis=0), axes, 0.7)
+    camera = first.camera(aspect)
+    assert np.allclose(axes @ axes.T, np.eye(3), rtol=0, atol=1e-15) and np.linalg.det(axes) == pytest.approx(1.0)
+    assert np.allclose(axes[1, 2], 0.0) and axes[2, 2] > 0.0  # upright
+    seen = (points - camera.position) @ axes.T
+    spots = seen[:, 1:] / -seen[:, :1] / np.tan(0.35) / (aspect, 1.0)
+    assert seen[:, 0].max() < 0.0 and 0.5 < np.abs(spots).max() < 0.9
+    if view:
+        assert np.degrees(np.arctan2(*axes[0, 1::-1])) == pytest.approx(view[0])
+        assert np.degrees(np.arcsin(axes[0, 2])) == pytest.approx(view[1])
+    turning = sight(along.min(axis=0), along.max(axis=0), axes, 0.7, turns=True)
+    assert turning.across >= first.across and turning.depth >= first.depth and turning.up == first.up
 
 
 def test_the_camera_goes_along_with_what_travels():

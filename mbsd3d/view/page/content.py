@@ -7,6 +7,7 @@ ones. Sums of 32-bit integers wrap around and are exact: no error grows.
 
 import base64
 import zlib
+from collections.abc import Sequence
 from typing import NamedTuple, TypedDict
 
 import numpy as np
@@ -40,6 +41,7 @@ class Content(NamedTuple):
     shown: tuple[str, ...] = USUAL  # layers
     timed: bool = True  # whether the time is one of a run
     followed: int = -1  # body that the camera goes along with
+    view: Sequence[float] | None = None  # azimuth and elevation of the camera at first [degrees]
     least: Reach | None = None  # what the first view holds and the arrows are scaled by, of another motion
 
 
@@ -64,8 +66,8 @@ def weight_of(content: Content) -> int:
 def scene_and_data(content: Content, user: str) -> tuple[str, dict[str, object]]:
     """The recorded scene (base64) and what the player needs to move it."""
     recording = Recording(user)
-    near, least = content.followed >= 0, content.least
-    stage = Stage(recording.scene, recording.camera, *content[:4], content.shown, near=near, least=least)
+    options = {"near": content.followed >= 0, "view": content.view, "least": content.least}
+    stage = Stage(recording.scene, recording.camera, *content[:4], content.shown, **options)
     return recording.data(), player_data(content, stage)
 
 
@@ -80,7 +82,7 @@ def player_data(content: Content, stage: Stage) -> dict[str, object]:
         "times": {"first": float(t[0]), "step": float((t[-1] - t[0]) / max(t.size - 1, 1)), "count": int(t.size)},
         "speed": content.speed,
         "scale": stage.scale,
-        "distance": stage.distance,
+        "sight": [stage.sight.depth, stage.sight.across, stage.sight.up],
         "followed": content.followed,
         "moving": moving,
         "bodies": [[tag.body, tag.text] for tag in drawing.tags if tag.layer == "body names" and tag.body in moving],

@@ -45,7 +45,7 @@ class LiveView(Served):
         self.port = self._server.get_port()
         try:
             scene, camera, gui = self._server.scene, self._server.initial_camera, self._server.gui
-            self._stage = Stage(scene, camera, *content[:4], content.shown)
+            self._stage = Stage(scene, camera, *content[:4], content.shown, view=content.view)
             self._paths = [(node, node.points) for node in self._stage.traces]
             gui.set_panel_label(printable(content.title))
             gui.configure_theme(dark_mode=bool(dark), show_logo=False, show_share_button=False)

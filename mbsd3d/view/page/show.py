@@ -1,5 +1,6 @@
 """Checks the options, gathers the content and shows it: as a page, or by a server on this machine."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,8 @@ from ...mechanism.state import State
 from ...plotting.panels import Wanted
 from ...results.body_motion import Poses
 from ..scene.artist import draw_system
-from ..scene.drawing import USUAL, Layers, bounds, layers_of, poses_of, title_of
+from ..scene.camera import directions
+from ..scene.drawing import USUAL, WORLD, Layers, bounds, layers_of, poses_of, title_of
 from ..scene.frames import Frames, frames_of, sensible_speed
 from ..scene.motion import Points, arrows_of, curves_of, traces_of
 from .content import Content, weight_of
@@ -63,12 +65,13 @@ def animate(
     dark: bool | None,
     live: bool,
     follow: Body | Ground | str | None,
+    view: Sequence[float] | None = None,
     beside: Poses | None = None,
 ) -> View | LiveView:
     """See `Solution.animate`."""
     check_options(path, title, dark, live)
     followed = followed_body(motion, follow, live)
-    layers = page_layers(motion.system, shown, hidden)
+    layers, axes = page_layers(motion.system, shown, hidden), directions(view)
     speed = None if speed is None else number(speed, "speed", positive=True)
     with Progress("page", 0.0, 6.0) as progress:
         drawing = draw_system(motion.system)
@@ -80,9 +83,9 @@ def animate(
             paths = traces_of(motion, at, traces)
             lines = curves_of(motion, at, curves) if at.t.size > 1 else []
             progress.update(4.0)
-            least = None if beside is None else reach_of(beside, frames)
+            least = None if beside is None else reach_of(beside, frames, layers, axes)
             pace, name = speed or sensible_speed(float(at.t[-1] - at.t[0])), title or title_of(motion.system)
-            return Content(drawing, at, arrows, paths, lines, pace, name, layers, True, followed, least)
+            return Content(drawing, at, arrows, paths, lines, pace, name, layers, True, followed, view, least)
 
         content = gathered(frames_of(motion, frames))
         if frames is None and not live and (weight := weight_of(content)) > LARGEST:
@@ -90,11 +93,11 @@ def animate(
         return deliver(content, path, dark, live, "solution.animate")
 
 
-def reach_of(motion: Poses, frames: int | None) -> Reach:
-    """The space a motion takes, and its longest arrows."""
-    at = frames_of(motion, frames)
-    box = bounds(draw_system(motion.system), at.r, at.e)
-    return Reach(*box, {kind.kind: kind.longest for kind in arrows_of(motion, at)})
+def reach_of(motion: Poses, frames: int | None, layers: Sequence[str], axes: np.ndarray) -> Reach:
+    """The space a motion takes, also along the directions of a view, and its longest arrows."""
+    at, drawing = frames_of(motion, frames), draw_system(motion.system)
+    boxes = (bounds(drawing, at.r, at.e, layers, along) for along in (WORLD, axes))
+    return Reach(*boxes, {kind.kind: kind.longest for kind in arrows_of(motion, at)})
 
 
 def followed_body(motion: Poses, follow: Body | Ground | str | None, live: bool) -> int:

@@ -14,7 +14,7 @@ from ...base.rotations import matrix
 from ...base.style import CELLS, GREY, SHADED, channels, linear, paler, rgb
 from ...mechanism.shapes import Mesh
 from ...mechanism.shapes.surfaces import joined
-from ..scene.camera import frame_camera, round_up, seen_from
+from ..scene.camera import Sight, directions, frame_camera, round_up, sight
 from ..scene.drawing import LAYERS, USUAL, Drawing, Link, bounds
 from ..scene.frames import Frames
 from ..scene.meshes import ROD, SLENDER, Z, arrow, laid, unit_coil, unit_or_z, unit_rod, with_shade
@@ -35,8 +35,8 @@ NOTHING = 1e-9  # what is taken for a length of zero: scales of zero have no inv
 class Reach(NamedTuple):
     """What a view must hold, and by what its arrows are scaled."""
 
-    low: np.ndarray  # (3,) world [m]
-    high: np.ndarray
+    world: tuple[np.ndarray, np.ndarray]  # lowest and highest corner of its box [m], (3,)
+    seen: tuple[np.ndarray, np.ndarray]  # the same along the directions of the view
     longest: Mapping[str, float]  # arrow of each kind
 
 
@@ -114,9 +114,13 @@ class Stage:
         view: Sequence[float] | None = None,
         least: Reach | None = None,
     ) -> None:
+        axes = directions(view)
         low, high = bounds(drawing, frames.r, frames.e, shown)
+        some = slice(1) if near else slice(None)
+        seen = bounds(drawing, frames.r[some], frames.e[some], shown, axes)
         if least and not near:
-            low, high = np.minimum(low, least.low), np.maximum(high, least.high)
+            low, high = around((low, high), least.world)
+            seen = around(seen, least.seen)
         box = bounds(drawing, frames.r[:1], frames.e[:1], shown) if near else (low, high)
         self.scene, self.shown = scene, shown
         self.scale = float(10.0 ** -np.floor(np.log10(drawing.size / 0.5)))  # scene units per metre
@@ -146,7 +150,7 @@ class Stage:
             if layer not in shown:  # nodes are visible when they are made
                 self.show(layer, False)
         self.light()
-        self.distance = self.aim(camera, *box, view)  # of the first view [m]
+        self.sight = self.aim(camera, sight(*seen, axes, FOV, turns=near))  # of the first view
         scene.add_frame("/ready", show_axes=False)  # the last one: when it is there, all is
 
     def move(self, r: np.ndarray, e: np.ndarray) -> None:
@@ -242,12 +246,16 @@ class Stage:
         self.scene.add_light_hemisphere("/sky", **sky)
         self.scene.add_light_directional("/sun", intensity=2.8, cast_shadow=True, position=SUN)
 
-    def aim(
-        self, camera: "InitialCameraConfig", low: np.ndarray, high: np.ndarray, view: Sequence[float] | None
-    ) -> float:
-        """Let the first view hold the whole box; returns its distance [m]."""
-        seen = seen_from(frame_camera(low, high, FOV), view)
+    def aim(self, camera: "InitialCameraConfig", first: Sight) -> Sight:
+        """Let the first view, in a window as wide as high, hold a whole box."""
+        seen = first.camera()
         distance = float(seen.distance * self.scale)
         camera.position, camera.look_at = seen.position * self.scale, seen.look_at * self.scale
         camera.fov, camera.near, camera.far = FOV, 1e-3 * distance, 1e3 * distance
-        return seen.distance
+        return first
+
+
+def around(*boxes: tuple[np.ndarray, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """The box that holds some, each by its lowest and highest corner."""
+    lows, highs = zip(*boxes, strict=True)
+    return np.min(lows, axis=0), np.max(highs, axis=0)

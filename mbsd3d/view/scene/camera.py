@@ -44,21 +44,63 @@ def frame_camera(low: np.ndarray, high: np.ndarray, fov: float = 0.7) -> Camera:
     return Camera(middle + distance * towards, middle, distance)
 
 
+class Sight(NamedTuple):
+    """A box along the directions of a view: its middle, world [m], and what it takes of a camera's distance [m].
+
+    A window of width over height ``a`` shows the whole box from ``depth + max(across / a, up)``.
+    """
+
+    axes: np.ndarray  # (3, 3) towards the camera, right, up: rows, world
+    middle: np.ndarray
+    depth: float
+    across: float
+    up: float
+
+    def camera(self, aspect: float = 1.0) -> Camera:
+        """The camera that sees the box in a window of this width over its height."""
+        distance = self.depth + max(self.across / aspect, self.up)
+        return Camera(self.middle + distance * self.axes[0], self.middle, distance)
+
+
+def sight(low: np.ndarray, high: np.ndarray, axes: np.ndarray, fov: float, *, turns: bool = False) -> Sight:
+    """How a box is seen whose corners are given along ``axes`` [m], with a little air.
+
+    Its nearer face, h tan(fov / 2) / (d - depth) of the window high, is what limits the distance d. What ``turns``
+    about the vertical is as wide as it is deep. A point is taken as a box of 1 m.
+    """
+    middle, half = axes.T @ (0.5 * (low + high)), 0.5 * (high - low)
+    half = half if half.any() else np.full(3, 0.5)
+    depth, right, up = (*np.full(2, half[:2].max()), half[2]) if turns else half
+    per_metre = AROUND / np.tan(0.5 * fov)
+    return Sight(axes, middle, float(depth), float(per_metre * right), float(per_metre * up))
+
+
+def directions(view: Sequence[float] | None) -> np.ndarray:
+    """(3, 3) towards the camera, right and up at an azimuth and an elevation [degrees]; None = the usual ones."""
+    if view is None:
+        return VIEW
+    azimuth, elevation = np.radians(checked_view(view))
+    (c, s), (cz, sz) = (np.cos(azimuth), np.sin(azimuth)), (np.cos(elevation), np.sin(elevation))
+    return np.array([(cz * c, cz * s, sz), (-s, c, 0.0), (-sz * c, -sz * s, cz)])
+
+
 def turned(camera: Camera, azimuth: float, elevation: float) -> Camera:
     """The camera moved about the point it looks at: azimuth from x about z, elevation above the horizon [degrees]."""
-    turn, rise = np.radians(azimuth), np.radians(elevation)
-    towards = np.array([np.cos(rise) * np.cos(turn), np.cos(rise) * np.sin(turn), np.sin(rise)])
+    towards = directions((azimuth, elevation))[0]
     return camera._replace(position=camera.look_at + camera.distance * towards)
 
 
 def seen_from(camera: Camera, view: Sequence[float] | None) -> Camera:
     """The camera at an azimuth and an elevation [degrees]; None = as it is. ValueError for what is no such pair."""
-    if view is None:
-        return camera
+    return camera if view is None else turned(camera, *checked_view(view))
+
+
+def checked_view(view: Sequence[float]) -> tuple[float, float]:
+    """Azimuth and elevation [degrees] of a camera that stands upright."""
     azimuth, elevation = pair(view, "view")
     if not -89.0 <= elevation <= 89.0:
         raise InputError(f"view: elevation = {elevation:g}; give -89 ... 89 degrees")
-    return turned(camera, azimuth, elevation)
+    return azimuth, elevation
 
 
 def pair(value: Sequence[float], what: str) -> tuple[float, float]:

@@ -25,6 +25,7 @@ LAYERS = (
     "bodies", "body names", "joints", "joint names", "springs and rods", "traces", "ground grid", *ARROWS, *MARKS,
 )  # fmt: skip
 Layers = str | Iterable[str]
+WORLD = np.eye(3)  # its axes
 WORK = 20_000_000  # points times poses that are looked at for the bounds
 
 
@@ -138,17 +139,18 @@ def corners(drawing: Drawing, layers: Collection[str] = LAYERS) -> dict[int, np.
 
 
 def bounds(
-    drawing: Drawing, r: np.ndarray, e: np.ndarray, layers: Collection[str] = LAYERS
+    drawing: Drawing, r: np.ndarray, e: np.ndarray, layers: Collection[str] = LAYERS, axes: np.ndarray = WORLD
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Lowest and highest corner, world [m], over poses r (frames, n + 1, 3), e (frames, n + 1, 4), the ground last.
+    """Lowest and highest corner along ``axes`` (rows, world) [m], over poses.
 
-    Of what is in some layers, of all if these are empty. In long runs of large systems every k-th pose is looked at.
+    These are r (frames, n + 1, 3) and e (frames, n + 1, 4), the ground last. Of what is in some layers, of all if these
+    are empty. In long runs of large systems every k-th pose is looked at.
     """
     points = corners(drawing, layers) or corners(drawing)
     step = 1 + len(r) * sum(map(len, points.values())) // WORK
     r, e = r[::step], e[::step]
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for body, local in points.items():
-        world = matrix(e[:, body]) @ local.T + r[:, body, :, None]  # (frames, 3, k)
-        low, high = np.minimum(low, world.min(axis=(0, 2))), np.maximum(high, world.max(axis=(0, 2)))
+        seen = axes @ (matrix(e[:, body]) @ local.T + r[:, body, :, None])  # (frames, 3, k)
+        low, high = np.minimum(low, seen.min(axis=(0, 2))), np.maximum(high, seen.max(axis=(0, 2)))
     return low, high

@@ -135,14 +135,14 @@ function makeScene(data, arrays) {
     tell("SceneNodeUpdateMessage", "/grid", {updates: {cell_color, section_color}});
   }
 
-  // The first view; further away on a window that is higher than wide. One from near is that of the first frame.
+  // The first view, as near as the shape of the window lets it. One that goes along is that of the first frame.
   function resetCamera() {
     if (viewer === null) return;
     const near = data.followed >= 0 && followed >= 0;
     viewer.resetCameraPose(false), (seen = near ? placeIn(rowAt(arrays.r, 0)) : null), (faced = near ? headingIn(rowAt(arrays.e, 0)) : 0);
     const box = document.getElementById("scene").getBoundingClientRect();
-    const control = viewer.cameraControl, away = Math.max(1, box.height / Math.max(box.width, 1));
-    if (away > 1) control.dollyTo(data.distance * data.scale * away, false);
+    const [depth, across, up] = data.sight, distance = depth + Math.max((across * box.height) / Math.max(box.width, 1), up);
+    viewer.cameraControl.dollyTo(distance * data.scale, false);
     viewer.requestRender();
   }
 
