@@ -6,6 +6,7 @@ from .mechanism.shapes import (
     Cylinder,
     Disc,
     Ellipsoid,
+    Hull,
     Lines,
     Mesh,
     MeshFile,
@@ -16,5 +17,6 @@ from .mechanism.shapes import (
 )  # fmt: skip
 
 __all__ = [
-    "Box", "Capsule", "Cylinder", "Disc", "Ellipsoid", "Lines", "Mesh", "MeshFile", "Shape", "Solid", "Sphere", "Torus",
+    "Box", "Capsule", "Cylinder", "Disc", "Ellipsoid", "Hull", "Lines", "Mesh", "MeshFile", "Shape", "Solid",
+    "Sphere", "Torus",
 ]  # fmt: skip

@@ -148,6 +148,7 @@ def parts():
     yield shapes.Disc, {"radius": 0.1, "thickness": 0.02, "axis": "x"} | look
     yield shapes.Torus, {"radius": 0.1, "tube": 0.02, "axis": "x"} | look
     yield shapes.Ellipsoid, {"radii": (1, 2, 3)} | look
+    yield shapes.Hull, {"points": [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]} | look
     yield shapes.Lines, {"points": [(0, 0, 0), (1, 2, 3)]} | look
     yield shapes.Sphere, {"radius": 0.1} | look
     yield shapes.MeshFile, {"path": str(MESH), "scale": 1.0} | look

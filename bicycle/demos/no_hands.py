@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 from scipy.optimize import brentq
 
-from mbsd3d import Linearization, System, linearize, simulate
+from mbsd3d import Linearization, System, linearize, measures, simulate
 from mbsd3d.extend import Ablation, Curve, Demo, Measured, Quantity
 
 from ..linear.critical import critical_speeds
@@ -15,6 +15,7 @@ from ..model.mechanism import outputs, whipple
 from ..parameters import Meijaard2007
 
 SPEEDS = np.arange(1.0, 16.1)  # m/s, in which the critical ones are looked for
+FALLEN = 0.9  # rad of lean, at which nobody looks on
 
 
 def bicycle(spin):
@@ -76,7 +77,9 @@ def measure(build, terms, *, v, spin) -> Measured:
     }
     growth = [values(speed).real.max() for speed in SPEEDS]
     known = canonical(bicycle(spin)).eigenvalues(SPEEDS).real.max(axis=1)
-    run = simulate(build(push=0.3), 3.0, rtol=1e-9, output=321, **terms)
+    pushed = build(push=0.3)
+    fallen = measures.lean(pushed.part("frame")) > FALLEN
+    run = simulate(pushed, 3.0, rtol=1e-9, output=321, stop_when=fallen, **terms)
     curve = Curve("fastest growth [1/s]", SPEEDS, growth, (SPEEDS, known), "speed [m/s]", "below 0 it rides itself")
     lean = Curve("steer after a push [deg]", run.t, np.degrees(run.angle("steer")))
     return Measured(found, [run], [curve, lean])

@@ -8,7 +8,7 @@ from models import random_body, random_inertia, random_orientation
 from mbsd3d import Body, rotation
 from mbsd3d.base import inertia
 from mbsd3d.base.rotations import matrix
-from mbsd3d.mechanism.shapes import Box, Capsule, Cylinder, Disc, Ellipsoid, Lines, MeshFile, Sphere, Torus
+from mbsd3d.mechanism.shapes import Box, Capsule, Cylinder, Disc, Ellipsoid, Hull, Lines, MeshFile, Sphere, Torus
 from mbsd3d.mechanism.shapes.guesses import THIN, shapes_of
 from mbsd3d.mechanism.shapes.surfaces import BANDS, ROUND, TURNS, normals
 
@@ -65,6 +65,15 @@ def test_solids_are_closed_and_have_their_volume(shape, volumes):
     assert found.volume == pytest.approx(volumes[0], rel=1e-12)
     assert 0.82 * volumes[1] < found.volume <= volumes[1] * (1 + 1e-12)  # 0.827 is a hexagon, the tube of the torus
     assert len(found.faces) <= 528  # a scene of 100 balls stays below 2 MB
+
+
+def test_a_hull_is_the_convex_body_of_its_points():
+    corners = np.array([(0.1, 0, 0), (1, 0.2, 0), (0, 1, 0.3), (0.2, 0.1, 1)])
+    inner = np.random.default_rng(5).dirichlet((1, 1, 1, 1), 20) @ corners
+    found = solid(Hull([*corners, *inner], at=(3, 0, 0)))
+    assert found.is_watertight and found.is_winding_consistent and len(found.faces) == 4
+    assert found.volume == pytest.approx(np.linalg.det(corners[1:] - corners[0]) / 6, rel=1e-12)  # outward
+    assert np.allclose(found.bounds, [corners.min(axis=0) + (3, 0, 0), corners.max(axis=0) + (3, 0, 0)])
 
 
 @pytest.mark.parametrize("shape", SOLIDS[3:], ids=lambda x: type(x).__name__)
@@ -154,6 +163,10 @@ def test_normals_leave_rims_sharp_and_sides_round():
         (lambda: Disc(1, thickness=-2), "Disc: thickness: -2.0 is not positive"),
         (lambda: Torus(0.1, 0.1), "Torus: tube 0.1 is not below radius 0.1; give the radius of the centre line"),
         (lambda: Capsule("wide", 1), "Capsule: radius: expected a number, got 'wide'"),
+        (lambda: Hull([(0, 0, 0)] * 3), r"Hull: points have shape \(3, 3\), or some are not finite; give 4 to 1000"),
+        (lambda: Hull("abc"), "Hull: points are not numeric; give 4 to 1000 corners"),
+        (lambda: Hull([(1, 1, 2), (2, 0, 2), (0, 3, 2), (5, 4, 2)]), "Hull: points lie in a plane; give"),
+        (lambda: Hull([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, np.inf)]), "Hull: .* or some are not finite"),
         (lambda: Sphere(1, at=(0, 0)), "Sphere: at: expected three numbers"),
         (lambda: Sphere(1, orientation=(1, 1, 0, 0)), "Sphere: orientation: the quaternion .* has norm"),
         (lambda: Sphere(1, colour="blurple"), "Sphere: colour 'blurple' is unknown; give '#rrggbb' or a name"),

@@ -39,7 +39,7 @@ def followed(c: Car, speed: float, course: Signal, preview: float, lag: float) -
     """Car, point and driver: the point is ``preview`` [s] ahead, ``course`` [m] to the left; he lags by ``lag`` [s]."""
     free, at = car(c, speed, None), np.array([preview * speed, 0.0, c.h])
     moving = {"position": at, "velocity": (speed, 0, 0), "omega": (0, 0, 0)}
-    sled = Body("sled", 1.0, (1, 1, 1), **moving)
+    sled = Body("sled", 1.0, (1, 1, 1), shape=shapes.Sphere(0.05), **moving)  # within the point on a straight course
     point = Body("point", 1.0, (1, 1, 1), shape=shapes.Sphere(0.3), **moving)
     road = Prismatic(GROUND, sled, at=at, axis=(1, 0, 0), name="road")
     lanes = Prismatic(sled, point, at=at, axis=(0, 1, 0), name="lanes")

@@ -41,8 +41,8 @@ def measure(build, terms) -> Measured:
     R = run.rotation("waist")
     turn = np.degrees(np.unwrap(np.arctan2(R[:, 2, 1], R[:, 1, 1])))
     rolled = np.degrees(run.angle("fore roll"))
-    share = 1 + build.theory["net_turn_deg"] / 360
-    curve = Curve("turn of the waist [deg]", run.t, turn, (run.t, -share * rolled))
+    known = -build.theory["net_turn_deg"] / 360 * rolled
+    curve = Curve("turn of the cat beyond its roll [deg]", run.t, turn + rolled, (run.t, known))
     return Measured({"net_turn_deg": turn[-1] + rolled[-1]}, [run], [curve])
 
 

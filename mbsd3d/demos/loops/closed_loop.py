@@ -1,15 +1,29 @@
 """Single loops of hinges by their Denavit-Hartenberg numbers: closing them, following them, building them."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import least_squares
 
-from mbsd3d import GROUND, AngleDriver, Body, Joint, Kinematic, Polynomial, Revolute, Solution, System, shapes, simulate
+from mbsd3d import (
+    GROUND,
+    AngleDriver,
+    Body,
+    Fixed,
+    Joint,
+    Kinematic,
+    Polynomial,
+    Revolute,
+    Solution,
+    System,
+    shapes,
+    simulate,
+)
 
 from ...base.errors import InputError
 
+Look = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray, float], list[shapes.Shape]]
 T = 2.0  # s, of a turn of the driven hinge from rest to rest
 SAMPLES = 61
 CLOSED = 1e-9  # share of the length, and rad
@@ -64,10 +78,14 @@ class Loop(NamedTuple):
             found.append(self.close(first, ahead[1:]))
         return np.array(found)
 
-    def system(self, theta: Sequence[float], turn: float, misfit: float = 0.0, thick: float = 0.05) -> System:
+    def system(
+        self, theta: Sequence[float], turn: float, misfit: float = 0.0, thick: float = 0.05, look: Look | None = None
+    ) -> System:
         """Links and hinges, the first hinge driven by a turn in T seconds.
 
         ``misfit`` makes the third side (in a four-bar the second) longer by this share: its far hinge is moved.
+        ``look`` draws a link by the points and axes of its hinges and a length; None = `link`. A body of its own, which
+        is no part of the loop, shows the side that is the ground.
         """
         frames, size = self.frames(theta), thick * max(np.abs([*self.a, *self.d]))
         points = [frame[:3, 3] for frame in frames[:-1]]
@@ -75,15 +93,18 @@ class Loop(NamedTuple):
         moved = 2 if len(points) == 4 else 3
         points[moved] = points[moved] + misfit * (points[moved] - points[moved - 1])
         bodies = [Body(f"link {k + 1}", 1.0, (0.01, 0.01, 0.01), position=0.5 * (points[k] + points[k + 1]),
-                       shape=link(points[k], points[k + 1], axes[k], axes[k + 1], size))
+                       shape=(look or link)(points[k], points[k + 1], axes[k], axes[k + 1], size))
                   for k in range(len(points) - 1)]  # fmt: skip
+        closing = (look or link)(points[-1], points[0], axes[-1], axes[0], size)
+        frame = Body("frame", 1.0, (0.01, 0.01, 0.01), position=0.5 * (points[-1] + points[0]), shape=closing)
         chain = [GROUND, *bodies, GROUND]
         joints: list[Joint] = [
             Revolute(chain[k], chain[k + 1], at=points[k], axis=axes[k], name=f"hinge {k + 1}")
             for k in range(len(points))
         ]
+        joints.append(Fixed(GROUND, frame, at=frame.position, name="base"))
         joints.append(AngleDriver(joints[0], Polynomial((0, 0, 3 * turn / T**2, -2 * turn / T**3)), name="motor"))
-        return System(bodies, joints, gravity=(0, 0, 0))
+        return System([*bodies, frame], joints, gravity=(0, 0, 0))
 
 
 def link(start: np.ndarray, end: np.ndarray, axis: np.ndarray, other: np.ndarray, size: float) -> list[shapes.Shape]:
@@ -102,7 +123,7 @@ def mobile(system: System) -> bool:
 
 def run_loop(system: System, **terms: bool) -> tuple[Solution, np.ndarray]:
     """A run, and the turns of all hinges [deg]; of a locked loop at rest."""
-    count = len(system.bodies) + 1
+    count = len(system.bodies)
     if not mobile(system):
         held = System(system.bodies, [*system.joints[:-1], AngleDriver(system.joints[0], 0.0)], gravity=(0, 0, 0))
         run = simulate(held, T, method=Kinematic(), output=SAMPLES, **terms)

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.optimize import root_scalar
 
-from mbsd3d import System
+from mbsd3d import System, shapes
 
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 from .closed_loop import Loop, run_loop
@@ -14,7 +14,14 @@ def mechanism(*, a=0.1, alpha_deg=90.0, theta0_deg=100.0, phi_guess_deg=77.9, tu
     al, t = np.radians([alpha_deg, theta0_deg])
     f = other(np.array([t]), al, np.radians(phi_guess_deg))[0]
     loop = Loop((a,) * 6, (al, -al) * 3, (0,) * 6)
-    return loop.system(loop.close(t, [f, t, f, t, f]), np.radians(turn_deg), misfit, thick=0.12)
+    return loop.system(loop.close(t, [f, t, f, t, f]), np.radians(turn_deg), misfit, look=tetrahedron)
+
+
+def tetrahedron(start, end, axis, other, size):
+    """Its two edges that cross are hinges, as long as they are apart."""
+    middle, half = 0.5 * (start + end), 0.5 * np.linalg.norm(end - start)
+    corners = [place + side * half * way for place, way in ((start, axis), (end, other)) for side in (-1, 1)]
+    return [shapes.Hull(np.array(corners) - middle)]
 
 
 def closure(f, t, al):

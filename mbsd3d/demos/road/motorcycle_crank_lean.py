@@ -34,11 +34,10 @@ def mechanism(*, m=250.0, h=0.6, Iyy=30.0, Izz=25.0, Jw=1.2, r=0.3, Jc=0.03, N=5
     lean, turn, wheel = np.radians(lean_deg), v / R, v / r
     tilt, up = rotation("x", -lean), np.array([0, 0, 1.0])
     axle, along = np.array([0, np.cos(lean), -np.sin(lean)]), np.array([0, np.sin(lean), np.cos(lean)])
-    base = Body("base", 0.0, (0, 0, 0), shape=shapes.Box((1.4, 0.05, 0.01), at=(0, 0, 0)))
+    base = Body("base", 0.0, (0, 0, 0), shape=shapes.Box((1.4, 0.05, 0.005), at=(0, 0, 0), colour="gray"))
     turns = turn / (2 * np.pi)
     way = (Sine(R, turns), Sine(-R, turns, np.pi / 2, R), 0.0)
-    form = [shapes.Box((1.0, 0.25, 0.5 * h), at=(0, 0, 0.1)), shapes.Capsule(0.18, 0.6, at=(-0.15, 0, 0.4))]
-    frame = Body("motorcycle", m, (Iyy, Iyy, Izz), position=h * along, orientation=tilt, shape=form)
+    frame = Body("motorcycle", m, (Iyy, Iyy, Izz), position=h * along, orientation=tilt, shape=machine(r - h))
     joints = [
         PositionDriver(base, at=(0, 0, 0), signal=way, name="way"),
         level := Parallel(GROUND, base, axis=up, name="level"),
@@ -56,6 +55,25 @@ def mechanism(*, m=250.0, h=0.6, Iyy=30.0, Izz=25.0, Jw=1.2, r=0.3, Jc=0.03, N=5
         axis = Revolute(frame, bodies[-1], at=at, axis=axle, name=f"{name} axle")
         joints += [axis, AngleDriver(axis, Ramp(rate), name=f"{name} speed")]
     return System(bodies, joints, gravity=(0, 0, -G))
+
+
+def machine(low):
+    """Engine, tank, seat, fork, swing arm and a rider; the axles stand at x = 0.7 and -0.7, at the height ``low``."""
+
+    def bar(start, end, radius):
+        start, end = np.array(start), np.array(end)
+        return shapes.Cylinder(radius, np.linalg.norm(end - start), tuple(end - start), at=(start + end) / 2)
+
+    rider = [bar((-0.35, 0, 0.3), (0.1, 0, 0.75), 0.15), shapes.Sphere(0.13, at=(0.22, 0, 0.88), colour="dimgray")]
+    return [
+        shapes.Box((0.6, 0.28, 0.35), at=(0, 0, -0.08)),
+        shapes.Box((0.5, 0.26, 0.2), at=(0.15, 0, 0.22)),
+        shapes.Box((0.6, 0.22, 0.1), at=(-0.4, 0, 0.2)),
+        *(bar((0.7, y, low), (0.45, y, 0.35), 0.03) for y in (-0.1, 0.1)),
+        *(bar((-0.7, y, low), (-0.2, y, -0.15), 0.03) for y in (-0.1, 0.1)),
+        bar((0.42, -0.33, 0.38), (0.42, 0.33, 0.38), 0.02),
+        *rider,
+    ]
 
 
 def moment(a, spin, m, h, Iyy, Izz, v, R):
@@ -105,6 +123,12 @@ demo = Demo(
         "lean_backward_crank_deg": Quantity("lean, crank backwards", "deg"),
     },
     ablation=Ablation("crank", "both lean alike", {"Jc": 1e-9}),
-    show={"curves": [("effort", "balance")], "follow": "motorcycle", "hidden": ["joints", "joint names"], "traces": []},
+    show={
+        "curves": [("effort", "balance")],
+        "follow": "motorcycle",
+        "hidden": ["joints", "joint names"],
+        "traces": [],
+        "view": (200.0, 12.0),
+    },
     ranges={"lean_deg": None},
 )

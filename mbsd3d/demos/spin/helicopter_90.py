@@ -12,6 +12,7 @@ from mbsd3d import (
     System,
     Torque,
     TorsionSpring,
+    rotation,
     shapes,
     simulate,
 )
@@ -20,12 +21,13 @@ from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 
 SAMPLES = 96  # of one turn, or of one swing if that is faster; the flap is a sine: one turn gives its coefficient
 SMALL = 1e-8  # rad of lag, four times what the second order in the flap adds
+SEEN = 0.1  # rad of flap in the run that is shown
 STIFFEST = 1e6  # of a hinge over I W^2: it swings a thousand times a turn
 
 
 def mechanism(*, m=10.0, L=5.0, e=0.0, Omega=40.0, M0=1.0, c=3000.0, k=0.0) -> System:
     """Blade of mass m [kg] and length L [m], hinge at e [m] with damper c [N m s/rad] and spring k [N m/rad]."""
-    hub = Body("hub", 20.0, (1, 1, 1), omega=(0, 0, Omega), shape=shapes.Cylinder(0.05 * L + e, 0.06 * L))
+    hub = Body("hub", 20.0, (1, 1, 1), omega=(0, 0, Omega), shape=rotor(L, abs(e)))
     moments, form = m * L**2 / 12 * np.array([0, 1, 1]), shapes.Box((L, 0.07 * L, 0.01 * L))
     blade = Body("blade", m, moments, position=(e, 0, 0), com=(L / 2, 0, 0), shape=form)
     shaft = Revolute(GROUND, hub, at=(0, 0, 0), axis=(0, 0, 1), name="shaft")
@@ -34,6 +36,16 @@ def mechanism(*, m=10.0, L=5.0, e=0.0, Omega=40.0, M0=1.0, c=3000.0, k=0.0) -> S
     push = Torque(blade, (0, Sine(-M0, Omega / (2 * np.pi), np.pi / 2), 0), frame="body", name="push")
     hinge = TorsionSpring(flap, stiffness=k, damping=c, name="hinge")
     return System([hub, blade], [shaft, flap, motor], [push, hinge], gravity=(0, 0, 0))
+
+
+def rotor(L, e):
+    """Hub, mast, and the other blades, which are only drawn: they stay in the plane that the first one leaves."""
+    others = [
+        shapes.Box((L, 0.07 * L, 0.01 * L), at=(e + L / 2) * along, orientation=rotation("z", turn), colour="silver")
+        for turn in np.pi / 2 * np.arange(1, 4)
+        for along in [np.array([np.cos(turn), np.sin(turn), 0])]
+    ]
+    return [shapes.Cylinder(0.05 * L + e, 0.06 * L), shapes.Cylinder(0.025 * L, 0.3 * L, at=(0, 0, -0.15 * L)), *others]
 
 
 def theory(*, m, L, e, Omega, M0, c, k):
@@ -68,7 +80,7 @@ def measure(build, terms, *, m, L, Omega, M0, c, k) -> Measured:
     system, turn, inertia = build(), 2 * np.pi / Omega, m * L**2 / 3
     samples = SAMPLES * int(np.ceil(max(1.0, np.sqrt(abs(k) / inertia) / Omega, c / (inertia * Omega))))
 
-    def after(angle, rate, **settings):
+    def after(angle, rate, system=system, **settings):
         state = system.assemble(angles={"flap": angle}, rates={"flap": rate})
         return simulate(system, turn, state=state, method=DOP853(dt=turn / samples), **settings, **terms)
 
@@ -76,13 +88,19 @@ def measure(build, terms, *, m, L, Omega, M0, c, k) -> Measured:
     starts = np.array([[0, 0], [size, 0], [0, size * Omega]])
     ends = np.array([[run.angle("flap")[-1], run.rate("flap")[-1]] for run in (after(*x, output=2) for x in starts)])
     slope = (ends[1:] - ends[0]).T / np.array([size, size * Omega])
-    run = after(*np.linalg.solve(np.eye(2) - slope, ends[0]), output=SAMPLES + 1)
+    start = np.linalg.solve(np.eye(2) - slope, ends[0])
+    run = after(*start, output=SAMPLES + 1)
+    more = SEEN / build.theory["flap_rad"]
+    large = after(*(more * start), system=build(M0=more * M0), output=SAMPLES + 1)
+    notes = [f"seen here with a push {more:.2g} times as strong, and with three blades more that nobody pushes"]
     flap = run.angle("flap")
     first = 2 * np.mean(flap[:-1] * np.exp(1j * Omega * run.t[:-1]))  # conjugate of the coefficient of exp(i W t)
     azimuth = np.degrees(Omega * run.t)
     wanted = build.theory["flap_rad"] * np.cos(Omega * run.t - np.radians(build.theory["lag_deg"]))
     push = Curve("flap [rad]", azimuth, flap, (azimuth, wanted), "place of the push [deg]", "the push is highest at 0")
-    return Measured({"lag_deg": np.degrees(np.angle(first)) % 360, "flap_rad": abs(first)}, [run], [push])
+    return Measured(
+        {"lag_deg": np.degrees(np.angle(first)) % 360, "flap_rad": abs(first)}, [large], [push], notes=notes
+    )
 
 
 demo = Demo(
@@ -105,5 +123,5 @@ demo = Demo(
         values=without_gyroscopic,
     ),
     against=Against("e", 0.0, 1.0, "offset of the hinge [m]"),
-    show={"curves": [("angle", "flap")]},
+    show={"curves": [("angle", "flap")], "traces": [("blade", (5.0, 0, 0))], "view": (-58.0, 12.0)},
 )

@@ -11,14 +11,18 @@ JET = (
     shapes.Capsule(0.7, 12.0, "x", at=(0, 0, 0)),
     shapes.Box((3.0, 11.0, 0.2), at=(-1.5, 0, 0)),
     shapes.Box((2.0, 0.15, 2.4), at=(-5.5, 0, -1.5)),
+    shapes.Box((1.6, 5.0, 0.15), at=(-5.5, 0, 0)),
+    shapes.Ellipsoid((1.3, 0.5, 0.5), at=(3.6, 0, -0.6), colour="lightsteelblue"),
 )
+DOWN = np.diag([1.0, -1.0, -1.0])  # axes of the start in world axes: x ahead, y to the right, z down
 
 
 def mechanism(*, I=(13000.0, 76000.0, 86000.0), J=4.0, Omega=1000.0, M=38000.0) -> System:
     """Airframe of moments I [kg m^2], engine (J, J/2, J/2) at Omega [rad/s] along its nose x, moment M [N m] about
     y."""
-    jet = Body("jet", 15000.0, I, shape=JET)
-    engine = Body("engine", 500.0, (J, J / 2, J / 2), omega=(Omega, 0, 0), shape=shapes.Cylinder(0.5, 3.0, "x"))
+    jet = Body("jet", 15000.0, I, orientation=DOWN, shape=JET)
+    spin = {"orientation": DOWN, "omega": (Omega, 0, 0)}
+    engine = Body("engine", 500.0, (J, J / 2, J / 2), **spin, shape=shapes.Cylinder(0.5, 3.0, "x"))
     shaft = Revolute(jet, engine, at=(0, 0, 0), axis=(1, 0, 0), name="shaft")
     speed = SpeedDriver(jet, engine, axis=(1, 0, 0), speed=Omega, name="speed")
     return System([jet, engine], [shaft, speed], [Torque(jet, (0, M, 0), frame="body")], gravity=(0, 0, 0))
@@ -35,24 +39,29 @@ def euler(t, *, I, J, Omega, M):
     return motion(rate, np.array([1.0, 0, 0, 0, 0, 0, 0]), t)
 
 
-def sideways(e):
-    """Heading of the nose [deg] for quaternions (samples, 4)."""
-    e0, e1, e2, e3 = np.atleast_2d(e).T
-    return np.degrees(np.unwrap(np.arctan2(2 * (e1 * e2 + e0 * e3), 1 - 2 * (e2**2 + e3**2))))
+def sideways(x, y):
+    """Heading of the nose [deg] by its components ahead and to the right at the start."""
+    return np.degrees(np.unwrap(np.arctan2(y, x)))
+
+
+def known_heading(e):
+    """Heading [deg] for quaternions (samples, 4) from the axes of the start."""
+    e0, e1, e2, e3 = e.T
+    return sideways(1 - 2 * (e2**2 + e3**2), 2 * (e1 * e2 + e0 * e3))
 
 
 def theory(*, I, J, Omega, M, t):
     """Euler's equations of a gyrostat; for small angles r = J W theta / I_z."""
     times = np.linspace(0, t, 41)
     y = euler(times, I=I, J=J, Omega=Omega, M=M)
-    return {"yaw_rate_rad_s": y[-1, 6], "nose_sideways_deg": sideways(y[:, :4])[-1]}
+    return {"yaw_rate_rad_s": y[-1, 6], "nose_sideways_deg": known_heading(y[:, :4])[-1]}
 
 
 def measure(build, terms, *, I, J, Omega, M, t=2.0) -> Measured:
     """Yaw rate and heading after t."""
     run = simulate(build(), t, rtol=1e-13, output=np.linspace(0, t, 201), **terms)
-    heading, y = sideways(run.orientation("jet")), euler(run.t, I=I, J=J, Omega=Omega, M=M)
-    curve = Curve("nose to the side [deg]", run.t, heading, (run.t, sideways(y[:, :4])))
+    heading, y = sideways(*(run.rotation("jet")[:, :, 0] @ DOWN.T).T[:2]), euler(run.t, I=I, J=J, Omega=Omega, M=M)
+    curve = Curve("nose to the side [deg]", run.t, heading, (run.t, known_heading(y[:, :4])))
     values = {"yaw_rate_rad_s": run.omega_body("jet")[-1, 2], "nose_sideways_deg": heading[-1]}
     return Measured(values, [run], [curve])
 

@@ -9,10 +9,18 @@ from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 SAMPLES = 144  # of one turn: the extremes are among them, and means over the turn are exact
 
 
+AIRFRAME = [
+    shapes.Capsule(0.35, 2.6, "x", at=(-1.7, 0, 0)),
+    shapes.Box((0.6, 3.6, 0.06), at=(-1.1, 0, 0.1)),
+    shapes.Box((0.3, 1.2, 0.05), at=(-2.9, 0, 0.1)),
+    shapes.Box((0.35, 0.05, 0.6), at=(-2.9, 0, 0.4)),
+]
+
+
 def mechanism(*, J=2.0, Omega=250.0, r=0.4, blades=2) -> System:
     """Airplane turning at r [rad/s] about z, propeller of moment J [kg m^2] at Omega [rad/s] about its nose x."""
     require(blades >= 2, f"demo 'propeller_shake': blades = {blades}; give 2 or more")
-    plane = Body("plane", 900.0, (800.0, 900.0, 1500.0), shape=shapes.Capsule(0.5, 5.0, "x", at=(-2.7, 0, 0)))
+    plane = Body("plane", 900.0, (800.0, 900.0, 1500.0), shape=AIRFRAME)
     moments = (J, 0.0, J) if blades == 2 else (J, J / 2, J / 2)
     sails = [
         shapes.Box((0.04, 0.9, 0.15), at=0.45 * d, orientation=np.column_stack([(1, 0, 0), d, np.cross((1, 0, 0), d)]))

@@ -12,7 +12,10 @@ from ...base.checks import number, shown
 from ...base.errors import InputError
 from ...base.rotations import matrix
 from .base import Round, Shape, Shaped, Solid, positive
-from .surfaces import SUFFIXES, Mesh, ball, block, capsule, cylinder, moved, read_mesh, torus
+from .surfaces import SUFFIXES, Mesh, ball, block, capsule, cylinder, hull, moved, read_mesh, torus
+
+MOST = 1000  # corners of a hull
+FLAT = 1e-6  # depth over width of points that lie in a plane
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,6 +149,37 @@ class Capsule(Round):
 
     def about_z(self) -> Mesh:
         return capsule(self.radius, self.length)
+
+
+@dataclass(frozen=True, eq=False)
+class Hull(Solid):
+    """The convex body with corners among ``points`` (k, 3) [m], k >= 4 and at most 1000, from O or ``at``.
+
+    >>> Hull([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (0.1, 0.1, 0.1)]).surface().faces.shape
+    (4, 3)
+    """
+
+    points: ArrayLike
+
+    def check(self, what: str) -> None:
+        remedy = f"give 4 to {MOST} corners (k, 3) [m] that do not lie in a plane"
+        try:
+            points = np.array(self.points, dtype=float)
+        except (TypeError, ValueError, OverflowError):
+            raise InputError(f"{what}: points are not numeric; {remedy}") from None
+        if points.ndim != 2 or points.shape[1] != 3 or not 4 <= len(points) <= MOST or not np.isfinite(points).all():
+            raise InputError(f"{what}: points have shape {points.shape}, or some are not finite; {remedy}")
+        away = points - points.mean(axis=0)
+        width, _, depth = np.linalg.svd(away, compute_uv=False)
+        if depth <= FLAT * width:
+            raise InputError(f"{what}: points lie in a plane; {remedy}")
+        self.set(points=points)
+
+    def origin(self, body: Shaped) -> np.ndarray:
+        return np.zeros(3) if self.at is None else self.at
+
+    def surface(self) -> Mesh:
+        return hull(self.points)
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
 from ...base.errors import InputError
 from ...base.version import loading
@@ -109,6 +110,17 @@ def block() -> Mesh:
             vertices[2 * axis + side][:, axis] = side - 0.5
     faces = np.arange(0, 24, 4)[:, None, None] + np.array([(0, 1, 2), (0, 2, 3)])
     return Mesh(vertices.reshape(-1, 3), faces.reshape(-1, 3), np.zeros(12, int))
+
+
+def hull(points: np.ndarray) -> Mesh:
+    """Convex hull of points (k, 3); every triangle has its own corners, so that edges are sharp. QhullError if flat."""
+    found = ConvexHull(points)
+    corners = points[found.simplices]  # (m, 3, 3)
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    inward = np.sum(across * found.equations[:, :3], axis=1) < 0.0
+    corners[inward] = corners[inward][:, ::-1]
+    count = len(corners)
+    return Mesh(corners.reshape(-1, 3), np.arange(3 * count).reshape(-1, 3), np.zeros(count, int))
 
 
 def torus(radius: float, tube: float, sections: int = 36, around: int = 6) -> Mesh:
