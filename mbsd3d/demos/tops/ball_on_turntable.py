@@ -9,7 +9,7 @@ from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 
 def mechanism(*, r=0.05, k=0.4, Omega=3.5, v=0.2, x0=0.5) -> System:
     """Table at Omega [rad/s], ball of radius r [m] and inertia k m r^2 at (x0, 0), sent off along y at v [m/s]."""
-    plate = shapes.Cylinder(abs(x0) + 4 * r, 0.02, at=(0, 0, -0.01))
+    plate = shapes.Cylinder(np.hypot(x0, 4 * v) + 2 * r, 0.02, at=(0, 0, -0.01))
     table = Body("table", 5.0, (1, 1, 1), omega=(0, 0, Omega), shape=plate)
     ball = Body("ball", 0.5, (0.5 * k * r**2,) * 3, position=(x0, 0, r), velocity=(0, v, 0), shape=shapes.Sphere(r))
     joints = [

@@ -100,6 +100,6 @@ demo = Demo(
     },
     ablation=Ablation("friction", "it falls, whatever the stiffness", {"mu": 0.0},
                       values=lambda W: {"exact_rad_s": W}),
-    show={"curves": [("omega", "coin")], "traces": [], "speed": 0.5},
+    show={"curves": [("omega", "coin")], "traces": [], "speed": 0.5, "follow": "coin"},
     ranges={"mu": (0.55, 0.7), "I3": (9e-4, 11e-4), "rho": (0.008, 0.012), "stiffness": (8e5, 1e6)},
 )  # fmt: skip
