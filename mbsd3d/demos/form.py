@@ -96,6 +96,7 @@ class Demo:
     alone: str = ""  # why its run is not compared with that of other engines; "" = it is
     show: Mapping[str, object] = field(default_factory=dict)  # options of `Solution.animate`
     ranges: Mapping[str, Sequence | None] = field(default_factory=dict)  # see `varied`
+    may_vanish: Sequence[str] = ()  # parameters, besides those that the ablation takes away
 
     @property
     def name(self) -> str:
@@ -129,6 +130,12 @@ class Demo:
         named = [inspect.signature(function).parameters.values() for function in (self.mechanism, self.measure)]
         found = {x.name: x.default for xs in named for x in xs if x.default is not inspect.Parameter.empty}
         return {name: plain(value) for name, value in found.items()}
+
+    @property
+    def vanishing(self) -> tuple[str, ...]:
+        """Parameters that may be as small as one likes."""
+        gone = [name for name, value in self.ablation.change.items() if value == 0 and self.parameters[name] != 0]
+        return (*gone, *self.may_vanish)
 
     def varied(self, rng: np.random.Generator) -> dict[str, object]:
         """Other parameters at random: numbers within their range, by default 15 % about theirs; None leaves one."""
@@ -202,7 +209,7 @@ class Demo:
 
     def run(self, without: str | None = None, /, **changes: object) -> Outcome:
         """Compute with some parameters changed, and perhaps without a term; theory is that of the whole effect."""
-        values = checked(self.name, self.parameters, changes)
+        values = checked(self.name, self.parameters, changes, self.vanishing)
         with self.refusing(values):
             self.call(self.mechanism, values)  # a mechanism that there cannot be is refused before theory tries it
         theory = self.expected(values)

@@ -11,6 +11,7 @@ from ..base.errors import InputError, similar
 SWITCHES = ("gyroscopic", "centripetal", "gamma")  # terms that runs can leave out
 FEW = 20  # names that are listed beside a guess
 FAR = 1000.0  # from the default: how long a run takes, and how far formulas hold, is known for machines of some size
+VANISHING = 1e12  # the same below, of what may vanish: then the effect goes, and the run does not change
 
 
 def listed(name: str, names: Sequence[str]) -> str:
@@ -48,18 +49,27 @@ def settings(texts: Iterable[str]) -> dict[str, object]:
     return found
 
 
-def checked(demo: str, defaults: Mapping[str, object], changes: Mapping[str, object]) -> dict[str, object]:
-    """The parameters of a demo with some changed; a ValueError names demo, parameter and remedy."""
+def checked(
+    demo: str, defaults: Mapping[str, object], changes: Mapping[str, object], vanishing: Iterable[str] = ()
+) -> dict[str, object]:
+    """The parameters of a demo with some changed; a ValueError names demo, parameter and remedy.
+
+    Those that are ``vanishing`` may be as small as one likes.
+    """
     values = dict(defaults)
     for name, value in changes.items():
         if name not in defaults:
             raise InputError(f"demo '{demo}' has no parameter '{name}'; {listed(name, list(defaults))}")
-        values[name] = like(defaults[name], value, f"demo '{demo}': {name}")
+        least = 1.0 / (VANISHING if name in vanishing else FAR)
+        values[name] = like(defaults[name], value, f"demo '{demo}': {name}", least)
     return values
 
 
-def like(default: object, value: object, what: str) -> object:
-    """A value of the kind of the default: number, whole number, word, list of the same shape, or table of these."""
+def like(default: object, value: object, what: str, least: float = 1.0 / FAR) -> object:
+    """A value of the kind of the default: number, whole number, word, list of the same shape, or table of these.
+
+    A number is above ``least`` and below FAR times the default, or 0.
+    """
     if isinstance(default, str):
         if not isinstance(value, str):
             raise InputError(f"{what} = {value!r} is not a word; give e.g. {default!r}")
@@ -76,8 +86,9 @@ def like(default: object, value: object, what: str) -> object:
     if isinstance(value, str | bool):
         raise InputError(f"{what} = {value!r} is not a number; give e.g. {default}")
     found = number(value, what)
-    if default and found and not 1.0 / FAR < abs(found / default) < FAR:
-        raise InputError(f"{what} = {value!r} is a factor of {FAR:g} or more away from {default:g}; stay nearer to it")
+    if default and found and not least < abs(found / default) < FAR:
+        far = FAR if abs(found) > abs(default) else 1.0 / least
+        raise InputError(f"{what} = {value!r} is a factor of {far:g} or more away from {default:g}; stay nearer to it")
     if isinstance(default, int):
         if found != int(found):
             raise InputError(f"{what} = {value!r} is not a whole number; give e.g. {default}")

@@ -222,7 +222,8 @@ def test_broken_demos_are_named_and_not_fatal(plugins):
     ("name", "changes", "message"),
     [
         ("jet_pitch_yaw", {"Omega": 1e9}, "Omega = 1000000000.0 is a factor of 1000 or more away from 1000"),
-        ("jet_pitch_yaw", {"Omega": 1e-9}, "Omega = 1e-09 is a factor of 1000"),
+        ("jet_pitch_yaw", {"M": 1e-9}, "M = 1e-09 is a factor of 1000"),
+        ("cv_joint", {"bend_deg": 1e-13}, "bend_deg = 1e-13 is a factor of 1e.12 or more away from 20"),
         ("dual_spin", {"I": [1e9, 1e9, 1e9]}, "I = .* is 1000 times .* or more"),
         ("gyrocompass", {"spin": 0}, "demo 'gyrocompass' does not run with the given spin: its equations have no"),
         ("jet_pitch_yaw", {"t": 0}, "which is not after its start; give a later time"),
@@ -233,6 +234,36 @@ def test_what_no_demo_can_do_is_refused_in_one_sentence(name, changes, message):
     with pytest.raises(InputError, match=message) as caught:
         own_demos()[name].run(**changes)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [
+        ("ball_holonomy", {"rho": 1e-6}), ("ball_on_turntable", {"Omega": 1e-6}), ("cardan_couple", {"bend_deg": 1e-6}),
+        ("cv_joint", {"bend_deg": 1e-6}), ("falling_cat", {"bend_deg": 1e-3}), ("foucault", {"Omega_e": 1e-9}),
+        ("motorcycle_crank_lean", {"Jc": 1e-9}), ("non_commuting", {"b_deg": 1e-9}),
+        ("swash_plate", {"tilt_deg": 1e-9}),
+    ],
+)  # fmt: skip
+def test_what_an_ablation_takes_away_may_be_as_small_as_one_likes(name, changes):
+    assert own_demos()[name].run(**changes).passed
+
+
+@pytest.mark.parametrize(("a", "b"), [(120.0, 120.0), (150.0, 100.0), (80.0, 200.0), (180.0, 180.0), (-70.0, 40.0)])
+def test_turns_whose_products_are_more_than_half_a_turn_apart(a, b):
+    found = own_demos()["non_commuting"].run(a_deg=a, b_deg=b)
+    half = np.radians([a, b]) / 2
+    wanted = np.degrees(2 * np.arccos(1 - 2 * np.prod(np.sin(half) ** 2)))
+    assert found.passed and found.quantities["angle_between_deg"].computed == pytest.approx(wanted, abs=2e-6)
+
+
+@pytest.mark.parametrize("changes", [{"t": 1.0}, {"w": 0.2}, {"t": 3.0, "c": 0.05}])
+def test_the_satellite_is_watched_until_it_is_calm_however_long_the_run_that_is_shown(changes):
+    assert own_demos()["explorer_flat_spin"].run(**changes).passed
+
+
+def test_a_switch_that_leaves_a_cam_no_speed_to_float_says_infinite():
+    assert own_demos()["roller_cam"].run("gamma").quantities["float_rad_s"].computed == np.inf
 
 
 def test_the_top_meets_its_theory_from_any_tilt():

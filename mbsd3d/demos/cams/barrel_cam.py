@@ -68,7 +68,8 @@ def measure(build, terms, *, stroke, m, omega) -> Measured:
     system = build()
     run = simulate(system, 2 * np.pi / abs(omega), method=Kinematic(), output=SAMPLES, **terms)
     way, force, torque = run.position("slide")[:, 2], run.reaction("groove").force, run.effort("motor")
-    tilt = np.degrees(np.arccos(np.abs(system.joints[-1].contact_normal(run)[:, 2])))
+    normal = system.joints[-1].contact_normal(run)
+    tilt = np.degrees(np.arctan2(np.linalg.norm(normal[:, :2], axis=1), np.abs(normal[:, 2])))
     degrees = np.degrees(abs(omega) * run.t)
     z, slope, bend = height(omega * run.t, stroke)
     found = {

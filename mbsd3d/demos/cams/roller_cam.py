@@ -103,7 +103,7 @@ def measure(build, terms, *, lift, half_deg, m, stiffness, preload, omega) -> Me
     falls = b < -1e-6 * b.max()
     found = {
         "pressure_angle_deg": tilt.max(),
-        "float_rad_s": np.sqrt((a[falls] / -b[falls]).min()),
+        "float_rad_s": np.sqrt((a[falls] / -b[falls]).min(initial=np.inf)),
         "side_force_N": np.abs(run.reaction("roller").force[:, 1]).max(),
         "torque_Nm": np.abs(run.effort("motor")).max(),
     }

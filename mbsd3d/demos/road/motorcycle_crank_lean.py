@@ -131,4 +131,5 @@ demo = Demo(
         "view": (200.0, 12.0),
     },
     ranges={"lean_deg": None},
+    may_vanish=("Jc",),
 )

@@ -68,4 +68,5 @@ demo = Demo(
     ablation=Ablation("constancy", "a cross in its place is uneven and shakes", {"cross": 1}, values=with_cross),
     against=Against("bend_deg", 0.0, 60.0, "bend [deg]"),
     show={"curves": [("reaction", "bearing")], "shown": ["reaction moment"], "traces": []},
+    may_vanish=("bend_deg",),
 )

@@ -64,4 +64,5 @@ demo = Demo(
     ),  # fmt: skip
     against=Against("rho", 0.01, 0.4, "radius of the circle [m]"),
     show={"curves": [("omega", "ball")], "traces": [("ball", (0.25, 0, 0.1))]},
+    may_vanish=("rho",),
 )

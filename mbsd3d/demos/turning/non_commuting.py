@@ -29,17 +29,16 @@ def mechanism(*, a_deg=90.0, b_deg=90.0) -> System:
 def theory(*, a_deg, b_deg):
     """Quaternions of both products differ by 2 sin(a/2) sin(b/2) along z: cos(angle/2) = 1 - 2 sin^2 sin^2."""
     s = np.sin(np.radians(a_deg) / 2) * np.sin(np.radians(b_deg) / 2)
-    return {"angle_between_deg": np.degrees(2 * np.arcsin(np.sqrt(np.clip(1 - (1 - 2 * s**2) ** 2, 0, 1))))
-            if s**2 < 0.5 else 360 - np.degrees(2 * np.arccos(np.clip(2 * s**2 - 1, -1, 1)))}  # fmt: skip
+    return {"angle_between_deg": 4 * np.degrees(np.arcsin(abs(s)))}
 
 
 def measure(build, terms) -> Measured:
     """Angle of the rotation that takes the one book to the other."""
     run = simulate(build(), 2.4, rtol=1e-12, output=201, **terms)
     e, f = run.orientation("x then y"), run.orientation("y then x")
-    scalar = np.abs(np.einsum("ti,ti->t", e, f))
-    gap = np.minimum(np.linalg.norm(e - f, axis=1), np.linalg.norm(e + f, axis=1))
-    angle = np.degrees(np.where(scalar > 0.9, 4 * np.arcsin(gap / 2), 2 * np.arccos(np.clip(scalar, -1, 1))))
+    # both start alike and their quaternions go on smoothly, so that angles above 180 degrees are told from those below
+    gap, sum_of_both = np.linalg.norm(e - f, axis=1), np.linalg.norm(e + f, axis=1)
+    angle = 4 * np.degrees(np.arctan2(gap, sum_of_both))
     end = build.theory["angle_between_deg"]
     curve = Curve("angle between the books [deg]", run.t, angle, ([2.4], [end]))
     return Measured({"angle_between_deg": angle[-1]}, [run], [curve])
