@@ -6,7 +6,7 @@ import numpy as np
 import scipy.linalg
 
 from mbsd3d import System, simulate
-from mbsd3d.extend import Ablation, Curve, Demo, Measured, Quantity
+from mbsd3d.extend import Ablation, Curve, Demo, Measured, Quantity, require
 
 from ..linear.equations import canonical
 from ..model.mechanism import steer_torque, whipple
@@ -32,6 +32,7 @@ def answer(times, v):
 
 def theory(*, v, t1, t2):
     """Linear equations of the benchmark: first with the torque, then against it."""
+    require(v > 0, f"demo 'countersteer': v = {v:g} m/s; give a speed ahead, v > 0")
     early, late = answer([t1, t2], v)
     return {"early_steer_per_torque": early[1], "late_steer_per_torque": late[1], "late_lean_per_torque": late[0]}
 

@@ -26,7 +26,7 @@ def solved(rows: Sequence[Numbers], *loads: Numbers) -> list[list[float]]:
 
 def rolled(
     times: np.ndarray, *, m: float, g: float, I: np.ndarray, radii: Numbers, tube: float = 0.0,
-    n: Numbers, w: Numbers, arm: float = 0.0,
+    n: Numbers, w: Numbers, arm: float = 0.0, rtol: float = 1e-11,
 ) -> np.ndarray:  # fmt: skip
     """(times, 7) of n, w and the turn about the vertical, without slip, the centre of mass in the centre.
 
@@ -55,7 +55,7 @@ def rolled(
         N = m * (g + dot(n, pull) + dot(lift, free)) / (1.0 + m * dot(lift, per_N))
         return [*n_dot, *(free[k] - N * per_N[k] for k in range(3)), upright]
 
-    return motion(rate, np.array([*n, *w, 0.0]), times, 1e-11)
+    return motion(rate, np.array([*n, *w, 0.0]), times, rtol)
 
 
 def slid(

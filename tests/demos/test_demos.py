@@ -228,6 +228,9 @@ def test_broken_demos_are_named_and_not_fatal(plugins):
         ("gyrocompass", {"spin": 0}, "demo 'gyrocompass' does not run with the given spin: its equations have no"),
         ("jet_pitch_yaw", {"t": 0}, "which is not after its start; give a later time"),
         ("explorer_flat_spin", {"j": 0}, "j = 0: give none below"),
+        ("gyrocompass", {"psi0_deg": 180}, "due south it does not know which way to turn"),
+        ("tippe_top", {"c": -0.2}, "c = -0.2 N s/m: rubbing takes energy away; give c >= 0"),
+        ("bennett", {"a": -0.2}, "a = -0.2; give a length > 0"),
     ],
 )  # fmt: skip
 def test_what_no_demo_can_do_is_refused_in_one_sentence(name, changes, message):
@@ -260,6 +263,17 @@ def test_turns_whose_products_are_more_than_half_a_turn_apart(a, b):
 @pytest.mark.parametrize("changes", [{"t": 1.0}, {"w": 0.2}, {"t": 3.0, "c": 0.05}])
 def test_the_satellite_is_watched_until_it_is_calm_however_long_the_run_that_is_shown(changes):
     assert own_demos()["explorer_flat_spin"].run(**changes).passed
+
+
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [
+        ("rattleback", {"c": 0.06}), ("gyrocompass", {"psi0_deg": -60.0}), ("slide_to_roll", {"mu": 0.9}),
+        ("parking", {"steer_deg": 0.03}), ("parking", {"way": 0.01}),
+    ],
+)  # fmt: skip
+def test_demos_far_from_their_own_parameters_meet_their_theory(name, changes):
+    assert own_demos()[name].run(**changes).passed
 
 
 def test_a_switch_that_leaves_a_cam_no_speed_to_float_says_infinite():

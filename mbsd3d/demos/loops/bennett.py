@@ -35,6 +35,7 @@ def theory(*, a, alpha_deg, beta_deg, theta0_deg, misfit, turn_deg):
         misfit == 0,
         f"demo 'bennett': misfit = {misfit:g} locks the loop; theory is that of the one that closes, with 0",
     )
+    require(a > 0, f"demo 'bennett': a = {a:g}; give a length > 0")
     require(0 < alpha_deg < 180 and 0 < beta_deg < 180 and alpha_deg != beta_deg, f"demo 'bennett': twists "
             f"{alpha_deg:g} "
             f"and {beta_deg:g} degrees; give two different ones between 0 and 180")  # fmt: skip

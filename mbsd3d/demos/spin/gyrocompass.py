@@ -4,7 +4,7 @@ import numpy as np
 
 from mbsd3d import GROUND, Body, Revolute, SpeedDriver, System, measures, shapes, simulate
 
-from ..form import Ablation, Curve, Demo, Measured, Quantity
+from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 from ..quadrature import swing
 
 
@@ -30,6 +30,7 @@ def mechanism(*, Omega_e=0.05, lat_deg=40.0, psi0_deg=60.0, A=0.01, C=0.02, G=0.
 
 def time_to_north(factor, twist, *, W, psi0, inertia):
     """Quadrature of inertia s'' = -factor W sin s + twist W^2 sin s cos s from rest at psi0 to 0; W = rate to north."""
+    psi0 = abs(psi0)
 
     def square(s):
         return 2 * W * (factor * (np.cos(s) - np.cos(psi0)) + 0.5 * twist * W * (np.sin(s) ** 2 - np.sin(psi0) ** 2))
@@ -39,6 +40,8 @@ def time_to_north(factor, twist, *, W, psi0, inertia):
 
 def theory(*, Omega_e, lat_deg, psi0_deg, A, C, G, spin):
     """(A + G) s'' = -h W cos(lat) sin s + (A + G - G) W^2 cos^2(lat) sin s cos s, h the momentum of the wheel."""
+    require(abs(psi0_deg) < 179.99, f"demo 'gyrocompass': psi0_deg = {psi0_deg:g}: due south it does not know which "
+            "way to turn; give less than 179.99")  # fmt: skip
     W, psi0 = Omega_e * np.cos(np.radians(lat_deg)), np.radians(psi0_deg)
     h = C * (spin + W * np.cos(psi0))
     return {"time_to_north_s": time_to_north(h, A, W=W, psi0=psi0, inertia=A + G)}
@@ -55,7 +58,8 @@ def measure(build, terms, *, Omega_e, lat_deg, psi0_deg, C, A, G, spin) -> Measu
     """The time at which the axis passes the meridian."""
     system, psi0 = build(), np.radians(psi0_deg)
     period = 2 * np.pi * np.sqrt((A + G) / abs(C * spin * Omega_e * np.cos(np.radians(lat_deg))))
-    north = measures.angle(system.part("vertical", "joints")) < -psi0
+    turned = measures.angle(system.part("vertical", "joints"))
+    north = turned < -psi0 if psi0 > 0 else turned > -psi0
     run = simulate(system, 3 * period, rtol=1e-13, stop_when=north, **terms)
     seen = simulate(system, 2 * period, rtol=1e-11, output=401, **terms)
     quarter = build.theory["time_to_north_s"]

@@ -41,7 +41,7 @@ def mechanism(*, m=10.0, L=5.0, e=0.0, Omega=40.0, M0=1.0, c=3000.0, k=0.0) -> S
 def rotor(L, e):
     """Hub, mast, and the other blades, which are only drawn: they stay in the plane that the first one leaves."""
     others = [
-        shapes.Box((L, 0.07 * L, 0.01 * L), at=(e + L / 2) * along, orientation=rotation("z", turn), colour="silver")
+        shapes.Box((L, 0.07 * L, 0.01 * L), at=(e + L / 2) * along, orientation=rotation("z", turn), colour="dimgray")
         for turn in np.pi / 2 * np.arange(1, 4)
         for along in [np.array([np.cos(turn), np.sin(turn), 0])]
     ]
@@ -123,5 +123,5 @@ demo = Demo(
         values=without_gyroscopic,
     ),
     against=Against("e", 0.0, 1.0, "offset of the hinge [m]"),
-    show={"curves": [("angle", "flap")], "traces": [("blade", (5.0, 0, 0))], "view": (-58.0, 12.0)},
+    show={"curves": [("angle", "flap")], "traces": [("blade", (5.0, 0, 0))], "view": (-58.0, 18.0)},
 )

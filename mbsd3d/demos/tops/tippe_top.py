@@ -6,7 +6,7 @@ from mbsd3d import DOP853, GROUND, Body, Contact, CustomForce, PointOnPlane, Sys
 from mbsd3d.rotations import matrix
 
 from ..figure import Line
-from ..form import Ablation, Curve, Demo, Measured, Quantity
+from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 from ..quadrature import cross, motion
 from ..stones import slid
 
@@ -91,6 +91,7 @@ def own_on_contact(times, *, m, r, a, A, C, mu, theta_deg, spin):
 
 def theory(*, m, r, a, A, C, c, mu, theta_deg, spin, t):
     """Own equations for both tables; Jellett's integral L . (r e_z - a e) is what it was, whatever the friction."""
+    require(c >= 0, f"demo 'tippe_top': c = {c:g} N s/m: rubbing takes energy away; give c >= 0")
     top, ends = {"m": m, "r": r, "a": a, "A": A, "C": C, "theta_deg": theta_deg, "spin": spin}, np.array([0.0, t])
     y = own(ends, c=c, **top)[-1]
     return {
