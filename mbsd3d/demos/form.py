@@ -54,9 +54,7 @@ class Measured:
     values: Numbers
     solutions: Sequence[Solution] = ()
     curves: Sequence[Drawn] | Callable[[], Sequence[Drawn]] = ()
-    views: Mapping[str, Show] = field(
-        default_factory=dict
-    )  # beside that of the first run, by what they add to its name
+    views: Mapping[str, Show] = field(default_factory=dict)  # besides the first run's, by what they add to its name
     notes: Sequence[str] | Callable[[], Sequence[str]] = ()
 
 
@@ -134,8 +132,7 @@ class Demo:
     @property
     def vanishing(self) -> tuple[str, ...]:
         """Parameters that may be as small as one likes."""
-        gone = [name for name, value in self.ablation.change.items() if value == 0 and self.parameters[name] != 0]
-        return (*gone, *self.may_vanish)
+        return (*(name for name, value in self.ablation.change.items() if value == 0), *self.may_vanish)
 
     def varied(self, rng: np.random.Generator) -> dict[str, object]:
         """Other parameters at random: numbers within their range, by default 15 % about theirs; None leaves one."""
