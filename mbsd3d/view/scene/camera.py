@@ -10,6 +10,7 @@ from ...base.errors import InputError
 
 AROUND = 1.12  # of what is seen: the box and some air
 NEAR = 0.02  # of the camera's distance: what is nearer to the eye is drawn as if it were there
+TIPS = 1.4  # of the height of what the camera goes along with: it may rise and tip over
 AIR = 0.06  # of a window, on every side
 AZIMUTH, HEIGHT = np.radians((-58.0, 22.0))  # of the camera, seen from the middle
 VIEW = np.array([  # towards the camera, right, up
@@ -66,11 +67,11 @@ def sight(low: np.ndarray, high: np.ndarray, axes: np.ndarray, fov: float, *, tu
     """How a box is seen whose corners are given along ``axes`` [m], with a little air.
 
     Its nearer face, h tan(fov / 2) / (d - depth) of the window high, is what limits the distance d. What ``turns``
-    about the vertical is as wide as it is deep. A point is taken as a box of 1 m.
+    about the vertical is as wide as it is deep, and higher when it tips over. A point is taken as a box of 1 m.
     """
     middle, half = axes.T @ (0.5 * (low + high)), 0.5 * (high - low)
     half = half if half.any() else np.full(3, 0.5)
-    depth, right, up = (*np.full(2, half[:2].max()), half[2]) if turns else half
+    depth, right, up = (*np.full(2, half[:2].max()), TIPS * half[2]) if turns else half
     per_metre = AROUND / np.tan(0.5 * fov)
     return Sight(axes, middle, float(depth), float(per_metre * right), float(per_metre * up))
 
