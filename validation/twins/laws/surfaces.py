@@ -61,7 +61,9 @@ def tyre_law(tyre: Tyre, what: str) -> Law:
     at, normal = tyre.plane
     first = perpendiculars(normal)[0]
     numbers = {one.name: getattr(tyre, one.name) for one in fields(Rubber)}
-    rubber = Rubber(**numbers | {"nominal_load": tyre.nominal_load or 1.0, "mu": None})
+    (longitudinal, relaxation_x), nominal_load = tyre.ahead, tyre.nominal_load or 1.0
+    numbers |= {"longitudinal": longitudinal, "relaxation_x": relaxation_x, "nominal_load": nominal_load, "mu": None}
+    rubber = Rubber(**numbers)
     mu = None if tyre.mu is None else follow(tyre.mu)
 
     def push(t: float, a: Moving, b: Moving, z: Array, x: float) -> Push:
