@@ -79,6 +79,7 @@ def test_guides_that_are_none_are_refused(change, text):
 
 
 CAR = [
+    (("title",), ["a"], "title .*; give a few words"),
     (("mounts", "left", "rates"), [0, 1e5, 1e5], r"mount 'left': rates\[0\]: 0.0 is not positive"),
     (("mounts", "left", "damping"), [1, -3, 1], r"mount 'left': damping\[1\]: -3.0 is below 0.0"),
     (("mounts", "left", "rates"), [1e5, 1e5], "rates: expected three numbers"),
@@ -96,6 +97,7 @@ CAR = [
     (("wings",), 2, "car 'it': wings unknown"),
 ]
 ENGINE = [
+    (("title",), 5, "title 5; give a few words"),
     (("piston_mass",), -1, "engine 'it': piston_mass: -1.0 is not positive"),
     (("balanced",), -0.1, "balanced: -0.1 is below"),
     (("pins",), [0, 120], "2 pins, 6 bores, 6 stations"),

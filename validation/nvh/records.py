@@ -93,6 +93,12 @@ def positive(found: Record, names: Iterable[str], what: str) -> None:
         number(found[name], f"{what}: {name}", positive=True)
 
 
+def titled(title: Any, what: str) -> None:
+    """ValueError for a title that is no text, or an empty one."""
+    if not isinstance(title, str) or not title.strip():
+        raise InputError(f"{what}: title {title!r:.80}; give a few words")
+
+
 def triple(value: Any, what: str, **limits: Any) -> tuple[float, ...]:
     """Three numbers within ``limits`` as those of `number`; ValueError for others."""
     return tuple(number(x, f"{what}[{i}]", **limits) for i, x in enumerate(vector(value, what)))
