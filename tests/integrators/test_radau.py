@@ -52,7 +52,7 @@ def test_coefficients_are_those_of_the_book():
 
 @pytest.mark.parametrize("rtol", [1e-5, 1e-7, 1e-9])
 def test_a_vibration_that_dies_out_costs_no_digits(rtol):
-    """On a bar of 3e5 N/m, first stretched by a tenth: the directions of stiffness turn while Newton's matrix is kept."""
+    """On a bar of 3e5 N/m, at first a tenth too short: it turns while Newton's matrix is kept."""
     bob = Body("bob", 2.5, (0.1, 0.1, 0.1), com=(0.1, 0, 0), position=(0.9, 0, 0))
     ends = {"at_a": (0, 0, 0), "at_b": (0.9, 0, 0)}
     bar = SpringDamper(GROUND, bob, **ends, stiffness=3e5, damping=200.0, length=1.0)
