@@ -39,7 +39,7 @@ def test_a_wheel_may_be_pressed_deep_but_not_up_to_its_hub():
 
 
 def test_it_is_the_start_that_counts():
-    """A reference pose in the ground is none of its business."""
+    """A reference pose in the ground does not matter."""
     system = leaning_wheel(0.33, -1.0)
     raised = system.state().q.copy()
     raised[:3] += 1.3 * NORMAL
