@@ -1,7 +1,6 @@
 """The dense reference-point mass matrix, body by body."""
 
 import numpy as np
-from scipy.linalg import block_diag
 from scipy.sparse import bsr_array, csr_array
 
 from ..base.quaternions import skew
@@ -28,5 +27,7 @@ def mass_matrix_of(system: Mechanism, pose: State, dense: bool) -> np.ndarray | 
     com, mass, inertia = (np.array([getattr(b, x) for b in system.bodies]) for x in ("com", "mass", "inertia"))
     blocks = inertia_about_origin(pose.q.reshape(n, 7)[:, 3:], com, mass, inertia)
     if dense:
-        return block_diag(*blocks)
+        M, i = np.zeros((n, 6, n, 6)), np.arange(n)
+        M[i, :, i] = blocks
+        return M.reshape(6 * n, 6 * n)
     return csr_array(bsr_array((blocks, np.arange(n), np.arange(n + 1)), shape=(6 * n, 6 * n)))

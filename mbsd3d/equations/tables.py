@@ -106,9 +106,9 @@ class Signals:
 def body_table(system: Mechanism) -> tuple[np.ndarray, bool]:
     """(masses, inertias and their square roots, whether one of them is singular)."""
     out, singular = table(BODY, len(system.bodies)), False
-    for i, body in enumerate(system.bodies):
+    principal = zip(*np.linalg.eigh(np.array([body.inertia for body in system.bodies]).reshape(-1, 3, 3)), strict=True)
+    for i, (body, (moments, C)) in enumerate(zip(system.bodies, principal, strict=True)):
         out["mass"][i], out["com"][i], out["inertia"][i] = body.mass, body.com, body.inertia.ravel()
-        moments, C = np.linalg.eigh(body.inertia)
         if body.mass == 0.0 or moments[0] <= 1e-12 * moments[-1]:
             singular = True
             continue
@@ -130,7 +130,7 @@ def symmetry(moments: np.ndarray, C: np.ndarray, arm: np.ndarray) -> tuple[int, 
     if min(middle - low, high - middle) >= equal:
         return 0, np.zeros(3)
     axis = C[:, 2] if middle - low < equal else C[:, 0]
-    off = np.cross(arm, axis)
+    off = cross(arm, axis)
     return (1, axis) if off @ off < equal else (0, np.zeros(3))
 
 

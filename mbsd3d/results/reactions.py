@@ -10,10 +10,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..base.style import Sampled
-from ..constraints.rank import redundant_combinations
+from ..constraints.rank import redundant_combinations, surely_independent
 from ..equations.at_state import rows_at
 from ..equations.compiled import Compiled
-from ..equations.jacobian import BlockRows, displacement_units, islands
+from ..equations.jacobian import RANK_TOLERANCE, BlockRows, displacement_units, islands
 
 
 @dataclass(frozen=True, repr=False)
@@ -43,6 +43,8 @@ class MiddleRows(NamedTuple):
 
 def open_shares(rows: BlockRows) -> list[Open]:
     """What scaled rows leave open, island by island: a null space of all rows would grow with the cube of a system."""
+    if surely_independent(rows, RANK_TOLERANCE):
+        return []
     found = ((own, redundant_combinations(rows.alone(own))) for own in islands(rows))
     return [Open(own, N) for own, N in found if N.shape[1]]
 

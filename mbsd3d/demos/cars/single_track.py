@@ -16,6 +16,7 @@ from mbsd3d import (
     linearize,
     measures,
     rotation,
+    shapes,
     simulate,
 )
 
@@ -28,6 +29,7 @@ SMALL = 1e-6  # rad of steer
 SOFT = {"longitudinal": 1e-12, "relaxation_x": 1e9}  # the wheels are locked, and what is ahead does not hold them
 VISIBLE, STEER = 0.1, 0.01  # m of relaxation and rad of steer in the run that is shown
 FASTEST = 100.0  # m/s of the curves
+WIDE = 1.5  # m of the cabin that is drawn
 SETTLED = 1e-5  # what is not steady in a run that slows down by that
 
 
@@ -40,8 +42,10 @@ def mechanism(
     what is added within 0.1 s.
     """
     require(v > 0.0, f"demo 'single_track': v = {v:g} m/s; give a speed ahead")
-    up, body = (0, 0, 1), Body("car", m, (0.5 * Iz, 0.5 * Iz, Iz), position=(0, 0, R), velocity=(v, 0, 0))
-    knuckle = Body("knuckle", 0.0, (0, 0, 0), position=(a, 0, R), orientation=rotation("z", steer), shape=KINGPIN)
+    up, form = (0, 0, 1), drawn(a, b)
+    body = Body("car", m, (0.5 * Iz, 0.5 * Iz, Iz), position=(0, 0, R), velocity=(v, 0, 0), shape=form)
+    wheel = [KINGPIN, shapes.Cylinder(R, 0.2, "y", colour="dimgray")]
+    knuckle = Body("knuckle", 0.0, (0, 0, 0), position=(a, 0, R), orientation=rotation("z", steer), shape=wheel)
     hinge = Revolute(body, knuckle, at=(a, 0, R), axis=up, name="kingpin")
     turn = AngleDriver(hinge, Pulse(step, start=0.2, edge=0.1), name="steering")
     tyres = []
@@ -50,6 +54,16 @@ def mechanism(
         numbers = {"cornering": C / N, "mu": None, "relaxation": relaxation, "stiffness": STIFF, "name": name, **SOFT}
         tyres.append(Tyre(GROUND, on, axis=on.axes[:, 1], radius=R + N / STIFF, centre=(x, 0, R), **numbers))
     return System([body, knuckle], [Planar(GROUND, body, at=(0, 0, R), normal=up), hinge, turn], tyres)
+
+
+def drawn(a, b):
+    """A floor between the wheels, a cabin as wide as a car, and the rear wheel."""
+    L, middle = a + b, 0.5 * (a - b)
+    return [
+        shapes.Box((L - 3 * R, 0.6, 0.3), at=(middle, 0, 0.1), colour="lightsteelblue"),
+        shapes.Box((0.55 * L, WIDE, 0.45), at=(middle, 0, 0.45), colour="lightsteelblue"),
+        shapes.Cylinder(R, 0.2, "y", at=(-b, 0, 0), colour="dimgray"),
+    ]
 
 
 def theory(*, m, Iz, a, b, Cf, Cr, v):
