@@ -225,6 +225,17 @@ def test_load_sensitivity_and_instant_camber():
     assert seen.lateral[0] == pytest.approx(-share * 1.1 * seen.normal[0] * np.sin(seen.camber[0]), rel=1e-12)
 
 
+def test_what_is_left_out_follows_what_is_replaced():
+    """Longitudinal stiffness and relaxation are those of the lateral direction, also of a tyre that is changed."""
+    system, tyre = rig(0.1, 1.05, 6.0, cornering=11.0, relaxation=0.12)
+    changed = replace(tyre, cornering=5.0, relaxation=0.3)
+    known = replace(changed, longitudinal=5.0, relaxation_x=0.3)
+    assert (tyre.ahead, changed.ahead) == ((11.0, 0.12), (5.0, 0.3)) and changed.longitudinal is None
+    assert replace(changed, relaxation_x=0.07).ahead == (5.0, 0.07)
+    seen = [simulate(replace(system, forces=[one]), 0.1).force("tyre") for one in (changed, known)]
+    assert np.array_equal(seen[0].longitudinal, seen[1].longitudinal) and seen[0].longitudinal[-1] > 100.0
+
+
 def test_a_saved_run_has_its_tyres(tmp_path):
     system, _ = rig(0.1, 1.05, 4.0, **BRUSH)
     run = simulate(system, 0.1, output=5)

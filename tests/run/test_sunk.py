@@ -1,11 +1,11 @@
-"""A tyre that starts deep in the ground is refused, by its name, with the sizes that do not fit each other."""
+"""What starts deep in the ground is refused, by its name, with the sizes that do not fit each other."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from mbsd3d import GROUND, Body, System, Tyre, accelerations, simulate
+from mbsd3d import GROUND, Body, Contact, System, Tyre, accelerations, shapes, simulate
 from mbsd3d.base.rotations import matrix, quaternion_from_matrix, rotation
 
 NORMAL = np.array([0.2, -0.1, 1.0]) / np.linalg.norm((0.2, -0.1, 1.0))
@@ -28,7 +28,7 @@ def test_a_radius_in_millimetres_is_refused_at_the_start():
     """At 330 m of radius the wheel would be thrown 3 km high, with a certificate that passes."""
     assert accelerations(leaning_wheel(0.33)).force("tyre").normal[0] > 0.0
     for run in (accelerations, lambda system: simulate(system, 0.1)):
-        with pytest.raises(ValueError, match=r"'tyre' .Tyre.: 'wheel' starts 3.* m deep in the plane.*radius .in m"):
+        with pytest.raises(ValueError, match=r"'tyre' .Tyre.: 'wheel' starts 3.* m deep in the plane.*size .in m"):
             run(leaning_wheel(330.0))
 
 
@@ -66,3 +66,32 @@ def test_a_slope_that_was_moved_takes_its_ground_along():
             known = accelerations(system).force("tyre").normal[0]
             # 4e4 N/m times the rounding of places 10 m away
             assert accelerations(system, moved).force("tyre").normal[0] == pytest.approx(known, abs=1e-9)
+
+
+def stone(size, stiffness=1e4):
+    """An egg above or in a slope, its centre of mass beside the middle of its surface."""
+    turn = rotation((0.3, 1, 0.2), 0.4)
+    body = Body("stone", 1.0, (0.1, 0.2, 0.25), position=AT + 0.35 * NORMAL, com=(0.05, 0.02, 0.1), orientation=turn)
+    egg = shapes.Ellipsoid((0.4 * size, 0.5 * size, 0.6 * size), at=(0, 0, 0), orientation=rotation("x", 0.4))
+    floor = Contact(GROUND, body, egg, stiffness=stiffness, damping=3.0, plane=(AT, NORMAL), name="floor")
+    return System([body], forces=[floor])
+
+
+def test_a_surface_in_millimetres_is_refused_as_built():
+    """At 580 m it would be thrown out at 58 km/s, with a certificate that passes."""
+    assert accelerations(stone(1.0)).acceleration("stone")[0, 2] > -9.81
+    with pytest.raises(ValueError, match=r"force 'floor' .Contact.: 'stone' starts 579\.5 m deep.*size .in m"):
+        simulate(stone(1e3), 0.1)
+
+
+def test_a_soft_contact_may_sink():
+    """As built where it carries some weights at most, and from the state of a run in any case."""
+    soft = stone(1.0, 10.0)
+    fall = simulate(soft, 0.5)
+    again = simulate(stone(1.0, 1e4), 0.51, state=fall.final)
+    assert NORMAL @ (fall.position("stone")[-1] - AT) < 0.0 and again.certificate.passed
+    deep = replace(soft.bodies[0], position=AT - 0.1 * NORMAL)
+    floor = replace(soft.forces[0], b=deep)
+    assert simulate(System([deep], forces=[floor]), 0.1).certificate.passed
+    with pytest.raises(ValueError, match="'floor' .Contact.: 'stone' starts"):
+        accelerations(System([deep], forces=[replace(floor, stiffness=1e3)]))

@@ -35,9 +35,7 @@ def test_joint(cls, ground):
 EXPRESSED = [name for name in FORCES if name.split()[0] in {c.__name__ for c in EXPRESSES_FORCES}]
 
 
-@pytest.mark.parametrize(
-    ("name", "ground"), [(name, side) for name in EXPRESSED for side in (None, "a") if side or name != "Bushing"]
-)
+@pytest.mark.parametrize(("name", "ground"), [(name, side) for name in EXPRESSED for side in (None, "a")])
 def test_force(name, ground):
     """Every force element it expresses; bodies without joints by its explicit solver of sixth order."""
     rng = np.random.default_rng(3)
