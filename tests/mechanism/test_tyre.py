@@ -66,6 +66,21 @@ def test_steady_slip_is_the_brush_model(angle, drive):
     assert seen.slip_ratio[-1] == pytest.approx(drive - 1.0, abs=1e-12)
 
 
+def test_on_a_belt_that_runs_back_it_is_as_on_the_road():
+    """The same motion, seen from the carriage."""
+    system, tyre = rig(0.12, 0.97, 6.0, **BRUSH)
+    belt = Body("belt", 30.0, (1.0, 1.0, 1.0), position=(1.0, 2.0, 3.0))
+    slider, motor = Prismatic(GROUND, belt, at=(0, 0, 0), axis=(1, 0, 0)), system.joints[2]
+    held = [replace(motor, speed=0.0), SpeedDriver(slider, -6.0)]
+    moved = replace(
+        system, bodies=[*system.bodies, belt], joints=[*system.joints[:2], slider, *held, system.joints[3]],
+        forces=[replace(tyre, a=belt)],
+    )  # fmt: skip
+    for name in ("normal", "longitudinal", "lateral", "aligning", "slip_x", "slip_y", "speed"):
+        known, found = (getattr(simulate(x, 0.2, rtol=1e-11, output=9).force("tyre"), name) for x in (system, moved))
+        assert found == pytest.approx(known, abs=1e-8 * np.abs(known).max())
+
+
 def loaded_tyre(rng, **numbers):
     """A tyre on a general plane, pressed by 9 mm at the reference pose, camber up to a radian."""
     normal, axis = rng.normal(size=3), rng.normal(size=3)

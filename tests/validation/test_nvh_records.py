@@ -145,10 +145,10 @@ def test_files_that_hold_no_record_are_refused(tmp_path):
     (tmp_path / "f.json").write_text(" " * 1_000_001, encoding="utf-8")
     for name, text in (
         ("a", "give one record"),
-        ("b", "is no JSON: Expecting property name"),
+        ("b", "is not JSON: Expecting property name"),
         ("c", "No such file"),
         ("d", "is not UTF-8 text .line 1.; give an engine file"),
-        ("e", "is no JSON: maximum recursion"),
+        ("e", "is not JSON: maximum recursion"),
         ("f", "has 1000001 bytes; an engine file has at most 1000000"),
     ):
         with pytest.raises(ValueError, match=text):

@@ -41,7 +41,7 @@ def record(kind: str, name: str) -> Record:
     try:
         found = json.loads(text)
     except (ValueError, RecursionError) as error:  # not JSON, a number of too many digits, nested too deep
-        raise InputError(f"{kind[:-1]} '{name}' is no JSON: {error}; --export writes an example") from None
+        raise InputError(f"{kind[:-1]} '{name}' is not JSON: {error}; --export writes an example") from None
     if not isinstance(found, dict):
         raise InputError(f"{kind[:-1]} '{name}': give one record, {{...}}; --export writes an example")
     return found
