@@ -7,9 +7,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from mbsd3d.extend import Progress, Theme, house, theme, with_suffix, write_atomically
+from mbsd3d.extend import Progress, Theme, dress, house, theme, with_suffix, write_atomically
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 T = TypeVar("T")
@@ -45,3 +46,19 @@ def new_figure(width: float, height: float, dark: bool = False) -> Iterator[tupl
     look = theme(dark)
     with house(look):
         yield Figure(figsize=(width, height), layout="constrained"), look
+
+
+@contextmanager
+def modes_figure(title: str, dark: bool = False) -> Iterator[tuple["Figure", "Axes", "Axes", Theme]]:
+    """(figure, growth, frequency, colours): modes over the speed, to be drawn within the block."""
+    with new_figure(9.2, 6.2, dark) as (sheet, look):
+        growth, frequency = sheet.subplots(2, 1, sharex=True, height_ratios=(1.7, 1.0))
+        for axes in (growth, frequency):
+            dress(axes, look)
+            axes.margins(x=0.0)
+        yield sheet, growth, frequency, look
+        growth.set_ylabel("growth, Re(s) [1/s]")
+        frequency.set_ylabel("frequency, |Im(s)| [rad/s]")
+        frequency.set_xlabel("speed [m/s]")
+        growth.set_title(title)
+        growth.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=9, labelcolor=look.ink)

@@ -113,7 +113,7 @@ def judge(system, state, t_end, *, solver, reactions=True, finer=1, **settings):
     slopes = np.log2(first[above] / second[above])
     # the sample with the greatest error may change between the two runs
     assert (np.abs(slopes - made.order) < 0.5).all(), slopes
-    assert (second < 2e-2).all(), second
+    assert (second < 2e-2).all(), second  # two digits, so that the errors are those of the method's order
     for name, load in fine.reactions.items() if reactions else ():
         ours, rough = truth.reaction(name), coarse.reactions[name]
         for mine, one, two in zip((ours.force, ours.moment), rough, load, strict=True):

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from ..model.tyres import Tyres
     from ..parameters import Parameters
 
-RATE, MOST = 100, 20_000
-"""Samples of a ride per second, and at most."""
+RATE, LEAST, MOST = 100, 400, 20_000
+"""Samples of a ride per second, and at least and at most: a tyre that bounces does so within some hundredths."""
 
 
 @click.command()
@@ -61,14 +61,13 @@ def ride(
     arguments = chosen.arguments | {key: value for key, value in given.items() if value is not None}
     if arguments["speed"] == 0.0:
         raise InputError("ride: --speed 0: a manoeuvre needs a bicycle that rolls; give a speed in m/s")
-    fittings = chosen.fittings(fittings)
-    name = "_".join(
-        [parameters.name, manoeuvre, *changes(chosen, arguments, fallen, held_down), *refitted(parameters, fittings)]
-    )
-    arguments |= fittings
+    fitted = chosen.fittings(fittings)
+    own = ["tyres"] if fitted and not fittings else refitted(parameters, fittings)
+    name = "_".join([parameters.name, manoeuvre, *changes(chosen, arguments, fallen, held_down), *own])
+    arguments |= fitted
     target = ready_folder(out) / name
     try:
-        samples = int(np.clip(RATE * arguments["t_end"], 2, MOST)) + 1
+        samples = int(np.clip(RATE * arguments["t_end"], LEAST, MOST)) + 1
         found = run(parameters, fallen=np.radians(fallen), held_down=held_down, output=samples, **arguments)
     except IntegrationError as error:
         keep(error.solution, target)

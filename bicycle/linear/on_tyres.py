@@ -15,9 +15,9 @@ from scipy.optimize import linear_sum_assignment
 
 from mbsd3d import Mode, linearize
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, THIN, dress
+from mbsd3d.extend import LINE, THIN
 
-from ..output import new_figure, write_table
+from ..output import modes_figure, write_table
 from ..parameters import Parameters, machines
 from .critical import Range
 from .tyre_equations import Build, Limit, SpeedBySpeed, eigenvalues, equations, stable_parts
@@ -140,11 +140,9 @@ def published(found: TyreStability, axes: "Sequence[Axes]", ink: str) -> None:
 
 def figure(found: TyreStability, *, dark: bool = False) -> "Figure":
     """Growth and frequency of the sideways modes over the speed."""
-    with new_figure(9.2, 6.2, dark) as (sheet, look):
-        growth, frequency = sheet.subplots(2, 1, sharex=True, height_ratios=(1.7, 1.0))
+    title = f"{found.parameters.name} on tyres: small motions about a straight run"
+    with modes_figure(title, dark) as (sheet, growth, frequency, look):
         for axes in (growth, frequency):
-            dress(axes, look)
-            axes.margins(x=0.0)
             for part in found.stable:
                 axes.axvspan(*part, color=look.good, linewidth=0.0, zorder=0)
         shown = [k for k, name in enumerate(found.names) if not name.endswith(TWIN)]
@@ -166,9 +164,4 @@ def figure(found: TyreStability, *, dark: bool = False) -> "Figure":
         slow = np.sort(found.values[:, shown].real, axis=1)[:, -2:]
         low, high = min(slow.min(), 0.0), max(slow.max(), 0.0)
         growth.set_ylim(low - 0.08 * (high - low), high + 0.08 * (high - low))
-        growth.set_ylabel("growth, Re(s) [1/s]")
-        frequency.set_ylabel("frequency, |Im(s)| [rad/s]")
-        frequency.set_xlabel("speed [m/s]")
-        growth.set_title(f"{found.parameters.name} on tyres: small motions about a straight run")
-        growth.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=9, labelcolor=look.ink)
     return sheet

@@ -11,11 +11,11 @@ from numpy.typing import ArrayLike
 
 from mbsd3d import Mode
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, THIN, Theme, dress, explaining
+from mbsd3d.extend import LINE, THIN, Theme, explaining
 
 from ..model.mechanism import whipple
 from ..model.tyres import Tyres
-from ..output import new_figure, write_table
+from ..output import modes_figure, write_table
 from ..parameters import Parameters
 from . import on_tyres
 from .critical import CriticalSpeeds, critical_speeds, speeds_of
@@ -121,22 +121,15 @@ def study(
 
 def figure(found: Stability, *, dark: bool = False) -> "Figure":
     """The figure of a study: growth and frequency of the modes over the speed."""
-    with new_figure(9.2, 6.2, dark) as (sheet, look):
-        growth, frequency = sheet.subplots(2, 1, sharex=True, height_ratios=(1.7, 1.0))
+    title = f"{found.parameters.name}: small motions about a straight run"
+    with modes_figure(title, dark) as (sheet, growth, frequency, look):
         for axes in (growth, frequency):
             shade(axes, found, look)
-            dress(axes, look)
-            axes.margins(x=0.0)
         lines(growth, found, look, np.real)
         lines(frequency, found, look, lambda s: np.abs(np.imag(s)))
         growth.axhline(0.0, color=look.ink, linewidth=THIN)
         mark(growth, found, look)
         growth.set_ylim(*window(found))
-        growth.set_ylabel("growth, Re(s) [1/s]")
-        frequency.set_ylabel("frequency, |Im(s)| [rad/s]")
-        frequency.set_xlabel("speed [m/s]")
-        growth.set_title(f"{found.parameters.name}: small motions about a straight run")
-        growth.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=9, labelcolor=look.ink)
     return sheet
 
 

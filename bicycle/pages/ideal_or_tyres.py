@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 SPEEDS = np.linspace(0.1, 12.0, 120)  # [m/s]
 OMEGA = np.geomspace(0.3, 300.0, 400)  # [rad/s]
-LEANS = np.arange(0.05, 1.2, 0.05)  # [rad]
+LEANS = np.arange(0.025, 1.2, 0.025)  # [rad]
 SHOWN = (-8.0, 6.0)  # [1/s] of the growth
 
 

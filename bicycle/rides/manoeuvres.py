@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import Pulse, Signal, Sine
+from mbsd3d.errors import InputError
 
 from ..model.tyres import TYPICAL, both
 
@@ -25,7 +26,8 @@ class Manoeuvre:
     loads: Mapping[str, Signal | float] = field(
         default_factory=lambda: MappingProxyType({})
     )  # torque, push, drive, ...
-    tyres: Mapping[str, Any] | None = None  # what the tyres have instead of their usual numbers; None = any wheels
+    on_tyres: bool = False  # False: any wheels
+    grip: Signal | None = None  # share of the grip of the tyres that is left; None = all of it
 
     @property
     def arguments(self) -> dict[str, Any]:
@@ -33,11 +35,19 @@ class Manoeuvre:
         return {"t_end": self.t_end, "speed": self.speed, **self.start, **self.loads, **self.fittings({})}
 
     def fittings(self, given: Mapping[str, Any]) -> dict[str, Any]:
-        """Further arguments of `bicycle.whipple`: those given, with what the manoeuvre does to the tyres."""
-        if self.tyres is None:
+        """Further arguments of `bicycle.whipple`: those given, with tyres, and with what is left of their grip."""
+        if not self.on_tyres:
             return dict(given)
         pair = both(given.get("tyres", TYPICAL))
-        return {**given, "tyres": tuple({**one, **self.tyres} for one in pair)}
+        return {**given, "tyres": pair if self.grip is None else tuple(less_grip(one, self.grip) for one in pair)}
+
+
+def less_grip(tyre: Mapping[str, Any], share: Signal) -> dict[str, Any]:
+    """The arguments of a tyre with a share of its ``mu``; ValueError where ``mu`` is no number."""
+    mu = tyre.get("mu", TYPICAL["mu"])
+    if isinstance(mu, Signal) or mu is None:
+        raise InputError(f"manoeuvre: mu = {mu!r} has no share that is left on a wet patch; give a number")
+    return {**tyre, "mu": mu * share}
 
 
 def rolled(speed: float, rate: float) -> Manoeuvre:
@@ -71,11 +81,11 @@ MANOEUVRES: Mapping[str, Manoeuvre] = MappingProxyType({
     ),
     "brake": Manoeuvre(
         "Front brake up to 300 N m, on tyres: the rear wheel lifts", 8.0, 0.85,
-        loads={"brake": Pulse(300.0, start=0.1, edge=0.2, duration=0.6)}, tyres={},
+        loads={"brake": Pulse(300.0, start=0.1, edge=0.2, duration=0.6)}, on_tyres=True,
     ),
     "wet": Manoeuvre(
-        "A wet patch in a curve, on tyres: grip falls from 0.9 to 0.05", 6.0, 4.0,
-        {"lean": 0.25, "steer": 0.1}, tyres={"mu": 0.9 - Pulse(0.85, start=0.8, edge=0.05, duration=3.0)},
+        "A wet patch in a curve, on tyres: a twentieth of the grip is left", 6.0, 4.0, {"lean": 0.25, "steer": 0.1},
+        on_tyres=True, grip=1.0 - Pulse(0.95, start=0.8, edge=0.05, duration=3.0),
     ),
     "slow": Manoeuvre("Below the weave speed: it weaves until a wheel lifts", 2.0, 10.0, {"lean_rate": 0.05}),
 })  # fmt: skip

@@ -14,9 +14,9 @@ CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]")  # ends of lines, and all that mov
 
 
 class MbsError(ValueError):
-    """Base of all errors of this package, a `ValueError`: ``except MbsError`` catches what it refuses and what fails.
+    """Base of all errors of this package, a `ValueError`: ``except MbsError`` catches bad input and failed runs.
 
-    What is refused is an `InputError`; what fails says at which time, at which part, by how much.
+    Bad input raises an `InputError`; a failed run says at which time, at which part, by how much.
 
     The message is ``<what> at t = <time> s: <part>, residual <residual>; <advice>``, with what is None left out.
     ``time`` [s]; ``part``: the body, joint or force, e.g. "joint 'hinge' (Revolute)"; ``residual``: the largest one, in

@@ -37,7 +37,7 @@ class Failure(click.ClickException):
     exit_code = 2
 
     def show(self, file: Any = None) -> None:
-        """One line; of what a file or a path holds, a terminal is told nothing but letters."""
+        """One line; a "?" replaces each control character that a file or a path may bring in."""
         line = CONTROL.sub("?", " ".join(self.message.split()))
         click.echo(f"mbsd3d: {line}", err=True)
 

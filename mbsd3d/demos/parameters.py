@@ -30,7 +30,7 @@ def lacking(term: str) -> str:
 
 
 def settings(texts: Iterable[str]) -> dict[str, object]:
-    """``NAME=VALUE`` with values in JSON; a word that is no JSON is itself."""
+    """``NAME=VALUE`` with values in JSON; a bare word is taken as it is."""
     found = {}
     for text in texts:
         name, equals, value = text.partition("=")

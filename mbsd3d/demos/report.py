@@ -69,7 +69,7 @@ def report(demo: Demo, outcome: Outcome, without: str | None = None) -> str:
 
 
 def to_json(demo: Demo, outcome: Outcome, without: str | None = None) -> str:
-    """One object: name, parameters, and of each quantity computed, theory and error; null for what is no number."""
+    """One object: name, parameters, and of each quantity computed, theory and error; null for what is not a number."""
     quantities = {
         name: {key: finite(getattr(row, key)) for key in ("computed", "theory", "error")}
         for name, row in outcome.quantities.items()

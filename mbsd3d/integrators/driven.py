@@ -88,20 +88,21 @@ def advance_to(m, d, s, own, run, t, x, h):
 
 
 @inner_kernel
-def expected_turn(m, run, h):
-    """Largest angle a body may turn within h: by the greatest angular velocity so far and the present acceleration."""
+def farthest(m, run):
+    """Time [s] in which a body may turn TURN_PER_POSE: h w + h^2/2 alpha with the greatest w so far, alpha of now."""
     n, alpha = m.body.shape[0], 0.0
     for i in range(n):
         for j in range(3):
             alpha = max(alpha, abs(run.dy[7 * n + 6 * i + 3 + j]))
-    return h * run.now.turn + 0.5 * h * h * alpha
+    w = run.now.turn
+    speed = w + np.sqrt(w * w + 2.0 * alpha * TURN_PER_POSE)
+    return min(run.task.max_step, 2.0 * TURN_PER_POSE / speed if speed > 0.0 else np.inf)
 
 
 @inner_kernel
 def poses_to(m, run, t):
     """Number of poses to visit until t."""
-    h = t - run.now.t
-    return max(1, int(np.ceil(max(expected_turn(m, run, h) / TURN_PER_POSE, h / run.task.max_step))))
+    return max(1, int(np.ceil((t - run.now.t) / farthest(m, run))))
 
 
 @inner_kernel
@@ -169,7 +170,7 @@ def step(m, d, s, run, t_output):
 
 @kernel
 def follow(m, d, s, own, run, budget):
-    """Visit the output times; DONE, RUNNING after `budget` of them, or a reason to come back to Python."""
+    """Visit the output times; DONE, RUNNING after `budget` poses, or a reason to come back to Python."""
     if run.now.fresh == 1:
         status = evaluate_start(m, d, s, run)
         if status != RUNNING:
@@ -181,14 +182,13 @@ def follow(m, d, s, own, run, budget):
         if full(run):
             return FULL
         t_output = run.times[run.now.next_output]
-        while run.now.t < t_output:
+        if run.now.t < t_output:
             status = step(m, d, s, run, t_output)
             if status != RUNNING:
                 return status
-            if run.now.t < t_output and not rows_hold(m, d, s, run):
-                return NEW_TREE
-        write(m, d, run, t_output, run.y)
-        run.now.next_output += 1
+        if run.now.t >= t_output:
+            write(m, d, run, t_output, run.y)
+            run.now.next_output += 1
         if not rows_hold(m, d, s, run):
             return NEW_TREE
     return RUNNING

@@ -84,7 +84,7 @@ class GeneralizedAlpha(Method):
     """Implicit method of order 2 for stiff systems: stiff springs, bushings, contact dampers, controllers.
 
     Its step follows the motion asked for, not the fastest frequency in the model. What the step does not resolve is
-    damped by the factor ``rho`` per step; the energy lost so is not hidden: it stands in the certificate's balance.
+    damped by the factor ``rho`` per step; the energy lost so is not hidden: the balance of the certificate shows it.
 
     Parameters
     ----------

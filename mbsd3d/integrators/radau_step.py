@@ -130,7 +130,7 @@ def collocate(m, d, s, run, g, h):
     enough = NEWTON * LOCAL * (min(run.task.rtol, 1e-8) if fixed else run.task.rtol)
     allowed = enough / run.task.steps if fixed else enough
     least = 20.0 * rounding(m, run.y)
-    eta, before = max(g.past.contraction, 1e-10) ** 0.8, 0.0
+    eta, before = 1.0, 0.0  # the contraction of an earlier step says nothing of what a first correction leaves
     for k in range(ITERATIONS):
         if not stage_rates(m, d, s, run, g, h):
             return False, k

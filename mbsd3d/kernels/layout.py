@@ -151,7 +151,7 @@ def data_records(dtype: type) -> dict[str, list]:
             ("load", dtype),  # N or N m along it: on b, the opposite on a
             ("shown", dtype, 12),  # where a load travels: its point [m], then what `ForceElement.shows` names
         ],
-        "pose": [  # what a custom function is told of a point of a body, world axes
+        "pose": [  # what a custom function sees of a point of a body, world axes
             ("r", dtype, 3),
             ("R", dtype, (3, 3)),
             ("velocity", dtype, 3),

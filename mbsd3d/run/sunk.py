@@ -1,17 +1,21 @@
-"""Tyres that start deep in the ground, by a radius in millimetres or a height forgotten, are found before they fly out.
+"""What starts deep in the ground, by a size in millimetres or a height forgotten, is found before it flies out.
 
-A `Contact` may be as soft as one likes, and start from a state of a run in which it sank.
+A tyre must have its hub above the plane in every start. A `Contact` may be as soft as one likes and start from a state
+of a run in which it sank: it is judged as built only, and by what presses it.
 """
 
 import numpy as np
 
 from ..base.errors import InputError
 from ..equations.compiled import Compiled
+from ..mechanism.forces.contact import WEIGHT, Contact
 from ..mechanism.forces.tyre import Tyre
 from ..results.body_motion import Poses
 
 SUNK = 0.9
-"""Share of the way from the hub down to the lowest point that may be below the plane at the start."""
+"""Share of the way from the centre down to the lowest point that may be below the plane at the start."""
+THROWN = 10.0
+"""Weights by which a contact as built may press its body when it is sunk: a soft one carries it so."""
 
 
 class Start(Poses):
@@ -23,18 +27,25 @@ class Start(Poses):
 
 
 def check_sunk(compiled: Compiled, y: np.ndarray) -> None:
-    """ValueError for a `Tyre` whose wheel starts in the plane up to its hub, or deeper."""
+    """ValueError for a wheel or surface that starts in the plane up to its centre: any `Tyre`, a `Contact` as built."""
     start = Start(compiled, y)
     for force in compiled.system.forces:
-        if not isinstance(force, Tyre):
+        if not isinstance(force, Contact | Tyre):
             continue
         at, normal = force.plane
         n, centre = start.body_axis(force.a, normal)[0], start.body_point(force.b, force.outline.centre)[0]
         height = float(n @ (centre - start.body_point(force.a, at)[0]))
         below = float(n @ (centre - force.outline.moving(start, force.a, force.b, normal)[0]))
-        if height < (1.0 - SUNK) * below:
-            raise InputError(
-                f"force '{compiled.system.name(force)}' (Tyre): '{force.b.name}' starts {below - height:.4g} m deep in "
-                f"the plane, its hub at {height:.4g} m and {below:.4g} m above its lowest point; check its radius (in "
-                "m), its position and the plane"
-            )
+        if height >= (1.0 - SUNK) * below or (isinstance(force, Contact) and carried(force, below - height, centre)):
+            continue
+        raise InputError(
+            f"force '{compiled.system.name(force)}' ({type(force).__name__}): '{force.b.name}' starts "
+            f"{below - height:.4g} m deep in the plane, its centre at {height:.4g} m and {below:.4g} m above its "
+            "lowest point; check its size (in m), its position and the plane"
+        )
+
+
+def carried(contact: Contact, depth: float, centre: np.ndarray) -> bool:
+    """True where the body is not as built, or the contact so soft that it presses with some weights at most."""
+    built = np.linalg.norm(centre - contact.outline.centre) <= 1e-9 * depth
+    return not built or contact.stiffness * depth**contact.exponent <= THROWN * WEIGHT * contact.b.mass

@@ -1,6 +1,6 @@
 """Which loop rows are independent: a pivot of S + mu far above mu is that of a row of its own.
 
-Which rows come out as independent changes along the motion, how many does not. A pivot near mu belongs to a row that
+Which rows are found independent changes along the motion, how many does not. A pivot near mu belongs to a row that
 repeats others, or to one along which S resists little.
 """
 
@@ -28,7 +28,7 @@ def fallen(row, classes):
 def independence(s):
     """How far the least of the independent rows has fallen: the share of its largest pivot so far.
 
-    Which rows come out as independent changes along the motion, how many does not: all but that many may have no pivot.
+    Which rows are found independent changes along the motion, how many does not: all but that many may have no pivot.
     """
     shares, loop = s.shares, s.loop
     clear(shares)

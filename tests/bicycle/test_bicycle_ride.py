@@ -11,7 +11,7 @@ import pytest
 import scipy.linalg
 from click.testing import CliRunner
 
-from bicycle import Meijaard2007, circles, ride, whipple
+from bicycle import TYPICAL, Meijaard2007, circles, ride, whipple
 from bicycle.linear.equations import canonical
 from bicycle.parameters import library, named, names
 from bicycle.rides.manoeuvres import MANOEUVRES
@@ -246,7 +246,11 @@ def test_rides_that_differ_have_files_of_their_own(tmp_path):
     common = ["bicycle", "ride", "--manoeuvre", "pulse", "--t-end", "0.1", "--out", str(tmp_path)]
     for more in ([], ["--speed", "4.25"], ["--speed", "5"], ["--fallen", "30", "--held-down"], ["--fallen", "60"]):
         assert CliRunner().invoke(main, common + more).exit_code == 0
+    wet = ["bicycle", "ride", "--manoeuvre", "wet", "--t-end", "0.1", "--out", str(tmp_path)]
+    for more in ([], ["--tyre", "mu=0.5"]):
+        assert CliRunner().invoke(main, wet + more).exit_code == 0
     stems = ("pulse_t-end0.1", "pulse_speed4.25_t-end0.1", "pulse_t-end0.1_fallen30_held-down")
+    stems += ("wet_t-end0.1_tyres", "wet_t-end0.1_tyres_mu0.5")
     assert {path.name for path in tmp_path.glob("*.csv")} == {f"Meijaard2007_{stem}.csv" for stem in stems}
 
 
@@ -293,6 +297,16 @@ def test_a_rider_pedals_up_to_the_speed_that_the_air_allows():
     assert {force.name for force in found.solution.system.forces} >= {"drag", "drive torque on rear wheel"}
     work = found.solution.energy().work  # of pedals and air, and nothing else changes the energy
     assert found.energy_drift < 1e-9 and work[-1] > 0.0
+
+
+def test_a_wet_patch_leaves_a_share_of_the_grip_that_is_given():
+    """Nothing given is replaced: a twentieth is left of any grip."""
+    (rear, front), other = MANOEUVRES["wet"].fittings({"tyres": (TYPICAL | {"mu": 0.6}, TYPICAL)})["tyres"], TYPICAL
+    assert [rear["mu"](t) for t in (0.0, 2.0)] == pytest.approx([0.6, 0.03])
+    assert [front["mu"](t) for t in (0.8, 2.0)] == pytest.approx([other["mu"], 0.05 * other["mu"]])
+    assert rear | other == other and MANOEUVRES["brake"].fittings({})["tyres"] == (TYPICAL, TYPICAL)
+    with pytest.raises(ValueError, match="mu = None has no share.*give a number"):
+        MANOEUVRES["wet"].fittings({"tyres": TYPICAL | {"mu": None}})
 
 
 def test_examples():

@@ -254,11 +254,12 @@ def test_small_deviations_spread_the_speeds_as_the_derivatives_say():
         assert abs(values.std() / slopes.spread(name, small) - 1.0) < 0.025
         assert found.share(f"{name} speed") == 1.0
         assert abs(found.quantiles(f"{name} speed")[1] - slopes.speeds[name]) < 0.05 * values.std()
-    indices = sensitivity.sobol(MEASURED, small, n=1024, seed=3)
+    n = 1024
+    indices = sensitivity.sobol(MEASURED, small, n=n, seed=3)
     for name in ("weave", "capsize"):
         variances = np.array([(slopes.by[name][key] * std) ** 2 for key, std in small.items()])
-        for shares in (indices.first, indices.total):  # linear: both are the shares; Sobol's points err by 1/n
-            assert np.abs(shares[f"{name} speed"] - variances / variances.sum()).max() < 0.01
+        for shares in (indices.first, indices.total):  # linear: both are the shares; Sobol's points err by 2/n ... 10/n
+            assert np.abs(shares[f"{name} speed"] - variances / variances.sum()).max() < 16 / n
 
 
 def test_samples_repeat_with_their_seed_and_go_to_a_file(tmp_path):

@@ -1,13 +1,14 @@
 """Compiled code on disk: damaged, without room, or written by two at once, it is compiled anew and never wrong."""
 
 import errno
+from types import SimpleNamespace
 
 import numba
 import numpy as np
 import pytest
 
 from mbsd3d.compiler import code_files
-from mbsd3d.compiler.code_files import keep_code
+from mbsd3d.compiler.code_files import CodeFiles, keep_code
 from mbsd3d.errors import InputError
 
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
@@ -66,6 +67,24 @@ def test_signatures_have_files_of_their_own(kept):
     assert len(files) == 2
     again = fresh(folder)
     assert np.isrealobj(again(3.0, 4.0)) and np.iscomplexobj(again(3.0 + 0j, 4.0)) and hits(again) == 2
+
+
+def test_what_a_function_takes_from_around_it_is_part_of_the_name(tmp_path):
+    def scaled(k):
+        return keep_code(numba.njit(lambda x: k * x), tmp_path)
+
+    assert [scaled(k)(3.0) for k in (2.0, 5.0, 2.0)] == [6.0, 15.0, 6.0]
+    assert len(list(tmp_path.rglob("*.code"))) == 2
+
+
+def test_processors_have_files_of_their_own(tmp_path):
+    """A folder in a home that several machines share."""
+    files, processors = (
+        CodeFiles(area, tmp_path, False),
+        [("cpu", "old", ""), ("cpu", "new", ""), ("cpu", "new", "+fma")],
+    )
+    targets = [SimpleNamespace(codegen=lambda x=x: SimpleNamespace(magic_tuple=lambda: x)) for x in processors]
+    assert len({files.path("signature", target) for target in targets}) == 3
 
 
 def test_without_room_it_is_said_once_and_used_all_the_same(tmp_path, monkeypatch, capsys):

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 import mbsd3d
+from mbsd3d.compiler import disk
 from mbsd3d.compiler.disk import INTEGRATORS, compiled_sources
 
 PACKAGE = Path(mbsd3d.__file__).parent
@@ -41,6 +42,17 @@ def test_kernels_use_compiled_sources_only(path):
     used = {x.id for kernel in decorated(tree) for x in ast.walk(kernel) if isinstance(x, ast.Name)}
     assert {name for name in used & set(where) if where[name] not in SOURCES} == set()
     assert path.parent.name == INTEGRATORS or not any(INTEGRATORS in file.parts for file in where.values())
+
+
+def test_every_file_with_a_kernel_is_covered():
+    files = [x for x in PACKAGE.rglob("*.py") if decorated(ast.parse(x.read_text(encoding="utf-8")))]
+    assert len(files) > 20 and set(files) <= set(SOURCES)
+
+
+def test_another_numba_compiles_anew(monkeypatch):
+    before = disk._digest(SOURCES)
+    monkeypatch.setattr(disk.numba, "__version__", "0.0")
+    assert disk._digest(SOURCES) != before
 
 
 def test_every_compiled_function_is_a_decorated_one():

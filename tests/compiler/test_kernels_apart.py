@@ -25,14 +25,20 @@ one_more(int(sys.argv[2]))  # so that numba numbers what follows otherwise
 def below(x): return 3.0 * x
 @numba.njit
 def above(x): return 1.0 + below(x) * below(x + 1.0)
-below, above = (keep_code(made, Path(sys.argv[1]), apart=True) for made in (below, above))
+@numba.njit
+def within(x): return below(x) - 1.0
+@numba.njit
+def top(x): return 11.0 * within(x)
+below, above, top = (keep_code(made, Path(sys.argv[1]), apart=True) for made in (below, above, top))
+within = keep_code(within, Path(sys.argv[1]))
 """
-RUN = "import pair; print(pair.above(2.0), *(sum(f._cache_hits.values()) for f in (pair.above, pair.below)))"
+RUN = "import pair; print(pair.{0}(2.0), *(sum(f._cache_hits.values()) for f in (pair.{0}, pair.below)))"
 
 
-def start(folder, before):
-    """Value of `above`, and whether its code and that of `below` were found on disk, in a process of its own."""
-    done = subprocess.run([sys.executable, "-c", RUN, folder / "code", str(before)], cwd=folder, capture_output=True)
+def start(folder, before, name="above"):
+    """Value of a kernel, and whether its code and that of `below` were found on disk, in a process of its own."""
+    given = [sys.executable, "-c", RUN.format(name), folder / "code", str(before)]
+    done = subprocess.run(given, cwd=folder, capture_output=True)
     assert done.returncode == 0, done.stderr.decode()
     value, *found = done.stdout.split()
     assert float(value) == 55.0
@@ -47,6 +53,16 @@ def test_the_one_that_is_called_may_come_from_another_process(tmp_path):
     called.unlink()
     assert start(tmp_path, 3) == [1, 0]  # compiled anew, under another name than its caller knows
     assert start(tmp_path, 1) == [1, 1]
+
+
+def test_a_name_of_another_process_is_handed_on(tmp_path):
+    """`top` takes in `within`, from a file that calls `below` by the name it had in the process that wrote it."""
+    (tmp_path / "pair.py").write_text(KERNELS)
+    assert start(tmp_path, 0, "top") == [0, 0]
+    for file in (*tmp_path.rglob("below*.code"), *tmp_path.rglob("top*.code")):
+        file.unlink()
+    assert start(tmp_path, 3, "top")[0] == 0
+    assert start(tmp_path, 1, "top") == [1, 1]
 
 
 def test_the_caller_holds_no_copy(tmp_path):

@@ -49,6 +49,18 @@ def test_it_is_compiled_at_the_first_call_and_once(compiled):
     assert light(2.0 + 1j, True) == 9.0 + 7.0j and compiled == ["heavy", "heavy"]
 
 
+def test_cells_for_other_types_have_other_names():
+    @late_kernel
+    def heavy(x) -> pair:
+        return 3.0 * x, x * x
+
+    known = [(one,) for one in (types.float64, types.complex128)]
+    symbols = [heavy.symbol(passed) for passed in known]
+    assert [module.LATE[symbol][2] for symbol in symbols] == known
+    for symbol in symbols:  # nobody else can find a kernel of this test
+        del module.LATE[symbol]
+
+
 def test_a_number_says_which(compiled):
     @inner_kernel
     def double(a, x):

@@ -118,13 +118,15 @@ def test_the_end_with_the_bars_lets_go_first():
 
 
 def test_a_step_of_the_steer_settles_on_its_circle():
-    """Within what a speed that nobody keeps loses in three seconds."""
+    """The circle keeps its speed, the run slows by a share of g: so much do its tyres and their loads differ."""
     run = simulate(car(Car(), 20.0, Pulse(0.02, start=0.2, edge=0.3)), 3.0, output=[3.0])
-    v = run.rotation("chassis")[-1][:, 0] @ run.velocity("chassis")[-1]
+    ahead = run.rotation("chassis")[-1][:, 0]
+    v, slows = ahead @ run.velocity("chassis")[-1], -ahead @ run.acceleration("chassis")[-1] / 9.81
+    assert 0.0 < slows < 0.01
     there = circle(Car(), v, v * run.omega("chassis")[-1, 2])
-    assert there.steer == pytest.approx(0.02, rel=5e-3) and 19.5 < v < 20.0
+    assert there.steer == pytest.approx(0.02, rel=2 * slows) and 19.5 < v < 20.0
     loads = [run.force(f"{name} tyre").normal[-1] for name in WHEELS]
-    assert there.of_tyres("normal") == pytest.approx(loads, rel=0.01)
+    assert there.of_tyres("normal") == pytest.approx(loads, rel=2 * slows)
     assert run.certificate.passed
 
 

@@ -4,12 +4,14 @@ import json
 import re
 import shlex
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from mbsd3d.demos import digest, gallery
+from mbsd3d.demos.base import Row
 from mbsd3d.demos.discovery import discover, own_demos
 from mbsd3d.demos.parameters import checked, lacking, settings
 from mbsd3d.report.mathml import mathml
@@ -80,6 +82,12 @@ def test_a_page_depends_on_helpers_scripts_and_the_page_it_leads_to():
     assert {"demo.html", "in_step.js", "player.js", "rows.py", "figure.py"} <= names and "car.py" not in names
     first, other = list(demos.values())[:2]
     assert digest.digest(first, first) != digest.digest(first, other)
+    assert digest.digest(first, other) != digest.digest(first, replace(other, title="another title"))
+
+
+def test_a_number_is_shown_as_zero_where_the_tolerance_does_not_tell_them_apart():
+    assert list(gallery.cells(Row("angle", 4e-8, -9e-8, 1e-6, "rad")))[1:] == ["0", "0", "1.3e-07"]
+    assert list(gallery.cells(Row("angle", 4e-7, 0.25, 1e-6, "rad")))[1:] == ["4e-07", "0.25", "2.5e-01"]
 
 
 @pytest.mark.parametrize("name", discover())

@@ -1,10 +1,12 @@
 """Closed loops from their textbook parameters: they close, they have the freedom they are known for, or say why not."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from mbsd3d import AngleDriver, Kinematic, System, linkages, rotation, simulate
+from mbsd3d import AngleDriver, Cylindrical, Kinematic, PointOnLine, System, linkages, rotation, simulate
 from mbsd3d.base.rotations import matrix
 from mbsd3d.signals import Ramp
 from validation import cases
@@ -53,12 +55,22 @@ def test_the_bricard_of_equal_links_is_line_and_plane_symmetric():
             )
 
 
-def test_bars_reach_from_hinge_to_hinge():
+@pytest.mark.parametrize(
+    "system",
+    [
+        linkages.bennett(0.7, 0.6, 0.7 * np.sin(1.9) / np.sin(0.6), 1.9, 0.9, **BASE),
+        linkages.sarrus((0.5, 0.6), (0.45, 0.7), 1.9, 0.8, reach=0.2, **BASE),
+        linkages.rssr(0.2, 0.75, 0.45, 0.6, 1.2, 0.4, offsets=(0.05, -0.1), **BASE),
+    ],
+    ids=["bennett", "sarrus", "rssr"],
+)
+def test_bars_reach_from_hinge_to_hinge(system):
     """A bar's centre of mass lies between its hinges, its inertia is smallest along it."""
-    system = linkages.bennett(0.7, 0.6, 0.7 * np.sin(1.9) / np.sin(0.6), 1.9, 0.9, **BASE)
     for body, near, far in zip(system.bodies, system.joints[:-1], system.joints[1:], strict=True):
         centre = body.position + matrix(body.orientation) @ body.com
         assert np.allclose(centre, 0.5 * (near.at + far.at), rtol=0, atol=1e-14)
+        if (len(system.joints), body.name) == (6, "link 3"):
+            continue  # the platform of Sarrus' linkage, with its mass in the middle between its hinges
         along = matrix(body.orientation).T @ (far.at - near.at)
         moments, axes = np.linalg.eigh(body.inertia)
         assert moments[0] < 0.5 * moments[1]
@@ -120,6 +132,32 @@ def test_sarrus_goes_straight():
 
 
 @pytest.mark.parametrize(
+    ("system", "cut"),
+    [
+        (linkages.bennett(0.7, 0.6, 0.7 * np.sin(1.9) / np.sin(0.6), 1.9, 0.9, **BASE), PointOnLine),
+        (linkages.bricard(1.0, 1.3, **BASE), Cylindrical),
+        (FAMILIES["bricard_plane"](np.random.default_rng(2)), Cylindrical),
+    ],
+    ids=["bennett", "bricard", "plane"],
+)
+def test_rows_that_repeat_others_cost_neither_steps_nor_digits(system, cut):
+    """The same motion with the last hinge cut open until no row repeats another."""
+    last = system.joints[-1]
+    twin = replace(system, joints=[*system.joints[:-1], cut(last.a, last.b, at=last.at, axis=last.axis)])
+    assert twin.check().redundant == 0 < system.check().redundant
+    for rtol in (1e-5, 1e-8):
+        runs = [simulate(x, 2.0, state=x.assemble(rates={"hinge 1": 2.0}), rtol=rtol, output=5) for x in (system, twin)]
+        (steps, lost), (known, least) = ((run.certificate.steps, np.ptp(run.energy().total)) for run in runs)
+        # step control sees other coordinates of the same motion; fewer steps of order 8 lose more by their eighth power
+        assert steps <= 1.3 * known + 1 and lost < 10 * least * max(1.0, known / steps) ** 8, (
+            steps,
+            known,
+            lost,
+            least,
+        )
+
+
+@pytest.mark.parametrize(
     ("make", "words"),
     [
         (
@@ -141,6 +179,12 @@ def test_sarrus_goes_straight():
         (lambda: linkages.sarrus((0.5, 0.5), (0.5, 0.5), 0.0, 1.0), "in one plane"),
         (lambda: linkages.rssr(0.2, 3.0, 0.5, 0.6, 1.3, 0.4), "the rod is 3 m"),
         (lambda: linkages.hinge_loop((1, 1, 1), (0.1, 0, 0), (0, 0, 0), (0.1, 0.2, 0.3)), "m and .* rad apart"),
+        (lambda: linkages.hinge_loop((1, 1, 1), (0, 0, 0.3), (0, 0, 0), [2 * np.pi / 3] * 3), "m and 0.299 rad apart"),
+        # folded as it is, this loop has two freedoms wherever it closes
+        (
+            lambda: linkages.bricard_line((1, 1, 1), (np.pi / 2, -np.pi / 2, np.pi / 2), (0, 0, 0), 0.9),
+            "no closed pose",
+        ),
         (lambda: linkages.schatz(0.4, 0.7, links=parts(np.random.default_rng(0), 4)), "4 links given; it has 5"),
     ],
 )

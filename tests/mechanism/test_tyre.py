@@ -1,5 +1,7 @@
 """Tyres: the brush model in steady slip, the friction circle, standing, dropping, shimmy, and what is read of them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from models import Evaluation
@@ -62,6 +64,21 @@ def test_steady_slip_is_the_brush_model(angle, drive):
     assert found == pytest.approx(forces, abs=1e-8 * N)
     assert seen.slip_angle[-1] == pytest.approx(angle, abs=1e-12)
     assert seen.slip_ratio[-1] == pytest.approx(drive - 1.0, abs=1e-12)
+
+
+def test_on_a_belt_that_runs_back_it_is_as_on_the_road():
+    """The same motion, seen from the carriage."""
+    system, tyre = rig(0.12, 0.97, 6.0, **BRUSH)
+    belt = Body("belt", 30.0, (1.0, 1.0, 1.0), position=(1.0, 2.0, 3.0))
+    slider, motor = Prismatic(GROUND, belt, at=(0, 0, 0), axis=(1, 0, 0)), system.joints[2]
+    held = [replace(motor, speed=0.0), SpeedDriver(slider, -6.0)]
+    moved = replace(
+        system, bodies=[*system.bodies, belt], joints=[*system.joints[:2], slider, *held, system.joints[3]],
+        forces=[replace(tyre, a=belt)],
+    )  # fmt: skip
+    for name in ("normal", "longitudinal", "lateral", "aligning", "slip_x", "slip_y", "speed"):
+        known, found = (getattr(simulate(x, 0.2, rtol=1e-11, output=9).force("tyre"), name) for x in (system, moved))
+        assert found == pytest.approx(known, abs=1e-8 * np.abs(known).max())
 
 
 def loaded_tyre(rng, **numbers):
@@ -206,6 +223,17 @@ def test_load_sensitivity_and_instant_camber():
     seen = accelerations(System([sensitive.b], forces=[sensitive])).force(sensitive)
     share = 1.0 - 0.3 * (seen.normal[0] / 1800.0 - 1.0)
     assert seen.lateral[0] == pytest.approx(-share * 1.1 * seen.normal[0] * np.sin(seen.camber[0]), rel=1e-12)
+
+
+def test_what_is_left_out_follows_what_is_replaced():
+    """Longitudinal stiffness and relaxation are those of the lateral direction, also of a tyre that is changed."""
+    system, tyre = rig(0.1, 1.05, 6.0, cornering=11.0, relaxation=0.12)
+    changed = replace(tyre, cornering=5.0, relaxation=0.3)
+    known = replace(changed, longitudinal=5.0, relaxation_x=0.3)
+    assert (tyre.ahead, changed.ahead) == ((11.0, 0.12), (5.0, 0.3)) and changed.longitudinal is None
+    assert replace(changed, relaxation_x=0.07).ahead == (5.0, 0.07)
+    seen = [simulate(replace(system, forces=[one]), 0.1).force("tyre") for one in (changed, known)]
+    assert np.array_equal(seen[0].longitudinal, seen[1].longitudinal) and seen[0].longitudinal[-1] > 100.0
 
 
 def test_a_saved_run_has_its_tyres(tmp_path):

@@ -1,5 +1,7 @@
 """The certificate: silent on clean runs, and under every teaching switch it fails the check that must see it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from models import (
@@ -39,6 +41,7 @@ from mbsd3d import (
 )
 from mbsd3d.base.rotations import matrix
 from mbsd3d.mechanism import measures
+from mbsd3d.results.certificate import drift_limit
 from mbsd3d.results.global_error import doubling_time, estimate
 from validation import cases
 from validation.cases.comparison import compare
@@ -389,6 +392,15 @@ def test_change_point_of_the_four_bar_is_passed():
     solution = simulate(case.system, case.t_end, rtol=1e-8, output=case.times)
     assert compare(case, solution).scaled_error < allowed(case, 1e-8)
     assert solution.certificate.passed, solution.certificate.failures
+
+
+@pytest.mark.parametrize(
+    ("nearest", "limit"), [(1.0, 1e-9), (1e-2, 1e-9), (2e-4, 1.5e-8), (1e-4, 3e-8), (5e-7, 5e-7), (0.0, 5e-7)]
+)
+def test_limit_of_a_tight_run_widens_with_what_rounding_does_near_a_singular_position(nearest, limit):
+    """Without a jump: as rounding over the least pivot, and never by more than a run over many of them leaves."""
+    record = replace(run(loop, rtol=1e-12).record, nearest=nearest)
+    assert drift_limit(record) == pytest.approx(limit)
 
 
 def test_a_stop_is_told_and_is_no_failure():

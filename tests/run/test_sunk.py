@@ -1,34 +1,34 @@
-"""A tyre that starts deep in the ground is refused, by its name, with the sizes that do not fit each other."""
+"""What starts deep in the ground is refused, by its name, with the sizes that do not fit each other."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from mbsd3d import GROUND, Body, System, Tyre, accelerations, simulate
-from mbsd3d.base.rotations import rotation
+from mbsd3d import GROUND, Body, Contact, System, Tyre, accelerations, shapes, simulate
+from mbsd3d.base.rotations import matrix, quaternion_from_matrix, rotation
 
 NORMAL = np.array([0.2, -0.1, 1.0]) / np.linalg.norm((0.2, -0.1, 1.0))
 AT = np.array([0.4, -0.3, 0.2])  # of a slope
 
 
-def leaning_wheel(radius, height=0.31):
+def leaning_wheel(radius, height=0.31, slope=GROUND):
     """On a slope, its centre of mass beside its hub."""
     hub = AT + height * NORMAL + (0.1, 0.2, 0.0)  # 0.2 0.1 - 0.1 0.2 = 0: along the slope
     turn = rotation((1, 0.3, 0.1), 0.3)
     body = Body("wheel", 6.0, (0.2, 0.3, 0.2), position=hub, com=(0.02, 0.01, 0.03), orientation=turn)
     tyre = Tyre(
-        GROUND, body, axis=body.axes[:, 1], radius=radius, crown=0.04, stiffness=4e4, centre=hub, plane=(AT, NORMAL),
+        slope, body, axis=body.axes[:, 1], radius=radius, crown=0.04, stiffness=4e4, centre=hub, plane=(AT, NORMAL),
         name="tyre",
     )  # fmt: skip
-    return System([body], forces=[tyre])
+    return System([part for part in (slope, body) if part is not GROUND], forces=[tyre])
 
 
 def test_a_radius_in_millimetres_is_refused_at_the_start():
     """At 330 m of radius the wheel would be thrown 3 km high, with a certificate that passes."""
     assert accelerations(leaning_wheel(0.33)).force("tyre").normal[0] > 0.0
     for run in (accelerations, lambda system: simulate(system, 0.1)):
-        with pytest.raises(ValueError, match=r"'tyre' .Tyre.: 'wheel' starts 3.* m deep in the plane.*radius .in m"):
+        with pytest.raises(ValueError, match=r"'tyre' .Tyre.: 'wheel' starts 3.* m deep in the plane.*size .in m"):
             run(leaning_wheel(330.0))
 
 
@@ -39,8 +39,59 @@ def test_a_wheel_may_be_pressed_deep_but_not_up_to_its_hub():
 
 
 def test_it_is_the_start_that_counts():
-    """A reference pose in the ground is none of its business."""
+    """A reference pose in the ground does not matter."""
     system = leaning_wheel(0.33, -1.0)
     raised = system.state().q.copy()
     raised[:3] += 1.3 * NORMAL
     assert accelerations(system, replace(system.state(), q=raised)).force("tyre").normal[0] > 0.0
+
+
+def test_a_slope_that_was_moved_takes_its_ground_along():
+    """A bank with a wheel on it, both turned and shifted as one: what starts deep is what did before."""
+    turn, shift = rotation((0.4, -1.0, 0.7), 2.1), np.array([3.0, -5.0, 8.0])
+    bank = Body("bank", 50.0, (5.0, 6.0, 7.0), position=(0.3, 0.1, -0.4))
+    for height, deep in ((0.31, False), (0.0, True)):
+        system = leaning_wheel(0.33, height, slope=bank)
+        q = system.state().q.reshape(2, 7).copy()
+        for pose in q:
+            pose[:3], pose[3:] = (
+                matrix(turn) @ pose[:3] + shift,
+                quaternion_from_matrix(matrix(turn) @ matrix(pose[3:])),
+            )
+        moved = replace(system.state(), q=q.ravel())
+        if deep:
+            with pytest.raises(ValueError, match="starts 0.3.* m deep"):
+                accelerations(system, moved)
+        else:
+            known = accelerations(system).force("tyre").normal[0]
+            # 4e4 N/m times the rounding of places 10 m away
+            assert accelerations(system, moved).force("tyre").normal[0] == pytest.approx(known, abs=1e-9)
+
+
+def stone(size, stiffness=1e4):
+    """An egg above or in a slope, its centre of mass beside the middle of its surface."""
+    turn = rotation((0.3, 1, 0.2), 0.4)
+    body = Body("stone", 1.0, (0.1, 0.2, 0.25), position=AT + 0.35 * NORMAL, com=(0.05, 0.02, 0.1), orientation=turn)
+    egg = shapes.Ellipsoid((0.4 * size, 0.5 * size, 0.6 * size), at=(0, 0, 0), orientation=rotation("x", 0.4))
+    floor = Contact(GROUND, body, egg, stiffness=stiffness, damping=3.0, plane=(AT, NORMAL), name="floor")
+    return System([body], forces=[floor])
+
+
+def test_a_surface_in_millimetres_is_refused_as_built():
+    """At 580 m it would be thrown out at 58 km/s, with a certificate that passes."""
+    assert accelerations(stone(1.0)).acceleration("stone")[0, 2] > -9.81
+    with pytest.raises(ValueError, match=r"force 'floor' .Contact.: 'stone' starts 579\.5 m deep.*size .in m"):
+        simulate(stone(1e3), 0.1)
+
+
+def test_a_soft_contact_may_sink():
+    """As built where it carries some weights at most, and from the state of a run in any case."""
+    soft = stone(1.0, 10.0)
+    fall = simulate(soft, 0.5)
+    again = simulate(stone(1.0, 1e4), 0.51, state=fall.final)
+    assert NORMAL @ (fall.position("stone")[-1] - AT) < 0.0 and again.certificate.passed
+    deep = replace(soft.bodies[0], position=AT - 0.1 * NORMAL)
+    floor = replace(soft.forces[0], b=deep)
+    assert simulate(System([deep], forces=[floor]), 0.1).certificate.passed
+    with pytest.raises(ValueError, match="'floor' .Contact.: 'stone' starts"):
+        accelerations(System([deep], forces=[replace(floor, stiffness=1e3)]))

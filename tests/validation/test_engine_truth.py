@@ -134,7 +134,9 @@ def test_every_gif():
     assert len(rows) == len(data()["toy_set_2"]["checks"])
     for row in rows:
         assert row.assumed == pytest.approx(row.published, abs=6e-4)  # three digits
-    assert next(row for row in rows if "V8_flat" in row.what).actual == pytest.approx(111.662, abs=5e-4)
+    assert next(row for row in rows if "V8_flat" in row.what).actual == pytest.approx(
+        111.662, abs=5e-4
+    )  # to the digits in the file
 
 
 def test_single_cylinder_under_its_weight():

@@ -35,9 +35,7 @@ def test_joint(cls, ground):
 EXPRESSED = [name for name in FORCES if name.split()[0] in {c.__name__ for c in EXPRESSES_FORCES}]
 
 
-@pytest.mark.parametrize(
-    ("name", "ground"), [(name, side) for name in EXPRESSED for side in (None, "a") if side or name != "Bushing"]
-)
+@pytest.mark.parametrize(("name", "ground"), [(name, side) for name in EXPRESSED for side in (None, "a")])
 def test_force(name, ground):
     """Every force element it expresses; bodies without joints by its explicit solver of sixth order."""
     rng = np.random.default_rng(3)
@@ -152,6 +150,7 @@ def test_a_car_that_slides():
 def test_bicycle_of_the_files():
     """M1 of the nonlinear benchmark over 5 s: rolling wheels against the file, which no engine made."""
     errors = [case_error("bicycle_M1", steps) for steps in (2000, 4000)]
+    # the weave of 3.4 rad/s in steps of 1.25 ms: h^2 w^2 / 12 is 1.5e-6 of the way, 3e-5 m of 20 m
     assert 1.8 < np.log2(errors[0] / errors[1]) < 2.2 and errors[1] < 1e-4
 
 

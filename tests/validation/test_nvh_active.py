@@ -10,7 +10,7 @@ from click.testing import CliRunner
 from mbsd3d import GROUND, Body, Prismatic, SpringDamper, System, linearize
 from validation.nvh.active.cancel import Cancel, Path
 from validation.nvh.active.report import RATE, ActiveMount
-from validation.nvh.active.skyhook import Skyhook, growth, limit, on_mounts
+from validation.nvh.active.skyhook import Skyhook, growth, limit, on_mounts, push
 from validation.nvh.cli import nvh
 from validation.nvh.engine import presets
 from validation.nvh.held import mounts
@@ -53,6 +53,20 @@ def test_a_skyhook_with_a_slow_actuator_is_unstable_from_where_routh_says(corner
     known = active.skyhook_limit(MASS, DAMPING, STIFFNESS, corner, share)
     assert limit(build) == pytest.approx(known, rel=1e-8)
     assert growth(build(0.9 * known)) < 0 < growth(build(1.1 * known))
+
+
+def test_what_a_skyhook_does_to_the_car_is_against_what_it_does_to_the_engine():
+    """Forces add up to nothing, and so do their moments about any point."""
+    car, engine = (
+        SimpleNamespace(r=np.array(r), velocity=np.array([0.0, 0.0, 0.7])) for r in ((1, 2, 3), (1.4, 1.7, 3))
+    )
+    loads, z_dot = np.zeros((2, 6)), np.zeros(2)
+    push(0.0, (car, engine), np.array([31.0, -5.0]), (600.0, 370.0, 0.6), loads, z_dot)
+    assert loads[1, :3].tolist() == [0.0, 0.0, -31.0]
+    assert np.abs(loads[:, :3].sum(0)).max() == 0.0
+    moment = loads[:, 3:].sum(0) + np.cross(car.r, loads[0, :3]) + np.cross(engine.r, loads[1, :3])
+    assert np.abs(moment).max() < 1e-13  # rounding of 60 N m
+    assert z_dot == pytest.approx([-5.0, 370.0**2 * (600.0 * 0.7 - 31.0) + 2 * 0.6 * 370.0 * 5.0], rel=1e-15)
 
 
 def test_a_skyhook_damps_the_bounce(cancel):

@@ -87,6 +87,22 @@ def test_links_bear_their_share_of_the_pitching_of_braking():
         assert 0.1 < found < 0.9
 
 
+@pytest.mark.parametrize("kind", ["half", "whole"])
+def test_the_load_of_a_strut_is_part_of_the_stiffness_at_its_wheel(kind):
+    """``T dr/dz / k_w`` with T = load / r: the rest is that of the spring, ``k r^2 / k_w``."""
+    car = Vehicle(kind, mounts.car("saloon").ride | {"front": 0.57}, linked=True)
+    struts = {strut.name: strut for strut in car.system().forces}
+    for held, corner, found in zip(car.guides, (car.corners[0], car.corners[-1]), car.by_load, strict=True):
+        z, ratio, strut = held.curves.z, held.curves.ratio, struts[f"spring of {corner.name}"]
+        middle = z.size // 2
+        load = corner.load / ratio[middle]
+        one, two = (load * (ratio[middle + k] - ratio[middle - k]) / (z[middle + k] - z[middle - k]) for k in (1, 2))
+        # a difference over h is off by a third of what that over 2 h differs by
+        assert found * corner.spring == pytest.approx(one, abs=0.5 * abs(two - one))
+        assert found == pytest.approx(1.0 - strut.stiffness * ratio[middle] ** 2 / corner.spring, abs=1e-12)
+    assert abs(car.by_load[0] - car.by_load[1]) > 0.1 * abs(car.by_load[0])
+
+
 @pytest.mark.parametrize("car", ["compact", "saloon"])
 def test_small_motions_of_a_linked_quarter_car_are_those_with_an_inerter(car):
     """What the links let the wheel move sideways and turn adds b (z_s'' - z_u''), b from the twist alone."""

@@ -31,6 +31,7 @@ def test_waves_that_are_too_short_are_counted():
     road = Measured("ribs", x, np.tile(wave, (2, 1)))
     assert road.left_out == pytest.approx(0.003 / np.sqrt(2), rel=1e-9)
     assert np.abs(road.height(x, 0)).max() < 1e-12
+    assert Measured("one rib", x, np.stack([0.1 * wave, wave])).left_out == road.left_out  # of the rougher track
     with pytest.raises(ValueError, match="'ribs' is level: no wave of 0.35 m or more"):
         Ride(Vehicle("quarter", mounts.car("compact").ride), road, 20.0)
 

@@ -79,6 +79,7 @@ def test_guides_that_are_none_are_refused(change, text):
 
 
 CAR = [
+    (("title",), ["a"], "title .*; give a few words"),
     (("mounts", "left", "rates"), [0, 1e5, 1e5], r"mount 'left': rates\[0\]: 0.0 is not positive"),
     (("mounts", "left", "damping"), [1, -3, 1], r"mount 'left': damping\[1\]: -3.0 is below 0.0"),
     (("mounts", "left", "rates"), [1e5, 1e5], "rates: expected three numbers"),
@@ -96,6 +97,7 @@ CAR = [
     (("wings",), 2, "car 'it': wings unknown"),
 ]
 ENGINE = [
+    (("title",), 5, "title 5; give a few words"),
     (("piston_mass",), -1, "engine 'it': piston_mass: -1.0 is not positive"),
     (("balanced",), -0.1, "balanced: -0.1 is below"),
     (("pins",), [0, 120], "2 pins, 6 bores, 6 stations"),
@@ -143,10 +145,10 @@ def test_files_that_hold_no_record_are_refused(tmp_path):
     (tmp_path / "f.json").write_text(" " * 1_000_001, encoding="utf-8")
     for name, text in (
         ("a", "give one record"),
-        ("b", "is no JSON: Expecting property name"),
+        ("b", "is not JSON: Expecting property name"),
         ("c", "No such file"),
         ("d", "is not UTF-8 text .line 1.; give an engine file"),
-        ("e", "is no JSON: maximum recursion"),
+        ("e", "is not JSON: maximum recursion"),
         ("f", "has 1000001 bytes; an engine file has at most 1000000"),
     ):
         with pytest.raises(ValueError, match=text):

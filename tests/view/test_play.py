@@ -14,8 +14,9 @@ from models import crane
 from pages import SETTLED
 from test_live import knock, listens, until
 
-from mbsd3d import Input, Solution
+from mbsd3d import GROUND, Body, Input, Revolute, Solution, System, Torque
 from mbsd3d.run.playing import PERIOD
+from mbsd3d.view.play.page import swing
 from mbsd3d.view.play.play import Play, parsed
 from mbsd3d.view.play.server import Outlet
 
@@ -241,6 +242,19 @@ def test_a_slow_browser_gets_the_newest(ride):
         return sent
 
     assert asyncio.run(fed()) == ["0", struct.pack("<d", 0), "49", struct.pack("<d", 99)]
+
+
+def test_the_first_view_holds_what_may_swing_up():
+    """Round the one point of the ground that all hangs on; a rail, two points and wheels hold no such ball."""
+    low, high = np.array([-0.1, 0.2, -0.9]), np.array([0.3, 0.4, 0.1])
+    arm = Body("arm", 1.0, (0.1, 0.1, 0.1), position=(0.1, 0.3, -0.4))
+    pin, end = (Revolute(GROUND, arm, at=(0.2, 0.3, z), axis=(0, 1, 0)) for z in (0.0, -0.8))
+    seen = swing(System([arm], [pin]), low, high)
+    assert np.allclose(seen.high - seen.low, np.linalg.norm((0.3, 0.1, 0.9))) and np.allclose(
+        seen.low + seen.high, 2 * pin.at
+    )
+    assert swing(System([arm], [pin, end]), low, high) is None and swing(crane(), low, high) is None
+    assert swing(System([arm], [], [Torque(arm, (0, 0, 1))]), low, high) is None
 
 
 # a real browser

@@ -41,7 +41,7 @@ def record(kind: str, name: str) -> Record:
     try:
         found = json.loads(text)
     except (ValueError, RecursionError) as error:  # not JSON, a number of too many digits, nested too deep
-        raise InputError(f"{kind[:-1]} '{name}' is no JSON: {error}; --export writes an example") from None
+        raise InputError(f"{kind[:-1]} '{name}' is not JSON: {error}; --export writes an example") from None
     if not isinstance(found, dict):
         raise InputError(f"{kind[:-1]} '{name}': give one record, {{...}}; --export writes an example")
     return found
@@ -91,6 +91,12 @@ def positive(found: Record, names: Iterable[str], what: str) -> None:
     """ValueError for a field that is not a number above 0."""
     for name in names:
         number(found[name], f"{what}: {name}", positive=True)
+
+
+def titled(title: Any, what: str) -> None:
+    """ValueError for a title that is no text, or an empty one."""
+    if not isinstance(title, str) or not title.strip():
+        raise InputError(f"{what}: title {title!r:.80}; give a few words")
 
 
 def triple(value: Any, what: str, **limits: Any) -> tuple[float, ...]:

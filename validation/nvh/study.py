@@ -24,6 +24,7 @@ from validation.nvh.held.roll_axis import Decoupled, decouple, roll_share
 SPEEDS = 60  # of the map, from idle to redline
 AGREES = 0.01  # difference of linear map and full run, over the largest order
 IDLE = 0.3  # load at idle: the share of the inlet pressure that turns it over and drives what hangs on it
+SLOWEST = 0.1  # of the idle speed: a starter turns faster
 COARSE = 48  # samples of a turn in a sweep: orders from 40 on fold back
 MOST = 1000  # speeds of a sweep, and cycles at each
 THREADS = 2  # of a sweep: the compiled time loop leaves the others running
@@ -53,7 +54,8 @@ class Study:
     ``shafts``: balance shafts, one of `balance_shafts.KINDS`, or None; ``shell``: what the car's shell is taken for,
     see `Cabin`.
 
-    ValueError for a speed that is not positive or beyond the redline, or a load outside 0 ... 1.
+    ValueError for a speed that is not positive, below a tenth of the idle speed or beyond the redline, or a load
+    outside 0 ... 1.
     """
 
     preset: Preset
@@ -68,6 +70,8 @@ class Study:
         if rpm > self.preset.redline:
             most = f"redline of '{self.preset.name}'; give {self.preset.redline:g} or less"
             raise InputError(f"nvh: rpm {rpm:g} is beyond the {most}")
+        if rpm < (least := SLOWEST * self.preset.idle):
+            raise InputError(f"nvh: rpm {rpm:g}: '{self.preset.name}' idles at {self.preset.idle:g}; give {least:g} up")
         self.source.cycle  # noqa: B018  # refuses a load
 
     @cached_property

@@ -96,7 +96,8 @@ def modes(study: Study) -> Rows:
     """Rigid-body modes with their kinetic energy by direction [%]."""
     rows = [["mode", "mostly", "Hz", *DIRECTIONS]]
     for k, mode in enumerate(study.modes, start=1):
-        rows.append([str(k), mode.main, f"{mode.frequency:.2f}", *(f"{100 * share:.1f}" for share in mode.shares)])
+        shares = (f"{round(100 * share, 1) + 0.0:.1f}" for share in mode.shares)
+        rows.append([str(k), mode.main, f"{mode.frequency:.2f}", *shares])
     return rows
 
 

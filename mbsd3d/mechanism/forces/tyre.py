@@ -251,18 +251,24 @@ class Tyre(ForceElement):
             centre=self.b.centre if self.centre is None else vector(self.centre, f"{what}: centre"),
         )
 
-    def checked_numbers(self, what: str) -> dict[str, float | None]:
-        """The plain numbers, with those that stand for others filled in."""
+    def checked_numbers(self, what: str) -> dict[str, float]:
+        """The plain numbers that are given; None stays None, and follows what `replace` changes."""
         positive = ("radius", "stiffness", "cornering", "relaxation", "standing_speed")
         at_least_zero = ("crown", "damping", "trail", "rolling_resistance", "standing_damping")
         at_least_zero += ("grip_sensitivity", "stiffness_sensitivity")
+        or_none = ("longitudinal", "relaxation_x", "nominal_load")
+        positive += tuple(key for key in or_none if getattr(self, key) is not None)
         found = {key: number(getattr(self, key), f"{what}: {key}", positive=True) for key in positive}
         found |= {key: number(getattr(self, key), f"{what}: {key}", minimum=0.0) for key in at_least_zero}
-        found |= {key: number(getattr(self, key), f"{what}: {key}") for key in ("camber", "twisting")}
-        for key, usual in (("longitudinal", self.cornering), ("relaxation_x", self.relaxation), ("nominal_load", None)):
-            given = usual if getattr(self, key) is None else getattr(self, key)
-            found[key] = None if given is None else number(given, f"{what}: {key}", positive=True)
-        return found
+        return found | {key: number(getattr(self, key), f"{what}: {key}") for key in ("camber", "twisting")}
+
+    @cached_property
+    def ahead(self) -> tuple[float, float]:
+        """C_x [1/rad] and s_x [m], given or those of the lateral direction."""
+        return (
+            self.cornering if self.longitudinal is None else self.longitudinal,
+            self.relaxation if self.relaxation_x is None else self.relaxation_x,
+        )
 
     @cached_property
     def outline(self) -> Rounded:
@@ -271,13 +277,14 @@ class Tyre(ForceElement):
 
     def record(self) -> ForceRecord:
         """Values: R, rho, k, c, C_x, C_y, C_g, s_x, s_y, t, f; numbers: N0, sensitivities, c_0, V_0, instant, m_g."""
+        C_x, s_x = self.ahead
         return ForceRecord(
             (self.a, self.b),
             (self.plane[0], self.centre),
             frame=np.column_stack([self.axis, np.zeros(3), self.plane[1]]),
             values=(
-                self.radius - self.crown, self.crown, self.stiffness, self.damping, self.longitudinal, self.cornering,
-                self.camber, self.relaxation_x, self.relaxation, self.trail, self.rolling_resistance,
+                self.radius - self.crown, self.crown, self.stiffness, self.damping, C_x, self.cornering,
+                self.camber, s_x, self.relaxation, self.trail, self.rolling_resistance,
             ),
             signals=(self.mu, None, None),
             numbers=(

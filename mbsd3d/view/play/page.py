@@ -8,14 +8,17 @@ import numpy as np
 from markupsafe import Markup
 
 from ...base.templates import page_template
+from ...kernels import kinds
+from ...mechanism.bodies import GROUND
+from ...mechanism.joints import PointJoint
 from ...mechanism.mechanism import Mechanism
 from ...run.playable import Built, Control, Playable
 from ..page.content import Content, player_data
 from ..page.html import as_script, asset
 from ..page.recorder import Recording, client_head, printable
-from ..page.stage import Stage
+from ..page.stage import Reach, Stage
 from ..scene.artist import draw_system
-from ..scene.drawing import poses_of
+from ..scene.drawing import bounds, poses_of
 from ..scene.frames import Frames
 
 SCENE = ("unpack.js", "scene.js", "curves.js", "common.js")
@@ -39,9 +42,11 @@ def ride_page(model: Playable, built: Built, look: Look) -> str:
     """The whole page."""
     recording, (r, e) = Recording("play"), poses_of(built.system, built.state)
     still, drawing = Frames(np.array([built.state.t]), r[None], e[None]), draw_system(built.system)
+    around = swing(built.system, *bounds(drawing, still.r, still.e, look.layers)) if look.followed < 0 else None
     content = Content(drawing, still, [], [], [], 1.0, look.title, look.layers, followed=look.followed)
     stage = Stage(
-        recording.scene, recording.camera, drawing, still, shown=look.layers, endless=True, view=look.view
+        recording.scene, recording.camera, drawing, still, shown=look.layers, endless=True, view=look.view,
+        least=around,
     )  # fmt: skip
     bodies = built.system.bodies
     data = player_data(content, stage) | {
@@ -63,6 +68,24 @@ def ride_page(model: Playable, built: Built, look: Look) -> str:
     return page_template("ride.html").render(
         title=printable(look.title), controls=bool(model.controls), **marked
     )  # fmt: skip
+
+
+def swing(system: Mechanism, low: np.ndarray, high: np.ndarray) -> Reach | None:
+    """The space round the one point of the ground that a mechanism hangs on or stands on; None if there is no such one.
+
+    ``low``, ``high``: the box it takes at first [m]. What is held at several points does not leave it far. A view that
+    holds the corners of a cube holds the ball of twice its half side nearly.
+    """
+    pivots = [
+        joint.at for joint in system.joints
+        if isinstance(joint, PointJoint) and GROUND in (joint.a, joint.b)
+        and any(row.kind == kinds.COINCIDE for row in joint.primitives)
+    ]  # fmt: skip
+    if len(pivots) != 1:
+        return None
+    at = pivots[0]
+    reach = 0.5 * np.linalg.norm(np.maximum(np.abs(low - at), np.abs(high - at)))
+    return Reach(at - reach, at + reach, {})
 
 
 def control_data(control: Control) -> dict[str, object]:

@@ -138,7 +138,7 @@ class Play(Served):
         return json.dumps(self._state() | more, allow_nan=False)
 
     def _greeting(self) -> str:
-        """What a browser is told that has just come."""
+        """What a browser that has just connected needs."""
         return self._news(history=list(self._history))
 
     def _hear(self, said: str) -> bool:

@@ -48,7 +48,7 @@ class Outlet:
 class Server:
     """Serves the files of ``pages`` (path -> content), and at /live the newest of what `publish` is given.
 
-    ``greet()`` is what a browser is told first; ``hear(text)`` takes what it says and returns whether it understood;
+    ``greet()`` gives the first message for a browser; ``hear(text)`` takes one of its own, and says if it made sense;
     ``leave(last)`` is called when one has gone.
     """
 

@@ -21,7 +21,7 @@ from mbsd3d.extend import matrix, number
 from validation.engine_balance.gas import firing_order
 from validation.engine_balance.layouts import Engine, Layout, layout
 from validation.engine_balance.layouts import names as layout_names
-from validation.nvh.records import Record, data, fields, is_file, positive, record, triple
+from validation.nvh.records import Record, data, fields, is_file, positive, record, titled, triple
 
 POSITIVE = (
     "bore", "stroke", "rod_length", "spacing", "idle", "redline", "compression", "piston_mass", "rod_mass",
@@ -62,7 +62,8 @@ class Block:
 class Preset:
     """An engine; lengths [m], masses [kg], speeds [1/min], fields as in the data file.
 
-    ValueError for a number that is not positive, or an idle speed that is not below the redline.
+    ValueError for a title that is no text, a number that is not positive, or an idle speed that is not below the
+    redline.
     """
 
     name: str
@@ -87,6 +88,7 @@ class Preset:
 
     def __post_init__(self) -> None:
         what = f"engine '{self.name}'"
+        titled(self.title, what)
         positive(vars(self), POSITIVE, what)
         number(self.balanced, f"{what}: balanced", minimum=0.0)
         if not self.idle < self.redline:

@@ -20,7 +20,7 @@ from mbsd3d import GROUND, Body, Bushing, rotation
 from mbsd3d.errors import InputError
 from mbsd3d.extend import matrix, number
 from validation.nvh.engine.presets import Preset
-from validation.nvh.records import data, fields, is_file, positive, record, triple
+from validation.nvh.records import data, fields, is_file, positive, record, titled, triple
 
 RIDE = (
     "mass", "roll_inertia", "pitch_inertia", "wheelbase", "front", "track", "unsprung", "spring", "damper", "tyre",
@@ -75,8 +75,8 @@ class Car:
 
     ``mounts``: name -> at, rates, angle as there; ``bounce`` [Hz], None for mounts with rates of their own;
     ``damping`` [-]; ``ride``: the car on its wheels, ``shell``: its body as a beam, None if nothing is known of them.
-    ValueError for a field that is missing or unknown, a rate or frequency that is not positive, a negative damping, or
-    a place that is none.
+    ValueError for a title that is no text, a field that is missing or unknown, a rate or frequency that is not
+    positive, a negative damping, or a place that is none.
     """
 
     name: str
@@ -89,6 +89,7 @@ class Car:
 
     def __post_init__(self) -> None:
         what, scaled = f"car '{self.name}'", self.bounce is not None
+        titled(self.title, what)
         if not isinstance(self.mounts, dict) or not self.mounts:
             raise InputError(f"{what}: no mounts; give three that are not in line")
         if scaled:

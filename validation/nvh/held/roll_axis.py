@@ -21,6 +21,7 @@ from validation.nvh.held.mounts import Mount
 from validation.nvh.held.rigid_modes import mass_matrix, rigid_modes
 
 HOLD = 0.02  # weight of what the optimiser is asked to leave as it is, against the coupling
+STEPS = 60  # of the last search: 4 to 7 where the coupling can vanish, all where mounts may not go as far as that
 
 
 def stiffness_matrix(body: Body, placed: Sequence[Mount]) -> np.ndarray:
@@ -102,7 +103,11 @@ def decouple(body: Body, placed: Sequence[Mount], *, reach: float = 0.15, factor
         return np.concatenate([left_over(body, moved), [load], HOLD * x])
 
     search = least_squares(errors, np.zeros(6 * n), bounds=(-1.0, 1.0))
-    final = least_squares(lambda x: errors(x)[:7], search.x, bounds=(-1.0, 1.0), xtol=1e-15, ftol=1e-15, gtol=1e-15)
+    # seven conditions for all the mounts: of the steps that meet them lsmr takes the shortest
+    final = least_squares(
+        lambda x: errors(x)[:7], search.x, bounds=(-1.0, 1.0), xtol=1e-15, ftol=1e-15, gtol=1e-15, tr_solver="lsmr",
+        max_nfev=STEPS,
+    )  # fmt: skip
     moved = changed(final.x)
     return Decoupled(
         moved, coupling(body, placed), coupling(body, moved), float(reach * np.abs(final.x[: 3 * n]).max()),

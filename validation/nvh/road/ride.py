@@ -105,16 +105,19 @@ class Ride:
         lines[self.numbers] = phasors * count / 2
         return np.fft.irfft(lines, count)
 
+    def sampled(self, phasors: np.ndarray) -> np.ndarray:
+        """(samples,) values of a sum of the road's waves at the times of the full motion."""
+        turned = phasors * np.exp(1j * self.rates * self.run.t[0])
+        return np.resize(self.over(turned, self.run.t.size - 1), self.run.t.size)
+
     def beneath(self, corner: Corner) -> np.ndarray:
         """(samples,) height of the road under a wheel in the full motion [m]."""
-        turned = self.under(corner) * np.exp(1j * self.rates * self.run.t[0])
-        return np.resize(self.over(turned, self.run.t.size - 1), self.run.t.size)
+        return self.sampled(self.under(corner))
 
     def tyre_load(self, corner: Corner) -> np.ndarray:
         """(samples,) force of the road on a wheel in the full motion [N]; below 0 a tyre would have to pull."""
-        tyre, road = self.run.force(f"tyre of {corner.name}"), self.beneath(corner)
-        rate = np.gradient(road, self.run.t, edge_order=2)
-        return tyre.force[:, 2] + corner.tyre * road + corner.tyre_damping * rate + corner.borne
+        tyre = self.run.force(f"tyre of {corner.name}")
+        return tyre.force[:, 2] + self.sampled(self.pushed(corner)) + corner.borne
 
     @property
     def numbers(self) -> np.ndarray:

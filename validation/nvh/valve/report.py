@@ -10,6 +10,7 @@ from markupsafe import Markup
 
 from bicycle.output import new_figure
 from mbsd3d import Solution
+from mbsd3d.errors import InputError
 from mbsd3d.extend import LINE, digits, dress, inline_svg, number, page_template, write_atomically
 from validation.engine_balance.pages.site import TEMPLATES, playing
 from validation.nvh.valve.cam import RollerCam, cam
@@ -22,13 +23,14 @@ LIFT, HALF = 0.008, np.radians(75.0)  # m, rad, of an ordinary cam (assumed)
 BASE = {"flat": 0.024, "roller": 0.018, "barrel": 0.036}  # m, by its follower
 SHARES = (0.5, 0.8, 0.95, 1.05, 1.2)  # of the speed of float
 PIECES = 8  # of a spring that surges
+SLOWEST = 100.0  # 1/min: of an engine that idles a camshaft turns at 300
 PERIOD = 6.0  # s that a turn takes to watch
 
 
 @dataclass(frozen=True)
 class Valve:
     """A cam of a law with the valve of `Train` on a ``follower``, "flat", "roller" or "barrel", at a speed of the
-    camshaft [1/min]; None: 5 % above that of float.
+    camshaft [1/min]; None: 5 % above that of float. ValueError for a speed that is not positive, or below `SLOWEST`.
     """
 
     law: str
@@ -40,6 +42,8 @@ class Valve:
         """The train at the speed."""
         train = Train(cam(self.law, LIFT, HALF, BASE.get(self.follower, 0.0), self.follower))
         speed = SHARES[-2] * train.floats_at() if self.rpm is None else number(self.rpm, "valve: rpm", positive=True)
+        if speed < SLOWEST:
+            raise InputError(f"valve: rpm {speed:g}; give {SLOWEST:g} or more: slower ones only feel their spring")
         return Train(train.cam, rpm=speed)
 
     @cached_property

@@ -1,6 +1,6 @@
 """A second formulation of the reference-point equations, in plain numpy, that shares no kernel with ``mbsd3d``.
 
-It reads the public fields of bodies, joints and springs:
+It reads the public fields of bodies, joints and force elements:
 
 - c(q, t) or s(q, v, t) of every joint from `validation.twins.definitions.rows`;
 - J and gamma by Taylor series along motions: along the motion with v_dot = 0, ``J v_dot = -c_ddot`` or ``-s_dot``;
@@ -9,13 +9,17 @@ It reads the public fields of bodies, joints and springs:
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from mbsd3d import GROUND, SpringDamper, State, System
+from mbsd3d import GROUND, State, System
 from mbsd3d.errors import InputError
-from validation.twins.definitions.rows import Motion, law_of
-from validation.twins.definitions.series import Array, Series, dot, sqrt
+from validation.twins.base import label
+from validation.twins.definitions.rows import Motion, law_of, rotation
+from validation.twins.definitions.series import Array, Series
+from validation.twins.laws import LAWS, Law
+from validation.twins.laws.moving import Moving, Push
 
 RANK = 1e-9
 """Singular values of J below this part of the greatest count as zero: far above rounding, far below a real row."""
@@ -69,7 +73,7 @@ def constraint_rows(system: System, state: State) -> tuple[Array, Array, list[sl
 
 
 def mass_and_force(system: System, state: State) -> tuple[Array, Array]:
-    """(M, Q - h), (6 n, 6 n) and (6 n,): gravity and springs."""
+    """(M, Q - h), (6 n, 6 n) and (6 n,): gravity and the laws of the forces."""
     n = len(system.bodies)
     M, F, v = np.zeros((6 * n, 6 * n)), np.zeros(6 * n), state.v.reshape(n, 6)
     now = Motion(system, state, v[None])
@@ -81,27 +85,45 @@ def mass_and_force(system: System, state: State) -> tuple[Array, Array]:
         M[part, part][3:, 3:] += inertia
         F[part] = body.mass * B.T @ (system.gravity - np.cross(w, np.cross(w, s)))
         F[part][3:] -= np.cross(w, inertia @ w)
-    for spring in system.forces:
-        if not isinstance(spring, SpringDamper):
-            raise InputError(
-                f"reference_point: {type(spring).__name__} '{system.name(spring)}' is not formulated; use springs"
-            )
-        ends = [(body, now.point(body, at)) for body, at in ((spring.a, spring.at_a), (spring.b, spring.at_b))]
-        gap = ends[1][1] - ends[0][1]
-        length = sqrt(dot(gap, gap))
-        tension = spring.stiffness * (length.x0 - spring.length) + spring.damping * length.x1
-        for sign, (body, at) in zip((1.0, -1.0), ends, strict=True):
-            if body is not GROUND:
-                i, pull = now.index[id(body)], sign * (tension * gap.x0 / length.x0)[0]
-                F[6 * i : 6 * i + 6] += np.concatenate([pull, np.cross((at.x0 - now.origin(body).x0)[0], pull)])
+    for force in system.forces:
+        law = law_of_force(system, force)
+        push, a, b = pushed(system, state, now, force, law)
+        for sign, side in ((1.0, b), (-1.0, a)):
+            if side.body is not GROUND and (side is b or law.back):
+                i, load = now.index[id(side.body)], sign * push.force
+                moment = np.cross(push.point - side.r, load) + sign * push.couple
+                F[6 * i : 6 * i + 6] += np.concatenate([load, moment])
     return M, F
+
+
+def law_of_force(system: System, force: Any) -> Law:
+    """Its law, or a ValueError that names it."""
+    what = label(system, force)
+    if type(force) not in LAWS:
+        raise InputError(f"{what} has no second formulation")
+    return LAWS[type(force)](force, what)
+
+
+def pushed(system: System, state: State, now: Motion, force: Any, law: Law) -> tuple[Push, Moving, Moving]:
+    """What a law says at a state, and its bodies there."""
+    ends = []
+    for body in (law.a, law.b):
+        (r, v), w = (now.origin(body).x0, now.rates(body)[0].x0), now.rates(body)[1].x0
+        R = np.eye(3) if body is GROUND else now.R[now.index[id(body)]] @ rotation(body.orientation).T
+        ends.append(Moving(body, r.reshape(3), R, v.reshape(3), w.reshape(3)))
+    first = sum(len(other.state_names()) for other in system.forces[: system.forces.index(force)])
+    own, x, counted = state.z[first : first + len(force.state_names())], force.record().coordinate, 0.0
+    if x is not None and state.coordinates is not None:
+        counted = state.coordinates[system.lowered.coordinate(x)]
+    return law.push(state.t, *ends, own, counted), *ends
 
 
 def solve(system: System, state: State) -> Reference:
     """Accelerations and wrenches of a mechanism at a state.
 
-    ``system``: bodies with mass and inertia, joints of any type, gravity and `SpringDamper`; ``state``: a consistent
-    state; `Reference.residual` and `Reference.rate` say how consistent. ValueError for other force elements.
+    ``system``: bodies with mass and inertia, joints of any type, gravity and force elements; ``state``: a consistent
+    state; `Reference.residual` and `Reference.rate` say how consistent. ValueError for force elements
+    without a second formulation.
 
     Examples
     --------

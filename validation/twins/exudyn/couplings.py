@@ -22,17 +22,12 @@ from mbsd3d import (
     SlideDriver,
     SpeedDriver,
 )
-from mbsd3d.extend import Coordinate, cross, evaluate, exponential, matrix, skew
+from mbsd3d.extend import Coordinate, cross, exponential, matrix, skew
 from validation.twins.base import Array, NotExpressible
 from validation.twins.exudyn.assembly import Assembly
+from validation.twins.laws.moving import Placed, deepest, follow
 
 Add = Callable[[Assembly, Any, str], None]  # elements of a joint or force, which errors name so
-
-
-def follow(signal: Any, order: int = 0) -> Callable[[float], float]:
-    """A signal or a derivative as f(t); a table goes on outside its interval, where differences at its ends need it."""
-    terms = signal.terms()
-    return lambda t: float(evaluate(terms, t, order))
 
 
 def hinge_coordinate(model: Assembly, x: Coordinate, what: str) -> int:
@@ -89,23 +84,6 @@ COUPLINGS: dict[type, Add] = {
     SpeedDriver: add_speed_driver,
 }
 """Class -> what adds its elements."""
-
-
-@dataclass(frozen=True, eq=False)
-class Placed:
-    """A body now, where its point and axes stood along the world at the reference pose."""
-
-    body: Any
-    r: Array
-    R: Array
-
-    def axis(self, reference: Array) -> Array:
-        """A direction of the body."""
-        return self.R @ reference
-
-    def point(self, reference: Array) -> Array:
-        """A point of the body."""
-        return self.r + self.R @ (reference - self.body.position)
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,15 +157,6 @@ def add_rolling_surface(model: Assembly, joint: Joint, what: str) -> None:
         return deepest(b, form, a.axis(joint.plane[1])), np.eye(3)
 
     add_contact(model, joint, contact, 3)
-
-
-def deepest(b: Any, form: Any, n: Array) -> Array:
-    """Where a surface of b reaches farthest against n: half axes r stretch a sphere, on it -r u'n / |r u'n|."""
-    axes = b.R @ form.axes
-    stretched = form.radii * (axes.T @ n)
-    length = np.linalg.norm(stretched)
-    inner = axes @ (form.radii * stretched) / length if length else np.zeros(3)
-    return b.point(form.centre) - inner - form.tube * n
 
 
 def add_mesh(model: Assembly, joint: Joint, what: str) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 import mbsd3d
 from mbsd3d.extend import Coordinate, cross, exponential, matched_perpendiculars, matrix, multiply, perpendiculars
 from mbsd3d.extend import hinge_coordinate as coordinate_of
-from validation.twins.base import Array, NotExpressible, label, refused
+from validation.twins.base import Array, label, refused
 from validation.twins.exudyn.assembly import Assembly
 from validation.twins.exudyn.couplings import (
     COUPLINGS,
@@ -26,7 +26,7 @@ from validation.twins.exudyn.couplings import (
     follow,
     hinge_coordinate,
 )
-from validation.twins.exudyn.surfaces import add_brake, add_contact, add_tyre
+from validation.twins.exudyn.laws import add_law
 
 
 def add_load(model: Assembly, load: Any, point: Any, components: tuple, element: str) -> None:
@@ -88,9 +88,13 @@ def add_drag(model: Assembly, drag: Any, what: str) -> None:
 
 
 def add_bushing(model: Assembly, bushing: Any, what: str) -> None:
-    """Six components in axes of the ground; the elastic moment of large rotations by a function."""
+    """Six components in axes of the ground; the elastic moment of large rotations by a function.
+
+    Between two bodies that of Exudyn pulls each side at its own point: all of it by a function.
+    """
     if bushing.a is not mbsd3d.GROUND:
-        raise NotExpressible(f"{what}: hangs on '{bushing.a.name}'; the one of Exudyn pulls each side at its own point")
+        add_law(model, bushing, what)
+        return
     axes = matrix(bushing.axes)
     markers = [model.marker(body, bushing.at, axes) for body in (bushing.a, bushing.b)]
     stiffness = np.concatenate([bushing.stiffness, bushing.turning_stiffness])
@@ -117,12 +121,9 @@ FORCES: dict[type, Add] = {
     mbsd3d.TorsionSpring: add_torsion,
     mbsd3d.JointFriction: add_friction,
     mbsd3d.AeroDrag: add_drag,
-    mbsd3d.Bushing: add_bushing,  # from the ground only
-    mbsd3d.Contact: add_contact,  # these three by functions of Python
-    mbsd3d.Tyre: add_tyre,
-    mbsd3d.Brake: add_brake,
-}
-"""Force class -> what adds its elements."""
+    mbsd3d.Bushing: add_bushing,
+} | dict.fromkeys((mbsd3d.Brake, mbsd3d.CentralGravity, mbsd3d.Contact, mbsd3d.Tyre, mbsd3d.Weight), add_law)
+"""Force class -> what adds its elements; the last ones by functions of Python."""
 
 REFUSED: dict[type, str] = {
     mbsd3d.StateFeedback: "Exudyn has no force element with internal states and measures",

@@ -17,6 +17,7 @@ Examples
 True
 """
 
+from validation.twins.planar.bodies import GROUND, Body, Motion, Polynomial, Sine, Table, rate
 from validation.twins.planar.joints import (
     AngleDriver,
     Distance,
@@ -30,6 +31,5 @@ from validation.twins.planar.joints import (
     Slider,
 )
 from validation.twins.planar.loads import Force, Spring, TorsionSpring
-from validation.twins.planar.parts import GROUND, Body, Motion, Polynomial, Sine, Table, rate
 from validation.twins.planar.runs import Energy, Reaction, Solution, kinematics, simulate
 from validation.twins.planar.system import System

@@ -8,7 +8,7 @@ import numpy as np
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 from validation.twins.planar import rows as kinds
-from validation.twins.planar.parts import NONE, Ground, Motion, Part, Row, check_bodies, direction, ends, pair
+from validation.twins.planar.bodies import NONE, Ground, Motion, Part, Row, check_bodies, direction, ends, pair
 
 
 @dataclass(frozen=True, eq=False)

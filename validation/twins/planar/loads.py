@@ -6,7 +6,7 @@ from typing import Any
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 from validation.twins.planar import rows as kinds
-from validation.twins.planar.parts import GROUND, UNIT, Body, Motion, Part, Row, check_bodies, ends, pair
+from validation.twins.planar.bodies import GROUND, UNIT, Body, Motion, Part, Row, check_bodies, ends, pair
 
 
 @dataclass(frozen=True, eq=False)

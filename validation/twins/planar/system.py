@@ -11,9 +11,9 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from mbsd3d.errors import InputError
 from validation.twins.planar import rows as kinds
+from validation.twins.planar.bodies import GROUND, Body, Ground, Part, Row, pair
 from validation.twins.planar.joints import Joint
 from validation.twins.planar.march import evaluate
-from validation.twins.planar.parts import GROUND, Body, Ground, Part, Row, pair
 from validation.twins.planar.rows import Model, Work
 
 DEPENDENT = 1e-10  # singular values of the scaled rows, over the largest

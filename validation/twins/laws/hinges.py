@@ -1,0 +1,60 @@
+"""Loads along a hinge or slide: springs, friction, brakes."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from mbsd3d import Brake, JointFriction, TorsionSpring
+from mbsd3d.extend import Coordinate, cross, hinge_coordinate, perpendiculars
+from validation.twins.base import Array, NotExpressible
+from validation.twins.laws.moving import NONE, STATELESS, Law, Moving, Placed, Push, follow
+
+
+def along_hinge(force: Any, what: str, load: Callable) -> Law:
+    """``load(t, x, x_dot, z)`` = (load on b along a hinge or slide, rates of the own states)."""
+    x = hinge_coordinate(force.hinge, what)
+    if np.linalg.norm(x.axis - x.axis_b) > 1e-12:  # rounding of unit vectors
+        raise NotExpressible(f"{what}: the axes on both sides differ as built; its law is written about one axis")
+    sliding = x.kind == "slide"
+
+    def push(t: float, a: Moving, b: Moving, z: Array, counted: float) -> Push:
+        axis, point = a.axis(x.axis), b.point(x.point_b) if sliding else b.r
+        rate = axis @ (b.velocity(point) - a.velocity(point) if sliding else b.omega - a.omega)
+        value = axis @ (point - a.point(x.point_a)) if sliding else angle(x, a, b, counted)
+        size, rates = load(t, value, rate, z)
+        return Push(size * axis, point, NONE, rates) if sliding else Push(NONE, point, size * axis, rates)
+
+    return Law(x.a, x.b, push)
+
+
+def angle(x: Coordinate, a: Placed, b: Placed, counted: float) -> float:
+    """Angle from a line of a to that of b about their axis, with the turns of the one that is counted."""
+    first, axis = perpendiculars(x.axis)[0], a.axis(x.axis)
+    u, w = a.axis(first), b.axis(first)
+    principal = np.arctan2(axis @ cross(u, w), u @ w)
+    return principal + 2 * np.pi * round((counted - principal) / (2 * np.pi))
+
+
+def brake_law(brake: Brake, what: str) -> Law:
+    """A spring and a damper that slip at a torque or force, which may change."""
+    most, k, c = follow(brake.torque), brake.stiffness, brake.damping
+
+    def load(t: float, x: float, rate: float, z: Array) -> tuple[float, Array]:
+        limit = max(most(t), 0.0)
+        f = np.clip(k * z[0] + c * rate, -limit, limit)
+        return -f, np.array([(f - k * z[0]) / c])
+
+    return along_hinge(brake, what, load)
+
+
+def friction_law(friction: JointFriction, what: str) -> Law:
+    """Dry friction smoothed at rest, and viscous friction."""
+    T, c, v0 = friction.coulomb, friction.viscous, friction.transition
+    return along_hinge(friction, what, lambda t, x, rate, z: (-T * np.tanh(rate / v0) - c * rate, STATELESS))
+
+
+def torsion_law(spring: TorsionSpring, what: str) -> Law:
+    """Spring and damper of a hinge or slide."""
+    k, c, x0 = spring.stiffness, spring.damping, spring.angle
+    return along_hinge(spring, what, lambda t, x, rate, z: (-k * (x - x0) - c * rate, STATELESS))
