@@ -58,7 +58,7 @@ demo = Demo(
     "(1977) 263",
     quantities={
         "rolls_at_m_s": Quantity("speed at which it rolls", "m/s", relative=1e-8),
-        "rolls_after_s": Quantity("it rolls after", "s", relative=1e-6),  # see STIFFNESS
+        "rolls_after_s": Quantity("it rolls after", "s", relative=1e-6, absolute=1e-6),  # see STIFFNESS
         "heat_J": Quantity("energy lost", "J", relative=1e-6),
     },
     ablation=Ablation("friction", "it slides for ever", {"mu": 0.0}),
