@@ -16,9 +16,11 @@ from test_live import knock, listens, until
 
 from mbsd3d import GROUND, Body, Input, Revolute, Solution, System, Torque
 from mbsd3d.run.playing import PERIOD
+from mbsd3d.view.page.stage import FOV
 from mbsd3d.view.play.page import swing
 from mbsd3d.view.play.play import Play, parsed
 from mbsd3d.view.play.server import Outlet
+from mbsd3d.view.scene.camera import directions, sight
 
 READY = "document.documentElement.dataset.ready === 'yes'"
 RANGES = {"push": (-6.0, 6.0), "twist": (-1.5, 2.5)}
@@ -249,12 +251,13 @@ def test_the_first_view_holds_what_may_swing_up():
     low, high = np.array([-0.1, 0.2, -0.9]), np.array([0.3, 0.4, 0.1])
     arm = Body("arm", 1.0, (0.1, 0.1, 0.1), position=(0.1, 0.3, -0.4))
     pin, end = (Revolute(GROUND, arm, at=(0.2, 0.3, z), axis=(0, 1, 0)) for z in (0.0, -0.8))
-    seen = swing(System([arm], [pin]), low, high)
-    assert np.allclose(seen.high - seen.low, np.linalg.norm((0.3, 0.1, 0.9))) and np.allclose(
-        seen.low + seen.high, 2 * pin.at
-    )
-    assert swing(System([arm], [pin, end]), low, high) is None and swing(crane(), low, high) is None
-    assert swing(System([arm], [], [Torque(arm, (0, 0, 1))]), low, high) is None
+    axes, ball = directions((30.0, 20.0)), np.linalg.norm((0.3, 0.1, 0.9))
+    seen = swing(System([arm], [pin]), low, high, axes)
+    camera = sight(*seen.seen, axes, FOV).camera()
+    assert np.allclose(camera.look_at, pin.at)
+    assert ball < camera.distance * np.sin(0.5 * FOV) < 1.1 * ball  # with little air
+    assert swing(System([arm], [pin, end]), low, high, axes) is None and swing(crane(), low, high, axes) is None
+    assert swing(System([arm], [], [Torque(arm, (0, 0, 1))]), low, high, axes) is None
 
 
 # a real browser

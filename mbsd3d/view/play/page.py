@@ -18,9 +18,11 @@ from ..page.html import as_script, asset
 from ..page.recorder import Recording, client_head, printable
 from ..page.stage import Reach, Stage
 from ..scene.artist import draw_system
+from ..scene.camera import directions
 from ..scene.drawing import bounds, poses_of
 from ..scene.frames import Frames
 
+BALL = 0.75  # half side of a box, of the radius of a ball: where the box fills a view the ball is in it
 SCENE = ("unpack.js", "scene.js", "curves.js", "common.js")
 RIDE = ("strips.js", "gamepad.js", "ride.js")
 SECONDS = 10.0  # of the model that the live curves show
@@ -42,7 +44,8 @@ def ride_page(model: Playable, built: Built, look: Look) -> str:
     """The whole page."""
     recording, (r, e) = Recording("play"), poses_of(built.system, built.state)
     still, drawing = Frames(np.array([built.state.t]), r[None], e[None]), draw_system(built.system)
-    around = swing(built.system, *bounds(drawing, still.r, still.e, look.layers)) if look.followed < 0 else None
+    low, high = bounds(drawing, still.r, still.e, look.layers)
+    around = swing(built.system, low, high, directions(look.view)) if look.followed < 0 else None
     content = Content(drawing, still, [], [], [], 1.0, look.title, look.layers, followed=look.followed)
     stage = Stage(
         recording.scene, recording.camera, drawing, still, shown=look.layers, endless=True, view=look.view,
@@ -70,11 +73,11 @@ def ride_page(model: Playable, built: Built, look: Look) -> str:
     )  # fmt: skip
 
 
-def swing(system: Mechanism, low: np.ndarray, high: np.ndarray) -> Reach | None:
+def swing(system: Mechanism, low: np.ndarray, high: np.ndarray, axes: np.ndarray) -> Reach | None:
     """The space round the one point of the ground that a mechanism hangs on or stands on; None if there is no such one.
 
-    ``low``, ``high``: the box it takes at first [m]. What is held at several points does not leave it far. A view that
-    holds the corners of a cube holds the ball of twice its half side nearly.
+    ``low``, ``high``: the box it takes at first [m]; ``axes``: directions of the view. What is held at several points
+    does not leave that box far.
     """
     pivots = [
         joint.at for joint in system.joints
@@ -84,8 +87,8 @@ def swing(system: Mechanism, low: np.ndarray, high: np.ndarray) -> Reach | None:
     if len(pivots) != 1:
         return None
     at = pivots[0]
-    reach = 0.5 * np.linalg.norm(np.maximum(np.abs(low - at), np.abs(high - at)))
-    return Reach(at - reach, at + reach, {})
+    half = BALL * np.linalg.norm(np.maximum(np.abs(low - at), np.abs(high - at)))
+    return Reach((at - half, at + half), (axes @ at - half, axes @ at + half), {})
 
 
 def control_data(control: Control) -> dict[str, object]:
