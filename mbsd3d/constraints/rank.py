@@ -113,6 +113,13 @@ class Analysis:
             x[core.columns, 0] = Vt[rank:].T @ weights.normal(size=Vt.shape[0] - rank)
         return self.left.motion(x)[:, 0]
 
+    def least_motion(self) -> np.ndarray:
+        """(6 n,) unit motion of a core that breaks the rows least of those that break them."""
+        k = min(
+            range(len(self.cores)), key=lambda k: self.decompositions[k][1][: self.core_rank(k)].min(initial=np.inf)
+        )
+        return self.core_motion(self.cores[k], self.decompositions[k][2][self.core_rank(k) - 1])
+
     def core_motion(self, core: Core, x: np.ndarray) -> np.ndarray:
         """(6 n,) motion of all bodies that goes with one of a core; the picked rows are met."""
         whole = np.zeros((6 * self.n, 1))

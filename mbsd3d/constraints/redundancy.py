@@ -16,6 +16,7 @@ from ..mechanism.state import State
 from .assembly import close_pose, gap_size, newton, reference_pose
 from .contradictions import TOLERANCE, find_contradiction
 from .elimination import SAFE, Core
+from .nearness import nearly_singular
 from .rank import Analysis
 from .remedies import Cure, find_cures
 from .spanning_tree import loop_weights
@@ -40,9 +41,10 @@ class Diagnosis:
     ``mobility`` counts the velocities left free by all rows, ``configuration_freedom`` those left by the holonomic rows
     alone (both at the reference pose); ``gruebler`` is velocities - rows, what counting without geometry says.
     ``neighbour_ranks`` are those of two poses nearby, none where the rows are independent here: they cannot gain.
-    ``misfit`` [m] is by how much the parts as built miss their joints. ``notes`` say which body spins without moving
-    another one, and whether the pose is singular. The verdict names drivers that contradict each other and bodies whose
-    spin nothing determines.
+    ``misfit`` [m] is by how much the parts as built miss their joints. ``least_singular`` is the smallest singular
+    value that counts over the largest, 1 where all was decided without: it falls to 0 towards a singular pose.
+    ``notes`` say which body spins without moving another one, and whether the pose is singular or nearly so. The
+    verdict names drivers that contradict each other and bodies whose spin nothing determines.
     """
 
     coordinates: int
@@ -59,6 +61,7 @@ class Diagnosis:
     cures: tuple[Cure, ...]
     neighbour_ranks: tuple[int, ...]
     length: float
+    least_singular: float = 1.0
     notes: tuple[str, ...] = field(default=())
 
     @property
@@ -114,6 +117,7 @@ def diagnose(system: Mechanism, as_built: float) -> Diagnosis:
     notes = [f"freedom: {spin.text}" for spin in spins if not (spin.massless and spin is loose_ends[0] and not clash)]
     if neighbours and max(neighbours) > found.rank:
         notes.append(f"a position away from here the rank is {max(neighbours)}: this pose is singular")
+    notes += nearly_singular(compiled, data, found)
     return Diagnosis(
         coordinates=7 * len(system.bodies),
         velocities=n,
@@ -129,6 +133,7 @@ def diagnose(system: Mechanism, as_built: float) -> Diagnosis:
         cures=cures,
         neighbour_ranks=neighbours,
         length=length,
+        least_singular=found.smallest,
         notes=tuple(notes),
     )
 

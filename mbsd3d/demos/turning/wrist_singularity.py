@@ -87,7 +87,8 @@ demo = Demo(
     why="A wrist has three axes, and when it stretches out, the first and the last become one: then three motors turn "
     "the hand about two axes only. Just before that, a turn about the lost direction is still possible, as a small "
     "difference of two large turns in opposite senses. Their greatest rates go as one over the least bend, without "
-    "limit. `check()` says so beforehand: in the stretched pose one row is lost, so controllers keep away from it.",
+    "limit. `check()` sees it coming: it calls a pose from which little is missing nearly singular and names the two "
+    "axes, and in the stretched pose itself one row is lost. Controllers keep away from both.",
     equation="q_4' = w sin(miss) / sin^2(bend); q_6' = -q_4' cos(bend); miss <= bend",
     source="Siciliano, Sciavicco, Villani, Oriolo, Robotics: Modelling, Planning and Control (wrist singularities)",
     quantities={
