@@ -45,6 +45,7 @@ def start(folder, before, name="above"):
     return [int(hits) for hits in found]
 
 
+@pytest.mark.slow
 def test_the_one_that_is_called_may_come_from_another_process(tmp_path):
     (tmp_path / "pair.py").write_text(KERNELS)
     assert start(tmp_path, 0) == [0, 0]
@@ -55,6 +56,7 @@ def test_the_one_that_is_called_may_come_from_another_process(tmp_path):
     assert start(tmp_path, 1) == [1, 1]
 
 
+@pytest.mark.slow
 def test_a_name_of_another_process_is_handed_on(tmp_path):
     """`top` takes in `within`, from a file that calls `below` by the name it had in the process that wrote it."""
     (tmp_path / "pair.py").write_text(KERNELS)
@@ -86,6 +88,7 @@ print([made.data["dispatcher"] for _, made in found.buffer if made.is_start])
 """
 
 
+@pytest.mark.slow
 def test_a_later_process_compiles_nothing():
     def compiled():
         given = [sys.executable, "-c", LATER]

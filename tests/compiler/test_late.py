@@ -84,6 +84,7 @@ def test_a_number_says_which(compiled):
     assert a[0] == 10.0 and compiled == ["square", "double"]
 
 
+@pytest.mark.slow
 def test_ctrl_c_waits_for_the_kernel(monkeypatch):
     @late_kernel
     def slow(x) -> float:

@@ -38,6 +38,7 @@ def test_every_cell_has_the_closed_form():
     assert table.attrs["failed"] == 0 and table.attrs["cells"] == 6 and (table["error"] == "").all()
 
 
+@pytest.mark.slow
 def test_numbers_are_those_of_single_runs_whatever_the_executor():
     single = [speed(simulate(wheel(a, b), **RUN)) for a in GRID["torque"] for b in GRID["inertia"]]
     with ThreadPoolExecutor(3) as pool:
