@@ -6,7 +6,7 @@ only for the compiled time loops, they do not.
 """
 
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from contextvars import ContextVar
 from functools import cache, wraps
 from threading import Lock
@@ -25,9 +25,31 @@ def _controller() -> ThreadpoolController:
     return ThreadpoolController()
 
 
+class OneThread:
+    """The limit of one thread, which holds for the whole process: the first to ask sets it, the last takes it back."""
+
+    def __init__(self) -> None:
+        self.lock, self.inside, self.limit = Lock(), 0, ExitStack()
+
+    def __enter__(self) -> None:
+        with self.lock:
+            if not self.inside:
+                self.limit.enter_context(_controller().limit(limits=1))
+            self.inside += 1
+
+    def __exit__(self, *_: object) -> None:
+        with self.lock:
+            self.inside -= 1
+            if not self.inside:
+                self.limit.close()
+
+
+_ONE_THREAD = OneThread()
+
+
 def one_thread() -> AbstractContextManager:
     """Inside, BLAS and LAPACK calls use one thread."""
-    return _controller().limit(limits=1)
+    return _ONE_THREAD
 
 
 def on_one_thread(function: Callable[P, T]) -> Callable[P, T]:

@@ -38,13 +38,13 @@ def reference_state(system: Mechanism, as_built: float | None = None) -> State:
     compiled = compile_system(system)
     play = 0.0 if as_built is None else number(as_built, "as_built", positive=True)
     tolerance = max(1e-9, play / compiled.model.length)
-    pose = closed_or_error(compiled, reference_pose(system), tolerance)
-    return with_velocities(compiled, pose, {}, tolerance=10.0 * tolerance)
-
-
-def closed_or_error(compiled: Compiled, pose: State, tolerance: float) -> State:
-    """The pose with its hinge coordinates, or an AssemblyError naming the joint that gapes."""
     data = compiled.data()
+    pose = closed_or_error(compiled, data, reference_pose(system), tolerance)
+    return with_velocities(compiled, data, pose, {}, tolerance=10.0 * tolerance)
+
+
+def closed_or_error(compiled: Compiled, data: Data, pose: State, tolerance: float) -> State:
+    """The pose, loaded into ``data``, with its hinge coordinates, or an AssemblyError naming the joint that gapes."""
     pose = State(pose.t, pose.q, pose.v, pose.z, driven_coordinates(compiled, pose.t))
     load_state(compiled, data, pose)
     if gap_size(compiled, data.row["c"]) > tolerance:
@@ -203,7 +203,9 @@ def assemble(
         residual = newton(compiled, start, targets, goals, fixed, loop_weights(compiled))[1]
     check_closed(compiled, closed, residual, targets, goals)
     moved = moved_report(system, pose, closed)
-    return replace(with_velocities(compiled, closed, rates), moved=moved)
+    data = compiled.data()
+    load_state(compiled, data, closed)
+    return replace(with_velocities(compiled, data, closed, rates), moved=moved)
 
 
 def mapping(given: Mapping | None, what: str) -> Mapping:

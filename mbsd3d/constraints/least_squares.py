@@ -70,7 +70,11 @@ def proven(A: np.ndarray, tolerance: float = 0.0) -> bool:
 
 def dense_factor(D: np.ndarray, A: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
     """Solves with the matrix above; LinAlgError if it is singular."""
-    factor, pivots, zero = getrf(np.block([[D, A.T], [A, -DAMPING * np.eye(A.shape[0])]]))
+    n, m = D.shape[0], A.shape[0]
+    whole = np.zeros((n + m, n + m), order="F")
+    whole[:n, :n], whole[:n, n:], whole[n:, :n] = D, A.T, A
+    np.fill_diagonal(whole[n:, n:], -DAMPING)
+    factor, pivots, zero = getrf(whole, overwrite_a=True)
     if zero > 0:
         raise np.linalg.LinAlgError
     return lambda right: getrs(factor, pivots, right)[0]

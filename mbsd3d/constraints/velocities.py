@@ -9,10 +9,11 @@ from scipy.sparse import csr_array, vstack
 from ..base.checks import number, solvable
 from ..base.concurrency import one_thread
 from ..base.errors import AssemblyError, InputError
-from ..equations.at_state import coordinate_row, load_state
+from ..equations.at_state import coordinate_row
 from ..equations.compiled import Compiled
 from ..equations.jacobian import block_rows, displacement_units, largest_in_rows, scaled
 from ..equations.mass_matrix import mass_matrix_of
+from ..kernels.layout import Data
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .contradictions import find_contradiction
@@ -31,10 +32,9 @@ def given_velocities(system: Mechanism) -> np.ndarray:
     return v.ravel()
 
 
-def with_velocities(compiled: Compiled, pose: State, rates: Mapping, tolerance: float = 1e-8) -> State:
-    """The pose with velocities that meet J v = b, the given ones and ``rates``, with least kinetic energy."""
-    system, model, data = compiled.system, compiled.model, compiled.data()
-    load_state(compiled, data, pose)
+def with_velocities(compiled: Compiled, data: Data, pose: State, rates: Mapping, tolerance: float = 1e-8) -> State:
+    """The pose, loaded in ``data``, with velocities of least kinetic energy: J v = b, the given ones and ``rates``."""
+    system, model = compiled.system, compiled.model
     if model.singular:
         check_spins(compiled, data)
     rows, few, b = block_rows(model, data), model.body.size < FEW_BODIES, data.row["b"].copy()

@@ -85,12 +85,12 @@ def rows_at(compiled: Compiled, data: Data, t: float, y: np.ndarray, coordinates
 
 def check_quaternions(system: Mechanism, state: State) -> None:
     """ValueError for an orientation that is not a unit quaternion."""
-    for body, e in zip(system.bodies, state.q.reshape(-1, 7)[:, 3:], strict=True):
-        norm = np.linalg.norm(e)
-        if not abs(norm - 1.0) <= 1e-6:
-            raise InputError(
-                f"state: the quaternion of '{system.name(body)}' has norm {norm:.9g} instead of 1; divide it by that"
-            )
+    norms = np.linalg.norm(state.q.reshape(-1, 7)[:, 3:], axis=1)
+    for i in np.flatnonzero(~(np.abs(norms - 1.0) <= 1e-6)):
+        raise InputError(
+            f"state: the quaternion of '{system.name(system.bodies[i])}' has norm {norms[i]:.9g} instead of 1; divide "
+            "it by that"
+        )
 
 
 def unmet(compiled: Compiled, data: Data, v: np.ndarray, tolerance: float) -> tuple[np.ndarray, str] | None:

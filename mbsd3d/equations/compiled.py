@@ -1,6 +1,7 @@
 """From the description to the arrays of the kernels."""
 
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -10,12 +11,12 @@ from ..base.errors import InputError
 from ..compiler.announcing import announce_compilation
 from ..kernels import kinds
 from ..kernels.layout import MOST_BODIES, Data, Model, data_records, table
-from ..mechanism.bodies import GROUND
 from ..mechanism.drivers import Driver
 from ..mechanism.forces.custom import FunctionForce
 from ..mechanism.measures import Measure
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.primitives import Coordinate
+from .frames import Frames
 from .tables import (
     InputTerm,
     Signals,
@@ -114,6 +115,8 @@ def compile_system(system: Mechanism, measures: tuple[Measure, ...] = (), switch
     if measures:
         return lower(system, measures, switches)
     known = tables_of(system)
+    if switches == known.switches:
+        return known
     return replace(known, model=known.model._replace(**switch_fields(switches)), switches=switches)
 
 
@@ -127,8 +130,8 @@ def tables_of(system: Mechanism) -> Compiled:
 def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) -> Compiled:
     """Lower a system to arrays."""
     check_inputs(system)
-    index = {id(body): i for i, body in enumerate(system.bodies)}
-    index[id(GROUND)] = len(system.bodies)
+    frames = Frames(system)
+    index = frames.index
     rows_of_joint = [joint.primitives for joint in system.joints]
     primitives = [row for rows in rows_of_joint for row in rows]
     records = [force.record() for force in system.forces]
@@ -140,11 +143,11 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
     wanted += [x.coordinate for x in (*read, *measures)]
     coordinates = list({key_of(x): x for x in wanted if x is not None}.values())
     where = {key_of(x): i for i, x in enumerate(coordinates)}
-    signals, length = Signals(), own_length(system)
+    signals, length = Signals(), own_length(system, records, frames)
     bodies, singular = body_table(system)
     forces = force_table(system, records, index, where, signals, len(measures))
     places = {id(force): (i, int(forces["state"][i])) for i, force in enumerate(system.forces)}
-    rows_table = primitive_table(primitives, index, where, signals)
+    rows_table = primitive_table(primitives, frames, where, signals)
     per_row = row_table(primitives, rows_table["body"], length)
     counts = [sum(row.n_rows for row in rows) for rows in rows_of_joint]
     ends = np.cumsum([0, *counts])
@@ -153,7 +156,7 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
         body=bodies,
         primitive=rows_table,
         row=per_row,
-        coordinate=coordinate_table(coordinates, index, len(given)),
+        coordinate=coordinate_table(coordinates, frames, len(given)),
         force=forces,
         measure=measure_table([*measures, *read], index, where, places),
         number=np.concatenate([np.array(given, float), *(x.numbers for x in coordinates)]),
@@ -181,18 +184,24 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
 
 def new_data(model: Model, dtype: type = float) -> Data:
     """A fresh work space with the ground in its place."""
-    fields = data_records(dtype)
+    types = data_types(dtype)
     data = Data(
-        body=table(fields["body"], model.body.size + 1),
-        row=table(fields["row"], model.row.size),
-        force=table(fields["force"], model.force.size),
-        coordinate=table(fields["coordinate"], model.coordinate.size),
+        body=np.zeros(model.body.size + 1, types["body"]),
+        row=np.zeros(model.row.size, types["row"]),
+        force=np.zeros(model.force.size, types["force"]),
+        coordinate=np.zeros(model.coordinate.size, types["coordinate"]),
         unwrap_time=np.zeros(1),
         z=np.zeros(model.z_work, dtype),
         state_rate=np.zeros(model.z_work, dtype),
-        pose=table(fields["pose"], MOST_BODIES),
+        pose=np.zeros(MOST_BODIES, types["pose"]),
         wrench=np.zeros(6 * MOST_BODIES + 1, dtype),
     )
     data.body["e"][-1] = 1.0, 0.0, 0.0, 0.0
     data.body["R"][-1] = np.eye(3).ravel()
     return data
+
+
+@cache
+def data_types(dtype: type) -> dict[str, np.dtype]:
+    """Types of the tables of the work space; even to look them up by their fields takes longer than to make a table."""
+    return {name: table(fields, 0).dtype for name, fields in data_records(dtype).items()}

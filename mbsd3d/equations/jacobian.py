@@ -45,10 +45,9 @@ class BlockRows(NamedTuple):
         """(m, 6 n) matrix; faster than by `sparse` where there are few rows."""
         m = self.body.shape[0]
         A, i = np.zeros((m, self.n + 1, 6), self.J.dtype), np.arange(m)
-        for slot in range(4):  # every row once per slot: no pair comes twice
-            A[i, np.where((self.body[:, slot] >= 0) & (self.body[:, slot] < self.n), self.body[:, slot], self.n)] += (
-                self.J[:, slot]
-            )
+        on = np.where(self.body < 0, self.n, self.body)
+        for slot in np.flatnonzero((on < self.n).any(axis=0)):  # every row once per slot: no pair comes twice
+            A[i, on[:, slot]] += self.J[:, slot]
         return A[:, : self.n].reshape(m, 6 * self.n)
 
     def times(self, v: np.ndarray) -> np.ndarray:

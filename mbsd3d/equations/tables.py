@@ -1,5 +1,6 @@
 """The tables of the kernels from the parts of a system: one function per table of `Model`."""
 
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,6 +15,7 @@ from ..mechanism.measures import MEASURES, Measure
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.primitives import COORDINATES, Coordinate, Primitive
 from ..mechanism.signals import Signal
+from .frames import Frames
 
 SYMMETRIC = 1e-6  # of the largest moment: moments that differ by less are equal
 
@@ -25,19 +27,19 @@ def key_of(x: Coordinate) -> tuple:
     return (x.kind, id(x.a), id(x.b), geometry.tobytes())
 
 
-def own_length(system: Mechanism) -> float:
+def own_length(system: Mechanism, records: list[ForceRecord], frames: Frames) -> float:
     """Length of the largest body [m]: farthest joint or force point from its centre of mass, or radius of gyration."""
     largest = 0.0
     heavy = [body for body in system.bodies if body.mass > 0.0]
     if heavy:
         moments = np.linalg.eigvalsh([body.inertia for body in heavy])[:, -1]
         largest = float(np.sqrt((moments / [body.mass for body in heavy]).max()))
-    records = [force.record() for force in system.forces]
     pairs = [pair for r in records if r.points for pair in zip(r.bodies, r.points, strict=True)]
     pairs += [(body, joint.point()) for joint in system.joints for body in joint.bodies()]
-    arms = [point - body.centre for body, point in pairs if body is not GROUND]
-    if arms:
-        largest = max(largest, float(np.linalg.norm(arms, axis=1).max()))
+    pairs = [(frames.index[id(body)], point) for body, point in pairs if body is not GROUND]
+    if pairs:
+        on, points = zip(*pairs, strict=True)
+        largest = max(largest, float(np.linalg.norm(np.array(points) - frames.centre[list(on)], axis=1).max()))
     return largest or 1.0
 
 
@@ -105,17 +107,20 @@ class Signals:
 
 def body_table(system: Mechanism) -> tuple[np.ndarray, bool]:
     """(masses, inertias and their square roots, whether one of them is singular)."""
-    out, singular = table(BODY, len(system.bodies)), False
-    principal = zip(*np.linalg.eigh(np.array([body.inertia for body in system.bodies]).reshape(-1, 3, 3)), strict=True)
-    for i, (body, (moments, C)) in enumerate(zip(system.bodies, principal, strict=True)):
-        out["mass"][i], out["com"][i], out["inertia"][i] = body.mass, body.com, body.inertia.ravel()
-        if body.mass == 0.0 or moments[0] <= 1e-12 * moments[-1]:
-            singular = True
-            continue
-        out["inv_sqrt_inertia"][i] = (C / np.sqrt(moments)).T.ravel()
-        out["inv_sqrt_mass"][i] = 1.0 / np.sqrt(body.mass)
-        out["symmetry"][i], out["axis"][i] = symmetry(moments, C, body.com * np.sqrt(body.mass))
-    return out, singular
+    out = table(BODY, len(system.bodies))
+    out["mass"] = [body.mass for body in system.bodies]
+    out["com"] = [body.com for body in system.bodies]
+    inertia = np.array([body.inertia for body in system.bodies])
+    out["inertia"] = inertia.reshape(-1, 9)
+    moments, C = np.linalg.eigh(inertia)
+    regular = (out["mass"] > 0.0) & (moments[:, 0] > 1e-12 * moments[:, -1])
+    root = np.sqrt(np.where(regular[:, None], moments, np.inf))
+    out["inv_sqrt_inertia"] = (C / root[:, None, :]).swapaxes(1, 2).reshape(-1, 9)
+    out["inv_sqrt_mass"][regular] = 1.0 / np.sqrt(out["mass"][regular])
+    arms = out["com"] * np.sqrt(out["mass"])[:, None]
+    for i in np.flatnonzero(regular).tolist():
+        out["symmetry"][i], out["axis"][i] = symmetry(moments[i], C[i], arms[i])
+    return out, not regular.all()
 
 
 def symmetry(moments: np.ndarray, C: np.ndarray, arm: np.ndarray) -> tuple[int, np.ndarray]:
@@ -141,46 +146,73 @@ def zero_directions(x: Coordinate) -> tuple[np.ndarray, np.ndarray]:
     return perpendiculars(x.axis)[0], matched_perpendiculars(x.axis, x.axis_b)[0]
 
 
-def coordinate_table(coordinates: list[Coordinate], index: dict[int, int], first: int) -> np.ndarray:
+def coordinate_table(coordinates: list[Coordinate], frames: Frames, first: int) -> np.ndarray:
     """The table of hinge coordinates; the numbers of their curves follow each other from ``first``."""
     out = table(COORDINATE, len(coordinates))
+    if not coordinates:
+        return out
+    ends = np.array([(frames.index[id(x.a)], frames.index[id(x.b)]) for x in coordinates])
+    out["kind"], out["body"] = [COORDINATES[x.kind] for x in coordinates], ends
     out["number"] = first + np.cumsum([0, *(x.numbers.size for x in coordinates)])[:-1]
-    for i, x in enumerate(coordinates):
-        out["kind"][i], out["body"][i] = COORDINATES[x.kind], (index[id(x.a)], index[id(x.b)])
-        out["point"][i] = x.a.local_point(x.point_a), x.b.local_point(x.point_b)
-        if x.kind == "slide":
-            out["axis"][i, 0] = x.a.local_axis(x.axis)
-        elif x.kind == "touch":
-            out["axis"][i, 2] = x.b.local_axis(x.axis_b)
-        elif x.kind == "angle":
-            x_a, x_b = zero_directions(x)
-            y_a = cross(x.axis, x_a)
-            out["axis"][i] = x.a.local_axis(x_a), x.a.local_axis(y_a), x.b.local_axis(x_b)
+    points = [point for x in coordinates for point in (x.point_a, x.point_b)]
+    out["point"] = frames.points(ends.ravel(), points).reshape(-1, 2, 3)
+    axes = [(i, *axis) for i, x in enumerate(coordinates) for axis in axes_of(x)]
+    if axes:
+        i, slot, end, directions = zip(*axes, strict=True)
+        out["axis"][i, slot] = frames.axes(ends[i, end], directions)
     return out
+
+
+def axes_of(x: Coordinate) -> list[tuple[int, int, np.ndarray]]:
+    """(place in the table, 0 in a or 1 in b, world direction) of the axes of a coordinate."""
+    if x.kind == "slide":
+        return [(0, 0, x.axis)]
+    if x.kind == "touch":
+        return [(2, 1, x.axis_b)]
+    if x.kind == "angle":
+        x_a, x_b = zero_directions(x)
+        return [(0, 0, x_a), (1, 0, cross(x.axis, x_a)), (2, 1, x_b)]
+    return []
 
 
 def primitive_table(
-    primitives: list[Primitive], index: dict[int, int], where: dict[tuple, int], signals: Signals
+    primitives: list[Primitive], frames: Frames, where: dict[tuple, int], signals: Signals
 ) -> np.ndarray:
     """The table of constraint primitives."""
-    out, first = table(PRIMITIVE, len(primitives)), 0
-    for i, row in enumerate(primitives):
-        out["kind"][i], out["row"][i], out["rows"][i] = row.kind, first, row.n_rows
-        out["signal"][i] = signals.add(row.signal)
-        out["body"][i] = -1
-        out["coordinate"][i] = -1
-        out["value"][i, : len(row.values)] = row.values
-        for slot, body in enumerate(row.bodies):
-            out["body"][i, slot] = index[id(body)]
-        for slot, (body, point) in enumerate(zip(row.bodies, row.points, strict=False)):
-            out["point"][i, slot] = body.local_point(point)
-        for name, axes in (("axis", row.axes), ("second_axis", row.second_axes)):
-            for slot, (body, axis) in enumerate(zip(row.bodies, axes, strict=False)):
-                out[name][i, slot] = body.local_axis(axis)
-        for slot, x in enumerate(row.coordinates):
-            out["coordinate"][i, slot] = where[key_of(x)]
-        first += row.n_rows
+    out = table(PRIMITIVE, len(primitives))
+    out["kind"] = [row.kind for row in primitives]
+    out["rows"] = [row.n_rows for row in primitives]
+    out["row"] = np.cumsum(out["rows"]) - out["rows"]
+    out["signal"] = [signals.add(row.signal) for row in primitives]
+    out["body"] = out["coordinate"] = -1
+    bodies = [[frames.index[id(body)] for body in row.bodies] for row in primitives]
+    fill(out["body"], bodies)
+    fill(out["value"], [row.values for row in primitives])
+    fill(out["coordinate"], [[where[key_of(x)] for x in row.coordinates] for row in primitives])
+    fill_local(out["point"], [row.points for row in primitives], bodies, frames.points)
+    fill_local(out["axis"], [row.axes for row in primitives], bodies, frames.axes)
+    fill_local(out["second_axis"], [row.second_axes for row in primitives], bodies, frames.axes)
     return out
+
+
+def fill(column: np.ndarray, given: list[Sequence]) -> None:
+    """Write numbers into the first slots of each line."""
+    entries = [(i, slot, x) for i, some in enumerate(given) for slot, x in enumerate(some)]
+    if entries:
+        i, slot, values = zip(*entries, strict=True)
+        column[i, slot] = values
+
+
+def fill_local(column: np.ndarray, given: list[Sequence], bodies: list[list[int]], local: Callable) -> None:
+    """The same of world vectors, one a body at most, by ``local`` in the axes of the bodies."""
+    entries = [
+        (i, slot, body, x)
+        for i, (on, some) in enumerate(zip(bodies, given, strict=True))
+        for slot, (body, x) in enumerate(zip(on, some, strict=False))
+    ]
+    if entries:
+        i, slot, on, values = zip(*entries, strict=True)
+        column[i, slot] = local(on, values)
 
 
 def row_table(primitives: list[Primitive], bodies: np.ndarray, length: float) -> np.ndarray:

@@ -122,9 +122,10 @@ class Mechanism(Frozen):
         parts = getattr(self, kind)
         if isinstance(key, Body | Joint | ForceElement) and key in parts:
             return key
-        for part in parts:
-            if isinstance(key, str) and self.name(part) == key:
-                return part
+        if isinstance(key, str):
+            for part in parts:
+                if self.names[id(part)] == key:
+                    return part
         have = ", ".join(f"'{self.name(part)}'" for part in parts) or "none"
         key = getattr(key, "name", key)
         raise InputError(f"{shown(key)} is not one of the {kind} of this system; there are {have}")
