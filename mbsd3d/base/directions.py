@@ -8,10 +8,13 @@ from .errors import InputError
 from .rotations import UNIT
 
 
+WORLD = np.eye(3)
+
+
 def unit(value: ArrayLike, what: str) -> np.ndarray:
     """A (3,) unit vector along ``value``, which is kept if it is one; zero length is a ValueError."""
     axis = vector(value, what)
-    length = np.linalg.norm(axis)
+    length = np.sqrt(axis @ axis)
     if length < 1e-12:
         raise InputError(f"{what} has zero length; give a direction")
     return axis if abs(length - 1.0) < UNIT else axis / length
@@ -23,9 +26,18 @@ def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.array([y * w - z * v, z * u - x * w, x * v - y * u])
 
 
+def crosses(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """a x b of stacks (..., 3)."""
+    out = np.empty(np.broadcast_shapes(a.shape, b.shape))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        out[..., i] = a[..., j] * b[..., k] - a[..., k] * b[..., j]
+    return out
+
+
 def perpendiculars(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """x, y with (x, y, axis) right-handed and orthonormal; axis is a unit vector."""
-    x = cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    size = [abs(a) for a in axis.tolist()]
+    x = cross(axis, WORLD[size.index(min(size))])
     x /= np.sqrt(x @ x)
     return x, cross(axis, x)
 
@@ -34,5 +46,5 @@ def matched_perpendiculars(axis: np.ndarray, axis_b: np.ndarray) -> tuple[np.nda
     """Perpendiculars of axis_b nearest to those of axis."""
     x, _ = perpendiculars(axis)
     x_b = x - axis_b * (x @ axis_b)
-    x_b /= np.linalg.norm(x_b)
+    x_b /= np.sqrt(x_b @ x_b)
     return x_b, cross(axis_b, x_b)

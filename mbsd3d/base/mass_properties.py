@@ -69,12 +69,12 @@ def check_inertia(inertia: ArrayLike, mass: float, what: str) -> np.ndarray:
     either. ``inertia`` (3,) or (3, 3) [kg m^2], body axes; ``what`` names the part, "body 'wheel'".
     """
     m = _size(mass, what, "mass")
-    I = _inertia_matrix(inertia, what)
-    largest = np.max(np.abs(I))
-    if largest == 0.0:
-        return I
-    if m == 0.0:
+    I, largest = _finite_inertia(inertia, what)
+    if largest > 0.0 and m == 0.0:
         raise InputError(f"{what}: mass is 0 but inertia is not; give a mass, or inertia (0, 0, 0) for a massless body")
+    if I.ndim == 1:
+        _check_moments(np.sort(I), TOLERANCE * largest, what)
+        return np.diag(I)
     if np.max(np.abs(I - I.T)) > TOLERANCE * largest:
         raise InputError(f"{what}: inertia is not symmetric, {_text(I)}; make Iij and Iji equal")
     I = 0.5 * (I + I.T)
@@ -95,16 +95,17 @@ def _check_moments(moments: np.ndarray, tolerance: float, what: str) -> None:
         )
 
 
-def _inertia_matrix(inertia: ArrayLike, what: str) -> np.ndarray:
-    """(3, 3) finite floats from three moments or a matrix."""
+def _finite_inertia(inertia: ArrayLike, what: str) -> tuple[np.ndarray, float]:
+    """(three moments or a matrix of finite floats, the largest of them by size)."""
     remedy = "three moments or a 3x3 matrix about the centre of mass [kg m^2]"
     I = floats(inertia, f"{what}: inertia", remedy)
     if I.shape not in ((3,), (3, 3)):
         raise InputError(f"{what}: inertia has shape {I.shape}; give {remedy}")
     check_size(I, f"{what}: inertia")
-    if I.any() and np.abs(I).max() < SMALLEST:
+    largest = max(map(abs, I.ravel().tolist()))
+    if 0.0 < largest < SMALLEST:
         raise InputError(f"{what}: inertia {_text(I)} is below {SMALLEST:.0e}; check the units, or give zeros")
-    return np.diag(I) if I.ndim == 1 else I
+    return I, largest
 
 
 def _part(number: int, part: tuple | MassProperties) -> tuple[float, np.ndarray, np.ndarray]:

@@ -51,7 +51,7 @@ def as_quaternion(orientation: ArrayLike, what: str = "orientation") -> np.ndarr
         return _largest_column(values)
     if values.shape != (4,):
         raise InputError(f"{what}: shape {values.shape} is not an orientation; give {ORIENTATION}")
-    norm = np.linalg.norm(values)
+    norm = np.sqrt(values @ values)
     if abs(norm - 1.0) > TOLERANCE:
         raise InputError(
             f"{what}: the quaternion {_text(values)} has norm {norm:.9g} instead of 1; "

@@ -36,7 +36,7 @@ def eliminate(model: Model, data: Data, rows: np.ndarray | None = None, dtype: t
     if joint.size:
         choose_joint_rows(model, data, joint, first, np.zeros((6, 6)), chosen)
     made = bodies, light, chosen.tobytes()
-    tables = {name: plan.copy() for name, plan in planned_tables(*made, dtype).items()}
+    tables = {name: np.frombuffer(bytearray(lines), kind) for name, (lines, kind) in planned_tables(*made, dtype).items()}
     loop, state, plan = tables["loop"], single(TREE_STATE), loop_plan(*made)
     state.mu = PROXIMAL / (inertias.max(initial=0.0) or 1.0)
     state.soft = UNKNOWN
@@ -52,15 +52,15 @@ def eliminate(model: Model, data: Data, rows: np.ndarray | None = None, dtype: t
 
 
 @lru_cache(maxsize=32)
-def planned_tables(bodies: bytes, light: bytes, chosen: bytes, dtype: type) -> dict[str, np.ndarray]:
-    """The tables of a tree as its plan fills them; to be copied."""
+def planned_tables(bodies: bytes, light: bytes, chosen: bytes, dtype: type) -> dict[str, tuple[bytes, np.dtype]]:
+    """The tables of a tree as its plan fills them, as bytes: numpy copies records field by field."""
     plan, fields, tables = loop_plan(bodies, light, chosen), tree_records(dtype), {}
     for name in ("link", "joint", "loop", "entry"):
         tables[name] = table(fields[name], plan[name].size)
         for key, value in plan.items():
             if key.startswith(name + "."):
                 tables[name][key.partition(".")[2]] = value
-    return tables
+    return {name: (lines.tobytes(), lines.dtype) for name, lines in tables.items()}
 
 
 def inertias_about_points(model: Model) -> np.ndarray:

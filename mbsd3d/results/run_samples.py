@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from ..base.checks import shown
+from ..base.directions import crosses
 from ..base.errors import InputError
 from ..base.rotations import matrix
 from ..base.style import Sampled
@@ -134,7 +135,7 @@ class RunSamples(Poses):
         if x.kind == "angle":
             return np.einsum("ti,ti->t", axis, w_b - w_a)
         p_b, v_b = self._point_motion(x.b, x.point_b)
-        v_a_there = 0.0 if x.a is GROUND else self.velocity(x.a) + np.cross(w_a, p_b - self.position(x.a))
+        v_a_there = 0.0 if x.a is GROUND else self.velocity(x.a) + crosses(w_a, p_b - self.position(x.a))
         return np.einsum("ti,ti->t", axis, v_b - v_a_there)
 
     def _point_motion(self, body: Body | Ground, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -146,7 +147,7 @@ class RunSamples(Poses):
     def _carried(self, body: Body, local: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """World position and velocity of a point given in body axes from the reference point."""
         arm = self.rotation(body) @ local
-        return self.position(body) + arm, self.velocity(body) + np.cross(self.omega(body), arm)
+        return self.position(body) + arm, self.velocity(body) + crosses(self.omega(body), arm)
 
     @cached_property
     def _middle(self) -> MiddleRows:
@@ -189,7 +190,7 @@ class RunSamples(Poses):
         point = parts[0].reaction_points(self)
         origin = np.zeros((samples, 3)) if body is GROUND else self.position(body)
         force = total[:, :3]
-        return Reaction(force, total[:, 3:] - np.cross(point - origin, force), point, unique)
+        return Reaction(force, total[:, 3:] - crosses(point - origin, force), point, unique)
 
     def force(self, force: ForceElement | str, on: Body | Ground | str | None = None) -> Load:
         """Force [N] and moment [N m] of a force element on a body at its point, with power, stretch and own states.
@@ -251,7 +252,7 @@ class RunSamples(Poses):
             centre, v_com = self._carried(body, body.com)
             p = body.mass * v_com
             linear += p
-            angular += np.cross(centre, p)
+            angular += crosses(centre, p)
             angular += np.einsum("tij,tj->ti", self.rotation(body), self.omega_body(body) @ body.inertia)
         return Momentum(linear, angular)
 

@@ -115,17 +115,22 @@ class AxisJoint(PointJoint):
     def slide(self) -> Coordinate:
         return Coordinate("slide", self.a, self.b, self.axis, self.axis_b, self.at, self.at_b)
 
+    @cached_property
+    def across(self) -> tuple[np.ndarray, np.ndarray]:
+        """Two directions in a across the axis."""
+        return perpendiculars(self.axis)
+
     def parallel_rows(self) -> list[Primitive]:
         """axis_b stays along axis_a (2 rows)."""
-        return [perpendicular(self.a, self.b, x, self.axis_b) for x in perpendiculars(self.axis)]
+        return [perpendicular(self.a, self.b, x, self.axis_b) for x in self.across]
 
     def line_rows(self) -> list[Primitive]:
         """The point of b stays on the axis in a (2 rows)."""
-        return [in_plane(self.a, self.b, x, self.at, self.at_b) for x in perpendiculars(self.axis)]
+        return [in_plane(self.a, self.b, x, self.at, self.at_b) for x in self.across]
 
     def no_turn_row(self) -> Primitive:
         """No rotation of b about the axis relative to a (1 row)."""
-        x, _ = perpendiculars(self.axis)
+        x, _ = self.across
         _, y_b = matched_perpendiculars(self.axis, self.axis_b)
         return perpendicular(self.a, self.b, x, y_b)
 

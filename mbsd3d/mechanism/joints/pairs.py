@@ -58,7 +58,8 @@ class Universal(PointJoint):
     def check(self, what: str) -> None:
         super().check(what)
         x, y = unit(self.axis_a, f"{what}: axis_a"), unit(self.axis_b, f"{what}: axis_b")
-        if np.linalg.norm(cross(x, y)) < 1e-6:
+        off = cross(x, y)
+        if off @ off < 1e-12:
             raise InputError(f"{what}: axis_a and axis_b are parallel; a cross needs two perpendicular axes")
         if abs(x @ y) > 1e-6:
             angle = np.degrees(np.arccos(x @ y))
