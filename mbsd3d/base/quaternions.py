@@ -76,7 +76,8 @@ def skew(a: ArrayLike) -> np.ndarray:
 
 def _check_nonzero(square: float | np.ndarray) -> None:
     """Refuse quaternions whose squares are zero or not finite."""
-    if not (0.0 < square < np.inf if isinstance(square, float) else np.all((square > 0.0) & np.isfinite(square))):
+    fine = (square > 0.0) & (square < np.inf)
+    if not (fine if isinstance(square, float) else fine.all()):
         raise InputError("quaternion: one is zero or not finite, not an orientation; give unit quaternions")
 
 

@@ -39,8 +39,7 @@ def with_velocities(compiled: Compiled, data: Data, pose: State, rates: Mapping,
         check_spins(compiled, data)
     rows, few, b = block_rows(model, data), model.body.size < FEW_BODIES, data.row["b"].copy()
     J = [rows.dense() if few else rows.sparse()]
-    names = [f"{type(joint).__name__} '{system.name(joint)}'" for joint in system.joints]
-    names = [names[j] for j in compiled.row_joint]
+    asked = []
     for key, value in rates.items():
         joint = system.part(key, "joints")
         x = joint.angle() or joint.slide()
@@ -49,12 +48,12 @@ def with_velocities(compiled: Compiled, data: Data, pose: State, rates: Mapping,
         row = coordinate_row(compiled, data, compiled.coordinate(x), pose.t)[1][None]
         J.append(row if few else csr_array(row))
         b = np.append(b, number(value, f"assemble: rate of '{system.name(joint)}'"))
-        names.append(f"rate of '{system.name(joint)}'")
+        asked.append(f"rate of '{system.name(joint)}'")
     if len(J) > 1:
         J = [np.vstack(J) if few else vstack(J, format="csr")]
     with one_thread(), solvable("velocities at the start"):
         try:
-            v = least_energy(compiled, pose, J[0], b, given_velocities(system), names, tolerance)
+            v = least_energy(compiled, pose, J[0], b, given_velocities(system), asked, tolerance)
         except AssemblyError as error:
             clash = find_contradiction(compiled, data, pose.t, pose.t)
             raise (clash.error() if clash else error) from None
@@ -62,10 +61,13 @@ def with_velocities(compiled: Compiled, data: Data, pose: State, rates: Mapping,
 
 
 def least_energy(
-    compiled: Compiled, pose: State, J: Matrix, b: np.ndarray, given: np.ndarray, names: list[str],
+    compiled: Compiled, pose: State, J: Matrix, b: np.ndarray, given: np.ndarray, asked: list[str],
     tolerance: float,
 ) -> np.ndarray:  # fmt: skip
-    """min v'M v / 2 subject to J v = b and the given entries of v; errors name the joint or the massless body."""
+    """min v'M v / 2 subject to J v = b and the given entries of v; errors name the joint or the massless body.
+
+    ``asked``: what the rows beyond those of the joints are.
+    """
     model = compiled.model
     known = ~np.isnan(given)
     v = np.where(known, given, 0.0)
@@ -95,9 +97,18 @@ def least_energy(
             what = "no velocities meet all joints and drivers"
             advice = "two of them ask for different motions: take one out, or give drivers the same speed at the start"
         raise AssemblyError(
-            f"{what} (J v - b in m/s or rad/s)", part=names[k], residual=float(residual[k]), time=pose.t, advice=advice
-        )
+            f"{what} (J v - b in m/s or rad/s)", part=part_of(compiled, asked, k), residual=float(residual[k]),
+            time=pose.t, advice=advice,
+        )  # fmt: skip
     return v
+
+
+def part_of(compiled: Compiled, asked: list[str], row: int) -> str:
+    """The joint that a row belongs to, or what was asked besides."""
+    if row >= compiled.row_joint.size:
+        return asked[row - compiled.row_joint.size]
+    joint = compiled.system.joints[compiled.row_joint[row]]
+    return f"{type(joint).__name__} '{compiled.system.name(joint)}'"
 
 
 def check_determined(system: Mechanism, A: Matrix, M: Matrix, free: np.ndarray) -> None:

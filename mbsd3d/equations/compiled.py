@@ -196,8 +196,7 @@ def new_data(model: Model, dtype: type = float) -> Data:
         pose=np.zeros(MOST_BODIES, types["pose"]),
         wrench=np.zeros(6 * MOST_BODIES + 1, dtype),
     )
-    data.body["e"][-1] = 1.0, 0.0, 0.0, 0.0
-    data.body["R"][-1] = np.eye(3).ravel()
+    data.body["e"][-1, 0] = data.body["R"][-1, 0] = data.body["R"][-1, 4] = data.body["R"][-1, 8] = 1.0
     return data
 
 
