@@ -7,7 +7,6 @@ from .checks import vector
 from .errors import InputError
 from .rotations import UNIT
 
-
 WORLD = np.eye(3)
 
 

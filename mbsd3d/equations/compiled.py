@@ -17,6 +17,7 @@ from ..mechanism.measures import Measure
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.primitives import Coordinate
 from .frames import Frames
+from .row_tables import row_tables
 from .tables import (
     InputTerm,
     Signals,
@@ -27,8 +28,6 @@ from .tables import (
     key_of,
     measure_table,
     own_length,
-    primitive_table,
-    row_table,
     state_layout,
 )
 
@@ -147,8 +146,9 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
     bodies, singular = body_table(system)
     forces = force_table(system, records, index, where, signals, len(measures))
     places = {id(force): (i, int(forces["state"][i])) for i, force in enumerate(system.forces)}
-    rows_table = primitive_table(primitives, frames, where, signals)
-    per_row = row_table(primitives, rows_table["body"], length)
+    numbers = tuple([tuple([where[key_of(x)] for x in row.coordinates]) for row in primitives])
+    driven = [signals.add(row.signal) for row in primitives if row.signal is not None]
+    rows_table, per_row = row_tables(primitives, numbers, driven, frames, length)
     counts = [sum(row.n_rows for row in rows) for rows in rows_of_joint]
     ends = np.cumsum([0, *counts])
     row_joint = np.repeat(np.arange(len(counts)), counts)
@@ -168,14 +168,14 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
         **switch_fields(switches),
     )
     slices = [slice(int(i), int(j)) for i, j in zip(ends[:-1], ends[1:], strict=True)]
-    driven = [int(k) for k in np.flatnonzero(per_row["drive"] >= 0)]
+    drives = [int(k) for k in np.flatnonzero(per_row["drive"] >= 0)]
     return Compiled(
         system=system,
         model=model,
         body_index=index,
         rows={id(joint): part for joint, part in zip(system.joints, slices, strict=True)},
         coordinate_index=where,
-        drives=[(system.joints[row_joint[k]], k) for k in driven if isinstance(system.joints[row_joint[k]], Driver)],
+        drives=[(system.joints[row_joint[k]], k) for k in drives if isinstance(system.joints[row_joint[k]], Driver)],
         row_joint=row_joint,
         switches=switches,
         inputs=tuple(signals.inputs),

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from ..kernels.kinds import ANGLE, COINCIDE, DOT, DOT_DIFFERENCE, RATIO, TURN_RATE
+from ..kernels.kinds import ANGLE, COINCIDE, DOT, DOT_DIFFERENCE, RATIO, ROWS_OF, TURN_RATE
 from ..kernels.layout import TREE_STATE, Data, Model, Tree, single, table, tree_records
 from ..saddle.basis import choose_blocks, choose_joint_rows
 from ..saddle.independence import UNKNOWN
@@ -20,7 +20,8 @@ from ..saddle.loops import PROXIMAL
 
 LIGHT = 1e-3  # of the heaviest inertia: bodies below it, and below each further power of it, are lighter by a class
 CLASSES = 8
-TURNS = (DOT, DOT_DIFFERENCE, TURN_RATE)  # primitives that only turn bodies, as ratios of angles do
+# by kind: which primitives only turn bodies, as ratios of angles do
+TURNS = np.isin(np.arange(len(ROWS_OF)), (DOT, DOT_DIFFERENCE, TURN_RATE))
 
 
 def eliminate(model: Model, data: Data, rows: np.ndarray | None = None, dtype: type = float) -> Tree:
@@ -38,7 +39,8 @@ def eliminate(model: Model, data: Data, rows: np.ndarray | None = None, dtype: t
     if joint.size:
         choose_joint_rows(model, data, joint, first, np.zeros((6, 6)), chosen)
     made = bodies, light, chosen.tobytes()
-    tables = {name: np.frombuffer(bytearray(lines), kind) for name, (lines, kind) in planned_tables(*made, dtype).items()}
+    planned = planned_tables(*made, dtype).items()
+    tables = {name: np.frombuffer(bytearray(lines), kind) for name, (lines, kind) in planned}
     loop, state, plan = tables["loop"], single(TREE_STATE), loop_plan(*made)
     state.mu = PROXIMAL / (inertias.max(initial=0.0) or 1.0)
     state.soft = UNKNOWN
@@ -50,7 +52,7 @@ def eliminate(model: Model, data: Data, rows: np.ndarray | None = None, dtype: t
     tree = Tree(
         link=tables["link"], joint=joint, loop=loop, entry=tables["entry"],
         skyline=np.zeros((2, size), dtype), vector=np.zeros((4, loop.size), dtype), shares=np.zeros(48, np.int64),
-        state=state, used=used, skipped=np.delete(np.arange(model.row.size), used),
+        state=state, used=used, skipped=used[:0] if rows is None else np.delete(np.arange(model.row.size), used),
     )  # fmt: skip
     choose_blocks(data, tree)
     return tree
@@ -72,7 +74,7 @@ def turns_last(model: Model, link: np.ndarray, joint: np.ndarray) -> np.ndarray:
     """The rows of each link, those last that only turn its body; sets how many others there are, if three at most."""
     primitive = model.primitive
     kinds = np.append(model.coordinate["kind"], ANGLE)[primitive["coordinate"]]
-    turns = np.isin(primitive["kind"], TURNS) | ((primitive["kind"] == RATIO) & (kinds == ANGLE).all(axis=1))
+    turns = TURNS[primitive["kind"]] | ((primitive["kind"] == RATIO) & (kinds == ANGLE).all(axis=1))
     part = np.repeat(np.arange(primitive.size), primitive["rows"])[joint["row"]]
     owner = np.repeat(np.arange(link.size), link["rows"])
     order = np.lexsort((turns[part], owner))

@@ -1,6 +1,5 @@
 """The tables of the kernels from the parts of a system: one function per table of `Model`."""
 
-from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -8,12 +7,12 @@ import numpy as np
 from ..base.directions import cross, matched_perpendiculars, perpendiculars
 from ..base.errors import InputError
 from ..dynamics.loads import number_of_law
-from ..kernels.layout import BODY, COORDINATE, FORCE, MEASURE, PRIMITIVE, ROW, SIGNAL, STATE, TERM, table
+from ..kernels.layout import BODY, COORDINATE, FORCE, MEASURE, SIGNAL, STATE, TERM, table
 from ..mechanism.bodies import GROUND
 from ..mechanism.force_element import ForceRecord
 from ..mechanism.measures import MEASURES, Measure
 from ..mechanism.mechanism import Mechanism
-from ..mechanism.primitives import COORDINATES, Coordinate, Primitive
+from ..mechanism.primitives import COORDINATES, Coordinate
 from ..mechanism.signals import Signal
 from .frames import Frames
 
@@ -173,60 +172,6 @@ def axes_of(x: Coordinate) -> list[tuple[int, int, np.ndarray]]:
         x_a, x_b = zero_directions(x)
         return [(0, 0, x_a), (1, 0, cross(x.axis, x_a)), (2, 1, x_b)]
     return []
-
-
-def primitive_table(
-    primitives: list[Primitive], frames: Frames, where: dict[tuple, int], signals: Signals
-) -> np.ndarray:
-    """The table of constraint primitives."""
-    out = table(PRIMITIVE, len(primitives))
-    out["kind"] = [row.kind for row in primitives]
-    out["rows"] = [row.n_rows for row in primitives]
-    out["row"] = np.cumsum(out["rows"]) - out["rows"]
-    out["signal"] = [signals.add(row.signal) for row in primitives]
-    out["body"] = out["coordinate"] = -1
-    bodies = [[frames.index[id(body)] for body in row.bodies] for row in primitives]
-    fill(out["body"], bodies)
-    fill(out["value"], [row.values for row in primitives])
-    fill(out["coordinate"], [[where[key_of(x)] for x in row.coordinates] for row in primitives])
-    fill_local(out["point"], [row.points for row in primitives], bodies, frames.points)
-    fill_local(out["axis"], [row.axes for row in primitives], bodies, frames.axes)
-    fill_local(out["second_axis"], [row.second_axes for row in primitives], bodies, frames.axes)
-    return out
-
-
-def fill(column: np.ndarray, given: list[Sequence]) -> None:
-    """Write numbers into the first slots of each line."""
-    entries = [(i, slot, x) for i, some in enumerate(given) for slot, x in enumerate(some)]
-    if entries:
-        i, slot, values = zip(*entries, strict=True)
-        column[i, slot] = values
-
-
-def fill_local(column: np.ndarray, given: list[Sequence], bodies: list[list[int]], local: Callable) -> None:
-    """The same of world vectors, one a body at most, by ``local`` in the axes of the bodies."""
-    entries = [
-        (i, slot, body, x)
-        for i, (on, some) in enumerate(zip(bodies, given, strict=True))
-        for slot, (body, x) in enumerate(zip(on, some, strict=False))
-    ]
-    if entries:
-        i, slot, on, values = zip(*entries, strict=True)
-        column[i, slot] = local(on, values)
-
-
-def row_table(primitives: list[Primitive], bodies: np.ndarray, length: float) -> np.ndarray:
-    """What is known of each single row."""
-    counts = [row.n_rows for row in primitives]
-    out = table(ROW, sum(counts))
-    driven = np.repeat(np.array([row.signal is not None for row in primitives], bool), counts)
-    metres = np.repeat(np.array([row.in_metres for row in primitives], bool), counts)
-    out["body"] = np.repeat(bodies, counts, axis=0).reshape(-1, 4)
-    out["holonomic"] = [h for row in primitives for h in row.holonomic]
-    out["scale"] = np.where(metres, 1.0 / length, 1.0)
-    out["drive"] = -1
-    out["drive"][driven] = np.arange(driven.sum())
-    return out
 
 
 def force_table(

@@ -1,0 +1,90 @@
+"""The tables of constraint rows: planned once for all mechanisms whose rows are alike, with the numbers of each.
+
+Rows are alike if they are of the same kinds between the same bodies: then all but points, axes, values and signals is
+the same. In a sweep over masses and lengths that is every cell.
+"""
+
+from collections.abc import Callable
+from functools import lru_cache
+from itertools import chain
+from typing import NamedTuple
+
+import numpy as np
+
+from ..kernels.kinds import ROWS_OF
+from ..kernels.layout import PRIMITIVE, ROW, table
+from ..mechanism.primitives import Primitive
+from .frames import Frames
+
+Lists = tuple[tuple[int, ...], ...]  # one of each primitive
+
+
+class Plan(NamedTuple):
+    """The tables without their numbers, as bytes: numpy copies records field by field."""
+
+    primitive: tuple[bytes, np.dtype]
+    row: tuple[bytes, np.dtype]
+    driven: list[int]  # primitives with a signal
+    rows_of: np.ndarray  # (rows,) the primitive of each
+
+
+@lru_cache(maxsize=32)
+def row_plan(
+    kinds: tuple[int, ...], bodies: Lists, coordinates: Lists, driven: tuple[bool, ...], holonomic: Lists
+) -> Plan:
+    """The plan of primitives of these kinds, between these bodies and hinge coordinates, with a signal or without."""
+    out = table(PRIMITIVE, len(kinds))
+    out["kind"], out["rows"] = kinds, [ROWS_OF[kind] for kind in kinds]
+    out["row"] = np.cumsum(out["rows"]) - out["rows"]
+    out["signal"] = out["body"] = out["coordinate"] = -1
+    for name, lists in (("body", bodies), ("coordinate", coordinates)):
+        lines, slots = places(tuple(map(len, lists)))
+        out[name][lines, slots] = list(chain(*lists))
+    rows_of = np.repeat(np.arange(out.size), out["rows"])
+    row, with_signal = table(ROW, rows_of.size), np.array(driven, bool)[rows_of]
+    row["body"], row["holonomic"] = out["body"][rows_of], list(chain(*holonomic))
+    row["drive"] = np.where(with_signal, np.cumsum(with_signal) - 1, -1)
+    numbers = np.flatnonzero(driven).tolist()
+    return Plan((out.tobytes(), out.dtype), (row.tobytes(), row.dtype), numbers, rows_of)
+
+
+@lru_cache(maxsize=128)
+def places(counts: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """(lines, slots) of the first entries of each line, as many as counted."""
+    many = np.array(counts, int)
+    lines = np.repeat(np.arange(many.size), many)
+    return lines, np.arange(lines.size) - (np.cumsum(many) - many)[lines]
+
+
+def row_tables(
+    primitives: list[Primitive], coordinates: Lists, signals: list[int], frames: Frames, length: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """(table of primitives, table of rows).
+
+    ``coordinates``: numbers of the hinge coordinates of each primitive; ``signals``: of the signals of those that have
+    one; ``length``: of the model [m].
+    """
+    index = frames.index
+    plan = row_plan(
+        tuple([x.kind for x in primitives]),
+        tuple([tuple([index[id(body)] for body in x.bodies]) for x in primitives]),
+        coordinates,
+        tuple([x.signal is not None for x in primitives]),
+        tuple([x.holonomic for x in primitives]),
+    )
+    out, row = (np.frombuffer(bytearray(lines), kind) for lines, kind in (plan.primitive, plan.row))
+    out["signal"][plan.driven] = signals
+    fill(out, "value", [x.values for x in primitives])
+    fill(out, "point", [x.points for x in primitives], frames.points)
+    fill(out, "axis", [x.axes for x in primitives], frames.axes)
+    fill(out, "second_axis", [x.second_axes for x in primitives], frames.axes)
+    row["scale"] = np.where(np.array([x.in_metres for x in primitives], bool)[plan.rows_of], 1.0 / length, 1.0)
+    return out, row
+
+
+def fill(out: np.ndarray, name: str, given: list[tuple], local: Callable | None = None) -> None:
+    """Numbers of each primitive from its first slot on; world vectors by ``local`` in the axes of the bodies there."""
+    lines, slots = places(tuple(map(len, given)))
+    if lines.size:
+        values = list(chain(*given))
+        out[name][lines, slots] = local(out["body"][lines, slots], values) if local else values
