@@ -75,7 +75,7 @@ def least_energy(
     A = scaled(J, np.ones(J.shape[0]), scale)
     unit_rows = 1.0 / np.maximum(largest_in_rows(A), 1e-300)
     A = scaled(A, unit_rows, np.ones(known.size))
-    M = scaled(mass_matrix_of(compiled.system, pose, isinstance(J, np.ndarray)), scale, scale)
+    M = scaled(mass_matrix_of(model, pose, isinstance(J, np.ndarray)), scale, scale)
     M = M / max(abs(M).max(), 1e-300)
     free = np.flatnonzero(~known)
     if model.singular:

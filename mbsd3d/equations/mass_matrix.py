@@ -5,7 +5,7 @@ from scipy.sparse import bsr_array, csr_array
 
 from ..base.quaternions import skew
 from ..base.rotations import matrix
-from ..mechanism.mechanism import Mechanism
+from ..kernels.layout import Model
 from ..mechanism.state import State
 
 
@@ -21,11 +21,11 @@ def inertia_about_origin(e: np.ndarray, com: np.ndarray, mass: float | np.ndarra
     return block
 
 
-def mass_matrix_of(system: Mechanism, pose: State, dense: bool) -> np.ndarray | csr_array:
+def mass_matrix_of(model: Model, pose: State, dense: bool) -> np.ndarray | csr_array:
     """(6 n, 6 n) block diagonal of the reference-point mass matrices, dense or sparse."""
-    n = len(system.bodies)
-    com, mass, inertia = (np.array([getattr(b, x) for b in system.bodies]) for x in ("com", "mass", "inertia"))
-    blocks = inertia_about_origin(pose.q.reshape(n, 7)[:, 3:], com, mass, inertia)
+    n, body = model.body.size, model.body
+    inertia = body["inertia"].reshape(n, 3, 3)
+    blocks = inertia_about_origin(pose.q.reshape(n, 7)[:, 3:], body["com"], body["mass"], inertia)
     if dense:
         M, i = np.zeros((n, 6, n, 6)), np.arange(n)
         M[i, :, i] = blocks

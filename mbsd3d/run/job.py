@@ -133,8 +133,8 @@ class Job:
         return self.solution()
 
     def loop(self, progress: Progress) -> None:
-        """Chunks of about CHUNK seconds."""
-        run, budget = self.memory, 16
+        """Chunks of about CHUNK seconds, the first of about a millisecond: short runs need no second one."""
+        run, budget = self.memory, max(16, 1000 // self.model.body.size)
         wait_for_second()
         while True:
             began = time.perf_counter()
