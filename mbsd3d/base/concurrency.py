@@ -6,10 +6,10 @@ only for the compiled time loops, they do not.
 """
 
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, ExitStack, contextmanager
+from contextlib import contextmanager, nullcontext
 from contextvars import ContextVar
 from functools import cache, wraps
-from threading import Lock
+from threading import Lock, local
 from typing import ParamSpec, TypeVar
 
 import numpy  # noqa: F401  # numpy and scipy load an OpenBLAS each: both must be there to be found
@@ -25,31 +25,18 @@ def _controller() -> ThreadpoolController:
     return ThreadpoolController()
 
 
-class OneThread:
-    """The limit of one thread, which holds for the whole process: the first to ask sets it, the last takes it back."""
-
-    def __init__(self) -> None:
-        self.lock, self.inside, self.limit = Lock(), 0, ExitStack()
-
-    def __enter__(self) -> None:
-        with self.lock:
-            if not self.inside:
-                self.limit.enter_context(_controller().limit(limits=1))
-            self.inside += 1
-
-    def __exit__(self, *_: object) -> None:
-        with self.lock:
-            self.inside -= 1
-            if not self.inside:
-                self.limit.close()
+_INSIDE = local()  # .depth: how often this thread is inside `one_thread`
 
 
-_ONE_THREAD = OneThread()
-
-
-def one_thread() -> AbstractContextManager:
-    """Inside, BLAS and LAPACK calls use one thread."""
-    return _ONE_THREAD
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Inside, BLAS and LAPACK calls use one thread; to say it again inside costs nothing."""
+    depth = _INSIDE.depth = getattr(_INSIDE, "depth", 0) + 1
+    try:
+        with nullcontext() if depth > 1 else _controller().limit(limits=1):
+            yield
+    finally:
+        _INSIDE.depth = depth - 1
 
 
 def on_one_thread(function: Callable[P, T]) -> Callable[P, T]:

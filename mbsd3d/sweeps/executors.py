@@ -5,6 +5,7 @@ next system. One parallel loop over stacked models was measured as fast (178 aga
 316 ms, equal bits), but has to wait until all its systems are built.
 """
 
+import gc
 import multiprocessing
 import os
 import signal
@@ -144,6 +145,7 @@ def stream(
 def begin_worker() -> None:
     """Leave Ctrl-C to the parent, and end with it, however it ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    gc.freeze()  # what was imported is no garbage: cells allocate much, and would have it looked through each time
     Thread(target=end_with_parent, daemon=True).start()
 
 

@@ -3,6 +3,7 @@
 import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -94,10 +95,16 @@ def plain(name: str, value: Any) -> float | list[float]:
 
 def check_settings(settings: Mapping[str, Any]) -> None:
     """MisuseError for an argument that simulate does not have."""
-    known = [name for name in inspect.signature(simulate).parameters if name != "system"]
+    known = settings_of_simulate()
     for name in settings:
         if name not in known:
             raise MisuseError(f"simulate has no argument {name!r}; it has {', '.join(known)}")
+
+
+@cache
+def settings_of_simulate() -> tuple[str, ...]:
+    """The names of its arguments but for the system; Python takes as long to find them as to build a body."""
+    return tuple(name for name in inspect.signature(simulate).parameters if name != "system")
 
 
 def check_parameters(function: Callable, what: str, parameters: Mapping[str, Any]) -> None:

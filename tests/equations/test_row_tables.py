@@ -1,0 +1,95 @@
+"""Tables of rows from plans that mechanisms share: the numbers of each, and no trace of the one before."""
+
+import numpy as np
+import pytest
+
+from mbsd3d import GROUND, Body, Joint, Kinematic, Revolute, System, simulate
+from mbsd3d.equations import elimination, row_tables
+from mbsd3d.errors import InputError
+from mbsd3d.mechanism.primitives import coincide
+from validation.cases.examples import mechanism
+from validation.cases.inline_four import RATE, block_force, inline_four
+from validation.cases.loops import FAMILIES
+
+PLANS = [row_tables.row_plan, row_tables.places]
+PLANS += [elimination.spanning_tree, elimination.loop_plan, elimination.planned_tables]
+ROUNDING = 4e-16  # of the largest term of R'(p - r)
+
+
+def forget():
+    """As in a new process."""
+    for plan in PLANS:
+        plan.cache_clear()
+
+
+def engine(seed):
+    """Engines of other strokes and rods."""
+    rng = np.random.default_rng(seed)
+    return inline_four(rng.uniform(0.5, 1.0), rng.uniform(1.5, 4.0), rod_mass=rng.uniform(1.0, 5.0))
+
+
+def numbers(build, seed):
+    """All tables, the start, and all samples of a short run, as bytes."""
+    system = build(seed)
+    settings = {"method": Kinematic(), "output": 9} if build is engine else {"rtol": 1e-6, "output": 5}
+    motion = simulate(system, 0.2 * 2 * np.pi / RATE, **settings)
+    loads = [block_force(motion)] if build is engine else [motion.reaction(joint).force for joint in system.joints]
+    found = [*system.lowered.model, *motion.arrays.values(), motion.final.q, motion.final.v, *loads]
+    return [np.asarray(x).tobytes() for x in found]
+
+
+@pytest.mark.parametrize("name", ["engine", *FAMILIES])
+def test_mechanisms_alike_share_a_plan_and_no_number(name):
+    """To the last bit as in a new process, whichever of the same structure came before."""
+    build = engine if name == "engine" else lambda seed: FAMILIES[name](np.random.default_rng(seed))
+    forget()
+    alone = numbers(build, 2)
+    forget()
+    numbers(build, 1)
+    made = row_tables.row_plan.cache_info().misses
+    assert numbers(build, 2) == alone
+    assert row_tables.row_plan.cache_info().misses == made == 1
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_tables_hold_each_vector_in_the_axes_of_its_body(seed):
+    """Part by part, by the definition: every kind of joint, no axis aligned; what no primitive has stays zero."""
+    system = mechanism(seed)
+    model, bodies = system.lowered.model, [*system.bodies, GROUND]
+    rows = [row for joint in system.joints for row in joint.primitives]
+    for row, line in zip(rows, model.primitive, strict=True):
+        used = len(row.bodies)
+        assert [bodies[i] for i in line["body"][:used]] == list(row.bodies) and (line["body"][used:] == -1).all()
+        for name, given in (("point", row.points), ("axis", row.axes), ("second_axis", row.second_axes)):
+            read = "local_point" if name == "point" else "local_axis"
+            expected = np.zeros((4, 3))
+            for slot, (body, x) in enumerate(zip(row.bodies, given, strict=False)):
+                expected[slot] = getattr(body, read)(x)
+            size = max([1.0, *(np.abs(x).max() for x in given)])
+            np.testing.assert_allclose(line[name], expected, rtol=0, atol=8 * ROUNDING * size)
+    assert model.row.size == sum(row.n_rows for row in rows)
+    scales = np.repeat([1.0 / model.length if row.in_metres else 1.0 for row in rows], [row.n_rows for row in rows])
+    assert (model.row["scale"] == scales).all()
+
+
+class Astray(Joint):
+    """A joint whose rows are no numbers."""
+
+    def __init__(self, a, b, at):
+        super().__init__()
+        for name, value in (("a", a), ("b", b), ("at", at)):
+            object.__setattr__(self, name, value)
+
+    def check(self, what):
+        pass
+
+    def rows(self):
+        return [coincide(self.a, self.b, self.at, self.at)]
+
+
+def test_rows_that_are_no_numbers_are_refused():
+    rod = Body("rod", mass=1.2, inertia=(0.2, 0.3, 0.25), com=(0.1, 0.2, 0.3), position=(0.4, -0.1, 0.7))
+    hinge = Revolute(GROUND, rod, at=(0.1, 0.2, 0.3), axis=(1, 2, 2))
+    system = System([rod], [hinge, Astray(GROUND, rod, np.array([0.0, np.nan, 1.0]))])
+    with pytest.raises(InputError, match="points of rows: .* is not finite"):
+        system.lowered  # noqa: B018  # made when it is asked for
