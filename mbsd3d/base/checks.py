@@ -35,7 +35,7 @@ def floats(values: Any, what: str, remedy: str) -> np.ndarray:
     """An own array of finite floats, or a ValueError that names ``what``; texts are no numbers."""
     try:
         raw = np.asarray(values)
-        array = np.array(values, dtype=float) if raw.dtype.kind in "fiuO" else None
+        array = raw.astype(float) if raw.dtype.kind in "fiuO" else None
     except (TypeError, ValueError, OverflowError):
         array = None
     if array is None or (raw.dtype.kind == "O" and any(isinstance(x, str | bytes | None) for x in raw.flat)):

@@ -92,12 +92,16 @@ class Body(Frozen):
     def __post_init__(self) -> None:
         check_name(self.name, "body")
         what = f"body '{self.name}'"
-        self._store(mass=number(self.mass, f"{what}: mass", minimum=0.0))
-        self._store(inertia=check_inertia(self.inertia, self.mass, what))
-        for name in ("com", "position", "velocity", "omega"):
-            if getattr(self, name) is not None or name in ("com", "position"):
-                self._store(**{name: vector(getattr(self, name), f"{what}: {name}")})
-        self._store(orientation=as_quaternion(self.orientation, f"{what}: orientation"))
+        mass = number(self.mass, f"{what}: mass", minimum=0.0)
+        self._store(
+            mass=mass,
+            inertia=check_inertia(self.inertia, mass, what),
+            com=vector(self.com, f"{what}: com"),
+            position=vector(self.position, f"{what}: position"),
+            velocity=None if self.velocity is None else vector(self.velocity, f"{what}: velocity"),
+            omega=None if self.omega is None else vector(self.omega, f"{what}: omega"),
+            orientation=as_quaternion(self.orientation, f"{what}: orientation"),
+        )
         self._store(shape=as_shape(self))
 
     def __repr__(self) -> str:

@@ -133,8 +133,8 @@ class Job:
         return self.solution()
 
     def loop(self, progress: Progress) -> None:
-        """Chunks of about CHUNK seconds, the first of about a millisecond: short runs need no second one."""
-        run, budget = self.memory, max(16, 1000 // self.model.body.size)
+        """Chunks of about CHUNK seconds, the first of a millisecond, or shorter where divergence is watched."""
+        run, budget = self.memory, 16 if self.divergence.active else max(16, 1000 // self.model.body.size)
         wait_for_second()
         while True:
             began = time.perf_counter()
