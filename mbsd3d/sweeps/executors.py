@@ -166,16 +166,18 @@ def on_processes(call: Callable, cells: list[dict], queue: deque) -> Iterator[tu
     """Own processes; cells in flight when one dies are tried once more, each alone, and the rest goes on."""
     while queue:
         lost: deque[int] = deque()
-        with closing(process_pool(min(cores(), len(queue)))) as pool:
-            check_start(pool)
+        workers = min(cores(), len(queue))
+        with closing(process_pool(workers)) as pool:
+            start(pool, workers)
             yield from stream(pool, call, cells, queue, 2 * cores(), lost)
         yield from one_by_one(call, cells, lost)
 
 
-def check_start(pool: Executor) -> None:
-    """SweepError where not even an empty task comes back."""
+def start(pool: Executor, workers: int) -> None:
+    """All workers side by side, as each task waiting brings one more; SweepError where no task comes back."""
     try:
-        pool.submit(cores).result()
+        for started in [pool.submit(cores) for _ in range(workers)]:
+            started.result()
     except BrokenExecutor as error:
         raise SweepError("the worker processes do not start", advice=NO_START) from error
 
