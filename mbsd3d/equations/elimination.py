@@ -51,7 +51,7 @@ def eliminate(model: Model, data: Data, rows: np.ndarray | None = None, dtype: t
     size = int((np.arange(loop.size) - loop["first"] + 1).sum())
     tree = Tree(
         link=tables["link"], joint=joint, loop=loop, entry=tables["entry"],
-        skyline=np.zeros((2, size), dtype), vector=np.zeros((4, loop.size), dtype), shares=np.zeros(48, np.int64),
+        skyline=np.zeros((2, size), dtype), vector=np.zeros((5, loop.size), dtype), shares=np.zeros(48, np.int64),
         state=state, used=used, skipped=used[:0] if rows is None else np.delete(np.arange(model.row.size), used),
     )  # fmt: skip
     choose_blocks(data, tree)

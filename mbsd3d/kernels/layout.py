@@ -189,7 +189,7 @@ class Tree(NamedTuple):
     loop: np.ndarray  # (l,) loop rows in elimination order
     entry: np.ndarray  # entries, those of a link side by side in ascending order of their loop rows
     skyline: np.ndarray  # (2, size) lower triangles of S and of its factor L with 1 / L_ii: S_ij is [0, line_i + j]
-    vector: np.ndarray  # (4, l) right side, then multipliers of the loop rows; those of the sweeps; residual, step
+    vector: np.ndarray  # (5, l) right side, then multipliers of loop rows; those of sweeps; residual, step; scratch
     shares: np.ndarray  # (48,) pivots by the power of two to which they have fallen
     state: np.record  # TREE_STATE
     used: np.ndarray  # rows in use, ascending
