@@ -74,10 +74,14 @@ class Analysis:
         return self.picked.size + sum(self.core_rank(k) for k in range(len(self.cores)))
 
     @property
+    def counted(self) -> np.ndarray:
+        """Singular values that count, largest first."""
+        return self.singular[self.singular > self.tolerance * self.largest]
+
+    @property
     def least(self) -> float:
         """Smallest singular value that counts."""
-        kept = self.singular[self.singular > self.tolerance * self.largest]
-        return float(kept[-1]) if kept.size else 0.0
+        return float(self.counted[-1]) if self.counted.size else 0.0
 
     @property
     def smallest(self) -> float:

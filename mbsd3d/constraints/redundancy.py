@@ -1,6 +1,6 @@
 """What the constraints do: rank, freedoms, which joints are redundant, what that means, and how to cure it."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
@@ -61,8 +61,8 @@ class Diagnosis:
     cures: tuple[Cure, ...]
     neighbour_ranks: tuple[int, ...]
     length: float
-    least_singular: float = 1.0
-    notes: tuple[str, ...] = field(default=())
+    least_singular: float
+    notes: tuple[str, ...]
 
     @property
     def velocity_freedom(self) -> int:
