@@ -144,9 +144,13 @@ def surely_independent(rows: BlockRows, tolerance: float) -> bool:
         return proven(rows.dense(), tolerance)
 
 
-def redundant_combinations(rows: BlockRows, tolerance: float = RANK_TOLERANCE) -> np.ndarray:
+def redundant_combinations(rows: BlockRows) -> np.ndarray:
     """(m, k) orthonormal N with J'N = 0: the left null space of the scaled rows."""
-    if surely_independent(rows, tolerance):
+    if surely_independent(rows, RANK_TOLERANCE):
         return np.zeros((rows.body.shape[0], 0))
-    N = Analysis(rows, tolerance).redundant()
+    return orthonormal(Analysis(rows).redundant())
+
+
+def orthonormal(N: np.ndarray) -> np.ndarray:
+    """Of the same columns."""
     return scipy.linalg.qr(N, mode="economic")[0] if N.shape[1] else N

@@ -17,7 +17,7 @@ from .assembly import close_pose, gap_size, newton, reference_pose
 from .contradictions import TOLERANCE, find_contradiction
 from .elimination import SAFE, Core
 from .nearness import nearly_singular
-from .rank import Analysis
+from .rank import Analysis, orthonormal
 from .remedies import Cure, find_cures
 from .spanning_tree import loop_weights
 from .spins import free_spins
@@ -108,8 +108,8 @@ def diagnose(system: Mechanism, as_built: float) -> Diagnosis:
     offset = misfit_of_lock(found, length) if not misaligned else 0.0
     load_state(compiled, data, pose)
     spins = free_spins(compiled, data, rows)
-    orthonormal = scipy.linalg.qr(N, mode="economic")[0] if N.shape[1] else N
-    clash = find_contradiction(compiled, data, pose.t, N=orthonormal, slack=max(TOLERANCE, 10.0 * as_built / length))
+    slack = max(TOLERANCE, 10.0 * as_built / length)
+    clash = find_contradiction(compiled, data, pose.t, N=orthonormal(N), slack=slack)
     verdict = stuck or verdict_text(compiled, found.m, rank, n, misfit, as_built, offset)
     loose_ends = [spin for spin in spins if spin.massless]
     if clash or loose_ends:

@@ -13,7 +13,7 @@ from ..kernels.layout import Data, Model
 from .rank import Analysis, surely_independent
 
 
-def independent_rows(A: np.ndarray, tolerance: float = RANK_TOLERANCE) -> tuple[np.ndarray, float]:
+def independent_rows(A: np.ndarray) -> tuple[np.ndarray, float]:
     """(indices of a largest independent set of rows of A, smallest kept singular value relative to the largest).
 
     The readable truth: column-pivoted QR of A', its singular values as the authority on the rank, cost cubic.
@@ -23,7 +23,7 @@ def independent_rows(A: np.ndarray, tolerance: float = RANK_TOLERANCE) -> tuple[
     with one_thread():
         _, pivot = scipy.linalg.qr(A.T, mode="r", pivoting=True)
         singular = scipy.linalg.svdvals(A)
-    rank = int((singular > tolerance * singular[0]).sum())
+    rank = int((singular > RANK_TOLERANCE * singular[0]).sum())
     return np.sort(pivot[:rank]).astype(np.int64), float(singular[rank - 1] / singular[0])
 
 

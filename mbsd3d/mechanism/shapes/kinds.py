@@ -170,6 +170,7 @@ class Hull(Solid):
     (4, 3)
     """
 
+    centred: ClassVar = False
     points: ArrayLike
 
     def check(self, what: str) -> None:
@@ -182,9 +183,6 @@ class Hull(Solid):
         if depth <= FLAT * width:
             raise InputError(f"{what}: points lie in a plane; {remedy}")
         self.set(points=points)
-
-    def origin(self, body: Shaped) -> np.ndarray:
-        return np.zeros(3) if self.at is None else self.at
 
     def surface(self) -> Mesh:
         return hull(self.points)
@@ -201,6 +199,7 @@ class MeshFile(Solid):
     'crank.stl'
     """
 
+    centred: ClassVar = False
     path: str
     scale: float = 1.0
 
@@ -212,9 +211,6 @@ class MeshFile(Solid):
         if not isinstance(path, str) or not path.lower().endswith(SUFFIXES):
             raise InputError(f"{what}: path {shown(path)} is not a mesh; give one that ends in {', '.join(SUFFIXES)}")
         self.set(path=path, scale=number(self.scale, f"{what}: scale", positive=True))
-
-    def origin(self, body: Shaped) -> np.ndarray:
-        return np.zeros(3) if self.at is None else self.at
 
     def surface(self) -> Mesh:
         return moved(read_mesh(self.path, f"MeshFile '{self.path}'"), self.scale * np.eye(3), np.zeros(3))
@@ -228,6 +224,7 @@ class Lines(Shape):
     (2, 3)
     """
 
+    centred: ClassVar = False
     points: ArrayLike
 
     def check(self, what: str) -> None:
@@ -237,9 +234,6 @@ class Lines(Shape):
         if np.sum(~lifted) < 2 or not np.isfinite(points[~lifted]).all():
             raise InputError(f"{what}: {np.sum(~lifted)} points, or some not finite; {remedy}")
         self.set(points=points)
-
-    def origin(self, body: Shaped) -> np.ndarray:
-        return np.zeros(3) if self.at is None else self.at
 
     def line(self, body: Shaped) -> np.ndarray:
         """(k, 3) points in body axes from O [m]."""

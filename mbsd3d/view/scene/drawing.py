@@ -90,7 +90,7 @@ def title_of(system: Mechanism) -> str:
     return f"{', '.join(names[:3])} and {len(names) - 3} more bodies"
 
 
-def layers_of(shown: Layers, hidden: Layers, usual: Collection[str] = USUAL) -> tuple[str, ...]:
+def layers_of(shown: Layers, hidden: Layers, usual: Collection[str]) -> tuple[str, ...]:
     """The visible layers, in their order: the usual ones and ``shown``, without ``hidden``."""
     more, less = known(shown, "shown"), known(hidden, "hidden")
     for layer in more:
