@@ -228,7 +228,7 @@ def is_stiff(m, own, run, h) -> bool:
         if found.calm == CALM:
             found.suspicious = 0
             found.calm = 0
-    left = (run.task.t_end - run.now.t) / h * m.body.shape[0]
+    left = (run.task.t_end - run.now.t) / max(h, run.now.step) * m.body.shape[0]  # one short step alone says little
     return found.suspicious >= SUSPICIOUS and left > found.patience
 
 
