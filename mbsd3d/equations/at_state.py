@@ -74,9 +74,7 @@ def joint_point(compiled: Compiled, data: Data, joint: Joint) -> np.ndarray:
     return body["r"] + body["R"].reshape(3, 3) @ joint.b.local_point(joint.point())
 
 
-def load_rows(
-    compiled: Compiled, data: Data, y: np.ndarray, t: float, coordinates: np.ndarray | None = None
-) -> None:  # fmt: skip
+def load_rows(compiled: Compiled, data: Data, y: np.ndarray, t: float, coordinates: np.ndarray | None = None) -> None:
     """Kinematics and rows at y; hinge coordinates are near those given, else as the work space remembers them."""
     if coordinates is not None:
         data.coordinate["value"], data.coordinate["rate"] = coordinates, 0.0

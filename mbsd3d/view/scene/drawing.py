@@ -21,9 +21,7 @@ ARROWS = ("angular velocity", "angular momentum", "reaction force", "reaction mo
 NAMES = ("body names", "joint names")
 MARKS = ("centre of mass", "reference point")
 USUAL = ("bodies", "joints", "springs and rods", "traces", "ground grid")
-LAYERS = (
-    "bodies", "body names", "joints", "joint names", "springs and rods", "traces", "ground grid", *ARROWS, *MARKS,
-)  # fmt: skip
+LAYERS = ("bodies", "body names", "joints", "joint names", "springs and rods", "traces", "ground grid", *ARROWS, *MARKS)
 Layers = str | Iterable[str]
 WORLD = np.eye(3)  # its axes
 WORK = 20_000_000  # points times poses that are looked at for the bounds
