@@ -44,22 +44,20 @@ def theory_dots(axes: Axes, x: ArrayLike, y: ArrayLike, label: str | None = "the
     axes.plot(x, y, **{**style, "markeredgecolor": LIGHT.ink, "markeredgewidth": 1.0, "label": label, **options})
 
 
-def legend_below(axes: Axes, columns: int, twin: Axes | None = None) -> None:
-    """The legend under the panel, never on the data; with the lines of its twin."""
-    found = [panel.get_legend_handles_labels() for panel in (axes, twin) if panel is not None]
-    handles, labels = (sum(lists, []) for lists in zip(*found, strict=True))
+def legend_below(axes: Axes, columns: int) -> None:
+    """The legend under the panel, never on the data."""
     style = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.15), "frameon": False, "fontsize": 9}
-    axes.legend(handles, labels, ncols=columns, labelcolor=LIGHT.ink, **style)
+    axes.legend(ncols=columns, labelcolor=LIGHT.ink, **style)
 
 
-def sphere_net(lowest: float = -1.0, highest: float = 1.0) -> list[np.ndarray]:
-    """Parallels and meridians of the unit sphere between two heights, (points, 3) each."""
+def sphere_net(highest: float) -> list[np.ndarray]:
+    """Parallels and meridians of the unit sphere up to a height, (points, 3) each."""
     turn, lines = np.linspace(0, 2 * np.pi, 73), []
     for z in np.sin(np.radians(np.arange(-60, 61, 30))):
-        if lowest <= z <= highest:
+        if z <= highest:
             radius = np.sqrt(1 - z * z)
             lines.append(np.stack([radius * np.cos(turn), radius * np.sin(turn), 0 * turn + z], axis=1))
-    rise = np.linspace(np.arcsin(lowest), np.arcsin(highest), 37)
+    rise = np.linspace(-0.5 * np.pi, np.arcsin(highest), 37)
     for phi in np.arange(0, 2 * np.pi, np.pi / 6):
         lines.append(np.stack([np.cos(rise) * np.cos(phi), np.cos(rise) * np.sin(phi), np.sin(rise)], axis=1))
     return lines
