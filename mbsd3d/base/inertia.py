@@ -10,10 +10,8 @@ import numpy as np
 
 from .checks import listed, shown
 from .errors import InputError, explaining
-from .mass_properties import MassProperties, _size, combine, steiner
+from .mass_properties import _size
 from .rotations import AXES
-
-__all__ = ["MassProperties", "box", "combine", "cone", "cylinder", "rod", "sphere", "steiner"]
 
 
 @explaining

@@ -10,7 +10,7 @@ from ..api.system import System
 from ..base.checks import sequence
 from ..base.errors import InputError, explaining
 from ..mechanism.bodies import GROUND
-from ..mechanism.joints import Revolute
+from ..mechanism.joints.pairs import Revolute
 from .links import Links, base_frame, link_body
 
 CLOSED = 1e-9  # misfit of a loop over its size that rounding of typed parameters may leave

@@ -9,7 +9,7 @@ from ..api.system import System
 from ..base.checks import number, sequence
 from ..base.errors import InputError, explaining
 from ..mechanism.bodies import GROUND
-from ..mechanism.joints import Revolute
+from ..mechanism.joints.pairs import Revolute
 from .links import Links, base_frame, link_body
 
 STRAIGHT = 1e-6  # a leg whose links lie on one line within this angle [rad] has a singular pose

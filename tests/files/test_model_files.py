@@ -47,7 +47,8 @@ from mbsd3d.files.schema import types
 from mbsd3d.mechanism import measures
 from mbsd3d.mechanism.force_element import ForceElement
 from mbsd3d.mechanism.joints import Joint
-from mbsd3d.mechanism.signals import Pulse, Scaled, Signal, Sum
+from mbsd3d.mechanism.signals import Scaled, Signal, Sum
+from mbsd3d.mechanism.signals.curves import Pulse
 
 FORMS = (".json", ".toml")
 TABLE = Table([0.0, 0.13, 0.31, 0.7, 1.1], [0.2, -0.4, 0.3, 0.1, 0.7])

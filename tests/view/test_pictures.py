@@ -16,7 +16,7 @@ from mbsd3d import GROUND, AngleDriver, Body, Ramp, Revolute, System, simulate
 from mbsd3d.base import inertia
 from mbsd3d.base.rotations import matrix
 from mbsd3d.base.style import DARK, LIGHT, paler
-from mbsd3d.mechanism.shapes import Box, Sphere
+from mbsd3d.mechanism.shapes.kinds import Box, Sphere
 from mbsd3d.plotting.plots import save_figure
 from mbsd3d.view.picture.painter import Mosaic, Painter, new_sheet
 from mbsd3d.view.picture.shading import Solids, outlines, pointers_of, split_strokes, split_triangles
