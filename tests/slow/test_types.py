@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from mbsd3d import __all__ as public
+
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[2]
@@ -34,3 +36,12 @@ def test_examples_and_pages_have_the_types_they_say(tmp_path):
     said = checked(ROOT / "examples", *sorted(tmp_path.glob("*.py")))
     found = {line.split(":")[0] for line in said.splitlines() if ": error:" in line}
     assert {Path(name).name for name in found} == {"wrong.py"}, said  # and the checker sees a mistake
+
+
+def test_a_type_checker_sees_every_public_name(tmp_path):
+    names = [name for name in public if name != "__version__"]
+    file = tmp_path / "names.py"
+    file.write_text(f"from mbsd3d import {', '.join(names)}\n" + "".join(f"reveal_type({name})\n" for name in names))
+    said = re.findall(r'^.*:(\d+): note: Revealed type is "(.*)"$', checked(file), re.MULTILINE)
+    assert len(said) == len(names)
+    assert [names[int(line) - 2] for line, kind in said if kind == "Any" or "*args: Any" in kind] == []
