@@ -69,6 +69,8 @@ def test_the_window_holds_all_and_has_the_ratio_of_the_paper():
     low, high = window(points, (6.0, 4.0))
     assert np.all(points > low) and np.all(points < high)
     assert (high - low)[0] / (high - low)[1] == pytest.approx(1.5)
+    left = np.concatenate([points.min(axis=0) - low, high - points.max(axis=0)]) / np.tile(high - low, 2)
+    assert left.min() == pytest.approx(0.06)  # of air, on every side
     assert np.all(np.ptp(window(np.zeros((1, 2)), (6.0, 4.0)), axis=0) > 0.0)  # a point is not blown up to infinity
     assert [round_down(x) for x in (0.1, 0.19, 0.2, 7.3, 1e-4)] == [0.1, 0.1, 0.2, 5.0, 1e-4]
 
