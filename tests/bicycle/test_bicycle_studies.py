@@ -207,6 +207,13 @@ def test_derivatives_by_forward_differences_where_a_wheel_has_no_inertia(zero):
             assert abs(model.by[name][key] - slope) * change < 1e-6 * closed.speeds[name]
 
 
+@pytest.mark.parametrize("kind", sensitivity.DIFFERENCES)
+def test_differences_are_exact_for_polynomials_of_fourth_degree(kind):
+    places, weights = sensitivity.DIFFERENCES[kind]
+    slopes = [np.dot(weights, np.array(places, float) ** degree) for degree in range(5)]
+    assert slopes == pytest.approx([0, 1, 0, 0, 0], abs=1e-12)
+
+
 @pytest.mark.slow
 def test_a_crown_as_large_as_its_wheel_can_only_become_smaller():
     ball = replace(BENCHMARK, tR=BENCHMARK.rR, tF=0.01)

@@ -28,6 +28,7 @@ from mbsd3d import (
     Torque,
     Universal,
     load,
+    measures,
     rotation,
     simulate,
 )
@@ -122,6 +123,17 @@ def test_arrays_and_results_come_back_to_the_last_bit(solution, stored):
     assert same_bits(copy.final.q, solution.final.q)
 
 
+def test_a_run_that_a_measure_stopped_comes_back(tmp_path):
+    """The measure has a coordinate of its own, which is none of the system's."""
+    system = pendulum()
+    gap = measures.distance(system.part(UPPER_ARM), system.part(WHEEL))
+    run = simulate(system, 0.05, stop_when=gap < 0.1)
+    copy = load(run.save(tmp_path / "stopped"))
+    assert same_bits(copy.arrays["state"], run.arrays["state"])
+    assert same_bits(copy.final.coordinates, run.arrays["coordinate"][-1, : len(copy.final.coordinates)])
+    assert run.arrays["coordinate"].shape[1] == copy.arrays["coordinate"].shape[1] + 1
+
+
 def test_a_loaded_solution_goes_on(solution, stored):
     assert same_bits(load(stored).at(0.13).q, solution.at(0.13).q)
     assert load(stored).plot("energy").axes
@@ -212,6 +224,7 @@ def test_missing_file_and_other_npz_are_refused(tmp_path):
         (lambda d: d["system"]["joints"].pop(), "array 'lam' has shape|array 'state' has shape"),
         (lambda d: d.update(record=d["final"]), "type 'State' is unknown - at `\\$.record`; give one of Record"),
         (lambda d: d["final"].update(q=[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0], v=[0.0] * 6), "final state does not fit"),
+        (lambda d: d["final"].update(coordinates=[0.1] * 9), "final state does not fit"),
     ],
 )
 def test_changed_text_is_refused(stored, change, message):
