@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike
 
 from ..base.style import COLOURS, LIGHT, dress, house
 
+GLOBE = (25.0, 55.0)  # elevation and azimuth [deg] from which a sphere is seen
+
 
 def new_figure(title: str, panels: Sequence[str], widths: Sequence[float] | None = None) -> tuple[Figure, list[Axes]]:
     """A figure with titled panels side by side, of relative widths; one whose title starts with "3d:" is in space."""
@@ -44,22 +46,19 @@ def theory_dots(axes: Axes, x: ArrayLike, y: ArrayLike, label: str | None = "the
     axes.plot(x, y, **{**style, "markeredgecolor": LIGHT.ink, "markeredgewidth": 1.0, "label": label, **options})
 
 
-def legend_below(axes: Axes, columns: int, twin: Axes | None = None) -> None:
-    """The legend under the panel, never on the data; with the lines of its twin."""
-    found = [panel.get_legend_handles_labels() for panel in (axes, twin) if panel is not None]
-    handles, labels = (sum(lists, []) for lists in zip(*found, strict=True))
+def legend_below(axes: Axes, columns: int) -> None:
+    """The legend under the panel, never on the data."""
     style = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.15), "frameon": False, "fontsize": 9}
-    axes.legend(handles, labels, ncols=columns, labelcolor=LIGHT.ink, **style)
+    axes.legend(ncols=columns, labelcolor=LIGHT.ink, **style)
 
 
-def sphere_net(lowest: float = -1.0, highest: float = 1.0) -> list[np.ndarray]:
-    """Parallels and meridians of the unit sphere between two heights, (points, 3) each."""
+def lower_net() -> list[np.ndarray]:
+    """Parallels and meridians of the lower half of the unit sphere, (points, 3) each."""
     turn, lines = np.linspace(0, 2 * np.pi, 73), []
-    for z in np.sin(np.radians(np.arange(-60, 61, 30))):
-        if lowest <= z <= highest:
-            radius = np.sqrt(1 - z * z)
-            lines.append(np.stack([radius * np.cos(turn), radius * np.sin(turn), 0 * turn + z], axis=1))
-    rise = np.linspace(np.arcsin(lowest), np.arcsin(highest), 37)
+    for z in np.sin(np.radians([-60, -30, 0])):
+        radius = np.sqrt(1 - z * z)
+        lines.append(np.stack([radius * np.cos(turn), radius * np.sin(turn), 0 * turn + z], axis=1))
+    rise = np.linspace(-0.5 * np.pi, 0.0, 37)
     for phi in np.arange(0, 2 * np.pi, np.pi / 6):
         lines.append(np.stack([np.cos(rise) * np.cos(phi), np.cos(rise) * np.sin(phi), np.sin(rise)], axis=1))
     return lines
@@ -83,9 +82,9 @@ def seen_side(axes: Axes3D, path: ArrayLike) -> np.ndarray:
     return np.where((np.asarray(path) @ view > -1e-9)[:, None], path, np.nan)
 
 
-def rim(elev: float = 25.0, azim: float = 55.0) -> np.ndarray:
-    """(73, 3) outline of the unit sphere seen from an elevation and an azimuth [deg]."""
-    up, around, turn = np.radians(elev), np.radians(azim), np.linspace(0, 2 * np.pi, 73)
+def rim() -> np.ndarray:
+    """(73, 3) outline of the unit sphere seen from where panels in space are."""
+    up, around, turn = *np.radians(GLOBE), np.linspace(0, 2 * np.pi, 73)
     side, top = (
         (-np.sin(around), np.cos(around), 0.0),
         (-np.sin(up) * np.cos(around), -np.sin(up) * np.sin(around), np.cos(up)),

@@ -30,12 +30,12 @@ class Table:
     note: str = ""
 
 
-def shortened(parts: Iterable, what: str, count: int = MOST) -> tuple[list, str]:
+def shortened(parts: Iterable, what: str) -> tuple[list, str]:
     """The first parts of a long list, and the sentence that says so."""
     parts = list(parts)
-    if len(parts) <= count:
+    if len(parts) <= MOST:
         return parts, ""
-    return parts[:count], f"The first {count} of {len(parts)} {what}, and {len(parts) - count} more."
+    return parts[:MOST], f"The first {MOST} of {len(parts)} {what}, and {len(parts) - MOST} more."
 
 
 def run_facts(solution: RunResult) -> list[tuple[str, str]]:

@@ -34,7 +34,7 @@ from mbsd3d import (
 )
 from mbsd3d.base.paths import write_atomically
 from mbsd3d.equations.compiled import compile_system
-from mbsd3d.files.description import describe, rebuild
+from mbsd3d.files.description import describe, read_system
 from mbsd3d.files.schema import types
 from mbsd3d.mechanism.shapes import Solid
 from mbsd3d.results.columns import QUANTITIES
@@ -272,12 +272,12 @@ def couplings() -> System:
 def test_description_survives_json_to_the_last_bit(build):
     system = build()
     data = json.loads(json.dumps(describe(system), allow_nan=False))
-    copy = rebuild(data)
+    copy = read_system(data)[0]
     assert describe(copy) == data and same_model(copy, system)
 
 
 def test_references_stay_references():
-    copy = rebuild(describe(couplings()))
+    copy = read_system(describe(couplings()))[0]
     gear, first, second, motor, grip, rolling = copy.joints
     assert (gear.hinge_a, gear.hinge_b, motor.hinge) == (first, second, first)
     assert grip.body is copy.bodies[2] and grip.signal[1] is None and rolling.a is GROUND
@@ -344,7 +344,7 @@ def test_bad_descriptions_are_refused(change, message):
     data = describe(couplings())
     change(data)
     with pytest.raises(ValueError, match=message):
-        rebuild(data)
+        read_system(data)[0]
 
 
 def test_csv_holds_the_exact_numbers(solution, tmp_path):
