@@ -17,8 +17,10 @@ from mbsd3d import (
     Body,
     IntegrationError,
     Kinematic,
+    Prismatic,
     Ramp,
     Revolute,
+    SpringDamper,
     System,
     accelerations,
     load,
@@ -158,6 +160,16 @@ def test_tables_hold_the_numbers_of_the_solution(solution, page):
     assert [float(words[2]), float(words[words.index("did") + 1])] == pytest.approx([gained, given], rel=1e-2)
     assert number(spring[5]) == pytest.approx(solution.work("SpringDamper 1")[-1], rel=1e-3)
     assert page.row("shoulder", "Spherical")[7:] == ["0", "–"]  # a ball carries no moment, whatever rounding leaves
+
+
+def test_energies_of_a_spring_are_the_extremes_of_the_run():
+    """It starts stretched by 0.2 m, passes its free length, and swings out as far on the other side."""
+    bob = Body("bob", 1.0, (0.1, 0.1, 0.1), position=(0.7, 0, 0))
+    rail = Prismatic(GROUND, bob, at=(0, 0, 0), axis=(1, 0, 0))
+    spring = SpringDamper(GROUND, bob, at_a=(0, 0, 0), at_b=(0.7, 0, 0), stiffness=100.0, length=0.5)
+    run = simulate(System([bob], [rail], [spring]), 0.5, output=501)
+    (row,) = facts.force_table(run, run).rows
+    assert number(row[3]) < 1e-3 and number(row[4]) == pytest.approx(0.5 * 100.0 * 0.2**2)  # passes within a sample
 
 
 def test_redundant_joints_are_named_as_indeterminate():

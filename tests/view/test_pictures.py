@@ -73,6 +73,7 @@ def test_the_window_holds_all_and_has_the_ratio_of_the_paper():
     assert left.min() == pytest.approx(0.06)  # of air, on every side
     assert np.all(np.ptp(window(np.zeros((1, 2)), (6.0, 4.0)), axis=0) > 0.0)  # a point is not blown up to infinity
     assert [round_down(x) for x in (0.1, 0.19, 0.2, 7.3, 1e-4)] == [0.1, 0.1, 0.2, 5.0, 1e-4]
+    assert round_down(0.2 * (1.0 - 1e-12)) == 0.2  # rounding takes no step
 
 
 def test_marks_of_the_bodies_lie_on_the_paper_where_they_should(solution):
