@@ -7,6 +7,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+import numpy as np
+
 from mbsd3d.extend import Progress, Theme, dress, house, theme, with_suffix, write_atomically
 
 if TYPE_CHECKING:
@@ -23,6 +25,12 @@ def write_table(path: str | Path, head: Sequence[str], rows: Iterable[Sequence[A
     writer.writerow(head)
     writer.writerows([x if isinstance(x, str) else repr(float(x)) for x in row] for row in rows)
     return write_atomically(with_suffix(path, ".csv"), sheet.getvalue().encode())
+
+
+def write_modes(path: str | Path, names: Sequence[str], speeds: np.ndarray, values: np.ndarray) -> Path:
+    """Write eigenvalues (n, k) by the names of their modes [1/s] over the speed [m/s], as `write_table` does."""
+    head = ["speed [m/s]"] + [f"{part} {name} [1/s]" for name in names for part in ("Re", "Im")]
+    return write_table(path, head, np.column_stack([speeds, values.view(float)]))
 
 
 def collected(title: str, results: Iterable[T], count: int, progress: bool | None = None) -> list[T]:

@@ -40,11 +40,7 @@ BUDGETS = {True: 0.2, False: 2.0}  # s of an engine for a case: of the short lis
 )
 @click.option("--quick", is_flag=True, help="Cases: the short list, in less than a minute.")
 @click.option(
-    "--case",
-    "names",
-    multiple=True,
-    metavar="NAME",
-    help="Cases: only this one (or a pattern); may be repeated.",
+    "--case", "names", multiple=True, metavar="NAME", help="Cases: only this one (or a pattern); may be repeated."
 )
 @click.option("--list", "only_list", is_flag=True, help="Cases: name them and end.")
 @click.option("--fresh", is_flag=True, help="Cases: forget what an interrupted run has left.")

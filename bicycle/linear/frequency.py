@@ -172,9 +172,7 @@ def plot_response(found: Response, *, beside: Response | None = None, dark: bool
     return figure
 
 
-def draw_lines(
-    size: "Axes", phase: "Axes", found: Response, H: np.ndarray, look: Theme, *, thin: bool = False
-) -> None:  # fmt: skip
+def draw_lines(size: "Axes", phase: "Axes", found: Response, H: np.ndarray, look: Theme, *, thin: bool = False) -> None:
     """Magnitude and phase of one output to one input, (speeds, frequencies)."""
     for k, (v, growth) in enumerate(zip(found.speeds, found.growth, strict=True)):
         falls = growth > 0.0

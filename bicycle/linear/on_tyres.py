@@ -17,7 +17,7 @@ from mbsd3d import Mode, linearize
 from mbsd3d.errors import InputError
 from mbsd3d.extend import LINE, THIN
 
-from ..output import modes_figure, write_table
+from ..output import modes_figure, write_modes
 from ..parameters import Parameters, machines
 from .critical import Range
 from .tyre_equations import Build, Limit, SpeedBySpeed, eigenvalues, equations, stable_parts
@@ -72,8 +72,7 @@ class TyreStability:
 
     def to_csv(self, path: str | Path) -> Path:
         """Write the eigenvalues by mode [1/s] over the speed [m/s]."""
-        head = ["speed [m/s]"] + [f"{part} {name} [1/s]" for name in self.names for part in ("Re", "Im")]
-        return write_table(path, head, np.column_stack([self.speeds, self.values.view(float)]))
+        return write_modes(path, self.names, self.speeds, self.values)
 
     def __str__(self) -> str:
         ranges = ", ".join(f"{low:.6g} ... {high:.6g} m/s" for low, high in self.stable) or "nowhere"

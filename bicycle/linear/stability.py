@@ -15,7 +15,7 @@ from mbsd3d.extend import LINE, THIN, Theme, explaining
 
 from ..model.mechanism import whipple
 from ..model.tyres import Tyres
-from ..output import modes_figure, write_table
+from ..output import modes_figure, write_modes
 from ..parameters import Parameters
 from . import on_tyres
 from .critical import CriticalSpeeds, critical_speeds, speeds_of
@@ -68,8 +68,7 @@ class Stability:
 
     def to_csv(self, path: str | Path) -> Path:
         """Write the eigenvalues by mode [1/s] over the speed [m/s]."""
-        head = ["speed [m/s]"] + [f"{part} {name} [1/s]" for name in self.names for part in ("Re", "Im")]
-        return write_table(path, head, np.column_stack([self.speeds, self.values.view(float)]))
+        return write_modes(path, self.names, self.speeds, self.values)
 
 
 def check_mode(name: str) -> None:

@@ -30,9 +30,7 @@ LEANS = np.arange(0.025, 1.2, 0.025)  # [rad]
 SHOWN = (-8.0, 6.0)  # [1/s] of the growth
 
 
-def figure(
-    parameters: Parameters, fittings: Mapping[str, Any], *, speed: float = 5.0, dark: bool = False
-) -> "Figure":  # fmt: skip
+def figure(parameters: Parameters, fittings: Mapping[str, Any], *, speed: float = 5.0, dark: bool = False) -> "Figure":
     """A bicycle on tyres in colour, on ideal wheels in grey.
 
     Growth of the sideways modes over the speed: ideal wheels know no wobble. Steer by a steer torque over the

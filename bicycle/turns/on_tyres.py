@@ -137,9 +137,7 @@ def pitch_of(p: Parameters, lean: float, steer: float) -> float:
     return float(np.arctan2(-upright[2, 0], upright[0, 0]))
 
 
-def turn(
-    parameters: Parameters, tyres: Tyres, *, speed: float, lean: float, near: TyreTurn | None = None
-) -> TyreTurn:  # fmt: skip
+def turn(parameters: Parameters, tyres: Tyres, *, speed: float, lean: float, near: TyreTurn | None = None) -> TyreTurn:
     """The steady turn at a speed of the rear hub [m/s] and a lean [rad].
 
     Parameters

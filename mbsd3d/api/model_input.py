@@ -14,9 +14,7 @@ from .reading import read_mjcf, read_urdf
 from .system import System
 
 
-def load_model(
-    file: str, drop: tuple[str, ...] = (), settings: tuple[str, ...] = ()
-) -> tuple[System, list[str]]:  # fmt: skip
+def load_model(file: str, drop: tuple[str, ...], settings: tuple[str, ...]) -> tuple[System, list[str]]:
     """The System of a model file, of an imported model, or of ``build()`` of a Python file, and notes on an import.
 
     ``settings`` are texts NAME=VALUE, the parameters of ``build()``. ValueError naming the file and the place in it.
@@ -52,7 +50,7 @@ def parameters_of(file: str) -> list[str]:
         return parameter_lines(build)
 
 
-def built_by(file: str, settings: tuple[str, ...] = ()) -> System:
+def built_by(file: str, settings: tuple[str, ...]) -> System:
     """The System that ``build()`` of a Python file returns for parameters NAME=VALUE.
 
     ValueError naming file and line: a missing file, no Python, an error while it runs, no ``build()``, no System.

@@ -84,8 +84,7 @@ class Viewable:
 
         return animate(
             self, path, curves=curves, traces=traces, shown=shown, hidden=hidden, frames=frames, speed=speed,
-            title=title, dark=dark, live=live, follow=follow, view=view,
-            beside=beside,
+            title=title, dark=dark, live=live, follow=follow, view=view, beside=beside,
         )  # fmt: skip
 
     def picture(

@@ -1,8 +1,8 @@
 """Checks of input: errors name the value and the remedy."""
 
+import sys
 from collections.abc import Hashable, Iterator, Sequence
 from contextlib import contextmanager
-from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -31,6 +31,13 @@ def check_name(name: Any, what: str) -> None:
         raise InputError(f"{what} name {shown(name)} holds control characters; give a text of one line")
 
 
+def all_within(array: np.ndarray, most: float) -> bool:
+    """True if no number is beyond -most ... most; what is not finite is."""
+    if array.size <= FEW:
+        return all(-most <= x <= most for x in array.ravel().tolist())
+    return bool((np.abs(array) <= most).all())
+
+
 def floats(values: Any, what: str, remedy: str) -> np.ndarray:
     """An own array of finite floats, or a ValueError that names ``what``; texts are no numbers."""
     try:
@@ -40,8 +47,7 @@ def floats(values: Any, what: str, remedy: str) -> np.ndarray:
         array = None
     if array is None or (raw.dtype.kind == "O" and any(isinstance(x, str | bytes | None) for x in raw.flat)):
         raise InputError(f"{what}: {shown(values)} is not numeric; give {remedy}")
-    few = array.size <= FEW
-    if not (all(map(isfinite, array.ravel().tolist())) if few else np.isfinite(array).all()):
+    if not all_within(array, sys.float_info.max):
         text = np.array2string(array, separator=", ", precision=9, threshold=20).replace("\n", "")
         place = f" in entry {np.flatnonzero(~np.isfinite(array))[0]}" if array.size > 4 else ""
         raise InputError(f"{what}: {text} is not finite{place}; give {remedy}")
@@ -72,8 +78,7 @@ def listed(values: Any, what: str, remedy: str) -> tuple:
 
 def check_size(array: np.ndarray, what: str) -> None:
     """ValueError for numbers whose squares and ratios are beyond what a computer holds."""
-    few = array.size <= FEW
-    if (max(map(abs, array.ravel().tolist()), default=0.0) if few else np.abs(array).max()) > LARGEST:
+    if not all_within(array, LARGEST):
         raise InputError(
             f"{what}: {np.abs(array).max():.3g} is beyond {LARGEST:.0e}, what can be computed with; check the units"
         )

@@ -33,7 +33,7 @@ def reference_pose(system: Mechanism, t: float = 0.0) -> State:
     return State(t, q, np.zeros(6 * len(system.bodies)), initial_states(system))
 
 
-def reference_state(system: Mechanism, as_built: float | None = None) -> State:
+def reference_state(system: Mechanism, as_built: float | None) -> State:
     """The reference pose, if all joints close there (to the tolerance of the parts), with consistent velocities."""
     compiled = compile_system(system)
     play = 0.0 if as_built is None else number(as_built, "as_built", positive=True)

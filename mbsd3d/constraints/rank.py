@@ -74,10 +74,14 @@ class Analysis:
         return self.picked.size + sum(self.core_rank(k) for k in range(len(self.cores)))
 
     @property
+    def counted(self) -> np.ndarray:
+        """Singular values that count, largest first."""
+        return self.singular[self.singular > self.tolerance * self.largest]
+
+    @property
     def least(self) -> float:
         """Smallest singular value that counts."""
-        kept = self.singular[self.singular > self.tolerance * self.largest]
-        return float(kept[-1]) if kept.size else 0.0
+        return float(self.counted[-1]) if self.counted.size else 0.0
 
     @property
     def smallest(self) -> float:
@@ -140,9 +144,13 @@ def surely_independent(rows: BlockRows, tolerance: float) -> bool:
         return proven(rows.dense(), tolerance)
 
 
-def redundant_combinations(rows: BlockRows, tolerance: float = RANK_TOLERANCE) -> np.ndarray:
+def redundant_combinations(rows: BlockRows) -> np.ndarray:
     """(m, k) orthonormal N with J'N = 0: the left null space of the scaled rows."""
-    if surely_independent(rows, tolerance):
+    if surely_independent(rows, RANK_TOLERANCE):
         return np.zeros((rows.body.shape[0], 0))
-    N = Analysis(rows, tolerance).redundant()
+    return orthonormal(Analysis(rows).redundant())
+
+
+def orthonormal(N: np.ndarray) -> np.ndarray:
+    """Of the same columns."""
     return scipy.linalg.qr(N, mode="economic")[0] if N.shape[1] else N

@@ -1,15 +1,16 @@
 """What the constraints do: rank, freedoms, which joints are redundant, what that means, and how to cure it."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
 
 from ..base.style import html_text
-from ..equations.at_state import driven_coordinates, load_state, worst_joint
+from ..equations.at_state import driven_coordinates, joint_point, load_state, worst_joint
 from ..equations.compiled import Compiled, compile_system
 from ..equations.jacobian import RANK_TOLERANCE, BlockRows, displacement_units, scaled_rows
 from ..kernels.kinematics import displace
+from ..kernels.layout import Data
 from ..mechanism.drivers import Driver
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
@@ -17,7 +18,7 @@ from .assembly import close_pose, gap_size, newton, reference_pose
 from .contradictions import TOLERANCE, find_contradiction
 from .elimination import SAFE, Core
 from .nearness import nearly_singular
-from .rank import Analysis
+from .rank import Analysis, orthonormal
 from .remedies import Cure, find_cures
 from .spanning_tree import loop_weights
 from .spins import free_spins
@@ -61,8 +62,8 @@ class Diagnosis:
     cures: tuple[Cure, ...]
     neighbour_ranks: tuple[int, ...]
     length: float
-    least_singular: float = 1.0
-    notes: tuple[str, ...] = field(default=())
+    least_singular: float
+    notes: tuple[str, ...]
 
     @property
     def velocity_freedom(self) -> int:
@@ -103,13 +104,12 @@ def diagnose(system: Mechanism, as_built: float) -> Diagnosis:
     misfit = max(misfit, slip if misaligned else 0.0)
     N = found.redundant(as_built_cut(found, length, as_built) if misaligned else None)
     neighbours = tuple(neighbour_ranks(compiled, pose, found))
-    shares = tuple(joint_shares(compiled, rows, N))
+    shares = tuple(joint_shares(compiled, data, rows, N))
     cures = tuple(find_cures(compiled, pose, rows, N, n - rank)) if N.shape[1] and not stuck else ()
     offset = misfit_of_lock(found, length) if not misaligned else 0.0
-    load_state(compiled, data, pose)
     spins = free_spins(compiled, data, rows)
-    orthonormal = scipy.linalg.qr(N, mode="economic")[0] if N.shape[1] else N
-    clash = find_contradiction(compiled, data, pose.t, N=orthonormal, slack=max(TOLERANCE, 10.0 * as_built / length))
+    slack = max(TOLERANCE, 10.0 * as_built / length)
+    clash = find_contradiction(compiled, data, pose.t, N=orthonormal(N), slack=slack)
     verdict = stuck or verdict_text(compiled, found.m, rank, n, misfit, as_built, offset)
     loose_ends = [spin for spin in spins if spin.massless]
     if clash or loose_ends:
@@ -241,7 +241,7 @@ def neighbour_ranks(compiled: Compiled, pose: State, found: Analysis) -> list[in
     return ranks
 
 
-def joint_shares(compiled: Compiled, rows: BlockRows, N: np.ndarray) -> list[Share]:
+def joint_shares(compiled: Compiled, data: Data, rows: BlockRows, N: np.ndarray) -> list[Share]:
     """Joints with rows in redundant sets (where the projector N N' is not zero), unique reactions told apart."""
     system, shares = compiled.system, []
     if not N.shape[1]:
@@ -252,9 +252,10 @@ def joint_shares(compiled: Compiled, rows: BlockRows, N: np.ndarray) -> list[Sha
         if not involved:
             continue
         moving = joint.b if compiled.body_index[id(joint.b)] < rows.n else joint.a
-        on = rows.body[own] == compiled.body_index[id(moving)]
+        i = compiled.body_index[id(moving)]
+        on = rows.body[own] == i
         G = np.where(on[:, :, None], rows.J[own], 0.0).sum(axis=1).T @ N[own]
-        arm = (joint.point() - moving.position) / compiled.model.length  # from O, at the reference pose
+        arm = (joint_point(compiled, data, joint) - data.body["r"][i]) / compiled.model.length  # from O
         moment = G[3:] - np.cross(arm[:, None], G[:3], axis=0)
         name = f"{type(joint).__name__} '{system.name(joint)}'"
         force_unique, moment_unique = np.abs(G[:3]).max() < 1e-7, np.abs(moment).max() < 1e-7

@@ -13,18 +13,16 @@ from ..kernels.layout import Data, Model
 from .rank import Analysis, surely_independent
 
 
-def independent_rows(A: np.ndarray, tolerance: float = RANK_TOLERANCE) -> tuple[np.ndarray, float]:
-    """(indices of a largest independent set of rows of A, smallest kept singular value relative to the largest).
+def independent_rows(A: np.ndarray) -> np.ndarray:
+    """Indices of a largest independent set of rows of A, ascending.
 
     The readable truth: column-pivoted QR of A', its singular values as the authority on the rank, cost cubic.
     """
-    if not A.size or not A.any():
-        return np.zeros(0, np.int64), 1.0
     with one_thread():
         _, pivot = scipy.linalg.qr(A.T, mode="r", pivoting=True)
         singular = scipy.linalg.svdvals(A)
-    rank = int((singular > tolerance * singular[0]).sum())
-    return np.sort(pivot[:rank]).astype(np.int64), float(singular[rank - 1] / singular[0])
+    rank = int((singular > RANK_TOLERANCE * singular[0]).sum())
+    return np.sort(pivot[:rank])
 
 
 def choose_rows(model: Model, data: Data, tolerance: float = RANK_TOLERANCE) -> np.ndarray:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base.errors import AssemblyError
-from ..base.rotations import matrix
+from ..equations.at_state import joint_point
 from ..equations.compiled import Compiled
 from ..equations.jacobian import RANK_TOLERANCE, BlockRows, displacement_units, scaled_rows
 from ..kernels.layout import Data
@@ -78,7 +78,7 @@ def spin_of(compiled: Compiled, data: Data, body: Body, joints: list[Joint], twi
         return None
     axis = omega / rate * np.copysign(1.0, omega[np.argmax(np.abs(omega))])
     state = data.body[compiled.body_index[id(body)]]
-    R, origin = matrix(np.array(state["e"])), np.array(state["r"])
+    R, origin = state["R"].reshape(3, 3), state["r"]
     point = origin + np.cross(omega, velocity) / rate**2
     centre = distance(origin + R @ body.com, point, axis)
     turned = R.T @ axis
@@ -108,11 +108,7 @@ def near_axis(compiled: Compiled, data: Data, joint: Joint, point: np.ndarray, a
     """True if the joint's point lies on the line, at the pose in ``data``."""
     if type(joint).point is Joint.point:
         return False
-    if joint.b is GROUND:
-        return distance(joint.point(), point, axis) <= 1e3 * THROUGH * compiled.model.length
-    state = data.body[compiled.body_index[id(joint.b)]]
-    place = np.array(state["r"]) + matrix(np.array(state["e"])) @ joint.b.local_point(joint.point())
-    return distance(place, point, axis) <= 1e3 * THROUGH * compiled.model.length
+    return distance(joint_point(compiled, data, joint), point, axis) <= 1e3 * THROUGH * compiled.model.length
 
 
 def check_spins(compiled: Compiled, data: Data) -> None:

@@ -60,15 +60,15 @@ def checked(
     for name, value in changes.items():
         if name not in defaults:
             raise InputError(f"demo '{demo}' has no parameter '{name}'; {listed(name, list(defaults))}")
-        least = 1.0 / (VANISHING if name in vanishing else FAR)
-        values[name] = like(defaults[name], value, f"demo '{demo}': {name}", least)
+        below = VANISHING if name in vanishing else FAR
+        values[name] = like(defaults[name], value, f"demo '{demo}': {name}", below)
     return values
 
 
-def like(default: object, value: object, what: str, least: float = 1.0 / FAR) -> object:
+def like(default: object, value: object, what: str, below: float = FAR) -> object:
     """A value of the kind of the default: number, whole number, word, list of the same shape, or table of these.
 
-    A number is above ``least`` and below FAR times the default, or 0.
+    A number is by less than a factor FAR above the default and by less than ``below`` below it, or 0.
     """
     if isinstance(default, str):
         if not isinstance(value, str):
@@ -86,8 +86,9 @@ def like(default: object, value: object, what: str, least: float = 1.0 / FAR) ->
     if isinstance(value, str | bool):
         raise InputError(f"{what} = {value!r} is not a number; give e.g. {default}")
     found = number(value, what)
-    if default and found and not least < abs(found / default) < FAR:
-        far = FAR if abs(found) > abs(default) else 1.0 / least
+    times = abs(found / default) if default and found else 1.0
+    far = FAR if times > 1.0 else below
+    if not 1.0 / far < times < far:
         raise InputError(f"{what} = {value!r} is a factor of {far:g} or more away from {default:g}; stay nearer to it")
     if isinstance(default, int):
         if found != int(found):

@@ -8,6 +8,7 @@ from ..kernels.coordinates import coordinate
 from ..kernels.kinematics import kinematics
 from ..kernels.layout import Data
 from ..kernels.rows import rows
+from ..mechanism.joints import Joint
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .compiled import Compiled, initial_states
@@ -67,9 +68,13 @@ def coordinate_row(compiled: Compiled, data: Data, i: int, t: float) -> tuple[fl
     return x, row[:n].ravel()
 
 
-def load_rows(
-    compiled: Compiled, data: Data, y: np.ndarray, t: float, coordinates: np.ndarray | None = None
-) -> None:  # fmt: skip
+def joint_point(compiled: Compiled, data: Data, joint: Joint) -> np.ndarray:
+    """(3,) where the point of a joint is at the pose in ``data``, carried by body b, world [m]."""
+    body = data.body[compiled.body_index[id(joint.b)]]
+    return body["r"] + body["R"].reshape(3, 3) @ joint.b.local_point(joint.point())
+
+
+def load_rows(compiled: Compiled, data: Data, y: np.ndarray, t: float, coordinates: np.ndarray | None = None) -> None:
     """Kinematics and rows at y; hinge coordinates are near those given, else as the work space remembers them."""
     if coordinates is not None:
         data.coordinate["value"], data.coordinate["rate"] = coordinates, 0.0

@@ -105,7 +105,7 @@ def solve_plain(system: Mechanism, state: State) -> tuple[np.ndarray, np.ndarray
     return x[:n], x[n:]
 
 
-def solve_svd(system: Mechanism, state: State, tolerance: float = RANK_TOLERANCE) -> tuple[np.ndarray, np.ndarray]:
+def solve_svd(system: Mechanism, state: State) -> tuple[np.ndarray, np.ndarray]:
     """(v_dot, lam) with the rank of J revealed by its singular values; lam of least norm in the model's own units.
 
     J = U S V' (scaled): v_dot = V1 S^-1 U1' gamma + V2 y with V2' M v_dot = V2' (Q - h), and
@@ -115,7 +115,7 @@ def solve_svd(system: Mechanism, state: State, tolerance: float = RANK_TOLERANCE
     model = compiled.model
     rows, columns = model.row["scale"], displacement_units(model.length, model.body.size)
     U, s, Vt = scipy.linalg.svd(J * rows[:, None] * columns)
-    rank = int((s > tolerance * s[0]).sum()) if s.size else 0
+    rank = int((s > RANK_TOLERANCE * s[0]).sum()) if s.size else 0
     V1, V2 = columns[:, None] * Vt[:rank].T, columns[:, None] * Vt[rank:].T
     v_dot = V1 @ ((U[:, :rank].T @ (gamma * rows)) / s[:rank])
     if V2.shape[1]:

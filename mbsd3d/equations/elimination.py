@@ -12,13 +12,15 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
+from ..kernels.kinds import ANGLE, COINCIDE, DOT, DOT_DIFFERENCE, RATIO, TURN_RATE
 from ..kernels.layout import TREE_STATE, Data, Model, Tree, single, table, tree_records
-from ..saddle.basis import choose_joint_rows
+from ..saddle.basis import choose_blocks, choose_joint_rows
 from ..saddle.independence import UNKNOWN
 from ..saddle.loops import PROXIMAL
 
 LIGHT = 1e-3  # of the heaviest inertia: bodies below it, and below each further power of it, are lighter by a class
 CLASSES = 8
+TURNS = (DOT, DOT_DIFFERENCE, TURN_RATE)  # primitives that only turn bodies, as ratios of angles do
 
 
 def eliminate(model: Model, data: Data, rows: np.ndarray | None = None, dtype: type = float) -> Tree:
@@ -43,12 +45,15 @@ def eliminate(model: Model, data: Data, rows: np.ndarray | None = None, dtype: t
     loop["mu"] = PROXIMAL / heaviest_in_loops(plan, inertias) / model.row["scale"][loop["row"]] ** 2
     ready = model.body["inv_sqrt_mass"][tables["link"]["body"]] > 0.0
     tables["link"]["alone"] = np.where(ready, tables["link"]["alone"], 0)
+    joint = turns_last(model, tables["link"], tables["joint"])
     size = int((np.arange(loop.size) - loop["first"] + 1).sum())
-    return Tree(
-        link=tables["link"], joint=tables["joint"], loop=loop, entry=tables["entry"],
-        skyline=np.zeros((2, size), dtype), vector=np.zeros((4, loop.size), dtype), shares=np.zeros(48, np.int64),
+    tree = Tree(
+        link=tables["link"], joint=joint, loop=loop, entry=tables["entry"],
+        skyline=np.zeros((2, size), dtype), vector=np.zeros((5, loop.size), dtype), shares=np.zeros(48, np.int64),
         state=state, used=used, skipped=np.delete(np.arange(model.row.size), used),
     )  # fmt: skip
+    choose_blocks(data, tree)
+    return tree
 
 
 @lru_cache(maxsize=32)
@@ -61,6 +66,23 @@ def planned_tables(bodies: bytes, light: bytes, chosen: bytes, dtype: type) -> d
             if key.startswith(name + "."):
                 tables[name][key.partition(".")[2]] = value
     return tables
+
+
+def turns_last(model: Model, link: np.ndarray, joint: np.ndarray) -> np.ndarray:
+    """The rows of each link, those last that only turn its body; sets how many others there are, if three at most."""
+    primitive = model.primitive
+    kinds = np.append(model.coordinate["kind"], ANGLE)[primitive["coordinate"]]
+    turns = np.isin(primitive["kind"], TURNS) | ((primitive["kind"] == RATIO) & (kinds == ANGLE).all(axis=1))
+    part = np.repeat(np.arange(primitive.size), primitive["rows"])[joint["row"]]
+    owner = np.repeat(np.arange(link.size), link["rows"])
+    order = np.lexsort((turns[part], owner))
+    count = np.bincount(owner, turns[part], link.size).astype(np.int64)
+    lines, part = link["rows"] - count, part[order]
+    link["lines"] = np.where((lines <= 3) & (count <= 3), lines, -1)
+    three = np.flatnonzero(link["lines"] == 3)
+    first, last = part[link["joint"][three]], part[link["joint"][three] + 2]
+    link["point"][three] = (first == last) & (primitive["kind"][first] == COINCIDE)
+    return joint[order]
 
 
 def inertias_about_points(model: Model) -> np.ndarray:

@@ -94,7 +94,7 @@ def form_of(path: Path) -> Form:
     return FORMS[path.suffix.lower()]
 
 
-def write_model(system: Mechanism, path: str | Path, *, replace: bool = False) -> Path:
+def write_model(system: Mechanism, path: str | Path, *, replace: bool) -> Path:
     """Write a model file; see `System.to_file`."""
     path = as_path(path, "model.json")
     form = form_of(path)

@@ -11,7 +11,6 @@ from ..saddle.solve import SOLVED
 from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING, STEP_TOO_SMALL, STIFF
 from .outputs import evaluate_start, full, outputs
 from .step_control import (
-    LOCAL,
     end_of_step,
     good_enough,
     hermite,
@@ -23,6 +22,9 @@ from .step_control import (
     update_scales,
     way_to_singular,
 )
+
+ALLOWED = 0.2  # of rtol is what a step may err, since errors add up over a run
+AIM = 0.75  # times the step that would err as much is the next one: it errs a tenth of that, and few are tried in vain
 
 # What rounding of a pose makes of accelerations near a singular position: over the smallest pivot of a step; at most.
 AMPLIFIED, MOST_AMPLIFIED = 0.3, 1e-8
@@ -82,7 +84,7 @@ def body_error(m, own, run, weights, h):
 
 @inner_kernel
 def error_norm(m, own, run, h):
-    """Estimated local error in units of LOCAL rtol (DOP853: fifth-order estimate corrected by the third-order one)."""
+    """Estimated local error in units of ALLOWED rtol (DOP853: fifth-order estimate corrected by the third-order one)."""
     e5 = body_error(m, own, run, own.table.error[0], h)
     e3 = body_error(m, own, run, own.table.error[1], h)
     if e5 == 0.0 and e3 == 0.0:
@@ -90,7 +92,7 @@ def error_norm(m, own, run, h):
     if not np.isfinite(e5 + e3):
         return np.inf
     unknown = min(MOST_AMPLIFIED, AMPLIFIED * rounding(m, run.y) / run.rows.least_pivot)
-    return e5 / np.sqrt(e5 + 0.01 * e3) / max(LOCAL * run.task.rtol, unknown)
+    return e5 / np.sqrt(e5 + 0.01 * e3) / max(ALLOWED * run.task.rtol, unknown)
 
 
 @inner_kernel
@@ -134,8 +136,8 @@ def advance_to(m, d, s, own, run, t, x, h):
 
 @inner_kernel
 def step_factor(table, error, most):
-    """Factor to the step that would just meet the tolerance, with a margin and within 0.2 ... most."""
-    return most if error == 0.0 else min(most, max(0.2, 0.9 * error ** (-1.0 / table.order)))
+    """Factor to the next step, within 0.2 ... most."""
+    return most if error == 0.0 else min(most, max(0.2, AIM * error ** (-1.0 / table.order)))
 
 
 @inner_kernel
@@ -228,7 +230,7 @@ def is_stiff(m, own, run, h) -> bool:
         if found.calm == CALM:
             found.suspicious = 0
             found.calm = 0
-    left = (run.task.t_end - run.now.t) / h * m.body.shape[0]
+    left = (run.task.t_end - run.now.t) / max(h, run.now.step) * m.body.shape[0]  # one short step alone says little
     return found.suspicious >= SUSPICIOUS and left > found.patience
 
 

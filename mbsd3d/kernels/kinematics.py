@@ -8,6 +8,8 @@ import numpy as np
 from ..compiler.jit import inner_kernel, kernel
 from .vectors import add, mat, pair, put, rotate, vec
 
+TINY = 1e-9  # square of half an angle below which two terms of sine and cosine are exact to rounding
+
 
 @inner_kernel
 def rotation_matrix(e0, e1, e2, e3):
@@ -79,9 +81,13 @@ def rates(m, d, dy):
 def displace_body(y, q, dr, dtheta):
     """Move the pose at y[q:q+7]: r += dr, e = exp(dtheta) o e with |e| = 1; world axes."""
     x, a, b = dtheta
-    half = 0.5 * np.sqrt(x * x + a * a + b * b)
-    k = 0.5 if half.real < 1e-12 else 0.5 * np.sin(half) / half
-    p0, p1, p2, p3 = np.cos(half), k * x, k * a, k * b
+    square = 0.25 * (x * x + a * a + b * b)
+    if square.real < TINY:
+        p0, k = 1.0 - 0.5 * square, 0.5 - square / 12.0
+    else:
+        half = np.sqrt(square)
+        p0, k = np.cos(half), 0.5 * np.sin(half) / half
+    p1, p2, p3 = k * x, k * a, k * b
     e0, e1, e2, e3 = y[q + 3], y[q + 4], y[q + 5], y[q + 6]
     f0 = p0 * e0 - p1 * e1 - p2 * e2 - p3 * e3
     f1 = p0 * e1 + p1 * e0 + p2 * e3 - p3 * e2

@@ -189,7 +189,7 @@ class Tree(NamedTuple):
     loop: np.ndarray  # (l,) loop rows in elimination order
     entry: np.ndarray  # entries, those of a link side by side in ascending order of their loop rows
     skyline: np.ndarray  # (2, size) lower triangles of S and of its factor L with 1 / L_ii: S_ij is [0, line_i + j]
-    vector: np.ndarray  # (4, l) right side, then multipliers of the loop rows; those of the sweeps; residual, step
+    vector: np.ndarray  # (5, l) right side, then multipliers of loop rows; those of sweeps; residual, step; scratch
     shares: np.ndarray  # (48,) pivots by the power of two to which they have fallen
     state: np.record  # TREE_STATE
     used: np.ndarray  # rows in use, ascending
@@ -218,13 +218,14 @@ def tree_records(dtype: type) -> dict[str, list]:
             ("entry", int),  # first of its entries
             ("entries", int),  # their number
             ("alone", int),  # 1: a free body that nothing touches
+            ("lines", int),  # rows that come first since they do not only turn the body; -1: not to be told apart
+            ("point", int),  # 1: the first three make two points coincide
             ("d", dtype, 3),  # m, from the parent's O to its own
             ("A", dtype, 9),  # articulated inertia [A B; B' C]: of the body and of all beyond it,
             ("B", dtype, 9),  # after the factorisation without what its own freedoms take up
             ("C", dtype, 9),
-            ("basis", dtype, (6, 6)),  # r directions the rows hold, then 6 - r they leave free
-            ("R", dtype, (6, 6)),  # row j of the joint: basis_j + sum_i R[j, i] basis_i, i < j; R[j, j] = 1 / basis_j^2
-            ("u", dtype, (6, 6)),  # inertia times each free direction
+            ("basis", dtype, (6, 6)),  # r directions that move one row each, then 6 - r that move none
+            ("u", dtype, (6, 6)),  # inertia times each free direction; before that, scratch of `basis`
             ("inverse", dtype, 6),  # of each pivot
             ("e", dtype, 6),  # acceleration along each free direction as far as the load gives it
             ("p", dtype, 6),  # load of the body and of all beyond it

@@ -179,9 +179,7 @@ def unrest(at: Variations, units: Units, length: float) -> float:
     return float(max(x.max(initial=0.0) for x in sizes))
 
 
-def direction(
-    at: Variations, space: Tangent, units: Units, n: int, d: float
-) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+def direction(at: Variations, space: Tangent, units: Units, n: int, d: float) -> tuple[np.ndarray, np.ndarray]:
     """(X (6 n,), dz) of a step of pseudo-time d along the flow."""
     moves = slice(space.configuration, space.configuration + space.velocity)
     N = space.E[6 * n : 12 * n, moves]

@@ -162,9 +162,6 @@ class GearMesh(Coupling):
     flank: int = field(default=1, kw_only=True)
     carrier: Body | Ground | None = field(default=None, kw_only=True)
 
-    def through(self) -> Joint:
-        return self.hinge_b
-
     def partners(self) -> list[Joint]:
         return [self.hinge_a, self.hinge_b]
 

@@ -120,32 +120,35 @@ def label(part: Body | Ground | Part) -> str:
     return getattr(part, "name", None) or type(part).__name__
 
 
+def of_coordinate(x: Coordinate, what: str, rate: bool = False) -> Measure:
+    """The measure that reads a hinge coordinate, or its rate."""
+    unit_of = ("rad/s" if rate else "rad") if x.kind == "angle" else ("m/s" if rate else "m")
+    return Measure("coordinate rate" if rate else "coordinate", what, unit_of, x.a, x.b, coordinate=x)
+
+
 @explaining
 def angle(hinge: Joint) -> Measure:
     """Angle of a hinge [rad], unwrapped, zero at the reference pose."""
-    x = coordinate_of(hinge, "angle", "measures.angle")
-    return Measure("coordinate", f"angle of {label(hinge)}", "rad", x.a, x.b, coordinate=x)
+    return of_coordinate(coordinate_of(hinge, "angle", "measures.angle"), f"angle of {label(hinge)}")
 
 
 @explaining
 def rate(hinge: Joint) -> Measure:
     """Rate of the angle of a hinge [rad/s]."""
-    x = coordinate_of(hinge, "angle", "measures.rate")
-    return Measure("coordinate rate", f"rate of {label(hinge)}", "rad/s", x.a, x.b, coordinate=x)
+    return of_coordinate(coordinate_of(hinge, "angle", "measures.rate"), f"rate of {label(hinge)}", rate=True)
 
 
 @explaining
 def slide(slider: Joint) -> Measure:
     """Displacement of a sliding joint [m]."""
-    x = coordinate_of(slider, "slide", "measures.slide")
-    return Measure("coordinate", f"slide of {label(slider)}", "m", x.a, x.b, coordinate=x)
+    return of_coordinate(coordinate_of(slider, "slide", "measures.slide"), f"slide of {label(slider)}")
 
 
 @explaining
 def slide_rate(slider: Joint) -> Measure:
     """Speed of a sliding joint [m/s]."""
     x = coordinate_of(slider, "slide", "measures.slide_rate")
-    return Measure("coordinate rate", f"slide rate of {label(slider)}", "m/s", x.a, x.b, coordinate=x)
+    return of_coordinate(x, f"slide rate of {label(slider)}", rate=True)
 
 
 def body_or_error(body: Any, what: str) -> None:

@@ -15,17 +15,11 @@ from ..base.directions import cross, perpendiculars, unit
 from ..base.errors import InputError, explaining
 from .bodies import GROUND, Body, Ground
 from .forces.springs import SpringDamper
-from .measures import Measure, body_or_error, distance, label, lean, point_of
+from .measures import Measure, body_or_error, distance, label, lean, of_coordinate, point_of
 from .primitives import Coordinate
 
 AXES = np.eye(3)
 PARALLEL = 1e-6  # sine of the angle below which two directions have no plane
-
-
-def of_coordinate(x: Coordinate, what: str, rate: bool = False) -> Measure:
-    """The measure that reads a hinge coordinate, or its rate."""
-    unit_of = ("rad/s" if rate else "rad") if x.kind == "angle" else ("m/s" if rate else "m")
-    return Measure("coordinate rate" if rate else "coordinate", what, unit_of, x.a, x.b, coordinate=x)
 
 
 def protractor(

@@ -41,10 +41,6 @@ class Rounded:
         height = np.sqrt(np.sum(normal * spread, axis=-1, keepdims=True))
         return centre - spread / np.maximum(height, 1e-12 * self.size) - self.tube * normal
 
-    def height(self, normal: np.ndarray) -> float:
-        """Height of the centre over the plane it touches [m], at the reference pose."""
-        return float(normal @ (self.centre - self.lowest(self.centre, self.axes, normal)))
-
     def moving(self, motion: Motion, a: Body | Ground, b: Body, normal: np.ndarray) -> np.ndarray:
         """(samples, 3) lowest points of the surface of b over a plane of a with this normal, given at the start."""
         axes = np.stack([motion.body_axis(b, axis) for axis in self.axes.T], axis=-1)

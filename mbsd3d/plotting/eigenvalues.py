@@ -3,15 +3,15 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..base.style import dress, house, theme
+from ..base.style import LIGHT, dress, house
 from ..linear.linearization import Linearization
 
 MARKERS = "osD^v<>pP*X"
 
 
-def plot_eigenvalues(linearization: Linearization, dark: bool = False) -> Figure:
+def plot_eigenvalues(linearization: Linearization) -> Figure:
     """Eigenvalues in the complex plane, one mark per mode and one for all zeros; the growing half is tinted."""
-    look = theme(dark)
+    look = LIGHT
     with house(look):
         figure = Figure(figsize=(7.5, 4.6), layout="constrained")
         axes, values = figure.subplots(), linearization.eigenvalues

@@ -50,12 +50,7 @@ class Report(HtmlPage):
 
 @on_one_thread  # many small decompositions, for which threads cost more than they save
 def make_report(
-    solution: RunResult,
-    path: str | Path | None = None,
-    *,
-    title: str | None = None,
-    curves: Wanted | None = None,
-    dark: bool | None = None,
+    solution: RunResult, path: str | Path | None, *, title: str | None, curves: Wanted | None, dark: bool | None
 ) -> Report:
     """See `Solution.report`."""
     if not solution.t.size:

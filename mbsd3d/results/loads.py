@@ -78,7 +78,7 @@ class TyreLoad(Load):
             return -self.slip_x / self.speed
 
 
-def load_of(solution: "RunSamples", force: ForceElement | str, on: Body | Ground | str | None = None) -> Load:
+def load_of(solution: "RunSamples", force: ForceElement | str, on: Body | Ground | str | None) -> Load:
     """See `Solution.force`."""
     system = solution.system
     part = system.part(force, "forces")

@@ -50,7 +50,7 @@ def open_shares(rows: BlockRows) -> list[Open]:
 
 
 def middle_rows(
-    compiled: Compiled, t: np.ndarray, states: np.ndarray, coordinates: np.ndarray, left_out: int | None = None
+    compiled: Compiled, t: np.ndarray, states: np.ndarray, coordinates: np.ndarray, left_out: int | None
 ) -> MiddleRows:
     """Rows of a run, for `unique_wrench` and `minimum_norm`; nothing is open where the run left out no row."""
     data, k = compiled.data(), t.size // 2

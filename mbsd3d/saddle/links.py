@@ -1,19 +1,19 @@
 """Bodies and the joints of a spanning tree eliminated from the leaves to the roots, by what each joint leaves free.
 
-Rows of a link (all in the scaled metric of `Model.length`): J_c = R Z_r', with r orthogonal directions Z_r, and the
-others N = Z_f that the rows leave free. A body moves as its parent does, a = X a_p + y + N x, with Z_r'y from the right
-side of the rows, and its equation I a + J_c' lam + G' mu = p, G the loop rows it feels, loses lam along N:
+The rows J of a link have directions Z with J Z = 1, and leave others free, J N = 0 (`basis`). A body moves as its
+parent does and in its joint, a = X a_p + y + N x, y = Z b with b the right side of the rows, and its equation
+I a + J' lam + G' mu = p, G the loop rows it feels, loses lam along N:
 
     D x = N'(p - G' mu - I (X a_p + y)),   D = N' I N
 
 so the parent sees I_p + X' P' I P X, P = 1 - N D^-1 N' I, and never an inverse of the body's own inertia: light bodies
 between heavy ones cost no digits. One free direction after the other is taken out, as in a Cholesky factorisation.
-The rows themselves are lam = R'^-1 Z_r'(p - G' mu - I a). Featherstone, Rigid Body Dynamics Algorithms, chapter 7.
+The rows themselves are lam = Z'(p - G' mu - I a). Featherstone, Rigid Body Dynamics Algorithms, chapter 7.
 """
 
 from ..compiler.jit import fused_kernel, inner_kernel
-from ..kernels.vectors import add, cross, mat, pair, put, put6, rotate, rotate_back, scale, vec
-from .basis import hold, release, row_on_body
+from ..kernels.vectors import add, cross, dot, mat, pair, put, put6, rotate, rotate_back, scale, vec
+from .basis import hold, row_on_body
 from .spatial import along6, dot6, less_outer, moved_inertia, moved_load, moved_motion, product, sub9, times, transposed
 
 ROUNDING = 1e-13  # pivots below this share of what they are the difference of are rounding
@@ -49,7 +49,7 @@ def take_out(m, s, link):
         n = pair(link.basis[k])
         u = times(A, B, C, n)
         pivot = dot6(n, u)
-        if not pivot.real > ROUNDING * size:
+        if not pivot.real > ROUNDING * size * (dot(n[0], n[0]) + m.length**2 * dot(n[1], n[1])).real:
             return False
         inverse = 1.0 / pivot
         put6(link.u[k], u[0], u[1])
@@ -131,7 +131,6 @@ def factor_links(m, d, s):
             s.state.worn = 1
             s.state.dense = 1
             return
-        release(m, link)
         if not take_out(m, s, link):
             s.state.dense = 1
             return
@@ -143,11 +142,7 @@ def prescribed(d, s, link):
     """y: the acceleration that the right sides of the rows ask for, along the directions they hold."""
     y = scale(0.0, vec(link.d)), scale(0.0, vec(link.d))
     for j in range(link.rows):
-        total = d.row[s.joint[link.joint + j].row].bottom
-        for i in range(j):
-            total -= link.R[j, i] * link.e[i]
-        link.e[j] = total
-        y = along6(y, total * link.R[j, j], pair(link.basis[j]))
+        y = along6(y, d.row[s.joint[link.joint + j].row].bottom, pair(link.basis[j]))
     return y
 
 
@@ -227,8 +222,5 @@ def move_links(m, d, s):
         put(body.alpha, rotate_back(mat(body.R), a[1]))
         if link.rows > 0:
             f = along6(p, -1.0, times(mat(link.A), mat(link.B), mat(link.C), a))
-            for j in range(link.rows - 1, -1, -1):
-                total = dot6(pair(link.basis[j]), f) * link.R[j, j]
-                for k in range(j + 1, link.rows):
-                    total -= link.R[k, j] * d.row[s.joint[link.joint + k].row].lam
-                d.row[s.joint[link.joint + j].row].lam = total
+            for j in range(link.rows):
+                d.row[s.joint[link.joint + j].row].lam = dot6(pair(link.basis[j]), f)

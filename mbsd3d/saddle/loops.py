@@ -41,27 +41,24 @@ def assemble_loops(s):
                     S[line + s.entry[f].place] += share * s.entry[f].e[k]
 
 
-@fused_kernel
-def product_of_lines(s, i, k, end):
-    """Sum over the columns before ``end`` of L_i L_k."""
-    L = s.skyline[1]
-    line_i, line_k, total = s.loop[i].line, s.loop[k].line, 0.0 * L[0]
-    for j in range(max(s.loop[i].first, s.loop[k].first), end):
-        total += L[line_i + j] * L[line_k + j]
-    return total
-
-
 @inner_kernel
 def start_group(s, begin, end):
     """Lines of a group of rows: factor in the columns of the groups before, what these leave of S in its own."""
     S, L, loop = s.skyline[0], s.skyline[1], s.loop
+    first = loop[begin].first
     for i in range(begin, end):
         line = loop[i].line
         loop[i].at = i
-        for k in range(loop[i].first, begin):
-            L[line + k] = (S[line + loop[k].at] - product_of_lines(s, i, k, k)) * L[loop[k].line + k]
+        for k in range(first, begin):
+            other, total = loop[k].line, S[line + loop[k].at]
+            for j in range(max(first, loop[k].first), k):
+                total -= L[line + j] * L[other + j]
+            L[line + k] = total * L[other + k]
         for k in range(begin, i + 1):
-            L[line + k] = S[line + k] - product_of_lines(s, i, k, begin)
+            other, total = loop[k].line, S[line + k]
+            for j in range(first, begin):
+                total -= L[line + j] * L[other + j]
+            L[line + k] = total
 
 
 @inner_kernel
@@ -123,22 +120,21 @@ def factor_group(s, begin, end):
                 L[line + j] -= L[line + i] * L[loop[j].line + i]
 
 
-@fused_kernel
+@inner_kernel
 def substitute(s, x):
     """x := (S + mu)^-1 x by the factor."""
-    L, loop = s.skyline[1], s.loop
+    L, loop, z = s.skyline[1], s.loop, s.vector[4]
     for i in range(loop.shape[0]):
-        row = loop[i]
-        total = x[row.at]
-        for k in range(row.first, i):
-            total -= L[row.line + k] * x[loop[k].at]
-        x[row.at] = total * L[row.line + i]
+        line, total = loop[i].line, x[loop[i].at]
+        for k in range(loop[i].first, i):
+            total -= L[line + k] * z[k]
+        z[i] = total * L[line + i]
     for i in range(loop.shape[0] - 1, -1, -1):
-        row = loop[i]
-        value = x[row.at] * L[row.line + i]
-        x[row.at] = value
-        for k in range(row.first, i):
-            x[loop[k].at] -= L[row.line + k] * value
+        line = loop[i].line
+        value = z[i] * L[line + i]
+        for k in range(loop[i].first, i):
+            z[k] -= L[line + k] * value
+        x[loop[i].at] = value
 
 
 @late_kernel

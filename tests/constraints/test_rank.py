@@ -37,11 +37,11 @@ def check_against_dense(system, core_rows):
     """Rank, independent rows, redundant combinations and free motions against one SVD of the whole J."""
     compiled, data = at_reference(system)
     A = dense_rows(compiled, data)
-    rank = independent_rows(A)[0].size
+    rank = independent_rows(A).size
     found = Analysis(scaled_rows(compiled.model, data), core_rows=core_rows)
     assert found.rank == rank
     chosen, N = found.independent(), found.redundant()
-    assert independent_rows(A[chosen])[0].size == chosen.size == rank
+    assert independent_rows(A[chosen]).size == chosen.size == rank
     assert N.shape == (A.shape[0], A.shape[0] - rank)
     assert np.abs(A.T @ N).max(initial=0.0) < ROUNDING
     assert np.linalg.matrix_rank(N) == N.shape[1] if N.size else True

@@ -3,7 +3,18 @@
 import numpy as np
 import pytest
 
-from mbsd3d import GROUND, Body, PointOnLine, Revolute, Spherical, System, accelerations, rotation, simulate
+from mbsd3d import (
+    GROUND,
+    AngleDriver,
+    Body,
+    PointOnLine,
+    Revolute,
+    Spherical,
+    System,
+    accelerations,
+    rotation,
+    simulate,
+)
 from mbsd3d.base import inertia
 from mbsd3d.base.rotations import matrix
 from validation import cases
@@ -34,6 +45,19 @@ def test_door_numbers():
     assert found.verdict.startswith("redundant, consistent")
     assert {share.joint for share in found.shares} == {"Revolute 'bottom'", "Revolute 'top'"}
     assert not any(share.force_unique or share.moment_unique for share in found.shares)
+
+
+@pytest.mark.parametrize("turned", [0.0, 0.7])
+def test_which_reactions_are_determined_does_not_depend_on_how_far_a_driver_has_turned_the_door(turned):
+    """Both bearings push along the common axis; the ball has no moment, wherever its door stands."""
+    leaf = Body("leaf", 20.0, (6.7, 8.0, 1.4), com=(0.1, 0.02, 0.3), position=(0.45, 0.1, 1.0))
+    axis = np.array([0.3, -0.2, 1.0])
+    low = Revolute(GROUND, leaf, at=(0.1, 0.2, 0.0), axis=axis, name="low")
+    high = Spherical(GROUND, leaf, at=low.at + 2.0 * axis, name="high")
+    system = System([leaf], [low, high, AngleDriver(low, turned, name="motor")])
+    assert {share.joint: (share.force_unique, share.moment_unique) for share in system.check().shares} == {
+        "Revolute 'low'": (False, False), "Spherical 'high'": (False, True),
+    }  # fmt: skip
 
 
 def test_door_cures_are_those_of_the_design_and_cure():

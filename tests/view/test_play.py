@@ -16,8 +16,8 @@ from test_live import knock, listens, until
 
 from mbsd3d import GROUND, Body, Input, Revolute, Solution, System, Torque
 from mbsd3d.run.playing import PERIOD
-from mbsd3d.view.page.stage import FOV
-from mbsd3d.view.play.page import swing
+from mbsd3d.view.page.stage import FOV, swing
+from mbsd3d.view.play.page import pivot_of
 from mbsd3d.view.play.play import Play, parsed
 from mbsd3d.view.play.server import Outlet
 from mbsd3d.view.scene.camera import directions, sight
@@ -252,12 +252,12 @@ def test_the_first_view_holds_what_may_swing_up():
     arm = Body("arm", 1.0, (0.1, 0.1, 0.1), position=(0.1, 0.3, -0.4))
     pin, end = (Revolute(GROUND, arm, at=(0.2, 0.3, z), axis=(0, 1, 0)) for z in (0.0, -0.8))
     axes, ball = directions((30.0, 20.0)), np.linalg.norm((0.3, 0.1, 0.9))
-    seen = swing(System([arm], [pin]), low, high, axes)
+    seen = swing(pivot_of(System([arm], [pin])), low, high, axes)
     camera = sight(*seen.seen, axes, FOV).camera()
     assert np.allclose(camera.look_at, pin.at)
     assert ball < camera.distance * np.sin(0.5 * FOV) < 1.1 * ball  # with little air
-    assert swing(System([arm], [pin, end]), low, high, axes) is None and swing(crane(), low, high, axes) is None
-    assert swing(System([arm], [], [Torque(arm, (0, 0, 1))]), low, high, axes) is None
+    assert pivot_of(System([arm], [pin, end])) is None and pivot_of(crane()) is None
+    assert pivot_of(System([arm], [], [Torque(arm, (0, 0, 1))])) is None
 
 
 # a real browser

@@ -129,7 +129,7 @@ def torque(engine: Engine, gas: Gas, angle: np.ndarray) -> np.ndarray:
     return -np.sum(forces(engine, gas, angle) * slope, axis=1)
 
 
-def with_gas(system: System, engine: Engine, gas: Gas, count: int = 720) -> System:
+def with_gas(system: System, engine: Engine, gas: Gas, count: int) -> System:
     """The engine of `spatial.build` with gas forces for two turns, exact at ``count`` times per turn.
 
     Run it with ``spatial.turn(system, engine, turns=2, count=count)``, or a divisor of the count.

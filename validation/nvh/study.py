@@ -66,11 +66,11 @@ class Study:
     shell: str = BEAM
 
     def __post_init__(self) -> None:
-        rpm = number(self.rpm, "nvh: rpm", positive=True)
+        rpm, least = number(self.rpm, "nvh: rpm", positive=True), SLOWEST * self.preset.idle
         if rpm > self.preset.redline:
             most = f"redline of '{self.preset.name}'; give {self.preset.redline:g} or less"
             raise InputError(f"nvh: rpm {rpm:g} is beyond the {most}")
-        if rpm < (least := SLOWEST * self.preset.idle):
+        if rpm < least:
             raise InputError(f"nvh: rpm {rpm:g}: '{self.preset.name}' idles at {self.preset.idle:g}; give {least:g} up")
         self.source.cycle  # noqa: B018  # refuses a load
 

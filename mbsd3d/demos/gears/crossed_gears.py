@@ -30,9 +30,7 @@ def theory(*, r1, r2, helix_deg, shaft_angle_deg, torque):
     require(abs(helix_deg) < 90 and abs(shaft_angle_deg - helix_deg) < 90, f"demo 'crossed_gears': helix_deg = "
             f"{helix_deg:g}: both helix angles must be less than 90 degrees")  # fmt: skip
     ratio = r1 * np.cos(b1) / (r2 * np.cos(b2))
-    return {
-        "ratio": ratio, "thrust_on_pinion_N": abs(torque * np.tan(b1)) / r1, "wheel_torque_Nm": abs(torque) / ratio,
-    }  # fmt: skip
+    return {"ratio": ratio, "thrust_on_pinion_N": abs(torque * np.tan(b1)) / r1, "wheel_torque_Nm": abs(torque) / ratio}
 
 
 def measure(build, terms) -> Measured:

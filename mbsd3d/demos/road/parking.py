@@ -2,19 +2,7 @@
 
 import numpy as np
 
-from mbsd3d import (
-    GROUND,
-    AngleDriver,
-    Body,
-    KnifeEdge,
-    Planar,
-    Revolute,
-    Sine,
-    SpeedDriver,
-    System,
-    shapes,
-    simulate,
-)  # fmt: skip
+from mbsd3d import GROUND, AngleDriver, Body, KnifeEdge, Planar, Revolute, Sine, SpeedDriver, System, shapes, simulate
 
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 from ..quadrature import motion

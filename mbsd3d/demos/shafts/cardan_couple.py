@@ -29,9 +29,7 @@ def theory(*, bend_deg, torque):
     require(abs(bend_deg) <= 45, f"demo 'cardan_couple': bend_deg = {bend_deg:g}: above 45 the greatest couple on the "
             "driving shaft is T/(2 cos b), between the quarters of a turn; give less")  # fmt: skip
     b = np.radians(abs(bend_deg))
-    return {
-        "couple_on_driving_shaft_Nm": abs(torque) * np.sin(b), "couple_on_driven_shaft_Nm": abs(torque) * np.tan(b),
-    }  # fmt: skip
+    return {"couple_on_driving_shaft_Nm": abs(torque) * np.sin(b), "couple_on_driven_shaft_Nm": abs(torque) * np.tan(b)}
 
 
 def measure(build, terms, *, bend_deg, torque) -> Measured:

@@ -5,6 +5,7 @@ import numpy as np
 from mbsd3d import GROUND, Body, Cylindrical, Revolute, SpeedDriver, System, Universal, rotation, shapes, simulate
 
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
+from .cardan import ratio
 
 RATE, SAMPLES = 10.0, 361  # rad/s; of one turn, the extremes are at its quarters
 
@@ -28,11 +29,6 @@ def mechanism(*, bend_deg=30.0, phase_deg=90.0) -> System:
         Cylindrical(GROUND, driven, at=along + ends, axis=ends, name="support"),
     ]
     return System([drive, middle, driven], joints, gravity=(0, 0, 0))
-
-
-def ratio(angle, bend):
-    """Ratio of one cross: cos b/(1 - sin^2 b cos^2 angle), its driving pin in the plane of the shafts at 0."""
-    return np.cos(bend) / (1 - np.sin(bend) ** 2 * np.cos(angle) ** 2)
 
 
 def theory(*, bend_deg, phase_deg):

@@ -58,12 +58,7 @@ def measure(build, terms, *, omega) -> Measured:
     curves = [
         Curve("torque of one piston [N m]", degrees, torque, (degrees, sign * wave), "shaft [deg]"),
         Curve(
-            "of all pistons [N m]",
-            degrees,
-            all_of_them.effort("motor"),
-            (degrees, 0 * wave),
-            "shaft [deg]",
-            scale=peak,
+            "of all pistons [N m]", degrees, all_of_them.effort("motor"), (degrees, 0 * wave), "shaft [deg]", scale=peak
         ),
     ]
     return Measured(

@@ -7,15 +7,10 @@ from mbsd3d.rotations import matrix
 
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 from ..stones import slid
+from .tippe_top import PER_WEIGHT, table_of
 
 G = 9.81  # m/s^2
 LONGEST, LEANS = 1.42, 11.0  # over its breadth; deg from lying: beyond, the balance is off by more than a part in 100
-PER_WEIGHT = 1e4  # 1/m: stiffness of the table over the weight of the egg
-
-
-def table(m):
-    """(k, c) of the table [N/m, N s/m]."""
-    return PER_WEIGHT * m * G, m * np.sqrt(PER_WEIGHT * G)
 
 
 def moments(m, a, b):
@@ -31,7 +26,7 @@ def height(a, b, tilt):
 def mechanism(*, m=0.06, a=0.029, b=0.022, mu=0.2, creep=0.01, tilt_deg=85.0, spin=160.0) -> System:
     """Egg of length 2 a and breadth 2 b [m], its axis tilted from the vertical, spun about the vertical [rad/s], on
     friction mu, which is full where it slides much faster than ``creep`` [m/s]."""
-    tilt, (k, c), form = np.radians(tilt_deg), table(m), shapes.Ellipsoid((b, b, a))
+    tilt, (k, c), form = np.radians(tilt_deg), table_of(m), shapes.Ellipsoid((b, b, a))
     mark = shapes.Torus(0.999 * b, 0.04 * b, colour="orangered")
     egg = Body("egg", m, moments(m, a, b), position=(0, 0, height(a, b, tilt) - 1 / PER_WEIGHT), velocity=(0, 0, 0),
                orientation=rotation("y", tilt), omega=(0, 0, spin), shape=[form, mark])  # fmt: skip
@@ -41,7 +36,7 @@ def mechanism(*, m=0.06, a=0.029, b=0.022, mu=0.2, creep=0.01, tilt_deg=85.0, sp
 
 def own(times, *, m, a, b, mu, creep, tilt_deg, spin):
     """(times, 10) of the vertical, angular velocity and velocity in axes of the egg, and height; see `slid`."""
-    tilt, (k, c) = np.radians(tilt_deg), table(m)
+    tilt, (k, c) = np.radians(tilt_deg), table_of(m)
     n = matrix(rotation("y", tilt))[2]
     return slid(times, m=m, g=G, I=moments(m, a, b), radii=(b, b, a), com=(0, 0, 0), k=k, c=c, mu=mu, creep=creep,
                 n=n, w=spin * n, v=(0, 0, 0), height=height(a, b, tilt) - 1 / PER_WEIGHT)  # fmt: skip

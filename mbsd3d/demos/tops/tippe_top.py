@@ -11,7 +11,7 @@ from ..quadrature import cross, motion
 from ..stones import slid
 
 G = 9.81  # m/s^2
-PER_WEIGHT = 1e4  # 1/m: stiffness of a table that gives way over the weight of the top
+PER_WEIGHT = 1e4  # 1/m: stiffness of a table that gives way over the weight of the stone
 CREEP = 0.01  # m/s: dry friction is full where the top slides much faster
 
 

@@ -37,6 +37,7 @@ class Shape(Frozen):
     """
 
     sizes: ClassVar[tuple[str, ...]] = ()  # fields that are lengths > 0 [m]
+    centred: ClassVar[bool] = True  # at the centre of mass unless ``at`` is given, else at O
     at: ArrayLike | None = field(default=None, kw_only=True)
     orientation: ArrayLike = field(default=(1.0, 0.0, 0.0, 0.0), kw_only=True)
     colour: str | None = field(default=None, kw_only=True)
@@ -56,7 +57,9 @@ class Shape(Frozen):
 
     def origin(self, body: Shaped) -> np.ndarray:
         """Centre of the shape from O, body axes [m]."""
-        return body.com if self.at is None else self.at
+        if self.at is not None:
+            return self.at
+        return body.com if self.centred else np.zeros(3)
 
 
 class Solid(Shape):

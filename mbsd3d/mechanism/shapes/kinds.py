@@ -151,6 +151,17 @@ class Capsule(Round):
         return capsule(self.radius, self.length)
 
 
+def rows_of_three(points: ArrayLike, what: str, remedy: str) -> np.ndarray:
+    """An own array (k, 3), or an InputError with the remedy."""
+    try:
+        found = np.array(points, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{what}: points are not numeric; {remedy}") from None
+    if found.ndim != 2 or found.shape[1] != 3:
+        raise InputError(f"{what}: points have shape {found.shape}; {remedy}")
+    return found
+
+
 @dataclass(frozen=True, eq=False)
 class Hull(Solid):
     """The convex body with corners among ``points`` (k, 3) [m], k >= 4 and at most 1000, from O or ``at``.
@@ -159,24 +170,19 @@ class Hull(Solid):
     (4, 3)
     """
 
+    centred: ClassVar = False
     points: ArrayLike
 
     def check(self, what: str) -> None:
         remedy = f"give 4 to {MOST} corners (k, 3) [m] that do not lie in a plane"
-        try:
-            points = np.array(self.points, dtype=float)
-        except (TypeError, ValueError, OverflowError):
-            raise InputError(f"{what}: points are not numeric; {remedy}") from None
-        if points.ndim != 2 or points.shape[1] != 3 or not 4 <= len(points) <= MOST or not np.isfinite(points).all():
+        points = rows_of_three(self.points, what, remedy)
+        if not 4 <= len(points) <= MOST or not np.isfinite(points).all():
             raise InputError(f"{what}: points have shape {points.shape}, or some are not finite; {remedy}")
         away = points - points.mean(axis=0)
         width, _, depth = np.linalg.svd(away, compute_uv=False)
         if depth <= FLAT * width:
             raise InputError(f"{what}: points lie in a plane; {remedy}")
         self.set(points=points)
-
-    def origin(self, body: Shaped) -> np.ndarray:
-        return np.zeros(3) if self.at is None else self.at
 
     def surface(self) -> Mesh:
         return hull(self.points)
@@ -193,6 +199,7 @@ class MeshFile(Solid):
     'crank.stl'
     """
 
+    centred: ClassVar = False
     path: str
     scale: float = 1.0
 
@@ -204,9 +211,6 @@ class MeshFile(Solid):
         if not isinstance(path, str) or not path.lower().endswith(SUFFIXES):
             raise InputError(f"{what}: path {shown(path)} is not a mesh; give one that ends in {', '.join(SUFFIXES)}")
         self.set(path=path, scale=number(self.scale, f"{what}: scale", positive=True))
-
-    def origin(self, body: Shaped) -> np.ndarray:
-        return np.zeros(3) if self.at is None else self.at
 
     def surface(self) -> Mesh:
         return moved(read_mesh(self.path, f"MeshFile '{self.path}'"), self.scale * np.eye(3), np.zeros(3))
@@ -220,23 +224,16 @@ class Lines(Shape):
     (2, 3)
     """
 
+    centred: ClassVar = False
     points: ArrayLike
 
     def check(self, what: str) -> None:
         remedy = "give (k, 3) numbers [m], at least two points, with rows of NaN between strokes"
-        try:
-            points = np.array(self.points, dtype=float)
-        except (TypeError, ValueError, OverflowError):
-            raise InputError(f"{what}: points are not numeric; {remedy}") from None
-        if points.ndim != 2 or points.shape[1] != 3:
-            raise InputError(f"{what}: points have shape {points.shape}; {remedy}")
+        points = rows_of_three(self.points, what, remedy)
         lifted = np.isnan(points).all(axis=1)
         if np.sum(~lifted) < 2 or not np.isfinite(points[~lifted]).all():
             raise InputError(f"{what}: {np.sum(~lifted)} points, or some not finite; {remedy}")
         self.set(points=points)
-
-    def origin(self, body: Shaped) -> np.ndarray:
-        return np.zeros(3) if self.at is None else self.at
 
     def line(self, body: Shaped) -> np.ndarray:
         """(k, 3) points in body axes from O [m]."""

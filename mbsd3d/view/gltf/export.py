@@ -27,7 +27,7 @@ SHORTEST = 1e-6  # length that is drawn of a spring pressed to a point, in sizes
 UPRIGHT = rotation("x", -90, degrees=True)
 
 
-def export_run(motion: Poses, path: str | Path, frames: int | None = None, traces: Points | None = None) -> Path:
+def export_run(motion: Poses, path: str | Path, frames: int | None, traces: Points | None) -> Path:
     """Write the file of a solution; see `Solution.export_glb`."""
     shown = frames_of(motion, frames)
     content = glb(motion.system, shown, traces_of(motion, shown, traces))

@@ -17,13 +17,13 @@ from ...plotting.panels import Wanted
 from ...results.body_motion import Poses
 from ..scene.artist import draw_system
 from ..scene.camera import directions
-from ..scene.drawing import USUAL, WORLD, Layers, bounds, layers_of, poses_of, title_of
+from ..scene.drawing import USUAL, Layers, layers_of, poses_of, title_of
 from ..scene.frames import Frames, frames_of, sensible_speed
 from ..scene.motion import Points, arrows_of, curves_of, traces_of
 from .content import Content, weight_of
 from .html import View, make_page
 from .live import LiveView
-from .stage import Reach
+from .stage import Reach, boxes
 
 LARGEST = 7e6  # characters of what moves in a page whose number of frames was not asked for
 TRAVELS = 20.0  # sizes of a mechanism that it moves by before the camera goes along by itself
@@ -96,8 +96,7 @@ def animate(
 def reach_of(motion: Poses, frames: int | None, layers: Sequence[str], axes: np.ndarray) -> Reach:
     """The space a motion takes, also along the directions of a view, and its longest arrows."""
     at, drawing = frames_of(motion, frames), draw_system(motion.system)
-    boxes = (bounds(drawing, at.r, at.e, layers, along) for along in (WORLD, axes))
-    return Reach(*boxes, {kind.kind: kind.longest for kind in arrows_of(motion, at)})
+    return Reach(*boxes(drawing, at, layers, axes), {kind.kind: kind.longest for kind in arrows_of(motion, at)})
 
 
 def followed_body(motion: Poses, follow: Body | Ground | str | None, live: bool) -> int:

@@ -14,8 +14,8 @@ from ...base.rotations import matrix
 from ...base.style import CELLS, GREY, SHADED, channels, linear, paler, rgb
 from ...mechanism.shapes import Mesh
 from ...mechanism.shapes.surfaces import joined
-from ..scene.camera import Sight, directions, frame_camera, round_up, sight
-from ..scene.drawing import LAYERS, USUAL, Drawing, Link, bounds
+from ..scene.camera import directions, frame_camera, round_up, sight
+from ..scene.drawing import LAYERS, USUAL, WORLD, Drawing, Link, bounds
 from ..scene.frames import Frames
 from ..scene.meshes import ROD, SLENDER, Z, arrow, laid, unit_coil, unit_or_z, unit_rod, with_shade
 from ..scene.motion import Arrows, Trace, moved
@@ -29,14 +29,16 @@ FADING = 12.0  # of the camera's distance, at which a ground without an edge has
 SUN = (-0.5, -1.5, 3.0)  # towards it
 LONGEST = 0.4  # of the mechanism's size: the longest arrow of each kind
 CELLS_ALONG, FEW_CELLS = 10.0, 2.5  # of the ground grid, along what is seen; of one without an edge
+BALL = 0.75  # half side of a box, of the radius of a ball: where the box fills a view the ball is in it
 NOTHING = 1e-9  # what is taken for a length of zero: scales of zero have no inverse
+Box = tuple[np.ndarray, np.ndarray]  # lowest and highest corner (3,) [m]
 
 
 class Reach(NamedTuple):
     """What a view must hold, and by what its arrows are scaled."""
 
-    world: tuple[np.ndarray, np.ndarray]  # lowest and highest corner of its box [m], (3,)
-    seen: tuple[np.ndarray, np.ndarray]  # the same along the directions of the view
+    world: Box
+    seen: Box  # along the directions of the view
     longest: Mapping[str, float]  # arrow of each kind
 
 
@@ -96,7 +98,7 @@ class Stage:
 
     ``shown``: the layers that are visible first; ``near``: the camera frames the mechanism at the first frame only;
     ``endless``: the ground has no edge; ``view``: azimuth and elevation of the first view [degrees], None = the usual;
-    ``least``: what a view that is not near holds at least.
+    ``least``: what a view that is not near holds at least; ``pivot`` (3,): the point about which all may swing, world.
     """
 
     def __init__(
@@ -113,15 +115,15 @@ class Stage:
         endless: bool = False,
         view: Sequence[float] | None = None,
         least: Reach | None = None,
+        pivot: np.ndarray | None = None,
     ) -> None:
         axes = directions(view)
-        low, high = bounds(drawing, frames.r, frames.e, shown)
-        some = slice(1) if near else slice(None)
-        seen = bounds(drawing, frames.r[some], frames.e[some], shown, axes)
+        box, seen = boxes(drawing, frames.first if near else frames, shown, axes)  # of what the first view holds
+        if pivot is not None:
+            least = swing(pivot, *box, axes)
         if least and not near:
-            low, high = around((low, high), least.world)
-            seen = around(seen, least.seen)
-        box = bounds(drawing, frames.r[:1], frames.e[:1], shown) if near else (low, high)
+            box, seen = around(box, least.world), around(seen, least.seen)
+        ground = bounds(drawing, frames.r, frames.e, shown) if near else box
         self.scene, self.shown = scene, shown
         self.scale = float(10.0 ** -np.floor(np.log10(drawing.size / 0.5)))  # scene units per metre
         cells = FEW_CELLS if endless else CELLS_ALONG
@@ -145,12 +147,13 @@ class Stage:
         self.traces: list[SceneNodeHandle] = []  # the passed part of each
         for i, trace in enumerate(traces):
             self.add_trace(i, trace)
-        self.add_grid(low, high, drawing.floor, endless)
+        self.add_grid(*ground, drawing.floor, endless)
         for layer in self.layers:
             if layer not in shown:  # nodes are visible when they are made
                 self.show(layer, False)
         self.light()
-        self.sight = self.aim(camera, sight(*seen, axes, FOV, turns=near))  # of the first view
+        self.sight = sight(*seen, axes, FOV, turns=near)  # of the first view
+        self.aim(camera)
         scene.add_frame("/ready", show_axes=False)  # the last one: when it is there, all is
 
     def move(self, r: np.ndarray, e: np.ndarray) -> None:
@@ -246,16 +249,26 @@ class Stage:
         self.scene.add_light_hemisphere("/sky", **sky)
         self.scene.add_light_directional("/sun", intensity=2.8, cast_shadow=True, position=SUN)
 
-    def aim(self, camera: "InitialCameraConfig", first: Sight) -> Sight:
+    def aim(self, camera: "InitialCameraConfig") -> None:
         """Let the first view, in a window as wide as high, hold a whole box."""
-        seen = first.camera()
+        seen = self.sight.camera()
         distance = float(seen.distance * self.scale)
         camera.position, camera.look_at = seen.position * self.scale, seen.look_at * self.scale
         camera.fov, camera.near, camera.far = FOV, 1e-3 * distance, 1e3 * distance
-        return first
 
 
-def around(*boxes: tuple[np.ndarray, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """The box that holds some, each by its lowest and highest corner."""
-    lows, highs = zip(*boxes, strict=True)
-    return np.min(lows, axis=0), np.max(highs, axis=0)
+def boxes(drawing: Drawing, frames: Frames, layers: Sequence[str], axes: np.ndarray) -> tuple[Box, Box]:
+    """What some layers take up in all frames, along the axes of the world and those of a view."""
+    r, e = frames.r, frames.e
+    return bounds(drawing, r, e, layers, WORLD), bounds(drawing, r, e, layers, axes)
+
+
+def around(one: Box, other: Box) -> Box:
+    """The box that holds both."""
+    return np.minimum(one[0], other[0]), np.maximum(one[1], other[1])
+
+
+def swing(pivot: np.ndarray, low: np.ndarray, high: np.ndarray, axes: np.ndarray) -> Reach:
+    """The space round a point on which all that is in a box at first hangs or stands."""
+    half = BALL * np.linalg.norm(np.maximum(np.abs(low - pivot), np.abs(high - pivot)))
+    return Reach((pivot - half, pivot + half), (axes @ pivot - half, axes @ pivot + half), {})

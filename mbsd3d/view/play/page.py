@@ -16,13 +16,11 @@ from ...run.playable import Built, Control, Playable
 from ..page.content import Content, player_data
 from ..page.html import as_script, asset
 from ..page.recorder import Recording, client_head, printable
-from ..page.stage import Reach, Stage
+from ..page.stage import Stage
 from ..scene.artist import draw_system
-from ..scene.camera import directions
-from ..scene.drawing import bounds, poses_of
+from ..scene.drawing import poses_of
 from ..scene.frames import Frames
 
-BALL = 0.75  # half side of a box, of the radius of a ball: where the box fills a view the ball is in it
 SCENE = ("unpack.js", "scene.js", "curves.js", "common.js")
 RIDE = ("strips.js", "gamepad.js", "ride.js")
 SECONDS = 10.0  # of the model that the live curves show
@@ -44,12 +42,10 @@ def ride_page(model: Playable, built: Built, look: Look) -> str:
     """The whole page."""
     recording, (r, e) = Recording("play"), poses_of(built.system, built.state)
     still, drawing = Frames(np.array([built.state.t]), r[None], e[None]), draw_system(built.system)
-    low, high = bounds(drawing, still.r, still.e, look.layers)
-    around = swing(built.system, low, high, directions(look.view)) if look.followed < 0 else None
     content = Content(drawing, still, [], [], [], 1.0, look.title, look.layers, followed=look.followed)
     stage = Stage(
         recording.scene, recording.camera, drawing, still, shown=look.layers, endless=True, view=look.view,
-        least=around,
+        pivot=pivot_of(built.system) if look.followed < 0 else None,
     )  # fmt: skip
     bodies = built.system.bodies
     data = player_data(content, stage) | {
@@ -68,27 +64,20 @@ def ride_page(model: Playable, built: Built, look: Look) -> str:
         "dark": json.dumps(look.dark),
     }
     marked = {name: Markup(text) for name, text in texts.items()}
-    return page_template("ride.html").render(
-        title=printable(look.title), controls=bool(model.controls), **marked
-    )  # fmt: skip
+    return page_template("ride.html").render(title=printable(look.title), controls=bool(model.controls), **marked)
 
 
-def swing(system: Mechanism, low: np.ndarray, high: np.ndarray, axes: np.ndarray) -> Reach | None:
-    """The space round the one point of the ground that a mechanism hangs on or stands on; None if there is no such one.
+def pivot_of(system: Mechanism) -> np.ndarray | None:
+    """The one point of the ground that a mechanism hangs on or stands on [m]; None if there is no such one.
 
-    ``low``, ``high``: the box it takes at first [m]; ``axes``: directions of the view. What is held at several points
-    does not leave that box far.
+    What is held at several points does not leave far the box that it takes at first.
     """
     pivots = [
         joint.at for joint in system.joints
         if isinstance(joint, PointJoint) and GROUND in (joint.a, joint.b)
         and any(row.kind == kinds.COINCIDE for row in joint.primitives)
     ]  # fmt: skip
-    if len(pivots) != 1:
-        return None
-    at = pivots[0]
-    half = BALL * np.linalg.norm(np.maximum(np.abs(low - at), np.abs(high - at)))
-    return Reach((at - half, at + half), (axes @ at - half, axes @ at + half), {})
+    return pivots[0] if len(pivots) == 1 else None
 
 
 def control_data(control: Control) -> dict[str, object]:

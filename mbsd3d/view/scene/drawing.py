@@ -21,9 +21,7 @@ ARROWS = ("angular velocity", "angular momentum", "reaction force", "reaction mo
 NAMES = ("body names", "joint names")
 MARKS = ("centre of mass", "reference point")
 USUAL = ("bodies", "joints", "springs and rods", "traces", "ground grid")
-LAYERS = (
-    "bodies", "body names", "joints", "joint names", "springs and rods", "traces", "ground grid", *ARROWS, *MARKS,
-)  # fmt: skip
+LAYERS = ("bodies", "body names", "joints", "joint names", "springs and rods", "traces", "ground grid", *ARROWS, *MARKS)
 Layers = str | Iterable[str]
 WORLD = np.eye(3)  # its axes
 WORK = 20_000_000  # points times poses that are looked at for the bounds
@@ -90,7 +88,7 @@ def title_of(system: Mechanism) -> str:
     return f"{', '.join(names[:3])} and {len(names) - 3} more bodies"
 
 
-def layers_of(shown: Layers, hidden: Layers, usual: Collection[str] = USUAL) -> tuple[str, ...]:
+def layers_of(shown: Layers, hidden: Layers, usual: Collection[str]) -> tuple[str, ...]:
     """The visible layers, in their order: the usual ones and ``shown``, without ``hidden``."""
     more, less = known(shown, "shown"), known(hidden, "hidden")
     for layer in more:

@@ -32,6 +32,11 @@ class Frames(NamedTuple):
     r: np.ndarray  # (frames, n + 1, 3) [m]
     e: np.ndarray  # (frames, n + 1, 4) unit quaternions of one sheet: neighbours have a positive product
 
+    @property
+    def first(self) -> "Frames":
+        """The first one alone."""
+        return Frames(self.t[:1], self.r[:1], self.e[:1])
+
 
 def frames_of(motion: Poses, count: int | None = None) -> Frames:
     """Frames in equal steps of time from the first to the last sample, of a run or a mode.

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbsd3d import State, System, rotation
-from mbsd3d.extend import equations, multiply
+from mbsd3d.extend import equations, multiply, perpendiculars
 
 RANK = 1e-9  # of scaled rows, over the largest singular value
 IN, OUT = [0, 1, 5], [2, 3, 4]  # columns of a twist (v, w) in axes (e1, e2, n)
@@ -33,9 +33,7 @@ class Rows:
 
     def __init__(self, system: System, normal: np.ndarray) -> None:
         self.system, self.n = system, len(system.bodies)
-        e1 = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
-        e1 /= np.linalg.norm(e1)
-        self.axes = np.stack([e1, np.cross(normal, e1), normal])
+        self.axes = np.stack([*perpendiculars(normal), normal])
         self.index = {id(body): i for i, body in enumerate(system.bodies)}
         counts = np.cumsum([0] + [sum(row.n_rows for row in joint.primitives) for joint in system.joints])
         self.rows_of = {id(joint): np.arange(*counts[k : k + 2]) for k, joint in enumerate(system.joints)}

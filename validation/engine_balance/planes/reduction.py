@@ -172,7 +172,7 @@ def form_planes(
         stations.setdefault(next(near, unit.z), []).append(k)
     members = [*stations.values(), []]
     throws = [sum(throw(shaft, joints[k], bodies) for k in own) for own in stations.values()]
-    heights, slices, unseen = cut(shaft, np.array(list(stations)), np.array(throws), bodies)
+    heights, slices, unseen = cut(shaft, np.array(list(stations)), np.array(throws))
     gravity = shaft.rows.flat(shaft.rows.system.gravity)
     planes = []
     for k, (height, body) in enumerate(zip(heights, slices, strict=True)):

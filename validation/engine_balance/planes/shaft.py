@@ -104,9 +104,8 @@ def welded(rows: Rows, root: Any) -> list:
     for fixed in found:
         for body in rows.system.bodies:
             own = [x for x in joints if {id(end) for end in x.bodies()} == {id(fixed), id(body)}]
-            if own and not contains(found, body):
-                if len(row_space(rows.twists(own, body, 0.0, rows.poses[0]))) == 6:
-                    found.append(body)
+            if own and not contains(found, body) and len(row_space(rows.twists(own, body, 0.0, rows.poses[0]))) == 6:
+                found.append(body)
     return found
 
 
@@ -185,9 +184,7 @@ def pin(joint: planar.Joint, body: planar.Body) -> np.ndarray:
     return joint.at
 
 
-def cut(
-    shaft: Shaft, z: np.ndarray, throws: np.ndarray, bodies: dict
-) -> tuple[np.ndarray, list[planar.Body], list[Failure]]:
+def cut(shaft: Shaft, z: np.ndarray, throws: np.ndarray) -> tuple[np.ndarray, list[planar.Body], list[Failure]]:
     """Heights and bodies of the slices of the shaft, and the product of inertia that they leave out.
 
     With U = m r_G and P = int (z - z_G) r dm as complex numbers x + i y from the axis: slice i of mass mu_i carries

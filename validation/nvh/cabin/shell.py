@@ -75,7 +75,7 @@ def beam_shell(
     for axis, first in ((2, bending), (1, lateral)):
         for rate, line in bending_modes(nodes, mass, first):
             found.append((rate, lambda at, line=line, axis=axis: bent(at, line, axis)))
-    for rate, turns in torsion_modes(nodes, roll_inertia, torsion):
+    for rate, turns in torsion_modes(roll_inertia, torsion):
         found.append((rate, lambda at, turns=turns: twisted(at, np.interp(at[:, 0], nodes, turns))))
     rates = np.array([rate for rate, _ in found])
     return ModalShell(rates, np.where(rates > 0, damping, 0.0), [shape for _, shape in found])
@@ -104,7 +104,7 @@ def bending_modes(nodes: np.ndarray, mass: float, first: float) -> list[tuple[fl
     return [(w, CubicHermiteSpline(nodes, v[::2], v[1::2])) for w, v in scaled(assembled(k, m, 2), 2, first)]
 
 
-def torsion_modes(nodes: np.ndarray, inertia: float, first: float) -> list[tuple[float, np.ndarray]]:
+def torsion_modes(inertia: float, first: float) -> list[tuple[float, np.ndarray]]:
     """(w [rad/s], rotations at the nodes) of one rigid and ``KEPT`` elastic modes; the first at ``first`` [Hz]."""
     k, m = np.array([[1.0, -1.0], [-1.0, 1.0]]), np.array([[2.0, 1.0], [1.0, 2.0]]) * inertia / ELEMENTS / 6
     return scaled(assembled(k, m, 1), 1, first)

@@ -51,7 +51,7 @@ ROTOR = 0.01  # of the mass is in the rotor; only the sum counts
 
 
 def moving_engine(
-    preset: Preset, engine: Engine, fitted: Sequence[Shaft] = (), *, frame: bool = True
+    preset: Preset, engine: Engine, fitted: Sequence[Shaft], *, frame: bool = True
 ) -> tuple[list[Body], list[Any]]:
     """(bodies, joints) of the engine with a free block, car axes, at q = 0: "block", "crank", "rod 1" ..., "dyno".
 

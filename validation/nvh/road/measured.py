@@ -21,7 +21,7 @@ from scipy.fft import dct
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 from validation.nvh.records import cell, table
-from validation.nvh.road.profile import SHORTEST
+from validation.nvh.road.profile import SHORTEST, summed
 
 GAP = 1.5  # of the usual step: from here on a point is missing
 LEAST, SHORT = 20, 5.0  # points; m
@@ -97,8 +97,7 @@ class Measured:
 
     def height(self, x: np.ndarray, side: int) -> np.ndarray:
         """z of the left (0) or right (1) track about its mean, x from the first point on [m]."""
-        turn = np.exp(2j * np.pi * np.multiply.outer(np.asarray(x, dtype=float), self.waves))
-        return (turn @ self.amplitudes[side]).real
+        return summed(self.waves, self.amplitudes[side], x)
 
 
 def read_road(path: str | Path) -> Measured:

@@ -73,5 +73,9 @@ class Road:
 
     def height(self, x: np.ndarray, side: int) -> np.ndarray:
         """z of the left (0) or right (1) track at places along the road [m]."""
-        turn = np.exp(2j * np.pi * np.multiply.outer(np.asarray(x, dtype=float), self.waves))
-        return (turn @ self.amplitudes[side]).real
+        return summed(self.waves, self.amplitudes[side], x)
+
+
+def summed(waves: np.ndarray, amplitudes: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Re sum c_k exp(2 pi i n_k x)."""
+    return (np.exp(2j * np.pi * np.multiply.outer(np.asarray(x, dtype=float), waves)) @ amplitudes).real

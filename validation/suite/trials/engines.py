@@ -12,6 +12,7 @@ import numpy as np
 
 from mbsd3d import GROUND, Constant, Joint, Kinematic, Prismatic, Revolute, SpeedDriver, SpringDamper, System, Torque
 from mbsd3d.errors import InputError
+from mbsd3d.extend import perpendiculars
 from validation import reduce_to_planes
 from validation.cases.inline_four import RATE, block_force, inline_four
 from validation.engine_balance import balance, spatial
@@ -72,9 +73,7 @@ def flatten(system: System) -> tuple[planar.System, Flat]:
     NotPlanarError naming the part that leaves the plane, or has no planar counterpart.
     """
     normal = normal_of(system)
-    across = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
-    across /= np.linalg.norm(across)
-    made = Flat(np.array([across, np.cross(normal, across), normal]))
+    made = Flat(np.array([*perpendiculars(normal), normal]))
     for body in system.bodies:
         made.bodies[id(body)] = flat_body(made, body)
     for joint in system.joints:

@@ -19,7 +19,7 @@ from validation.twins.base import label
 from validation.twins.definitions.rows import Motion, law_of, rotation
 from validation.twins.definitions.series import Array, Series
 from validation.twins.laws import LAWS, Law
-from validation.twins.laws.moving import Moving, Push
+from validation.twins.laws.moving import Moving, Push, own_states
 
 RANK = 1e-9
 """Singular values of J below this part of the greatest count as zero: far above rounding, far below a real row."""
@@ -87,12 +87,10 @@ def mass_and_force(system: System, state: State) -> tuple[Array, Array]:
         F[part][3:] -= np.cross(w, inertia @ w)
     for force in system.forces:
         law = law_of_force(system, force)
-        push, a, b = pushed(system, state, now, force, law)
-        for sign, side in ((1.0, b), (-1.0, a)):
-            if side.body is not GROUND and (side is b or law.back):
-                i, load = now.index[id(side.body)], sign * push.force
-                moment = np.cross(push.point - side.r, load) + sign * push.couple
-                F[6 * i : 6 * i + 6] += np.concatenate([load, moment])
+        push, sides = pushed(system, state, now, force, law)
+        for sign, k in law.sides:
+            i = now.index[id(sides[k].body)]
+            F[6 * i : 6 * i + 6] += sign * np.concatenate([push.force, push.moment(sides[k].r)])
     return M, F
 
 
@@ -104,18 +102,19 @@ def law_of_force(system: System, force: Any) -> Law:
     return LAWS[type(force)](force, what)
 
 
-def pushed(system: System, state: State, now: Motion, force: Any, law: Law) -> tuple[Push, Moving, Moving]:
-    """What a law says at a state, and its bodies there."""
-    ends = []
-    for body in (law.a, law.b):
-        (r, v), w = (now.origin(body).x0, now.rates(body)[0].x0), now.rates(body)[1].x0
-        R = np.eye(3) if body is GROUND else now.R[now.index[id(body)]] @ rotation(body.orientation).T
-        ends.append(Moving(body, r.reshape(3), R, v.reshape(3), w.reshape(3)))
-    first = sum(len(other.state_names()) for other in system.forces[: system.forces.index(force)])
-    own, x, counted = state.z[first : first + len(force.state_names())], force.record().coordinate, 0.0
+def moving(now: Motion, body: Any) -> Moving:
+    """A body of a single motion."""
+    R = np.eye(3) if body is GROUND else now.R[now.index[id(body)]] @ rotation(body.orientation).T
+    r, (v, omega) = now.origin(body), now.rates(body)
+    return Moving(body, r.x0.reshape(3), R, v.x0.reshape(3), omega.x0.reshape(3))
+
+
+def pushed(system: System, state: State, now: Motion, force: Any, law: Law) -> tuple[Push, tuple[Moving, Moving]]:
+    """What a law says at a state, and its bodies a, b there."""
+    a, b, x, counted = moving(now, law.a), moving(now, law.b), force.record().coordinate, 0.0
     if x is not None and state.coordinates is not None:
         counted = state.coordinates[system.lowered.coordinate(x)]
-    return law.push(state.t, *ends, own, counted), *ends
+    return law.push(state.t, a, b, own_states(system, force, state.z), counted), (a, b)
 
 
 def solve(system: System, state: State) -> Reference:

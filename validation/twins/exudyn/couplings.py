@@ -25,15 +25,14 @@ from mbsd3d import (
 from mbsd3d.extend import Coordinate, cross, exponential, matrix, skew
 from validation.twins.base import Array, NotExpressible
 from validation.twins.exudyn.assembly import Assembly
-from validation.twins.laws.moving import Placed, deepest, follow
+from validation.twins.laws.moving import Placed, deepest, follow, one_axis
 
 Add = Callable[[Assembly, Any, str], None]  # elements of a joint or force, which errors name so
 
 
 def hinge_coordinate(model: Assembly, x: Coordinate, what: str) -> int:
     """Marker of a hinge coordinate, which Exudyn measures about one axis."""
-    if np.linalg.norm(x.axis - x.axis_b) > 1e-12:  # rounding of unit vectors
-        raise NotExpressible(f"{what}: the axes on both sides differ as built; Exudyn measures an angle about one axis")
+    one_axis(x, what, "Exudyn measures an angle about one axis")
     return model.coordinate(x)
 
 

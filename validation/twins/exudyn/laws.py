@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import GROUND
-from mbsd3d.extend import cross
 from validation.twins.base import Array, NotExpressible
 from validation.twins.exudyn.assembly import Assembly
 from validation.twins.laws import LAWS
-from validation.twins.laws.moving import Moving, Push
+from validation.twins.laws.moving import Moving, Push, own_states
 
 
 def moving(model: Assembly, mbs: Any, body: Any) -> Moving:
@@ -33,10 +32,8 @@ def add_law(model: Assembly, force: Any, what: str) -> None:
     """
     if not isinstance(model, Assembly):
         raise NotExpressible(f"{what}: a kinematic tree has no place for its law; take the formulation 'rigid bodies'")
-    law, count = LAWS[type(force)](force, what), len(force.state_names())
-    first = sum(len(other.state_names()) for other in model.system.forces[: model.system.forces.index(force)])
-    start = model.state.z[first : first + count]
-    node = None
+    law, start = LAWS[type(force)](force, what), own_states(model.system, force, model.state.z)
+    count, node = len(start), None
     if count:
         still = [0.0] * count
         node = model.mbs.AddNode(model.items.NodeGenericODE2(
@@ -45,27 +42,26 @@ def add_law(model: Assembly, force: Any, what: str) -> None:
         ))  # fmt: skip
     last: dict[str, Any] = {}
 
-    def now(mbs: Any, t: float) -> tuple[Push, Moving, Moving]:
-        """The law at the state that Exudyn evaluates; asked for up to five times there."""
+    def now(mbs: Any, t: float) -> tuple[Push, tuple[Moving, Moving]]:
+        """The law at the state that Exudyn evaluates, and a, b there; asked for up to five times."""
         a, b = (moving(model, mbs, body) for body in (law.a, law.b))
         kind = model.module.OutputVariableType.Coordinates_t
         z = np.atleast_1d(mbs.GetNodeOutput(node, kind)) if count else np.zeros(0)
         key = b"".join(x.tobytes() for x in (np.array(t), a.r, a.R, a.v, a.omega, b.r, b.R, b.v, b.omega, z))
         if last.get("key") != key:
             last.update(key=key, found=law.push(t, a, b, z, 0.0))
-        return last["found"], a, b
+        return last["found"], (a, b)
 
-    for sign, body, which in ((1.0, law.b, 2), (-1.0, law.a, 1)):
-        if body is GROUND or (body is law.a and not law.back):
-            continue
+    for sign, k in law.sides:
+        body = (law.a, law.b)[k]
         marker = model.marker(body, body.position)
 
         def push(mbs: Any, t: float, vector: Any, sign: float = sign) -> Array:
             return sign * now(mbs, t)[0].force
 
-        def turn(mbs: Any, t: float, vector: Any, sign: float = sign, which: int = which) -> Array:
-            found = now(mbs, t)
-            return sign * (cross(found[0].point - found[which].r, found[0].force) + found[0].couple)
+        def turn(mbs: Any, t: float, vector: Any, sign: float = sign, k: int = k) -> Array:
+            found, sides = now(mbs, t)
+            return sign * found.moment(sides[k].r)
 
         model.mbs.AddLoad(model.items.LoadForceVector(markerNumber=marker, loadVectorUserFunction=push))
         model.mbs.AddLoad(model.items.LoadTorqueVector(markerNumber=marker, loadVectorUserFunction=turn))

@@ -7,15 +7,14 @@ import numpy as np
 
 from mbsd3d import Brake, JointFriction, TorsionSpring
 from mbsd3d.extend import Coordinate, cross, hinge_coordinate, perpendiculars
-from validation.twins.base import Array, NotExpressible
-from validation.twins.laws.moving import NONE, STATELESS, Law, Moving, Placed, Push, follow
+from validation.twins.base import Array
+from validation.twins.laws.moving import NONE, STATELESS, Law, Moving, Placed, Push, follow, one_axis
 
 
 def along_hinge(force: Any, what: str, load: Callable) -> Law:
     """``load(t, x, x_dot, z)`` = (load on b along a hinge or slide, rates of the own states)."""
     x = hinge_coordinate(force.hinge, what)
-    if np.linalg.norm(x.axis - x.axis_b) > 1e-12:  # rounding of unit vectors
-        raise NotExpressible(f"{what}: the axes on both sides differ as built; its law is written about one axis")
+    one_axis(x, what, "its law is written about one axis")
     sliding = x.kind == "slide"
 
     def push(t: float, a: Moving, b: Moving, z: Array, counted: float) -> Push:

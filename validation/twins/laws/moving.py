@@ -6,8 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d.extend import cross, evaluate, matrix
-from validation.twins.base import Array
+from mbsd3d import GROUND, System
+from mbsd3d.extend import Coordinate, cross, evaluate, matrix
+from validation.twins.base import Array, NotExpressible
 
 NONE = np.zeros(3)
 STATELESS = np.zeros(0)
@@ -55,6 +56,10 @@ class Push(NamedTuple):
     couple: Array = NONE
     rates: Array = STATELESS
 
+    def moment(self, r: Array) -> Array:
+        """About a point of space."""
+        return cross(self.point - r, self.force) + self.couple
+
 
 class Law(NamedTuple):
     """``push(t, a, b, z, x)``: z own states; x the hinge coordinate as it is counted, of which only turns are used."""
@@ -63,6 +68,24 @@ class Law(NamedTuple):
     b: Any
     push: Callable[[float, Moving, Moving, Array, float], Push]
     back: bool = True  # whether the opposite acts on a
+
+    @property
+    def sides(self) -> list[tuple[float, int]]:
+        """(sign of the push, place in (a, b)) of the bodies that feel it; the ground does not."""
+        felt = [(1.0, 1), (-1.0, 0)] if self.back else [(1.0, 1)]
+        return [(sign, k) for sign, k in felt if (self.a, self.b)[k] is not GROUND]
+
+
+def own_states(system: System, force: Any, z: Array) -> Array:
+    """Those of a force, of all that a state has."""
+    row = system.lowered.model.force[system.forces.index(force)]
+    return z[row["state"] : row["state"] + row["states"]]
+
+
+def one_axis(x: Coordinate, what: str, reason: str) -> None:
+    """NotExpressible, with a reason, for a hinge whose axes on both sides differ as built."""
+    if np.linalg.norm(x.axis - x.axis_b) > 1e-12:  # rounding of unit vectors
+        raise NotExpressible(f"{what}: the axes on both sides differ as built; {reason}")
 
 
 def follow(signal: Any, order: int = 0) -> Callable[[float], float]:

@@ -89,9 +89,7 @@ def twin(
     return assembled(mujoco, system, start, rods == "joints", softness, dampratio)
 
 
-def assembled(
-    mujoco: Any, system: System, start: State, rods: bool, softness: float, dampratio: float
-) -> MujocoTwin:  # fmt: skip
+def assembled(mujoco: Any, system: System, start: State, rods: bool, softness: float, dampratio: float) -> MujocoTwin:
     """The twin of a system whose joints MuJoCo has; ``rods``: a Distance becomes joints, else a tendon."""
     dense = release(mujoco.__version__) == SPARSE_BUG
     made = sketch(mujoco, system, lay_out(system, rods), dense)

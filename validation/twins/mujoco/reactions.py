@@ -60,18 +60,22 @@ class Reactions:
         """Constraint force of an equality of tendons; 0 where MuJoCo leaves its row out because nothing moves it."""
         return float(self.rows(data, equality).sum())
 
+    def number(self, body: Any) -> int:
+        """That MuJoCo gives a body."""
+        return self.model.body(self.made.layout.main[id(body)].name).id
+
     def point(self, data: Any, body: Any, point: np.ndarray) -> np.ndarray:
         """A point of a body, given at the reference pose, where it is now."""
         if body is GROUND:
             return point
-        k = self.model.body(self.made.layout.main[id(body)].name).id
+        k = self.number(body)
         return data.xpos[k] + data.xmat[k].reshape(3, 3) @ body.local_point(point)
 
     def axis(self, data: Any, body: Any, axis: np.ndarray) -> np.ndarray:
         """An axis of a body, given at the reference pose, where it is now."""
         if body is GROUND:
             return axis
-        k = self.model.body(self.made.layout.main[id(body)].name).id
+        k = self.number(body)
         return data.xmat[k].reshape(3, 3) @ body.local_axis(axis)
 
     def pull(self, data: Any, part: Any, tension: float) -> np.ndarray:
@@ -83,7 +87,7 @@ class Reactions:
         """Applied loads as external ones at the centres of mass, for the sum only."""
         for body, at, force, moment in (*self.applied(data), *self.on_teeth(data)):
             if body is not GROUND:
-                k = self.model.body(self.made.layout.main[id(body)].name).id
+                k = self.number(body)
                 data.xfrc_applied[k, :3] += force
                 data.xfrc_applied[k, 3:] += moment + np.cross(at - data.xipos[k], force)
 
@@ -93,7 +97,7 @@ class Reactions:
             k = self.model.actuator(actuator).id
             linear, turning = np.split(data.actuator_force[k] * self.model.actuator_gear[k], 2)
             if part.frame == "body":
-                R = data.xmat[self.model.body(self.made.layout.main[id(part.body)].name).id].reshape(3, 3)
+                R = data.xmat[self.number(part.body)].reshape(3, 3)
                 linear, turning = R @ linear, R @ turning
             at = part.body.position if isinstance(part, Torque) else part.at
             yield part.body, self.point(data, part.body, at), linear, turning
