@@ -196,7 +196,10 @@ def accept(own, run, t_new, h, error):
     run.now.t = t_new
     run.now.steps += 1
     if run.task.steps == 0:
-        run.now.step = max(h * step_factor(own.table, error, 1.0 if run.now.retried == 1 else 10.0), run.rows.planned)
+        factor = step_factor(own.table, error, 1.0 if run.now.retried == 1 else 10.0)
+        if nearly_singular(run):  # nearer to it rounding counts for more, and a shorter step would have no less of it
+            factor = max(factor, 1.0)
+        run.now.step = max(h * factor, run.rows.planned)
     run.now.retried = 0
     if not nearly_singular(run):
         run.rows.missed = 0.0
