@@ -84,7 +84,7 @@ def body_error(m, own, run, weights, h):
 
 @inner_kernel
 def error_norm(m, own, run, h):
-    """Estimated local error in units of ALLOWED rtol (DOP853: fifth-order estimate corrected by the third-order one)."""
+    """Estimated local error over ALLOWED rtol (DOP853: fifth-order estimate corrected by the third-order one)."""
     e5 = body_error(m, own, run, own.table.error[0], h)
     e3 = body_error(m, own, run, own.table.error[1], h)
     if e5 == 0.0 and e3 == 0.0:
