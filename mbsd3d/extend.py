@@ -5,6 +5,7 @@ modules below ``mbsd3d`` are internal and may move. Each is imported on first us
 """
 
 from importlib import import_module
+from typing import Any
 
 NAMES = {
     # checks of what a user gave; errors name the part, the value and the remedy
@@ -62,7 +63,7 @@ WHERE = {name: module for module, names in NAMES.items() for name in names}
 __all__ = [*WHERE, *MODULES]
 
 
-def __getattr__(name: str) -> object:
+def __getattr__(name: str) -> Any:
     """The object of a name, from the module where it lives."""
     if name in MODULES:
         value = import_module(f".{MODULES[name]}", __package__)

@@ -4,40 +4,30 @@ One vocabulary: `solution.measure`, curves of plots, reports and pages, ``stop_w
 `System.assemble` and outputs of `linearize` all take them.
 """
 
-from .mechanism.measures import (
-    Condition,
-    Measure,
-    angle,
-    clearance,
-    distance,
-    lean,
-    lean_rate,
-    leaves,
-    normal_force,
-    omega,
-    position,
-    rate,
-    slide,
-    slide_rate,
-    state,
-    touches,
-    velocity,
-)
-from .mechanism.relative_measures import (
-    angle_between,
-    between,
-    camber,
-    heading,
-    heading_rate,
-    length,
-    offset,
-    offset_rate,
-    turn,
-    turn_rate,
-)
-
-__all__ = [
-    "Condition", "Measure", "angle", "angle_between", "between", "camber", "clearance", "distance", "heading",
-    "heading_rate", "lean", "lean_rate", "leaves", "length", "normal_force", "offset", "offset_rate", "omega",
-    "position", "rate", "slide", "slide_rate", "state", "touches", "turn", "turn_rate", "velocity",
-]  # fmt: skip
+from .mechanism.measures import Condition as Condition
+from .mechanism.measures import Measure as Measure
+from .mechanism.measures import angle as angle
+from .mechanism.measures import clearance as clearance
+from .mechanism.measures import distance as distance
+from .mechanism.measures import lean as lean
+from .mechanism.measures import lean_rate as lean_rate
+from .mechanism.measures import leaves as leaves
+from .mechanism.measures import normal_force as normal_force
+from .mechanism.measures import omega as omega
+from .mechanism.measures import position as position
+from .mechanism.measures import rate as rate
+from .mechanism.measures import slide as slide
+from .mechanism.measures import slide_rate as slide_rate
+from .mechanism.measures import state as state
+from .mechanism.measures import touches as touches
+from .mechanism.measures import velocity as velocity
+from .mechanism.relative_measures import angle_between as angle_between
+from .mechanism.relative_measures import between as between
+from .mechanism.relative_measures import camber as camber
+from .mechanism.relative_measures import heading as heading
+from .mechanism.relative_measures import heading_rate as heading_rate
+from .mechanism.relative_measures import length as length
+from .mechanism.relative_measures import offset as offset
+from .mechanism.relative_measures import offset_rate as offset_rate
+from .mechanism.relative_measures import turn as turn
+from .mechanism.relative_measures import turn_rate as turn_rate

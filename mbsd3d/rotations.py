@@ -1,9 +1,12 @@
 """Quaternions and rotation matrices."""
 
-from .base.quaternions import H, conjugate, exponential, logarithm, multiply, skew
-from .base.rotations import as_quaternion, matrix, quaternion_from_matrix, rotation
-
-__all__ = [
-    "H", "as_quaternion", "conjugate", "exponential", "logarithm", "matrix", "multiply", "quaternion_from_matrix",
-    "rotation", "skew",
-]  # fmt: skip
+from .base.quaternions import H as H
+from .base.quaternions import conjugate as conjugate
+from .base.quaternions import exponential as exponential
+from .base.quaternions import logarithm as logarithm
+from .base.quaternions import multiply as multiply
+from .base.quaternions import skew as skew
+from .base.rotations import as_quaternion as as_quaternion
+from .base.rotations import matrix as matrix
+from .base.rotations import quaternion_from_matrix as quaternion_from_matrix
+from .base.rotations import rotation as rotation

@@ -152,11 +152,35 @@ def test_files_and_folders_are_small():
     assert not long and not full
 
 
+LISTS = {"mbsd3d": ROOT / "mbsd3d" / "__init__.pyi"} | {
+    f"mbsd3d.{module}": path for module in PUBLIC_MODULES if (path := ROOT / "mbsd3d" / f"{module}.py").exists()
+}
+
+
+def listed(path: Path) -> dict[str, str]:
+    """Public name -> module that its list imports it from."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    found = [(node.module, alias) for node in tree.body if isinstance(node, ast.ImportFrom) for alias in node.names]
+    assert all(alias.name == alias.asname for _, alias in found)  # what editors and type checkers take for public
+    return {alias.name: f"mbsd3d.{module}" if module else "mbsd3d" for module, alias in found}
+
+
 def test_public_names_are_listed_where_editors_look():
+    assert set(mbsd3d.__all__) == set(listed(LISTS["mbsd3d"]))
     assert set(mbsd3d.__all__) >= {"Body", "System", "simulate", "linearize", "sweep", "load", *PUBLIC_MODULES}
     assert all(getattr(mbsd3d, name) is not None for name in mbsd3d.__all__)
     assert all(getattr(extend, name) is not None for name in extend.__all__)
     assert (ROOT / "mbsd3d" / "py.typed").exists()
+
+
+@pytest.mark.parametrize("public", LISTS)
+def test_a_public_name_is_listed_once(public):
+    """It comes from the file that defines it: no package on the way lists it again."""
+    for name, module in listed(LISTS[public]).items():
+        value = getattr(importlib.import_module(module), name)
+        assert getattr(value, "__module__", module) == module or module == "mbsd3d", name
+        package = SOURCES[module].name == "__init__.py" and module != "mbsd3d"
+        assert not package, name
 
 
 @pytest.mark.parametrize(
@@ -166,7 +190,8 @@ def test_public_names_are_listed_where_editors_look():
 )
 def test_completion_offers_public_names_alone(module):
     importlib.import_module("mbsd3d.linkages.bricard")  # modules that others have imported do not show
-    assert {name for name in dir(module) if not name.startswith("__")} == set(module.__all__) - {"__version__"}
+    own = set(module.__all__) if hasattr(module, "__all__") else set(listed(LISTS[module.__name__]))
+    assert {name for name in dir(module) if not name.startswith("__")} == own - {"__version__"}
 
 
 OWN_ERRORS = ("mbsd3d.integrators", "validation.theory")  # compiled with the kernels; shares nothing with mbsd3d

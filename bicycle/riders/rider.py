@@ -187,9 +187,9 @@ def spans(speeds: np.ndarray, here: np.ndarray) -> str:
     return ", ".join(f"{a:.4g} ... {b:.4g} m/s" if a < b else f"{a:.4g} m/s" for a, b in parts) or "nowhere"
 
 
-def factors(poles: np.ndarray, digits: int = 4) -> str:
+def factors(poles: np.ndarray) -> str:
     """A polynomial by its roots as papers print it: (s+3.175)(s-1.767)(s2+10.86s+97.55)."""
     real = sorted(s.real for s in poles if s.imag == 0.0 and abs(s) > 1e-9)
     pairs = sorted((s for s in poles if s.imag > 0.0), key=abs)
-    signed = [f"(s{-x:+.{digits}g})" for x in real]
-    return "".join(signed + [f"(s2{-2.0 * s.real:+.{digits}g}s{abs(s) ** 2:+.{digits}g})" for s in pairs])
+    signed = [f"(s{-x:+.4g})" for x in real]
+    return "".join(signed + [f"(s2{-2.0 * s.real:+.4g}s{abs(s) ** 2:+.4g})" for s in pairs])

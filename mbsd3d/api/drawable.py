@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from ..integrators.method import Method
 from ..mechanism.bodies import Body
 from ..mechanism.measures import Measure
-from ..mechanism.signals import Input
+from ..mechanism.signals.input import Input
 from ..mechanism.state import State
 from .viewable import Layers
 

@@ -1,6 +1,6 @@
 """`simulate` and `accelerations`: from a system and a state to a `Solution`."""
 
-from collections.abc import Sequence
+from numpy.typing import ArrayLike
 
 from ..base.errors import IntegrationError, explaining
 from ..equations.compiled import Switches
@@ -20,7 +20,7 @@ def simulate(
     state: State | None = None,
     method: Method | None = None,
     rtol: float = 1e-8,
-    output: int | Sequence[float] | None = None,
+    output: int | ArrayLike | None = None,
     stop_when: Condition | None = None,
     gyroscopic: bool = True,
     centripetal: bool = True,

@@ -12,7 +12,7 @@ from ..equations.compiled import Switches
 from ..equations.inputs import History
 from ..integrators.method import Method
 from ..mechanism.measures import Measure
-from ..mechanism.signals import Input
+from ..mechanism.signals.input import Input
 from ..mechanism.state import State
 from ..run.slices import Slices
 from .replay import replay

@@ -10,6 +10,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from numpy.typing import ArrayLike
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -87,7 +89,7 @@ class Viewable:
 
     def picture(
         self,
-        t: float | Sequence[float] | None = None,
+        t: ArrayLike | None = None,
         *,
         traces: "Points | None" = None,
         shown: Layers = (),

@@ -16,7 +16,8 @@ import numpy  # noqa: F401  # numpy and scipy load an OpenBLAS each: both must b
 import scipy.linalg  # noqa: F401
 from threadpoolctl import ThreadpoolController
 
-P, T = ParamSpec("P"), TypeVar("T")
+P = ParamSpec("P")
+T = TypeVar("T")
 
 
 @cache

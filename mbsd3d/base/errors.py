@@ -9,7 +9,8 @@ from difflib import get_close_matches
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
-P, T = ParamSpec("P"), TypeVar("T")
+P = ParamSpec("P")
+T = TypeVar("T")
 CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]")  # ends of lines, and all that moves a cursor, paints or rings
 
 

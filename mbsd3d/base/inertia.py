@@ -4,20 +4,17 @@ Masses [kg] and lengths [m] are finite and not negative, ``axis`` is "x", "y" or
 return the principal moments (3,) about the centre of mass, body axes [kg m^2].
 """
 
-from collections.abc import Sequence
-
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .checks import listed, shown
 from .errors import InputError, explaining
-from .mass_properties import MassProperties, _size, combine, steiner
+from .mass_properties import _size
 from .rotations import AXES
-
-__all__ = ["MassProperties", "box", "combine", "cone", "cylinder", "rod", "sphere", "steiner"]
 
 
 @explaining
-def box(mass: float, lengths: Sequence[float]) -> np.ndarray:
+def box(mass: float, lengths: ArrayLike) -> np.ndarray:
     """Box with edges ``lengths`` (lx, ly, lz) along the axes: ``Ixx = m (ly^2 + lz^2) / 12`` and cyclic.
 
     >>> box(12.0, (1.0, 2.0, 3.0))

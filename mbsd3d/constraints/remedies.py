@@ -17,18 +17,9 @@ from ..equations.compiled import Compiled, compile_system
 from ..equations.jacobian import BlockRows, block_rows
 from ..mechanism.bodies import GROUND
 from ..mechanism.drivers import Driver
-from ..mechanism.joints import (
-    AxisJoint,
-    Cylindrical,
-    Joint,
-    Planar,
-    PointJoint,
-    PointOnLine,
-    PointOnPlane,
-    Revolute,
-    Spherical,
-    Universal,
-)
+from ..mechanism.joints import AxisJoint, Joint, PointJoint
+from ..mechanism.joints.conditions import PointOnLine, PointOnPlane
+from ..mechanism.joints.pairs import Cylindrical, Planar, Revolute, Spherical, Universal
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .rank import Analysis, without_rounding

@@ -10,7 +10,8 @@ from ..equations.compiled import Compiled
 from ..equations.jacobian import RANK_TOLERANCE, BlockRows, displacement_units, scaled_rows
 from ..kernels.layout import Data
 from ..mechanism.bodies import GROUND, Body
-from ..mechanism.joints import Joint, Spherical
+from ..mechanism.joints import Joint
+from ..mechanism.joints.pairs import Spherical
 
 NO_INERTIA = 1e-12  # of the largest moment of a body is none: a thin rod tilted in its body has rounding there
 THROUGH = 1e-9  # model lengths within which an axis goes through a point

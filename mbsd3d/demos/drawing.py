@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike
 
 from ..base.style import COLOURS, LIGHT, dress, house
 
+GLOBE = (25.0, 55.0)  # elevation and azimuth [deg] from which a sphere is seen
+
 
 def new_figure(title: str, panels: Sequence[str], widths: Sequence[float] | None = None) -> tuple[Figure, list[Axes]]:
     """A figure with titled panels side by side, of relative widths; one whose title starts with "3d:" is in space."""
@@ -50,14 +52,13 @@ def legend_below(axes: Axes, columns: int) -> None:
     axes.legend(ncols=columns, labelcolor=LIGHT.ink, **style)
 
 
-def sphere_net(highest: float) -> list[np.ndarray]:
-    """Parallels and meridians of the unit sphere up to a height, (points, 3) each."""
+def lower_net() -> list[np.ndarray]:
+    """Parallels and meridians of the lower half of the unit sphere, (points, 3) each."""
     turn, lines = np.linspace(0, 2 * np.pi, 73), []
-    for z in np.sin(np.radians(np.arange(-60, 61, 30))):
-        if z <= highest:
-            radius = np.sqrt(1 - z * z)
-            lines.append(np.stack([radius * np.cos(turn), radius * np.sin(turn), 0 * turn + z], axis=1))
-    rise = np.linspace(-0.5 * np.pi, np.arcsin(highest), 37)
+    for z in np.sin(np.radians([-60, -30, 0])):
+        radius = np.sqrt(1 - z * z)
+        lines.append(np.stack([radius * np.cos(turn), radius * np.sin(turn), 0 * turn + z], axis=1))
+    rise = np.linspace(-0.5 * np.pi, 0.0, 37)
     for phi in np.arange(0, 2 * np.pi, np.pi / 6):
         lines.append(np.stack([np.cos(rise) * np.cos(phi), np.cos(rise) * np.sin(phi), np.sin(rise)], axis=1))
     return lines
@@ -81,9 +82,9 @@ def seen_side(axes: Axes3D, path: ArrayLike) -> np.ndarray:
     return np.where((np.asarray(path) @ view > -1e-9)[:, None], path, np.nan)
 
 
-def rim(elev: float = 25.0, azim: float = 55.0) -> np.ndarray:
-    """(73, 3) outline of the unit sphere seen from an elevation and an azimuth [deg]."""
-    up, around, turn = np.radians(elev), np.radians(azim), np.linspace(0, 2 * np.pi, 73)
+def rim() -> np.ndarray:
+    """(73, 3) outline of the unit sphere seen from where panels in space are."""
+    up, around, turn = *np.radians(GLOBE), np.linspace(0, 2 * np.pi, 73)
     side, top = (
         (-np.sin(around), np.cos(around), 0.0),
         (-np.sin(up) * np.cos(around), -np.sin(up) * np.sin(around), np.cos(up)),

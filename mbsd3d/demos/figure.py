@@ -11,7 +11,7 @@ from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import ArrayLike
 
 from ..base.style import COLOURS, GREY, LIGHT, raised
-from .drawing import every, legend_below, new_figure, plain_decades, seen_side, space, spectrum_bars, theory_dots
+from .drawing import GLOBE, every, legend_below, new_figure, plain_decades, seen_side, space, spectrum_bars, theory_dots
 
 MOST = 3  # panels side by side
 FAR = 6  # times the computed range, beyond which an ablation leaves the picture
@@ -111,7 +111,7 @@ class Path(NamedTuple):
 
     def draw(self, axes: Axes3D, other: "Path | None", ablated: str) -> None:
         """The paths with a dot at the start of each."""
-        axes.view_init(elev=25, azim=55 if self.globe else -60)
+        axes.view_init(*GLOBE if self.globe else (25, -60))
 
         def shown(path: ArrayLike) -> np.ndarray:
             return seen_side(axes, path) if self.globe else np.asarray(path)

@@ -203,7 +203,7 @@ def places(entries: list[dict], kind: str) -> dict[str, tuple[int, dict]]:
 
 
 def describe(system: Mechanism, *, without_functions: bool = False) -> dict[str, Any]:
-    """A system as JSON-able data: type names and fields, parts referred to by name; `rebuild` is the way back.
+    """A system as JSON-able data: type names and fields, parts referred to by name; `read_system` is the way back.
 
     A force by a function is written as what its ``saved()`` says is left of it if ``without_functions`` (for results).
     ValueError for that else, and for anything but numbers, texts, arrays and the parts of the package.
@@ -222,17 +222,12 @@ def describe(system: Mechanism, *, without_functions: bool = False) -> dict[str,
     return {**head, "gravity": system.gravity.tolist(), **lists}
 
 
-def rebuild(data: Mapping[str, Any]) -> Mechanism:
-    """The system that `describe` wrote, bit for bit, checked by the constructors of its parts.
+def read_system(data: Any) -> tuple[Mechanism, Reader]:
+    """The system that `describe` wrote, bit for bit, and what resolves references to its parts.
 
     ValueError with the place, e.g. "at `$.bodies[3].mass`", for another format or version, an unknown type or field, a
-    reference to a missing part, or values that a constructor refuses.
+    reference to a missing part, or values that the constructor of a part refuses.
     """
-    return read_system(data)[0]
-
-
-def read_system(data: Any) -> tuple[Mechanism, Reader]:
-    """The system and what resolves references to its parts."""
     check_format(data, SYSTEM, "system description")
     check(data, Document, (), "system description")
     check_count(data)

@@ -1,7 +1,7 @@
 """What a file may hold: one msgspec Struct per class, derived from the fields of its dataclass.
 
-A new joint, force or signal needs nothing here. Annotations decide; where one is ``ArrayLike`` or ``Any``, the name of
-the field does: the same word means the same thing in all parts.
+A new joint, force, signal or method needs nothing here. Annotations decide; where one is ``ArrayLike`` or ``Any``, the
+name of the field does: the same word means the same thing in all parts.
 """
 
 import pkgutil
@@ -17,14 +17,10 @@ import msgspec
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .. import mechanism
+from .. import integrators, mechanism
 from ..base.errors import InputError
 from ..equations.compiled import Switches
-from ..integrators.dop853 import DOP853
-from ..integrators.driven import Kinematic
-from ..integrators.generalized_alpha import GeneralizedAlpha
-from ..integrators.radau import RadauIIA
-from ..integrators.rk4 import RK4
+from ..integrators.method import Method
 from ..mechanism.bodies import Body, Ground
 from ..mechanism.force_element import ForceElement
 from ..mechanism.joints import Joint
@@ -45,8 +41,7 @@ WORDS = MappingProxyType(
     | dict.fromkeys(("lengths", "radii"), VECTOR)
     | {"shape": Shape | str | list}
 )
-METHODS = (DOP853, RK4, GeneralizedAlpha, RadauIIA, Kinematic)
-BASES = (Joint, ForceElement, Signal, Shape)
+BASES = (Joint, ForceElement, Signal, Shape, Method)
 ROLES = (("body", Body | Ground), ("joint", Joint), ("signal", Signal), ("shape", Shape), ("array", np.ndarray))
 PLAIN = (float, int, str, bool, NoneType)
 
@@ -54,16 +49,17 @@ PLAIN = (float, int, str, bool, NoneType)
 @cache
 def types() -> Mapping[str, type]:
     """Name -> class of all a file may hold: every part class without subclasses, and the parts of a record."""
-    for module in pkgutil.walk_packages(mechanism.__path__, f"{mechanism.__name__}."):  # so that all classes are known
-        import_module(module.name)
+    for package in (mechanism, integrators):  # so that all classes are known
+        for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
+            import_module(module.name)
     found = {kind.__name__: kind for base in BASES for kind in below(base) if not below(kind)}
-    others = (Body, Measure, Condition, Coordinate, State, Switches, Record, *METHODS)
+    others = (Body, Measure, Condition, Coordinate, State, Switches, Record)
     return MappingProxyType(found | {kind.__name__: kind for kind in others})
 
 
 def below(base: type) -> set[type]:
     """All classes of the package derived from ``base``."""
-    own = {kind for kind in base.__subclasses__() if kind.__module__.startswith(f"{mechanism.__name__}.")}
+    own = {kind for kind in base.__subclasses__() if kind.__module__.startswith(f"{__name__.split('.')[0]}.")}
     return own.union(*(below(kind) for kind in own))
 
 

@@ -84,7 +84,7 @@ def body_error(m, own, run, weights, h):
 
 @inner_kernel
 def error_norm(m, own, run, h):
-    """Estimated local error in units of ALLOWED rtol (DOP853: fifth-order estimate corrected by the third-order one)."""
+    """Estimated local error over ALLOWED rtol (DOP853: fifth-order estimate corrected by the third-order one)."""
     e5 = body_error(m, own, run, own.table.error[0], h)
     e3 = body_error(m, own, run, own.table.error[1], h)
     if e5 == 0.0 and e3 == 0.0:
@@ -196,7 +196,10 @@ def accept(own, run, t_new, h, error):
     run.now.t = t_new
     run.now.steps += 1
     if run.task.steps == 0:
-        run.now.step = max(h * step_factor(own.table, error, 1.0 if run.now.retried == 1 else 10.0), run.rows.planned)
+        factor = step_factor(own.table, error, 1.0 if run.now.retried == 1 else 10.0)
+        if nearly_singular(run):  # nearer to it rounding counts for more, and a shorter step would have no less of it
+            factor = max(factor, 1.0)
+        run.now.step = max(h * factor, run.rows.planned)
     run.now.retried = 0
     if not nearly_singular(run):
         run.rows.missed = 0.0

@@ -1,7 +1,5 @@
 """Loops of six hinges: Bricard's with a line or a plane of symmetry, his orthogonal one, and Schatz's."""
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -16,8 +14,8 @@ RIGHT = 0.5 * np.pi
 
 @explaining
 def bricard_line(
-    lengths: Sequence[float], twists: Sequence[float], offsets: Sequence[float], angle: float, *,
-    near: Sequence[float] | None = None, links: Links = None, position: ArrayLike = (0, 0, 0),
+    lengths: ArrayLike, twists: ArrayLike, offsets: ArrayLike, angle: float, *,
+    near: ArrayLike | None = None, links: Links = None, position: ArrayLike = (0, 0, 0),
     orientation: ArrayLike = (1, 0, 0, 0), gravity: ArrayLike = (0, 0, -9.81),
 ) -> System:  # fmt: skip
     """Bricard's line-symmetric linkage: opposite links are equal, ``a_k = a_{k+3}``, and so are twists and offsets.
@@ -49,8 +47,8 @@ def bricard_line(
 
 @explaining
 def bricard_plane(
-    lengths: Sequence[float], twists: Sequence[float], offsets: Sequence[float], angle: float, *,
-    near: Sequence[float] | None = None, links: Links = None, position: ArrayLike = (0, 0, 0),
+    lengths: ArrayLike, twists: ArrayLike, offsets: ArrayLike, angle: float, *,
+    near: ArrayLike | None = None, links: Links = None, position: ArrayLike = (0, 0, 0),
     orientation: ArrayLike = (1, 0, 0, 0), gravity: ArrayLike = (0, 0, -9.81),
 ) -> System:  # fmt: skip
     """Bricard's plane-symmetric linkage: the axes 1 and 4 lie in the plane, the others are mirrored in it.

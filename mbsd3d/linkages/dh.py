@@ -1,6 +1,6 @@
 """Closed loops of hinges from Denavit-Hartenberg numbers."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from itertools import product
 
 import numpy as np
@@ -10,7 +10,7 @@ from ..api.system import System
 from ..base.checks import sequence
 from ..base.errors import InputError, explaining
 from ..mechanism.bodies import GROUND
-from ..mechanism.joints import Revolute
+from ..mechanism.joints.pairs import Revolute
 from .links import Links, base_frame, link_body
 
 CLOSED = 1e-9  # misfit of a loop over its size that rounding of typed parameters may leave
@@ -20,7 +20,7 @@ ROUNDS = 30  # of Newton; it doubles its digits in each where it converges at al
 
 @explaining
 def hinge_loop(
-    lengths: Sequence[float], twists: Sequence[float], offsets: Sequence[float], angles: Sequence[float], *,
+    lengths: ArrayLike, twists: ArrayLike, offsets: ArrayLike, angles: ArrayLike, *,
     links: Links = None, position: ArrayLike = (0, 0, 0), orientation: ArrayLike = (1, 0, 0, 0),
     gravity: ArrayLike = (0, 0, -9.81),
 ) -> System:  # fmt: skip
@@ -60,7 +60,7 @@ def hinge_loop(
     return built("hinge_loop", numbers, theta, links, position, orientation, gravity)
 
 
-def table(lengths: Sequence[float], twists: Sequence[float], offsets: Sequence[float], what: str) -> np.ndarray:
+def table(lengths: ArrayLike, twists: ArrayLike, offsets: ArrayLike, what: str) -> np.ndarray:
     """(n, 3) of a, alpha, d."""
     columns = [
         sequence(x, f"{what}: {name}") for x, name in ((lengths, "lengths"), (twists, "twists"), (offsets, "offsets"))
@@ -123,7 +123,7 @@ def misfit(numbers: np.ndarray, angles: ArrayLike) -> tuple[float, float, float]
 
 
 def closed_angles(
-    what: str, numbers: np.ndarray, spread: Callable[[np.ndarray], np.ndarray], free: int, near: Sequence[float] | None
+    what: str, numbers: np.ndarray, spread: Callable[[np.ndarray], np.ndarray], free: int, near: ArrayLike | None
 ) -> np.ndarray:  # fmt: skip
     """All angles of a closed pose by Newton on the free ones, ``angles = spread(free)``, spread affine.
 

@@ -7,7 +7,8 @@ from numpy.typing import ArrayLike
 
 from ..base.checks import listed, shown, vector
 from ..base.errors import InputError
-from ..base.inertia import MassProperties, cylinder
+from ..base.inertia import cylinder
+from ..base.mass_properties import MassProperties
 from ..base.rotations import as_quaternion, matrix
 from ..mechanism.bodies import Body
 

@@ -7,7 +7,7 @@ from ..api.system import System
 from ..base.checks import check_choice, number, sequence, shown
 from ..base.errors import InputError, explaining
 from ..mechanism.bodies import GROUND
-from ..mechanism.joints import Revolute, Spherical, Universal
+from ..mechanism.joints.pairs import Revolute, Spherical, Universal
 from .dh import step
 from .links import Links, base_frame, link_body
 

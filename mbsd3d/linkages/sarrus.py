@@ -1,7 +1,5 @@
 """Sarrus' linkage: six hinges, three and three parallel, that guide a platform along a straight line."""
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -9,7 +7,7 @@ from ..api.system import System
 from ..base.checks import number, sequence
 from ..base.errors import InputError, explaining
 from ..mechanism.bodies import GROUND
-from ..mechanism.joints import Revolute
+from ..mechanism.joints.pairs import Revolute
 from .links import Links, base_frame, link_body
 
 STRAIGHT = 1e-6  # a leg whose links lie on one line within this angle [rad] has a singular pose
@@ -18,7 +16,7 @@ Z = np.array([0.0, 0.0, 1.0])
 
 @explaining
 def sarrus(
-    first: Sequence[float], second: Sequence[float], between: float, angle: float, *, reach: float = 0.0,
+    first: ArrayLike, second: ArrayLike, between: float, angle: float, *, reach: float = 0.0,
     links: Links = None, position: ArrayLike = (0, 0, 0), orientation: ArrayLike = (1, 0, 0, 0),
     gravity: ArrayLike = (0, 0, -9.81),
 ) -> System:  # fmt: skip
@@ -96,7 +94,7 @@ def _system(
     return System(bodies, hinges, gravity=gravity)
 
 
-def _leg(lengths: Sequence[float], name: str) -> tuple[float, ...]:
+def _leg(lengths: ArrayLike, name: str) -> tuple[float, ...]:
     found = sequence(lengths, f"sarrus: {name} leg")
     if len(found) != 2 or min(found) <= 0.0:
         raise InputError(f"sarrus: {name} leg {found}: give two lengths > 0")

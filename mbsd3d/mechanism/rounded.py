@@ -11,7 +11,7 @@ from ..base.errors import InputError
 from ..base.rotations import AXES, matrix
 from .bodies import Body, Ground
 from .motion import Motion
-from .shapes import Ellipsoid, Sphere, Torus
+from .shapes.kinds import Ellipsoid, Sphere, Torus
 
 Smooth = Sphere | Ellipsoid | Torus
 """Surfaces that roll and touch: a sphere, an ellipsoid, the outside of a torus."""

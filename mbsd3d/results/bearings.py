@@ -12,7 +12,8 @@ from ..base.checks import check_choice, shown, vector
 from ..base.directions import perpendiculars, unit
 from ..base.errors import InputError, explaining
 from ..base.style import Sampled
-from ..mechanism.joints import Fixed, Joint, PointJoint, Prismatic
+from ..mechanism.joints import Joint, PointJoint
+from ..mechanism.joints.pairs import Fixed, Prismatic
 from .run_result import RunResult
 
 

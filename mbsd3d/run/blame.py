@@ -7,7 +7,7 @@ from ..equations.at_state import load_rows
 from ..equations.compiled import Compiled
 from ..kernels.layout import Data
 from ..mechanism.drivers import AngleDriver, Driver, PositionDriver, SlideDriver
-from ..mechanism.joints import CurveContact
+from ..mechanism.joints.curve_contact import CurveContact
 
 BEFORE = 1e-6  # of a curve, at its ends
 UNITS = {AngleDriver: "rad", SlideDriver: "m", PositionDriver: "m"}

@@ -11,7 +11,7 @@ from ..equations.compiled import compile_system
 from ..equations.inputs import starts
 from ..mechanism.measures import Measure, angle, check_members, slide, velocity
 from ..mechanism.mechanism import Mechanism
-from ..mechanism.signals import Input
+from ..mechanism.signals.input import Input
 from ..mechanism.state import State
 from .slices import driver_of
 

@@ -18,7 +18,7 @@ from ..integrators.method import Method
 from ..kernels.coordinates import measure
 from ..mechanism.measures import Measure, check_members
 from ..mechanism.mechanism import Mechanism
-from ..mechanism.signals import Input
+from ..mechanism.signals.input import Input
 from ..mechanism.state import State
 from ..results.run_result import RunResult
 from ..results.run_samples import unit_quaternions

@@ -20,7 +20,7 @@ from bicycle.turns.families import SECTIONS, Curve, Search
 from bicycle.turns.turning import TurnSolver
 from mbsd3d import accelerations
 from mbsd3d.cli import main
-from mbsd3d.mechanism.signals import Pulse
+from mbsd3d.mechanism.signals.curves import Pulse
 
 matplotlib.use("Agg")
 BENCHMARK = Meijaard2007()

@@ -110,6 +110,14 @@ def test_it_falls_without_assist_and_stays_up_with_it():
     assert seen["assist"][5:-5] == pytest.approx(20.0 * rate[5:-5], abs=0.02 * np.abs(seen["assist"]).max())
 
 
+@pytest.mark.parametrize(("tilt", "over"), [(59.0, False), (61.0, True)])
+def test_a_frame_that_is_tilted_by_sixty_degrees_has_fallen(monkeypatch, tilt, over):
+    riding = play.Riding(P, 5.0, 0.0, 2.0, {})
+    monkeypatch.setattr(riding, "linearised", lambda: None)
+    values, upward = {control.name: control.value for control in riding.controls}, np.radians(90.0 - tilt)
+    assert riding.seen(values, [0.1, 0.0, 0.0, upward, 5.0, 0.0]).over.startswith("fallen") is over
+
+
 def test_a_torque_to_the_right_leans_it_to_the_left():
     made = ridden()
     made.hold("steer torque", 2.0)

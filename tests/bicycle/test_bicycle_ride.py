@@ -17,7 +17,7 @@ from bicycle.parameters import library, named, names
 from bicycle.rides.manoeuvres import MANOEUVRES
 from mbsd3d import IntegrationError
 from mbsd3d.cli import main
-from mbsd3d.mechanism.signals import Pulse
+from mbsd3d.mechanism.signals.curves import Pulse
 from validation import cross_check
 
 matplotlib.use("Agg")

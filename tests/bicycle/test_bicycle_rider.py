@@ -155,6 +155,15 @@ def test_a_lane_change(on):
     assert found.ride.solution.certificate.passed
 
 
+def test_commands_of_the_loops_are_those_that_the_arms_follow():
+    """T'' = 900 (U - T) - 42.42 T' of the run, with U of the commands that are read from its motion afterwards."""
+    found = course.run(P, course.Course(lane=2.0, at=1.0), speed=5.0, t_end=3.0, samples=61)
+    arms = found.ride.solution.force("rider", on="fork")
+    U = found.gains.steer * (found.commands()["steer"] - found.ride.steer)
+    known = 900.0 * (U - arms.states["torque"]) - 42.42 * arms.states["torque rate"]
+    assert arms.state_rates["torque rate"] == pytest.approx(known, abs=1e-8 * np.abs(known).max())
+
+
 def test_a_rider_who_falls():
     """No wheel is held down: the ride ends where one lifts, or the frame has fallen."""
     ideal, grip = (course.run(P, course.Course(lane=2.0), speed=1.0, tyres=on).ride for on in (None, tyres.TYPICAL))

@@ -207,6 +207,23 @@ def test_derivatives_by_forward_differences_where_a_wheel_has_no_inertia(zero):
             assert abs(model.by[name][key] - slope) * change < 1e-6 * closed.speeds[name]
 
 
+@pytest.mark.parametrize("side", [1e-12, -1e-12])
+def test_an_answer_against_the_torque_is_drawn_at_180_degrees(side):
+    """On whichever side of the cut of the angle rounding puts it."""
+    H = np.full((1, 3, 2, 2), -1.0 + 1j * side)
+    found = frequency.Response(BENCHMARK, np.array([5.0]), np.array([0.1, 1.0, 10.0]), H, np.array([-1.0]))
+    phases = [axes.lines[0].get_ydata() for axes in frequency.plot_response(found).axes if "phase" in axes.get_ylabel()]
+    assert len(phases) == 2
+    assert np.array(phases) == pytest.approx(180.0)
+
+
+@pytest.mark.parametrize("kind", sensitivity.DIFFERENCES)
+def test_differences_are_exact_for_polynomials_of_fourth_degree(kind):
+    places, weights = sensitivity.DIFFERENCES[kind]
+    slopes = [np.dot(weights, np.array(places, float) ** degree) for degree in range(5)]
+    assert slopes == pytest.approx([0, 1, 0, 0, 0], abs=1e-12)
+
+
 @pytest.mark.slow
 def test_a_crown_as_large_as_its_wheel_can_only_become_smaller():
     ball = replace(BENCHMARK, tR=BENCHMARK.rR, tF=0.01)

@@ -16,7 +16,10 @@ from family_checks import small
 
 import mbsd3d
 from mbsd3d.cli import main
+from mbsd3d.cli.run import METHODS
 from mbsd3d.demos.discovery import discover
+from mbsd3d.files import schema
+from mbsd3d.integrators.method import Method
 
 PENDULUM = """
 from mbsd3d import GROUND, Body, Revolute, System
@@ -86,6 +89,12 @@ def test_help_names_the_commands():
     assert result.exit_code == 0
     for name in ("check", "demo", "run", "show", "version", "warmup"):
         assert re.search(rf"^  {name} ", result.stdout, re.MULTILINE)
+
+
+def test_all_methods_can_be_chosen():
+    """The command line lists them without loading them."""
+    known = {name for name, kind in schema.types().items() if Method in kind.__mro__}
+    assert set(METHODS) == known and known <= set(mbsd3d.__all__)
 
 
 def test_help_needs_click_only():

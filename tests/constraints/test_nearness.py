@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from models import revolute_chain
 
+from mbsd3d import GROUND, Body, Fixed, Prismatic, Revolute, SlideDriver, Spherical, System, Universal
 from mbsd3d.demos.turning.wrist_singularity import wrist
 from validation import cases
 
@@ -29,3 +30,37 @@ def test_a_wrist_is_seen_to_come_near_to_its_stretched_pose():
 def test_reference_mechanisms_are_not_near():
     assert [name for name in cases.names() if warned(cases.load(name).system)] == []
     assert not warned(revolute_chain(200))
+
+
+def press(size):
+    """A crank 0.02 rad before its dead centre and a rod, whose piston is driven; size 1: crank of 0.7 m."""
+    pin, head = size * 0.7 * np.array([np.cos(0.02), np.sin(0.02), 0.0]), size * np.array([2.6, 0.0, 0.0])
+    numbers = dict(com=size * np.array([0.1, 0.05, -0.02]))
+    crank, rod, piston = (
+        Body(name, 1.0, size**2 * np.array([0.1, 0.2, 0.2]), position=at, **numbers)
+        for name, at in (("crank", 0.5 * pin), ("rod", 0.5 * (pin + head)), ("piston", head))
+    )
+    bore = Prismatic(GROUND, piston, at=head, axis=(1, 0, 0), name="bore")
+    joints = [
+        Revolute(GROUND, crank, at=(0, 0, 0), axis=(0, 0, 1), name="main"),
+        Spherical(crank, rod, at=pin, name="big end"),
+        Universal(rod, piston, at=head, axis_a=(0, 0, 1), axis_b=(0, 1, 0), name="small end"),
+        bore,
+        SlideDriver(bore, 0.0, name="drive"),
+    ]
+    return System([crank, rod, piston], joints)
+
+
+@pytest.mark.parametrize("size", [0.02, 1.0, 1000.0])
+def test_joints_that_could_move_are_the_same_at_any_size(size):
+    """Crank and rod turn about their own points by like angles; the pin of the piston hardly turns."""
+    (note,) = press(size).check().notes
+    assert note.startswith("nearly singular: 'main' and 'big end' can all but move")
+
+
+def test_a_long_beam_is_soft_and_not_singular():
+    """Of welded pieces singular values fall evenly, far below the largest: none is about to be lost."""
+    pieces = [Body(f"piece {k}", 1.0, (0.1, 0.2, 0.2), position=(k + 0.5, 0.1, -0.2)) for k in range(20)]
+    welds = [Fixed(a, b, at=(k, 0, 0)) for k, (a, b) in enumerate(zip([GROUND, *pieces], pieces, strict=False))]
+    found = System(pieces, welds).check()
+    assert found.least_singular < 0.01 and not found.notes

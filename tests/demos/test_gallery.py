@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 
 from mbsd3d.demos import digest, gallery
-from mbsd3d.demos.base import Row
+from mbsd3d.demos.base import Outcome, Row
 from mbsd3d.demos.discovery import discover, own_demos
 from mbsd3d.demos.parameters import checked, lacking, settings
 from mbsd3d.report.mathml import mathml
@@ -164,3 +164,10 @@ def test_the_players_keep_in_step(chromium, site):
     times = [frame.evaluate("document.getElementById('scrub').valueAsNumber") for frame in (first, other)]
     assert abs(times[1] - times[0]) < 1e-3 and errors == []
     seen.close()
+
+
+def test_a_demo_that_does_not_move_any_more_leaves_no_film(tmp_path):
+    path = tmp_path / "still.gif"
+    path.write_bytes(b"of yesterday")
+    gallery.film(Outcome((), tuple, {}), path)
+    assert not path.exists()

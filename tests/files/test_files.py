@@ -28,12 +28,13 @@ from mbsd3d import (
     Torque,
     Universal,
     load,
+    measures,
     rotation,
     simulate,
 )
 from mbsd3d.base.paths import write_atomically
 from mbsd3d.equations.compiled import compile_system
-from mbsd3d.files.description import describe, rebuild
+from mbsd3d.files.description import describe, read_system
 from mbsd3d.files.schema import types
 from mbsd3d.mechanism.shapes import Solid
 from mbsd3d.results.columns import QUANTITIES
@@ -120,6 +121,17 @@ def test_arrays_and_results_come_back_to_the_last_bit(solution, stored):
     assert str(copy.certificate) == str(solution.certificate)
     assert same_bits(copy.effort("motor"), solution.effort("motor"))
     assert same_bits(copy.final.q, solution.final.q)
+
+
+def test_a_run_that_a_measure_stopped_comes_back(tmp_path):
+    """The measure has a coordinate of its own, which is none of the system's."""
+    system = pendulum()
+    turn = measures.heading(system.part(UPPER_ARM))
+    run = simulate(system, 0.05, stop_when=turn > 10.0)
+    copy = load(run.save(tmp_path / "stopped"))
+    assert same_bits(copy.arrays["state"], run.arrays["state"])
+    assert same_bits(copy.final.coordinates, run.arrays["coordinate"][-1, : len(copy.final.coordinates)])
+    assert run.arrays["coordinate"].shape[1] == copy.arrays["coordinate"].shape[1] + 1
 
 
 def test_a_loaded_solution_goes_on(solution, stored):
@@ -212,6 +224,7 @@ def test_missing_file_and_other_npz_are_refused(tmp_path):
         (lambda d: d["system"]["joints"].pop(), "array 'lam' has shape|array 'state' has shape"),
         (lambda d: d.update(record=d["final"]), "type 'State' is unknown - at `\\$.record`; give one of Record"),
         (lambda d: d["final"].update(q=[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0], v=[0.0] * 6), "final state does not fit"),
+        (lambda d: d["final"].update(coordinates=[0.1] * 9), "final state does not fit"),
     ],
 )
 def test_changed_text_is_refused(stored, change, message):
@@ -259,12 +272,12 @@ def couplings() -> System:
 def test_description_survives_json_to_the_last_bit(build):
     system = build()
     data = json.loads(json.dumps(describe(system), allow_nan=False))
-    copy = rebuild(data)
+    copy = read_system(data)[0]
     assert describe(copy) == data and same_model(copy, system)
 
 
 def test_references_stay_references():
-    copy = rebuild(describe(couplings()))
+    copy = read_system(describe(couplings()))[0]
     gear, first, second, motor, grip, rolling = copy.joints
     assert (gear.hinge_a, gear.hinge_b, motor.hinge) == (first, second, first)
     assert grip.body is copy.bodies[2] and grip.signal[1] is None and rolling.a is GROUND
@@ -331,7 +344,7 @@ def test_bad_descriptions_are_refused(change, message):
     data = describe(couplings())
     change(data)
     with pytest.raises(ValueError, match=message):
-        rebuild(data)
+        read_system(data)[0]
 
 
 def test_csv_holds_the_exact_numbers(solution, tmp_path):

@@ -9,7 +9,7 @@ from test_shapes import PLAIN, SOLIDS, solid
 from mbsd3d import Body, System, load, rotation, simulate
 from mbsd3d.base.rotations import matrix
 from mbsd3d.files.description import same
-from mbsd3d.mechanism.shapes import Disc, Lines, MeshFile
+from mbsd3d.mechanism.shapes.kinds import Disc, Lines, MeshFile
 
 
 @pytest.mark.parametrize("kind", ["stl", "obj", "ply", "glb"])

@@ -8,19 +8,9 @@ import pytest
 
 from mbsd3d.equations.compiled import Signals
 from mbsd3d.kernels import signals as kernels
-from mbsd3d.mechanism.signals import (
-    Constant,
-    Polynomial,
-    Pulse,
-    Ramp,
-    Sine,
-    Sum,
-    Table,
-    as_signal,
-    check_interval,
-    curves,
-)
+from mbsd3d.mechanism.signals import Constant, Sum, as_signal, check_interval, curves
 from mbsd3d.mechanism.signals import signal as bases
+from mbsd3d.mechanism.signals.curves import Polynomial, Pulse, Ramp, Sine, Table
 from mbsd3d.mechanism.signals.terms import POLYNOMIAL, SINE, SPLINE, evaluate
 
 TIMES = np.array([0.0, 0.4, 0.7, 1.3, 1.9, 2.2])

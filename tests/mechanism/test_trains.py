@@ -7,7 +7,7 @@ import pytest
 from test_gears import ALPHA, BETA, Frame, rotor, torque
 
 from mbsd3d import GROUND, Gear, GearMesh, Revolute, System, accelerations, simulate
-from mbsd3d.files.description import describe, rebuild
+from mbsd3d.files.description import describe, read_system
 
 
 def planetary(mesh):
@@ -114,7 +114,7 @@ def test_bevel_differential_shares_torque_and_averages_rates():
 def test_a_mesh_survives_its_description_and_a_table():
     frame, bodies, joints = planetary(True)
     system = System(bodies, joints, [torque(bodies[0], frame.z, 3.0)])
-    again = System.of(rebuild(json.loads(json.dumps(describe(system)))))
+    again = System.of(read_system(json.loads(json.dumps(describe(system))))[0])
     first, second = (accelerations(x).arrays for x in (system, again))
     assert np.array_equal(first["acceleration"], second["acceleration"])
     assert again.joints[-1].carrier is again.bodies[1]

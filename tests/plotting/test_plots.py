@@ -4,6 +4,7 @@ import os
 import re
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import matplotlib.pyplot
 import numpy as np
@@ -14,7 +15,7 @@ from test_files import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 
 from mbsd3d import GROUND, Body, Revolute, SpeedDriver, System, accelerations, simulate
 from mbsd3d.base.style import DARK
-from mbsd3d.plotting.panels import PANELS
+from mbsd3d.plotting.panels import PANELS, acts
 from mbsd3d.plotting.plots import MOST, plot_quantity, save_figure
 
 
@@ -199,6 +200,14 @@ def test_a_moment_that_is_rounding_beside_the_force_is_flat():
     swing = simulate(System([rod], [Revolute(GROUND, rod, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")]), 1.0)
     force, moment = swing.plot("reaction", "hinge").axes
     assert np.diff(force.get_ylim()) > 5.0 and np.diff(moment.get_ylim()) > 0.1
+
+
+@pytest.mark.parametrize(("moment", "counts"), [(1e-7, False), (1e-3, True)])
+def test_a_moment_far_away_is_rounding_of_the_arm(moment, counts):
+    """A force of 1 N at 1e6 m is moved there to 1e-10 N m of rounding, times some."""
+    force, moment, point = np.array([[0.0, 1.0, 0.0]]), np.array([[0.0, 0.0, moment]]), np.full((1, 3), 1e6)
+    load = SimpleNamespace(force=force, moment=moment, point=point)
+    assert acts(load, "moment") == counts and acts(load, "force")
 
 
 def test_a_plot_without_a_quantity_is_what_a_page_shows():

@@ -17,8 +17,10 @@ from mbsd3d import (
     Body,
     IntegrationError,
     Kinematic,
+    Prismatic,
     Ramp,
     Revolute,
+    SpringDamper,
     System,
     accelerations,
     load,
@@ -150,9 +152,24 @@ def test_tables_hold_the_numbers_of_the_solution(solution, page):
     assert number(motor[2].removesuffix(" N m")) == pytest.approx(np.abs(solution.effort("motor")).max(), rel=1e-3)
     assert number(motor[4]) == pytest.approx(solution.work("motor")[-1], rel=1e-3)
     spring = page.row("SpringDamper 1")
-    assert number(spring[4]) == pytest.approx(solution.arrays["potential"][:, 0].max(), rel=1e-3)
+    stored = solution.arrays["potential"][:, 0]
+    assert [number(text) for text in spring[3:5]] == pytest.approx([stored.min(), stored.max()], rel=1e-3)
+    energy = solution.energy()
+    gained, given = energy.total[-1] - energy.total[0], energy.work[-1]
+    words = dict(facts.drift_facts(solution))["energy"].replace("−", "-").split()  # changed by x J, ... did y J; ...
+    assert [float(words[2]), float(words[words.index("did") + 1])] == pytest.approx([gained, given], rel=1e-2)
     assert number(spring[5]) == pytest.approx(solution.work("SpringDamper 1")[-1], rel=1e-3)
     assert page.row("shoulder", "Spherical")[7:] == ["0", "–"]  # a ball carries no moment, whatever rounding leaves
+
+
+def test_energies_of_a_spring_are_the_extremes_of_the_run():
+    """It starts stretched by 0.2 m, passes its free length, and swings out as far on the other side."""
+    bob = Body("bob", 1.0, (0.1, 0.1, 0.1), position=(0.7, 0, 0))
+    rail = Prismatic(GROUND, bob, at=(0, 0, 0), axis=(1, 0, 0))
+    spring = SpringDamper(GROUND, bob, at_a=(0, 0, 0), at_b=(0.7, 0, 0), stiffness=100.0, length=0.5)
+    run = simulate(System([bob], [rail], [spring]), 0.5, output=501)
+    (row,) = facts.force_table(run, run).rows
+    assert number(row[3]) < 1e-3 and number(row[4]) == pytest.approx(0.5 * 100.0 * 0.2**2)  # passes within a sample
 
 
 def test_redundant_joints_are_named_as_indeterminate():
@@ -292,6 +309,15 @@ def chain(count: int) -> System:
         for k in range(count)
     ]
     return System(bodies, joints)
+
+
+def test_of_many_joints_the_most_loaded_ones_are_shown():
+    run = simulate(chain(MOST + 3), 0.02, method=RK4(0.01), output=3)
+    kept, text = facts.loaded_joints(run)
+    load = {joint.name: np.abs(run.arrays["lam"][:, run.compiled.rows[id(joint)]]).max() for joint in run.system.joints}
+    assert len(kept) == MOST and f"The {MOST} of {MOST + 3} joints" in text
+    assert [joint.name for joint in kept] == [name for name in load if name in {x.name for x in kept}]  # in order
+    assert min(load.pop(joint.name) for joint in kept) >= max(load.values())
 
 
 @pytest.mark.slow

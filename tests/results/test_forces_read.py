@@ -2,15 +2,15 @@
 
 import numpy as np
 import pytest
-from models import concrete_subclasses, direction, middle, random_body, random_orientation
+from models import direction, middle, random_body, random_orientation
 from scipy.spatial.transform import Rotation
+from test_loads import EXAMPLES
 
 from mbsd3d import (
     GROUND,
     AeroDrag,
     Brake,
     Bushing,
-    CentralGravity,
     Constant,
     Contact,
     CustomForce,
@@ -25,16 +25,14 @@ from mbsd3d import (
     System,
     Torque,
     TorsionSpring,
-    Tyre,
-    Weight,
+    accelerations,
     load,
     measures,
     shapes,
     simulate,
 )
 from mbsd3d.base.directions import perpendiculars
-from mbsd3d.mechanism.force_element import ForceElement
-from mbsd3d.mechanism.forces.custom import SavedForce
+from validation.cases.examples import moving
 
 ROUNDING = 1e-10  # sums of some ten products of numbers up to 1e2, with the slack of hinges that are closed to 1e-15
 
@@ -49,7 +47,7 @@ def band(t, bodies, z, parameters, loads, z_dot):
 
 
 def machine():
-    """Two free bodies and two on hinge and slider, under one element of every class."""
+    """Two free bodies and two on hinge and slider, under the elements whose formulas are written out below."""
     rng = np.random.default_rng(5)
     a, b, c, d = (random_body(rng, name) for name in "abcd")
     hinge = Revolute(a, c, at=middle(rng, a, c), axis=direction(rng), name="hinge")
@@ -120,10 +118,22 @@ def close(found, expected):
     np.testing.assert_allclose(found, np.broadcast_to(expected, np.shape(found)), rtol=0, atol=ROUNDING)
 
 
-def test_the_machine_has_every_class_of_forces():
-    known = {cls for cls in concrete_subclasses(ForceElement) if cls.__module__.startswith("mbsd3d.")}
-    elsewhere = {SavedForce, Tyre, Weight, CentralGravity}  # test_tyre, test_gravitation
-    assert {type(force) for force in machine().forces} == known - elsewhere
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_every_force_is_read_as_it_acts(name):
+    """Newton and Euler for the body it acts on: it alone and the joint that it needs accelerate the body."""
+    rng = np.random.default_rng(13)
+    bodies = [random_body(rng, "one"), random_body(rng, "two")]
+    joints, force = EXAMPLES[name](rng, *bodies)
+    system = System(bodies, joints, [force], gravity=(0, 0, 0))
+    now, body = accelerations(system, moving(system, 5)), bodies[1]
+    R, w, alpha, G = (x[0] for x in (now.rotation(body), now.omega(body), now.alpha(body), now.com(body)))
+    arm, I = G - now.position(body)[0], R @ body.inertia @ R.T
+    push = body.mass * (now.acceleration(body)[0] + np.cross(alpha, arm) + np.cross(w, np.cross(w, arm)))
+    turn = I @ alpha + np.cross(w, I @ w)
+    acting = [now.force(force, on=body), *(now.reaction(joint) for joint in joints)]
+    close(sum(x.force[0] for x in acting), push)
+    close(sum(x.moment[0] + np.cross(x.point[0] - G, x.force[0]) for x in acting), turn)
+    assert np.abs([*acting[0].force[0], *acting[0].moment[0]]).max() > 1e-3  # it does something here
 
 
 def test_spring(run):

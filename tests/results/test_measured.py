@@ -193,8 +193,9 @@ def test_slips_are_named(run):
 
 
 def test_names_of_the_module_are_measures_alone():
-    assert set(dir(measures)) >= set(measures.__all__)
-    assert all(getattr(measures, name).__doc__ for name in measures.__all__)
+    found = [value for name, value in vars(measures).items() if not name.startswith("__")]
+    assert len(found) > 20
+    assert all(value.__module__.startswith("mbsd3d.mechanism.") and value.__doc__ for value in found)
 
 
 def test_force_and_joint_are_untouched_by_measures():

@@ -53,6 +53,18 @@ def rotor(*signals, axis=(1.0, -2.0, 0.5)):
     return System([body], [hinge], forces, gravity=(0, 0, 0)), hinge, float(n @ np.diag((0.3, 0.5, 0.4)) @ n)
 
 
+def test_own_states_are_those_of_the_force():
+    def lagging(t, bodies, z, parameters, loads, z_dot):
+        z_dot[0], z_dot[1] = 0.3 - z[0], z[0]
+
+    system = double_pendulum(lambda a, b: CustomForce(lagging, on=(a, b), states=(0.7, 1.1), name="lag"))
+    stepper = Stepper(system)
+    stepper.advance(0.2)
+    slow = 0.3 + 0.4 * np.exp(-0.2)
+    assert stepper.z == pytest.approx([slow, 1.1 + 0.3 * 0.2 + 0.4 * (1 - np.exp(-0.2))], abs=1e-7)  # rtol 1e-8
+    assert np.array_equal(stepper.z, stepper.state.z[:2])
+
+
 @pytest.mark.parametrize(
     ("method", "rtol", "limit"),
     [

@@ -1,11 +1,14 @@
 """What users write passes a type checker: the examples, README.md and the first pages, by the stubs of the package."""
 
+import inspect
 import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+import mbsd3d
 
 pytestmark = pytest.mark.slow
 
@@ -19,18 +22,41 @@ PAGES = (
 )
 
 
-def checked(*paths):
-    """What mypy says of files; internals of the package are not its concern here."""
-    command = [sys.executable, "-m", "mypy", "--follow-imports=silent", "--ignore-missing-imports", "--no-incremental"]
-    return subprocess.run([*command, *map(str, paths)], cwd=ROOT, capture_output=True, text=True, timeout=300).stdout
+def public_names():
+    """Dotted names of what users import, with what is in the public modules and the methods of the facades."""
+    for name in mbsd3d.__all__:
+        value = getattr(mbsd3d, name)
+        inner = dir(value) if inspect.ismodule(value) or name in ("System", "Solution", "Stepper") else ()
+        yield from (f"{name}.{x}" for x in inner if not x.startswith("_")) if inner else [name]
 
 
-def test_examples_and_pages_have_the_types_they_say(tmp_path):
+NAMES = [name for name in public_names() if name != "__version__"]
+
+
+@pytest.fixture(scope="module")
+def said(tmp_path_factory):
+    """What mypy says of examples, pages, a mistake and all names, once; internals are not its concern here."""
+    folder = tmp_path_factory.mktemp("typed")
     for page in PAGES:
         code = re.findall(r"^```python\n(.*?)^```", (ROOT / page).read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
-        (tmp_path / f"page_{Path(page).stem}.py").write_text("\n".join(code), encoding="utf-8")
-    wrong = tmp_path / "wrong.py"
-    wrong.write_text("from mbsd3d import Body, simulate\nsimulate(Body('b', mass='heavy', inertia=1.0), 1.0)\n")
-    said = checked(ROOT / "examples", *sorted(tmp_path.glob("*.py")))
-    found = {line.split(":")[0] for line in said.splitlines() if ": error:" in line}
-    assert {Path(name).name for name in found} == {"wrong.py"}, said  # and the checker sees a mistake
+        (folder / f"page_{Path(page).stem}.py").write_text("\n".join(code), encoding="utf-8")
+    wrong = "from mbsd3d import Body, simulate\nsimulate(Body('b', mass='heavy', inertia=1.0), 1.0)\n"
+    (folder / "wrong.py").write_text(wrong, encoding="utf-8")
+    asked = [f"from mbsd3d import {', '.join(mbsd3d.__all__)}", *(f"reveal_type({name})" for name in NAMES)]
+    (folder / "names.py").write_text("\n".join(asked), encoding="utf-8")
+    command = [sys.executable, "-m", "mypy", "--follow-imports=silent", "--ignore-missing-imports", "--no-incremental"]
+    files = map(str, (ROOT / "examples", *sorted(folder.glob("*.py"))))
+    return subprocess.run([*command, *files], cwd=ROOT, capture_output=True, text=True, timeout=300).stdout
+
+
+def test_examples_and_pages_have_the_types_they_say(said):
+    found = [line for line in said.splitlines() if ": error:" in line]
+    assert {Path(line.split(":")[0]).name for line in found} == {"wrong.py"}, said  # the checker sees a mistake,
+    assert len(found) == 2, said  # in each of both calls
+
+
+def test_a_type_checker_sees_every_public_name(said):
+    kinds = dict(re.findall(r'^.*names.py:(\d+): note: Revealed type is "(.*)"$', said, re.MULTILINE))
+    assert len(kinds) == len(NAMES) > 150
+    loose = [name for name, kind in zip(NAMES, kinds.values(), strict=True) if kind == "Any" or "*args: Any" in kind]
+    assert loose == []

@@ -145,3 +145,17 @@ def test_rating_life_follows_from_the_loads():
 def test_a_motored_engine_has_no_gas():
     assert isinstance(Source(presets.preset("v10"), 0.5).cycle, Cycle)
     assert Source(presets.preset("v10"), 0.0).cycle is None and Source(presets.preset("v10"), 0.0).mean_torque == 0.0
+
+
+def test_a_charge_has_the_heat_of_petrol_and_air():
+    """A stoichiometric mixture burns with 2.7 to 2.9 MJ/kg; the charge fills the cylinder at the inlet's pressure."""
+    cycle = cycle_of(presets.preset("inline_4"))
+    whole = cycle.volume(np.pi)
+    assert whole == pytest.approx(cycle.swept * cycle.compression / (cycle.compression - 1))
+    mass = cycle.inlet * whole / (287.0 * cycle.temperature)
+    assert 2.7e6 < cycle.heat / cycle.used / mass < 2.9e6
+
+
+def test_gas_at_the_pressure_of_the_crankcase_pushes_nothing():
+    cycle = replace(cycle_of(presets.preset("inline_4")), outlet=101325.0 + 2500.0)
+    assert cycle.force(np.array([1.5 * np.pi])) == pytest.approx(2500.0 * cycle.area, rel=1e-6)  # the outlet is open

@@ -171,6 +171,8 @@ def test_a_decoupled_powertrain_turns_about_its_torque_roll_axis_alone():
     assert roll_share(body.rigid, placed)[0] < 0.9
     assert roll_share(body.rigid, found.mounts)[0] == pytest.approx(1.0, abs=1e-12)
     assert found.moved <= 0.15 and found.rates <= 2.0
+    for old, new in zip(placed, found.mounts, strict=True):  # of one rubber: damping goes with the rates
+        assert np.divide(new.damping, old.damping) == pytest.approx(np.divide(new.rates, old.rates))
     bare = [replace(mount, damping=(0.0, 0.0, 0.0)) for mount in found.mounts]
     K, M = stiffness_matrix(body.rigid, bare), np.zeros((6, 6))
     M[:3, :3], M[3:, 3:] = body.mass * np.eye(3), body.rigid.inertia

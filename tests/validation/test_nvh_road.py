@@ -57,6 +57,20 @@ def test_long_waves_lift_both_sides_and_short_ones_each_alone():
     assert abs(alike[road.waves > 1.0].mean()) < 0.1
 
 
+def test_waves_between_share_a_part_of_their_amplitude():
+    """Mean of cos(angle between a and a + b e^(i phi)) over the phases, with a = exp(-n / 0.3), a^2 + b^2 = 1."""
+    alike = []
+    for seed in range(60):
+        road = Road("B", 1000.0, seed=seed)
+        left, right = road.amplitudes
+        band = (road.waves > 0.2) & (road.waves < 0.21)
+        alike.append((np.real(left * right.conj()) / np.abs(left * right))[band])
+    a, turn = np.exp(-0.205 / 0.3), np.exp(2j * np.pi * np.arange(1000) / 1000)
+    right = a + np.sqrt(1 - a**2) * turn
+    known = np.mean(right.real / np.abs(right))
+    assert np.mean(alike) == pytest.approx(known, abs=0.1)  # four deviations of the mean of 540 waves
+
+
 def test_the_seed_decides_the_road():
     assert np.array_equal(Road("C", seed=5).amplitudes, Road("C", seed=5).amplitudes)
     assert not np.allclose(Road("C", seed=5).amplitudes, Road("C", seed=6).amplitudes)

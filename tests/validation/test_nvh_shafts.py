@@ -77,6 +77,15 @@ def test_shafts_out_of_place_leave_their_force_times_the_distance():
     assert np.abs(both[:2]).max() == pytest.approx(abs(1 - 1.01 * np.exp(0.02j)) * WHOLE, rel=1e-9)
 
 
+@pytest.mark.parametrize("name", ["inline_4", "v8_flat"])
+def test_shafts_are_moved_along_the_crank_to_its_left_and_up(name):
+    chosen, moved = presets.preset(name), (0.004, -0.007, 0.003)
+    shafts = balance_shafts.fitted(chosen, "lanchester")
+    for old, new in zip(shafts, balance_shafts.faulty(chosen, shafts, Fault("", moved=moved)), strict=True):
+        places = ([*shaft.position, shaft.planes[0]] for shaft in (new, old))
+        assert upright(chosen.layout) @ np.subtract(*places) == pytest.approx(moved)
+
+
 def test_one_heavy_shaft_leaves_a_force_that_turns():
     found = remains("lanchester", heavy=0.02, one=True)
     assert np.abs(found[:2]) == pytest.approx([0.01 * WHOLE] * 2, rel=1e-9)

@@ -9,7 +9,7 @@ from mbsd3d.base.quaternions import multiply
 from mbsd3d.base.rotations import matrix
 from mbsd3d.mechanism.couplings import GearMesh
 from mbsd3d.mechanism.joints import Joint
-from mbsd3d.mechanism.shapes import Box, Disc, MeshFile
+from mbsd3d.mechanism.shapes.kinds import Box, Disc, MeshFile
 from mbsd3d.mechanism.state import State
 from mbsd3d.view.page.show import page_layers
 from mbsd3d.view.scene.artist import draw_system

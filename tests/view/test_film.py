@@ -78,6 +78,16 @@ def test_a_frame_shows_the_pose_of_its_time(solution):
     assert np.allclose(reel.traces[0].points[:: reel.finer][5], solution.com(reel.traces[0].name)[5], rtol=0, atol=1e-9)
 
 
+def test_a_path_ends_where_its_body_is(solution, monkeypatch):
+    """Paths have more points than the film has frames."""
+    reel, painted = FilmFrames(solution, speed=0.25, **SMALL), []
+    monkeypatch.setattr(reel.painter, "paint", lambda axes, poses, *, traces, arrows: painted.append(traces))
+    reel.frame(5)
+    assert reel.finer > 1 and painted[0]
+    for trace in painted[0]:
+        np.testing.assert_allclose(trace.points[-1], solution.com(trace.name)[5], rtol=0, atol=1e-9)
+
+
 def test_the_cursor_runs_over_the_curves(solution):
     reel = FilmFrames(solution, speed=0.25, curves=["energy", ("position", LOWER_ARM)], width=320)
     strip, last = reel.strip, len(reel) - 1
@@ -87,6 +97,13 @@ def test_the_cursor_runs_over_the_curves(solution):
     for k in (0, 7, last):
         changed = np.unique(np.nonzero((strip.at(k) != strip.image).any(axis=2))[1])
         assert changed.min() >= strip.columns[k] - 3 and changed.max() <= strip.columns[k] + 3
+        line = (strip.at(k)[:, strip.columns[k]] == np.round(255 * np.array(to_rgb(LIGHT.muted)))).all(axis=1)
+        rows = [slice(round(strip.height - high), round(strip.height - low)) for _, low, _, high in strip.boxes]
+        beside = np.ones(strip.height, bool)
+        for part in rows:  # of the image, from its top down
+            beside[part] = False
+            assert line[part].any()
+        assert not line[beside].any()
         x, y, z = (round(heights[k]) for _, heights in strip.dots[-3:])
         for tint, row in zip(LIGHT.lines, (x, y, z), strict=False):
             near = strip.at(k)[row - 1 : row + 2, strip.columns[k]]

@@ -16,7 +16,7 @@ from mbsd3d import GROUND, AngleDriver, Body, Ramp, Revolute, System, simulate
 from mbsd3d.base import inertia
 from mbsd3d.base.rotations import matrix
 from mbsd3d.base.style import DARK, LIGHT, paler
-from mbsd3d.mechanism.shapes import Box, Sphere
+from mbsd3d.mechanism.shapes.kinds import Box, Sphere
 from mbsd3d.plotting.plots import save_figure
 from mbsd3d.view.picture.painter import Mosaic, Painter, new_sheet
 from mbsd3d.view.picture.shading import Solids, outlines, pointers_of, split_strokes, split_triangles
@@ -69,8 +69,11 @@ def test_the_window_holds_all_and_has_the_ratio_of_the_paper():
     low, high = window(points, (6.0, 4.0))
     assert np.all(points > low) and np.all(points < high)
     assert (high - low)[0] / (high - low)[1] == pytest.approx(1.5)
+    left = np.concatenate([points.min(axis=0) - low, high - points.max(axis=0)]) / np.tile(high - low, 2)
+    assert left.min() == pytest.approx(0.06)  # of air, on every side
     assert np.all(np.ptp(window(np.zeros((1, 2)), (6.0, 4.0)), axis=0) > 0.0)  # a point is not blown up to infinity
     assert [round_down(x) for x in (0.1, 0.19, 0.2, 7.3, 1e-4)] == [0.1, 0.1, 0.2, 5.0, 1e-4]
+    assert round_down(0.2 * (1.0 - 1e-12)) == 0.2  # rounding takes no step
 
 
 def test_marks_of_the_bodies_lie_on_the_paper_where_they_should(solution):

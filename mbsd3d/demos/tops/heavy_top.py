@@ -6,7 +6,7 @@ from scipy.special import ellipk
 from mbsd3d import GROUND, Body, Spherical, System, measures, rotation, shapes, simulate
 from mbsd3d.base.style import GREY
 
-from ..drawing import sphere_net
+from ..drawing import lower_net
 from ..figure import Line, Path
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 from ..quadrature import cross, motion
@@ -114,7 +114,7 @@ def measure(build, terms, *, m, l, It, I3, spin, precession, tilt_deg, steady_ti
     )
     curves = [
         Path(("x / l [-]", "y / l [-]", "z / l [-]"), centre / l, "path of the centre of mass",
-             net=sphere_net(highest=0), box=(2, 2, 1), heights=(-1, 0)),
+             net=lower_net(), box=(2, 2, 1), heights=(-1, 0)),
         Curve("height of the centre of mass [m]", run.t, centre[:, 2], (run.t[::20], known[:, 2]),
               title="it falls, and comes back up"),
         Curve("revolutions about the vertical [-]", slow.x, slow.y, slow.theory, name=slow.name, more=[fast],

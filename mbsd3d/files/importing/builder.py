@@ -6,13 +6,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...base.errors import InputError
-from ...base.inertia import combine
+from ...base.mass_properties import combine
 from ...base.rotations import matrix
 from ...mechanism.bodies import GROUND, Body
 from ...mechanism.couplings import Gear, RackPinion
 from ...mechanism.drivers import AngleDriver, SlideDriver
 from ...mechanism.forces.springs import TorsionSpring
-from ...mechanism.joints import Cylindrical, Fixed, Joint, Planar, Prismatic, Revolute, Spherical, Universal
+from ...mechanism.joints import Joint
+from ...mechanism.joints.pairs import Cylindrical, Fixed, Planar, Prismatic, Revolute, Spherical, Universal
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes.geoms import shapes
 

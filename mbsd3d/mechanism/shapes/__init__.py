@@ -6,5 +6,4 @@ shapes is drawn as the homogeneous ellipsoid of its mass and inertia (`guesses`)
 """
 
 from .base import Shape, Solid
-from .kinds import Box, Capsule, Cylinder, Disc, Ellipsoid, Hull, Lines, MeshFile, Sphere, Torus
 from .surfaces import Mesh

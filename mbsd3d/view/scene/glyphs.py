@@ -13,7 +13,8 @@ from ...mechanism.bodies import Body, Ground
 from ...mechanism.contacts import RollingContact, RollingDisc
 from ...mechanism.couplings import GearMesh
 from ...mechanism.force_element import ForceElement
-from ...mechanism.joints import CurveContact, Joint
+from ...mechanism.joints import Joint
+from ...mechanism.joints.curve_contact import CurveContact
 from ...mechanism.shapes.surfaces import Mesh, ball, block, cylinder, moved, torus
 from ...mechanism.tooth_contact import Axle
 
