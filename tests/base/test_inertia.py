@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from mbsd3d.base import mass_properties
-from mbsd3d.base.inertia import box, cone, cylinder, rod, sphere
-from mbsd3d.base.mass_properties import check_inertia, combine, steiner
+from mbsd3d.base.mass_properties import check_inertia
 from mbsd3d.base.rotations import matrix, rotation
+from mbsd3d.inertia import box, combine, cone, cylinder, rod, sphere, steiner
 
 ROUNDING = 1e-13  # relative: sums of at most a few hundred terms
 
