@@ -39,7 +39,8 @@ def eliminate(model: Model, data: Data, rows: np.ndarray | None = None, dtype: t
     if joint.size:
         choose_joint_rows(model, data, joint, first, np.zeros((6, 6)), chosen)
     made = bodies, light, chosen.tobytes()
-    planned = planned_tables(*made, dtype).items()
+    kinds = model.primitive["kind"], model.primitive["coordinate"], model.coordinate["kind"]
+    planned = planned_tables(*made, tuple([column.tobytes() for column in kinds]), dtype).items()
     tables = {name: np.frombuffer(bytearray(lines), kind) for name, (lines, kind) in planned}
     loop, state, plan = tables["loop"], single(TREE_STATE), loop_plan(*made)
     state.mu = PROXIMAL / (inertias.max(initial=0.0) or 1.0)
@@ -47,10 +48,9 @@ def eliminate(model: Model, data: Data, rows: np.ndarray | None = None, dtype: t
     loop["mu"] = PROXIMAL / heaviest_in_loops(plan, inertias) / model.row["scale"][loop["row"]] ** 2
     ready = model.body["inv_sqrt_mass"][tables["link"]["body"]] > 0.0
     tables["link"]["alone"] = np.where(ready, tables["link"]["alone"], 0)
-    joint = turns_last(model, tables["link"], tables["joint"])
     size = int((np.arange(loop.size) - loop["first"] + 1).sum())
     tree = Tree(
-        link=tables["link"], joint=joint, loop=loop, entry=tables["entry"],
+        link=tables["link"], joint=tables["joint"], loop=loop, entry=tables["entry"],
         skyline=np.zeros((2, size), dtype), vector=np.zeros((5, loop.size), dtype), shares=np.zeros(48, np.int64),
         state=state, used=used, skipped=used[:0] if rows is None else np.delete(np.arange(model.row.size), used),
     )  # fmt: skip
@@ -59,23 +59,30 @@ def eliminate(model: Model, data: Data, rows: np.ndarray | None = None, dtype: t
 
 
 @lru_cache(maxsize=32)
-def planned_tables(bodies: bytes, light: bytes, chosen: bytes, dtype: type) -> dict[str, tuple[bytes, np.dtype]]:
-    """The tables of a tree as its plan fills them, as bytes: numpy copies records field by field."""
+def planned_tables(
+    bodies: bytes, light: bytes, chosen: bytes, kinds: tuple[bytes, ...], dtype: type
+) -> dict[str, tuple[bytes, np.dtype]]:
+    """The tables of a tree as its plan fills them, as bytes: numpy copies records field by field.
+
+    ``kinds``: of the primitives, numbers of their coordinates, kinds of those.
+    """
     plan, fields, tables = loop_plan(bodies, light, chosen), tree_records(dtype), {}
     for name in ("link", "joint", "loop", "entry"):
         tables[name] = table(fields[name], plan[name].size)
         for key, value in plan.items():
             if key.startswith(name + "."):
                 tables[name][key.partition(".")[2]] = value
+    tables["joint"] = turns_last(tables["link"], tables["joint"], *(np.frombuffer(x, np.int64) for x in kinds))
     return {name: (lines.tobytes(), lines.dtype) for name, lines in tables.items()}
 
 
-def turns_last(model: Model, link: np.ndarray, joint: np.ndarray) -> np.ndarray:
+def turns_last(
+    link: np.ndarray, joint: np.ndarray, kinds: np.ndarray, coordinates: np.ndarray, measured: np.ndarray
+) -> np.ndarray:
     """The rows of each link, those last that only turn its body; sets how many others there are, if three at most."""
-    primitive = model.primitive
-    kinds = np.append(model.coordinate["kind"], ANGLE)[primitive["coordinate"]]
-    turns = TURNS[primitive["kind"]] | ((primitive["kind"] == RATIO) & (kinds == ANGLE).all(axis=1))
-    part = np.repeat(np.arange(primitive.size), primitive["rows"])[joint["row"]]
+    angles = (np.append(measured, ANGLE)[coordinates.reshape(-1, 2)] == ANGLE).all(axis=1)
+    turns = TURNS[kinds] | ((kinds == RATIO) & angles)
+    part = np.repeat(np.arange(kinds.size), np.array(ROWS_OF)[kinds])[joint["row"]]
     owner = np.repeat(np.arange(link.size), link["rows"])
     order = np.lexsort((turns[part], owner))
     count = np.bincount(owner, turns[part], link.size).astype(np.int64)
@@ -83,7 +90,7 @@ def turns_last(model: Model, link: np.ndarray, joint: np.ndarray) -> np.ndarray:
     link["lines"] = np.where((lines <= 3) & (count <= 3), lines, -1)
     three = np.flatnonzero(link["lines"] == 3)
     first, last = part[link["joint"][three]], part[link["joint"][three] + 2]
-    link["point"][three] = (first == last) & (primitive["kind"][first] == COINCIDE)
+    link["point"][three] = (first == last) & (kinds[first] == COINCIDE)
     return joint[order]
 
 
