@@ -10,8 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
 
-from mbsd3d import Body, Solution, System, demos, simulate
-from mbsd3d.base import inertia
+from mbsd3d import Body, Solution, System, demos, inertia, simulate
 from mbsd3d.base.paths import write_atomically
 from mbsd3d.base.style import COLOURS
 from mbsd3d.demos import gallery
