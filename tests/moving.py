@@ -1,7 +1,18 @@
 """A mechanism in general position with names that try to break a page, for the tests of what is seen."""
 
-from mbsd3d import GROUND, Body, Revolute, Sine, SpeedDriver, Spherical, SpringDamper, System, Universal, rotation
-from mbsd3d.mechanism import shapes
+from mbsd3d import (
+    GROUND,
+    Body,
+    Revolute,
+    Sine,
+    SpeedDriver,
+    Spherical,
+    SpringDamper,
+    System,
+    Universal,
+    rotation,
+    shapes,
+)
 
 CRANK, ARM, TAIL, BEAD = (
     "Kurbel \"ä/ö\" & 'ß'",

@@ -8,9 +8,20 @@ import pytest
 import trimesh
 from test_files import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 
-from mbsd3d import GROUND, Body, Distance, Spherical, System, Universal, accelerations, linearize, rotation, simulate
+from mbsd3d import (
+    GROUND,
+    Body,
+    Distance,
+    Spherical,
+    System,
+    Universal,
+    accelerations,
+    linearize,
+    rotation,
+    shapes,
+    simulate,
+)
 from mbsd3d.base.style import channels, linear
-from mbsd3d.mechanism import shapes
 from mbsd3d.mechanism.shapes import Mesh
 from mbsd3d.view.scene.meshes import rolled, skin, unit_coil, unit_rod
 
