@@ -121,7 +121,6 @@ def worst_joint(compiled: Compiled, residual: np.ndarray) -> tuple[str, float]:
     size = np.abs(residual) * compiled.model.row["scale"]
     k = int(np.argmax(size))
     joint = compiled.system.joints[compiled.row_joint[k]]
-    metres = compiled.model.row["scale"][k] != 1.0 or compiled.model.length == 1.0
     group = residual[compiled.rows[id(joint)]]
-    largest = float(np.abs(residual[k])) if not metres else float(np.linalg.norm(group[: min(3, group.size)]))
-    return f"{type(joint).__name__} '{compiled.system.name(joint)}'", largest
+    largest = np.linalg.norm(group[:3]) if compiled.model.row["metres"][k] else np.abs(residual[k])
+    return f"{type(joint).__name__} '{compiled.system.name(joint)}'", float(largest)

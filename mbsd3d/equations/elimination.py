@@ -12,7 +12,7 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from ..kernels.kinds import ANGLE, COINCIDE, DOT, DOT_DIFFERENCE, RATIO, ROWS_OF, TURN_RATE
+from ..kernels.kinds import COINCIDE, ROWS_OF
 from ..kernels.layout import TREE_STATE, Data, Model, Tree, single, table, tree_records
 from ..saddle.basis import choose_blocks, choose_joint_rows
 from ..saddle.independence import UNKNOWN
@@ -20,8 +20,6 @@ from ..saddle.loops import PROXIMAL
 
 LIGHT = 1e-3  # of the heaviest inertia: bodies below it, and below each further power of it, are lighter by a class
 CLASSES = 8
-# by kind: which primitives only turn bodies, as ratios of angles do
-TURNS = np.isin(np.arange(len(ROWS_OF)), (DOT, DOT_DIFFERENCE, TURN_RATE))
 
 
 def eliminate(model: Model, data: Data, rows: np.ndarray | None = None, dtype: type = float) -> Tree:
@@ -39,8 +37,7 @@ def eliminate(model: Model, data: Data, rows: np.ndarray | None = None, dtype: t
     if joint.size:
         choose_joint_rows(model, data, joint, first, np.zeros((6, 6)), chosen)
     made = bodies, light, chosen.tobytes()
-    kinds = model.primitive["kind"], model.primitive["coordinate"], model.coordinate["kind"]
-    planned = planned_tables(*made, tuple([column.tobytes() for column in kinds]), dtype).items()
+    planned = planned_tables(*made, model.primitive["kind"].tobytes(), model.row["metres"].tobytes(), dtype).items()
     tables = {name: np.frombuffer(bytearray(lines), kind) for name, (lines, kind) in planned}
     loop, state, plan = tables["loop"], single(TREE_STATE), loop_plan(*made)
     state.mu = PROXIMAL / (inertias.max(initial=0.0) or 1.0)
@@ -60,11 +57,11 @@ def eliminate(model: Model, data: Data, rows: np.ndarray | None = None, dtype: t
 
 @lru_cache(maxsize=32)
 def planned_tables(
-    bodies: bytes, light: bytes, chosen: bytes, kinds: tuple[bytes, ...], dtype: type
+    bodies: bytes, light: bytes, chosen: bytes, kinds: bytes, metres: bytes, dtype: type
 ) -> dict[str, tuple[bytes, np.dtype]]:
     """The tables of a tree as its plan fills them, as bytes: numpy copies records field by field.
 
-    ``kinds``: of the primitives, numbers of their coordinates, kinds of those.
+    ``kinds``: of the primitives; ``metres``: which rows are measured in them.
     """
     plan, fields, tables = loop_plan(bodies, light, chosen), tree_records(dtype), {}
     for name in ("link", "joint", "loop", "entry"):
@@ -72,21 +69,19 @@ def planned_tables(
         for key, value in plan.items():
             if key.startswith(name + "."):
                 tables[name][key.partition(".")[2]] = value
-    tables["joint"] = turns_last(tables["link"], tables["joint"], *(np.frombuffer(x, np.int64) for x in kinds))
+    tables["joint"] = turns_last(
+        tables["link"], tables["joint"], np.frombuffer(kinds, np.int64), np.frombuffer(metres, np.int64) == 0
+    )
     return {name: (lines.tobytes(), lines.dtype) for name, lines in tables.items()}
 
 
-def turns_last(
-    link: np.ndarray, joint: np.ndarray, kinds: np.ndarray, coordinates: np.ndarray, measured: np.ndarray
-) -> np.ndarray:
+def turns_last(link: np.ndarray, joint: np.ndarray, kinds: np.ndarray, turns: np.ndarray) -> np.ndarray:
     """The rows of each link, those last that only turn its body; sets how many others there are, if three at most."""
-    angles = (np.append(measured, ANGLE)[coordinates.reshape(-1, 2)] == ANGLE).all(axis=1)
-    turns = TURNS[kinds] | ((kinds == RATIO) & angles)
-    part = np.repeat(np.arange(kinds.size), np.array(ROWS_OF)[kinds])[joint["row"]]
-    owner = np.repeat(np.arange(link.size), link["rows"])
-    order = np.lexsort((turns[part], owner))
-    count = np.bincount(owner, turns[part], link.size).astype(np.int64)
-    lines, part = link["rows"] - count, part[order]
+    owner, turns = np.repeat(np.arange(link.size), link["rows"]), turns[joint["row"]]
+    order = np.lexsort((turns, owner))
+    count = np.bincount(owner, turns, link.size).astype(np.int64)
+    part = np.repeat(np.arange(kinds.size), np.array(ROWS_OF)[kinds])[joint["row"]][order]
+    lines = link["rows"] - count
     link["lines"] = np.where((lines <= 3) & (count <= 3), lines, -1)
     three = np.flatnonzero(link["lines"] == 3)
     first, last = part[link["joint"][three]], part[link["joint"][three] + 2]

@@ -25,13 +25,13 @@ class Plan(NamedTuple):
     primitive: tuple[bytes, np.dtype]
     row: tuple[bytes, np.dtype]
     driven: list[int]  # primitives with a signal
-    rows_of: np.ndarray  # (rows,) the primitive of each
 
 
 @lru_cache(maxsize=32)
 def row_plan(
-    kinds: tuple[int, ...], bodies: Lists, coordinates: Lists, driven: tuple[bool, ...], holonomic: Lists
-) -> Plan:
+    kinds: tuple[int, ...], bodies: Lists, coordinates: Lists, driven: tuple[bool, ...], metres: tuple[bool, ...],
+    holonomic: Lists,
+) -> Plan:  # fmt: skip
     """The plan of primitives of these kinds, between these bodies and hinge coordinates, with a signal or without."""
     out = table(PRIMITIVE, len(kinds))
     out["kind"], out["rows"] = kinds, [ROWS_OF[kind] for kind in kinds]
@@ -42,10 +42,10 @@ def row_plan(
         out[name][lines, slots] = list(chain(*lists))
     rows_of = np.repeat(np.arange(out.size), out["rows"])
     row, with_signal = table(ROW, rows_of.size), np.array(driven, bool)[rows_of]
-    row["body"], row["holonomic"] = out["body"][rows_of], list(chain(*holonomic))
+    row["body"], row["metres"] = out["body"][rows_of], np.array(metres, bool)[rows_of]
+    row["holonomic"] = list(chain(*holonomic))
     row["drive"] = np.where(with_signal, np.cumsum(with_signal) - 1, -1)
-    numbers = np.flatnonzero(driven).tolist()
-    return Plan((out.tobytes(), out.dtype), (row.tobytes(), row.dtype), numbers, rows_of)
+    return Plan((out.tobytes(), out.dtype), (row.tobytes(), row.dtype), np.flatnonzero(driven).tolist())
 
 
 @lru_cache(maxsize=128)
@@ -70,6 +70,7 @@ def row_tables(
         tuple([tuple([index[id(body)] for body in x.bodies]) for x in primitives]),
         coordinates,
         tuple([x.signal is not None for x in primitives]),
+        tuple([x.in_metres for x in primitives]),
         tuple([x.holonomic for x in primitives]),
     )
     out, row = (np.frombuffer(bytearray(lines), kind) for lines, kind in (plan.primitive, plan.row))
@@ -78,7 +79,7 @@ def row_tables(
     fill(out, "point", [x.points for x in primitives], frames.points)
     fill(out, "axis", [x.axes for x in primitives], frames.axes)
     fill(out, "second_axis", [x.second_axes for x in primitives], frames.axes)
-    row["scale"] = np.where(np.array([x.in_metres for x in primitives], bool)[plan.rows_of], 1.0 / length, 1.0)
+    row["scale"] = np.where(row["metres"] == 1, 1.0 / length, 1.0)
     return out, row
 
 

@@ -11,6 +11,7 @@ from ..saddle.solve import SOLVED
 from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING, STEP_TOO_SMALL, STIFF
 from .outputs import evaluate_start, full, outputs
 from .step_control import (
+    LOCAL,
     end_of_step,
     good_enough,
     hermite,
@@ -23,8 +24,8 @@ from .step_control import (
     way_to_singular,
 )
 
-ALLOWED = 0.2  # of rtol is what a step may err, since errors add up over a run
-AIM = 0.75  # times the step that would err as much is the next one: it errs a tenth of that, and few are tried in vain
+ALLOWED = 2.0 * LOCAL  # of rtol is what a step of these methods may err: most err a tenth of it,
+AIM = 0.75  # since the next one is this times the step that would err as much; few are then tried in vain
 
 # What rounding of a pose makes of accelerations near a singular position: over the smallest pivot of a step; at most.
 AMPLIFIED, MOST_AMPLIFIED = 0.3, 1e-8

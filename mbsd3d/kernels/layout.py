@@ -40,7 +40,8 @@ PRIMITIVE = [
 ROW = [
     ("body", int, 4),  # bodies of the slots, -1 = unused
     ("holonomic", int),  # 1: has a residual c(q, t); 0: velocities only
-    ("scale", float),  # 1/length for rows measured in metres, 1 for radians
+    ("metres", int),  # 1: measured in metres; 0: in radians, so that it turns bodies and moves no point
+    ("scale", float),  # 1/length for rows in metres, 1 for radians
     ("drive", int),  # number of the driven row (its work is a state), -1 = not driven
 ]
 COORDINATE = [

@@ -28,9 +28,9 @@ def row_on_body(row, slot, twin):
 
 
 @fused_kernel
-def row_of_link(d, s, j):
+def row_of_link(d, joint, j):
     """(force, moment about O) of a unit multiplier of row j of ``Tree.joint`` on the body of its link."""
-    at = s.joint[j]
+    at = joint[j]
     return row_on_body(d.row[at.row], at.slot, at.twin)
 
 
@@ -42,7 +42,7 @@ def orthogonalise(m, d, s, link):
     """
     R, to_angle = link.u, 1.0 / m.length
     for j in range(link.rows):
-        linear, angular = row_of_link(d, s, link.joint + j)
+        linear, angular = row_of_link(d, s.joint, link.joint + j)
         v = linear, scale(to_angle, angular)
         link.e[j] = dot6(v, v)
         put6(link.basis[j], v[0], v[1])
@@ -114,9 +114,9 @@ def three_rows(d, s, link, first, count):
     zero = 0.0 * link.d[0]
     none = (zero, zero, zero), (zero, zero, zero)
     return (
-        row_of_link(d, s, link.joint + first) if count > 0 else none,
-        row_of_link(d, s, link.joint + first + 1) if count > 1 else none,
-        row_of_link(d, s, link.joint + first + 2) if count > 2 else none,
+        row_of_link(d, s.joint, link.joint + first) if count > 0 else none,
+        row_of_link(d, s.joint, link.joint + first + 1) if count > 1 else none,
+        row_of_link(d, s.joint, link.joint + first + 2) if count > 2 else none,
     )
 
 
@@ -205,7 +205,7 @@ def choose_joint_rows(m, d, joint, first, Q, chosen):
     for i in range(first.shape[0] - 1):
         count = 0
         for j in range(first[i], first[i + 1]):
-            linear, angular = row_on_body(d.row[joint[j].row], joint[j].slot, joint[j].twin)
+            linear, angular = row_of_link(d, joint, j)
             v = linear, scale(1.0 / m.length, angular)
             before = dot6(v, v)
             for k in range(count):
