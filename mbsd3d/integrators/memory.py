@@ -97,7 +97,7 @@ class Table(NamedTuple):
     A: np.ndarray  # (n, n)
     b: np.ndarray  # (n,)
     c: np.ndarray  # (n,)
-    error: np.ndarray  # (2, n) weights of two error estimates; zero where steps are fixed
+    error: np.ndarray  # (3, n) weights of the error estimates; zero where steps are fixed
     A_dense: np.ndarray  # (extra, n + 1 + extra) extra stages of the dense output
     c_dense: np.ndarray  # (extra,)
     D: np.ndarray  # (terms, n + 1 + extra) beyond the cubic Hermite terms

@@ -85,9 +85,9 @@ def body_error(m, own, run, weights, h):
 
 @inner_kernel
 def error_norm(m, own, run, h):
-    """Estimated local error over ALLOWED rtol (DOP853: fifth-order estimate corrected by the third-order one)."""
-    e5 = body_error(m, own, run, own.table.error[0], h)
-    e3 = body_error(m, own, run, own.table.error[1], h)
+    """Estimated local error over ALLOWED rtol (DOP853: two of fifth order, corrected by that of third order)."""
+    e5 = max(body_error(m, own, run, own.table.error[0], h), body_error(m, own, run, own.table.error[1], h))
+    e3 = body_error(m, own, run, own.table.error[2], h)
     if e5 == 0.0 and e3 == 0.0:
         return 0.0
     if not np.isfinite(e5 + e3):

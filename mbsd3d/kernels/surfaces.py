@@ -160,7 +160,7 @@ def search(data, first, e, weight, expected):
         else:
             high = u
         step = u - f / rate
-        if not low < step < high:
+        if not low <= step <= high:  # equal where u is the place already
             step = 0.5 * (low + high)
         done = abs(step - u) <= CLOSE * width
         u = step

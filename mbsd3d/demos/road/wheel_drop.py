@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-from mbsd3d import GROUND, RK4, Body, Contact, System, measures, shapes, simulate
+from mbsd3d import GROUND, Body, Contact, System, measures, shapes, simulate
 
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 
@@ -67,8 +67,7 @@ def measure(build, terms, *, m, k, c, h) -> Measured:
         Curve("force of the road [N]", 1e3 * t, force, (1e3 * t, [N(x) for x in t]), along="time after the touch [ms]"),
         Curve("depth [mm]", 1e3 * t, 1e3 * depth, (1e3 * t, 1e3 * known(t)[0]), along="time after the touch [ms]"),
     ]
-    # where a tyre let go is round again its power has a kink, which one estimate of an error in a hundred does not see
-    whole = simulate(system, 1.2, method=RK4(dt=5e-6), rtol=1e-8, output=601, **terms)
+    whole = simulate(system, 1.2, rtol=1e-9, output=601, **terms)
     return Measured(values, [whole], curves)
 
 
