@@ -2,6 +2,7 @@
 
 import ast
 import importlib
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -56,7 +57,10 @@ def imports(name: str) -> list[tuple[str, bool]]:
     return found
 
 
-GRAPH = {name: imports(name) for name in SOURCES}
+@cache
+def graph() -> dict[str, list[tuple[str, bool]]]:
+    """Of every module, once it is asked for: the other workers of a run need not."""
+    return {name: imports(name) for name in SOURCES}
 
 
 def folder(module: str) -> str | None:
@@ -72,7 +76,7 @@ def test_every_folder_stands_in_the_stack():
 
 def test_imports_go_down():
     wrong = []
-    for name, targets in GRAPH.items():
+    for name, targets in graph().items():
         if not name.startswith("mbsd3d.") or (here := folder(name)) is None:
             continue
         for target, _ in targets:
@@ -85,7 +89,7 @@ def test_imports_go_down():
 
 
 def test_nothing_below_knows_the_packages_beside():
-    wrong = [f"{name} -> {target}" for name, targets in GRAPH.items() for target, _ in targets
+    wrong = [f"{name} -> {target}" for name, targets in graph().items() for target, _ in targets
              if (name.startswith("mbsd3d") and not target.startswith("mbsd3d"))
              or (name.startswith("bicycle") and target.startswith("validation"))]  # fmt: skip
     assert not wrong
@@ -101,7 +105,7 @@ def starts_late(name: str) -> bool:
 def test_imports_stand_at_the_top():
     late = [
         f"{name} -> {target}"
-        for name, targets in GRAPH.items()
+        for name, targets in graph().items()
         for target, inside in targets
         if inside and not starts_late(name)
     ]
@@ -118,7 +122,7 @@ def test_no_circles():
     """A module is loaded after the packages it is in, so importing it imports these too."""
     edges = {
         name: {whole for target, _ in targets for whole in above(target) if not f"{name}.".startswith(f"{whole}.")}
-        for name, targets in GRAPH.items()
+        for name, targets in graph().items()
     }
 
     def below(start: str) -> set[str]:
@@ -135,13 +139,13 @@ def test_no_circles():
 @pytest.mark.parametrize("package", ["bicycle", "validation"])
 def test_packages_beside_use_public_names_only(package):
     allowed = {"mbsd3d", "mbsd3d.extend", *(f"mbsd3d.{module}" for module in PUBLIC_MODULES)}
-    wrong = [f"{name} -> {target}" for name, targets in GRAPH.items() for target, _ in targets
+    wrong = [f"{name} -> {target}" for name, targets in graph().items() for target, _ in targets
              if name.startswith(package) and target.startswith("mbsd3d") and target not in allowed]  # fmt: skip
     assert not wrong
 
 
 def test_theory_shares_nothing():
-    assert not [name for name, targets in GRAPH.items() if name.startswith("validation.theory")
+    assert not [name for name, targets in graph().items() if name.startswith("validation.theory")
                 for target, _ in targets if not target.startswith("validation.theory")]  # fmt: skip
 
 

@@ -182,6 +182,7 @@ def test_growth_and_range_are_those_of_the_present_bicycle():
     assert seen.seen.good["speed"][-1] == pytest.approx([at.speed for at in limits], abs=1e-6)
 
 
+@pytest.mark.slow
 def test_growth_is_shown_of_tyres_that_are_damped_at_rest():
     """Their equations are not affine in the speed: found at some speeds, and looked up between."""
     made = ridden(speed=5.0, tyres=TYRES | {"standing_damping": 0.5})

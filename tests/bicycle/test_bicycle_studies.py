@@ -491,6 +491,7 @@ def test_ablations_with_round_tyres_come_from_the_general_model():
         why.ablations(ROUND, None)
 
 
+@pytest.mark.slow
 def test_ablations_on_tyres(tmp_path):
     """Ranges that an independent program has, growths of an eigenvalue solver, and ideal wheels beside them."""
     found = why.ablations(BENCHMARK, tyres=TYPICAL, progress=False)

@@ -261,6 +261,7 @@ def build(plain=build):
 """
 
 
+@pytest.mark.slow
 def test_ctrl_c_keeps_what_was_computed(folder):
     """A second after `simulate` was called; the run would take minutes."""
     file = model(folder, INTERRUPTED.format(pendulum=PENDULUM))

@@ -15,13 +15,22 @@ from mbsd3d.demos.discovery import walk
 from mbsd3d.demos.form import Ablation, Curve, Demo, Measured, Quantity
 from mbsd3d.demos.report import write
 
+LONG = {
+    "euler_disc_end",
+    "explorer_flat_spin",
+    "rattleback",
+    "roll_bars",
+    "spinning_egg",
+    "tippe_top",
+}  # runs of seconds
 PLACES = np.linspace(0.3, 1.0, 3)  # of a motion; of the first a picture is taken, as the end may be the start
 
 
 def demos_of(package: ModuleType) -> pytest.MarkDecorator:
     """Every demo of a folder."""
-    found = [demo for demo in walk(package) if isinstance(demo, Demo)]
-    return pytest.mark.parametrize("demo", found, ids=[demo.name for demo in found])
+    found = (demo for demo in walk(package) if isinstance(demo, Demo))
+    marked = [pytest.param(demo, id=demo.name, marks=pytest.mark.slow if demo.name in LONG else ()) for demo in found]
+    return pytest.mark.parametrize("demo", marked)
 
 
 @cache

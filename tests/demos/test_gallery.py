@@ -60,6 +60,7 @@ def test_players_share_one_viewer(site):
     assert all(path.stat().st_size < 200_000 for path in site.glob(f"{NAME}_*.html"))
 
 
+@pytest.mark.slow
 def test_a_page_is_kept_until_something_changes(site):
     before = (site / f"{NAME}.html").stat().st_mtime_ns
     assert not gallery.page(NAME, site) and (site / f"{NAME}.html").stat().st_mtime_ns == before

@@ -91,6 +91,7 @@ def test_a_strut_that_is_too_soft_for_its_load_is_refused():
         held.spring(body, upright, 100.0, 1500.0, 3000.0, "strut")
 
 
+@pytest.mark.slow
 def test_a_wheel_that_would_leave_the_road_is_named():
     car = mounts.car("compact")
     smooth, rough = (ride_of(car, "half", road, 25.0, linked=True) for road in "AE")
