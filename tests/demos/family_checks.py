@@ -15,14 +15,7 @@ from mbsd3d.demos.discovery import walk
 from mbsd3d.demos.form import Ablation, Curve, Demo, Measured, Quantity
 from mbsd3d.demos.report import write
 
-LONG = {
-    "euler_disc_end",
-    "explorer_flat_spin",
-    "rattleback",
-    "roll_bars",
-    "spinning_egg",
-    "tippe_top",
-}  # runs of seconds
+LONG = {"euler_disc_end", "explorer_flat_spin", "rattleback", "roll_bars", "spinning_egg", "tippe_top"}  # take seconds
 PLACES = np.linspace(0.3, 1.0, 3)  # of a motion; of the first a picture is taken, as the end may be the start
 
 
