@@ -214,13 +214,14 @@ def scales_of(solution: RunSamples) -> Scales:
     reach = float(np.abs(arrays["q"][..., :3]).max(initial=0.0)) + length
     absolute = float(np.abs(arrays["v"][..., :3]).max(initial=0.0)) + length * spin
     momentum = mass * max(absolute, 1e-3 * np.sqrt(a * length))
+    speed = max(speed, np.sqrt(1e-3 * a * length))
     return Scales(
         acceleration=a,
         force=mass * a,
         moment=mass * a * length,
         momentum=momentum,
         angular_momentum=momentum * reach,
-        energy=mass * max(speed**2, 1e-3 * a * length),
+        energy=mass * speed * max(speed, absolute),  # of a speed v that errs by dv: m v dv
     )
 
 

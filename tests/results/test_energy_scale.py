@@ -1,0 +1,42 @@
+"""What the energy audit divides by: a velocity v that errs by dv makes m v dv, seen from wherever one looks."""
+
+import numpy as np
+import pytest
+
+from mbsd3d import DOP853, GROUND, Body, Contact, GeneralizedAlpha, RadauIIA, SpringDamper, System, shapes, simulate
+
+METHODS = [DOP853(), RadauIIA(), GeneralizedAlpha()]
+
+
+def pair(speed):
+    """Two bodies on a spring, seen by somebody who flies past them."""
+    past = speed * np.array([0.6, -0.64, 0.48])
+    one = Body("one", 2.0, (0.1, 0.2, 0.25), com=(0.1, 0.0, 0.05), velocity=past + [0.1, 0.2, 0.0], omega=(1, 2, 0.3))
+    two = Body("two", 1.0, (0.1, 0.12, 0.15), com=(0.0, 0.1, 0.05), position=(1.0, 0.2, 0.1),
+               velocity=past + [0.0, -0.2, 0.1], omega=(0.0, -1.0, 0.5))  # fmt: skip
+    spring = SpringDamper(one, two, at_a=(0.2, 0.1, 0), at_b=(0.8, 0.1, 0.2), stiffness=50.0, damping=0.3, length=0.5)
+    return System([one, two], forces=[spring], gravity=(0, 0, 0))
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: type(method).__name__)
+def test_the_verdict_is_the_same_from_a_train(method):
+    runs = [simulate(pair(speed), 3.0, method=method, rtol=1e-6, output=31) for speed in (0.0, 1e2, 1e4)]
+    still, slow, fast = (run.certificate["energy balance"].error for run in runs)
+    assert all(run.certificate.passed for run in runs)
+    assert fast < 2.0 * slow and fast < 3.0 * still  # the speed is a hundred times that
+
+
+@pytest.mark.parametrize("method", METHODS[1:], ids=lambda method: type(method).__name__)
+def test_a_body_that_falls_without_turning_has_the_energy_of_its_fall(method):
+    """One body has no speed relative to the mean of all; what it does to the road is judged by what it brings along."""
+    rng = np.random.default_rng(3)
+    for _ in range(5):
+        h, damping, m, r = rng.uniform((0.05, 100.0, 10.0, 0.2), (0.3, 800.0, 30.0, 0.4))
+        wheel = Body("wheel", m, (0.3 * m * r**2, 0.6 * m * r**2, 0.31 * m * r**2), position=(0.3, -0.2, r + h),
+                     velocity=(0, 0, 0), omega=(0, 0, 0))  # fmt: skip
+        road = Contact(GROUND, wheel, shapes.Torus(0.9 * r, 0.1 * r, "y"), stiffness=1.5e5, damping=damping)
+        system = System([wheel], forces=[road], gravity=(0, 0, -9.81))
+        run, exact = (simulate(system, 1.2, method=how, rtol=tight, output=31) for how, tight in (
+            (method, 1e-6), (DOP853(), 1e-10)))  # fmt: skip
+        assert np.abs(run.position("wheel") - exact.position("wheel")).max() < 1e-3 * h  # it is right, and passes
+        assert run.certificate.passed, f"{h:.4f} m, {damping:.1f} N s/m\n{run.certificate}"
