@@ -51,16 +51,27 @@ def write_atomically(path: Path, content: bytes, *, replace: bool = True) -> Pat
     return path
 
 
+_PIECES: set[Path] = set()  # files that this process has begun
+
+
+def drop_pieces() -> None:
+    """Remove files that are not whole: for a process that ends without taking its calls back."""
+    for piece in tuple(_PIECES):
+        piece.unlink(missing_ok=True)
+
+
 @contextmanager
 def in_its_place(path: Path) -> Iterator[Path]:
     """A name to write a file under: it takes the place of ``path`` once it is whole, and goes if that fails."""
     part = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}.part")
+    _PIECES.add(part)
     try:
         try:
             yield part
             os.replace(part, path)
         finally:
             part.unlink(missing_ok=True)
+            _PIECES.discard(part)
     except OSError as error:
         raise InputError(
             f"'{path}' cannot be written: {error.strerror}; give a file in a folder that exists, is yours and has space"

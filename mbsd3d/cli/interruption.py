@@ -10,6 +10,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from types import FrameType
 
+from ..base.paths import drop_pieces
+
 INTERRUPTED = 130  # what a shell gives a program that Ctrl-C ended
 SAID = "mbsd3d: interrupted"
 PATIENCE = 0.15  # s until Python has had its turn wherever it can have one: chunks of the time loop take 0.05 s
@@ -60,6 +62,7 @@ def listen(reader: int, answered: threading.Event) -> None:
 def end_now() -> None:
     """End the process in order, but without waiting for threads nor taking modules apart."""
     atexit._run_exitfuncs()
+    drop_pieces()
     for stream in (sys.stdout, sys.stderr):
         with suppress(OSError, ValueError):
             stream.flush()

@@ -21,6 +21,7 @@ from typing import Any
 from ..base.checks import shown
 from ..base.concurrency import Turns, taking_turns
 from ..base.errors import InputError, SweepError
+from ..base.paths import drop_pieces
 from .experiment import Outcome
 
 DIED = (
@@ -28,6 +29,7 @@ DIED = (
     "run the cell alone to see why"
 )
 KILLED = "KilledWorker"  # of distributed, by its name: it may not be installed
+PATIENCE = 1.0  # s for a worker to end by itself
 WINDOW = 1000  # cells in flight on an executor of the user's, whose workers are not known
 NO_START = "put the call of sweep under if __name__ == '__main__':, since new processes import the script"
 
@@ -93,7 +95,10 @@ def closing(pool: Executor, abandon: Callable[[], None] | None = None) -> Iterat
         workers = list((getattr(pool, "_processes", None) or {}).values())  # public from Python 3.14 on
         pool.shutdown(wait=False, cancel_futures=True)
         for worker in workers:
-            worker.kill()
+            worker.terminate()
+        for worker in workers:
+            if not wait_for_end([worker.sentinel], PATIENCE):
+                worker.kill()
         raise
     pool.shutdown()
 
@@ -144,16 +149,22 @@ def stream(
 
 def begin_worker() -> None:
     """Leave Ctrl-C to the parent, and end with it, however it ends."""
+    reader, writer = os.pipe()
+    if os.name == "posix":  # elsewhere a process that is told to end is not asked
+        os.set_blocking(writer, False)
+        signal.set_wakeup_fd(writer)
+        signal.signal(signal.SIGTERM, lambda *_: None)  # the thread answers: Python has no turn in the compiler
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     gc.freeze()  # what was imported is no garbage: cells allocate much, and would have it looked through each time
-    Thread(target=end_with_parent, daemon=True).start()
+    Thread(target=end_in_time, args=(reader,), daemon=True).start()
 
 
-def end_with_parent() -> None:
-    """Wait for the end of the parent, also by ``kill -9``; kernels hold no lock that would keep this thread waiting."""
+def end_in_time(reader: int) -> None:
+    """End when told to, or with the parent, also by ``kill -9``: at once, and leave no file that is not whole."""
     parent = multiprocessing.parent_process()
     if parent is not None:
-        wait_for_end([parent.sentinel])
+        wait_for_end([parent.sentinel, *([reader] if os.name == "posix" else ())])
+        drop_pieces()
         os._exit(1)
 
 

@@ -1,4 +1,4 @@
-"""Sweeps killed at 60 moments: no process stays, nothing finished is computed again, and the result is the same."""
+"""Sweeps killed at 30 moments: no process stays, nothing finished is computed again, and the result is the same."""
 
 import os
 import signal

@@ -20,6 +20,7 @@ from sweep_models import (
     counted,
     deadly,
     deadly_once,
+    half_written,
     history,
     known,
     speed,
@@ -35,6 +36,16 @@ from mbsd3d.sweeps.ledger import Ledger, LedgerError
 from mbsd3d.sweeps.sweep import sweep
 
 ROOT = Path(__file__).parents[2]
+
+
+@pytest.mark.slow
+def test_a_worker_that_is_ended_leaves_no_piece_of_a_file(tmp_path):
+    with pytest.raises(KeyboardInterrupt), workers.closing(workers.process_pool(1)) as pool:
+        pool.submit(half_written, tmp_path)
+        while not (tmp_path / "begun").exists():
+            time.sleep(0.01)
+        raise KeyboardInterrupt
+    assert [path.name for path in tmp_path.iterdir()] == ["begun"]
 
 
 @pytest.mark.slow
