@@ -2,8 +2,6 @@
 
 import os
 import signal
-import time
-import types
 
 import pytest
 from browser import launch
@@ -42,15 +40,6 @@ def pytest_xdist_auto_num_workers():
     """`-n auto`: the cores this process may use, at most 8; xdist would count the machine's, without their threads."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     return min(cores, 8)
-
-
-@pytest.fixture
-def own_clock(monkeypatch):
-    """Budgets of `cross_check` count the seconds of this processor: what else the machine does changes no verdict."""
-    from validation.crosscheck import formulation, ladder
-
-    for module in (formulation, ladder):
-        monkeypatch.setattr(module, "time", types.SimpleNamespace(perf_counter=time.process_time))
 
 
 # Of a module and not of the session: while playwright runs, its event loop occupies this thread, and other

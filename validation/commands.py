@@ -29,7 +29,7 @@ BUDGETS = {True: 0.2, False: 2.0}  # s of an engine for a case: of the short lis
     help="MODEL: compare with this one only; may be given more than once.  [default: all]",
 )  # fmt: skip
 @click.option("--tolerance", type=float, help="MODEL: relative difference that counts as agreement.  [default: 1e-6]")
-@click.option("--budget", type=float, help="MODEL: seconds for the runs of an engine.  [default: 10]")
+@click.option("--budget", type=float, help="MODEL: processor seconds for the runs of an engine.  [default: 10]")
 @click.option("--json", "json_file", type=click.Path(), metavar="FILE", help="MODEL: write the findings there.")
 @click.option("--html", "html_file", type=click.Path(), metavar="FILE", help="MODEL: write a page there (offline).")
 @click.option(

@@ -28,8 +28,6 @@ from validation.crosscheck.result import AGREES, DIFFERS, EXPLAINED, SKIPPED, Co
 from validation.tax import pairs as twins
 from validation.twins.base import EngineFailed, EngineMissing
 
-pytestmark = pytest.mark.usefixtures("own_clock")
-
 LOOP = twins.four_bar()
 
 
@@ -319,7 +317,7 @@ def test_definitions_look_at_as_many_states_as_the_budget_allows(monkeypatch, se
         return at_state(solution, k, size)
 
     monkeypatch.setattr(formulation, "at_state", slow)
-    monkeypatch.setattr(formulation, "time", types.SimpleNamespace(perf_counter=lambda: now[0]))
+    monkeypatch.setattr(formulation, "time", types.SimpleNamespace(thread_time=lambda: now[0]))
     check = cross_check(arm(), 0.2, engines=["definitions"], budget=10.0)
     findings, text = check.of("definitions").findings, f"at {looks} of 9 states: 10 s are up"
     assert len(seen) == looks and seen[:2] == [0, 8] and findings[0].until == 0.2

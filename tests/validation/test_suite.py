@@ -34,8 +34,6 @@ from validation.suite.suite import examined, lost
 from validation.suite.trials import bicycles, engines, families, references, tyres, vehicles
 from validation.suite.trials.trial import examine, run
 
-pytestmark = pytest.mark.usefixtures("own_clock")
-
 
 def test_the_list_holds_everything():
     everything, short = listing.trials(), listing.trials(quick=True)

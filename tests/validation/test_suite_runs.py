@@ -36,8 +36,6 @@ from validation.suite.suite import Suite, examined, store
 from validation.suite.trials import references
 from validation.suite.trials.trial import Trial
 
-pytestmark = pytest.mark.usefixtures("own_clock")
-
 FAST = ("coriolis_slider", "eig_hanging_pendulum")
 """Cases of a few tenths of a second, engines included; one with a motion and one without."""
 

@@ -72,8 +72,8 @@ def cross_check(
         for an eighth of the time, it is taken ten times larger, 1e-3 at most, and the findings and the last line say
         so. Our own motion has to be known to the tolerance that was asked for.
     budget : float
-        Seconds that an engine's runs may take before no finer step is tried, and the definitions before no further
-        state is looked at.
+        Seconds of processor time that an engine's runs may take before no finer step is tried, and the definitions
+        before no further state is looked at: what else the machine does changes no verdict.
     progress : bool or None
         Show a progress bar; None = on a terminal, after two seconds.
 

@@ -117,9 +117,9 @@ def climb(
 
     EngineFailed if not enough runs end well.
     """
-    ladder, began, steps, known = Ladder(twin), time.perf_counter(), first, []
+    ladder, began, steps, known = Ladder(twin), time.thread_time(), first, []
     while not ladder.stopped:
-        start = time.perf_counter()
+        start = time.thread_time()
         try:
             ladder.runs.append(finite(twin.run(t_end, steps, INTERVALS), twin.engine))
             ladder.steps.append(steps)
@@ -127,7 +127,7 @@ def climb(
             ladder.failed.append(f"{steps} steps: {error}")
         if len(ladder.runs) >= FEWEST:
             known.append(known_to(ladder, system, size))
-        spent, last = time.perf_counter() - began, time.perf_counter() - start
+        spent, last = time.thread_time() - began, time.thread_time() - start
         report(min(spent / budget, 1.0))
         steps *= 2
         ladder.stopped = why_stop(ladder, known, target, spent, last, budget, steps)
