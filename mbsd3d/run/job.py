@@ -41,6 +41,7 @@ from .sunk import check_sunk
 
 CHUNK = 0.05  # seconds of kernel time between visits to Python: progress, Ctrl-C
 CAPACITY = 1024  # samples between visits to Python where every step is one
+LEAST = 1e-14  # of the time, the shortest step: 50 units of its last place, for jumps of forces at rtol 1e-12
 
 FAILURES = {
     memory.STEP_TOO_SMALL: (
@@ -89,7 +90,7 @@ class Job:
         task, now = run.task, run.now
         task.t_start, task.t_end, task.rtol, task.tolerance = t, t_end, rtol, max(self.tolerance, 1e-9)
         task.steps = 0 if method.dt is None else max(int(np.ceil((t_end - t) / method.dt - 1e-9)), 1)
-        task.min_step, task.max_step = 1e-13 * max(abs(t_end), t_end - t), method.max_step
+        task.min_step, task.max_step = LEAST * max(abs(t_end), t_end - t), method.max_step
         task.every_step, task.condition = times is None, -1
         if self.stop_when is not None:
             task.condition, task.stop, task.direction = 0, self.stop_when.value, self.stop_when.direction

@@ -22,7 +22,7 @@ from ..mechanism.signals.input import Input
 from ..mechanism.state import State
 from ..results.run_result import RunResult
 from ..results.run_samples import unit_quaternions
-from .job import Job
+from .job import LEAST, Job
 from .simulation import check_kinds, check_signals
 
 SILENT = Progress("", 0.0, 1.0, False)
@@ -97,7 +97,7 @@ class Slices(Job):
             raise InputError(f"Stepper: t = {t:.9g} s does not lie after {begin:.9g} s; give a later time")
         if t > self.last_signal:
             check_signals(self.compiled, begin, t)
-        task["t_end"], task["min_step"] = t, 1e-13 * max(abs(t), t - begin)
+        task["t_end"], task["min_step"] = t, LEAST * max(abs(t), t - begin)
         if self.method.dt is not None:
             steps, done = max(int(np.ceil((t - begin) / self.method.dt - 1e-9)), 1), int(now["steps"])
             task["steps"], task["t_start"] = done + steps, begin - done * (t - begin) / steps
