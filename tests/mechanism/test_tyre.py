@@ -66,6 +66,23 @@ def test_steady_slip_is_the_brush_model(angle, drive):
     assert seen.slip_ratio[-1] == pytest.approx(drive - 1.0, abs=1e-12)
 
 
+def test_rolling_back_is_rolling_ahead_in_a_mirror():
+    """Across the way: forces to the side stay, those along it and moments about the normal turn round."""
+    seen = []
+    for speed in (3.0, -3.0):
+        tyre = rig(0.05, 1.0, speed, **BRUSH, camber=1.1, twisting=0.01)[1]
+        lean = np.array([0.0, np.cos(0.3), np.sin(0.3)])
+        wheel = Body("wheel", 8.0, (0.3, 0.4, 0.5), position=(0, 0, 0.3), velocity=(speed, 0.2, 0.0),
+                     omega=1.02 * speed / 0.3 * lean)  # fmt: skip
+        on = replace(tyre, b=wheel, axis=lean, centre=None)
+        y = accelerations(System([wheel], forces=[on]))
+        seen.append(accelerations(y.system, replace(y.final, z=np.array([-0.01 * np.sign(speed), -0.02]))).force(on))
+    ahead, back = seen
+    assert ahead.aligning[0] > 0.1 and ahead.lateral[0] == pytest.approx(back.lateral[0], rel=1e-12)
+    for name in ("longitudinal", "aligning"):
+        assert getattr(back, name)[0] == pytest.approx(-getattr(ahead, name)[0], rel=1e-12)
+
+
 def test_on_a_belt_that_runs_back_it_is_as_on_the_road():
     """The same motion, seen from the carriage."""
     system, tyre = rig(0.12, 0.97, 6.0, **BRUSH)

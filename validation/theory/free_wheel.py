@@ -125,7 +125,7 @@ def tread(
     held = np.divide(share[1], bent[1], out=np.ones(()), where=bent[1] != 0.0)  # of the linear force, by friction
     by_camber = -soft * w.camber * N * lean * (float(held) if w.camber_lag else 0.0)
     F = N * share
-    twist = w.twisting * N * lean - trail * (F[1] - by_camber)
+    twist = np.tanh(v @ ahead / 0.01) * (w.twisting * N * lean - trail * (F[1] - by_camber))
     F = F - np.array([0.0, 0.0 if w.camber_lag else soft * w.camber * N * lean])
     r = np.linalg.norm(P)
     force = N * UP + F[0] * ahead + F[1] * left

@@ -21,8 +21,8 @@ from ..force_element import ForceElement, ForceRecord, check_pair
 from ..rounded import Rounded, circle
 from ..signals import Signal, as_signal
 
-CREEP = 0.05
-"""Speed of the tread [m/s] at which rolling resistance has 76 % of its size."""
+CREEP, TURNING = 0.05, 0.01
+"""Speeds [m/s] of the tread and of the hub at which rolling resistance and moment about the normal reach 76 %."""
 FAST = 20.0
 """Where tanh is 1 to rounding."""
 LEAST = 0.1
@@ -117,7 +117,7 @@ def tyre(m, d, p, out, t):
         force, trail = brush(q)
     F_x, F_y = N * force * pull_x, N * (force * pull_y - instant * C_g * lean)
     by_slip = N * force * (pull_y + (1.0 - instant) * C_g * lean)
-    M_z = N * m.number[p.number + 6] * lean - x[9] * trail * by_slip
+    M_z = rolling(speed / TURNING) * (N * m.number[p.number + 6] * lean - x[9] * trail * by_slip)
     reach = sub(s, hub)
     radius = np.sqrt(dot(reach, reach))
     M_y = -x[10] * N * radius * rolling(dot(w, axle) * radius / CREEP)
@@ -153,8 +153,9 @@ class Tyre(ForceElement):
         F = mu N (1 - (1 - s/3)^3) C z/|C z|,     s = q/(1 - q/3), 3 from q = 1.5 on
 
     so in steady running s is the theoretical slip, and F never leaves the circle mu N. Moments about P: about the
-    normal m_g N sin(lean) - t (1 - s/3)^3/(1 - s/3 + s^2/27) F_s, with the part F_s of F_y that is not by camber; about
-    the left the rolling resistance -f N r tanh(r spin/(0.05 m/s)). Energy k d^2/2; the rest of the power is counted.
+    normal tanh(V/(0.01 m/s)) (m_g N sin(lean) - t (1 - s/3)^3/(1 - s/3 + s^2/27) F_s), with the part F_s of F_y that is
+    not by camber: what acts behind P acts before it where it rolls back. About the left the rolling resistance
+    -f N r tanh(r spin/(0.05 m/s)). Energy k d^2/2; the rest of the power is counted.
 
     Parameters
     ----------
