@@ -8,7 +8,7 @@ import numpy as np
 
 from mbsd3d import IntegrationError
 from mbsd3d.errors import InputError
-from mbsd3d.extend import INTERRUPTED, can_view, keep, ready_folder
+from mbsd3d.extend import INTERRUPTED, can_view, keep, number, ready_folder
 
 from ..model.tyres import TYPICAL, both
 from ..parameters import fittings as own_fittings
@@ -123,6 +123,8 @@ def circles(
     from ..rides.ride import view
     from ..turns import circles as study
 
+    for speed in speeds:
+        number(speed, "circles: --speed", positive=True)
     if "head_stiffness" in fittings:
         raise InputError("circles: turns are sought with a rigid head tube; leave out --head")
     if fittings:

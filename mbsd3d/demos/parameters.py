@@ -122,7 +122,8 @@ def refusing(demo: str, defaults: Mapping[str, object], values: Mapping[str, obj
     except (ArithmeticError, ValueError) as error:
         changed = {name: value for name, value in values.items() if value != defaults[name]}
         text, own = str(error), f"demo '{demo}': "
-        if not changed or (isinstance(error, InputError) and any(f"{name} = " in text for name in changed)):
+        named = text.startswith(f"demo '{demo}'") and any(f"{name} = " in text for name in changed)
+        if not changed or (isinstance(error, InputError) and named):
             raise
         given = f"demo '{demo}' with " + ", ".join(f"{name} = {shown(value)}" for name, value in changed.items())
         if isinstance(error, InputError):
