@@ -163,9 +163,10 @@ def circles_on_tyres(parameters: "Parameters", speeds: tuple[float, ...], tyres:
         for speed in speeds:
             found.append(turns(parameters, tyres, speed, leans))
             last = found[-1][-1]
+            used = f"{100.0 * last.saturation:.0f} % of the grip" if last.saturation else "no limit of grip"
             click.echo(
-                f"{speed:g} m/s: up to a lean of {np.degrees(last.lean):.1f}°, radius {last.radius:.4g} m, with "
-                f"{100.0 * last.saturation:.0f} % of the grip and {last.steer_torque:.3g} N m of steer torque"
+                f"{speed:g} m/s: up to a lean of {np.degrees(last.lean):.1f}°, radius {last.radius:.4g} m, with {used} "
+                f"and {last.steer_torque:.3g} N m of steer torque"
             )
         study.held_if_possible(parameters, speeds, ideal, lambda text: None)
     except KeyboardInterrupt:

@@ -254,6 +254,14 @@ def test_turns_end_at_the_limit_of_grip(tmp_path):
     assert done.exit_code == 0 and "5 m/s: up to a lean of 16." in done.output
 
 
+def test_turns_of_linear_tyres_say_that_grip_has_no_limit(tmp_path, monkeypatch):
+    one = turns_on_tyres.turn(P, BRUSH | {"mu": None}, speed=5.0, lean=0.1)
+    monkeypatch.setattr(turns_on_tyres, "turns", lambda *_: [one])
+    asked = ["bicycle", "circles", "Sharp1971", "--speed", "5", "--out", str(tmp_path)]
+    done = CliRunner().invoke(main, asked, catch_exceptions=False)
+    assert done.exit_code == 0 and "with no limit of grip and" in done.output
+
+
 @pytest.mark.parametrize(
     ("name", "given", "wanted"),
     [

@@ -15,6 +15,7 @@ from mbsd3d import (
     Revolute,
     SpeedDriver,
     System,
+    Table,
     Tyre,
     accelerations,
     linearize,
@@ -64,6 +65,17 @@ def test_steady_slip_is_the_brush_model(angle, drive):
     assert found == pytest.approx(forces, abs=1e-8 * N)
     assert seen.slip_angle[-1] == pytest.approx(angle, abs=1e-12)
     assert seen.slip_ratio[-1] == pytest.approx(drive - 1.0, abs=1e-12)
+
+
+def test_a_grip_that_falls_below_zero_is_that_of_ice():
+    """A spline through 0.9, 0.9, 0.02, 0.02 swings below zero on its way: the forces stay within a hundredth."""
+    grip = Table([0.0, 0.1, 0.15, 0.3, 0.5], [0.9, 0.9, 0.02, 0.02, 0.02])
+    times = np.linspace(0.0, 0.5, 101)
+    system, _ = rig(0.1, 1.05, 6.0, **{**BRUSH, "mu": grip})
+    seen = simulate(system, 0.5, output=times).force("tyre")
+    used, most = np.hypot(seen.longitudinal, seen.lateral) / seen.normal, np.maximum(grip(times), 0.01)
+    assert grip(times).min() < -0.01 and (used <= most * (1.0 + 1e-12)).all()
+    assert used[-1] == pytest.approx(0.02, rel=1e-9)
 
 
 def test_rolling_back_is_rolling_ahead_in_a_mirror():

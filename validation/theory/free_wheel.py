@@ -113,7 +113,7 @@ def tread(
     sunk = w.crown - (hub[2] + T[2])
     N = max(w.stiffness * sunk - w.damping * rim[2], 0.0) if sunk > 0.0 else 0.0
     if mu is not None:
-        mu *= max(1.0 - w.grip_sensitivity * (N / w.nominal_load - 1.0), 0.1)
+        mu = max(mu, 0.01) * max(1.0 - w.grip_sensitivity * (N / w.nominal_load - 1.0), 0.1)
     soft = max(1.0 - w.stiffness_sensitivity * (N / w.nominal_load - 1.0), 0.1)
     C, lean = soft * np.array([w.longitudinal, w.cornering]), axle[2]
     V, s = abs(v @ ahead), np.array([slip @ ahead, slip @ left])
