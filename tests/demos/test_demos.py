@@ -274,7 +274,8 @@ def test_the_satellite_is_watched_until_it_is_calm_however_long_the_run_that_is_
     ("name", "changes"),
     [
         ("rattleback", {"c": 0.06}), ("gyrocompass", {"psi0_deg": -60.0}), ("slide_to_roll", {"mu": 0.9}),
-        ("jet_pitch_yaw", {"t": 60.0}), ("parking", {"steer_deg": 0.03}), ("parking", {"way": 0.01}),
+        ("jet_pitch_yaw", {"t": 60.0}), ("step_steer", {"v": 87.0}),
+        ("parking", {"steer_deg": 0.03}), ("parking", {"way": 0.01}),
     ],
 )  # fmt: skip
 def test_demos_far_from_their_own_parameters_meet_their_theory(name, changes):
