@@ -8,7 +8,7 @@ import numpy as np
 
 from mbsd3d import IntegrationError
 from mbsd3d.errors import InputError
-from mbsd3d.extend import INTERRUPTED, can_view, keep, ready_folder
+from mbsd3d.extend import INTERRUPTED, can_view, keep, number, ready_folder
 
 from ..model.tyres import TYPICAL, both
 from ..parameters import fittings as own_fittings
@@ -123,6 +123,8 @@ def circles(
     from ..rides.ride import view
     from ..turns import circles as study
 
+    for speed in speeds:
+        number(speed, "circles: --speed", positive=True)
     if "head_stiffness" in fittings:
         raise InputError("circles: turns are sought with a rigid head tube; leave out --head")
     if fittings:
@@ -161,9 +163,10 @@ def circles_on_tyres(parameters: "Parameters", speeds: tuple[float, ...], tyres:
         for speed in speeds:
             found.append(turns(parameters, tyres, speed, leans))
             last = found[-1][-1]
+            used = f"{100.0 * last.saturation:.0f} % of the grip" if last.saturation else "no limit of grip"
             click.echo(
-                f"{speed:g} m/s: up to a lean of {np.degrees(last.lean):.1f}°, radius {last.radius:.4g} m, with "
-                f"{100.0 * last.saturation:.0f} % of the grip and {last.steer_torque:.3g} N m of steer torque"
+                f"{speed:g} m/s: up to a lean of {np.degrees(last.lean):.1f}°, radius {last.radius:.4g} m, with {used} "
+                f"and {last.steer_torque:.3g} N m of steer torque"
             )
         study.held_if_possible(parameters, speeds, ideal, lambda text: None)
     except KeyboardInterrupt:

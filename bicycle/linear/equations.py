@@ -83,21 +83,20 @@ def canonical(p: Parameters) -> Canonical:
     ITxx = p.IRxx + p.IBxx + p.IHxx + p.IFxx + p.mR * p.rR**2 + p.mB * p.zB**2 + p.mH * p.zH**2 + p.mF * p.rF**2
     ITxz = p.IBxz + p.IHxz - p.mB * p.xB * p.zB - p.mH * p.xH * p.zH + p.mF * p.w * p.rF
     ITzz = p.IRxx + p.IBzz + p.IHzz + p.IFxx + p.mB * p.xB**2 + p.mH * p.xH**2 + p.mF * p.w**2
-    # the front assembly (A) about its centre of mass
-    mA = p.mH + p.mF
-    xA, zA = (p.xH * p.mH + p.w * p.mF) / mA, (p.zH * p.mH - p.rF * p.mF) / mA
-    IAxx = p.IHxx + p.IFxx + p.mH * (p.zH - zA) ** 2 + p.mF * (p.rF + zA) ** 2
-    IAxz = p.IHxz - p.mH * (p.xH - xA) * (p.zH - zA) + p.mF * (p.w - xA) * (p.rF + zA)
-    IAzz = p.IHzz + p.IFxx + p.mH * (p.xH - xA) ** 2 + p.mF * (p.w - xA) ** 2
-    # about the steer axis, from which it lies uA ahead
+    # the front assembly (A) about the steer axis, from which its two centres of mass lie u ahead
     sin, cos = np.sin(p.lam), np.cos(p.lam)
-    uA = (xA - p.w - p.c) * cos - zA * sin
-    IAll = mA * uA**2 + IAxx * sin**2 + 2.0 * IAxz * sin * cos + IAzz * cos**2
-    IAlx = -mA * uA * zA + IAxx * sin + IAxz * cos
-    IAlz = mA * uA * xA + IAxz * sin + IAzz * cos
+    mAuA = IAll = IAlx = IAlz = 0.0
+    for m, x, z, Ixx, Ixz, Izz in (
+        (p.mH, p.xH, p.zH, p.IHxx, p.IHxz, p.IHzz), (p.mF, p.w, -p.rF, p.IFxx, 0.0, p.IFxx)
+    ):  # fmt: skip
+        u = (x - p.w - p.c) * cos - z * sin
+        mAuA = mAuA + m * u
+        IAll = IAll + m * u**2 + Ixx * sin**2 + 2.0 * Ixz * sin * cos + Izz * cos**2
+        IAlx = IAlx - m * u * z + Ixx * sin + Ixz * cos
+        IAlz = IAlz + m * u * x + Ixz * sin + Izz * cos
     mu = p.c * cos / p.w  # ratio of trails
     SR, SF = p.IRyy / p.rR, p.IFyy / p.rF  # spin momentum over speed
-    ST, SA = SR + SF, mA * uA + mu * mx
+    ST, SA = SR + SF, mAuA + mu * mx
     M = [[ITxx, IAlx + mu * ITxz], [IAlx + mu * ITxz, IAll + 2.0 * mu * IAlz + mu**2 * ITzz]]
     K0 = [[mz, -SA], [-SA, -SA * sin]]
     K2 = [[0.0, (ST - mz) / p.w * cos], [0.0, (SA + SF * sin) / p.w * cos]]

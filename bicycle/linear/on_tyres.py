@@ -87,11 +87,19 @@ def study(parameters: Parameters, speeds: ArrayLike, build: Build) -> TyreStabil
     speeds = np.unique(np.asarray(speeds, float))
     if speeds.size < 2:
         raise InputError("stability on tyres: give at least two different speeds, between which limits are sought")
-    linear = equations(build, parameters, speeds[-1]) if speeds[0] > 0.0 else SpeedBySpeed(build, parameters)
-    values, names = followed([np.linalg.eig(linear.A(v)) for v in speeds.tolist()])
-    limits = linear.limits(speeds)
+    direct = SpeedBySpeed(build, parameters)
+    linear = equations(build, parameters, speeds[-1]) if speeds[-1] > 0.0 else direct
+
+    def A(speed: float) -> np.ndarray:
+        return (linear if speed > 0.0 else direct).A(speed)
+
+    values, names = followed([np.linalg.eig(A(v)) for v in speeds.tolist()])
+    if speeds[0] > 0.0 or isinstance(linear, SpeedBySpeed):
+        limits = linear.limits(speeds)
+    else:  # the equations of rolling ahead are not those of rolling back
+        limits = *direct.limits(np.append(speeds[speeds < 0.0], 0.0)), *linear.limits(np.array([0.0, speeds[-1]]))
     edges = [speeds[0], *(at.speed for at in limits), speeds[-1]]
-    stable = tuple(stable_parts(linear.A, edges))
+    stable = tuple(stable_parts(A, edges))
     return TyreStability(build, parameters, speeds, values, limits, stable, names)
 
 

@@ -2,8 +2,8 @@
 
 import inspect
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import NamedTuple
@@ -15,7 +15,7 @@ from ..api.system import System
 from ..base.errors import InputError, MbsError
 from .base import Outcome, Row, Show
 from .figure import MOST, Curve, Drawn, Panel, Points, same
-from .parameters import SWITCHES, checked, lacking, listed
+from .parameters import SWITCHES, checked, lacking, listed, refusing
 
 Numbers = Mapping[str, float]
 
@@ -160,20 +160,9 @@ class Demo:
         with self.refusing(values):
             return self.call(self.measure, values, Builder(self, values), terms)
 
-    @contextmanager
-    def refusing(self, values: Mapping[str, object]) -> Iterator[None]:
-        """What does not run, or has no finite numbers, is refused; the changed parameters are named."""
-        try:
-            with np.errstate(divide="raise", over="raise", invalid="raise"):
-                yield
-        except (ArithmeticError, ValueError) as error:
-            changed = ", ".join(name for name, value in values.items() if value != self.parameters[name])
-            if isinstance(error, InputError) or not changed:
-                raise
-            why = error if isinstance(error, MbsError) else "its equations have no finite solution"
-            raise InputError(
-                f"demo '{self.name}' does not run with the given {changed}: {why}; stay nearer to the defaults"
-            ) from error
+    def refusing(self, values: Mapping[str, object]) -> AbstractContextManager[None]:
+        """What does not run, has no finite numbers, or has no theory is refused; the changed parameters are named."""
+        return refusing(self.name, self.parameters, values)
 
     def expected(self, values: Mapping[str, object]) -> Numbers:
         """What theory says; an InputError where it says nothing."""
@@ -209,7 +198,7 @@ class Demo:
         values = checked(self.name, self.parameters, changes, self.vanishing)
         with self.refusing(values):
             self.call(self.mechanism, values)  # a mechanism that there cannot be is refused before theory tries it
-        theory = self.expected(values)
+            theory = self.expected(values)
         found = self.computed(*self.without(without, values))
         rows = tuple(
             Row(quantity.label, found.values[key], theory[key], quantity.tolerance(theory[key]), quantity.unit, key)

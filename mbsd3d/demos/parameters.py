@@ -1,12 +1,13 @@
 """Parameters of a demo as a user gives them: names that exist, values of the kind of the defaults."""
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 
 import numpy as np
 
-from ..base.checks import number
-from ..base.errors import InputError, similar
+from ..base.checks import number, shown
+from ..base.errors import InputError, MbsError, similar
 
 SWITCHES = ("gyroscopic", "centripetal", "gamma")  # terms that runs can leave out
 FEW = 20  # names that are listed beside a guess
@@ -110,3 +111,22 @@ def like_list(default: Sequence, value: object, what: str) -> list:
     if np.abs(found).max() >= FAR * (np.abs(default).max() or 1.0):
         raise InputError(f"{what} = {value!r} is {FAR:g} times {json.dumps(default)} or more; stay nearer to it")
     return found.astype(float).tolist()
+
+
+@contextmanager
+def refusing(demo: str, defaults: Mapping[str, object], values: Mapping[str, object]) -> Iterator[None]:
+    """What is refused, does not run, or has no finite numbers names the parameters that are not the defaults."""
+    try:
+        with np.errstate(divide="raise", over="raise", invalid="raise"):
+            yield
+    except (ArithmeticError, ValueError) as error:
+        changed = {name: value for name, value in values.items() if value != defaults[name]}
+        text, own = str(error), f"demo '{demo}': "
+        named = text.startswith(f"demo '{demo}'") and any(f"{name} = " in text for name in changed)
+        if not changed or (isinstance(error, InputError) and named):
+            raise
+        given = f"demo '{demo}' with " + ", ".join(f"{name} = {shown(value)}" for name, value in changed.items())
+        if isinstance(error, InputError):
+            raise InputError(f"{given}: {text.removeprefix(own)}") from error
+        why = error if isinstance(error, MbsError) else "its equations have no finite solution"
+        raise InputError(f"{given} does not run: {why}; stay nearer to the defaults") from error

@@ -73,7 +73,8 @@ class TyreLoad(Load):
 
     @property
     def slip_ratio(self) -> np.ndarray:
-        """Slip ahead over the speed of the hub, > 0 in driving; infinite or NaN at rest."""
+        """Slip over the speed of the hub, > 0 where the force is ahead (driven, or braked on the way back); infinite or
+        NaN at rest."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return -self.slip_x / self.speed
 

@@ -334,6 +334,11 @@ def test_examples():
     assert result.attempted and not result.failed
 
 
+def test_turns_backwards_are_refused_before_circles_are_sought(tmp_path):
+    answer = CliRunner().invoke(main, ["bicycle", "circles", "--speed", "5", "--speed", "-3", "--out", str(tmp_path)])
+    assert answer.exit_code == 2 and "circles: --speed: -3.0 is not positive; give a number > 0" in answer.stderr
+
+
 @pytest.mark.parametrize("p", [BENCHMARK, TYRES], ids=lambda p: p.name)
 def test_the_height_of_the_front_contact_is_that_of_the_placed_bicycle(p):
     rng = np.random.default_rng(41)

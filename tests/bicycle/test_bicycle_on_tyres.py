@@ -81,6 +81,14 @@ def test_equations_are_affine_in_the_speed_unless_something_fades():
     assert [at.speed for at in limits] == pytest.approx([4.49779, 6.84322], abs=2e-2)  # 1/(1 + (V/V0)^2) = 5e-4
 
 
+def test_ranges_from_rest_or_backwards_are_those_ahead():
+    """Two speeds, both unstable: the range between them is found by the equations of all speeds."""
+    known = stability.study(P, [0.5, 8.0], tyres=BRUSH)
+    for first in (0.0, -2.0):
+        found = stability.study(P, [first, 8.0], tyres=BRUSH)
+        assert len(found.stable) == 1 and found.stable[0] == pytest.approx(known.stable[0], rel=1e-12)
+
+
 def test_pairs_of_eigenvalues_that_sum_to_zero():
     """Also where the range is a millimetre per second wide."""
     A = np.random.default_rng(5).normal(size=(5, 5))
@@ -244,6 +252,14 @@ def test_turns_end_at_the_limit_of_grip(tmp_path):
     out = ["--speed", "5", "--tyre", "mu=0.3", "--out", str(tmp_path)]
     done = CliRunner().invoke(main, ["bicycle", "circles", *out], catch_exceptions=False)
     assert done.exit_code == 0 and "5 m/s: up to a lean of 16." in done.output
+
+
+def test_turns_of_linear_tyres_say_that_grip_has_no_limit(tmp_path, monkeypatch):
+    one = turns_on_tyres.turn(P, BRUSH | {"mu": None}, speed=5.0, lean=0.1)
+    monkeypatch.setattr(turns_on_tyres, "turns", lambda *_: [one])
+    asked = ["bicycle", "circles", "Sharp1971", "--speed", "5", "--out", str(tmp_path)]
+    done = CliRunner().invoke(main, asked, catch_exceptions=False)
+    assert done.exit_code == 0 and "with no limit of grip and" in done.output
 
 
 @pytest.mark.parametrize(

@@ -63,6 +63,13 @@ def test_critical_speeds(build):
     assert "stable    4.292383 ... 6.024262 m/s" in str(found)
 
 
+def test_a_front_end_without_mass_has_the_equations_of_the_general_model():
+    light = dict.fromkeys(("mH", "IHxx", "IHyy", "IHzz", "IHxz", "mF", "IFxx", "IFyy"), 0.0)
+    p, speeds = replace(Meijaard2007(), **light), [0.0, 3.0, 7.0, 16.0]
+    found = general.eigenvalues(whipple, p, speeds)
+    assert found == pytest.approx(canonical(p).eigenvalues(speeds), abs=1e-8 * np.abs(found).max())
+
+
 def test_critical_speeds_do_not_depend_on_the_speeds_shown():
     for speeds in ([0.0, 1e-4], [-0.01, 0.02], [0.0, 300.0]):
         found = stability.study(BENCHMARK, speeds).critical

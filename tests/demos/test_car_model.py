@@ -14,7 +14,7 @@ from mbsd3d.demos.cars.car import WHEELS, Car, Engine, G, car
 from mbsd3d.demos.cars.circle import Balance, circle, circles
 from mbsd3d.demos.cars.linear import SPINNING, STANDING, linear
 from mbsd3d.demos.cars.roll_bars import note
-from mbsd3d.demos.cars.theory import roll_gradient, transfers, trims
+from mbsd3d.demos.cars.theory import limit, roll_gradient, transfers, trims
 from mbsd3d.demos.discovery import own_demos
 
 TRUTHS = json.loads(Path(__file__).with_name("car_truths.json").read_text(encoding="utf-8"))
@@ -104,6 +104,9 @@ def test_the_limit_is_a_top_of_the_curve():
     """Beyond it the steer goes on and the acceleration falls; no step of the way changes it by a thousandth."""
     found = circles(Car(), 20.0)
     assert all(b.acceleration > a.acceleration for a, b in zip(found, found[1:], strict=False))
+    slippery = Car(mu=0.2)
+    known = limit(slippery, 20.0).acceleration  # by trims, which leave out the lean of the wheels
+    assert circles(slippery, 20.0)[-1].acceleration == pytest.approx(known, rel=2e-3)
     assert circles(Car(), 20.0, step=2.0)[-1].acceleration == pytest.approx(found[-1].acceleration, rel=2e-3)
     with pytest.raises(ValueError, match="no circle at 20 m/s and 8.7 m/s\\^2"):
         circle(Car(), 20.0, 8.7, found[-1])

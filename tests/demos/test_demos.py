@@ -225,10 +225,15 @@ def test_broken_demos_are_named_and_not_fatal(plugins):
         ("jet_pitch_yaw", {"M": 1e-9}, "M = 1e-09 is a factor of 1000"),
         ("cv_joint", {"bend_deg": 1e-13}, "bend_deg = 1e-13 is a factor of 1e.12 or more away from 20"),
         ("dual_spin", {"I": [1e9, 1e9, 1e9]}, "I = .* is 1000 times .* or more"),
-        ("gyrocompass", {"spin": 0}, "demo 'gyrocompass' does not run with the given spin: its equations have no"),
-        ("jet_pitch_yaw", {"t": 0}, "which is not after its start; give a later time"),
+        ("gyrocompass", {"spin": 0}, "demo 'gyrocompass' with spin = 0.* does not run: its equations have no"),
+        ("jet_pitch_yaw", {"t": 0}, "'jet_pitch_yaw' with t = 0.0: .* is not after its start; give a later time"),
+        ("gyrocompass", {"A": 0.004}, "demo 'gyrocompass' with A = 0.004: body 'wheel': inertia has the principal"),
+        ("gyrocompass", {"Omega_e": -0.05}, "with Omega_e = -0.05: theory has no time_to_north_s"),
+        ("helicopter_90", {"Omega": -40}, "demo 'helicopter_90' with Omega = -40.0: give Omega > 0 and c > 0: "),
         ("explorer_flat_spin", {"j": 0}, "j = 0: give none below"),
         ("gyrocompass", {"psi0_deg": 180}, "due south it does not know which way to turn"),
+        ("spinning_egg", {"b": 0.08}, "demo 'spinning_egg' with b = 0.08: an egg is longer than it is broad"),
+        ("spinning_egg", {"t": 0.2}, "after t = 0.2 s: give a greater t or mu, and a spin near 160 rad/s"),
         ("tippe_top", {"c": -0.2}, "c = -0.2 N s/m: rubbing takes energy away; give c >= 0"),
         ("bennett", {"a": -0.2}, "a = -0.2; give a length > 0"),
     ],
@@ -269,7 +274,8 @@ def test_the_satellite_is_watched_until_it_is_calm_however_long_the_run_that_is_
     ("name", "changes"),
     [
         pytest.param("rattleback", {"c": 0.06}, marks=pytest.mark.slow), ("gyrocompass", {"psi0_deg": -60.0}),
-        ("slide_to_roll", {"mu": 0.9}), ("parking", {"steer_deg": 0.03}), ("parking", {"way": 0.01}),
+        ("slide_to_roll", {"mu": 0.9}), ("jet_pitch_yaw", {"t": 60.0}), ("step_steer", {"v": 87.0}),
+        ("parking", {"steer_deg": 0.03}), ("parking", {"way": 0.01}),
     ],
 )  # fmt: skip
 def test_demos_far_from_their_own_parameters_meet_their_theory(name, changes):

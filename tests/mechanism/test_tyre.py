@@ -15,6 +15,7 @@ from mbsd3d import (
     Revolute,
     SpeedDriver,
     System,
+    Table,
     Tyre,
     accelerations,
     linearize,
@@ -64,6 +65,34 @@ def test_steady_slip_is_the_brush_model(angle, drive):
     assert found == pytest.approx(forces, abs=1e-8 * N)
     assert seen.slip_angle[-1] == pytest.approx(angle, abs=1e-12)
     assert seen.slip_ratio[-1] == pytest.approx(drive - 1.0, abs=1e-12)
+
+
+def test_a_grip_that_falls_below_zero_is_that_of_ice():
+    """A spline through 0.9, 0.9, 0.02, 0.02 swings below zero on its way: the forces stay within a hundredth."""
+    grip = Table([0.0, 0.1, 0.15, 0.3, 0.5], [0.9, 0.9, 0.02, 0.02, 0.02])
+    times = np.linspace(0.0, 0.5, 101)
+    system, _ = rig(0.1, 1.05, 6.0, **{**BRUSH, "mu": grip})
+    seen = simulate(system, 0.5, output=times).force("tyre")
+    used, most = np.hypot(seen.longitudinal, seen.lateral) / seen.normal, np.maximum(grip(times), 0.01)
+    assert grip(times).min() < -0.01 and (used <= most * (1.0 + 1e-12)).all()
+    assert used[-1] == pytest.approx(0.02, rel=1e-9)
+
+
+def test_rolling_back_is_rolling_ahead_in_a_mirror():
+    """Across the way: forces to the side stay, those along it and moments about the normal turn round."""
+    seen = []
+    for speed in (3.0, -3.0):
+        tyre = rig(0.05, 1.0, speed, **BRUSH, camber=1.1, twisting=0.01)[1]
+        lean = np.array([0.0, np.cos(0.3), np.sin(0.3)])
+        wheel = Body("wheel", 8.0, (0.3, 0.4, 0.5), position=(0, 0, 0.3), velocity=(speed, 0.2, 0.0),
+                     omega=1.02 * speed / 0.3 * lean)  # fmt: skip
+        on = replace(tyre, b=wheel, axis=lean, centre=None)
+        y = accelerations(System([wheel], forces=[on]))
+        seen.append(accelerations(y.system, replace(y.final, z=np.array([-0.01 * np.sign(speed), -0.02]))).force(on))
+    ahead, back = seen
+    assert ahead.aligning[0] > 0.1 and ahead.lateral[0] == pytest.approx(back.lateral[0], rel=1e-12)
+    for name in ("longitudinal", "aligning"):
+        assert getattr(back, name)[0] == pytest.approx(-getattr(ahead, name)[0], rel=1e-12)
 
 
 def test_on_a_belt_that_runs_back_it_is_as_on_the_road():

@@ -9,6 +9,7 @@ feels the phasors of order k (c_n means Re(c_n exp(i n q)))
 
 which is linear in U (forward) or conj U (backward): `balance` finds the unbalances by least squares. A shaft of order 1
 that turns forward about the crank axis is a pair of counterweights, bolted to the crank.
+Weight is left out: under gravity g an unbalance adds a moment of up to U g at the order of its shaft.
 """
 
 from collections.abc import Sequence

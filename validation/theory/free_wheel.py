@@ -113,7 +113,7 @@ def tread(
     sunk = w.crown - (hub[2] + T[2])
     N = max(w.stiffness * sunk - w.damping * rim[2], 0.0) if sunk > 0.0 else 0.0
     if mu is not None:
-        mu *= max(1.0 - w.grip_sensitivity * (N / w.nominal_load - 1.0), 0.1)
+        mu = max(mu, 0.01) * max(1.0 - w.grip_sensitivity * (N / w.nominal_load - 1.0), 0.1)
     soft = max(1.0 - w.stiffness_sensitivity * (N / w.nominal_load - 1.0), 0.1)
     C, lean = soft * np.array([w.longitudinal, w.cornering]), axle[2]
     V, s = abs(v @ ahead), np.array([slip @ ahead, slip @ left])
@@ -125,7 +125,7 @@ def tread(
     held = np.divide(share[1], bent[1], out=np.ones(()), where=bent[1] != 0.0)  # of the linear force, by friction
     by_camber = -soft * w.camber * N * lean * (float(held) if w.camber_lag else 0.0)
     F = N * share
-    twist = w.twisting * N * lean - trail * (F[1] - by_camber)
+    twist = np.tanh(v @ ahead / 0.01) * (w.twisting * N * lean - trail * (F[1] - by_camber))
     F = F - np.array([0.0, 0.0 if w.camber_lag else soft * w.camber * N * lean])
     r = np.linalg.norm(P)
     force = N * UP + F[0] * ahead + F[1] * left

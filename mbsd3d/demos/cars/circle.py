@@ -21,7 +21,8 @@ SIZES = np.array([0.01, 0.001, 0.01, 0.1, 0.01, *[0.01] * 4, *[1.0] * 4, 100.0, 
 acceleration."""
 STEADY = 1e-8  # largest acceleration left over [m/s^2, rad/s^2]; rounding leaves 1e-12
 DIFFERENCE = 1e-7  # of the unknowns in `SIZES`, for derivatives
-FIRST, STEP, LEAST = 2.0, 5.0, 0.7  # m/s^2 of the first circle; from one to the next, in `SIZES` of all unknowns
+FIRST, STEP, LEAST = 2.0, 5.0, 0.7
+"""m/s^2 of the first circle; from one to the next, in `SIZES` of all unknowns, where mu is 1: less with less grip."""
 STRAIGHT = 0.5  # cosine of the angle between two steps, below which the second one has left the curve
 Closing = Callable[[np.ndarray], float]
 
@@ -150,9 +151,9 @@ def circles(c: Car, speed: float, terms: Mapping[str, bool] | None = None, step:
     From circle to circle along the curve of all unknowns, which goes on where the acceleration has its top; when it
     falls, back by two and on with half of the ``step``, until that is short: the limit is met to a part in a thousand.
     """
-    balance = Balance(c, speed, terms or {})
-    found = [circle(c, speed, share * FIRST, terms=terms) for share in (0.5, 1.0)]
-    while step > LEAST:
+    balance, size = Balance(c, speed, terms or {}), min(1.0, c.mu)
+    found, step = [circle(c, speed, share * size * FIRST, terms=terms) for share in (0.5, 1.0)], size * step
+    while step > size * LEAST:
         last, along = found[-1], ahead(found[-2], found[-1])
         there = balance.solve(*beyond(last, along, step))
         if there is None or ahead(last, there) @ along < STRAIGHT:

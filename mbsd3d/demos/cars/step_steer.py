@@ -13,6 +13,7 @@ from .car import SHOW, Car, car
 from .linear import HEADING, ROLL, SPINNING, STANDING, Y, linear
 
 SMALL, TIGHT = 1e-6, 1e-12  # rad of steer: what is of second order has no say; tolerance of the run
+SHARP = 100.0  # m/s^2 per rad of steer; a car that answers more is steered less, so that its tyres slip no more
 EDGE, MOST = 0.15, 0.9  # s in which the steer rises; share of the end at which one says that it is there
 TIMES = np.linspace(0.0, 3.5, 701)
 
@@ -81,10 +82,11 @@ def without_gyroscopic(*, ms, h, a, b, track, damping, relaxation, v):
 
 def measure(build, terms, *, ms, h, a, b, track, damping, relaxation, v, steer) -> Measured:
     """A very small step, and the one asked for."""
-    small = simulate(build(steer=SMALL), TIMES[-1], output=TIMES, rtol=TIGHT, **terms)
-    run = simulate(build(), TIMES[-1], output=TIMES, rtol=1e-6, **terms)
-    found, large = answer_of(small, SMALL), answer_of(run, steer)
     theirs = known(ms, h, a, b, track, damping, relaxation, v, SPINNING)
+    little = SMALL * min(1.0, SHARP / np.abs(theirs.side).max())
+    small = simulate(build(steer=little), TIMES[-1], output=TIMES, rtol=TIGHT, **terms)
+    run = simulate(build(), TIMES[-1], output=TIMES, rtol=1e-6, **terms)
+    found, large = answer_of(small, little), answer_of(run, steer)
     name = f"steer {np.degrees(steer):.3g} deg"
     labels = "yaw rate over steer [1/s]", "side acceleration over steer [m/s^2]", "roll over steer [-]"
     curves = [

@@ -44,6 +44,11 @@ def sideways(x, y):
     return np.degrees(np.unwrap(np.arctan2(y, x)))
 
 
+def within(heading):
+    """The heading between -180 and 180 degrees: a nose that passes straight up has made no turn more or less."""
+    return 180 - (180 - heading) % 360
+
+
 def known_heading(e):
     """Heading [deg] for quaternions (samples, 4) from the axes of the start."""
     e0, e1, e2, e3 = e.T
@@ -54,7 +59,7 @@ def theory(*, I, J, Omega, M, t):
     """Euler's equations of a gyrostat; for small angles r = J W theta / I_z."""
     times = np.linspace(0, t, 41)
     y = euler(times, I=I, J=J, Omega=Omega, M=M)
-    return {"yaw_rate_rad_s": y[-1, 6], "nose_sideways_deg": known_heading(y[:, :4])[-1]}
+    return {"yaw_rate_rad_s": y[-1, 6], "nose_sideways_deg": within(known_heading(y[:, :4])[-1])}
 
 
 def measure(build, terms, *, I, J, Omega, M, t=2.0) -> Measured:
@@ -62,7 +67,7 @@ def measure(build, terms, *, I, J, Omega, M, t=2.0) -> Measured:
     run = simulate(build(), t, rtol=1e-13, output=np.linspace(0, t, 201), **terms)
     heading, y = sideways(*(run.rotation("jet")[:, :, 0] @ DOWN.T).T[:2]), euler(run.t, I=I, J=J, Omega=Omega, M=M)
     curve = Curve("nose to the side [deg]", run.t, heading, (run.t, known_heading(y[:, :4])))
-    values = {"yaw_rate_rad_s": run.omega_body("jet")[-1, 2], "nose_sideways_deg": heading[-1]}
+    values = {"yaw_rate_rad_s": run.omega_body("jet")[-1, 2], "nose_sideways_deg": within(heading[-1])}
     return Measured(values, [run], [curve])
 
 

@@ -62,7 +62,8 @@ def theory(*, m, a, b, mu, creep, tilt_deg, spin, t):
     require(a < LONGEST * b and abs(tilt_deg - 90) < LEANS, "the moments balance from the start on in a stout egg that "
             f"lies: give a below {LONGEST} b and tilt_deg within {LEANS} of 90")  # fmt: skip
     found, (A, _, C) = seen(mu, m=m, a=a, b=b, creep=creep, tilt_deg=tilt_deg, spin=spin, t=t), moments(m, a, b)
-    require(found["axis_height_cos"] > 0.9, f"the egg does not stand after {t} s: give a greater spin, mu or t")
+    require(found["axis_height_cos"] > 0.9, f"the egg does not stand after t = {t} s: give a greater t or mu, and a "
+            "spin near 160 rad/s: a slow egg never stands, a fast one rises slowly")  # fmt: skip
     return {**found, "stands_at_rad_s": A * spin * height(a, b, np.radians(tilt_deg)) / (C * a)}
 
 

@@ -20,51 +20,14 @@ from ..contacts import checked_plane
 from ..force_element import ForceElement, ForceRecord, check_pair
 from ..rounded import Rounded, circle
 from ..signals import Signal, as_signal
+from .tread import at_least, brush, rolling, sensitive
 
-CREEP = 0.05
-"""Speed of the tread [m/s] at which rolling resistance has 76 % of its size."""
-FAST = 20.0
-"""Where tanh is 1 to rounding."""
-LEAST = 0.1
-"""Share of grip and stiffness that no load takes away."""
+CREEP, TURNING = 0.05, 0.01
+"""Speeds [m/s] of the tread and of the hub at which rolling resistance and moment about the normal reach 76 %."""
+SLIPPERY = 0.01
+"""Least grip: with less, deflections of a sliding wheel come and go in microseconds; wet ice has 0.05."""
 FULL = 0.1
 """Size of the deflections at full grip."""
-SLIDING = 1.5
-"""Deflection, in units of that of full grip, from which all of the contact patch slides."""
-
-
-@inner_kernel
-def sensitive(k, load):
-    """Share 1 - k (N/N0 - 1) of a coefficient that is left at a load, given as N/N0."""
-    share = 1.0 - k * (load - 1.0)
-    return share if share.real > LEAST else LEAST + 0.0 * share
-
-
-@inner_kernel
-def rolling(x):
-    """tanh(x), without the powers of e that overflow in its derivative."""
-    way = 1.0 + 0.0 * x
-    if x.real < -FAST:
-        way = -way
-    elif x.real < FAST:
-        way = np.tanh(x)
-    return way
-
-
-@inner_kernel
-def brush(q):
-    """(force over that of the linear tyre, trail over that at rest) at a linear force of q times the grip.
-
-    With the theoretical slip s = q/(1 - q/3) the force is mu N (1 - (1 - s/3)^3): the steady deflection under s is q.
-    """
-    force, trail = 1.0 + 0.0 * q, 1.0 + 0.0 * q
-    if q.real < SLIDING:
-        s = q / (1.0 - q / 3.0)
-        rest, adhesion = 1.0 - s / 3.0, 1.0 - s / 3.0 + s * s / 27.0
-        force, trail = adhesion / (1.0 - q / 3.0), rest * rest * rest / adhesion
-    else:
-        force, trail = 1.0 / q, 0.0 * q
-    return force, trail
 
 
 @inner_kernel
@@ -102,7 +65,7 @@ def tyre(m, d, p, out, t):
     grip = speed * 0.0 + np.inf
     limit = 0.0 * V
     if p.signal[0] >= 0:
-        grip = signal(m, p.signal[0], t)[0] * sensitive(m.number[p.number + 1], load)
+        grip = at_least(signal(m, p.signal[0], t)[0], SLIPPERY) * sensitive(m.number[p.number + 1], load)
         limit = np.sqrt(C_x * C_x * slip_x * slip_x + C_y * C_y * slip_y * slip_y) / (3.0 * grip)
     d.state_rate[p.state] = (-slip_x - (V + limit) * z[0]) / x[7]
     lag = (1.0 - instant) * V * C_g / C_y * lean
@@ -117,7 +80,7 @@ def tyre(m, d, p, out, t):
         force, trail = brush(q)
     F_x, F_y = N * force * pull_x, N * (force * pull_y - instant * C_g * lean)
     by_slip = N * force * (pull_y + (1.0 - instant) * C_g * lean)
-    M_z = N * m.number[p.number + 6] * lean - x[9] * trail * by_slip
+    M_z = rolling(speed / TURNING) * (N * m.number[p.number + 6] * lean - x[9] * trail * by_slip)
     reach = sub(s, hub)
     radius = np.sqrt(dot(reach, reach))
     M_y = -x[10] * N * radius * rolling(dot(w, axle) * radius / CREEP)
@@ -153,8 +116,9 @@ class Tyre(ForceElement):
         F = mu N (1 - (1 - s/3)^3) C z/|C z|,     s = q/(1 - q/3), 3 from q = 1.5 on
 
     so in steady running s is the theoretical slip, and F never leaves the circle mu N. Moments about P: about the
-    normal m_g N sin(lean) - t (1 - s/3)^3/(1 - s/3 + s^2/27) F_s, with the part F_s of F_y that is not by camber; about
-    the left the rolling resistance -f N r tanh(r spin/(0.05 m/s)). Energy k d^2/2; the rest of the power is counted.
+    normal tanh(V/(0.01 m/s)) (m_g N sin(lean) - t (1 - s/3)^3/(1 - s/3 + s^2/27) F_s), with the part F_s of F_y that is
+    not by camber: what acts behind P acts before it where it rolls back. About the left the rolling resistance
+    -f N r tanh(r spin/(0.05 m/s)). Energy k d^2/2; the rest of the power is counted.
 
     Parameters
     ----------
@@ -169,7 +133,7 @@ class Tyre(ForceElement):
     relaxation, relaxation_x : float
         s_y > 0, s_x > 0 (None = s_y) [m].
     mu : float, Signal or None
-        Grip > 0; None = no limit, a linear tyre.
+        Grip > 0, that counts as 0.01 where it is less; None = no limit, a linear tyre.
     trail, twisting : float
         t [m], m_g [m]; the camber force has no trail.
     rolling_resistance : float
