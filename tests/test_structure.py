@@ -170,7 +170,7 @@ def test_public_names_are_listed_where_editors_look():
     assert set(mbsd3d.__all__) >= {"Body", "System", "simulate", "linearize", "sweep", "load", *PUBLIC_MODULES}
     assert all(getattr(mbsd3d, name) is not None for name in mbsd3d.__all__)
     assert all(getattr(extend, name) is not None for name in extend.__all__)
-    assert (ROOT / "mbsd3d" / "py.typed").exists()
+    assert all((ROOT / package / "py.typed").exists() for package in ("mbsd3d", "bicycle", "validation"))
 
 
 @pytest.mark.parametrize("public", LISTS)
