@@ -4,8 +4,6 @@ All public names are here; ``__init__.pyi`` says where each lives. They are impo
 line starts fast.
 """
 
-import lazy_loader
+from .lazy import attach
 
-from .base.version import __version__ as __version__
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = attach(globals())

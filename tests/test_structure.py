@@ -172,9 +172,11 @@ def listed(path: Path) -> dict[str, str]:
 def test_public_names_are_listed_where_editors_look():
     assert set(mbsd3d.__all__) == set(listed(LISTS["mbsd3d"]))
     assert set(mbsd3d.__all__) >= {"Body", "System", "simulate", "linearize", "sweep", "load", *PUBLIC_MODULES}
-    assert all(getattr(mbsd3d, name) is not None for name in mbsd3d.__all__)
-    assert all(getattr(extend, name) is not None for name in extend.__all__)
-    assert (ROOT / "mbsd3d" / "py.typed").exists()
+    for package in (mbsd3d, extend, bicycle, validation):
+        assert all(getattr(package, name) is not None for name in package.__all__)
+        with pytest.raises(AttributeError, match=rf"module '{package.__name__}' has no attribute 'nothing'"):
+            _ = package.nothing
+    assert all((ROOT / package / "py.typed").exists() for package in ("mbsd3d", "bicycle", "validation"))
 
 
 @pytest.mark.parametrize("public", LISTS)

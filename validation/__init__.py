@@ -1,8 +1,8 @@
 """Evidence: closed forms, reference cases and comparisons with other engines, all through the public interface.
 
-The functions of ``__init__.pyi`` are imported on first use: the closed forms do not need the package they judge.
+The functions of ``__init__.pyi`` are imported on first use: the closed forms load nothing of what they judge.
 """
 
-import lazy_loader
+from mbsd3d.extend import attach
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = attach(globals())

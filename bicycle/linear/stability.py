@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -77,6 +77,12 @@ def check_mode(name: str) -> None:
         raise InputError(f"mode '{name}' is unknown; give weave, capsize or castering")
 
 
+@overload
+def study(parameters: Parameters, speeds: ArrayLike | None = ..., build: Build = ...) -> Stability: ...
+@overload
+def study(
+    parameters: Parameters, speeds: ArrayLike | None = ..., build: Build = ..., *, tyres: Tyres, **fittings: float
+) -> on_tyres.TyreStability: ...
 @explaining
 def study(
     parameters: Parameters,

@@ -13,7 +13,7 @@ from .kinematics import hubs
 Tyres = Mapping[str, Any] | Sequence[Mapping[str, Any]]
 """What `mbsd3d.Tyre` takes besides geometry: for both wheels, or (rear, front)."""
 
-TYPICAL: Mapping[str, Any] = {
+TYPICAL: dict[str, Any] = {
     "cornering": 14.3, "camber": 1.0, "longitudinal": 20.0, "relaxation": 0.1, "trail": 0.02, "mu": 0.9,
     "stiffness": 2e5, "damping": 400.0,
 }  # fmt: skip

@@ -1,8 +1,7 @@
 """Rank and null spaces of the rows of a mechanism: singular values of what elimination leaves over.
 
 A relative tolerance decides, against the largest singular value. Small mechanisms are not reduced at all: their
-singular values are those of J itself. The dense analysis of all of J, the readable truth, is
-`mbsd3d.constraints.row_choice.independent_rows`.
+singular values are those of J itself.
 """
 
 from functools import cached_property

@@ -5,24 +5,10 @@ in radians), of which the bodies have been eliminated that need no such decision
 """
 
 import numpy as np
-import scipy.linalg
 
-from ..base.concurrency import one_thread
 from ..equations.jacobian import RANK_TOLERANCE, scaled_rows
 from ..kernels.layout import Data, Model
 from .rank import Analysis, surely_independent
-
-
-def independent_rows(A: np.ndarray) -> np.ndarray:
-    """Indices of a largest independent set of rows of A, ascending.
-
-    The readable truth: column-pivoted QR of A', its singular values as the authority on the rank, cost cubic.
-    """
-    with one_thread():
-        _, pivot = scipy.linalg.qr(A.T, mode="r", pivoting=True)
-        singular = scipy.linalg.svdvals(A)
-    rank = int((singular > RANK_TOLERANCE * singular[0]).sum())
-    return np.sort(pivot[:rank])
 
 
 def choose_rows(model: Model, data: Data, tolerance: float = RANK_TOLERANCE) -> np.ndarray:

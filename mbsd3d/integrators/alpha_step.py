@@ -9,10 +9,10 @@ from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace_body, rotation_matrix
 from ..kernels.vectors import copy, finite, put, rotate, scale
 from ..saddle.solve import SOLVED
-from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING
+from .memory import NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING
 from .newton import fill_matrix, filtered, lu_factor, lu_solve, residual
-from .outputs import along_cubic, cubic, evaluate_start, full, outputs
-from .step_control import LOCAL, end_of_step, note_rows, rows_hold, state_error, update_scales
+from .outputs import along_cubic, cubic, evaluate_start, outputs
+from .step_control import LOCAL, end_of_step, note_rows, rows_hold, state_error, take_steps, update_scales
 
 ITERATIONS = 12  # of Newton's method in one attempt
 SLOW = 0.2  # contraction above which the matrix is made anew
@@ -70,7 +70,7 @@ def correct(m, s, run, w, h_v):
 
 
 @inner_kernel
-def predict(run, g, c, h, steady):
+def predict(g, c, h, steady):
     """First guess of the rates and multipliers: those at the start, or rates that let the pose go on with v.
 
     Where the start rings in a stiff force, v_dot h^2 is large and the first guess far away: the steady one is not.
@@ -169,10 +169,10 @@ def attempt(m, d, s, run, g, c):
         t_new, h = end_of_step(run)
         if h < run.task.min_step:
             return NOT_CONVERGED, t_new, h
-        predict(run, g, c, h, False)
+        predict(g, c, h, False)
         solved = solve_step(m, d, s, run, g, c, t_new, h)
         if not solved:
-            predict(run, g, c, h, True)
+            predict(g, c, h, True)
             solved = solve_step(m, d, s, run, g, c, t_new, h)
         if fixed and not solved:
             return NOT_CONVERGED, t_new, h
@@ -201,7 +201,7 @@ def end_rates(m, run, g, h):
 
 
 @inner_kernel
-def accept(m, run, g, c, t_new, h):
+def accept(m, run, g, t_new, h):
     """The end of the step becomes the start of the next one."""
     n, w = m.body.shape[0], g.newton
     theta = g.weights.alpha_m - g.weights.alpha_f
@@ -241,7 +241,7 @@ def step(m, d, s, g, run):
         return status
     remember(m, d, t_new)
     update_scales(m, d, run)
-    accept(m, run, g, c, t_new, h)
+    accept(m, run, g, t_new, h)
     return RUNNING if rows_hold(m, d, s, run) else NEW_TREE
 
 
@@ -250,7 +250,6 @@ def restart(m, d, s, g, run):
     """Rates and multipliers of the start, or of a new choice of rows."""
     status = evaluate_start(m, d, s, run)
     if status == RUNNING:
-        update_scales(m, d, run)
         copy(g.rate, run.dy)
         for k in range(g.shift.shape[0]):
             g.shift[k] = 0.0
@@ -262,17 +261,9 @@ def restart(m, d, s, g, run):
 
 @kernel
 def integrate(m, d, s, g, run, budget):
-    """Take up to `budget` steps; DONE, RUNNING when the budget is used up, or a reason to come back to Python."""
+    """As `take_steps`."""
     if run.now.fresh == 1:
         status = restart(m, d, s, g, run)
         if status != RUNNING:
             return status
-    for _ in range(budget):
-        if run.now.t >= run.task.t_end:
-            return DONE
-        if full(run):
-            return FULL
-        status = step(m, d, s, g, run)
-        if status != RUNNING:
-            return status
-    return RUNNING if run.now.t < run.task.t_end else DONE
+    return take_steps(m, d, s, g, run, budget, step)

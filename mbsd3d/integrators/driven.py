@@ -13,8 +13,8 @@ from ..kernels.vectors import add_scaled, copy, finite
 from ..saddle.solve import SOLVED
 from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING
 from .method import Method, check_max_step
-from .outputs import evaluate_start, first_crossing, full, halt, land, may_come_true, watch_on, write
-from .step_control import hermite, note_rows, rows_hold, update_scales
+from .outputs import evaluate_start, first_crossing, halt, land, may_come_true, watch_on, write
+from .step_control import full, hermite, note_rows, rows_hold, update_scales
 
 TURN_PER_POSE = 0.3  # rad between poses: Newton stays on its branch
 TOO_FAR = 2.0  # times that is the turn, by the angular velocity found at the new pose, from which on it is not believed
@@ -175,7 +175,6 @@ def follow(m, d, s, own, run, budget):
         status = evaluate_start(m, d, s, run)
         if status != RUNNING:
             return status
-        update_scales(m, d, run)
     for _ in range(budget):
         if run.now.next_output >= run.times.shape[0]:
             return DONE

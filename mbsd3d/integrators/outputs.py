@@ -15,7 +15,7 @@ from ..kernels.rows import row_speed
 from ..kernels.vectors import add_scaled, copy, finite
 from ..saddle.solve import SOLVED
 from .memory import FULL, NO_SOLUTION, NOT_CLOSING, RUNNING, STOPPED
-from .step_control import hermite, interpolate, note_rows
+from .step_control import hermite, interpolate, note_rows, update_scales
 
 LANDINGS = 6  # Newton steps to the time of an event, each a step of the method; the first is good to its dense output
 SCAN = 8  # parts of a step that are searched for an event, or of a radian that a body spins in it
@@ -59,12 +59,6 @@ def output_until(run, t):
 
 
 @inner_kernel
-def full(run):
-    """True if the buffer has no room for two more samples and one of an event."""
-    return run.now.written >= run.out.shape[0] - 2
-
-
-@inner_kernel
 def evaluate_start(m, d, s, run):
     """Evaluate at the present state after a start or a new choice of rows; RUNNING or a reason to stop."""
     now = run.now
@@ -76,6 +70,7 @@ def evaluate_start(m, d, s, run):
         return NO_SOLUTION
     note_rows(s, run)
     remember(m, d, now.t)
+    update_scales(m, d, run)
     now.fresh = 0
     if now.steps == 0 and now.written == 0 and now.next_output == 0 and output_until(run, now.t):
         write(m, d, run, now.t, run.y)

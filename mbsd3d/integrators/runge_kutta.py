@@ -8,8 +8,8 @@ from ..dynamics.state_rates import FAR, NEAR, PROJECTED, evaluate, project_and_e
 from ..kernels.coordinates import remember
 from ..kernels.vectors import add_scaled, clear, copy, finite
 from ..saddle.solve import SOLVED
-from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING, STEP_TOO_SMALL, STIFF
-from .outputs import evaluate_start, full, outputs
+from .memory import NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING, STEP_TOO_SMALL, STIFF
+from .outputs import evaluate_start, outputs
 from .step_control import (
     LOCAL,
     end_of_step,
@@ -20,6 +20,7 @@ from .step_control import (
     pass_over_singular,
     rows_hold,
     state_error,
+    take_steps,
     update_scales,
     way_to_singular,
 )
@@ -268,18 +269,9 @@ def step(m, d, s, own, run):
 
 @kernel
 def advance(m, d, s, own, run, budget):
-    """Take up to `budget` steps; DONE, RUNNING when the budget is used up, or a reason to come back to Python."""
+    """As `take_steps`."""
     if run.now.fresh == 1:
         status = evaluate_start(m, d, s, run)
         if status != RUNNING:
             return status
-        update_scales(m, d, run)
-    for _ in range(budget):
-        if run.now.t >= run.task.t_end:
-            return DONE
-        if full(run):
-            return FULL
-        status = step(m, d, s, own, run)
-        if status != RUNNING:
-            return status
-    return RUNNING if run.now.t < run.task.t_end else DONE
+    return take_steps(m, d, s, own, run, budget, step)

@@ -1,19 +1,40 @@
-"""What all time loops share between two steps: its length, scales of its error, whether rows hold, dense output."""
+"""What all time loops share: steps up to a budget, their length, scales of errors, whether rows hold, dense output."""
 
 import numpy as np
 
-from ..compiler.jit import inner_kernel
+from ..compiler.jit import inner_kernel, merged_kernel
 from ..dynamics.spinning import spin_on
 from ..dynamics.state_rates import skipped_residual
 from ..kernels.kinds import PROJECTION
 from ..kernels.vectors import add_scaled, clear
 from ..saddle.independence import note_independence
+from .memory import DONE, FULL, RUNNING
 
 ROUNDING = 1e-15  # of a work or an impulse is what a step may always err: less cannot be had
 LOCAL = 0.1  # of rtol is what a single step may err, since errors add up over a run
 
 NEARLY_SINGULAR = 0.1  # share of the largest it has been to which a pivot of the loop rows has fallen
 BETTERED, LOST = 0.25, 1e3  # what a shorter step leaves of an error, unless rounding is its cause; more is no step
+
+
+@inner_kernel
+def full(run):
+    """True if the buffer has no room for two more samples and one of an event."""
+    return run.now.written >= run.out.shape[0] - 2
+
+
+@merged_kernel
+def take_steps(m, d, s, own, run, budget, step):
+    """Take up to `budget` steps; DONE, RUNNING when the budget is used up, or a reason to come back to Python."""
+    for _ in range(budget):
+        if run.now.t >= run.task.t_end:
+            return DONE
+        if full(run):
+            return FULL
+        status = step(m, d, s, own, run)
+        if status != RUNNING:
+            return status
+    return RUNNING if run.now.t < run.task.t_end else DONE
 
 
 @inner_kernel

@@ -12,10 +12,10 @@ from models import at_reference, dense_rows, revolute_chain
 from mbsd3d import RK4, PointOnLine, Revolute, System, simulate
 from mbsd3d.base.quaternions import conjugate, logarithm, multiply
 from mbsd3d.constraints.elimination import Elimination
-from mbsd3d.constraints.row_choice import choose_rows, independent_rows
+from mbsd3d.constraints.row_choice import choose_rows
 from mbsd3d.equations.compiled import compile_system
 from mbsd3d.equations.elimination import eliminate
-from mbsd3d.equations.jacobian import scaled_rows
+from mbsd3d.equations.jacobian import RANK_TOLERANCE, scaled_rows
 from mbsd3d.results import record
 from mbsd3d.results.record import QUANTITIES, Samples
 from validation.cases.mechanisms import ladder
@@ -91,7 +91,7 @@ def test_cure_of_a_ladder_is_found_and_cures():
     joints = [PointOnLine(j.a, j.b, at=j.at, axis=j.axis) if system.name(j) in weaker else j for j in system.joints]
     cured = System(bodies=system.bodies, joints=joints)
     A = dense_rows(*at_reference(cured))
-    assert independent_rows(A).size == len(A) == 6 * len(system.bodies) - 1
+    assert np.linalg.matrix_rank(A, rtol=RANK_TOLERANCE) == len(A) == 6 * len(system.bodies) - 1
 
 
 @pytest.mark.parametrize("n", [2, 20])

@@ -8,13 +8,18 @@ from pathlib import Path
 
 import pytest
 
+import bicycle
 import mbsd3d
+import validation
+from mbsd3d import extend
 
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[2]
 PAGES = (
     "README.md",
+    "docs/api/bicycle.md",
+    "docs/how/own_joint.md",
     "docs/start/first_mechanism.md",
     "docs/how/drivers.md",
     "docs/how/contacts.md",
@@ -22,15 +27,23 @@ PAGES = (
 )
 
 
-def public_names():
-    """Dotted names of what users import, with what is in the public modules and the methods of the facades."""
-    for name in mbsd3d.__all__:
-        value = getattr(mbsd3d, name)
-        inner = dir(value) if inspect.ismodule(value) or name in ("System", "Solution", "Stepper") else ()
-        yield from (f"{name}.{x}" for x in inner if not x.startswith("_")) if inner else [name]
+PACKAGES = (mbsd3d, extend, bicycle, validation)
 
 
-NAMES = [name for name in public_names() if name != "__version__"]
+def public_names(package):
+    """Dotted names of what users import, with what of ours is in public modules and the methods of the facades."""
+    for name in package.__all__:
+        value, inner = getattr(package, name), []
+        if inspect.ismodule(value):
+            homes = {x: getattr(thing, "__module__", "mbsd3d") for x, thing in vars(value).items()}
+            inner = [x for x, home in homes.items() if home.startswith(tuple(top.__name__ for top in PACKAGES))]
+        elif name in ("System", "Solution", "Stepper"):
+            inner = dir(value)
+        whole = f"{package.__name__}.{name}"
+        yield from (f"{whole}.{x}" for x in inner if not x.startswith("_")) if inner else [whole]
+
+
+NAMES = [name for package in PACKAGES for name in public_names(package) if not name.endswith("__version__")]
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +55,7 @@ def said(tmp_path_factory):
         (folder / f"page_{Path(page).stem}.py").write_text("\n".join(code), encoding="utf-8")
     wrong = "from mbsd3d import Body, simulate\nsimulate(Body('b', mass='heavy', inertia=1.0), 1.0)\n"
     (folder / "wrong.py").write_text(wrong, encoding="utf-8")
-    asked = [f"from mbsd3d import {', '.join(mbsd3d.__all__)}", *(f"reveal_type({name})" for name in NAMES)]
+    asked = ["import bicycle, mbsd3d.extend, validation", *(f"reveal_type({name})" for name in NAMES)]
     (folder / "names.py").write_text("\n".join(asked), encoding="utf-8")
     command = [sys.executable, "-m", "mypy", "--follow-imports=silent", "--ignore-missing-imports", "--no-incremental"]
     files = map(str, (ROOT / "examples", *sorted(folder.glob("*.py"))))
@@ -51,8 +64,8 @@ def said(tmp_path_factory):
 
 def test_examples_and_pages_have_the_types_they_say(said):
     found = [line for line in said.splitlines() if ": error:" in line]
-    assert {Path(line.split(":")[0]).name for line in found} == {"wrong.py"}, said  # the checker sees a mistake,
-    assert len(found) == 2, said  # in each of both calls
+    assert {Path(line.split(":")[0]).name for line in found} == {"wrong.py"}, found  # the checker sees a mistake,
+    assert len(found) == 2, found  # in each of both calls
 
 
 def test_a_type_checker_sees_every_public_name(said):

@@ -1,12 +1,15 @@
 """``mbsd3d nvh``: an engine in a car, from its gas and inertia to what the car gets; and the car on a rough road."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from mbsd3d.errors import InputError
 from mbsd3d.extend import can_view, ready_folder
+
+if TYPE_CHECKING:
+    from validation.nvh.study import Study
 
 DIFFER, CAR = 1, "compact"  # exit code; where an engine is if nothing else is said
 KINDS = ("lanchester", "raised", "first")  # of balance_shafts, which is imported when it is needed
@@ -111,15 +114,7 @@ def in_car(
 
     speed = (chosen.idle + chosen.redline) / 2 if rpm is None else rpm
     study = Study(chosen, car, speed, load, shafts, shell or BEAM)
-    for option, given in (("shell", shell), ("sound", sound)):
-        if given is not None and study.cabin is None:
-            raise InputError(
-                f"nvh: --{option} needs a car whose shell is known, '{car.name}' is not; give compact or saloon, or a "
-                "file of modes with --shell"
-            )
-    study.modes  # noqa: B018  # refuses mounts that leave a motion free
-    if study.cabin is not None:
-        study.cabin.at_feet, study.cabin.at_seat  # noqa: B018  # refuses a table that lacks a place
+    check_study(study, shell=shell, sound=sound)
     swept = None if sweep is None else study.sweep(sweep, cycles)
     facts = tables.facts(study)
     width = max(len(name) for name, _ in facts)
@@ -156,6 +151,19 @@ def in_car(
     if study.difference > AGREES:
         click.echo(f"mbsd3d: linear map and full run differ by {study.difference:.2%}", err=True)
         raise click.exceptions.Exit(DIFFER)
+
+
+def check_study(study: "Study", **of_shell: str | None) -> None:
+    """Refuse options of a shell that is not known, mounts that leave a motion free, a table that lacks a place."""
+    for option, given in of_shell.items():
+        if given is not None and study.cabin is None:
+            raise InputError(
+                f"nvh: --{option} needs a car whose shell is known, '{study.car.name}' is not; give compact or saloon, "
+                "or a file of modes with --shell"
+            )
+    study.modes  # noqa: B018
+    if study.cabin is not None:
+        study.cabin.at_feet, study.cabin.at_seat  # noqa: B018
 
 
 def on_road(car: Any, road: str, speed: float = 20.0, page: str | None = None) -> None:

@@ -110,10 +110,6 @@ class Ride:
         turned = phasors * np.exp(1j * self.rates * self.run.t[0])
         return np.resize(self.over(turned, self.run.t.size - 1), self.run.t.size)
 
-    def beneath(self, corner: Corner) -> np.ndarray:
-        """(samples,) height of the road under a wheel in the full motion [m]."""
-        return self.sampled(self.under(corner))
-
     def tyre_load(self, corner: Corner) -> np.ndarray:
         """(samples,) force of the road on a wheel in the full motion [N]; below 0 a tyre would have to pull."""
         tyre = self.run.force(f"tyre of {corner.name}")

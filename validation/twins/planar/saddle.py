@@ -80,7 +80,7 @@ def solve(m, w):
 
 
 @inner
-def push(m, w, i, x, y, fx, fy, turn):
+def push(w, i, x, y, fx, fy, turn):
     """Add a force at the arm (x, y) and a torque to the loads about O of body i."""
     w.top[i, 0] += fx
     w.top[i, 1] += fy
@@ -94,13 +94,13 @@ def loads(m, w, t, q, v):
         mass, frame, pull = m.body[i, 0], w.frame[i], m.scale[0] * v[i, 2] * v[i, 2]
         put(w.top[i], 0.0, 0.0, 0.0)
         fx, fy = mass * (m.gravity[0] + pull * frame[2]), mass * (m.gravity[1] + pull * frame[3])
-        push(m, w, i, frame[2], frame[3], fx, fy, 0.0)
+        push(w, i, frame[2], frame[3], fx, fy, 0.0)
     for k in range(m.load.shape[0]):
         kind, a, b, p = m.load[k, 0], m.load[k, 1], m.load[k, 2], m.load_value[k]
         if kind == TORSION:
             turn = -p[0] * (q[b, 2] - q[a, 2] - p[2]) - p[1] * (v[b, 2] - v[a, 2])
-            push(m, w, a, 0.0, 0.0, 0.0, 0.0, -turn)
-            push(m, w, b, 0.0, 0.0, 0.0, 0.0, turn)
+            push(w, a, 0.0, 0.0, 0.0, 0.0, -turn)
+            push(w, b, 0.0, 0.0, 0.0, 0.0, turn)
             continue
         Bx, By = arm(w.frame[b], p[2], p[3])
         if kind == SPRING:
@@ -111,12 +111,12 @@ def loads(m, w, t, q, v):
             dx = v[b, 0] - v[b, 2] * By - v[a, 0] + v[a, 2] * Ay
             dy = v[b, 1] + v[b, 2] * Bx - v[a, 1] - v[a, 2] * Ax
             pull = p[4] * (length - p[6]) + p[5] * (nx * dx + ny * dy)
-            push(m, w, a, Ax, Ay, pull * nx, pull * ny, 0.0)
-            push(m, w, b, Bx, By, -pull * nx, -pull * ny, 0.0)
+            push(w, a, Ax, Ay, pull * nx, pull * ny, 0.0)
+            push(w, b, Bx, By, -pull * nx, -pull * ny, 0.0)
             continue
         size = motion(m, m.load_motion[k], t)[0]
         fx, fy = arm(w.frame[a], p[0], p[1])  # a: the body that carries the axes of the force
-        push(m, w, b, Bx, By, size * fx, size * fy, size * p[4])
+        push(w, b, Bx, By, size * fx, size * fy, size * p[4])
 
 
 @inner
