@@ -12,7 +12,7 @@ from ..saddle.solve import SOLVED
 from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING
 from .newton import fill_matrix, filtered, lu_factor, lu_solve, residual
 from .outputs import along_cubic, cubic, evaluate_start, full, outputs
-from .step_control import LOCAL, end_of_step, note_rows, rows_hold, state_error, update_scales
+from .step_control import LOCAL, end_of_step, note_rows, pass_turn, rows_hold, state_error, update_scales
 
 ITERATIONS = 12  # of Newton's method in one attempt
 SLOW = 0.2  # contraction above which the matrix is made anew
@@ -220,6 +220,7 @@ def accept(m, run, g, c, t_new, h):
     g.past.step = h
     run.now.t = t_new
     run.now.steps += 1
+    pass_turn(run)
 
 
 @inner_kernel
@@ -263,11 +264,11 @@ def restart(m, d, s, g, run):
 @kernel
 def integrate(m, d, s, g, run, budget):
     """Take up to `budget` steps; DONE, RUNNING when the budget is used up, or a reason to come back to Python."""
-    if run.now.fresh == 1:
-        status = restart(m, d, s, g, run)
-        if status != RUNNING:
-            return status
     for _ in range(budget):
+        if run.now.fresh == 1:
+            status = restart(m, d, s, g, run)
+            if status != RUNNING:
+                return status
         if run.now.t >= run.task.t_end:
             return DONE
         if full(run):

@@ -10,7 +10,7 @@ from ..saddle.solve import SOLVED
 from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING
 from .newton import lu_factor, lu_solve
 from .outputs import along_cubic, cubic, evaluate_start, full, outputs
-from .step_control import LOCAL, end_of_step, note_rows, rows_hold, state_error, update_scales
+from .step_control import LOCAL, end_of_step, note_rows, pass_turn, rows_hold, state_error, update_scales
 
 ITERATIONS = 10  # of Newton's method in one attempt
 NEWTON = 0.1  # of LOCAL rtol is what Newton's method may leave
@@ -254,6 +254,7 @@ def accept(run, g, t_new, h):
     g.past.jacobian = 0 if g.past.contraction < KEEP else -1
     run.now.t = t_new
     run.now.steps += 1
+    pass_turn(run)
 
 
 @inner_kernel
@@ -280,13 +281,13 @@ def step(m, d, s, g, run):
 @kernel
 def collocation(m, d, s, g, run, budget):
     """Take up to `budget` steps; DONE, RUNNING when the budget is used up, or a reason to come back to Python."""
-    if run.now.fresh == 1:
-        status = evaluate_start(m, d, s, run)
-        if status != RUNNING:
-            return status
-        update_scales(m, d, run)
-        g.past.jacobian, g.past.step, g.past.contraction = -1, 0.0, 1.0
     for _ in range(budget):
+        if run.now.fresh == 1:
+            status = evaluate_start(m, d, s, run)
+            if status != RUNNING:
+                return status
+            update_scales(m, d, run)
+            g.past.jacobian, g.past.step, g.past.contraction = -1, 0.0, 1.0
         if run.now.t >= run.task.t_end:
             return DONE
         if full(run):

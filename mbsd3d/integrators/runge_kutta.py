@@ -18,6 +18,7 @@ from .step_control import (
     nearly_singular,
     note_rows,
     pass_over_singular,
+    pass_turn,
     rows_hold,
     state_error,
     update_scales,
@@ -196,6 +197,7 @@ def accept(own, run, t_new, h, error):
     copy(run.dy, run.trial_rate)
     run.now.t = t_new
     run.now.steps += 1
+    pass_turn(run)
     if run.task.steps == 0:
         factor = step_factor(own.table, error, 1.0 if run.now.retried == 1 else 10.0)
         if nearly_singular(run):  # nearer to it rounding counts for more, and a shorter step would have no less of it
@@ -269,12 +271,12 @@ def step(m, d, s, own, run):
 @kernel
 def advance(m, d, s, own, run, budget):
     """Take up to `budget` steps; DONE, RUNNING when the budget is used up, or a reason to come back to Python."""
-    if run.now.fresh == 1:
-        status = evaluate_start(m, d, s, run)
-        if status != RUNNING:
-            return status
-        update_scales(m, d, run)
     for _ in range(budget):
+        if run.now.fresh == 1:
+            status = evaluate_start(m, d, s, run)
+            if status != RUNNING:
+                return status
+            update_scales(m, d, run)
         if run.now.t >= run.task.t_end:
             return DONE
         if full(run):

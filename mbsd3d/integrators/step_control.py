@@ -18,15 +18,29 @@ BETTERED, LOST = 0.25, 1e3  # what a shorter step leaves of an error, unless rou
 
 @inner_kernel
 def end_of_step(run):
-    """(t_new, h): the next step, landing exactly on t_end."""
+    """(t_new, h): the next step, landing exactly on t_end, and unless steps are fixed where a signal turns."""
     task, t = run.task, run.now.t
     if task.steps > 0:
         k = run.now.steps + 1
         t_new = task.t_end if k == task.steps else task.t_start + k * (task.t_end - task.t_start) / task.steps
         return t_new, t_new - t
     h = min(run.now.step, task.max_step)
-    t_new = task.t_end if t + 1.01 * h >= task.t_end else t + h
+    turns, k = run.turns, run.now.next_turn
+    while k < turns.shape[0] and turns[k, 1] <= t + task.min_step:
+        k += 1
+    run.now.next_turn = k
+    last = turns[k, 0] if k < turns.shape[0] and turns[k, 1] < task.t_end else task.t_end
+    t_new = last if t + 1.01 * h >= last else t + h
     return t_new, t_new - t
+
+
+@inner_kernel
+def pass_turn(run):
+    """At the end of a step where the second derivative of a signal jumps, go on behind the jump."""
+    k = run.now.next_turn
+    if run.task.steps == 0 and k < run.turns.shape[0] and run.turns[k, 0] == run.now.t < run.turns[k, 1]:
+        run.now.t = run.turns[k, 1]
+        run.now.fresh = 1
 
 
 @inner_kernel

@@ -12,7 +12,7 @@ from ...base.checks import number, vector
 from ...base.directions import unit
 from ...base.errors import InputError
 from ...compiler.jit import inner_kernel
-from ...kernels.force_laws import push, twist
+from ...kernels.force_laws import push, tanh, twist
 from ...kernels.signals import signal
 from ...kernels.vectors import add, arm, cross, dot, mat, point, point_velocity, put, rotate, scale, sub, vec
 from ..bodies import GROUND, Body, Ground
@@ -23,8 +23,6 @@ from ..signals import Signal, as_signal
 
 CREEP = 0.05
 """Speed of the tread [m/s] at which rolling resistance has 76 % of its size."""
-FAST = 20.0
-"""Where tanh is 1 to rounding."""
 LEAST = 0.1
 """Share of grip and stiffness that no load takes away."""
 FULL = 0.1
@@ -38,17 +36,6 @@ def sensitive(k, load):
     """Share 1 - k (N/N0 - 1) of a coefficient that is left at a load, given as N/N0."""
     share = 1.0 - k * (load - 1.0)
     return share if share.real > LEAST else LEAST + 0.0 * share
-
-
-@inner_kernel
-def rolling(x):
-    """tanh(x), without the powers of e that overflow in its derivative."""
-    way = 1.0 + 0.0 * x
-    if x.real < -FAST:
-        way = -way
-    elif x.real < FAST:
-        way = np.tanh(x)
-    return way
 
 
 @inner_kernel
@@ -120,7 +107,7 @@ def tyre(m, d, p, out, t):
     M_z = N * m.number[p.number + 6] * lean - x[9] * trail * by_slip
     reach = sub(s, hub)
     radius = np.sqrt(dot(reach, reach))
-    M_y = -x[10] * N * radius * rolling(dot(w, axle) * radius / CREEP)
+    M_y = -x[10] * N * radius * tanh(dot(w, axle) * radius / CREEP)
 
     F = add(scale(N, n), add(scale(F_x, ahead), scale(F_y, left)))
     M = add(scale(M_y, left), scale(M_z, n))
