@@ -265,7 +265,7 @@ def restart(m, d, s, g, run):
 def integrate(m, d, s, g, run, budget):
     """Take up to `budget` steps; DONE, RUNNING when the budget is used up, or a reason to come back to Python."""
     for _ in range(budget):
-        if run.now.fresh == 1:
+        if run.now.fresh > 0:
             status = restart(m, d, s, g, run)
             if status != RUNNING:
                 return status
@@ -276,4 +276,4 @@ def integrate(m, d, s, g, run, budget):
         status = step(m, d, s, g, run)
         if status != RUNNING:
             return status
-    return RUNNING if run.now.t < run.task.t_end else DONE
+    return RUNNING if run.now.t < run.task.t_end or run.now.fresh > 0 else DONE

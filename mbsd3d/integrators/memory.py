@@ -32,7 +32,7 @@ NOW = [
     ("steps", int),  # accepted
     ("rejected", int),
     ("evaluations", int),
-    ("fresh", int),  # 1: the tree is new and nothing has been evaluated with it
+    ("fresh", int),  # nothing has been evaluated since: 1, the tree is new; 2, a signal has jumped
     ("retried", int),  # 1: the step at hand has been rejected before: it may not grow
     ("spinning", int),  # bodies whose spin is taken out of the step at hand: spinning.py
     ("written", int),  # samples in the buffer

@@ -282,7 +282,7 @@ def step(m, d, s, g, run):
 def collocation(m, d, s, g, run, budget):
     """Take up to `budget` steps; DONE, RUNNING when the budget is used up, or a reason to come back to Python."""
     for _ in range(budget):
-        if run.now.fresh == 1:
+        if run.now.fresh > 0:
             status = evaluate_start(m, d, s, run)
             if status != RUNNING:
                 return status
@@ -295,4 +295,4 @@ def collocation(m, d, s, g, run, budget):
         status = step(m, d, s, g, run)
         if status != RUNNING:
             return status
-    return RUNNING if run.now.t < run.task.t_end else DONE
+    return RUNNING if run.now.t < run.task.t_end or run.now.fresh > 0 else DONE

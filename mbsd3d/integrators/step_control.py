@@ -29,7 +29,7 @@ def end_of_step(run):
     while k < turns.shape[0] and turns[k, 1] <= t + task.min_step:
         k += 1
     run.now.next_turn = k
-    last = turns[k, 0] if k < turns.shape[0] and turns[k, 1] < task.t_end else task.t_end
+    last = turns[k, 0] if k < turns.shape[0] and turns[k, 1] <= task.t_end else task.t_end
     t_new = last if t + 1.01 * h >= last else t + h
     return t_new, t_new - t
 
@@ -40,7 +40,7 @@ def pass_turn(run):
     k = run.now.next_turn
     if run.task.steps == 0 and k < run.turns.shape[0] and run.turns[k, 0] == run.now.t < run.turns[k, 1]:
         run.now.t = run.turns[k, 1]
-        run.now.fresh = 1
+        run.now.fresh = 2
 
 
 @inner_kernel

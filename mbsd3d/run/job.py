@@ -178,7 +178,7 @@ class Job:
             self.record.svd_calls += 1
         self.tree = eliminate(model, self.data, rows)
         self.record.rows_left_out = int(self.tree.skipped.size + self.tree.loop.size)
-        run.now.fresh = 1
+        run.now.fresh = max(run.now.fresh, 1)
 
     def eliminate_anew(self) -> None:
         """Another tree: rows of a joint have become dependent, or rows left out are violated, which is an event."""

@@ -7,6 +7,7 @@ from scipy.integrate import solve_ivp
 from mbsd3d import (
     DOP853,
     GROUND,
+    AngleDriver,
     Body,
     Force,
     GeneralizedAlpha,
@@ -93,3 +94,17 @@ def test_a_driver_that_jumps_in_acceleration_is_followed_at_every_tolerance(rtol
     assert run.certificate.passed
     assert run.angle("pivot")[-1] == pytest.approx(swing(signal, 3.0), abs=max(300.0 * rtol, 1e-9))
     assert run.certificate.rejected < 15
+
+
+@METHODS
+@pytest.mark.parametrize("output", [None, [0.0, 1.0], 5])
+def test_a_run_may_end_where_a_driver_begins_to_move(method, output):
+    """Its last sample has the acceleration behind the jump, and stands at the end to the last digit."""
+    arm = Body("arm", 1.0, (0.02, 0.03, 0.04), com=(0.3, 0.05, 0.1), position=(0.1, 0, 0))
+    hinge = Revolute(GROUND, arm, at=(0, 0, 0), axis=(0.1, 1, 0.2), name="hinge")
+    motor = AngleDriver(hinge, Pulse(0.5, 1.0, 0.02, 1.0))
+    rtol = 1e-4 if isinstance(method, GeneralizedAlpha) else 1e-12
+    run = simulate(System([arm], [hinge, motor]), 1.0, method=method, rtol=rtol, output=output)
+    assert run.t[-1] == 1.0 and (np.diff(run.t) > 0.0).all()
+    assert run.certificate.passed and run.certificate.rejected < 5
+    assert np.linalg.norm(run.alpha(arm)[-1]) == pytest.approx(6.0 * 0.5 / 0.02**2, rel=1e-9)
