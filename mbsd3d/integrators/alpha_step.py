@@ -12,7 +12,7 @@ from ..saddle.solve import SOLVED
 from .memory import NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING
 from .newton import fill_matrix, filtered, lu_factor, lu_solve, residual
 from .outputs import along_cubic, cubic, evaluate_start, outputs
-from .step_control import LOCAL, end_of_step, note_rows, rows_hold, state_error, take_steps, update_scales
+from .step_control import LOCAL, end_of_step, note_rows, pass_turn, rows_hold, state_error, take_steps, update_scales
 
 ITERATIONS = 12  # of Newton's method in one attempt
 SLOW = 0.2  # contraction above which the matrix is made anew
@@ -220,6 +220,7 @@ def accept(m, run, g, t_new, h):
     g.past.step = h
     run.now.t = t_new
     run.now.steps += 1
+    pass_turn(run)
 
 
 @inner_kernel
@@ -262,8 +263,4 @@ def restart(m, d, s, g, run):
 @kernel
 def integrate(m, d, s, g, run, budget):
     """As `take_steps`."""
-    if run.now.fresh == 1:
-        status = restart(m, d, s, g, run)
-        if status != RUNNING:
-            return status
-    return take_steps(m, d, s, g, run, budget, step)
+    return take_steps(m, d, s, g, run, budget, restart, step)

@@ -32,12 +32,13 @@ NOW = [
     ("steps", int),  # accepted
     ("rejected", int),
     ("evaluations", int),
-    ("fresh", int),  # 1: the tree is new and nothing has been evaluated with it
+    ("fresh", int),  # nothing has been evaluated since: 1, the tree is new; 2, a signal has jumped
     ("retried", int),  # 1: the step at hand has been rejected before: it may not grow
     ("spinning", int),  # bodies whose spin is taken out of the step at hand: spinning.py
     ("written", int),  # samples in the buffer
     ("inside", int),  # samples of the step at hand, where every step is one
     ("next_output", int),  # index of the next output time
+    ("next_turn", int),  # index of the next time at which a signal turns
     ("armed", int),  # 1: the condition has been false since the start, so that it can come true
 ]
 ROWS = [
@@ -58,6 +59,9 @@ STIFFNESS = [
 ]
 
 
+NEVER = np.zeros((0, 2))
+
+
 @by_reference
 class Run(NamedTuple):
     """Memory of one run, written in place by the time loop; records have the fields of the tables above."""
@@ -75,18 +79,22 @@ class Run(NamedTuple):
     rows: np.record  # ROWS
     stiffness: np.record  # STIFFNESS
     times: np.ndarray  # (requested,) output times
+    turns: np.ndarray  # (k, 2) where signals turn: the time [s] at which an adaptive step ends, and from which the next
+    # one goes on, a rounding later where a second derivative jumps
     out: np.ndarray  # (capacity, width) samples: t, y, accelerations (6n), lam (m), hinge coordinates, potential and
     # power of the forces, largest |c| and |J v - b| over all rows
 
 
-def new_run(y: np.ndarray, bodies: int, times: np.ndarray, capacity: int, width: int, terms: int) -> Run:
+def new_run(
+    y: np.ndarray, bodies: int, times: np.ndarray, capacity: int, width: int, terms: int, turns: np.ndarray = NEVER
+) -> Run:
     """Memory for a start at y; the fields of its records are zero."""
     dy, trial, trial_rate, work, work_rate = np.zeros((5, y.size))
     return Run(
         y=y, dy=dy, trial=trial, trial_rate=trial_rate, work=work, work_rate=work_rate,
         spin=np.zeros((bodies, 3)), F=np.zeros((terms, y.size)),
         task=single(TASK), now=single(NOW), rows=single(ROWS), stiffness=single(STIFFNESS),
-        times=times, out=np.zeros((capacity, width)),
+        times=times, turns=turns, out=np.zeros((capacity, width)),
     )  # fmt: skip
 
 

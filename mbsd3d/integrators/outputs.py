@@ -60,7 +60,7 @@ def output_until(run, t):
 
 @inner_kernel
 def evaluate_start(m, d, s, run):
-    """Evaluate at the present state after a start or a new choice of rows; RUNNING or a reason to stop."""
+    """Evaluate at the present state after a start, a jump of a signal or a new tree; RUNNING or a reason to stop."""
     now = run.now
     status, result = project_and_evaluate(m, d, s, now.t, run.y, run.dy, FAR)
     now.evaluations += 1
@@ -71,10 +71,11 @@ def evaluate_start(m, d, s, run):
     note_rows(s, run)
     remember(m, d, now.t)
     update_scales(m, d, run)
-    now.fresh = 0
-    if now.steps == 0 and now.written == 0 and now.next_output == 0 and output_until(run, now.t):
+    start = now.steps == 0 and now.written == 0 and now.next_output == 0
+    if (start or now.fresh == 2) and output_until(run, now.t):
         write(m, d, run, now.t, run.y)
-        now.next_output = 1
+        now.next_output += 1
+    now.fresh = 0
     return RUNNING
 
 

@@ -10,7 +10,7 @@ from ..saddle.solve import SOLVED
 from .memory import NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING
 from .newton import lu_factor, lu_solve
 from .outputs import along_cubic, cubic, evaluate_start, outputs
-from .step_control import LOCAL, end_of_step, note_rows, rows_hold, state_error, take_steps, update_scales
+from .step_control import LOCAL, end_of_step, note_rows, pass_turn, rows_hold, state_error, take_steps, update_scales
 
 ITERATIONS = 10  # of Newton's method in one attempt
 NEWTON = 0.1  # of LOCAL rtol is what Newton's method may leave
@@ -254,6 +254,7 @@ def accept(run, g, t_new, h):
     g.past.jacobian = 0 if g.past.contraction < KEEP else -1
     run.now.t = t_new
     run.now.steps += 1
+    pass_turn(run)
 
 
 @inner_kernel
@@ -277,12 +278,15 @@ def step(m, d, s, g, run):
     return RUNNING if rows_hold(m, d, s, run) else NEW_TREE
 
 
+@inner_kernel
+def restart(m, d, s, g, run):
+    """The rate of the start; no matrix, and no step before."""
+    status = evaluate_start(m, d, s, run)
+    g.past.jacobian, g.past.step, g.past.contraction = -1, 0.0, 1.0
+    return status
+
+
 @kernel
 def collocation(m, d, s, g, run, budget):
     """As `take_steps`."""
-    if run.now.fresh == 1:
-        status = evaluate_start(m, d, s, run)
-        if status != RUNNING:
-            return status
-        g.past.jacobian, g.past.step, g.past.contraction = -1, 0.0, 1.0
-    return take_steps(m, d, s, g, run, budget, step)
+    return take_steps(m, d, s, g, run, budget, restart, step)

@@ -18,8 +18,10 @@ from .step_control import (
     nearly_singular,
     note_rows,
     pass_over_singular,
+    pass_turn,
     rows_hold,
     state_error,
+    stuck,
     take_steps,
     update_scales,
     way_to_singular,
@@ -161,7 +163,7 @@ def attempt(m, d, s, own, run):
         if nearly_singular(run) and not fixed:
             pass_over_singular(run, own.gap, own.table.c[1])
         t_new, h = end_of_step(run)
-        if h < run.task.min_step:
+        if h < run.task.min_step or stuck(run, h):
             return STEP_TOO_SMALL, t_new, h, 0.0
         if not fixed:
             find_spins(m, run, h)
@@ -197,6 +199,7 @@ def accept(own, run, t_new, h, error):
     copy(run.dy, run.trial_rate)
     run.now.t = t_new
     run.now.steps += 1
+    pass_turn(run)
     if run.task.steps == 0:
         factor = step_factor(own.table, error, 1.0 if run.now.retried == 1 else 10.0)
         if nearly_singular(run):  # nearer to it rounding counts for more, and a shorter step would have no less of it
@@ -267,11 +270,13 @@ def step(m, d, s, own, run):
     return verdict(m, d, s, own, run, h)
 
 
+@inner_kernel
+def start(m, d, s, own, run):
+    """The rate of the start."""
+    return evaluate_start(m, d, s, run)
+
+
 @kernel
 def advance(m, d, s, own, run, budget):
     """As `take_steps`."""
-    if run.now.fresh == 1:
-        status = evaluate_start(m, d, s, run)
-        if status != RUNNING:
-            return status
-    return take_steps(m, d, s, own, run, budget, step)
+    return take_steps(m, d, s, own, run, budget, start, step)

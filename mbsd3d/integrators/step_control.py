@@ -13,6 +13,7 @@ from .memory import DONE, FULL, RUNNING
 ROUNDING = 1e-15  # of a work or an impulse is what a step may always err: less cannot be had
 LOCAL = 0.1  # of rtol is what a single step may err, since errors add up over a run
 
+CLOSE, STUCK = 1e-6, 1e-4  # a share as that below; of the way to a singular position: who passes it goes faster
 NEARLY_SINGULAR = 0.1  # share of the largest it has been to which a pivot of the loop rows has fallen
 BETTERED, LOST = 0.25, 1e3  # what a shorter step leaves of an error, unless rounding is its cause; more is no step
 
@@ -24,9 +25,13 @@ def full(run):
 
 
 @merged_kernel
-def take_steps(m, d, s, own, run, budget, step):
+def take_steps(m, d, s, own, run, budget, start, step):
     """Take up to `budget` steps; DONE, RUNNING when the budget is used up, or a reason to come back to Python."""
     for _ in range(budget):
+        if run.now.fresh > 0:
+            status = start(m, d, s, own, run)
+            if status != RUNNING:
+                return status
         if run.now.t >= run.task.t_end:
             return DONE
         if full(run):
@@ -34,20 +39,34 @@ def take_steps(m, d, s, own, run, budget, step):
         status = step(m, d, s, own, run)
         if status != RUNNING:
             return status
-    return RUNNING if run.now.t < run.task.t_end else DONE
+    return RUNNING if run.now.t < run.task.t_end or run.now.fresh > 0 else DONE
 
 
 @inner_kernel
 def end_of_step(run):
-    """(t_new, h): the next step, landing exactly on t_end."""
+    """(t_new, h): the next step, landing exactly on t_end, and unless steps are fixed where a signal turns."""
     task, t = run.task, run.now.t
     if task.steps > 0:
         k = run.now.steps + 1
         t_new = task.t_end if k == task.steps else task.t_start + k * (task.t_end - task.t_start) / task.steps
         return t_new, t_new - t
     h = min(run.now.step, task.max_step)
-    t_new = task.t_end if t + 1.01 * h >= task.t_end else t + h
+    turns, k = run.turns, run.now.next_turn
+    while k < turns.shape[0] and turns[k, 1] <= t + task.min_step:
+        k += 1
+    run.now.next_turn = k
+    last = turns[k, 0] if k < turns.shape[0] and turns[k, 1] <= task.t_end else task.t_end
+    t_new = last if t + 1.01 * h >= last else t + h
     return t_new, t_new - t
+
+
+@inner_kernel
+def pass_turn(run):
+    """At the end of a step where the second derivative of a signal jumps, go on behind the jump."""
+    k = run.now.next_turn
+    if run.task.steps == 0 and k < run.turns.shape[0] and run.turns[k, 0] == run.now.t < run.turns[k, 1]:
+        run.now.t = run.turns[k, 1]
+        run.now.fresh = 2
 
 
 @inner_kernel
@@ -97,6 +116,12 @@ def state_error(m, run):
 def nearly_singular(run):
     """True where loop rows were close to depending on each other at the end of the last step, but not always."""
     return run.rows.pivot < NEARLY_SINGULAR
+
+
+@inner_kernel
+def stuck(run, h):
+    """True close to a singular position where motion ends, as at a dead centre: rounding holds steps far from it."""
+    return run.rows.pivot < CLOSE and h < STUCK * run.rows.ahead < np.inf
 
 
 @inner_kernel

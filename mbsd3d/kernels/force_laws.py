@@ -5,9 +5,24 @@ A law reads its record ``p`` of the table FORCE. It fills Q of its bodies (reduc
 hinge coordinate it reads the value ``out.x`` and ``out.rate`` and gives ``out.load``; Q is filled for it.
 """
 
+import numpy as np
+
 from ..compiler.jit import inner_kernel
 from .signals import signal
 from .vectors import add6, cross, scale
+
+SURE = 20.0  # where tanh is 1 to rounding
+
+
+@inner_kernel
+def tanh(x):
+    """That of a real or complex number; numpy's of a complex one is not a number from 355 on, where e^2x overflows."""
+    way = 1.0 + 0.0 * x
+    if x.real < -SURE:
+        way = -way
+    elif x.real < SURE:
+        way = np.tanh(x)
+    return way
 
 
 @inner_kernel

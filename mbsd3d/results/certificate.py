@@ -24,6 +24,7 @@ PASSED, MAY_MISS = 1e-4, 1e-6  # pivot of a singular position; how far accelerat
 # What rounding leaves in the balances, at any rtol: over the least pivot of a run, and at most, however near it came to
 # singular positions; three times the worst of 420 runs of four-bars with windows, each over some twenty of them.
 ROUNDED, MOST_ROUNDED, REGULAR = 3e-12, 5e-7, 1e-9
+TRAVEL = 1e-6  # of the energy of a machine that flies on as a whole is a size too: it is known to rounding only
 LOCAL = 10.0  # times rtol a step: a hundred times what it may err
 
 
@@ -221,7 +222,7 @@ def scales_of(solution: RunSamples) -> Scales:
         moment=mass * a * length,
         momentum=momentum,
         angular_momentum=momentum * reach,
-        energy=mass * speed * max(speed, absolute),  # of a speed v that errs by dv: m v dv
+        energy=mass * max(speed * max(speed, absolute), TRAVEL * absolute**2),  # a speed v that errs by dv: m v dv
     )
 
 

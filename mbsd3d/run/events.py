@@ -1,16 +1,32 @@
-"""Whether the condition to stop can come true from the start on."""
+"""Times at which something happens: where signals turn; and whether a condition to stop can come true at once."""
 
 import numpy as np
 
 from ..base.errors import InputError
 from ..integrators.memory import Run
 from ..kernels.coordinates import measure
+from ..kernels.kinds import SPLINE
 from ..kernels.kinematics import kinematics
 from ..kernels.layout import Data, Model
 from ..mechanism.measures import UNITS, Condition
+from ..mechanism.signals.terms import turning_times
 
+ROUNDED = 1e-15  # of its time: nearer than that a stage at the end of a step may fall behind a jump
 SLACK = 1e-9  # of its scale is what a measure may differ from a value that it is said to have
 SOON = 1e-3  # of the first step: so far the motion is a straight line
+
+
+def turns_of_signals(model: Model, t_start: float) -> np.ndarray:
+    """(k, 2) times [s], sorted, at which a table or a pulse turns: the end of a step, and the start of the next one.
+
+    Where a second derivative jumps, as that of a pulse does, the step ends before by a rounding: a driver would read
+    the acceleration behind the jump there.
+    """
+    found: list[tuple[float, float]] = []
+    for x in model.term[model.term["kind"] == SPLINE]:
+        times, jumps = turning_times(model.term_data[x["first"] : x["end"]])
+        found += zip(times - jumps * ROUNDED * np.maximum(np.abs(times), abs(t_start)), times, strict=True)
+    return np.array(sorted(found), float).reshape(-1, 2)
 
 
 def armed_at_start(model: Model, data: Data, run: Run, stop_when: Condition) -> tuple[int, float]:

@@ -23,6 +23,7 @@ from ..integrators import memory
 from ..integrators.memory import Run, new_run
 from ..integrators.method import Method
 from ..integrators.outputs import write
+from ..integrators.step_control import CLOSE
 from ..kernels.coordinates import remember
 from ..kernels.kinds import PROJECTION
 from ..mechanism.drivers import SpeedDriver
@@ -35,7 +36,7 @@ from ..saddle.solve import SOLVED
 from .balance import check_balance
 from .blame import at_end_of_curve, blame, driven_to
 from .divergence import DivergenceWatch
-from .events import armed_at_start
+from .events import armed_at_start, turns_of_signals
 from .stiffness import check_forces
 from .sunk import check_sunk
 
@@ -85,8 +86,9 @@ class Job:
         capacity = buffer_size(CAPACITY if times is None else times.size + 1, sum(widths)) + 2
         self.samples = Samples(widths, capacity if times is None else times.size + 1)
         run = new_run(
-            y, self.model.body.size, np.zeros(0) if times is None else times, capacity, sum(widths), method.dense_terms
-        )
+            y, self.model.body.size, np.zeros(0) if times is None else times, capacity, sum(widths), method.dense_terms,
+            turns_of_signals(m, t),
+        )  # fmt: skip
         task, now = run.task, run.now
         task.t_start, task.t_end, task.rtol, task.tolerance = t, t_end, rtol, max(self.tolerance, 1e-9)
         task.steps = 0 if method.dt is None else max(int(np.ceil((t_end - t) / method.dt - 1e-9)), 1)
@@ -178,7 +180,7 @@ class Job:
             self.record.svd_calls += 1
         self.tree = eliminate(model, self.data, rows)
         self.record.rows_left_out = int(self.tree.skipped.size + self.tree.loop.size)
-        run.now.fresh = 1
+        run.now.fresh = max(run.now.fresh, 1)
 
     def eliminate_anew(self) -> None:
         """Another tree: rows of a joint have become dependent, or rows left out are violated, which is an event."""
@@ -282,9 +284,11 @@ class Job:
         ended = at_end_of_curve(self.compiled, self.data, float(self.memory.now.step))
         if ended:
             part, what, advice = ended, "the contact comes to the end of its curve", "give a longer one, or end the run"
-        elif part is None and status == memory.NOT_CLOSING and self.compiled.drives:
+        elif part is None and self.compiled.drives and (status == memory.NOT_CLOSING or self.memory.rows.pivot < CLOSE):
             part = f"{driven_to(self.compiled, t)}, where the mechanism locks or passes a singular position"
             advice = "drive it less far, or the other way; see system.check()"
+        elif part is None and status == memory.NOT_CLOSING and self.method.dt is not None:
+            advice = f"the step of {self.method.dt:g} s is too long, or the position singular: take a smaller dt"
         elif part:
             what = "a part returns values that are not finite"
             advice = "correct its parameters or function, or end the run earlier"

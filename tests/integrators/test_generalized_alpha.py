@@ -5,7 +5,21 @@ import pytest
 from models import all_joints_mechanism, consistent_state, derivative, pendulum
 from test_order import swinging
 
-from mbsd3d import DOP853, GROUND, Body, Bushing, IntegrationError, Revolute, Spherical, System, rotation, simulate
+from mbsd3d import (
+    DOP853,
+    GROUND,
+    Body,
+    Bushing,
+    IntegrationError,
+    JointFriction,
+    Revolute,
+    Spherical,
+    System,
+    Torque,
+    linearize,
+    rotation,
+    simulate,
+)
 from mbsd3d.base.progress import Progress
 from mbsd3d.base.quaternions import conjugate, exponential, logarithm, multiply
 from mbsd3d.base.rotations import as_quaternion, matrix
@@ -349,3 +363,17 @@ def test_steps_far_too_long_are_an_error_with_advice():
 def test_dop853_takes_a_known_choice_only():
     with pytest.raises(ValueError, match="'stop' or 'run'"):
         DOP853(stiff="perhaps")
+
+
+@pytest.mark.parametrize("rate", [2.0, 40.0, -3000.0])
+def test_dry_friction_has_a_derivative_at_every_speed(rate):
+    """Of a complex number numpy's tanh overflows from 355 transitions on, 3.6 rad/s at the default."""
+    disc = Body("disc", 2.0, (0.3, 0.3, 0.5), com=(0.0, 0.0, 0.2), omega=(0, 0, rate))
+    hinge = Revolute(GROUND, disc, at=(0, 0, 0), axis=(0, 0, 1), name="hinge")
+    friction = JointFriction(hinge, coulomb=0.3, viscous=0.02)
+    held = Torque(disc, (0, 0, 0.3 * np.sign(rate) + 0.02 * rate))
+    run = simulate(System([disc], [hinge], [friction]), 0.5, method=GeneralizedAlpha(), rtol=1e-6)
+    dry = 0.3 * np.sign(rate) / 0.02
+    assert run.rate(hinge)[-1] == pytest.approx((rate + dry) * np.exp(-0.02) - dry, abs=1e-5 * abs(rate))
+    poles = linearize(System([disc], [hinge], [friction, held])).eigenvalues
+    assert np.abs(np.asarray(poles) + 0.04).min() < 1e-9  # -c/I; the dry part no longer changes

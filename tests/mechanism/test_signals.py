@@ -11,7 +11,7 @@ from mbsd3d.kernels import signals as kernels
 from mbsd3d.mechanism.signals import Constant, Sum, as_signal, check_interval, curves
 from mbsd3d.mechanism.signals import signal as bases
 from mbsd3d.mechanism.signals.curves import Polynomial, Pulse, Ramp, Sine, Table
-from mbsd3d.mechanism.signals.terms import POLYNOMIAL, SINE, SPLINE, evaluate
+from mbsd3d.mechanism.signals.terms import POLYNOMIAL, SINE, SPLINE, evaluate, turning_times
 
 TIMES = np.array([0.0, 0.4, 0.7, 1.3, 1.9, 2.2])
 TABLE = Table(TIMES, np.cos(3.0 * TIMES))
@@ -204,3 +204,38 @@ def test_other_types_do_not_combine():
         with pytest.raises(TypeError):
             operation()
     assert isinstance(Ramp(1.0) + Ramp(2.0), Sum)
+
+
+def turns(signal):
+    """Times at which the only term of a signal turns."""
+    (term,) = signal.terms()
+    return turning_times(np.asarray(term.data, float))
+
+
+def test_a_pulse_turns_at_the_ends_of_its_edges_where_its_second_derivative_jumps():
+    times, jumps = turns(-2.0 * Pulse(3.0, 1.0, 0.1, 0.5))
+    np.testing.assert_allclose(times, [1.0, 1.1, 1.4, 1.5], rtol=1e-15)
+    assert jumps.all()
+
+
+def test_a_table_turns_at_its_extremes_and_where_it_is_flat_on_one_side():
+    t = np.linspace(0.0, 2.0, 401)
+    times, jumps = turns(Table(t, 0.3 + np.sin(2 * np.pi * t)))
+    np.testing.assert_allclose(times, [0.25, 0.75, 1.25, 1.75], atol=0.0051)
+    assert not jumps.any()
+    ramp = np.clip(t - 0.5, 0.0, 0.5)
+    ripple = 1e-4 * np.sin(300.0 * t) * (t > 1.2)  # too small to be a pulse
+    times, _ = turns(Table(t, ramp))
+    assert times.size <= 6 and np.abs(times[:, None] - [0.5, 1.0]).min(axis=0).max() < 0.01  # it swings at corners
+    assert (turns(Table(t, ramp + ripple))[0] > 1.3).sum() <= 4  # of 38 swings
+    assert turns(Table(t, np.full(401, 7.0)))[0].size == 0
+
+
+def test_a_table_of_noise_turns_about_as_often_as_its_values():
+    rng = np.random.default_rng(4)
+    t = np.cumsum(rng.uniform(0.01, 0.02, 3000))
+    values = rng.normal(size=3000)
+    times, jumps = turns(Table(t, values))
+    extremes = np.count_nonzero(np.diff(values)[1:] * np.diff(values)[:-1] < 0.0)
+    assert 0.9 * extremes < times.size < 1.2 * extremes
+    assert (np.diff(times) > 0.0).all() and not jumps.any()

@@ -534,3 +534,14 @@ def test_a_tiny_inertia_is_not_held_to_less_than_rounding(inertia):
 def test_baumgarte_is_held_to_what_it_is_meant_to_do():
     assert run(spinning, stabilisation="baumgarte").certificate.passed
     assert run(swinging, stabilisation="baumgarte").certificate.passed
+
+
+@pytest.mark.parametrize("method", [DOP853(), GeneralizedAlpha()])
+@pytest.mark.parametrize(("speed", "push"), [(1000.0, 1e-6), (30.0, 1e-8)])
+def test_a_probe_that_flies_on_under_a_small_thrust_passes(speed, push, method):
+    """Its energy is known to rounding of the whole, which is as much as the thrust adds; it was said to fail."""
+    velocity = speed * np.array([1.0, 0.3, -0.2])
+    probe = Body("probe", 3.0, (0.3, 0.4, 0.5), com=(0.1, -0.2, 0.05), velocity=velocity, omega=(0, 0, 0))
+    run = simulate(System([probe], forces=[Force(probe, (push, 0, 0))], gravity=(0, 0, 0)), 10.0, method=method)
+    assert run.certificate.passed, run.certificate.failures
+    assert run.velocity(probe)[-1] == pytest.approx(velocity + [10.0 * push / 3.0, 0, 0], rel=1e-12)

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from ...base.checks import number, vector
 from ...base.errors import InputError
 from ...compiler.jit import inner_kernel
-from ...kernels.force_laws import push
+from ...kernels.force_laws import push, tanh
 from ...kernels.vectors import arm, dot, point, point_velocity, scale, sub
 from ..bodies import Body, Ground
 from ..force_element import ForceElement, ForceRecord, check_pair, hinge_coordinate
@@ -143,7 +143,7 @@ class TorsionSpring(ForceElement):
 @inner_kernel
 def friction(m, d, p, out, t):
     """Load -(T tanh(x_dot / v0) + c x_dot) along a hinge coordinate; value = T, c, v0."""
-    out.load = -p.value[0] * np.tanh(out.rate / p.value[2]) - p.value[1] * out.rate
+    out.load = -p.value[0] * tanh(out.rate / p.value[2]) - p.value[1] * out.rate
     out.power = out.load * out.rate
 
 

@@ -1,11 +1,7 @@
-"""Curves of a tyre: force and trail over the deflection, stiffness and grip over the load, and tanh."""
-
-import numpy as np
+"""Curves of a tyre: force and trail over the deflection, stiffness and grip over the load."""
 
 from ...compiler.jit import inner_kernel
 
-FAST = 20.0
-"""Where tanh is 1 to rounding."""
 LEAST = 0.1
 """Share of grip and stiffness that no load takes away."""
 SLIDING = 1.5
@@ -22,17 +18,6 @@ def at_least(x, least):
 def sensitive(k, load):
     """Share 1 - k (N/N0 - 1) of a coefficient that is left at a load, given as N/N0."""
     return at_least(1.0 - k * (load - 1.0), LEAST)
-
-
-@inner_kernel
-def rolling(x):
-    """tanh(x), without the powers of e that overflow in its derivative."""
-    way = 1.0 + 0.0 * x
-    if x.real < -FAST:
-        way = -way
-    elif x.real < FAST:
-        way = np.tanh(x)
-    return way
 
 
 @inner_kernel

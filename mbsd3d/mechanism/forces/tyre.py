@@ -12,7 +12,7 @@ from ...base.checks import number, vector
 from ...base.directions import unit
 from ...base.errors import InputError
 from ...compiler.jit import inner_kernel
-from ...kernels.force_laws import push, twist
+from ...kernels.force_laws import push, tanh, twist
 from ...kernels.signals import signal
 from ...kernels.vectors import add, arm, cross, dot, mat, point, point_velocity, put, rotate, scale, sub, vec
 from ..bodies import GROUND, Body, Ground
@@ -20,7 +20,7 @@ from ..contacts import checked_plane
 from ..force_element import ForceElement, ForceRecord, check_pair
 from ..rounded import Rounded, circle
 from ..signals import Signal, as_signal
-from .tread import at_least, brush, rolling, sensitive
+from .tread import at_least, brush, sensitive
 
 CREEP, TURNING = 0.05, 0.01
 """Speeds [m/s] of the tread and of the hub at which rolling resistance and moment about the normal reach 76 %."""
@@ -80,10 +80,10 @@ def tyre(m, d, p, out, t):
         force, trail = brush(q)
     F_x, F_y = N * force * pull_x, N * (force * pull_y - instant * C_g * lean)
     by_slip = N * force * (pull_y + (1.0 - instant) * C_g * lean)
-    M_z = rolling(speed / TURNING) * (N * m.number[p.number + 6] * lean - x[9] * trail * by_slip)
+    M_z = tanh(speed / TURNING) * (N * m.number[p.number + 6] * lean - x[9] * trail * by_slip)
     reach = sub(s, hub)
     radius = np.sqrt(dot(reach, reach))
-    M_y = -x[10] * N * radius * rolling(dot(w, axle) * radius / CREEP)
+    M_y = -x[10] * N * radius * tanh(dot(w, axle) * radius / CREEP)
 
     F = add(scale(N, n), add(scale(F_x, ahead), scale(F_y, left)))
     M = add(scale(M_y, left), scale(M_z, n))

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from ...base.errors import InputError
 
 POLYNOMIAL, SINE, SPLINE = 0, 1, 2
+SMALL = 1e-3  # of the range of a table: what does not turn back by more is no pulse
 
 
 class Term(NamedTuple):
@@ -67,6 +68,45 @@ def _spline(data: np.ndarray, t: np.ndarray, order: int) -> np.ndarray:
     if order == 0:
         return ((c3 * s + c2) * s + c1) * s + c0
     return (3.0 * c3 * s + 2.0 * c2) * s + c1 if order == 1 else 6.0 * c3 * s + 2.0 * c2
+
+
+def turning_times(data: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(k,) times [s] where a spline turns back, or begins or ends to be flat, and whether its second derivative jumps.
+
+    Read at its breaks and between them, where it swings after a sharp corner. Steps of an integrator that end there see
+    every pulse, however short it is and however long they are.
+    """
+    n = int(data[0])
+    breaks, second = data[1 : n + 2], 2.0 * data[n + 2 :].reshape(n, 4)[:, 1]
+    times = np.append(np.column_stack([breaks[:-1], 0.5 * (breaks[:-1] + breaks[1:])]).ravel(), breaks[-1])
+    values = _spline(data, times, 0)
+    rise, least = np.diff(values), SMALL * np.ptp(values)
+    flat = np.abs(rise) <= SMALL * least
+    edges = 1 + np.flatnonzero(flat[1:] != flat[:-1])
+    places = np.union1d(edges, 1 + np.flatnonzero(rise[1:] * rise[:-1] < 0.0)).tolist()
+    places = [0, *places, 2 * n]
+    turns = [places[k] for k in _reversals(values[places].tolist(), least)]
+    before = np.nextafter(breaks[1:-1], -np.inf)
+    jumps = 2 + 2 * np.flatnonzero(np.abs(second[1:] - _spline(data, before, 2)) > SMALL * np.abs(second).max())
+    found = np.unique(np.concatenate([edges, turns, jumps])).astype(int)
+    return times[found], np.isin(found, jumps)
+
+
+def _reversals(values: list[float], least: float) -> list[int]:
+    """Places behind the first one from which the values go back by more than ``least``."""
+    found, low, high, rising, falling = [], 0, 0, True, True
+    for k, value in enumerate(values):
+        if rising:
+            high = k if value > values[high] else high
+        if falling:
+            low = k if value < values[low] else low
+        if rising and values[high] - value > least:
+            found.append(high)
+            low, rising, falling = k, False, True
+        elif falling and value - values[low] > least:
+            found.append(low)
+            high, rising, falling = k, True, False
+    return [k for k in found if k > 0]
 
 
 _EVALUATE = {POLYNOMIAL: _polynomial, SINE: _sine, SPLINE: _spline}
