@@ -13,7 +13,7 @@ from .memory import DONE, FULL, RUNNING
 ROUNDING = 1e-15  # of a work or an impulse is what a step may always err: less cannot be had
 LOCAL = 0.1  # of rtol is what a single step may err, since errors add up over a run
 
-CLOSE, STUCK = 1e-6, 1e-4  # a share as that below; of the way to a singular position: who passes it goes faster
+CLOSE, STUCK = 1e-5, 1e-4  # a share as that below; of the way to a singular position: who passes it goes faster
 NEARLY_SINGULAR = 0.1  # share of the largest it has been to which a pivot of the loop rows has fallen
 BETTERED, LOST = 0.25, 1e3  # what a shorter step leaves of an error, unless rounding is its cause; more is no step
 
