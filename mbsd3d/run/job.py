@@ -20,7 +20,7 @@ from ..equations.compiled import Compiled
 from ..equations.elimination import eliminate
 from ..equations.jacobian import scaled_rows
 from ..integrators import memory
-from ..integrators.memory import Run, new_run
+from ..integrators.memory import NEVER, Run, new_run
 from ..integrators.method import Method
 from ..integrators.outputs import write
 from ..integrators.step_control import CLOSE
@@ -85,9 +85,10 @@ class Job:
         widths = (1, y.size, 6 * n, m.row.size, m.coordinate.size, m.force.size, m.force.size, 2)
         capacity = buffer_size(CAPACITY if times is None else times.size + 1, sum(widths)) + 2
         self.samples = Samples(widths, capacity if times is None else times.size + 1)
+        adaptive = method.dt is None and not self.record.kinematic  # only these steps end where signals turn
         run = new_run(
             y, self.model.body.size, np.zeros(0) if times is None else times, capacity, sum(widths), method.dense_terms,
-            turns_of_signals(m, t),
+            turns_of_signals(m, t) if adaptive else NEVER,
         )  # fmt: skip
         task, now = run.task, run.now
         task.t_start, task.t_end, task.rtol, task.tolerance = t, t_end, rtol, max(self.tolerance, 1e-9)
