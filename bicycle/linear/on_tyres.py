@@ -94,7 +94,7 @@ def study(parameters: Parameters, speeds: ArrayLike, build: Build) -> TyreStabil
         return (linear if speed > 0.0 else direct).A(speed)
 
     values, names = followed([np.linalg.eig(A(v)) for v in speeds.tolist()])
-    if speeds[0] > 0.0 or isinstance(linear, SpeedBySpeed):
+    if speeds[0] > 0.0 or linear is direct:
         limits = linear.limits(speeds)
     else:  # the equations of rolling ahead are not those of rolling back
         limits = *direct.limits(np.append(speeds[speeds < 0.0], 0.0)), *linear.limits(np.array([0.0, speeds[-1]]))

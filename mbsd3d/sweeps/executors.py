@@ -86,7 +86,7 @@ def cores() -> int:
 
 @contextmanager
 def closing(pool: Executor, abandon: Callable[[], None] | None = None) -> Iterator[Executor]:
-    """A pool that is closed at the end; on an error running cells are abandoned: processes by a kill."""
+    """A pool that is closed at the end; on an error running cells are abandoned: processes are told to end."""
     try:
         yield pool
     except BaseException:
@@ -149,21 +149,23 @@ def stream(
 
 def begin_worker() -> None:
     """Leave Ctrl-C to the parent, and end with it, however it ends."""
-    reader, writer = os.pipe()
+    told = []
     if os.name == "posix":  # elsewhere a process that is told to end is not asked
+        reader, writer = os.pipe()
         os.set_blocking(writer, False)
         signal.set_wakeup_fd(writer)
         signal.signal(signal.SIGTERM, lambda *_: None)  # the thread answers: Python has no turn in the compiler
+        told = [reader]
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     gc.freeze()  # what was imported is no garbage: cells allocate much, and would have it looked through each time
-    Thread(target=end_in_time, args=(reader,), daemon=True).start()
+    Thread(target=end_in_time, args=(told,), daemon=True).start()
 
 
-def end_in_time(reader: int) -> None:
+def end_in_time(told: list[int]) -> None:
     """End when told to, or with the parent, also by ``kill -9``: at once, and leave no file that is not whole."""
     parent = multiprocessing.parent_process()
     if parent is not None:
-        wait_for_end([parent.sentinel, *([reader] if os.name == "posix" else ())])
+        wait_for_end([parent.sentinel, *told])
         drop_pieces()
         os._exit(1)
 
