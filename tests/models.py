@@ -8,6 +8,7 @@ from mbsd3d import (
     AngleDriver,
     Body,
     ConstantVelocity,
+    Contact,
     Cylindrical,
     Distance,
     Fixed,
@@ -33,6 +34,7 @@ from mbsd3d import (
     System,
     Torque,
     Universal,
+    shapes,
 )
 from mbsd3d.base.quaternions import multiply
 from mbsd3d.base.rotations import matrix
@@ -226,6 +228,15 @@ def spinning_wheel(rate):
     wheel = Body("wheel", 1.3, (0.11, 0.23, 0.17), com=(0.02, -0.05, 0.03), velocity=(0, 0, 0), omega=rate * axis)
     hinge = Revolute(GROUND, wheel, at=(0, 0, 0), axis=axis)
     return System(bodies=[wheel], joints=[hinge], gravity=(0, 0, 0)), hinge
+
+
+def dropped_wheel(rng):
+    """(height [m], a wheel that falls without turning on a tyre that only presses)."""
+    h, damping, m, r = rng.uniform((0.05, 100.0, 10.0, 0.2), (0.3, 800.0, 30.0, 0.4))
+    wheel = Body("wheel", m, (0.3 * m * r**2, 0.6 * m * r**2, 0.31 * m * r**2), position=(0.3, -0.2, r + h),
+                 velocity=(0, 0, 0), omega=(0, 0, 0))  # fmt: skip
+    road = Contact(GROUND, wheel, shapes.Torus(0.9 * r, 0.1 * r, "y"), stiffness=1.5e5, damping=damping)
+    return h, System([wheel], forces=[road], gravity=(0, 0, -9.81), name=f"{h:.4f} m, {damping:.1f} N s/m")
 
 
 def same_rotation(first, second):
