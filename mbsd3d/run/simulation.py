@@ -19,6 +19,7 @@ from ..mechanism.state import State
 from ..results.run_result import RunResult
 from .job import Job
 
+SHORTEST = 1e-12  # of the time, the shortest run: a hundred of the shortest steps
 MOST_STEPS = 1e9  # of a run with fixed steps: days
 MOST_NUMBERS = 2**30  # that the samples of a run may hold: 8 GB
 
@@ -42,7 +43,7 @@ def run_to(
     t_end = number(t_end, "simulate: t_end")
     if method.dt is not None and (steps := (t_end - start.t) / method.dt) > MOST_STEPS:
         raise InputError(f"simulate: dt = {method.dt:g} s needs {steps:.2g} steps; give a longer one")
-    if not t_end > start.t:
+    if not t_end - start.t > SHORTEST * abs(t_end):
         raise InputError(
             f"simulate: t_end = {t_end:g} s does not lie after the start at {start.t:g} s; give a later time"
         )

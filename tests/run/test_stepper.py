@@ -104,6 +104,11 @@ def test_driven_poses_follow_from_slice_to_slice():
     assert stepper.solution().t.tolist() == [0.0, 0.4, 1.7, 4.0]
 
 
+def test_driven_poses_need_drivers_for_every_freedom():
+    with pytest.raises(ValueError, match="Kinematic: 1 of 6 freedoms are not determined"):
+        Stepper(rotor(0.5)[0], method=Kinematic())
+
+
 def test_inputs_hold_until_they_change():
     """Torque 2 u + 1: the angle is a parabola in each slice; two terms of one name change together."""
     push = Input("push", 0.25)
@@ -189,7 +194,11 @@ def test_nothing_is_kept_on_request():
     stepper = Stepper(double_pendulum(), keep=False)
     for k in range(3000):  # more than the buffer of the time loop holds
         stepper.advance(1e-4 * (k + 1))
-    assert stepper.solution().t.size == 0
+    empty = stepper.solution()
+    assert empty.t.size == 0
+    assert not empty.certificate.passed  # nothing was looked at
+    with pytest.raises(ValueError, match="no samples"):
+        empty.at(0.1)
     whole = Stepper(double_pendulum())
     for k in range(3000):
         whole.advance(1e-4 * (k + 1))
@@ -226,8 +235,9 @@ def test_errors_name_what_is_wrong():
         stepper.set("pull", 1.0)
     with pytest.raises(ValueError, match="input 'push': not finite"):
         stepper.set("push", np.nan)
-    with pytest.raises(ValueError, match=r"t = 1 s does not lie after 1 s"):
-        stepper.advance(1.0)
+    for t in (1.0, np.nextafter(1.0, 2.0)):  # what rounding adds is no slice
+        with pytest.raises(ValueError, match=r"t = 1 s does not lie after 1 s"):
+            stepper.advance(t)
     with pytest.raises(ValueError, match="method 'DOP853' is unknown"):
         Stepper(system, method="DOP853")
     with pytest.raises(ValueError, match="two inputs 'push' start with 0 and 1"):
