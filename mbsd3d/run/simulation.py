@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.checks import floats, number, shown
+from ..base.checks import SMALLEST, floats, number, shown
 from ..base.errors import InputError
 from ..base.progress import Progress
 from ..equations.compiled import Compiled, Switches, compile_system
@@ -43,7 +43,7 @@ def run_to(
     t_end = number(t_end, "simulate: t_end")
     if method.dt is not None and (steps := (t_end - start.t) / method.dt) > MOST_STEPS:
         raise InputError(f"simulate: dt = {method.dt:g} s needs {steps:.2g} steps; give a longer one")
-    if not t_end - start.t > SHORTEST * abs(t_end):
+    if not t_end - start.t > max(SHORTEST * abs(t_end), SMALLEST):
         raise InputError(
             f"simulate: t_end = {t_end:g} s does not lie after the start at {start.t:g} s; give a later time"
         )

@@ -238,6 +238,9 @@ def test_errors_name_what_is_wrong():
     for t in (1.0, np.nextafter(1.0, 2.0)):  # what rounding adds is no slice
         with pytest.raises(ValueError, match=r"t = 1 s does not lie after 1 s"):
             stepper.advance(t)
+    for t_end in (np.nextafter(1.0, 2.0), 1e-320):  # no step of any method is as short
+        with pytest.raises(ValueError, match="does not lie after the start"):
+            simulate(system, t_end, state=replace(system.state(), t=float(round(t_end))))
     with pytest.raises(ValueError, match="method 'DOP853' is unknown"):
         Stepper(system, method="DOP853")
     with pytest.raises(ValueError, match="two inputs 'push' start with 0 and 1"):
