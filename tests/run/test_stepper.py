@@ -182,6 +182,19 @@ def test_a_tighter_run_repeats_the_changes():
     assert solution.estimate().error < 1e-7
 
 
+def test_a_run_again_has_the_samples_that_are_asked_for():
+    ride = controlled().solution()
+    end = float(ride.t[-1])
+    for output in (3, [0.3 * end, 0.5 * end], [0.0, end]):  # the ends of the slices are not among them
+        again = ride.again(output=output)
+        assert again.t.tolist() == (np.linspace(0.0, end, 3) if output == 3 else np.array(output)).tolist()
+    assert np.array_equal(again.final.q, ride.final.q)
+    with pytest.raises(ValueError, match="a ride in slices is not repeated with stop_when"):
+        ride.again(stop_when=measures.position(ride.system.bodies[0], axis=(0, 0, 1)) > 1.0)
+    with pytest.raises(ValueError, match="not repeated with output=None"):
+        ride.again(output=None)
+
+
 def test_stepping_on_from_a_solution_repeats_nothing():
     stepper = controlled()
     before = stepper.solution()
