@@ -7,18 +7,17 @@ from typing import Any
 
 import numpy as np
 
-from ..base.checks import number
+from ..base.checks import number, shown
 from ..base.errors import InputError
 from ..equations.compiled import Switches
 from ..equations.inputs import History
 from ..integrators.method import Method
+from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from ..results.run_result import RunResult
 from ..run.simulation import check_end, output_times
 from ..run.slices import Slices
-from .simulation import start_of
 from .solution import Solution
-from .system import System
 
 SWITCHES = tuple(x.name for x in fields(Switches))
 
@@ -30,10 +29,10 @@ def played(result: RunResult) -> Solution:
 
 def replay(
     history: History,
-    system: System,
+    system: Mechanism,
     t_end: float,
     *,
-    state: State | None,
+    state: State,
     output: int | Sequence[float],
     method: Method,
     rtol: float,
@@ -47,7 +46,8 @@ def replay(
             f"solution.again: a ride in slices is not repeated with {', '.join(others) or 'output=None'}; give t_end, "
             f"state, output (a count or times), method, rtol, as_built, {', '.join(SWITCHES)}"
         )
-    state = start_of(system, state, "solution.again", as_built)
+    if not isinstance(state, State):
+        raise InputError(f"solution.again: state {shown(state)} is not a State; give one, e.g. ride.state(0)")
     t_end = check_end(number(t_end, "solution.again: t_end"), state.t)
     wanted = set(output_times(output, state.t, t_end, method).tolist())
     run = Slices(system, state, switches, method, rtol, as_built, ())
