@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from matplotlib.figure import Figure
 
+from ..base.errors import InputError
 from .figure import Panel, figure_of
 
 if TYPE_CHECKING:
@@ -75,7 +76,11 @@ class Outcome:
 
     @cached_property
     def figure(self) -> Figure:
-        """The panels side by side."""
+        """The panels side by side; an InputError where there are none."""
+        if not self.panels:
+            raise InputError(
+                f"'{self.title}' has nothing to draw; give curves in what its measure returns, or run it with all terms"
+            )
         return figure_of(self.title, self.panels)
 
     @cached_property

@@ -86,12 +86,15 @@ def finite(value: float) -> float | None:
 def write(demo: Demo, outcome: Outcome, folder: Path, *, pages: bool = True, without: str | None = None) -> list[Path]:
     """Write the figure as <demo>.png and <demo>.svg, every run as <run>.npz and <run>.csv, every view as <view>.html.
 
-    The views, written if ``pages``, need the package viser.
+    The views, written if ``pages``, need the package viser. A demo whose only panel is theory over a parameter has no
+    figure without a term.
     """
-    outcome.figure.get_layout_engine().execute(outcome.figure)
-    outcome.figure.set_layout_engine("none")  # placed once, not again for each format
-    stem = f"{demo.name}_without_{without}" if without else demo.name
-    written = save_figure(outcome.figure, folder / stem)
+    written = []
+    if outcome.panels:
+        outcome.figure.get_layout_engine().execute(outcome.figure)
+        outcome.figure.set_layout_engine("none")  # placed once, not again for each format
+        stem = f"{demo.name}_without_{without}" if without else demo.name
+        written += save_figure(outcome.figure, folder / stem)
     for name, solution in outcome.solutions.items():
         written += [solution.save(folder / name), solution.to_csv(folder / name)]
     for name, (solution, options) in outcome.views.items() if pages else ():

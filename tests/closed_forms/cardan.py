@@ -43,25 +43,12 @@ def cardan_harmonics(bend: float, count: int) -> Array:
     return 2 * np.tan(bend / 2) ** (2 * np.arange(1, count + 1))
 
 
-def double_cardan_angle(angle: ArrayLike, first: float, second: float, phasing: float = 0.0) -> Array:
-    """Output angle of two universal joints with a shaft between them, all three shafts in one plane.
-
-    Aligned yokes on the middle shaft (``phasing = 0``) run the second joint backwards:
-    ``tan(out) = cos(first) tan(in) / cos(second)``, so equal bends give out = in, ratio 1.
-
-    ``angle``: input angle as in :func:`cardan_angle` [rad]; ``first, second``: bend of the two joints, Z or W
-    arrangement alike [rad]; ``phasing``: angle by which the second yoke of the middle shaft is turned from the aligned
-    pose [rad]. Returns output angle, 0 at input angle 0 [rad].
-    """
-    quarter = np.pi / 2 + phasing
-    return cardan_angle(cardan_angle(angle, first) + quarter, second) - cardan_angle(quarter, second)
-
-
 def double_cardan_ratio(angle: ArrayLike, first: float, second: float, phasing: float = 0.0) -> Array:
     """Output over input rate of two universal joints, the product of both ratios.
 
-    ``angle``: input angle as in :func:`cardan_angle` [rad]; ``first, second, phasing``: as in
-    :func:`double_cardan_angle` [rad]. Returns ratio [-].
+    ``angle``: input angle as in :func:`cardan_angle` [rad]; ``first, second``: bend of the two joints, Z or W
+    arrangement alike [rad]; ``phasing``: angle by which the second yoke of the middle shaft is turned from the aligned
+    pose, in which equal bends give 1 [rad]. Returns ratio [-].
     """
     middle = cardan_angle(angle, first) + np.pi / 2 + phasing
     return cardan_rate(angle, first) * cardan_rate(middle, second)

@@ -1,4 +1,4 @@
-"""Pendulums, tops and free bodies in closed form, and the quaternion whose rate is frozen: what only tests ask."""
+"""Tops and free bodies in closed form, and the quaternion whose rate is frozen: what only tests ask."""
 
 from typing import NamedTuple
 
@@ -7,34 +7,6 @@ from numpy.typing import ArrayLike
 
 from validation.theory import elliptic_phase, jacobi, polhode, quarter_period, rotation_matrix
 from validation.theory.common import EXTENDED, Array, Attitude, product, turn
-from validation.theory.one_freedom import _pendulum_modulus
-
-
-def pendulum_period(frequency: float, angle: float, rate: float = 0.0) -> float:
-    """Period of a pendulum of any amplitude: full swing ``4 K(k^2) / w0``, or one turn ``2 K(1 / k^2) / (k w0)``.
-
-    ``k^2 = sin^2(angle / 2) + (rate / 2 w0)^2``; k > 1 means that it goes over the top.
-
-    ``frequency``: small-oscillation frequency w0 [rad/s]; ``angle, rate``: state at any instant, angle from the lowest
-    position [rad], [rad/s]. Returns period [s].
-    """
-    k2, m1 = _pendulum_modulus(frequency, angle, rate)
-    if k2 <= 1:
-        return 4 * quarter_period(m1) / frequency
-    return 2 * quarter_period(-m1 / k2) / (np.sqrt(k2) * frequency)
-
-
-def hinge_force(
-    mass: float, arm: ArrayLike, axis: ArrayLike, rate: float, acceleration: float, gravity: ArrayLike
-) -> Array:
-    """Total force of its hinges on a body that turns about a fixed axis, ``m (alpha u x s + w^2 u x (u x s) - g)``.
-
-    ``mass``: [kg]; ``arm`` (3,): s from any point of the axis to the centre of mass, world [m]; ``axis`` (3,): unit
-    vector u, world [-]; ``rate, acceleration``: angular rate w [rad/s] and acceleration alpha about the axis [rad/s^2];
-    ``gravity`` (3,): world [m/s^2]. Returns (3,): force, world [N].
-    """
-    side = np.cross(axis, arm)
-    return mass * (acceleration * side + rate**2 * np.cross(axis, side) - np.asarray(gravity))
 
 
 def sleeping_spin(transverse: float, axial: float, weight_moment: float) -> float:
@@ -131,27 +103,6 @@ def free_symmetric_body(
     return Attitude(np.einsum("nji,j->ni", spin, omega), rotation)
 
 
-def free_rod_point(
-    t: ArrayLike, centre: ArrayLike, velocity: ArrayLike, arm: ArrayLike, omega: ArrayLike
-) -> tuple[Array, Array]:
-    """Point of a free thin rod: ``r = r_G + v t + s cos(w t) + (w x s) sin(w t) / |w|``.
-
-    ``t`` (n,): times [s]; ``centre, velocity`` (3,): centre of mass at t = 0 [m] and its velocity [m/s], world; ``arm``
-    (3,): from the centre of mass to the point at t = 0, along the rod, world [m]; ``omega`` (3,): angular velocity, at
-    right angles to the rod, world [rad/s]. Returns position, velocity (n, 3): of the point, world [m], [m/s].
-    ValueError if ``omega`` has a component along the rod.
-    """
-    t = np.atleast_1d(np.asarray(t, dtype=float))[:, None]
-    centre, velocity, arm, omega = (np.asarray(a, dtype=float) for a in (centre, velocity, arm, omega))
-    speed = np.linalg.norm(omega)
-    if abs(arm @ omega) > 1e-12 * np.linalg.norm(arm) * speed:
-        raise ValueError(f"omega {omega} of the rod: remove the component along the rod, it turns nothing")
-    side = np.cross(omega, arm)
-    swing = np.sinc(speed * t / np.pi) * t
-    position = centre + velocity * t + arm * np.cos(speed * t) + side * swing
-    return position, velocity - arm * speed**2 * swing + side * np.cos(speed * t)
-
-
 def quaternion(rotation: ArrayLike) -> Array:
     """Unit quaternions of rotation matrices, sign such that the largest component is positive.
 
@@ -188,11 +139,3 @@ def ghost_angle(turns: ArrayLike) -> Array:
     ``turns``: true revolutions [-]. Returns angle [rad].
     """
     return 2 * np.arctan(np.pi * np.asarray(turns))
-
-
-def ghost_norm(turns: ArrayLike) -> Array:
-    """Length of the frozen quaternion, ``sqrt(1 + (pi turns)^2)``.
-
-    ``turns``: true revolutions [-]. Returns length, 1 for a rotation [-].
-    """
-    return np.hypot(1.0, np.pi * np.asarray(turns))

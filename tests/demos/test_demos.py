@@ -201,6 +201,15 @@ def plugins(monkeypatch):
     return install
 
 
+def test_what_is_drawn_over_a_parameter_alone_has_no_figure_without_a_term(tmp_path):
+    demo = own_demos()["crossed_gears"]
+    found = demo.run("helix")
+    files = write(demo, found, tmp_path, pages=False, without="helix")
+    assert {path.suffix for path in files} == {".npz", ".csv"}
+    with pytest.raises(InputError, match="'Crossed screws as gears' has nothing to draw; give curves"):
+        found.figure  # noqa: B018
+
+
 def test_demos_of_other_packages_join(plugins):
     plugins("plugin_demos:good")
     demos = discover()

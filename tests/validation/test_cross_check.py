@@ -16,7 +16,7 @@ from click.testing import CliRunner
 from models import all_joints_mechanism, consistent_state, pendulum
 
 import validation
-from mbsd3d import GROUND, AngleDriver, Body, Ramp, Revolute, StateFeedback, System, measures, simulate
+from mbsd3d import GROUND, AngleDriver, Body, PointOnLine, Ramp, Revolute, StateFeedback, System, measures, simulate
 from mbsd3d.cli import main
 from validation import cross_check
 from validation.cases.mechanisms import chain
@@ -454,6 +454,17 @@ def mutated(*arguments):
 
 NEVER_AT_REST = {"turn_rate"}
 """A start that a wrong J of a speed driver does not allow is refused by our own run, which names the joint."""
+
+
+class Own(PointOnLine):
+    """A joint of the user's, which nobody else has."""
+
+
+def test_a_joint_of_ones_own_is_not_compared_and_named():
+    load = Body("load", 3.0, (0.1, 0.2, 0.15), com=(0.1, 0.02, 0.03), position=(0.3, 0.1, -0.4), omega=(0.2, 0.1, 0.4))
+    check = cross_check(System([load], [Own(GROUND, load, at=(0.3, 0, 0), axis=(1, 0.2, 0.1), name="rail")]), 0.1)
+    assert not check.passed and not check.compared
+    assert all(said.startswith("not compared: joint 'rail' (Own)") for said in check.verdict.values())
 
 
 @pytest.mark.parametrize("kernels", [("roll",), pytest.param((), marks=pytest.mark.slow)], ids=len)

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbsd3d import Solution, State, System, accelerations, simulate
+from mbsd3d.extend import equations
 from validation.twins.base import Array, Load, Motion
-from validation.twins.definitions.equations import constraint_rows
 
 POSES = ("position", "rotation", "velocity", "angular velocity")  # Quantities that the others are made of
 
@@ -133,7 +133,7 @@ LOOSE, TIGHT = 1e-10, 1e-12
 """rtol of the run that is compared, TIGHT, and of the one that tells its error: 100 times looser."""
 NUDGE = 1e-6  # Of the neighbouring start, relative: far above the error of the runs, far below what bends the growth
 RANK = 1e-9
-"""Singular values of J below this part of the greatest are zero, as in `validation.twins.definitions.equations`."""
+"""Singular values of J below this part of the greatest are zero."""
 
 
 @dataclass(frozen=True)
@@ -177,7 +177,7 @@ def whole_run(system: System, t_end: float, state: State, rtol: float, output: A
 
 def neighbour(system: System, state: State, size: Sizes) -> State:
     """The start with general velocities added, NUDGE of the run's speeds, that all joints allow."""
-    J = constraint_rows(system, state)[0] if system.joints else np.zeros((0, state.v.size))
+    J = equations(system, state)[2]
     units = np.tile([size.speed] * 3 + [size.spin] * 3, len(system.bodies))
     _, s, Vt = np.linalg.svd(J * units)
     free = Vt[int((s > RANK * s.max(initial=0.0)).sum()) :]
