@@ -1,4 +1,4 @@
-"""``python -m validation.benchmark``: work against precision, and our own speed."""
+"""``python -m validation.benchmark``: work against precision, redundancy against peers, and our own speed."""
 
 import sys
 from dataclasses import asdict
@@ -10,7 +10,7 @@ import click
 from mbsd3d.errors import InputError
 from mbsd3d.extend import INTERRUPTED, Failure, ready_folder, write_atomically
 
-PARTS = ("precision", "speed")
+PARTS = ("precision", "redundancy", "speed")
 LEDGER, DATA, TEXT, FIGURE = "precision.db", "precision.json", "precision.txt", "work_precision"
 SPEED = "speed.json"
 
@@ -33,7 +33,7 @@ SPEED = "speed.json"
 )
 @click.option("--pictures", type=click.Path(file_okay=False, path_type=Path), help="Write the figure there too.")
 def main(parts: tuple, names: tuple, listed: bool, out: Path, fresh: bool, stored: bool, pictures: Path | None) -> None:
-    """Measure speed: error against wall time beside MuJoCo and Exudyn, and mbsd3d alone.
+    """Measure speed: error against wall time beside MuJoCo and Exudyn, redundant rows, and mbsd3d alone.
 
     All engines run in turns, in one process and on one thread, each with the best of the settings that are tried.
     Trust ratios, not times, and only those of an idle machine. Everything takes less than ten minutes.
@@ -63,6 +63,10 @@ def run(parts: tuple, names: tuple, listed: bool, out: Path, fresh: bool, stored
     sys.exudynFast = True  # its build without range checks, which is what one measures; read at its first import
     if "precision" in parts:
         precision(names or tuple(PROBLEMS), out, fresh, pictures)
+    if "redundancy" in parts:
+        from validation.benchmark.counts import report
+
+        click.echo("\n" + "\n".join(report()))
     if "speed" in parts:
         from validation.benchmark import speed
 

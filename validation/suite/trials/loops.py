@@ -5,10 +5,11 @@ from functools import partial
 
 import numpy as np
 
+from validation.benchmark.counts import Count
 from validation.cases.loops import FAMILIES, as_axes
 from validation.suite.findings import FREEDOMS, THEORY, Finding
 from validation.suite.trials.closed_forms import Pairs
-from validation.suite.trials.references import Count, counts, theory_of
+from validation.suite.trials.references import counts, theory_of
 from validation.suite.trials.trial import Run, Trial, run
 
 SEEDS = 3  # of each family in the whole list

@@ -3,20 +3,18 @@
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import partial
-from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d import System, accelerations, linearize, measures
+from mbsd3d import accelerations, linearize, measures
 from validation import cases
+from validation.benchmark.counts import Count, counted, counted_by_exudyn
 from validation.cases.comparison import compare, condition
 from validation.cases.robot import hinge_accelerations, robot_poses
 from validation.suite.findings import FREEDOMS, PLANE, REFERENCE, THEORY, Finding, judged, not_compared
 from validation.suite.trials.closed_forms import CLOSED_FORMS, Pairs
 from validation.suite.trials.engines import in_the_plane
 from validation.suite.trials.trial import RTOL, STANDS, Run, Trial, run
-from validation.twins import exudyn
-from validation.twins.base import NotComparable
 
 SHIFT = 7
 """Seed of the shifts that put every reference point off its centre of mass: r_G = 0 would hide half of the terms."""
@@ -78,34 +76,6 @@ def reference(made: Run) -> Iterable[Finding]:
         yield judged(REFERENCE, "columns without a rule", len(found.left_out), 0, ", ".join(found.left_out))
 
 
-class Count(NamedTuple):
-    """What the constraints do."""
-
-    rows: int
-    rank: int
-    mobility: int
-    redundant: int
-
-
-def counted(system: System) -> Count:
-    """Ours, from `check`."""
-    found = system.check()
-    return Count(found.rows, found.rank, found.mobility, found.redundant)
-
-
-def counted_by_exudyn(system: System) -> Count | str:
-    """Exudyn's, by its ``ComputeSystemDegreeOfFreedom``, or why it does not count.
-
-    Its rows are its algebraic equations without those that only set a multiplier of a free direction to zero.
-    """
-    try:
-        found: dict[str, Any] = exudyn.twin(system).degrees_of_freedom()
-    except NotComparable as error:
-        return str(error)
-    rows, redundant = found["nAE"] - found["nPureAE"], found["redundantConstraints"]
-    return Count(*map(int, (rows, rows - redundant, found["degreeOfFreedom"], redundant)))
-
-
 def freedoms(made: Run) -> Iterable[Finding]:
     """Rows, rank, redundant rows and freedoms as the file counts them, and as Exudyn does."""
     return counts(made, {"the file": counted_in(made.source), "Exudyn": counted_by_exudyn(made.system)})
@@ -116,7 +86,7 @@ def counts(made: Run, known: Mapping[str, Count | str]) -> Iterable[Finding]:
     ours = counted(made.system)
     for who, theirs in known.items():
         if isinstance(theirs, str):
-            yield not_compared(FREEDOMS, f"{who}: {theirs}")
+            yield not_compared(FREEDOMS, f"{who}: {theirs.removeprefix('not compared: ')}")
             continue
         wrong = sum(x != y for x, y in zip(ours, theirs, strict=True))
         text = ", ".join(f"{name} {x}" for name, x in theirs._asdict().items())
