@@ -84,7 +84,7 @@ class Reduction:
             run = planar.kinematics(plane.system, times)
             for joint in plane.system.joints:
                 a, _ = joint.rows()[0].bodies
-                if a is not planar.GROUND or (isinstance(joint, planar.AngleDriver) and not driver):
+                if a is not planar.GROUND or (isinstance(joint, planar.Driver) and not driver):
                     continue
                 reaction = run.reaction(joint)
                 flat, at = -reaction.force, reaction.point

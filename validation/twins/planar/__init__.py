@@ -13,19 +13,23 @@ Examples
 >>> rod = planar.Body("rod", mass=2.0, inertia=0.1, com=(0.5, 0.0))
 >>> hinge = planar.Revolute(planar.GROUND, rod, at=(0, 0), name="hinge")
 >>> solution = planar.simulate(planar.System([rod], [hinge]), 1.0, dt=1e-3)
->>> round(float(solution.alpha(rod)[0]), 9)  # -m g d / (I + m d^2)
--16.35
+>>> bool(abs(solution.energy().total).max() < 1e-9)
+True
 """
 
 from validation.twins.planar.bodies import GROUND, Body, Motion, Polynomial, Sine, Table, rate
 from validation.twins.planar.joints import (
     AngleDriver,
     Distance,
+    Driver,
     Fixed,
+    Gear,
     Joint,
     Revolute,
+    Rolling,
+    SlideDriver,
     Slider,
 )
-from validation.twins.planar.loads import Force, Spring
-from validation.twins.planar.runs import Reaction, Solution, kinematics, simulate
+from validation.twins.planar.loads import Force, Spring, TorsionSpring
+from validation.twins.planar.runs import Energy, Reaction, Solution, kinematics, simulate
 from validation.twins.planar.system import System

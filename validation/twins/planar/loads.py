@@ -1,4 +1,4 @@
-"""Loads of a planar mechanism: force and spring."""
+"""Loads of a planar mechanism: force, spring, torsion spring."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -38,6 +38,11 @@ class Force(Part):
         return Row(kinds.FORCE, (axes, self.body), (*self.force, *self.at, self.torque), self.motion)
 
 
+def constants(spring: Any, what: str) -> dict[str, float]:
+    """Stiffness and damping, both >= 0."""
+    return {name: number(getattr(spring, name), f"{what}: {name}", minimum=0.0) for name in ("stiffness", "damping")}
+
+
 @dataclass(frozen=True, eq=False)
 class Spring(Part):
     """Spring and damper between two points: pull ``k (l - l0) + c l_dot``; ``length`` None = as at the reference."""
@@ -54,10 +59,29 @@ class Spring(Part):
         check_bodies(self, what)
         span = ends(self, what, "a spring needs a direction; move one")
         length = span if self.length is None else number(self.length, f"{what}: length", minimum=0.0)
-        both = {name: number(getattr(self, name), f"{what}: {name}", minimum=0.0) for name in ("stiffness", "damping")}
-        self.set(length=length, **both)
+        self.set(length=length, **constants(self, what))
 
     def load(self) -> Row:
         """Kind, bodies and numbers."""
         a, b = self.a.local_point(self.at_a), self.b.local_point(self.at_b)
         return Row(kinds.SPRING, (self.a, self.b), (*a, *b, self.stiffness, self.damping, self.length))
+
+
+@dataclass(frozen=True, eq=False)
+class TorsionSpring(Part):
+    """Torque ``-k (angle - angle0) - c rate`` on b, the angle of b relative to a counted from the reference pose."""
+
+    a: Any
+    b: Any
+    stiffness: float = field(kw_only=True)
+    damping: float = field(default=0.0, kw_only=True)
+    angle: float = field(default=0.0, kw_only=True)
+
+    def check(self, what: str) -> None:
+        check_bodies(self, what)
+        self.set(angle=number(self.angle, f"{what}: angle"), **constants(self, what))
+
+    def load(self) -> Row:
+        """Kind, bodies and numbers."""
+        rest = self.angle + self.b.angle - self.a.angle
+        return Row(kinds.TORSION, (self.a, self.b), (self.stiffness, self.damping, rest))

@@ -87,13 +87,19 @@ def finite(x):
 
 @inner
 def record(m, w, q, v, out, k):
-    """Sample k: q, v, v_dot of the bodies and -lam J on body b of every row (its wrench about O)."""
+    """Sample k: q, v, v_dot of the bodies and -lam J on body b of every row (its wrench about O).
+
+    In a gear that body may be the frame of both hinges and hold two of its places.
+    """
     for i in range(q.shape[0] - 1):
         for j in range(3):
             out[0][k, i, j], out[1][k, i, j], out[2][k, i, j] = q[i, j], v[i, j], w.x[i, j]
     for i in range(m.kind.shape[0]):
         for j in range(3):
-            out[3][k, i, j] = -w.lam[m.place[i]] * w.J[2 * i + 1, j]
+            total = w.J[4 * i + 1, j]
+            for other in range(2, 4):
+                total += w.J[4 * i + other, j] * (m.slot[i, other] == m.slot[i, 1])
+            out[3][k, i, j] = -w.lam[m.place[i]] * total
 
 
 @inner

@@ -58,7 +58,7 @@ def inner(function: Callable) -> Callable:
 
 
 COINCIDE, IN_LINE, ANGLE, DISTANCE, SECOND = range(5)  # SECOND: the second row of COINCIDE
-FORCE, SPRING = range(2)
+FORCE, SPRING, TORSION = range(3)
 
 
 class Model(NamedTuple):
@@ -66,11 +66,11 @@ class Model(NamedTuple):
 
     body: np.ndarray  # (n + 1, 6): mass [kg], I_G [kg m^2], r_G (2) [m], 1/sqrt(mass), 1/sqrt(I_G)
     kind: np.ndarray  # (m,)
-    slot: np.ndarray  # (m, 2) bodies; n is the ground
+    slot: np.ndarray  # (m, 4) bodies; n is the ground
     value: np.ndarray  # (m, 8): points in body axes, factors, lengths; see `Row` of parts
     driven: np.ndarray  # (m,) whether a row has a motion
     motion: np.ndarray  # (m, 11): f(t) = sum c_k t^k (6) + A sin(w t + phase); or first of its pieces, their number
-    entry: np.ndarray  # (e, 3): place in J (2 row + slot), place of the row in S, body
+    entry: np.ndarray  # (e, 3): place in J (4 row + slot), place of the row in S, body
     product: np.ndarray  # (p, 4): line and column of S, the two places in J
     place: np.ndarray  # (m,) place of a row in S
     first: np.ndarray  # (m,) first column of a line of S
@@ -86,8 +86,8 @@ class Work(NamedTuple):
     """Work space; body arrays have n + 1 rows."""
 
     frame: np.ndarray  # (n + 1, 4): cos, sin, s
-    J: np.ndarray  # (2 m, 3)
-    Y: np.ndarray  # (2 m, 3)
+    J: np.ndarray  # (4 m, 3)
+    Y: np.ndarray  # (4 m, 3)
     c: np.ndarray  # (m,) residual
     rate: np.ndarray  # (m,) f_dot: J v = f_dot
     gamma: np.ndarray  # (m,)
@@ -161,32 +161,34 @@ def rows(m, w, t, q):
         kind, a, b, p = m.kind[i], m.slot[i, 0], m.slot[i, 1], m.value[i]
         if kind == SECOND:
             continue
-        if kind == ANGLE:  # theta_b - theta_a + offset = f(t)
-            f = motion(m, m.motion[i], t)[0] if m.driven[i] else 0.0
-            w.c[i] = q[b, 2] - q[a, 2] + p[0] - f
-            put(w.J[2 * i], 0.0, 0.0, -1.0)
-            put(w.J[2 * i + 1], 0.0, 0.0, 1.0)
+        f = motion(m, m.motion[i], t)[0] if m.driven[i] else 0.0
+        if kind == ANGLE:  # sum f_k theta_k + offset = f(t)
+            total = p[4] - f
+            for k in range(4):
+                total += p[k] * q[m.slot[i, k], 2]
+                put(w.J[4 * i + k], 0.0, 0.0, p[k])
+            w.c[i] = total
             continue
         Ax, Ay = arm(w.frame[a], p[0], p[1])
         Bx, By = arm(w.frame[b], p[2], p[3])
         ux, uy = q[b, 0] + Bx - q[a, 0] - Ax, q[b, 1] + By - q[a, 1] - Ay
         if kind == COINCIDE:  # u = 0
             w.c[i], w.c[i + 1] = ux, uy
-            put(w.J[2 * i], -1.0, 0.0, Ay)
-            put(w.J[2 * i + 1], 1.0, 0.0, -By)
-            put(w.J[2 * i + 2], 0.0, -1.0, -Ax)
-            put(w.J[2 * i + 3], 0.0, 1.0, Bx)
-        elif kind == IN_LINE:  # n_a . u = 0
+            put(w.J[4 * i], -1.0, 0.0, Ay)
+            put(w.J[4 * i + 1], 1.0, 0.0, -By)
+            put(w.J[4 * i + 4], 0.0, -1.0, -Ax)
+            put(w.J[4 * i + 5], 0.0, 1.0, Bx)
+        elif kind == IN_LINE:  # n_a . u + rho (theta_b - theta_a) + offset = f(t)
             nx, ny = arm(w.frame[a], p[4], p[5])
-            w.c[i] = nx * ux + ny * uy
-            put(w.J[2 * i], -nx, -ny, -((Ax + ux) * ny - (Ay + uy) * nx))
-            put(w.J[2 * i + 1], nx, ny, Bx * ny - By * nx)
-        else:  # DISTANCE: |u| = l
+            w.c[i] = nx * ux + ny * uy + p[6] * (q[b, 2] - q[a, 2]) + p[7] - f
+            put(w.J[4 * i], -nx, -ny, -((Ax + ux) * ny - (Ay + uy) * nx) - p[6])
+            put(w.J[4 * i + 1], nx, ny, Bx * ny - By * nx + p[6])
+        else:  # DISTANCE: |u| = l + f(t)
             length = np.sqrt(ux * ux + uy * uy)
             nx, ny = ux / length, uy / length
-            w.c[i] = length - p[4]
-            put(w.J[2 * i], -nx, -ny, -(Ax * ny - Ay * nx))
-            put(w.J[2 * i + 1], nx, ny, Bx * ny - By * nx)
+            w.c[i] = length - p[4] - f
+            put(w.J[4 * i], -nx, -ny, -(Ax * ny - Ay * nx))
+            put(w.J[4 * i + 1], nx, ny, Bx * ny - By * nx)
 
 
 @inner
@@ -197,9 +199,9 @@ def rates(m, w, t, q, v):
         if kind == SECOND:
             continue
         w.rate[i], w.gamma[i] = 0.0, 0.0
+        if m.driven[i]:
+            _, w.rate[i], w.gamma[i] = motion(m, m.motion[i], t)
         if kind == ANGLE:
-            if m.driven[i]:
-                _, w.rate[i], w.gamma[i] = motion(m, m.motion[i], t)
             continue
         Ax, Ay = arm(w.frame[a], p[0], p[1])
         Bx, By = arm(w.frame[b], p[2], p[3])
@@ -212,8 +214,8 @@ def rates(m, w, t, q, v):
         ux, uy = q[b, 0] + Bx - q[a, 0] - Ax, q[b, 1] + By - q[a, 1] - Ay
         dx = v[b, 0] - wb * By - v[a, 0] + wa * Ay
         dy = v[b, 1] + wb * Bx - v[a, 1] - wa * Ax
-        nx, ny = w.J[2 * i + 1, 0], w.J[2 * i + 1, 1]
-        w.gamma[i] = nx * gx + ny * gy
+        nx, ny = w.J[4 * i + 1, 0], w.J[4 * i + 1, 1]
+        w.gamma[i] += nx * gx + ny * gy
         if kind == IN_LINE:  # n turns with a: n_dot = wa k x n
             w.gamma[i] += 2.0 * wa * (ny * dx - nx * dy) + wa * wa * (nx * ux + ny * uy)
         else:  # n turns with u

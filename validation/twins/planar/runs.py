@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike
 from mbsd3d import AssemblyError, IntegrationError
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
-from validation.twins.planar.joints import AngleDriver
+from validation.twins.planar import rows as kinds
+from validation.twins.planar.joints import Driver, Rolling, SlideDriver
 from validation.twins.planar.march import DONE, NOT_FINITE, SINGULAR, close, evaluate, march, trace
 from validation.twins.planar.rows import Model, Work
 from validation.twins.planar.system import Lowered, System, lower
@@ -22,6 +23,18 @@ class Reaction(NamedTuple):
     force: np.ndarray  # (k, 2) world [N]
     moment: np.ndarray  # (k,) about ``point`` [N m]
     point: np.ndarray  # (k, 2) world [m]
+
+
+class Energy(NamedTuple):
+    """(k,) each [J]; potential of weight and springs."""
+
+    kinetic: np.ndarray
+    potential: np.ndarray
+
+    @property
+    def total(self) -> np.ndarray:
+        """Kinetic and potential."""
+        return self.kinetic + self.potential
 
 
 def turned(angle: np.ndarray, vector: np.ndarray) -> np.ndarray:
@@ -81,21 +94,50 @@ class Solution:
         return self.point(body, self.system.bodies[self.system.part(body, "bodies")].com)
 
     def reaction(self, joint: Any) -> Reaction:
-        """Force and moment of a joint on its body b, at its point."""
+        """Force and moment of a joint on its body b, at its point (of a rolling disc: the contact).
+
+        Body b of a gear is body b of its second hinge; a frame that both hinges share takes the moments of both.
+        """
         i = self.system.part(joint, "joints")
         joint = self.system.joints[i]
         wrench = self._wrench[:, self.system.lowered.joint_of == i].sum(axis=1)
         body = joint.rows()[0].bodies[1]
-        point = self.point(body, body.local_point(joint.point()))
+        if isinstance(joint, Rolling):
+            centre = self.point(body, body.local_point(joint.centre))
+            point = centre - joint.radius * turned(self.angle(joint.a), joint.a.local(joint.normal()))
+        else:
+            point = self.point(body, body.local_point(joint.point()))
         force = wrench[:, :2]
         return Reaction(force, wrench[:, 2] - cross(point - self.position(body), force), point)
 
     def effort(self, driver: Any) -> np.ndarray:
-        """(k,) torque of a driver on body b [N m]."""
+        """(k,) torque [N m] or force along the axis [N] of a driver on body b."""
         joint = self.system.joints[self.system.part(driver, "joints")]
-        if not isinstance(joint, AngleDriver):
+        if not isinstance(joint, Driver):
             raise InputError(f"{self.system.name(joint)} is not a driver; ask for its reaction")
-        return self.reaction(joint).moment
+        reaction = self.reaction(joint)
+        if not isinstance(joint, SlideDriver):
+            return reaction.moment
+        slider = joint.through
+        return np.sum(reaction.force * turned(self.angle(slider.a), slider.a.local(slider.axis)), axis=1)
+
+    def energy(self) -> Energy:
+        """Kinetic energy m v_G^2 / 2 + I_G w^2 / 2; potential of weight and springs."""
+        kinetic, potential = np.zeros(len(self.t)), np.zeros(len(self.t))
+        for body in self.system.bodies:
+            w, arm = self.omega(body), turned(self.angle(body), body.com)
+            velocity = self.velocity(body) + w[:, None] * np.stack([-arm[:, 1], arm[:, 0]], axis=1)
+            kinetic += (body.mass * np.sum(velocity**2, axis=1) + body.inertia * w**2) / 2
+            potential -= body.mass * self.com(body) @ self.system.gravity
+        for part in self.system.loads:
+            row = part.load()
+            a, b = row.bodies
+            if row.kind == kinds.SPRING:
+                span = self.point(b, row.values[2:4]) - self.point(a, row.values[:2])
+                potential += row.values[4] * (np.hypot(*span.T) - row.values[6]) ** 2 / 2
+            elif row.kind == kinds.TORSION:
+                potential += row.values[0] * (self.angle(b) - self.angle(a) - row.values[2]) ** 2 / 2
+        return Energy(kinetic, potential)
 
 
 PIECE = 0.1  # s of computation between two looks at Ctrl-C

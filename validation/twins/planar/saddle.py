@@ -9,7 +9,7 @@ and S = Y Y' = L D L' is factored by Cholesky within the profile of its ordered 
 
 import numpy as np
 
-from validation.twins.planar.rows import SPRING, arm, inner, motion, put, rates
+from validation.twins.planar.rows import SPRING, TORSION, arm, inner, motion, put, rates
 
 LEAST_PIVOT = 1e-13  # of a row, over its diagonal
 
@@ -97,6 +97,11 @@ def loads(m, w, t, q, v):
         push(w, i, frame[2], frame[3], fx, fy, 0.0)
     for k in range(m.load.shape[0]):
         kind, a, b, p = m.load[k, 0], m.load[k, 1], m.load[k, 2], m.load_value[k]
+        if kind == TORSION:
+            turn = -p[0] * (q[b, 2] - q[a, 2] - p[2]) - p[1] * (v[b, 2] - v[a, 2])
+            push(w, a, 0.0, 0.0, 0.0, 0.0, -turn)
+            push(w, b, 0.0, 0.0, 0.0, 0.0, turn)
+            continue
         Bx, By = arm(w.frame[b], p[2], p[3])
         if kind == SPRING:
             Ax, Ay = arm(w.frame[a], p[0], p[1])

@@ -100,7 +100,7 @@ class Lowered(NamedTuple):
         bodies = [np.zeros((n, 3)) for _ in range(6)]
         c, rate, gamma, lam = np.zeros((4, m))
         return Work(
-            np.zeros((n, 4)), np.zeros((2 * m, 3)), np.zeros((2 * m, 3)), c, rate, gamma, np.zeros((m, m)), lam, *bodies
+            np.zeros((n, 4)), np.zeros((4 * m, 3)), np.zeros((4 * m, 3)), c, rate, gamma, np.zeros((m, m)), lam, *bodies
         )
 
     def jacobian(self, work: Work) -> np.ndarray:
@@ -108,7 +108,7 @@ class Lowered(NamedTuple):
         n, m = len(self.q) - 1, self.model.kind.size
         J = np.zeros((m, n, 3))
         for k, _, body in self.model.entry:
-            J[k // 2, body] += work.J[k]
+            J[k // 4, body] += work.J[k]
         return J.reshape(m, 3 * n)
 
 
@@ -122,10 +122,10 @@ def lower(system: System, centripetal: bool = True) -> Lowered:
             rows += both
             joint_of += [i] * len(both)
     pieces = [np.empty((0, 5))]
-    slot, value, motion = table(rows, index, pieces)
+    slot, value, motion = table(rows, index, 4, pieces)
     entry, product, place, first = pattern(rows, slot, len(system.bodies))
     loads = [part.load() for part in system.loads]
-    load_slot, load_value, load_motion = table(loads, index, pieces)
+    load_slot, load_value, load_motion = table(loads, index, 2, pieces)
     load = np.column_stack([integers([row.kind for row in loads]), load_slot])
     poses = np.array([(*body.position, body.angle) for body in (*system.bodies, GROUND)])
     even = steady(rows)
@@ -173,12 +173,14 @@ def body_row(body: Body | Ground, even: bool) -> tuple:
 
 
 def table(
-    rows: list[Row], index: dict[int, int], pieces: list[np.ndarray]
+    rows: list[Row], index: dict[int, int], width: int, pieces: list[np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Bodies (m, 2), numbers (m, 8), motions (m, 11) of rows or loads, their splines appended to the pieces."""
-    slot, value, motion = integers(np.zeros((len(rows), 2))), np.zeros((len(rows), 8)), np.zeros((len(rows), 11))
+    """Bodies (m, width), numbers (m, 8), motions (m, 11) of rows or loads, their splines appended to the pieces."""
+    ground = len(index) - 1
+    slot, value = np.full((len(rows), width), ground, dtype=np.int64), np.zeros((len(rows), 8))
+    motion = np.zeros((len(rows), 11))
     for i, row in enumerate(rows):
-        slot[i] = [index[id(body)] for body in row.bodies]
+        slot[i, : len(row.bodies)] = [index[id(body)] for body in row.bodies]
         value[i, : len(row.values)] = row.values
         own = row.motion.pieces()
         motion[i] = (*row.motion.numbers(), sum(map(len, pieces)) if len(own) else 0, len(own))
@@ -189,7 +191,7 @@ def table(
 def pattern(rows: list[Row], slot: np.ndarray, ground: int) -> tuple[np.ndarray, ...]:
     """Entries of J, products that form S, and the order and profile of S by reverse Cuthill-McKee."""
     m = len(rows)
-    touched = [(2 * i + k, i, int(slot[i, k])) for i in range(m) for k in range(2)]
+    touched = [(4 * i + k, i, int(slot[i, k])) for i in range(m) for k in range(len(rows[i].bodies))]
     touched = [entry for entry in touched if entry[2] != ground]
     pairs = [(e, f) for e in touched for f in touched if e[2] == f[2]]
     graph = scipy.sparse.coo_matrix((np.ones(len(pairs)), ([e[1] for e, _ in pairs], [f[1] for _, f in pairs])), (m, m))
