@@ -14,6 +14,7 @@ from ..mechanism.state import State
 from ..results.certificate import Certificate
 from ..results.global_error import estimate
 from ..results.run_result import RunResult
+from ..run.simulation import SHORTEST
 from .viewable import Viewable
 
 if TYPE_CHECKING:
@@ -60,11 +61,12 @@ class Solution(RunResult, Viewable):
     def at(self, t: float) -> State:
         """The state at any time of the run [s], by integrating on from the sample before it."""
         t = number(t, "solution.at: t")
-        if not self.t[0] <= t <= self.final.t:
-            raise InputError(f"solution.at: t = {t:g} s is outside the run {self.t[0]:g} ... {self.final.t:g} s")
+        begin = self.state(0).t
+        if not begin <= t <= self.final.t:
+            raise InputError(f"solution.at: t = {t:g} s is outside the run {begin:g} ... {self.final.t:g} s")
         k = int(np.searchsorted(self.t, t, side="right")) - 1
         start = self.state(k)
-        same = t - start.t <= 4.0 * np.spacing(max(abs(t), abs(self.final.t)))  # too short for any step
+        same = t - start.t <= SHORTEST * abs(t)  # too short for any run
         return start if same else self.again(t, state=start, output=[t]).final
 
     def again(self, t_end: float | None = None, **changes: Any) -> "Solution":

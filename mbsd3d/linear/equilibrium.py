@@ -29,6 +29,7 @@ from ..equations.compiled import compile_system
 from ..equations.elimination import eliminate
 from ..equations.jacobian import displacement_units
 from ..kernels.coordinates import remember
+from ..mechanism.forces.custom import check_runnable
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .linearization import Linearization, linearize_at
@@ -124,6 +125,7 @@ def check_rest(system: Mechanism) -> None:
 @on_one_thread
 def find_equilibrium(system: Mechanism, start: State) -> Equilibrium:
     """The equilibrium that the mechanism comes to from a pose; errors as `mbsd3d.System.equilibrium`."""
+    check_runnable(system)
     check_rest(system)
     compiled = compile_system(system)
     announce_compilation("linearisation")

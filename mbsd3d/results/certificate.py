@@ -6,6 +6,8 @@ constraint residuals, energy against work, momentum against impulse, Newton-Eule
 
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from ..base.checks import shown
 from ..base.errors import NameMissingError
 from ..base.style import html_text
@@ -106,13 +108,15 @@ class Certificate:
 
 def certify(solution: RunSamples) -> Certificate:
     """Make all checks of a solution."""
-    record = solution.record
-    limit = drift_limit(record)
-    checks = [*residual_checks(solution), *balance_checks(solution, limit), *equation_checks(solution)]
-    remarks = notes(solution)
-    if solution.t.size and not lost(solution):
+    record, limit, remarks = solution.record, drift_limit(solution.record), notes(solution)
+    if solution.t.size:
         found = rounding(solution)
-        checks, remarks = [*checks, *rounding_checks(solution, found)], [*remarks, *singular_notes(solution, found)]
+        checks = [*residual_checks(solution, found.singular.any()), *balance_checks(solution, limit)]
+        checks += equation_checks(solution, found.singular)
+        checks += [] if lost(solution) else rounding_checks(solution, found)
+        remarks += singular_notes(solution, found)
+    else:
+        checks = [Check("samples", np.inf, 0.0, "there are none to look at; keep some, or run it to a later time")]
     return Certificate(
         method=str(record.method),
         rtol=record.rtol,
@@ -129,11 +133,11 @@ def certify(solution: RunSamples) -> Certificate:
     )
 
 
-def notes(solution: RunSamples) -> tuple[str, ...]:
+def notes(solution: RunSamples) -> list[str]:
     """Singular positions, rank events, and checks that could not be made."""
     events = solution.record.rank_events
     found = [f"rank event at t = {t:.6g} s: {rank} rows kept ({why})" for t, rank, why, _ in events]
     if solution.record.nearest < PASSED:
         found.append("the run passes a singular position; it goes on along the tangent of the motion")
     found += [text for joint in solution.system.joints for text in joint.notes(solution)]
-    return (*found, *(f"Newton-Euler not checked: {name} was saved without its function" for name in lost(solution)))
+    return found + [f"Newton-Euler not checked: {name} was saved without its function" for name in lost(solution)]

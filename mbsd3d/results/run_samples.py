@@ -264,6 +264,8 @@ class RunSamples(Poses):
     def state(self, sample: int = -1) -> State:
         """The state at a sample, to start another run from."""
         count = self.t.size
+        if not count:
+            raise InputError("solution.state: the solution has no samples; run it to a later time")
         whole = isinstance(sample, int | np.integer) and not isinstance(sample, bool)
         if not whole or not -count <= sample < count:
             raise InputError(f"solution.state: sample {shown(sample)} is not one of {count}; give 0 ... {count - 1}")

@@ -109,8 +109,7 @@ class Job:
             with progress:
                 self.check_start()
                 self.eliminate()
-                if self.record.kinematic and self.model.stabilisation:
-                    self.check_driven()
+                self.check_driven()
                 self.first_step()
                 self.check_condition()
                 self.loop(progress)
@@ -196,6 +195,8 @@ class Job:
 
     def check_driven(self) -> None:
         """Kinematic() needs rows that determine everything, at position level."""
+        if not (self.record.kinematic and self.model.stabilisation):
+            return
         need = 6 * self.model.body.size
         holonomic = int(self.model.row["holonomic"][choose_rows(self.model, self.data)].sum())
         if holonomic < need:

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.checks import floats, number, shown
+from ..base.checks import SMALLEST, floats, number, shown
 from ..base.errors import InputError
 from ..base.progress import Progress
 from ..equations.compiled import Compiled, Switches, compile_system
@@ -19,6 +19,7 @@ from ..mechanism.state import State
 from ..results.run_result import RunResult
 from .job import Job
 
+SHORTEST = 1e-12  # of the time, the shortest run: a hundred of the shortest steps
 MOST_STEPS = 1e9  # of a run with fixed steps: days
 MOST_NUMBERS = 2**30  # that the samples of a run may hold: 8 GB
 
@@ -42,10 +43,7 @@ def run_to(
     t_end = number(t_end, "simulate: t_end")
     if method.dt is not None and (steps := (t_end - start.t) / method.dt) > MOST_STEPS:
         raise InputError(f"simulate: dt = {method.dt:g} s needs {steps:.2g} steps; give a longer one")
-    if not t_end > start.t:
-        raise InputError(
-            f"simulate: t_end = {t_end:g} s does not lie after the start at {start.t:g} s; give a later time"
-        )
+    check_end(t_end, start.t)
     if stop_when is not None:
         check_members(system, stop_when.measure, "simulate: stop_when")
     compiled = compile_system(system, () if stop_when is None else (stop_when.measure,), switches)
@@ -54,6 +52,15 @@ def run_to(
     times = output_times(output, start.t, t_end, method, width)
     job = Job(compiled, start, t_end, times, method, rtol, stop_when, as_built)
     return job.run(Progress(f"simulate to {t_end:g} s", start.t, t_end, progress))
+
+
+def check_end(t_end: float, t_start: float) -> float:
+    """The end of a run, or a ValueError for one that no step fits in."""
+    if not t_end - t_start > max(SHORTEST * abs(t_end), SMALLEST):
+        raise InputError(
+            f"simulate: t_end = {t_end:g} s does not lie after the start at {t_start:g} s; give a later time"
+        )
+    return t_end
 
 
 def check_kinds(method: Any, rtol: float, stop_when: Any) -> None:

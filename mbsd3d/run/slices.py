@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..base.checks import listed, number, shown
+from ..base.checks import SMALLEST, listed, number, shown
 from ..base.errors import InputError
 from ..base.progress import Progress
 from ..base.rotations import matrix
@@ -59,6 +59,7 @@ class Slices(Job):
         announce_compilation(f"time loop {method.loop.__name__}")
         self.check_start()
         self.eliminate()
+        self.check_driven()
         self.first_step()
 
     @property
@@ -93,7 +94,7 @@ class Slices(Job):
         t, run = number(t, "Stepper: t"), self.memory
         now, task = run.now, run.task  # their fields by name: as attributes each takes a microsecond more
         begin, step, rejected, first = float(now["t"]), now["step"], now["rejected"], now["evaluations"] == 0
-        if not t > begin:
+        if not t - begin > max(LEAST * abs(t), SMALLEST):  # what rounding adds is no slice
             raise InputError(f"Stepper: t = {t:.9g} s does not lie after {begin:.9g} s; give a later time")
         if t > self.last_signal:
             check_signals(self.compiled, begin, t)

@@ -138,6 +138,9 @@ def check_values(name: str, given: Any) -> np.ndarray:
     if array.dtype.kind == "f" and not np.isfinite(array).all():
         where = int(np.flatnonzero(~np.isfinite(array))[0])
         raise InputError(f"sweep: '{name}': value {where} is {array[where]}; give finite numbers")
+    for value, kept in zip(given, array.tolist(), strict=True):
+        if value != kept:
+            raise InputError(f"sweep: '{name}': {shown(value)} would become {kept!r}; give one kind of values")
     if np.unique(array).size < array.size:
         raise InputError(f"sweep: '{name}': a value appears twice in {array.tolist()}; list every value once")
     return array

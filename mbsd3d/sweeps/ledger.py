@@ -5,6 +5,7 @@ import json
 import sqlite3
 from collections.abc import Callable, Mapping
 from contextlib import suppress
+from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Any
 
@@ -59,10 +60,15 @@ def identity(experiment: Experiment, grid: Grid, tag: str) -> dict[str, Any]:
 
 
 def stamp(value: Any) -> str:
-    """A value as text; arrays, which repr shortens, by a digest of their numbers."""
-    if not isinstance(value, np.ndarray):
-        return repr(value)
-    return f"{value.dtype} {value.shape} {hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()}"
+    """A value as text, by all its fields; arrays, which repr shortens, by a digest of their numbers."""
+    if isinstance(value, np.ndarray):
+        return f"{value.dtype} {value.shape} {hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()}"
+    if is_dataclass(value) and not isinstance(value, type):  # a condition, say: its repr does not tell where it looks
+        own = (f"{x.name}={stamp(getattr(value, x.name))}" for x in fields(value) if x.init)
+        return f"{title(type(value))}({', '.join(own)})"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(stamp, value))}]"
+    return title(value) if callable(value) else repr(value)
 
 
 def title(function: Callable) -> str:

@@ -33,6 +33,7 @@ from mbsd3d import (
     rotation,
     simulate,
 )
+from mbsd3d.mechanism.forces.custom import SavedForce
 
 G = 9.81
 
@@ -220,3 +221,9 @@ def test_a_speed_driver_has_no_rest():
     motor = SpeedDriver(GROUND, disc, axis=(0, 0, 1), speed=3.0, name="motor")
     with pytest.raises(AssemblyError, match="a driver keeps the mechanism moving, so it has no rest.*'motor'"):
         System([disc], [hinge, motor]).equilibrium()
+
+
+def test_a_force_that_lost_its_function_is_named():
+    arm = pendulum()[0].bodies[0]
+    with pytest.raises(ValueError, match="force 'lost': its function was not saved"):
+        System([arm], forces=[SavedForce(on=(arm,), name="lost")]).equilibrium()

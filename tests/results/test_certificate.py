@@ -49,7 +49,7 @@ from validation.suite.trials.references import allowed
 
 CHECKS = {
     "joint gaps", "joint velocities", "energy balance", "momentum balance", "angular momentum", "Newton-Euler",
-    "acceleration rows",
+    "acceleration rows", "accelerations", "reactions",
 }  # fmt: skip
 
 

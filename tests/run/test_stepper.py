@@ -104,6 +104,11 @@ def test_driven_poses_follow_from_slice_to_slice():
     assert stepper.solution().t.tolist() == [0.0, 0.4, 1.7, 4.0]
 
 
+def test_driven_poses_need_drivers_for_every_freedom():
+    with pytest.raises(ValueError, match="Kinematic: 1 of 6 freedoms are not determined"):
+        Stepper(rotor(0.5)[0], method=Kinematic())
+
+
 def test_inputs_hold_until_they_change():
     """Torque 2 u + 1: the angle is a parabola in each slice; two terms of one name change together."""
     push = Input("push", 0.25)
@@ -177,6 +182,19 @@ def test_a_tighter_run_repeats_the_changes():
     assert solution.estimate().error < 1e-7
 
 
+def test_a_run_again_has_the_samples_that_are_asked_for():
+    ride = controlled().solution()
+    end = float(ride.t[-1])
+    for output in (3, [0.3 * end, 0.5 * end], [0.0, end]):  # the ends of the slices are not among them
+        again = ride.again(output=output)
+        assert again.t.tolist() == (np.linspace(0.0, end, 3) if output == 3 else np.array(output)).tolist()
+    assert np.array_equal(again.final.q, ride.final.q)
+    with pytest.raises(ValueError, match="a ride in slices is not repeated with stop_when"):
+        ride.again(stop_when=measures.position(ride.system.bodies[0], axis=(0, 0, 1)) > 1.0)
+    with pytest.raises(ValueError, match="not repeated with output=None"):
+        ride.again(output=None)
+
+
 def test_stepping_on_from_a_solution_repeats_nothing():
     stepper = controlled()
     before = stepper.solution()
@@ -189,7 +207,11 @@ def test_nothing_is_kept_on_request():
     stepper = Stepper(double_pendulum(), keep=False)
     for k in range(3000):  # more than the buffer of the time loop holds
         stepper.advance(1e-4 * (k + 1))
-    assert stepper.solution().t.size == 0
+    empty = stepper.solution()
+    assert empty.t.size == 0
+    assert not empty.certificate.passed  # nothing was looked at
+    with pytest.raises(ValueError, match="no samples"):
+        empty.at(0.1)
     whole = Stepper(double_pendulum())
     for k in range(3000):
         whole.advance(1e-4 * (k + 1))
@@ -226,8 +248,12 @@ def test_errors_name_what_is_wrong():
         stepper.set("pull", 1.0)
     with pytest.raises(ValueError, match="input 'push': not finite"):
         stepper.set("push", np.nan)
-    with pytest.raises(ValueError, match=r"t = 1 s does not lie after 1 s"):
-        stepper.advance(1.0)
+    for t in (1.0, np.nextafter(1.0, 2.0)):  # what rounding adds is no slice
+        with pytest.raises(ValueError, match=r"t = 1 s does not lie after 1 s"):
+            stepper.advance(t)
+    for t_end in (np.nextafter(1.0, 2.0), 1e-320):  # no step of any method is as short
+        with pytest.raises(ValueError, match="does not lie after the start"):
+            simulate(system, t_end, state=replace(system.state(), t=float(round(t_end))))
     with pytest.raises(ValueError, match="method 'DOP853' is unknown"):
         Stepper(system, method="DOP853")
     with pytest.raises(ValueError, match="two inputs 'push' start with 0 and 1"):

@@ -112,6 +112,7 @@ BAD = {
     "no values": (lambda: sweep(wheel, {"torque": []}, speed, run=RUN), "'torque' has no values"),
     "NaN": (lambda: sweep(wheel, {"torque": [1.0, np.nan]}, speed, run=RUN), "'torque': value 1 is nan"),
     "twice": (lambda: sweep(wheel, {"torque": [1.0, 1.0]}, speed, run=RUN), "'torque': a value appears twice"),
+    "texts among numbers": (lambda: sweep(wheel, {"torque": [1, "a"]}, speed, run=RUN), "'torque': 1 would become '1'"),
     "two dimensions": (lambda: sweep(wheel, {"torque": [[1.0]]}, speed, run=RUN), "'torque'.*list of numbers"),
     "unknown parameter": (
         lambda: sweep(wheel, {"torqe": [1.0]}, speed, run=RUN), "build does not take .*'torqe'.*takes torque, inertia"

@@ -28,11 +28,12 @@ from sweep_models import (
     wheel,
 )
 
+from mbsd3d import measures
 from mbsd3d.base.errors import SweepError
 from mbsd3d.extend import Store
 from mbsd3d.sweeps import executors as workers
 from mbsd3d.sweeps.experiment import Outcome
-from mbsd3d.sweeps.ledger import Ledger, LedgerError
+from mbsd3d.sweeps.ledger import Ledger, LedgerError, stamp
 from mbsd3d.sweeps.sweep import sweep
 
 ROOT = Path(__file__).parents[2]
@@ -179,6 +180,13 @@ def test_the_ledger_of_another_sweep_is_refused_by_name(tmp_path, change, word):
     sweep(**given)
     with pytest.raises(ValueError, match=rf"belongs to another sweep, it differs in {word}; give another file"):
         sweep(**(given | change))
+
+
+def test_conditions_are_compared_by_all_that_they_say():
+    def until(x):
+        return measures.position(wheel().bodies[0], at=(x, 0, 0), axis=(1, 0, 0)) < 0.1
+
+    assert stamp(until(0.5)) == stamp(until(0.5)) != stamp(until(0.6))  # both print as "position of wheel < 0.1 m"
 
 
 def test_the_ledger_of_another_version_is_refused(tmp_path, monkeypatch):

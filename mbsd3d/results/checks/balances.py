@@ -18,7 +18,9 @@ def residual_checks(solution: RunSamples, singular: bool) -> list[Check]:
     scale, tear = max(model.length, 1.0), max(floor, MAY_TEAR) if singular else floor
     return [
         Check("joint gaps", float(drift.position.max(initial=0.0)) / scale, floor, "joints drift apart"),
-        Check("joint velocities", float(drift.velocity.max(initial=0.0)) / (scale * speed), tear, "J v = b is violated"),
+        Check(
+            "joint velocities", float(drift.velocity.max(initial=0.0)) / (scale * speed), tear, "J v = b is violated"
+        ),
     ]
 
 

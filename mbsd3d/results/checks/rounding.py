@@ -13,13 +13,13 @@ from ...constraints.row_choice import choose_rows
 from ...dynamics.batch import refinements
 from ...equations.at_state import load_rows
 from ...equations.elimination import eliminate
-from ...saddle.loops import WEAK
 from ..run_samples import RunSamples
 from .balances import largest
 from .check import Check, scales_of
 
 KNOWN_MOTION = 1e-4  # of the largest acceleration: rounding of forces beside a light body moves it at random
 KNOWN_FORCES = 1e-6  # of the largest force or moment of a row
+SINGULAR = 1e-3  # pivot of rows that close loops, over its largest, as the square of a small angle from the pose
 MOST_TIMES = 3  # that a note names
 
 
@@ -30,7 +30,7 @@ class Rounding(NamedTuple):
     forces: np.ndarray  # (samples,) of a multiplier
     body: np.ndarray  # (samples,) whose acceleration changes most
     row: np.ndarray  # (samples,) whose multiplier does
-    singular: np.ndarray  # (samples,) rows are nearly dependent: the solver keeps multipliers below what they would be
+    singular: np.ndarray  # (samples,) rows are nearly dependent: multipliers are kept below what they would be
 
 
 def rounding(solution: RunSamples) -> Rounding:
@@ -44,7 +44,7 @@ def rounding(solution: RunSamples) -> Rounding:
         load_rows(compiled, data, known[0][first], t[first], known[1][first])
         tree = eliminate(model, data, choose_rows(model, data, tolerance) if tolerance else None)
         first = refinements(model, data, tree, t, *known, first, units, size, which)
-    return Rounding(size[:, 0], size[:, 1], which[:, 0], which[:, 1], size[:, 2] < WEAK)
+    return Rounding(size[:, 0], size[:, 1], which[:, 0], which[:, 1], size[:, 2] < SINGULAR)
 
 
 def units_of(solution: RunSamples) -> np.ndarray:
@@ -79,11 +79,10 @@ def rounding_checks(solution: RunSamples, found: Rounding) -> list[Check]:
 
 
 def singular_notes(solution: RunSamples, found: Rounding) -> list[str]:
-    """Which samples are at singular poses: no reactions are determined there."""
+    """Which samples are at singular poses."""
     times = solution.t[found.singular]
     if not times.size:
         return []
-    k = int(np.argmax(np.where(found.singular, found.forces, -1.0)))
-    joint = solution.system.name(solution.system.joints[solution.compiled.row_joint[found.row[k]]])
     at = ", ".join(f"{t:.6g}" for t in times[:MOST_TIMES]) + (" ..." if times.size > MOST_TIMES else "")
-    return [f"singular at t = {at} s ({times.size} of {solution.t.size} samples): no reactions are determined there"]
+    count = f"{times.size} of {solution.t.size} samples"
+    return [f"singular at t = {at} s ({count}): the joints hardly determine their reactions there"]
