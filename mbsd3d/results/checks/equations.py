@@ -6,7 +6,7 @@ from ...dynamics.batch import newton_euler, row_defects
 from ...mechanism.forces.custom import SavedForce
 from ..run_samples import RunSamples
 from .balances import largest
-from .check import MAY_MISS, PASSED, Check, Scales, drift_limit, scales_of
+from .check import MAY_MISS, PASSED, Check, Scales, gaping, scales_of
 
 
 def equation_checks(solution: RunSamples, singular: np.ndarray) -> list[Check]:
@@ -23,18 +23,15 @@ def equation_checks(solution: RunSamples, singular: np.ndarray) -> list[Check]:
     force, moment = max(largest(out[..., 2]), scale.force), max(largest(out[..., 3]), scale.moment)
     relative = np.where(singular[:, None], 0.0, np.maximum(out[..., 0] / force, out[..., 1] / moment))
     worst = int(np.argmax(relative.max(axis=0))) if t.size else 0
-    name = solution.system.name(solution.system.bodies[worst])
-    meaning = f"the equations of body '{name}' are not met"
-    checks = [] if lost(solution) else [Check("Newton-Euler", largest(relative), 1e-8, meaning)]
+    meaning = f"the equations of body '{solution.system.name(solution.system.bodies[worst])}' are not met"
+    gap = gaping(solution.record)  # Baumgarte's terms correct accelerations by it; `saddle` takes joints as closed
+    checks = [] if lost(solution) else [Check("Newton-Euler", largest(relative), max(1e-8, gap), meaning)]
     if model.row.size:
         defect = np.zeros(t.size)
         row_defects(model, data, t, arrays["state"], coordinates, arrays["acceleration"], defect)
-        error, tolerance = largest(defect) * model.length / scale.acceleration, max(1e-8, solution.record.tolerance)
-        if solution.record.switches.stabilisation == "baumgarte":  # it corrects accelerations by what the joints gape
-            tolerance = max(tolerance, drift_limit(solution.record))
-        if solution.record.nearest < PASSED or singular.any():
-            tolerance = max(tolerance, MAY_MISS)
-        limit = max(tolerance, min(rounding_of_turning(solution, scale), 1e-5))
+        near = MAY_MISS if solution.record.nearest < PASSED else 0.0
+        limit = max(1e-8, solution.record.tolerance, gap, near, min(rounding_of_turning(solution, scale), 1e-5))
+        error = largest(defect) * model.length / scale.acceleration
         checks.append(Check("acceleration rows", error, limit, "accelerations tear the joints apart"))
     return checks
 
