@@ -3,8 +3,12 @@
 from ..compiler.jit import inner_kernel, kernel
 from ..kernels.kinematics import kinematics
 from ..kernels.rows import rows
-from ..kernels.vectors import add, cross, dot, mat, pair, rotate, rotate_back, scale, sub, turning, vec
+from ..kernels.vectors import add, cross, dot, mat, pair, put6, rotate, rotate_back, scale, sub, turning, vec
+from ..saddle.links import body_inertia
+from ..saddle.solve import factor, solve
+from ..saddle.spatial import times
 from .loads import loads
+from .state_rates import right_sides
 
 
 @inner_kernel
@@ -81,3 +85,53 @@ def row_defects(m, d, times, states, coordinates, accelerations, out):
                     for j in range(6):
                         total += d.row[row].J[slot, j] * accelerations[k, i, j]
             out[k] = max(out[k], abs(total) * m.row[row].scale)
+
+
+@inner_kernel
+def subtract_known(m, d, acceleration, lam):
+    """[top; bottom] -= [M J'; J 0] [acceleration; lam]."""
+    n = m.body.shape[0]
+    for i in range(n):
+        body = d.body[i]
+        A, B, C = body_inertia(m.body[i], body)
+        inertial, turning_part = times(A, B, C, pair(acceleration[i]))
+        force, moment = pair(body.top)
+        put6(body.top, sub(force, inertial), sub(moment, turning_part))
+    for k in range(m.row.shape[0]):
+        row = d.row[k]
+        for slot in range(4):
+            i = m.row[k].body[slot]
+            if 0 <= i < n:
+                for j in range(6):
+                    d.body[i].top[j] -= row.J[slot, j] * lam[k]
+                    row.bottom -= row.J[slot, j] * acceleration[i, j]
+
+
+@kernel
+def refinements(m, d, s, instants, states, coordinates, accelerations, lam, first, units, size, which):
+    """What a step of iterative refinement would change, from sample ``first`` on: how well each sample is determined.
+
+    size (samples, 3): largest change of an acceleration, of a multiplier, and least pivot of the rows that close loops
+    over its largest; which (samples, 2): body and row of the changes. units (2 + rows,): of a_O, alpha, multipliers.
+    Returns the sample at which rows of a joint have become dependent, so that another tree is due, or the number of
+    samples.
+    """
+    for k in range(first, instants.shape[0]):
+        rows_of_sample(m, d, instants[k], states[k], coordinates[k])
+        factor(m, d, s)
+        if s.state.worn == 1 and k > first:
+            return k
+        right_sides(m, d, instants[k])
+        subtract_known(m, d, accelerations[k], lam[k])
+        solve(m, d, s)
+        size[k, 0], size[k, 1], size[k, 2] = 0.0, 0.0, s.state.pivot
+        for i in range(m.body.shape[0]):
+            a, alpha = pair(d.body[i].acceleration)
+            change = max(dot(a, a) ** 0.5 / units[0], dot(alpha, alpha) ** 0.5 / units[1])
+            if not change <= size[k, 0]:
+                size[k, 0], which[k, 0] = change, i
+        for i in range(m.row.shape[0]):
+            change = abs(d.row[i].lam) / units[2 + i]
+            if not change <= size[k, 1]:
+                size[k, 1], which[k, 1] = change, i
+    return instants.shape[0]

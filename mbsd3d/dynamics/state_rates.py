@@ -51,9 +51,9 @@ def audit_rates(m, d, dy):
                     impulse[j] += d.row[k].J[slot, j] * d.row[k].lam
 
 
-@kernel
-def accelerate(m, d, s, t):
-    """v_dot and lam from the rows, loads and factor at hand."""
+@inner_kernel
+def right_sides(m, d, t):
+    """Q - h and gamma at the rows at hand, as the right side of the saddle point."""
     loads(m, d, t)
     for i in range(m.body.shape[0]):
         body = d.body[i]
@@ -64,6 +64,12 @@ def accelerate(m, d, s, t):
         put(body.turn, scale(-1.0, vec(body.spin)))
     for k in range(m.row.shape[0]):
         d.row[k].bottom = d.row[k].gamma
+
+
+@kernel
+def accelerate(m, d, s, t):
+    """v_dot and lam from the rows, loads and factor at hand."""
+    right_sides(m, d, t)
     return solve(m, d, s)
 
 

@@ -9,7 +9,7 @@ from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace_body, rotation_matrix
 from ..kernels.vectors import copy, finite, put, rotate, scale
 from ..saddle.solve import SOLVED
-from .memory import NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING
+from .memory import NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING, STEP_TOO_SMALL
 from .newton import fill_matrix, filtered, lu_factor, lu_solve, residual
 from .outputs import along_cubic, cubic, evaluate_start, outputs
 from .step_control import LOCAL, end_of_step, note_rows, pass_turn, rows_hold, state_error, take_steps, update_scales
@@ -17,6 +17,8 @@ from .step_control import LOCAL, end_of_step, note_rows, pass_turn, rows_hold, s
 ITERATIONS = 12  # of Newton's method in one attempt
 SLOW = 0.2  # contraction above which the matrix is made anew
 STALLED = 0.5  # contraction above which corrections as small as rounding are rounding
+FINE = 1e-8  # up to this rtol a step may err LOCAL rtol: less, and what Newton's method leaves would count,
+COARSE = -0.2  # beyond, times the excess to this power, a tenth of it at 1e-3: the many steps err all that they may
 NEWTON = 1e-3  # of rtol is what Newton's method may leave of a velocity, relative to the scales of the error
 SAME_STEP = 1.3  # growth below which the step, and with it the matrix, is kept
 
@@ -143,7 +145,7 @@ def converged(m, d, s, run, g, c, t, h, h_v):
 
 @inner_kernel
 def local_error(m, d, s, run, g, c, h):
-    """Estimated local error in units of LOCAL rtol, seen through the matrix: unresolved stiff motion does not count."""
+    """Estimated local error over the allowed one, seen through the matrix: unresolved stiff motion does not count."""
     n, e = m.body.shape[0], run.work
     for k in range(7 * n, e.shape[0]):
         e[k] = c.error_q * h**3 * g.jerk_new[k]
@@ -158,7 +160,7 @@ def local_error(m, d, s, run, g, c, h):
         second = g.jerk_new[k] if g.past.first == 1 else 2.0 * h * (g.jerk_new[k] - g.jerk[k]) / (h + g.past.step)
         e[k] = c.error_v * h**2 * second
     filtered(m, d, s, g.newton, e)
-    return np.sqrt(state_error(m, run)) / (LOCAL * run.task.rtol)
+    return np.sqrt(state_error(m, run)) / (LOCAL * run.task.rtol * max(run.task.rtol / FINE, 1.0) ** COARSE)
 
 
 @inner_kernel
@@ -168,7 +170,7 @@ def attempt(m, d, s, run, g, c):
     while True:
         t_new, h = end_of_step(run)
         if h < run.task.min_step:
-            return NOT_CONVERGED, t_new, h
+            return STEP_TOO_SMALL, t_new, h
         predict(g, c, h, False)
         solved = solve_step(m, d, s, run, g, c, t_new, h)
         if not solved:

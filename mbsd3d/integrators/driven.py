@@ -2,14 +2,16 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from ..compiler.jit import inner_kernel, kernel
+from ..compiler.jit import inner_kernel, kernel, late_kernel
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.coordinates import remember
+from ..kernels.kinematics import normalise
 from ..kernels.layout import Data, Model
-from ..kernels.vectors import add_scaled, copy, finite
+from ..kernels.vectors import add_scaled, clear, copy, finite
 from ..saddle.solve import SOLVED
 from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING
 from .method import Method, check_max_step
@@ -19,6 +21,17 @@ from .step_control import full, hermite, note_rows, rows_hold, update_scales
 TURN_PER_POSE = 0.3  # rad between poses: Newton stays on its branch
 TOO_FAR = 2.0  # times that is the turn, by the angular velocity found at the new pose, from which on it is not believed
 HALVINGS = 30  # of the distance between poses before a mechanism counts as one that cannot go on
+SINGULAR = 1e-6  # pivot, the square of a small angle: below, velocities and accelerations are those of the poses before
+APART = 1e-2  # rad between these poses: their squares are far above rounding, their sixth power is not
+BINOMIAL = np.array([6.0, -15.0, 20.0, -15.0, 6.0, -1.0])  # f(0) = 6 f(-h) - 15 f(-2 h) + ...: exact to h^5
+
+
+class Extrapolated(NamedTuple):
+    """A pose made of those before it."""
+
+    y: np.ndarray
+    dy: np.ndarray
+    acceleration: np.ndarray  # (n, 6) world axes
 
 
 @dataclass(frozen=True)
@@ -54,8 +67,10 @@ class Kinematic(Method):
         """The compiled loop over the output times."""
         return follow
 
-    def start(self, model: Model, data: Callable[[type], Data]) -> None:
-        """It has no memory of its own."""
+    def start(self, model: Model, data: Callable[[type], Data]) -> Extrapolated:
+        """Its memory."""
+        n, z = model.body.size, model.state.size
+        return Extrapolated(np.zeros(13 * n + z), np.zeros(13 * n + z), np.zeros((n, 6)))
 
 
 @inner_kernel
@@ -149,10 +164,51 @@ def next_pose(m, d, s, run, t_output):
     return status, t_new
 
 
+@late_kernel
+def extrapolate(m, d, s, own, run, t, apart) -> int:
+    """Bring trial and its rate to the singular pose at t, from the poses at t - apart, t - 2 apart, ...
+
+    There the rows determine neither along which branch the mechanism moves nor how fast: the motion before it does.
+    """
+    n = m.body.shape[0]
+    clear(own.y)
+    clear(own.dy)
+    own.acceleration[:] = 0.0
+    for k in range(BINOMIAL.size, 0, -1):
+        x = t - k * apart - run.now.t
+        status = advance_to(m, d, s, None, run, run.now.t + x, x, x)
+        if status != RUNNING:
+            return status
+        add_scaled(own.y, BINOMIAL[k - 1], run.trial)
+        add_scaled(own.dy, BINOMIAL[k - 1], run.trial_rate)
+        for i in range(n):
+            add_scaled(own.acceleration[i], BINOMIAL[k - 1], d.body[i].acceleration)
+    copy(run.trial, own.y)
+    normalise(m, run.trial)
+    evaluate(m, d, s, t, run.trial, run.trial_rate)
+    copy(run.trial_rate, own.dy)
+    for i in range(n):
+        copy(d.body[i].acceleration, own.acceleration[i])
+    return RUNNING
+
+
 @inner_kernel
-def step(m, d, s, run, t_output):
-    """The next pose on the way to t_output; RUNNING or a reason to come back to Python."""
+def next_regular(m, d, s, own, run, t_output):
+    """As `next_pose`; a singular pose is reached from those shortly before it, which are visited first."""
     status, t_new = next_pose(m, d, s, run, t_output)
+    if status != RUNNING or s.state.pivot >= SINGULAR or run.now.steps == 0 or run.now.turn == 0.0:
+        return status, t_new
+    apart = APART / run.now.turn
+    first = t_new - (BINOMIAL.size + 1) * apart
+    if first > run.now.t:
+        return next_pose(m, d, s, run, first)
+    return extrapolate(m, d, s, own, run, t_new, apart), t_new
+
+
+@inner_kernel
+def step(m, d, s, own, run, t_output):
+    """The next pose on the way to t_output; RUNNING or a reason to come back to Python."""
+    status, t_new = next_regular(m, d, s, own, run, t_output)
     h = t_new - run.now.t
     note_rows(s, run)
     if status == RUNNING and run.task.condition >= 0:
@@ -182,7 +238,7 @@ def follow(m, d, s, own, run, budget):
             return FULL
         t_output = run.times[run.now.next_output]
         if run.now.t < t_output:
-            status = step(m, d, s, run, t_output)
+            status = step(m, d, s, own, run, t_output)
             if status != RUNNING:
                 return status
         if run.now.t >= t_output:

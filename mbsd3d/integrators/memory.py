@@ -47,7 +47,7 @@ ROWS = [
     ("planned", float),  # s, length of a step before it was shortened to pass over that position; 0 = it was not
     ("missed", float),  # error of the last step over that position that was rejected; 0 = none was
     ("worn", int),  # 1: rows of a joint have become dependent there: another tree is due
-    ("lowest", float),  # the least at the end of any step
+    ("lowest", float),  # the least at the end of any step and at any sample
     ("least_pivot", float),  # the least of all stages of the step at hand
     ("residual", float),  # largest scaled |c| of the rows left out
     ("on_manifold", int),  # 1: stages are projected, since the rows are nearly dependent

@@ -100,6 +100,7 @@ def samples_before(m, d, s, run, h, t_last):
         status, result = project_and_evaluate(m, d, s, t, run.work, run.work_rate, FAR)
         if status != PROJECTED or result != SOLVED:
             return NO_SOLUTION
+        run.rows.lowest = min(run.rows.lowest, s.state.pivot)  # samples may lie nearer to singular positions than steps
         write(m, d, run, t, run.work)
         if run.task.every_step == 1:
             run.now.inside += 1

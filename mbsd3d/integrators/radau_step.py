@@ -7,7 +7,7 @@ from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluat
 from ..kernels.coordinates import remember
 from ..kernels.vectors import copy, finite
 from ..saddle.solve import SOLVED
-from .memory import NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING
+from .memory import NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING, STEP_TOO_SMALL
 from .newton import lu_factor, lu_solve
 from .outputs import along_cubic, cubic, evaluate_start, outputs
 from .step_control import LOCAL, end_of_step, note_rows, pass_turn, rows_hold, state_error, take_steps, update_scales
@@ -223,7 +223,7 @@ def attempt(m, d, s, run, g):
     while True:
         t_new, h = end_of_step(run)
         if h < run.task.min_step:
-            return NOT_CONVERGED, t_new, h
+            return STEP_TOO_SMALL, t_new, h
         solved, iterations = stages(m, d, s, run, g, h)
         if not solved or not end_of_stages(m, d, s, run, g, h):
             if fixed:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..mechanism.drivers import Driver
-from ..results.certificate import scales_of
+from ..results.checks.check import scales_of
 from ..results.run_result import RunResult
 from .panels import Panel, Wanted, panels_of
 

@@ -8,7 +8,7 @@ import numpy as np
 from ..constraints.redundancy import Diagnosis
 from ..mechanism.drivers import Driver
 from ..mechanism.joints import Joint
-from ..results.certificate import scales_of
+from ..results.checks.check import scales_of
 from ..results.columns import columns_of_effort, loads_of
 from ..results.run_result import RunResult
 from .wording import counted, digits, triple

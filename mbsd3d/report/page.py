@@ -15,7 +15,7 @@ from ..base.style import theme
 from ..base.templates import HtmlPage, page_template
 from ..constraints.redundancy import diagnose
 from ..plotting.panels import Wanted
-from ..results.certificate import Check
+from ..results.checks.check import Check
 from ..results.run_result import RunResult
 from ..view.scene.drawing import title_of
 from . import facts
@@ -32,6 +32,8 @@ MEANING = {
     "angular momentum": "it changes by the angular impulse",
     "Newton-Euler": "every body obeys its equations",
     "acceleration rows": "accelerations keep them closed",
+    "accelerations": "rounding does not move the bodies",
+    "reactions": "rounding does not load the joints",
 }
 
 

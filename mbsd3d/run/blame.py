@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ..constraints.contradictions import Contradiction, find_contradiction
 from ..dynamics.loads import loads
 from ..equations.at_state import load_rows
 from ..equations.compiled import Compiled
@@ -37,11 +38,28 @@ def at_end_of_curve(compiled: Compiled, data: Data, h: float) -> str | None:
     return None
 
 
+def just_after(t: float, h: float) -> tuple[float, ...]:
+    """Times at which what ends a run shows: t, where it ended, and after a step h or a small share of t."""
+    return (t, t + 1e-9 * max(abs(t), 1.0), t + max(h, 0.0), t + 1e-3 * max(abs(t), 1.0))
+
+
+def contradiction(compiled: Compiled, data: Data, y: np.ndarray, t: float, h: float) -> Contradiction | None:
+    """Drivers that prescribe two motions for one freedom from t on, if any: their signals part long after the start."""
+    for later in just_after(t, h) if len(compiled.drives) > 1 else ():
+        load_rows(compiled, data, y, later)
+        if not np.isfinite(data.row["J"]).all():
+            return None
+        clash = find_contradiction(compiled, data, later, later)
+        if clash is not None and len(clash.drivers) > 1:
+            return clash
+    return None
+
+
 def blame(compiled: Compiled, data: Data, y: np.ndarray, t: float, h: float) -> str | None:
     """Name of the joint or force whose numbers are not finite at t or just after it, if any."""
-    for time_of in (t, t + 1e-9 * max(abs(t), 1.0), t + max(h, 0.0), t + 1e-3 * max(abs(t), 1.0)):
-        load_rows(compiled, data, y, time_of)
-        loads(compiled.model, data, time_of)
+    for later in just_after(t, h):
+        load_rows(compiled, data, y, later)
+        loads(compiled.model, data, later)
         for joint in compiled.system.joints:
             rows = compiled.rows[id(joint)]
             if not np.isfinite(data.row["gamma"][rows]).all() or not np.isfinite(data.row["c"][rows]).all():

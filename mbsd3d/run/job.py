@@ -34,7 +34,7 @@ from ..results.record import Record, Samples, buffer_size
 from ..results.run_result import RunResult
 from ..saddle.solve import SOLVED
 from .balance import check_balance
-from .blame import at_end_of_curve, blame, driven_to
+from .blame import at_end_of_curve, blame, contradiction, driven_to
 from .divergence import DivergenceWatch
 from .events import armed_at_start, turns_of_signals
 from .stiffness import check_forces
@@ -281,11 +281,14 @@ class Job:
         """IntegrationError with time, the part to blame, advice and what was computed."""
         t = float(self.memory.now.t)
         solution = self.solution()
-        part = blame(self.compiled, self.data, self.memory.y, t, float(self.memory.now.step))
+        here = (self.compiled, self.data, self.memory.y, t, float(self.memory.now.step))
+        part, clash = blame(*here), contradiction(*here)
         what, advice = FAILURES[status]
         ended = at_end_of_curve(self.compiled, self.data, float(self.memory.now.step))
         if ended:
             part, what, advice = ended, "the contact comes to the end of its curve", "give a longer one, or end the run"
+        elif part is None and clash is not None:
+            part, what, advice = clash.who, f"contradictory drivers: they {clash.what}", clash.advice
         elif part is None and self.compiled.drives and (status == memory.NOT_CLOSING or self.memory.rows.pivot < CLOSE):
             part = f"{driven_to(self.compiled, t)}, where the mechanism locks or passes a singular position"
             advice = "drive it less far, or the other way; see system.check()"

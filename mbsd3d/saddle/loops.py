@@ -150,6 +150,8 @@ def factor_loops(s):
     for i in range(loop.shape[0]):
         row = loop[i]
         if row.pivot == 0.0:
+            if row.most > FELT:  # at a singular pose of a mechanism built along the axes
+                s.state.weak = 1
             continue
         softest, least = max(softest, s.skyline[0][row.line + i].real / row.mu), min(least, row.pivot)
         if row.pivot < WEAK * row.most or (max(row.most, row.pivot) < FELT and s.skyline[1][row.line + i] != 0.0):

@@ -8,16 +8,20 @@ import pytest
 from mbsd3d import (
     DOP853,
     GROUND,
+    RK4,
     AngleDriver,
     AssemblyError,
     Body,
+    Gear,
     GeneralizedAlpha,
+    IntegrationError,
     Kinematic,
     PointOnLine,
     PointOnPlane,
     Polynomial,
     PositionDriver,
     Prismatic,
+    Pulse,
     Ramp,
     Revolute,
     Sine,
@@ -167,6 +171,23 @@ def test_contradictory_drivers_are_both_named(system, text):
     assert re.search(text, verdict), verdict
     with pytest.raises(AssemblyError, match="contradictory drivers.*'fast' and .*'slow'.*remove one"):
         simulate(system, 0.3)
+
+
+@pytest.mark.parametrize("method", [DOP853(), RK4(0.01), GeneralizedAlpha(), Kinematic()])
+@pytest.mark.parametrize("geared", [False, True])
+def test_drivers_that_part_on_the_way_are_named_when_they_do(method, geared):
+    """At the start and at most times they agree; between two hinges a gear makes one motion of two."""
+    bodies = [Body(f"rotor {k}", 1.0, (0.1, 0.12, 0.2), com=(0.1, 0.05, 0.02), position=(k, 0, 0)) for k in (0, 1)]
+    hinges = [Revolute(GROUND, body, at=body.position, axis=(1, 2, 3)) for body in bodies]
+    ratio = -1.7 if geared else 1.0
+    drivers = [
+        AngleDriver(hinges[0], Sine(0.3, 0.4), name="one"),
+        AngleDriver(hinges[geared], Sine(0.3 * ratio, 0.4) + Pulse(0.1, 0.62, 0.02, 0.1), name="other"),
+    ]
+    system = System(bodies, [*hinges, Gear(*hinges, ratio=-1.7), *drivers])
+    with pytest.raises(IntegrationError, match="contradictory drivers.*'one' and .*'other'; remove one") as stopped:
+        simulate(system, 1.0, method=method)
+    assert stopped.value.time == pytest.approx(0.62, abs=1e-2)  # the fixed step
 
 
 def test_drivers_that_disagreed_before_the_start_are_not_to_blame():

@@ -1,9 +1,10 @@
-"""Driven motion between samples that are far apart: poses enough for Newton's method, and not many more."""
+"""Driven motion: poses enough for Newton's method between samples far apart, and samples at dead centres."""
 
 import numpy as np
 import pytest
 
-from mbsd3d import GROUND, AngleDriver, Body, Kinematic, Polynomial, Revolute, System, simulate
+from mbsd3d import GROUND, AngleDriver, Body, Kinematic, Polynomial, Ramp, Revolute, System, rotation, simulate
+from mbsd3d.base.rotations import matrix
 
 RATES = (2.0, 3.1, 7.0)  # rad/s
 
@@ -33,3 +34,47 @@ def test_wide_samples_are_those_of_narrow_ones():
     wide, narrow = (simulate(system, 6.0, method=Kinematic(), output=count) for count in (4, 301))
     # poses are on c = 0, wherever the last one was
     assert wide.arrays["q"] == pytest.approx(narrow.arrays["q"][::100], abs=1e-12)
+
+
+def wheels_and_rod(angle):
+    """(system, wheel, rod, follower): two wheels with a coupling rod on axes that are not aligned with the world's."""
+    Q = rotation((1.0, 0.3, -0.7), 0.8)
+    R, radius, base = matrix(Q), 0.5, 1.3
+    pin, axis = radius * np.array([np.sin(angle), 0, np.cos(angle)]), R @ [0.0, 1.0, 0.0]
+    far = np.array([base, 0, 0])
+    wheel = Body("wheel", 1.1, (0.02, 0.03, 0.04), com=(0.01, 0.02, 0.2), orientation=Q)
+    rod = Body("rod", 2.0, (0.1, 0.2, 0.25), com=(0.6, 0.05, 0.1), position=R @ pin, orientation=Q)
+    follower = Body("follower", 1.3, (0.02, 0.03, 0.04), com=(0.02, 0.01, 0.25), position=R @ far, orientation=Q)
+    drive = Revolute(GROUND, wheel, at=(0, 0, 0), axis=axis, name="drive")
+    joints = [
+        drive,
+        Revolute(wheel, rod, at=R @ pin, axis=axis, name="pin"),
+        Revolute(rod, follower, at=R @ (pin + far), axis=axis, name="far pin"),
+        Revolute(GROUND, follower, at=R @ far, axis=axis, name="far bearing"),
+        AngleDriver(drive, Ramp(2 * np.pi)),
+    ]
+    return System([wheel, rod, follower], joints), wheel, rod, follower
+
+
+@pytest.mark.parametrize("output", [41, 361])
+def test_a_coupling_rod_goes_on_along_itself_through_dead_centres_that_are_sampled(output):
+    """The rod turns about nothing and its ends move as the wheels: at t = 1/4 and 3/4 s no row says so."""
+    system, wheel, rod, follower = wheels_and_rod(0.0)
+    run = simulate(system, 1.0, method=Kinematic(), output=output)
+    near = np.isin(run.t, (0.25, 0.75))
+    assert near.sum() == 2 and run.certificate.passed
+    assert any(note.startswith("singular at t = ") for note in run.certificate.notes)
+    # rounding 1e-16 of the poses before, 0.01 rad apart: over the pivot 1e-4 for rates, once more for accelerations,
+    # 60 times as much by the binomial weights
+    assert np.abs(run.omega(rod)).max() < 1e-7 and np.abs(run.alpha(rod)).max() < 1e-3
+    np.testing.assert_allclose(run.omega(follower), run.omega(wheel), rtol=0, atol=1e-7)
+    np.testing.assert_allclose(run.alpha(follower), run.alpha(wheel), rtol=0, atol=1e-3)
+    np.testing.assert_allclose(np.linalg.norm(run.velocity(rod), axis=1), np.pi, rtol=1e-7)
+
+
+def test_a_coupling_rod_is_integrated_through_dead_centres_that_are_sampled():
+    """Rates are those of the integration there; forces grow without bound beside them and have no value at them."""
+    system, _, rod, _ = wheels_and_rod(0.0)
+    run = simulate(system, 1.0, output=41)
+    assert run.certificate.passed and np.abs(run.omega(rod)).max() < 1e-6  # rtol 1e-8 of 6 rad/s
+    assert any("2 of 41 samples" in note for note in run.certificate.notes)

@@ -124,9 +124,9 @@ def test_governor_with_fixed_steps_is_of_second_order(rho):
 def test_governor_with_adaptive_steps():
     times, expected = slider_height()
     explicit = simulate(governor(), 2.0, rtol=1e-4, output=times)
-    run = simulate(governor(), 2.0, rtol=1e-6, method=GeneralizedAlpha(), output=times)
+    run = simulate(governor(), 2.0, rtol=1e-5, method=GeneralizedAlpha(), output=times)
     assert run.certificate.passed, run.certificate.failures
-    assert np.abs(run.position("slider")[:, 2] - expected).max() < 1e-4  # 1e2 rtol m
+    assert np.abs(run.position("slider")[:, 2] - expected).max() < 1e-4  # 10 rtol m
     assert run.certificate.steps < 0.6 * explicit.certificate.steps  # which stability keeps from longer ones
 
 

@@ -24,7 +24,7 @@ def test_the_verdict_is_the_same_from_a_train(method):
     runs = [simulate(pair(speed), 3.0, method=method, rtol=1e-6, output=31) for speed in (0.0, 1e2, 1e4)]
     still, slow, fast = (run.certificate["energy balance"].error for run in runs)
     assert all(run.certificate.passed for run in runs)
-    assert fast < 2.0 * slow and fast < 3.0 * still  # the speed is a hundred times that
+    assert fast < 3.0 * slow and fast < 3.0 * still  # the speed is a hundred times that
 
 
 @pytest.mark.parametrize("method", METHODS[1:], ids=lambda method: type(method).__name__)

@@ -14,7 +14,7 @@ from ...mechanism.mechanism import Mechanism
 from ...plotting.panels import Panel, Wanted
 from ...plotting.telling import seen_panels, telling
 from ...results.body_motion import Poses
-from ...results.certificate import scales_of
+from ...results.checks.check import scales_of
 from ...results.every_reaction import every_reaction
 from ...results.run_result import RunResult
 from .drawing import ARROWS

@@ -1,0 +1,53 @@
+"""Joints that stay closed, energy against work, momentum against impulse."""
+
+import numpy as np
+
+from ...integrators.method import Method
+from ..run_samples import RunSamples
+from .check import MAY_GAPE, MAY_TEAR, PASSED, Check, gaping, scales_of
+
+
+def residual_checks(solution: RunSamples) -> list[Check]:
+    """Constraint residuals at the samples."""
+    model, drift, record = solution.compiled.model, solution.drift(), solution.record
+    reach = 1.0 + largest(solution.arrays["q"][..., :3]) / model.length
+    speed, scale = max(largest(solution.arrays["v"]), 1.0), max(model.length, 1.0)
+    floor = max(record.tolerance, 1e-12 * reach, gaping(record))
+    gape, tear = (MAY_GAPE, MAY_TEAR) if record.nearest < PASSED else (0.0, 0.0)  # rows let go are not projected
+    return [
+        Check("joint gaps", largest(drift.position) / scale, max(floor, gape), "joints drift apart"),
+        Check("joint velocities", largest(drift.velocity) / (scale * speed), max(floor, tear), "J v = b is violated"),
+    ]
+
+
+def balance_checks(solution: RunSamples, limit: float) -> list[Check]:
+    """Energy against work, momentum against impulse."""
+    model, energy, momentum = solution.compiled.model, solution.energy(), solution.momentum()
+    if solution.record.kinematic:
+        return []  # no ODE, so nothing was integrated along; the Newton-Euler residuals are the check
+    scale, impulse = scales_of(solution), solution.arrays["z"][:, model.z_impulse :]
+    gap = change(energy.total) - change(energy.work)
+    lost = change(momentum.linear) - change(impulse[:, :3])
+    turned = change(momentum.angular) - change(impulse[:, 3:])
+    return [
+        Check("energy balance", largest(gap) / scale.energy, limit, energy_meaning(solution.record.method)),
+        Check("momentum balance", largest(lost) / scale.momentum, limit, "an inertial term is missing"),
+        Check("angular momentum", largest(turned) / scale.angular_momentum, limit, "an inertial term is missing"),
+    ]
+
+
+def energy_meaning(method: Method) -> str:
+    """The likely cause of an energy defect."""
+    if method.rho < 1.0:
+        return f"energy vanishes, by numerical damping of rho = {method.rho:g} if by nothing else: shorten the step"
+    return "energy appears or vanishes"
+
+
+def change(values: np.ndarray) -> np.ndarray:
+    """Difference from the first sample."""
+    return values - values[:1]
+
+
+def largest(values: np.ndarray) -> float:
+    """Largest absolute value, 0 for none."""
+    return float(np.abs(values).max(initial=0.0))
