@@ -17,13 +17,18 @@ def nearly_singular(compiled: Compiled, data: Data, found: Analysis) -> list[str
     """What to say of a pose where one singular value is about to vanish: which joints could move then."""
     if found.counted.size < 2 or found.smallest >= NEAR or found.least >= APART * found.counted[-2]:
         return []
-    moving = joint_motion(compiled, data, found.least_motion())
-    names = [f"'{name}'" for name, size in moving.items() if size >= MOVES * max(moving.values())] or ["the bodies"]
-    joints = f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else names[0]
+    joints = movers(compiled, data, found.least_motion())
     return [
         f"nearly singular: {joints} can all but move while the rest stands; rates and reactions grow up to "
         f"{1.0 / found.smallest:.0f} times (least singular value {found.smallest:.1e} of the largest)"
     ]
+
+
+def movers(compiled: Compiled, data: Data, motion: np.ndarray) -> str:
+    """Names of the joints that move most in a motion."""
+    moving = joint_motion(compiled, data, motion)
+    names = [f"'{name}'" for name, size in moving.items() if size >= MOVES * max(moving.values())] or ["the bodies"]
+    return f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else names[0]
 
 
 def joint_motion(compiled: Compiled, data: Data, motion: np.ndarray) -> dict[str, float]:

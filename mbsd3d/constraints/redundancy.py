@@ -17,7 +17,7 @@ from ..mechanism.state import State
 from .assembly import close_pose, gap_size, newton, reference_pose
 from .contradictions import TOLERANCE, find_contradiction
 from .elimination import SAFE, Core
-from .nearness import nearly_singular
+from .nearness import movers, nearly_singular
 from .rank import Analysis, orthonormal
 from .remedies import Cure, find_cures
 from .spanning_tree import loop_weights
@@ -239,6 +239,17 @@ def neighbour_ranks(compiled: Compiled, pose: State, found: Analysis) -> list[in
             load_state(compiled, data, moved)
             ranks.append(Analysis(scaled_rows(model, data)).rank)
     return ranks
+
+
+def freedom_gained(compiled: Compiled, pose: State) -> str:
+    """What makes a pose singular: the joints that can move there and not beside it; "" for a regular one."""
+    data = compiled.data()
+    load_state(compiled, data, pose)
+    found = Analysis(scaled_rows(compiled.model, data))
+    if max(neighbour_ranks(compiled, pose, found), default=0) > found.rank:
+        free = found.free_motion(np.random.default_rng(0))
+        return f"singular: {movers(compiled, data, free)} can move while the rest stands"
+    return next(iter(nearly_singular(compiled, data, found)), "")
 
 
 def joint_shares(compiled: Compiled, data: Data, rows: BlockRows, N: np.ndarray) -> list[Share]:

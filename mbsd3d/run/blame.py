@@ -1,16 +1,34 @@
-"""Who is to blame where a run fails: the part whose numbers are not finite, the drivers and where they have come to."""
+"""Why a run fails: the part whose numbers are not finite, the drivers and where they have come to, the pose."""
+
+from dataclasses import replace
 
 import numpy as np
 
 from ..constraints.contradictions import Contradiction, find_contradiction
+from ..constraints.redundancy import freedom_gained
 from ..dynamics.loads import loads
 from ..equations.at_state import load_rows
 from ..equations.compiled import Compiled
+from ..integrators import memory
 from ..kernels.layout import Data
 from ..mechanism.drivers import AngleDriver, Driver, PositionDriver, SlideDriver
 from ..mechanism.joints.curve_contact import CurveContact
+from ..mechanism.state import State
 
 BEFORE = 1e-6  # of a curve, at its ends
+ON_THE_SPOT = 1e-4  # of its time: a run that ends before has not left its start
+BESIDE = "nothing says along which branch it moves on: start in a pose beside it, the drivers too; see system.check()"
+FAILURES = {
+    memory.STEP_TOO_SMALL: (
+        "no step is small enough",
+        "a force jumps or the motion has a singularity here: smooth the force, or end the run earlier",
+    ),
+    memory.NOT_CLOSING: ("the joints cannot be closed any more", "a singular or locked position; see system.check()"),
+    memory.NO_SOLUTION: ("the equations have no finite solution", "check the forces and masses"),
+    memory.NOT_CONVERGED: (
+        "Newton's method finds no end of the step", "take a smaller dt, or dt=None for adaptive steps",
+    ),
+}  # fmt: skip
 UNITS = {AngleDriver: "rad", SlideDriver: "m", PositionDriver: "m"}
 
 
@@ -36,6 +54,19 @@ def at_end_of_curve(compiled: Compiled, data: Data, h: float) -> str | None:
             if not BEFORE * joint.line.length < near < (1.0 - BEFORE) * joint.line.length:
                 return f"joint '{compiled.system.name(joint)}'"
     return None
+
+
+def singular_start(compiled: Compiled, start: State, t: float = -np.inf, t_end: float = np.inf) -> str:
+    """What is wrong with the pose at the start of a run that has ended at t, if it has not left it; else ""."""
+    if t - start.t > ON_THE_SPOT * (t_end - start.t):
+        return ""
+    gained = freedom_gained(compiled, start)
+    return f"the pose at the start is {gained}" if gained else ""
+
+
+def singular_there(compiled: Compiled, start: State, y: np.ndarray, t: float) -> str:
+    """What is singular about the pose that a run has come to; "" for a regular one."""
+    return freedom_gained(compiled, replace(start, t=t, q=y[: start.q.size]))
 
 
 def just_after(t: float, h: float) -> tuple[float, ...]:

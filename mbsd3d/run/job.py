@@ -34,7 +34,7 @@ from ..results.record import Record, Samples, buffer_size
 from ..results.run_result import RunResult
 from ..saddle.solve import SOLVED
 from .balance import check_balance
-from .blame import at_end_of_curve, blame, contradiction, driven_to
+from .blame import BESIDE, FAILURES, at_end_of_curve, blame, contradiction, driven_to, singular_start, singular_there
 from .divergence import DivergenceWatch
 from .events import armed_at_start, turns_of_signals
 from .stiffness import check_forces
@@ -43,18 +43,6 @@ from .sunk import check_sunk
 CHUNK = 0.05  # seconds of kernel time between visits to Python: progress, Ctrl-C
 CAPACITY = 1024  # samples between visits to Python where every step is one
 LEAST = 1e-14  # of the time, the shortest step: 50 units of its last place, for jumps of forces at rtol 1e-12
-
-FAILURES = {
-    memory.STEP_TOO_SMALL: (
-        "no step is small enough",
-        "a force jumps or the motion has a singularity here: smooth the force, or end the run earlier",
-    ),
-    memory.NOT_CLOSING: ("the joints cannot be closed any more", "a singular or locked position; see system.check()"),
-    memory.NO_SOLUTION: ("the equations have no finite solution", "check the forces and masses"),
-    memory.NOT_CONVERGED: (
-        "Newton's method finds no end of the step", "take a smaller dt, or dt=None for adaptive steps",
-    ),
-}  # fmt: skip
 
 
 class Job:
@@ -202,6 +190,8 @@ class Job:
         if holonomic < need:
             speed = [j for j in self.compiled.system.joints if isinstance(j, SpeedDriver)]
             hint = "replace SpeedDriver by AngleDriver" if speed else "add drivers, or use DOP853()"
+            if singular := singular_start(self.compiled, self.start):
+                raise InputError(f"Kinematic: {singular}; {BESIDE}")
             spins = free_spins(self.compiled, self.data, scaled_rows(self.model, self.data))
             if spins:
                 hint = f"{spins[0].text}: {spins[0].cure}"
@@ -289,6 +279,10 @@ class Job:
             part, what, advice = ended, "the contact comes to the end of its curve", "give a longer one, or end the run"
         elif part is None and clash is not None:
             part, what, advice = clash.who, f"contradictory drivers: they {clash.what}", clash.advice
+        elif part is None and (singular := singular_start(self.compiled, self.start, t, self.memory.task.t_end)):
+            what, advice = singular, BESIDE
+        elif status == memory.NOT_CONVERGED and (singular := singular_there(self.compiled, self.start, here[2], t)):
+            what = f"{what}: the pose is {singular}"
         elif part is None and self.compiled.drives and (status == memory.NOT_CLOSING or self.memory.rows.pivot < CLOSE):
             part = f"{driven_to(self.compiled, t)}, where the mechanism locks or passes a singular position"
             advice = "drive it less far, or the other way; see system.check()"

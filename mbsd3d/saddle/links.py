@@ -147,7 +147,7 @@ def prescribed(d, s, link):
 
 
 @inner_kernel
-def load_links(m, d, s):
+def load_links(d, s):
     """Loads of all links from the leaves to the roots, and the right side of the loop rows."""
     for i in range(s.link.shape[0]):
         for j in range(6):

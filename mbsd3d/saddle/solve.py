@@ -35,7 +35,7 @@ def solve(m, d, s):
         return solve_dense(m, d, s)
     for i in range(s.loop.shape[0]):
         s.vector[0, i] = -d.row[s.loop[i].row].bottom
-    load_links(m, d, s)
+    load_links(d, s)
     if s.loop.shape[0] > 0:
         solve_loops(s)
     for i in range(s.loop.shape[0]):

@@ -3,7 +3,22 @@
 import numpy as np
 import pytest
 
-from mbsd3d import GROUND, AngleDriver, Body, Kinematic, Polynomial, Ramp, Revolute, System, rotation, simulate
+from mbsd3d import (
+    DOP853,
+    GROUND,
+    AngleDriver,
+    Body,
+    GeneralizedAlpha,
+    IntegrationError,
+    Kinematic,
+    Polynomial,
+    RadauIIA,
+    Ramp,
+    Revolute,
+    System,
+    rotation,
+    simulate,
+)
 from mbsd3d.base.rotations import matrix
 
 RATES = (2.0, 3.1, 7.0)  # rad/s
@@ -36,9 +51,9 @@ def test_wide_samples_are_those_of_narrow_ones():
     assert wide.arrays["q"] == pytest.approx(narrow.arrays["q"][::100], abs=1e-12)
 
 
-def wheels_and_rod(angle):
-    """(system, wheel, rod, follower): two wheels with a coupling rod on axes that are not aligned with the world's."""
-    Q = rotation((1.0, 0.3, -0.7), 0.8)
+def wheels_and_rod(angle, tilt=0.8):
+    """(system, wheel, rod, follower): two wheels with a coupling rod, tilted in space."""
+    Q = rotation((1.0, 0.3, -0.7), tilt)
     R, radius, base = matrix(Q), 0.5, 1.3
     pin, axis = radius * np.array([np.sin(angle), 0, np.cos(angle)]), R @ [0.0, 1.0, 0.0]
     far = np.array([base, 0, 0])
@@ -56,10 +71,11 @@ def wheels_and_rod(angle):
     return System([wheel, rod, follower], joints), wheel, rod, follower
 
 
+@pytest.mark.parametrize("tilt", [0.0, 0.8])  # along the world's axes numbers vanish exactly
 @pytest.mark.parametrize("output", [41, 361])
-def test_a_coupling_rod_goes_on_along_itself_through_dead_centres_that_are_sampled(output):
+def test_a_coupling_rod_goes_on_along_itself_through_dead_centres_that_are_sampled(output, tilt):
     """The rod turns about nothing and its ends move as the wheels: at t = 1/4 and 3/4 s no row says so."""
-    system, wheel, rod, follower = wheels_and_rod(0.0)
+    system, wheel, rod, follower = wheels_and_rod(0.0, tilt)
     run = simulate(system, 1.0, method=Kinematic(), output=output)
     near = np.isin(run.t, (0.25, 0.75))
     assert near.sum() == 2 and run.certificate.passed
@@ -72,9 +88,25 @@ def test_a_coupling_rod_goes_on_along_itself_through_dead_centres_that_are_sampl
     np.testing.assert_allclose(np.linalg.norm(run.velocity(rod), axis=1), np.pi, rtol=1e-7)
 
 
-def test_a_coupling_rod_is_integrated_through_dead_centres_that_are_sampled():
+@pytest.mark.parametrize("tilt", [0.0, 0.8])
+def test_a_coupling_rod_is_integrated_through_dead_centres_that_are_sampled(tilt):
     """Rates are those of the integration there; forces grow without bound beside them and have no value at them."""
-    system, _, rod, _ = wheels_and_rod(0.0)
+    system, _, rod, _ = wheels_and_rod(0.0, tilt)
     run = simulate(system, 1.0, output=41)
     assert run.certificate.passed and np.abs(run.omega(rod)).max() < 1e-6  # rtol 1e-8 of 6 rad/s
     assert any("2 of 41 samples" in note for note in run.certificate.notes)
+
+
+@pytest.mark.parametrize("method", [Kinematic(), DOP853(), RadauIIA()], ids=lambda method: type(method).__name__)
+def test_a_start_at_a_dead_centre_is_named(method):
+    """The wheels can turn either way against each other: the joints that tell them apart are named, and what to do."""
+    system, *_ = wheels_and_rod(np.pi / 2)
+    said = "the pose at the start is singular: .*'far pin'.* can move while the rest stands.*nothing says along which"
+    with pytest.raises((ValueError, IntegrationError), match=said):
+        simulate(system, 1.0, method=method)
+
+
+def test_newtons_method_that_ends_near_a_dead_centre_names_it():
+    system, *_ = wheels_and_rod(0.0)
+    with pytest.raises(IntegrationError, match="the pose is nearly singular: 'far pin' and 'far bearing' can all but"):
+        simulate(system, 1.0, method=GeneralizedAlpha(1e-3), output=41)
