@@ -196,10 +196,12 @@ def extrapolate(m, d, s, own, run, t, apart) -> int:
 def next_regular(m, d, s, own, run, t_output):
     """As `next_pose`; a singular pose is reached from those shortly before it, which are visited first."""
     status, t_new = next_pose(m, d, s, run, t_output)
-    if status != RUNNING or s.state.pivot >= SINGULAR or run.now.steps == 0 or run.now.turn == 0.0:
+    if status != RUNNING or s.state.pivot >= SINGULAR or run.now.turn == 0.0:
         return status, t_new
     apart = APART / run.now.turn
     first = t_new - (BINOMIAL.size + 1) * apart
+    if first < run.task.t_start:
+        return status, t_new
     if first > run.now.t:
         return next_pose(m, d, s, run, first)
     return extrapolate(m, d, s, own, run, t_new, apart), t_new
