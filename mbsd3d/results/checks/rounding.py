@@ -42,7 +42,7 @@ def rounding(solution: RunSamples) -> Rounding:
     first = 0
     while first < t.size:
         load_rows(compiled, data, known[0][first], t[first], known[1][first])
-        tree = eliminate(model, data, choose_rows(model, data, tolerance) if tolerance else None)
+        tree = eliminate(model, data, choose_rows(model, data, max(tolerance, 1e-10)) if tolerance else None)
         first = refinements(model, data, tree, t, *known, first, units, size, which)
     return Rounding(size[:, 0], size[:, 1], which[:, 0], which[:, 1], size[:, 2] < SINGULAR)
 
