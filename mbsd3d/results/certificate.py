@@ -138,7 +138,7 @@ def notes(solution: RunSamples) -> list[str]:
     events = solution.record.rank_events
     found = [f"rank event at t = {t:.6g} s: {rank} rows kept ({why})" for t, rank, why, _ in events]
     if solution.record.nearest < PASSED:
-        inexact = "accelerations and reactions there are not exact"
+        inexact = ("" if solution.record.kinematic else "accelerations and ") + "reactions there are not exact"
         found.append(f"the run passes a singular position; it goes on along the tangent of the motion; {inexact}")
     found += [text for joint in solution.system.joints for text in joint.notes(solution)]
     return found + [f"Newton-Euler not checked: {name} was saved without its function" for name in lost(solution)]
