@@ -4,7 +4,7 @@ import numpy as np
 
 from ...integrators.method import Method
 from ..run_samples import RunSamples
-from .check import MAY_GAPE, MAY_TEAR, PASSED, Check, gaping, scales_of
+from .check import MAY_GAPE, MAY_TEAR, PASSED, Check, gaping, largest, scales_of
 
 
 def residual_checks(solution: RunSamples) -> list[Check]:
@@ -48,8 +48,3 @@ def energy_meaning(method: Method) -> str:
 def change(values: np.ndarray) -> np.ndarray:
     """Difference from the first sample."""
     return values - values[:1]
-
-
-def largest(values: np.ndarray) -> float:
-    """Largest absolute value, 0 for none."""
-    return float(np.abs(values).max(initial=0.0))

@@ -64,14 +64,14 @@ class Scales:
 def scales_of(solution: RunSamples) -> Scales:
     """Sizes from the run itself, with floors from gravity, so that a mechanism at rest has scales too."""
     arrays, system, length = solution.arrays, solution.system, solution.compiled.model.length
-    spin = float(np.abs(arrays["v"][..., 3:]).max(initial=0.0))
-    speed = float(np.abs(arrays["v"][..., :3] - arrays["v"][..., :3].mean(axis=1, keepdims=True)).max(initial=0.0))
+    spin = largest(arrays["v"][..., 3:])
+    speed = largest(arrays["v"][..., :3] - arrays["v"][..., :3].mean(axis=1, keepdims=True))
     speed = max(speed, length * spin)
-    a = float(np.abs(arrays["acceleration"][..., :3]).max(initial=0.0))
+    a = largest(arrays["acceleration"][..., :3])
     a = max(a, float(np.linalg.norm(system.gravity)), length * spin**2) or 1.0
     mass = system.total_mass() or 1.0
-    reach = float(np.abs(arrays["q"][..., :3]).max(initial=0.0)) + length
-    absolute = float(np.abs(arrays["v"][..., :3]).max(initial=0.0)) + length * spin
+    reach = largest(arrays["q"][..., :3]) + length
+    absolute = largest(arrays["v"][..., :3]) + length * spin
     momentum = mass * max(absolute, 1e-3 * np.sqrt(a * length))
     speed = max(speed, np.sqrt(1e-3 * a * length))
     return Scales(
@@ -82,3 +82,8 @@ def scales_of(solution: RunSamples) -> Scales:
         angular_momentum=momentum * reach,
         energy=mass * max(speed * max(speed, absolute), TRAVEL * absolute**2),  # a speed v that errs by dv: m v dv
     )
+
+
+def largest(values: np.ndarray) -> float:
+    """Largest absolute value, 0 for none."""
+    return float(np.abs(values).max(initial=0.0))

@@ -5,8 +5,7 @@ import numpy as np
 from ...dynamics.batch import newton_euler, row_defects
 from ...mechanism.forces.custom import SavedForce
 from ..run_samples import RunSamples
-from .balances import largest
-from .check import MAY_MISS, PASSED, Check, Scales, gaping, scales_of
+from .check import MAY_MISS, PASSED, Check, Scales, gaping, largest, scales_of
 
 
 def equation_checks(solution: RunSamples, singular: np.ndarray) -> list[Check]:
@@ -22,7 +21,7 @@ def equation_checks(solution: RunSamples, singular: np.ndarray) -> list[Check]:
     newton_euler(model, data, t, arrays["state"], coordinates, arrays["acceleration"], arrays["lam"], out)
     force, moment = max(largest(out[..., 2]), scale.force), max(largest(out[..., 3]), scale.moment)
     relative = np.where(singular[:, None], 0.0, np.maximum(out[..., 0] / force, out[..., 1] / moment))
-    worst = int(np.argmax(relative.max(axis=0))) if t.size else 0
+    worst = int(np.argmax(relative.max(axis=0)))
     meaning = f"the equations of body '{solution.system.name(solution.system.bodies[worst])}' are not met"
     gap = gaping(solution.record)  # Baumgarte's terms correct accelerations by it; `saddle` takes joints as closed
     checks = [] if lost(solution) else [Check("Newton-Euler", largest(relative), max(1e-8, gap), meaning)]

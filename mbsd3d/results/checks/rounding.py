@@ -14,8 +14,7 @@ from ...dynamics.batch import refinements
 from ...equations.at_state import load_rows
 from ...equations.elimination import eliminate
 from ..run_samples import RunSamples
-from .balances import largest
-from .check import Check, gaping, scales_of
+from .check import Check, gaping, largest, scales_of
 
 KNOWN_MOTION = 1e-4  # of the largest acceleration: rounding of forces beside a light body moves it at random
 KNOWN_FORCES = 1e-6  # of the largest force or moment of a row
