@@ -54,12 +54,33 @@ def body_residual(fixed, body, acceleration, out):
     out[3] = dot(euler, euler) ** 0.5 + dot(lever, lever) ** 0.5
 
 
+@inner_kernel
+def largest_row_defect(m, d, acceleration):
+    """Largest |J v_dot - gamma| of the rows at hand, scaled: by how much the accelerations do not respect them."""
+    largest = 0.0
+    for k in range(m.row.shape[0]):
+        total = -d.row[k].gamma
+        for slot in range(4):
+            i = m.row[k].body[slot]
+            if 0 <= i < m.body.shape[0]:
+                for j in range(6):
+                    total += d.row[k].J[slot, j] * acceleration[i, j]
+        size = abs(total) * m.row[k].scale
+        if not size <= largest:  # NaN counts
+            largest = size
+    return largest
+
+
 @kernel
-def newton_euler(m, d, times, states, coordinates, accelerations, lam, out):
-    """out (samples, n, 4): `body_residual` of every body, with the true terms whatever the teaching switches drop."""
+def equation_residuals(m, d, times, states, coordinates, accelerations, lam, newton_euler, defect):
+    """newton_euler (samples, n, 4): `body_residual` of every body; defect (samples,): `largest_row_defect`.
+
+    With the true terms, whatever the teaching switches drop.
+    """
     n = m.body.shape[0]
     for k in range(times.shape[0]):
         rows_of_sample(m, d, times[k], states[k], coordinates[k])
+        defect[k] = largest_row_defect(m, d, accelerations[k])
         loads(m, d, times[k])
         for row in range(m.row.shape[0]):
             for slot in range(4):
@@ -68,23 +89,7 @@ def newton_euler(m, d, times, states, coordinates, accelerations, lam, out):
                     for j in range(6):
                         d.body[i].Q[j] -= d.row[row].J[slot, j] * lam[k, row]
         for i in range(n):
-            body_residual(m.body[i], d.body[i], accelerations[k, i], out[k, i])
-
-
-@kernel
-def row_defects(m, d, times, states, coordinates, accelerations, out):
-    """out (samples,): largest |J v_dot - gamma| with the true gamma: rows that the accelerations do not respect."""
-    for k in range(times.shape[0]):
-        rows_of_sample(m, d, times[k], states[k], coordinates[k])
-        out[k] = 0.0
-        for row in range(m.row.shape[0]):
-            total = -d.row[row].gamma
-            for slot in range(4):
-                i = m.row[row].body[slot]
-                if 0 <= i < m.body.shape[0]:
-                    for j in range(6):
-                        total += d.row[row].J[slot, j] * accelerations[k, i, j]
-            out[k] = max(out[k], abs(total) * m.row[row].scale)
+            body_residual(m.body[i], d.body[i], accelerations[k, i], newton_euler[k, i])
 
 
 @inner_kernel

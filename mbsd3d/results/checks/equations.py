@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...dynamics.batch import newton_euler, row_defects
+from ...dynamics.batch import equation_residuals
 from ...mechanism.forces.custom import SavedForce
 from ..run_samples import RunSamples
 from .check import MAY_MISS, PASSED, Check, Scales, gaping, largest, scales_of
@@ -16,9 +16,9 @@ def equation_checks(solution: RunSamples, singular: np.ndarray) -> list[Check]:
     compiled, arrays, t = solution.compiled, solution.arrays, solution.t
     data, n, scale = compiled.data(), len(solution.system.bodies), scales_of(solution)
     model = compiled.model._replace(gamma=1.0, stabilisation=0)
-    out = np.zeros((t.size, n, 4))
-    coordinates = np.ascontiguousarray(arrays["coordinate"])
-    newton_euler(model, data, t, arrays["state"], coordinates, arrays["acceleration"], arrays["lam"], out)
+    known = arrays["state"], np.ascontiguousarray(arrays["coordinate"]), arrays["acceleration"], arrays["lam"]
+    out, defect = np.zeros((t.size, n, 4)), np.zeros(t.size)
+    equation_residuals(model, data, t, *known, out, defect)
     force, moment = max(largest(out[..., 2]), scale.force), max(largest(out[..., 3]), scale.moment)
     relative = np.where(singular[:, None], 0.0, np.maximum(out[..., 0] / force, out[..., 1] / moment))
     worst = int(np.argmax(relative.max(axis=0)))
@@ -26,8 +26,6 @@ def equation_checks(solution: RunSamples, singular: np.ndarray) -> list[Check]:
     gap = gaping(solution.record)  # Baumgarte's terms correct accelerations by it; `saddle` takes joints as closed
     checks = [] if lost(solution) else [Check("Newton-Euler", largest(relative), max(1e-8, gap), meaning)]
     if model.row.size:
-        defect = np.zeros(t.size)
-        row_defects(model, data, t, arrays["state"], coordinates, arrays["acceleration"], defect)
         near = MAY_MISS if solution.record.nearest < PASSED else 0.0
         limit = max(1e-8, solution.record.tolerance, gap, near, min(rounding_of_turning(solution, scale), 1e-5))
         error = largest(defect) * model.length / scale.acceleration
