@@ -22,6 +22,8 @@ from .singularity import rows_beside, singularities
 from .spanning_tree import loop_weights
 from .spins import free_spins
 
+AS_BUILT, SHARE = 1e-5, 1e-4  # m; of the model's length, for mechanisms smaller than a hand
+
 
 @dataclass(frozen=True)
 class Share:
@@ -89,11 +91,12 @@ class Diagnosis:
         return html_text(str(self))
 
 
-def diagnose(system: Mechanism, as_built: float) -> Diagnosis:
+def diagnose(system: Mechanism, as_built: float | None) -> Diagnosis:
     """See `System.check`."""
     compiled = compile_system(system)
-    pose, misfit, stuck = closed_pose(compiled, as_built)
     data, length, n = compiled.data(), compiled.model.length, 6 * len(system.bodies)
+    as_built = min(AS_BUILT, SHARE * length) if as_built is None else as_built
+    pose, misfit, stuck = closed_pose(compiled, as_built)
     load_state(compiled, data, pose)
     rows = scaled_rows(compiled.model, data)
     found = Analysis(rows, safe=max(SAFE, 10.0 * as_built / length))

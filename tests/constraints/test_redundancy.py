@@ -207,3 +207,12 @@ def test_the_change_point_of_the_four_bar_passes(shift):
     solution = simulate(case.system, case.t_end, rtol=1e-8, output=case.times)
     assert compare(case, solution).scaled_error < allowed(case, 1e-8)
     assert solution.certificate.passed, solution.certificate.failures
+
+
+@pytest.mark.parametrize("size", [1.0, 1e-3, 1e-6])
+def test_small_parts_are_built_as_well_as_large_ones(size):
+    """Hinges out of line by a hundredth of a door: 1e-5 m, what parts of a decimetre may miss, is a door of microns."""
+    leaf = Body("leaf", size**3, (size**5,) * 3, position=(0.4 * size, 0.1 * size, 0))
+    hinges = [Revolute(GROUND, leaf, at=(x * size, 0, z * size), axis=(0, 0, 1)) for x, z in ((0, -1), (0.01, 1))]
+    assert System([leaf], hinges[:1]).check().verdict.startswith("regular")
+    assert System([leaf], hinges).check().verdict.startswith("locked")
