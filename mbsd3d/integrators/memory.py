@@ -110,12 +110,14 @@ class Table(NamedTuple):
     c_dense: np.ndarray  # (extra,)
     D: np.ndarray  # (terms, n + 1 + extra) beyond the cubic Hermite terms
     order: int
+    gap: tuple[float, float]  # two neighbours among the nodes c between which no stage lies: the widest gap
 
-    def widest_gap(self) -> tuple[float, float]:
-        """Two neighbours among the nodes c between which no stage lies."""
-        nodes = np.sort(self.c)
-        k = int(np.argmax(np.diff(nodes)))
-        return float(nodes[k]), float(nodes[k + 1])
+
+def widest_gap(c: np.ndarray) -> tuple[float, float]:
+    """Two neighbours among nodes."""
+    nodes = np.sort(c)
+    k = int(np.argmax(np.diff(nodes)))
+    return float(nodes[k]), float(nodes[k + 1])
 
 
 @by_reference
@@ -123,7 +125,6 @@ class Stages(NamedTuple):
     """The table and the method's own memory."""
 
     table: Table
-    gap: tuple[float, float]  # between nodes of the stages, the widest
     K: np.ndarray  # (n + 1 + extra, ny) stage rates
     carry: np.ndarray  # (ny,) what rounding cut off y: unstable motions amplify it by up to 1e9
     trial_carry: np.ndarray  # (ny,) the same of trial
@@ -132,4 +133,4 @@ class Stages(NamedTuple):
 def new_stages(table: Table, ny: int) -> Stages:
     """Memory for states of ny numbers."""
     stages = table.c.size + 1 + table.c_dense.size
-    return Stages(table, table.widest_gap(), np.zeros((stages, ny)), np.zeros(ny), np.zeros(ny))
+    return Stages(table, np.zeros((stages, ny)), np.zeros(ny), np.zeros(ny))

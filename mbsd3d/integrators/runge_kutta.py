@@ -161,7 +161,7 @@ def attempt(m, d, s, own, run):
         if not fixed:
             limit_turn(m, run)
         if nearly_singular(run) and not fixed:
-            pass_over_singular(run, own.gap, own.table.c[1])
+            pass_over_singular(run, own.table.gap, own.table.c[1])
         t_new, h = end_of_step(run)
         if h < run.task.min_step or stuck(run, h):
             return STEP_TOO_SMALL, t_new, h, 0.0
