@@ -9,6 +9,7 @@ import numpy as np
 from ..compiler.jit import inner_kernel, kernel, late_kernel, merged_kernel
 from ..dynamics.spinning import farthest_turn
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate
+from ..dynamics.touching import start_watching
 from ..kernels.coordinates import coordinate, measure, remember
 from ..kernels.kinematics import kinematics
 from ..kernels.rows import row_speed
@@ -71,6 +72,7 @@ def evaluate_start(m, d, s, run):
     note_rows(s, run)
     remember(m, d, now.t)
     update_scales(m, d, run)
+    start_watching(m, d, run)
     start = now.steps == 0 and now.written == 0 and now.next_output == 0
     if (start or now.fresh == 2) and output_until(run, now.t):
         write(m, d, run, now.t, run.y)

@@ -5,6 +5,7 @@ import numpy as np
 from ..compiler.jit import inner_kernel, kernel, late_kernel
 from ..dynamics.spinning import farthest_turn, find_spins, kept, limit_turn, rate_without_spin, spin_on
 from ..dynamics.state_rates import FAR, NEAR, PROJECTED, evaluate, project_and_evaluate, rounding
+from ..dynamics.touching import go_on_watching, step_to_try
 from ..kernels.coordinates import remember
 from ..kernels.vectors import add_scaled, clear, copy, finite
 from ..saddle.solve import SOLVED
@@ -182,9 +183,10 @@ def attempt(m, d, s, own, run):
         status, result = project_and_evaluate(m, d, s, t_new, run.trial, run.trial_rate, NEAR - run.rows.on_manifold)
         run.now.evaluations += 1
         if status == PROJECTED and result == SOLVED and finite(run.trial_rate) and finite(run.trial):
-            if kept(m, run, h):
+            part = step_to_try(m, d, run, h) if kept(m, run, h) else 0.5
+            if part == 1.0:
                 return RUNNING, t_new, h, error
-            retry(run, 0.5 * h)
+            retry(run, part * h)
             continue
         if fixed:
             return NOT_CLOSING if status != PROJECTED else NO_SOLUTION, t_new, h, error
@@ -200,6 +202,7 @@ def accept(own, run, t_new, h, error):
     run.now.t = t_new
     run.now.steps += 1
     pass_turn(run)
+    go_on_watching(run)
     if run.task.steps == 0:
         factor = step_factor(own.table, error, 1.0 if run.now.retried == 1 else 10.0)
         if nearly_singular(run):  # nearer to it rounding counts for more, and a shorter step would have no less of it

@@ -27,6 +27,7 @@ from ..integrators.step_control import CLOSE
 from ..kernels.coordinates import remember
 from ..kernels.kinds import PROJECTION
 from ..mechanism.drivers import SpeedDriver
+from ..mechanism.forces.contact import Contact
 from ..mechanism.forces.custom import check_runnable
 from ..mechanism.measures import Condition
 from ..mechanism.state import State
@@ -77,6 +78,7 @@ class Job:
         run = new_run(
             y, self.model.body.size, np.zeros(0) if times is None else times, capacity, sum(widths), method.dense_terms,
             turns_of_signals(m, t) if adaptive else NEVER,
+            np.flatnonzero([isinstance(force, Contact) for force in self.compiled.system.forces]),
         )  # fmt: skip
         task, now = run.task, run.now  # their fields by name: as attributes each takes a microsecond more
         task["t_start"], task["t_end"], task["rtol"], task["tolerance"] = t, t_end, rtol, max(self.tolerance, 1e-9)
