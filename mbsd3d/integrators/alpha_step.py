@@ -3,6 +3,7 @@
 import numpy as np
 
 from ..compiler.jit import inner_kernel, kernel
+from ..dynamics.spinning import find_turns
 from ..dynamics.state_rates import FAR, PROJECTED, audit_rates, project_and_evaluate, project_positions, rounding
 from ..dynamics.touching import go_on_watching, step_to_try
 from ..kernels.coordinates import remember
@@ -246,6 +247,7 @@ def step(m, d, s, g, run):
         return RUNNING
     end_rates(m, run, g, h)
     note_rows(s, run)
+    find_turns(m, run, h)
     status = outputs(m, d, s, g, run, t_new, h, cubic, along_cubic)
     if status != RUNNING:
         return status

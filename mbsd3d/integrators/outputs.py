@@ -7,7 +7,7 @@ output, ``advance_to(m, d, s, own, run, t, x, h)`` brings trial and its rate to 
 import numpy as np
 
 from ..compiler.jit import inner_kernel, kernel, late_kernel, merged_kernel
-from ..dynamics.spinning import farthest_turn
+from ..dynamics.spinning import farthest_turn, rate_without_spin, spin_on
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..dynamics.touching import start_watching
 from ..kernels.coordinates import coordinate, measure, remember
@@ -239,8 +239,18 @@ def halt(m, d, s, run, t) -> int:
 
 @inner_kernel
 def cubic(m, d, s, own, run, h):
-    """The dense output of methods without one of their own: a cubic through both ends of the step and their rates."""
-    hermite(run, h, run.trial, run.dy, run.trial_rate)
+    """The dense output of methods without one of their own: a cubic through both ends of the step and their rates.
+
+    Beside an even rotation (`find_turns`): steps may be long that bodies turn in.
+    """
+    copy(run.work, run.trial)
+    spin_on(m, run, -h, run.work)
+    copy(run.work_rate, run.dy)
+    rate_without_spin(m, run, 0.0, run.y, run.work_rate)
+    end_rate = run.F[2]
+    copy(end_rate, run.trial_rate)
+    rate_without_spin(m, run, h, run.trial, end_rate)
+    hermite(run, h, run.work, run.work_rate, end_rate)
     return True
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ..compiler.jit import inner_kernel, kernel
+from ..dynamics.spinning import find_turns
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate, rounding
 from ..dynamics.touching import go_on_watching, step_to_try
 from ..kernels.coordinates import remember
@@ -276,6 +277,7 @@ def step(m, d, s, g, run):
         run.now.rejected += 1
         return RUNNING
     note_rows(s, run)
+    find_turns(m, run, h)
     status = outputs(m, d, s, g, run, t_new, h, cubic, along_cubic)
     if status != RUNNING:
         return status
