@@ -76,12 +76,6 @@ def go_on_watching(run):
 
 
 @inner_kernel
-def step_to_try(m, d, run, h):
-    """Fraction of an adaptive step h, whose end is in d, that is to be tried instead; 1 if it hides no touch."""
-    return hidden_touch(m, d, run, h) if run.contacts.shape[0] > 0 and run.task.steps == 0 else 1.0
-
-
-@inner_kernel
 def least_of_cubic(start, end, h):
     """(fraction of a step, value) where a cubic that falls at its start and rises at its end is least."""
     a, rise = start[1] * h, end[0] - start[0]
@@ -92,8 +86,8 @@ def least_of_cubic(start, end, h):
 
 
 @late_kernel
-def hidden_touch(m, d, run, h) -> float:
-    """`step_to_try` where there are contacts."""
+def part_to_try(m, d, run, h) -> float:
+    """Fraction of the step h, whose end is in d, that is to be tried instead; 1 if it hides no touch."""
     watch_contacts(m, d, run, 1)
     part, shallow = 1.0, run.task.rtol * m.length
     for k in range(run.contacts.shape[0]):
@@ -107,3 +101,16 @@ def hidden_touch(m, d, run, h) -> float:
                 if least < DOUBT * (min(start[0], end[0]) - least) - shallow:
                     part = min(part, x)
     return part
+
+
+@inner_kernel
+def hides_touch(m, d, run, h):
+    """True for an adaptive step h, whose end is in d, that could hide a touch: it is rejected."""
+    if run.contacts.shape[0] == 0 or run.task.steps > 0:
+        return False
+    part = part_to_try(m, d, run, h)
+    if part < 1.0:
+        run.now.step = part * h
+        run.now.rejected += 1
+        run.now.retried = 1
+    return part < 1.0

@@ -5,7 +5,7 @@ import numpy as np
 from ..compiler.jit import inner_kernel, kernel
 from ..dynamics.spinning import find_turns
 from ..dynamics.state_rates import FAR, PROJECTED, audit_rates, project_and_evaluate, project_positions, rounding
-from ..dynamics.touching import go_on_watching, step_to_try
+from ..dynamics.touching import go_on_watching, hides_touch
 from ..kernels.coordinates import remember
 from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace_body, rotation_matrix
@@ -240,10 +240,7 @@ def step(m, d, s, g, run):
         return NOT_CLOSING
     if solved != SOLVED:
         return NO_SOLUTION
-    part = step_to_try(m, d, run, h)
-    if part < 1.0:
-        run.now.step = part * h
-        run.now.rejected += 1
+    if hides_touch(m, d, run, h):
         return RUNNING
     end_rates(m, run, g, h)
     note_rows(s, run)

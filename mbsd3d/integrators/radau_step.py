@@ -5,7 +5,7 @@ import numpy as np
 from ..compiler.jit import inner_kernel, kernel
 from ..dynamics.spinning import find_turns
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate, rounding
-from ..dynamics.touching import go_on_watching, step_to_try
+from ..dynamics.touching import go_on_watching, hides_touch
 from ..kernels.coordinates import remember
 from ..kernels.vectors import copy, finite
 from ..saddle.solve import SOLVED
@@ -271,10 +271,7 @@ def step(m, d, s, g, run):
         return NOT_CLOSING
     if solved != SOLVED or not finite(run.trial_rate):
         return NO_SOLUTION
-    part = step_to_try(m, d, run, h)
-    if part < 1.0:
-        run.now.step = part * h
-        run.now.rejected += 1
+    if hides_touch(m, d, run, h):
         return RUNNING
     note_rows(s, run)
     find_turns(m, run, h)

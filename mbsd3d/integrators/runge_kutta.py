@@ -5,7 +5,7 @@ import numpy as np
 from ..compiler.jit import inner_kernel, kernel, late_kernel
 from ..dynamics.spinning import farthest_turn, find_spins, kept, limit_turn, rate_without_spin, spin_on
 from ..dynamics.state_rates import FAR, NEAR, PROJECTED, evaluate, project_and_evaluate, rounding
-from ..dynamics.touching import go_on_watching, step_to_try
+from ..dynamics.touching import go_on_watching, hides_touch
 from ..kernels.coordinates import remember
 from ..kernels.vectors import add_scaled, clear, copy, finite
 from ..saddle.solve import SOLVED
@@ -183,10 +183,10 @@ def attempt(m, d, s, own, run):
         status, result = project_and_evaluate(m, d, s, t_new, run.trial, run.trial_rate, NEAR - run.rows.on_manifold)
         run.now.evaluations += 1
         if status == PROJECTED and result == SOLVED and finite(run.trial_rate) and finite(run.trial):
-            part = step_to_try(m, d, run, h) if kept(m, run, h) else 0.5
-            if part == 1.0:
+            if not kept(m, run, h):
+                retry(run, 0.5 * h)
+            elif not hides_touch(m, d, run, h):
                 return RUNNING, t_new, h, error
-            retry(run, part * h)
             continue
         if fixed:
             return NOT_CLOSING if status != PROJECTED else NO_SOLUTION, t_new, h, error
