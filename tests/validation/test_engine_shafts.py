@@ -102,6 +102,12 @@ def test_firing_order_of_many_cylinders():
     assert sorted(set(gas.firing_angles(replace(layout("V12_60"), firing_order=None)) % 60)) == [0.0]
 
 
+@pytest.mark.parametrize("order", ["1-3", "1-1", "1", "0-1", "1-x", "", 12])
+def test_a_firing_order_names_every_cylinder_once(order):
+    with pytest.raises(ValueError, match="layout 'twin': firing_order .*; give each of 2 cylinders once, '1-3-4-2'"):
+        Layout("twin", "parallel twin", (0, 180), (0, 0), (0, 0.1), firing_order=order)
+
+
 def test_firing_orders():
     assert gas.firing_order(layout("I4")) == "1-3-4-2"
     assert gas.firing_order(layout("I5")) == "1-2-4-5-3"
