@@ -8,6 +8,7 @@ from click.testing import CliRunner
 
 from validation.engine_balance import cli, gas, phasor, report, shafts, spatial
 from validation.engine_balance.layouts import Engine, Layout, layout
+from validation.engine_balance.shafts import Shaft
 from validation.engine_balance.spectrum import spectrum
 
 LIMIT = 1e-9  # of F_single; rounding stays below 1e-12
@@ -90,6 +91,17 @@ def test_the_block_feels_the_gas_only_as_torque_reaction(name):
         np.testing.assert_allclose(moment - quiet, reaction, rtol=0, atol=1e-7)  # N m, of 30 kN m
         np.testing.assert_allclose(fired.effort("motor") - cold.effort("motor"), -torque, rtol=0, atol=1e-7)
         assert np.ptp(torque) > 5e3
+
+
+def test_shafts_that_bear_couples_alone_stay_where_they_are():
+    engine = Engine("boxer4")
+    load, ends = phasor.block_load(engine, dyno=True), tuple(engine.stations[[0, -1]])
+    pair = [Shaft(2, way, (0.3 * way, 0.1), ends) for way in (1, -1)]
+    still = shafts.balance(engine, load, pair, torque=True)
+    assert [shaft.position for shaft in still] == [shaft.position for shaft in pair]
+    assert not any(shaft.pulls for shaft in still)
+    weights = shafts.balance(engine, load, [Shaft(1, 1, planes=(-0.2, 0.2))], torque=True)
+    assert weights[0].on_crank and weights[0].position == (0.0, 0.0)
 
 
 def test_firing_order_of_many_cylinders():
