@@ -172,7 +172,8 @@ def balance_shafts(engine: Engine) -> Table:
             left = shafts.remainder(engine, load, chosen)
             model = shafts.with_shafts(spatial.build(engine), engine, chosen)
             seen = shafts.engine_load(spatial.harmonics(spatial.turn(model, engine), engine), order)
-            weights = ", ".join(f"{abs(u):.4g}" for shaft in chosen for u in shaft.unbalance)
+            every = np.abs([u for shaft in chosen for u in shaft.unbalance])
+            weights = ", ".join(f"{u:.4g}" for u in np.where(every < noise / engine.rate**2, 0.0, every))
             before, after = (
                 (np.abs(x[:2]).max(), np.abs(x[2:4]).max()) for x in (shafts.engine_load(load, order), left)
             )
