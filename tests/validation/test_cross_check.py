@@ -16,7 +16,19 @@ from click.testing import CliRunner
 from models import all_joints_mechanism, consistent_state, pendulum
 
 import validation
-from mbsd3d import GROUND, AngleDriver, Body, PointOnLine, Ramp, Revolute, StateFeedback, System, measures, simulate
+from mbsd3d import (
+    GROUND,
+    AngleDriver,
+    Body,
+    Fixed,
+    PointOnLine,
+    Ramp,
+    Revolute,
+    StateFeedback,
+    System,
+    measures,
+    simulate,
+)
 from mbsd3d.cli import main
 from validation import cross_check
 from validation.cases.mechanisms import chain
@@ -334,6 +346,14 @@ def test_definitions_count_turns_beyond_a_half_however_rounding_falls(turns):
     system = System([wheel], [hinge, AngleDriver(hinge, Ramp(2 * np.pi * turns))], gravity=(0, 0, 0))
     check = cross_check(system, 1.0, engines=["definitions"])
     assert statuses(check.of("definitions")) == {AGREES}
+
+
+def test_what_cannot_move_agrees_by_its_reactions():
+    block = Body("block", 1.3, (0.1, 0.2, 0.25), com=(0.3, -0.1, 0.2), position=(0.1, 0.2, 0.3))
+    found = cross_check(System([block], [Fixed(GROUND, block, at=(0, 0, 0), name="weld")]), 0.3)
+    assert found.passed and set(found.followed) == {"MuJoCo", "Exudyn"}
+    assert found.verdict["MuJoCo", "mass matrix"] == "not compared: MuJoCo has no freedom here"
+    assert found.verdict["MuJoCo", "reaction moment"] == "agrees"
 
 
 def test_nothing_compared_does_not_pass():
