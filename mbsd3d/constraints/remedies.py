@@ -19,7 +19,7 @@ from ..mechanism.bodies import GROUND
 from ..mechanism.drivers import Driver
 from ..mechanism.joints import AxisJoint, Joint, PointJoint
 from ..mechanism.joints.conditions import PointOnLine, PointOnPlane
-from ..mechanism.joints.pairs import Cylindrical, Planar, Revolute, Spherical, Universal
+from ..mechanism.joints.pairs import Cylindrical, Planar, Spherical, Universal
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .rank import Analysis, without_rounding
@@ -211,8 +211,13 @@ def describe(compiled: Compiled, chosen: list, lost: int) -> Cure:
 
 
 def axis_text(option: Joint) -> str:
-    """Direction of a weaker joint, where it has one."""
-    axis = getattr(option, "axis", getattr(option, "normal", getattr(option, "axis_a", None)))
-    if axis is None or isinstance(option, Revolute):
-        return ""
-    return " along ({:.4g}, {:.4g}, {:.4g})".format(*(axis + 0.0))
+    """Directions of a weaker joint, where it has some, with digits enough to type them in."""
+    if isinstance(option, Universal):
+        return f" with axis_a = {direction_text(option.axis_a)}, axis_b = {direction_text(option.axis_b)}"
+    axis = getattr(option, "axis", getattr(option, "normal", None))
+    return "" if axis is None else f" along {direction_text(axis)}"
+
+
+def direction_text(axis: np.ndarray) -> str:
+    """A direction in ten digits: both axes of a cross must be perpendicular to 1e-9."""
+    return "({:.10g}, {:.10g}, {:.10g})".format(*(axis + 0.0))

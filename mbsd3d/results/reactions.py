@@ -1,8 +1,8 @@
 """Reactions: which are determined by the constraints, and the least-norm shares of those that are not.
 
 With N the left null space of J (scaled), the multipliers are lam + N a for any a. A wrench G lam is unique if and
-only if G N = 0; the share of least norm of the others is lam - N N' lam, which depends on the unit of length. Of parts as
-built, N is that of the rows as the run saw them: what fits within the tolerance repeats other rows.
+only if G N = 0; the share of least norm of the others is lam - N N' lam, which depends on the unit of length. Of parts
+as built, N is that of the rows as the run saw them: what fits within the tolerance repeats other rows.
 """
 
 from dataclasses import dataclass

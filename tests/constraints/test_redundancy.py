@@ -1,5 +1,8 @@
 """What check() says of doors, four-bars, loops that miss each other, and how the cures are verified."""
 
+import ast
+import re
+
 import numpy as np
 import pytest
 
@@ -11,6 +14,7 @@ from mbsd3d import (
     Revolute,
     Spherical,
     System,
+    Universal,
     accelerations,
     linkages,
     rotation,
@@ -73,6 +77,22 @@ def test_door_cures_are_those_of_the_design_and_cure():
     )
     found = cured.check()
     assert (found.rows, found.rank, found.mobility, found.redundant) == (5, 5, 1, 0)
+
+
+def test_a_cross_can_be_typed_as_its_cure_says():
+    """Both axes, with digits enough for a start to meet them."""
+    loop, seen = linkages.bricard(0.8, 1.1, orientation=TILT), 0
+    for cure in loop.check().cures:
+        said = re.fullmatch(
+            r"'hinge (\d)' Revolute -> Universal with axis_a = (.+), axis_b = (.+) \(29 rows.*", cure.text
+        )
+        if said:
+            (k, axis_a, axis_b), joints = map(ast.literal_eval, said.groups()), list(loop.joints)
+            old = joints[k - 1]
+            joints[k - 1] = Universal(old.a, old.b, at=old.at, axis_a=axis_a, axis_b=axis_b)
+            cured, seen = System(loop.bodies, joints), seen + 1
+            assert cured.state().t == 0.0 and cured.check().redundant == 0
+    assert seen
 
 
 @pytest.mark.parametrize("name", ["door_two_hinges", "sarrus_linkage", "iftomm_A02_fourbar_N2", "iftomm_A03_andrews"])
@@ -139,7 +159,7 @@ def test_door_built_one_micron_out_swings_within_the_tolerance():
 
 
 def test_parts_as_built_leave_open_what_exact_ones_do():
-    """Hinges of a Sarrus linkage 1e-7 m and 1e-7 rad out, one row let go: the shares are those of least norm, off by that.
+    """Hinges of a Sarrus linkage 1e-7 m and rad out, one row let go: the shares are those of least norm, off by that.
 
     The lever of the misfit is the condition of the loop, below 100; a share that the choice of the row decides would be
     off by as much as it is large.
@@ -164,6 +184,7 @@ def test_both_hinges_of_a_door_built_one_micron_out_carry_a_certain_load():
     solution = simulate(door(1e-6), 0.1, output=3, as_built=1e-5)
     assert not solution.reaction("bottom").unique and not solution.reaction("top").unique
     assert solution.reaction("bottom", "top").unique
+
 
 def open_loop(gap):
     """Three links in a plane that reach 3 m of a span of 3 m + gap."""
