@@ -59,6 +59,14 @@ def weaker(joint: Joint) -> list[Joint | None]:
     return [*[option for option in options if type(option) is not type(joint)], None]
 
 
+def serves(joint: Joint, option: Joint | None) -> bool:
+    """True if drivers, couplings and springs on the angle or slide of a joint find the same in a weaker one."""
+    if option is None:
+        return False
+    pairs = (joint.angle(), option.angle()), (joint.slide(), option.slide())
+    return all(own is None or other is not None for own, other in pairs)
+
+
 def rows_of(compiled: Compiled, pose: State, joint: Joint) -> BlockRows:
     """Scaled rows of a joint that may not be in the system, at the pose."""
     bodies = [body for body in joint.bodies() if body is not GROUND]
@@ -78,14 +86,17 @@ class Search:
     def __init__(self, compiled: Compiled, pose: State, rows: BlockRows, N: np.ndarray) -> None:
         self.compiled, self.pose, self.rows, self.N = compiled, pose, rows, N
         self.projectors: dict[tuple[Joint, Joint | None], np.ndarray | None] = {}
+        system = compiled.system
+        self.acted_on = {id(partner) for part in (*system.joints, *system.forces) for partner in part.partners()}
 
     def own(self, joint: Joint) -> slice:
         """Rows of a joint."""
         return self.compiled.rows[id(joint)]
 
     def candidates(self, joint: Joint) -> list[tuple[Joint, Joint | None]]:
-        """(joint, weaker joint) for all weaker joints with fewer rows."""
-        return [(joint, option) for option in weaker(joint) if self.lost([(joint, option)]) > 0]
+        """(joint, weaker joint) for all weaker joints with fewer rows that can stand in its place."""
+        fewer = [(joint, option) for option in weaker(joint) if self.lost([(joint, option)]) > 0]
+        return [(joint, option) for _, option in fewer if id(joint) not in self.acted_on or serves(joint, option)]
 
     def lost(self, chosen: list) -> int:
         """Rows given up by a set of replacements."""
@@ -220,4 +231,4 @@ def axis_text(option: Joint) -> str:
 
 def direction_text(axis: np.ndarray) -> str:
     """A direction in ten digits: both axes of a cross must be perpendicular to 1e-9."""
-    return "({:.10g}, {:.10g}, {:.10g})".format(*(axis + 0.0))
+    return "({:.10g}, {:.10g}, {:.10g})".format(*(axis.round(10) + 0.0))

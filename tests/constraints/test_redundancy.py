@@ -14,6 +14,7 @@ from mbsd3d import (
     Revolute,
     Spherical,
     System,
+    TorsionSpring,
     Universal,
     accelerations,
     linkages,
@@ -93,6 +94,20 @@ def test_a_cross_can_be_typed_as_its_cure_says():
             cured, seen = System(loop.bodies, joints), seen + 1
             assert cured.state().t == 0.0 and cured.check().redundant == 0
     assert seen
+
+
+@pytest.mark.parametrize(
+    "acting", [lambda h: ([AngleDriver(h, 0.0)], []), lambda h: ([], [TorsionSpring(h, stiffness=3.0)])]
+)
+def test_a_cure_leaves_an_angle_to_what_acts_on_it(acting):
+    """A hinge with a motor or a spring is not removed, nor made a ball."""
+    plain, leaf = door(), door().bodies[0]
+    bottom, top = (Revolute(GROUND, leaf, at=j.at, axis=j.axis, name=j.name) for j in plain.joints)
+    drivers, springs = acting(bottom)
+    found = System([leaf], [bottom, top, *drivers], springs).check()
+    assert (("top", None),) in [cure.replacements for cure in found.cures]
+    kept = {dict(cure.replacements).get("bottom", "Revolute") for cure in found.cures}
+    assert kept == {"Revolute", "Cylindrical", "Planar"}
 
 
 @pytest.mark.parametrize("name", ["door_two_hinges", "sarrus_linkage", "iftomm_A02_fourbar_N2", "iftomm_A03_andrews"])
