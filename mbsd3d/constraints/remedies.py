@@ -222,13 +222,13 @@ def describe(compiled: Compiled, chosen: list, lost: int) -> Cure:
 
 
 def axis_text(option: Joint) -> str:
-    """Directions of a weaker joint, where it has some, with digits enough to type them in."""
+    """Directions of a weaker joint, where it has some; those of a cross must be perpendicular to 1e-9."""
     if isinstance(option, Universal):
-        return f" with axis_a = {direction_text(option.axis_a)}, axis_b = {direction_text(option.axis_b)}"
+        return f" with axis_a = {direction_text(option.axis_a, 10)}, axis_b = {direction_text(option.axis_b, 10)}"
     axis = getattr(option, "axis", getattr(option, "normal", None))
-    return "" if axis is None else f" along {direction_text(axis)}"
+    return "" if axis is None else f" along {direction_text(axis, 4)}"
 
 
-def direction_text(axis: np.ndarray) -> str:
-    """A direction in ten digits: both axes of a cross must be perpendicular to 1e-9."""
-    return "({:.10g}, {:.10g}, {:.10g})".format(*(axis.round(10) + 0.0))
+def direction_text(axis: np.ndarray, digits: int) -> str:
+    """A direction in so many digits."""
+    return "({})".format(", ".join(f"{x:.{digits}g}" for x in axis.round(10) + 0.0))

@@ -229,9 +229,9 @@ class Job:
             residual, unit = missed
             part, size = worst_joint(self.compiled, residual)
             raise AssemblyError(
-                f"simulate: the state does not meet a joint ({unit})",
+                f"the state does not meet a joint ({unit})",
                 part=part, residual=size, time=self.start.t,
-                advice="start from system.assemble(), give as_built for parts out of line, or stabilisation='none'",
+                advice="start from system.assemble(); simulate parts out of line with as_built or stabilisation='none'",
             )  # fmt: skip
         if self.model.singular:
             check_spins(self.compiled, self.data)

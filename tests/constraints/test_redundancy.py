@@ -9,6 +9,7 @@ import pytest
 from mbsd3d import (
     GROUND,
     AngleDriver,
+    AssemblyError,
     Body,
     PointOnLine,
     Revolute,
@@ -17,6 +18,7 @@ from mbsd3d import (
     TorsionSpring,
     Universal,
     accelerations,
+    linearize,
     linkages,
     rotation,
     simulate,
@@ -199,6 +201,16 @@ def test_both_hinges_of_a_door_built_one_micron_out_carry_a_certain_load():
     solution = simulate(door(1e-6), 0.1, output=3, as_built=1e-5)
     assert not solution.reaction("bottom").unique and not solution.reaction("top").unique
     assert solution.reaction("bottom", "top").unique
+
+
+def test_parts_out_of_line_are_told_of_as_built():
+    """By a start without it, and by what has no such argument and is no run."""
+    crooked = door(1e-6)
+    with pytest.raises(AssemblyError, match="does not close .*'top', residual 1e-06; .*or give as_built for parts"):
+        simulate(crooked, 0.1)
+    for call in (accelerations, linearize):
+        with pytest.raises(AssemblyError, match="^the state does not meet a joint .*simulate parts .* with as_built"):
+            call(crooked, crooked.state(as_built=1e-5))
 
 
 def open_loop(gap):
