@@ -53,8 +53,7 @@ def weaker(joint: Joint) -> list[Joint | None]:
             *options,
             PointOnLine(a, b, at=at, at_b=at_b, axis=axis, name=name),
             Planar(a, b, at=at, at_b=at_b, normal=axis, name=name),
-            PointOnPlane(a, b, at=at, at_b=at_b, normal=axis, name=name),
-            PointOnPlane(a, b, at=at, at_b=at_b, normal=x, name=name),
+            *(PointOnPlane(a, b, at=at, at_b=at_b, normal=normal, name=name) for normal in (axis, x, y)),
         ]
     return [*[option for option in options if type(option) is not type(joint)], None]
 

@@ -121,6 +121,18 @@ def test_every_cure_keeps_the_mobility_and_leaves_no_redundancy(name):
         assert cure.rows_removed == found.redundant  # not one row more than the redundant ones is given up
 
 
+@pytest.mark.parametrize("bars", [3, 5])
+def test_a_table_on_upright_bars_has_a_cure(bars):
+    """The third bar and those after it repeat a row along which the table moves, one of the two across a hinge."""
+    table = Body("table", 2.0, (0.1, 1.0, 1.0), position=(0.4, 0.7, 0.1))
+    legs = [Body(f"bar {k}", 1.0, (0.02, 0.1, 0.1), position=(k, 0.1, 0)) for k in range(bars)]
+    joints = [Revolute(GROUND, leg, at=(k, 0, 0), axis=(0, 0, 1)) for k, leg in enumerate(legs)]
+    joints += [Revolute(leg, table, at=(k, 0.5, 0), axis=(0, 0, 1)) for k, leg in enumerate(legs)]
+    found = System([*legs, table], joints).check()
+    assert (found.mobility, found.redundant) == (1, 4 * bars - 5)
+    assert found.cures and all(cure.rows_removed == found.redundant for cure in found.cures)
+
+
 def test_net_wrench_is_unique_and_right_where_shares_are_not():
     system = door()
     solution = simulate(system, 0.5, rtol=1e-10)
