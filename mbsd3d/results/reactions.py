@@ -33,6 +33,7 @@ class Open(NamedTuple):
 
     rows: np.ndarray  # (m,) which
     N: np.ndarray  # (m, k) left null space of their scaled J
+    slip: float  # largest entry of J'N: rounding, or what parts as built miss each other by
 
 
 class MiddleRows(NamedTuple):
@@ -49,7 +50,7 @@ def open_shares(rows: BlockRows, tolerance: float) -> list[Open]:
     if surely_independent(rows, tolerance):
         return []
     found = ((own, redundant_combinations(rows.alone(own), tolerance)) for own in islands(rows))
-    return [Open(own, N) for own, N in found if N.shape[1]]
+    return [Open(own, N, np.abs(rows.take(own).sparse().T @ N).max()) for own, N in found if N.shape[1]]
 
 
 def middle_rows(
@@ -61,8 +62,8 @@ def middle_rows(
     if not place.size or not t.size or record.rows_left_out == 0:
         return MiddleRows([], place, data.row["J"], tolerance)
     found = open_shares(rows_at(compiled, data, t[k], states[k], coordinates[k]), tolerance)
-    for i, (own, _) in enumerate(found):
-        place[own] = i
+    for i, island in enumerate(found):
+        place[island.rows] = i
     return MiddleRows(found, place, data.row["J"], tolerance)
 
 
@@ -77,7 +78,7 @@ def unique_wrench(compiled: Compiled, middle: MiddleRows, parts: list) -> bool:
     G *= displacement_units(model.length, 1)
     for i in set(middle.place[rows].tolist()) - {-1}:
         _, mine, theirs = np.intersect1d(rows, middle.open[i].rows, return_indices=True)
-        if np.abs(G[mine].T @ middle.open[i].N[theirs]).max() >= max(1e-7, 10.0 * middle.tolerance):
+        if np.abs(G[mine].T @ middle.open[i].N[theirs]).max() >= max(1e-7, 10.0 * middle.open[i].slip):
             return False
     return True
 
@@ -90,7 +91,7 @@ def minimum_norm(
         return lam
     data, scale, shared = compiled.data(), compiled.model.row["scale"], lam.copy()
     for k in range(t.size):
-        for own, N in open_shares(rows_at(compiled, data, t[k], states[k], coordinates[k]), middle.tolerance):
+        for own, N, _ in open_shares(rows_at(compiled, data, t[k], states[k], coordinates[k]), middle.tolerance):
             mu = lam[k, own] / scale[own]
             shared[k, own] = (mu - N @ (N.T @ mu)) * scale[own]
     return shared
