@@ -43,6 +43,7 @@ from .sunk import check_sunk
 
 CHUNK = 0.05  # seconds of kernel time between visits to Python: progress, Ctrl-C
 CAPACITY = 1024  # samples between visits to Python where every step is one
+SHORT = memory.STEP_TOO_SMALL, memory.NOT_CONVERGED  # ends of runs that a singular pose may be the reason for
 LEAST = 1e-14  # of the time, the shortest step: 50 units of its last place, for jumps of forces at rtol 1e-12
 
 
@@ -232,9 +233,9 @@ class Job:
             residual, unit = missed
             part, size = worst_joint(self.compiled, residual)
             raise AssemblyError(
-                f"simulate: the state does not meet a joint ({unit})",
+                f"the state does not meet a joint ({unit})",
                 part=part, residual=size, time=self.start.t,
-                advice="start from system.assemble(), give as_built for parts out of line, or stabilisation='none'",
+                advice="start from system.assemble(); simulate parts out of line with as_built or stabilisation='none'",
             )  # fmt: skip
         if self.model.singular:
             check_spins(self.compiled, self.data)
@@ -285,11 +286,11 @@ class Job:
             part, what, advice = clash.who, f"contradictory drivers: they {clash.what}", clash.advice
         elif part is None and (singular := singular_start(self.compiled, self.start, t, self.memory.task.t_end)):
             what, advice = singular, BESIDE
-        elif status == memory.NOT_CONVERGED and (singular := singular_there(self.compiled, self.start, here[2], t)):
-            what = f"{what}: the pose is {singular}"
         elif part is None and self.compiled.drives and (status == memory.NOT_CLOSING or self.memory.rows.pivot < CLOSE):
             part = f"{driven_to(self.compiled, t)}, where the mechanism locks or passes a singular position"
             advice = "drive it less far, or the other way; see system.check()"
+        elif status in SHORT and (singular := singular_there(self.compiled, self.start, here[2], t)):
+            what = f"{what}: the pose is {singular}"
         elif part is None and status == memory.NOT_CLOSING and self.method.dt is not None:
             advice = f"the step of {self.method.dt:g} s is too long, or the position singular: take a smaller dt"
         elif part:
