@@ -531,6 +531,9 @@ def test_validate_ends_with_1_where_something_differs(model, fake):
     [
         (["none.py"], 2, "No such file"),
         (["arm.py", "--t-end", "-1"], 2, "does not lie after the start"),
+        (["arm.py", "--t-end", "0"], 2, "t_end = 0 s does not lie after the start"),  # 0 is given, not left out
+        (["arm.py", "--tolerance", "0"], 2, "tolerance 0 is outside"),
+        (["arm.py", "--set", "length=2"], 2, "no such parameter"),
         (["arm.py", "--engine", "chrono"], 2, "chrono"),
         (["arm.py", "--tolerance", "1"], 2, "outside 1e-9"),
         (["arm.py", "--json", "/proc/none/x.json"], 2, "--json '/proc/none' cannot be written"),
