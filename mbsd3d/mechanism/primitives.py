@@ -54,7 +54,7 @@ class Coordinate:
         check_kind(self.kind, COORDINATES, "Coordinate")
         for name in (*AXES, "point_a", "point_b"):
             x = getattr(self, name)
-            if x is not None and (x.shape != (3,) or (name in AXES and abs(math.hypot(*x.tolist()) - 1.0) > UNIT)):
+            if x is not None and (x.shape != (3,) or (name in AXES and not abs(math.hypot(*x.tolist()) - 1.0) < UNIT)):
                 what = "a direction of length 1" if name in AXES else "three numbers"
                 raise InputError(f"Coordinate: {name} = {shown(x.tolist())} is not {what}; {BUILD}")
         if (self.zero_a is None) != (self.zero_b is None):

@@ -480,10 +480,10 @@ def test_failures_of_the_commands_are_one_line(hand, monkeypatch, arguments, mes
 
 @pytest.mark.parametrize(("old", "new"), [
     ('"coordinate rate"', '"coordinate"'), ('"coordinate rate"', '"position"'), ('"coordinate rate"', '"state"'),
-    ('"unit": "m/s"', '"unit": "furlong"'),
+    ('"unit": "m/s"', '"unit": "furlong"'), ('"unit": "m/s",', '"unit": "m/s", "point_b": [1, 2],'),
 ])  # fmt: skip
 def test_measures_of_a_file_are_what_kernels_know(tmp_path, old, new):
-    """A kernel would read past the end for a kind or a state that is not there."""
+    """A kernel would read past the end for a kind or a state that is not there, or a point of two numbers."""
     body = Body("cart", 1.3, (0.2, 0.3, 0.4), com=(0.1, 0.2, 0.3))
     rail = Prismatic(GROUND, body, at=(0, 0, 0), axis=(1, 2, 3), name="rail")
     servo = StateFeedback(measures=[measures.slide_rate(rail)], gains=(3.0,), on=rail, name="servo")
@@ -498,6 +498,7 @@ def test_measures_of_a_file_are_what_kernels_know(tmp_path, old, new):
 @pytest.mark.parametrize(("field", "value", "message"), [
     ("axis", [0.0, 3.0, 0.0], r"axis = \[0.0, 3.0, 0.0\] is not a direction of length 1; build what it measures with"),
     ("axis_b", [], "axis_b = .* is not a direction"), ("zero_a", [1.0, 0.0, 0.0], "zero_a and zero_b belong together"),
+    ("axis", [None, 1.0, 0.0], "axis: .None, 1.0, 0.0. is not numeric; give numbers - at"),
     ("point_b", [1.0], "point_b = .* is not three numbers"), ("kind", "path", "0 numbers are not those of a curve"),
     ("numbers", [1e9, 3.0, 4.0, 5.0, 6.0], "5 numbers are not those of a curve"),  # the kernels read far beyond them
     ("numbers", [2.0, 0.0, 1.0, *(40 * [0.5])], "43 numbers are not those"),  # two pieces have 42
