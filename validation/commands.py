@@ -60,7 +60,7 @@ def validate(model: str | None, **options: Any) -> None:
     is a page (.html) and its numbers (.json). A run that was killed goes on with the same command. The exit code is 1
     if anything differs without a proven cause.
     """
-    given = {name: value for name, value in options.items() if not (value is None or value is False or value == ())}
+    given = {name: value for name, value in options.items() if value is not None and value is not False and value != ()}
     wrong = [name for name in given if (name in OF_SUITE) == (model is not None)]
     if wrong:
         option = next(x.opts[0] for x in click.get_current_context().command.params if x.name == wrong[0])
@@ -111,14 +111,14 @@ def validate_all(
     from validation.suite.suite import Suite, store
     from validation.suite.trials import chosen, trials
 
-    found = trials(quick)
+    found = chosen(trials(quick), names)
     if only_list:
         width = max(len(trial.name) for trial in found)
         click.echo("\n".join(f"{trial.name:{width}}  {trial.title}" for trial in found))
         return
-    everything, folder, budget = chosen(found, names), ready_folder(out), BUDGETS[quick]
+    folder, budget = ready_folder(out), BUDGETS[quick]
     with closing(store(folder, fresh, budget=budget)) as kept:
-        judge(Suite(everything, kept, quick, budget), folder)
+        judge(Suite(found, kept, quick, budget), folder)
 
 
 def judge(suite: "Suite", folder: Path) -> None:

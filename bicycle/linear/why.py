@@ -70,14 +70,14 @@ def fastest(q: Quartic, v: float) -> float:
 
 
 def locked(parameters: Parameters, build: Build | None, speed: float) -> Ablation:
-    """Only lean is left: an inverted pendulum, which falls at any speed with +-sqrt(-g K0_11 / M_11)."""
+    """Only lean is left: a pendulum with +-sqrt(-g K0_11 / M_11) at any speed, which falls unless it hangs."""
     name, falls = "steering locked", []
     if build is None or not (parameters.tR or parameters.tF):
         linear = canonical(parameters)
-        falls.append(float(np.sqrt(-linear.g * linear.K0[0, 0] / linear.M[0, 0])))
+        falls.append(float(np.sqrt(complex(-linear.g * linear.K0[0, 0] / linear.M[0, 0])).real))
     if build is not None:
         falls.append(falling(build(parameters, speed=speed)))
-    confirmed = abs(falls[1] - falls[0]) < STEP * falls[0] if len(falls) == 2 else None
+    confirmed = abs(falls[1] - falls[0]) < STEP * max(1.0, falls[0]) if len(falls) == 2 else None
     return Ablation(name, parameters, [], falls[0], None if build is None else [], confirmed)
 
 

@@ -155,11 +155,12 @@ def peaked(parameters: Parameters, speed: float, inner: list[float]) -> float:
         first = f"{peaks[0]:.3g} dB however small its gain, as the bicycle swings by itself"
         why = first if peaks[0] >= PEAK else f"{peaks.max():.3g} dB at most, with gains up to {gains[-1]:g}"
         where = np.array([balances(parameters, v) for v in SPEEDS])
-        cure = "give such a speed, or gains" if where.any() else "give gains"
+        some = spans(SPEEDS, where), "give such a speed, or gains"
+        speeds, cure = some if where.any() else ("no speed", "give gains")
         raise InputError(
             f"bicycle '{parameters.name}': at {speed:g} m/s the {LOOPS[len(inner)]} loop peaks by {why}, where the "
             f"rule for gains wants {PEAK:g} dB; of {SPEEDS[0]:g} to {SPEEDS[-1]:g} m/s the rule balances it at "
-            f"{spans(SPEEDS, where)}; {cure}"
+            f"{speeds}; {cure}"
         )
     return gain
 

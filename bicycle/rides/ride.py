@@ -107,17 +107,15 @@ def run(
     begin |= {"tyres": tyres, "steer_damping": steer_damping}
     begin |= {"head_stiffness": head_stiffness, "head_damping": head_damping}
     system = ridden(parameters, torque, push, drive, brake, drag, **begin)
-    held_down = held_down or on_tyres(system)
-    start = system.state()
-    check_start(parameters, Ride(parameters, accelerations(system, start)), limit, held_down)
-    settings = {"state": start, "rtol": rtol, "output": output, "progress": progress}
-    return ended(parameters, system, t_end, limit, held_down, settings)
+    settings = {"state": system.state(), "rtol": rtol, "output": output, "progress": progress}
+    return ended(parameters, system, t_end, limit, held_down or on_tyres(system), settings)
 
 
 def ended(
     parameters: Parameters, system: Bicycle, t_end: float, limit: float, held_down: bool, settings: dict[str, Any]
 ) -> Ride:  # fmt: skip
     """The ride until its end, a fall, or a wheel that lifts: then once more, up to that moment."""
+    check_start(parameters, Ride(parameters, accelerations(system, settings["state"])), limit, held_down)
     upward = elevation(system)
     try:
         found = simulate(system, t_end, stop_when=upward < 0.5 * np.pi - limit, **settings)
@@ -193,7 +191,7 @@ def check_start(parameters: Parameters, start: Ride, limit: float, held_down: bo
                 remedy = "give a slower or more upright start, or "
             raise InputError(
                 f"{what}: the {wheel} wheel is not pressed to the ground at the start (load {load[0]:.6g} N); {remedy}"
-                "held_down=True (--held-down) for a ground that can pull"
+                "held_down=True (ride --held-down) for a ground that can pull"
             )
 
 

@@ -19,7 +19,7 @@ MOST = 400  # points to either side
 DIFFERENCE = 1e-6  # of x, for derivatives along a curve
 CORRECTIONS = 12
 CLOSE = 1e-9  # error of x before the last correction
-SHARPEST = 0.3  # turn of a step [rad]
+SHARPEST = 0.3  # turn of a step from the tangent before it [rad]; its arc is 0.25 of that as high as it is long
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +66,14 @@ class Curve:
         slope = [self.f(x + DIFFERENCE * e) - self.f(x - DIFFERENCE * e) for e in np.eye(2)]
         return across(np.array(slope)) / np.hypot(*slope)
 
+    def tangent(self, x: np.ndarray, along: np.ndarray) -> np.ndarray:
+        """`direction`, forwards as ``along`` is; ``along`` itself where the curve ends."""
+        try:
+            found = self.direction(x)
+        except ValueError:
+            return along
+        return found if found @ along > 0.0 else -found
+
     def corrected(self, x: np.ndarray, along: np.ndarray, reach: float) -> np.ndarray | None:
         """The point of the curve next to x at a right angle to ``along`` (secant method); None if none is in reach."""
         normal = across(along)
@@ -86,9 +94,9 @@ class Curve:
         """Points after x, first in the direction ``along`` of the curve there, as far as it goes.
 
         Tangent and curvature at a point are those of the parabola through it and the two before; a step turns by
-        SHARPEST at most.
+        SHARPEST at most. Where no step is short enough, the parabola was wrong: the curve turns sharply there.
         """
-        length, bend, last, before = 0.5 * self.longest, 0.0, 0.0, along
+        length, bend, last, before, exact = 0.5 * self.longest, 0.0, 0.0, along, True
         while length > self.shortest:
             guess = turned(along, np.clip(0.5 * bend * length, -SHARPEST, SHARPEST))
             new = self.step(x, guess, length)
@@ -96,6 +104,8 @@ class Curve:
             turn = angle(along, chord)
             if new is None or abs(turn) > SHARPEST:
                 length *= 0.5
+                if length <= self.shortest and not exact:
+                    along, bend, length, exact = self.tangent(x, along), 0.0, last, True
                 continue
             yield new
             size, miss = np.linalg.norm(new - x), abs(angle(guess, chord))
@@ -104,7 +114,7 @@ class Curve:
                 turn = 0.5 * bend * size
             else:  # the tangent at the first point is known
                 bend = 2.0 * turn / size
-            x, along, before, last = new, turned(chord, turn), chord, size
+            x, along, before, last, exact = new, turned(chord, turn), chord, size, False
             length = min(length * (2.0 if miss < 0.02 else 1.0 if miss > 0.1 else 1.3), self.longest)
 
     def step(self, x: np.ndarray, along: np.ndarray, length: float) -> np.ndarray | None:
@@ -214,14 +224,14 @@ class Search:
 
 
 def beside(x: np.ndarray, families: Sequence[list[np.ndarray]]) -> bool:
-    """True if a point lies on a family that is known already."""
+    """True if a point lies on a family that is known already, on the arc over a step."""
     for points in families:
         a, b = np.array(points[:-1]), np.array(points[1:])
         if not a.size:
             continue
         share = np.clip(np.sum((x - a) * (b - a), axis=1) / np.sum((b - a) ** 2, axis=1), 0.0, 1.0)
         miss = np.linalg.norm(a + share[:, None] * (b - a) - x, axis=1)
-        if np.any(miss < 0.05 * np.linalg.norm(b - a, axis=1) + 1e-6):
+        if np.any(miss < 0.3 * SHARPEST * np.linalg.norm(b - a, axis=1) + 1e-6):
             return True
     return False
 

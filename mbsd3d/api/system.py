@@ -93,15 +93,16 @@ class System(Mechanism, Drawable):
 
         return tables_of(self)
 
-    def check(self, *, as_built: float = 1e-5) -> "Diagnosis":
+    def check(self, *, as_built: float | None = None) -> "Diagnosis":
         """Coordinates, rows, rank, mobility, redundant rows by joint, cures and a verdict; see `Diagnosis`.
 
-        as_built : float
-            Tolerance of the real parts [m]: misfits below it are taken up by play.
+        as_built : float or None
+            Tolerance of the real parts [m]: misfits below it are taken up by play. None: 1e-5 m, of small mechanisms
+            1e-4 of their length.
         """
         from ..constraints.redundancy import diagnose
 
-        return diagnose(self, number(as_built, "check: as_built", minimum=0.0))
+        return diagnose(self, None if as_built is None else number(as_built, "check: as_built", minimum=0.0))
 
     def state(self, *, as_built: float | None = None) -> State:
         """The initial state at the reference pose; velocities that are None are solved from the constraints.

@@ -15,9 +15,10 @@ FEW = 16  # numbers that Python looks through in less time than numpy
 
 
 def shown(value: Any) -> str:
-    """What was given, as it prints, cut where it is long."""
+    """What was given, as it prints, cut where it is long; numbers of arrays as plain ones."""
     try:
-        text = repr(value)
+        with np.printoptions(legacy="1.25"):
+            text = repr(value)
     except ValueError:  # Python prints no whole number of more than 4300 digits
         return f"a {type(value).__name__} of many digits"
     return text if len(text) <= 80 else f"{text[:60]} ... ({len(text)} characters)"

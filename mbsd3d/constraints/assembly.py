@@ -55,7 +55,8 @@ def closed_or_error(compiled: Compiled, data: Data, pose: State, tolerance: floa
         raise AssemblyError(
             "the reference pose does not close (m or rad)",
             part=part, residual=gap, time=pose.t,
-            advice="start from system.assemble(), or correct the part's position (at_b, axis_b, driver at t = 0)",
+            advice="start from system.assemble(), correct the part's position (at_b, axis_b, driver at t = 0), or give "
+            "as_built for parts out of line",
         )  # fmt: skip
     return pose
 

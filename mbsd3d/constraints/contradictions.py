@@ -14,6 +14,7 @@ from .rank import redundant_combinations
 
 OF_HINGES = (AngleDriver, SlideDriver, SpeedDriver)
 TOLERANCE = 1e-9  # of the prescribed values, in model lengths and radians
+INVOLVED = 1e-3  # share of the drivers in a dependency: near a singular pose rounding puts 1e-5 of them into all others
 LATER = np.concatenate([[0.0], np.logspace(-3.0, 3.0, 25)])  # s after the start, at which signals are compared
 
 
@@ -107,6 +108,8 @@ def judged(
     slack: float = TOLERANCE,
 ) -> Contradiction | None:  # fmt: skip
     """The contradiction in the prescribed values of the rows ``where``: their part N N' values (N orthonormal)."""
+    share, mix = np.linalg.svd(N[compiled.model.row["drive"][where] >= 0], full_matrices=False)[1:]
+    N = N @ mix[share > INVOLVED].T
     gap = np.abs(N @ (N.T @ values))
     if gap.max() <= slack * max(1.0, np.abs(values).max()):
         return None

@@ -143,11 +143,11 @@ def surely_independent(rows: BlockRows, tolerance: float) -> bool:
         return proven(rows.dense(), tolerance)
 
 
-def redundant_combinations(rows: BlockRows) -> np.ndarray:
-    """(m, k) orthonormal N with J'N = 0: the left null space of the scaled rows."""
-    if surely_independent(rows, RANK_TOLERANCE):
+def redundant_combinations(rows: BlockRows, tolerance: float = RANK_TOLERANCE) -> np.ndarray:
+    """(m, k) orthonormal N with J'N = 0: the left null space of the scaled rows, as seen at the tolerance."""
+    if surely_independent(rows, tolerance):
         return np.zeros((rows.body.shape[0], 0))
-    return orthonormal(Analysis(rows).redundant())
+    return orthonormal(Analysis(rows, tolerance).redundant())
 
 
 def orthonormal(N: np.ndarray) -> np.ndarray:

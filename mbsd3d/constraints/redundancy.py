@@ -8,8 +8,7 @@ import scipy.linalg
 from ..base.style import html_text
 from ..equations.at_state import driven_coordinates, joint_point, load_state, worst_joint
 from ..equations.compiled import Compiled, compile_system
-from ..equations.jacobian import RANK_TOLERANCE, BlockRows, displacement_units, scaled_rows
-from ..kernels.kinematics import displace
+from ..equations.jacobian import RANK_TOLERANCE, BlockRows, scaled_rows
 from ..kernels.layout import Data
 from ..mechanism.drivers import Driver
 from ..mechanism.mechanism import Mechanism
@@ -17,11 +16,13 @@ from ..mechanism.state import State
 from .assembly import close_pose, gap_size, newton, reference_pose
 from .contradictions import TOLERANCE, find_contradiction
 from .elimination import SAFE, Core
-from .nearness import movers, nearly_singular
 from .rank import Analysis, orthonormal
 from .remedies import Cure, find_cures
+from .singularity import rows_beside, singularities
 from .spanning_tree import loop_weights
 from .spins import free_spins
+
+AS_BUILT, SHARE = 1e-5, 1e-4  # m; of the model's length, for mechanisms smaller than a hand
 
 
 @dataclass(frozen=True)
@@ -90,11 +91,12 @@ class Diagnosis:
         return html_text(str(self))
 
 
-def diagnose(system: Mechanism, as_built: float) -> Diagnosis:
+def diagnose(system: Mechanism, as_built: float | None) -> Diagnosis:
     """See `System.check`."""
     compiled = compile_system(system)
-    pose, misfit, stuck = closed_pose(compiled, as_built)
     data, length, n = compiled.data(), compiled.model.length, 6 * len(system.bodies)
+    as_built = min(AS_BUILT, SHARE * length) if as_built is None else as_built
+    pose, misfit, stuck = closed_pose(compiled, as_built)
     load_state(compiled, data, pose)
     rows = scaled_rows(compiled.model, data)
     found = Analysis(rows, safe=max(SAFE, 10.0 * as_built / length))
@@ -103,7 +105,7 @@ def diagnose(system: Mechanism, as_built: float) -> Diagnosis:
     rank = loose if misaligned else found.rank
     misfit = max(misfit, slip if misaligned else 0.0)
     N = found.redundant(as_built_cut(found, length, as_built) if misaligned else None)
-    neighbours = tuple(neighbour_ranks(compiled, pose, found))
+    beside = rows_beside(compiled, pose, found)
     shares = tuple(joint_shares(compiled, data, rows, N))
     cures = tuple(find_cures(compiled, pose, rows, N, n - rank)) if N.shape[1] and not stuck else ()
     offset = misfit_of_lock(found, length) if not misaligned else 0.0
@@ -115,9 +117,7 @@ def diagnose(system: Mechanism, as_built: float) -> Diagnosis:
     if clash or loose_ends:
         verdict = f"contradictory: {clash.text}" if clash else f"undetermined: {loose_ends[0].text}"
     notes = [f"freedom: {spin.text}" for spin in spins if not (spin.massless and spin is loose_ends[0] and not clash)]
-    if neighbours and max(neighbours) > found.rank:
-        notes.append(f"a position away from here the rank is {max(neighbours)}: this pose is singular")
-    notes += nearly_singular(compiled, data, found)
+    notes += singularities(compiled, data, found, beside)
     return Diagnosis(
         coordinates=7 * len(system.bodies),
         velocities=n,
@@ -131,7 +131,7 @@ def diagnose(system: Mechanism, as_built: float) -> Diagnosis:
         verdict=verdict,
         misfit=misfit or offset,
         cures=cures,
-        neighbour_ranks=neighbours,
+        neighbour_ranks=tuple(rank for rank, _ in beside),
         length=length,
         least_singular=found.smallest,
         notes=tuple(notes),
@@ -217,39 +217,6 @@ def closed_pose(compiled: Compiled, as_built: float) -> tuple[State, float, str 
         text = f"locked: redundant joints miss each other by {gap:.6g} m at {part}, more than {as_built:g} m as built"
         return pose, gap, f"{text}; align them or replace one (see cures)"
     return pose, gap, f"cannot close: a gap of {gap:.6g} m remains at {part}; correct its position or a length"
-
-
-def neighbour_ranks(compiled: Compiled, pose: State, found: Analysis) -> list[int]:
-    """Rank at two poses moved a little along the motions the rows leave free; none where it cannot be higher."""
-    model, data = compiled.model, compiled.data()
-    if found.rank in (0, found.m, 6 * found.n):
-        return []
-    y = load_state(compiled, data, pose)
-    free = found.free_motion(np.random.default_rng(0))
-    columns = displacement_units(model.length, model.body.size)
-    free = columns * free / max(np.abs(free).max(), 1e-300)
-    ranks = []
-    for step in (0.05, -0.05):
-        trial = y.copy()
-        data.body["acceleration"][:-1] = (step * free).reshape(-1, 6)
-        displace(model, data, trial)
-        start = State(pose.t, trial[: 7 * model.body.size], pose.v, pose.z, pose.coordinates)
-        moved, residual = newton(compiled, start, [], [], set())
-        if gap_size(compiled, residual) <= 1e-9:
-            load_state(compiled, data, moved)
-            ranks.append(Analysis(scaled_rows(model, data)).rank)
-    return ranks
-
-
-def freedom_gained(compiled: Compiled, pose: State) -> str:
-    """What makes a pose singular: the joints that can move there and not beside it; "" for a regular one."""
-    data = compiled.data()
-    load_state(compiled, data, pose)
-    found = Analysis(scaled_rows(compiled.model, data))
-    if max(neighbour_ranks(compiled, pose, found), default=0) > found.rank:
-        free = found.free_motion(np.random.default_rng(0))
-        return f"singular: {movers(compiled, data, free)} can move while the rest stands"
-    return next(iter(nearly_singular(compiled, data, found)), "")
 
 
 def joint_shares(compiled: Compiled, data: Data, rows: BlockRows, N: np.ndarray) -> list[Share]:

@@ -19,7 +19,7 @@ from ..mechanism.bodies import GROUND
 from ..mechanism.drivers import Driver
 from ..mechanism.joints import AxisJoint, Joint, PointJoint
 from ..mechanism.joints.conditions import PointOnLine, PointOnPlane
-from ..mechanism.joints.pairs import Cylindrical, Planar, Revolute, Spherical, Universal
+from ..mechanism.joints.pairs import Cylindrical, Planar, Spherical, Universal
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .rank import Analysis, without_rounding
@@ -53,10 +53,17 @@ def weaker(joint: Joint) -> list[Joint | None]:
             *options,
             PointOnLine(a, b, at=at, at_b=at_b, axis=axis, name=name),
             Planar(a, b, at=at, at_b=at_b, normal=axis, name=name),
-            PointOnPlane(a, b, at=at, at_b=at_b, normal=axis, name=name),
-            PointOnPlane(a, b, at=at, at_b=at_b, normal=x, name=name),
+            *(PointOnPlane(a, b, at=at, at_b=at_b, normal=normal, name=name) for normal in (axis, x, y)),
         ]
     return [*[option for option in options if type(option) is not type(joint)], None]
+
+
+def serves(joint: Joint, option: Joint | None) -> bool:
+    """True if drivers, couplings and springs on the angle or slide of a joint find the same in a weaker one."""
+    if option is None:
+        return False
+    pairs = (joint.angle(), option.angle()), (joint.slide(), option.slide())
+    return all(own is None or other is not None for own, other in pairs)
 
 
 def rows_of(compiled: Compiled, pose: State, joint: Joint) -> BlockRows:
@@ -78,14 +85,17 @@ class Search:
     def __init__(self, compiled: Compiled, pose: State, rows: BlockRows, N: np.ndarray) -> None:
         self.compiled, self.pose, self.rows, self.N = compiled, pose, rows, N
         self.projectors: dict[tuple[Joint, Joint | None], np.ndarray | None] = {}
+        system = compiled.system
+        self.acted_on = {id(partner) for part in (*system.joints, *system.forces) for partner in part.partners()}
 
     def own(self, joint: Joint) -> slice:
         """Rows of a joint."""
         return self.compiled.rows[id(joint)]
 
     def candidates(self, joint: Joint) -> list[tuple[Joint, Joint | None]]:
-        """(joint, weaker joint) for all weaker joints with fewer rows."""
-        return [(joint, option) for option in weaker(joint) if self.lost([(joint, option)]) > 0]
+        """(joint, weaker joint) for all weaker joints with fewer rows that can stand in its place."""
+        fewer = [(joint, option) for option in weaker(joint) if self.lost([(joint, option)]) > 0]
+        return [(joint, option) for _, option in fewer if id(joint) not in self.acted_on or serves(joint, option)]
 
     def lost(self, chosen: list) -> int:
         """Rows given up by a set of replacements."""
@@ -211,8 +221,13 @@ def describe(compiled: Compiled, chosen: list, lost: int) -> Cure:
 
 
 def axis_text(option: Joint) -> str:
-    """Direction of a weaker joint, where it has one."""
-    axis = getattr(option, "axis", getattr(option, "normal", getattr(option, "axis_a", None)))
-    if axis is None or isinstance(option, Revolute):
-        return ""
-    return " along ({:.4g}, {:.4g}, {:.4g})".format(*(axis + 0.0))
+    """Directions of a weaker joint, where it has some; those of a cross must be perpendicular to 1e-9."""
+    if isinstance(option, Universal):
+        return f" with axis_a = {direction_text(option.axis_a, 10)}, axis_b = {direction_text(option.axis_b, 10)}"
+    axis = getattr(option, "axis", getattr(option, "normal", None))
+    return "" if axis is None else f" along {direction_text(axis, 4)}"
+
+
+def direction_text(axis: np.ndarray, digits: int) -> str:
+    """A direction in so many digits."""
+    return "({})".format(", ".join(f"{x:.{digits}g}" for x in axis.round(10) + 0.0))

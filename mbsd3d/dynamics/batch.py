@@ -2,8 +2,8 @@
 
 from ..compiler.jit import inner_kernel, kernel
 from ..kernels.kinematics import kinematics
-from ..kernels.rows import rows
-from ..kernels.vectors import add, cross, dot, mat, pair, put6, rotate, rotate_back, scale, sub, turning, vec
+from ..kernels.rows import row_speed, rows
+from ..kernels.vectors import add, clear, cross, dot, mat, pair, put6, rotate, rotate_back, scale, sub, turning, vec
 from ..saddle.links import body_inertia
 from ..saddle.solve import factor, solve
 from ..saddle.spatial import times
@@ -35,7 +35,7 @@ def wrenches(m, d, times, states, coordinates, lam, first, last, body, out):
                         out[i, j] -= d.row[k].J[slot, j] * lam[i, k]
 
 
-@kernel
+@inner_kernel
 def body_residual(fixed, body, acceleration, out):
     """out = residuals of m a_G = F [N] and I_G alpha + w x I_G w = M_G [N m], sizes of both; body.Q holds F, M_O."""
     R, w, s = mat(body.R), vec(body.w), vec(body.s)
@@ -54,37 +54,51 @@ def body_residual(fixed, body, acceleration, out):
     out[3] = dot(euler, euler) ** 0.5 + dot(lever, lever) ** 0.5
 
 
-@kernel
-def newton_euler(m, d, times, states, coordinates, accelerations, lam, out):
-    """out (samples, n, 4): `body_residual` of every body, with the true terms whatever the teaching switches drop."""
-    n = m.body.shape[0]
-    for k in range(times.shape[0]):
-        rows_of_sample(m, d, times[k], states[k], coordinates[k])
-        loads(m, d, times[k])
-        for row in range(m.row.shape[0]):
-            for slot in range(4):
-                i = m.row[row].body[slot]
-                if i >= 0:
-                    for j in range(6):
-                        d.body[i].Q[j] -= d.row[row].J[slot, j] * lam[k, row]
-        for i in range(n):
-            body_residual(m.body[i], d.body[i], accelerations[k, i], out[k, i])
+@inner_kernel
+def acceleration_defect(m, d, k, acceleration):
+    """J v_dot - gamma of row k."""
+    row = d.row[k]
+    total = -row.gamma
+    for slot in range(4):
+        i = m.row[k].body[slot]
+        if 0 <= i < m.body.shape[0]:
+            for j in range(6):
+                total += row.J[slot, j] * acceleration[i, j]
+    return total
+
+
+@inner_kernel
+def row_defects(m, d, acceleration, out):
+    """out (3,) = largest |c|, |J v - b|, |J v_dot - gamma| of all rows, scaled by the model's length."""
+    clear(out)
+    for k in range(m.row.shape[0]):
+        for j, missed in enumerate((d.row[k].c, row_speed(m, d, k), acceleration_defect(m, d, k, acceleration))):
+            size = abs(missed) * m.row[k].scale
+            if out[j] == out[j] and not size <= out[j]:  # NaN counts, and stays
+                out[j] = size
+
+
+@inner_kernel
+def newton_euler(m, d, t, acceleration, lam, out):
+    """out (n, 4) = `body_residual` of every body under its loads and the forces -J' lam of its joints."""
+    loads(m, d, t)
+    for k in range(m.row.shape[0]):
+        for slot in range(4):
+            i = m.row[k].body[slot]
+            if i >= 0:
+                for j in range(6):
+                    d.body[i].Q[j] -= d.row[k].J[slot, j] * lam[k]
+    for i in range(m.body.shape[0]):
+        body_residual(m.body[i], d.body[i], acceleration[i], out[i])
 
 
 @kernel
-def row_defects(m, d, times, states, coordinates, accelerations, out):
-    """out (samples,): largest |J v_dot - gamma| with the true gamma: rows that the accelerations do not respect."""
+def equation_residuals(m, d, times, states, coordinates, accelerations, lam, bodies, joints):
+    """bodies (samples, n, 4): `newton_euler`; joints (samples, 3): `row_defects`; whatever teaching switches drop."""
     for k in range(times.shape[0]):
         rows_of_sample(m, d, times[k], states[k], coordinates[k])
-        out[k] = 0.0
-        for row in range(m.row.shape[0]):
-            total = -d.row[row].gamma
-            for slot in range(4):
-                i = m.row[row].body[slot]
-                if 0 <= i < m.body.shape[0]:
-                    for j in range(6):
-                        total += d.row[row].J[slot, j] * accelerations[k, i, j]
-            out[k] = max(out[k], abs(total) * m.row[row].scale)
+        row_defects(m, d, accelerations[k], joints[k])
+        newton_euler(m, d, times[k], accelerations[k], lam[k], bodies[k])
 
 
 @inner_kernel

@@ -42,7 +42,8 @@ def eliminate(model: Model, data: Data, rows: np.ndarray | None = None, dtype: t
     loop, state, plan = tables["loop"], single(TREE_STATE), loop_plan(*made)
     state.mu = PROXIMAL / (inertias.max(initial=0.0) or 1.0)
     state.soft = UNKNOWN
-    loop["mu"] = PROXIMAL / heaviest_in_loops(plan, inertias) / model.row["scale"][loop["row"]] ** 2
+    if loop.size:
+        loop["mu"] = PROXIMAL / heaviest_in_loops(plan, inertias) / model.row["scale"][loop["row"]] ** 2
     ready = model.body["inv_sqrt_mass"][tables["link"]["body"]] > 0.0
     tables["link"]["alone"] = np.where(ready, tables["link"]["alone"], 0)
     size = int((np.arange(loop.size) - loop["first"] + 1).sum())

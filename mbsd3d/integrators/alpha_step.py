@@ -3,7 +3,9 @@
 import numpy as np
 
 from ..compiler.jit import inner_kernel, kernel
+from ..dynamics.spinning import find_turns
 from ..dynamics.state_rates import FAR, PROJECTED, audit_rates, project_and_evaluate, project_positions, rounding
+from ..dynamics.touching import go_on_watching, hides_touch
 from ..kernels.coordinates import remember
 from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace_body, rotation_matrix
@@ -223,6 +225,7 @@ def accept(m, run, g, t_new, h):
     run.now.t = t_new
     run.now.steps += 1
     pass_turn(run)
+    go_on_watching(run)
 
 
 @inner_kernel
@@ -237,8 +240,11 @@ def step(m, d, s, g, run):
         return NOT_CLOSING
     if solved != SOLVED:
         return NO_SOLUTION
+    if hides_touch(m, d, run, h):
+        return RUNNING
     end_rates(m, run, g, h)
     note_rows(s, run)
+    find_turns(m, run, h)
     status = outputs(m, d, s, g, run, t_new, h, cubic, along_cubic)
     if status != RUNNING:
         return status

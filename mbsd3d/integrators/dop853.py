@@ -8,7 +8,7 @@ from scipy.integrate import DOP853 as SCIPY
 
 from ..base.checks import check_choice, number
 from ..kernels.layout import Data, Model
-from .memory import Stages, Table, new_stages
+from .memory import Stages, Table, new_stages, widest_gap
 from .method import Method, check_max_step
 from .runge_kutta import advance
 
@@ -41,6 +41,7 @@ TABLE = Table(
     c_dense=np.ascontiguousarray(SCIPY.C_EXTRA),
     D=np.ascontiguousarray(SCIPY.D),
     order=8,
+    gap=widest_gap(SCIPY.C[:N]),
 )
 
 

@@ -32,6 +32,7 @@ NOW = [
     ("steps", int),  # accepted
     ("rejected", int),
     ("evaluations", int),
+    ("longest", float),  # s, of the next step, where contacts in the air turn: touching.py
     ("fresh", int),  # nothing has been evaluated since: 1, the tree is new; 2, a signal has jumped
     ("retried", int),  # 1: the step at hand has been rejected before: it may not grow
     ("spinning", int),  # bodies whose spin is taken out of the step at hand: spinning.py
@@ -60,6 +61,7 @@ STIFFNESS = [
 
 
 NEVER = np.zeros((0, 2))
+NONE = np.zeros(0, np.int64)
 
 
 @by_reference
@@ -81,20 +83,24 @@ class Run(NamedTuple):
     times: np.ndarray  # (requested,) output times
     turns: np.ndarray  # (k, 2) where signals turn: the time [s] at which an adaptive step ends, and from which the next
     # one goes on, a rounding later where a second derivative jumps
+    contacts: np.ndarray  # (k,) numbers of the forces that touch and lift off
+    gaps: np.ndarray  # (k, 2, 3) at both ends of the step: clearance [m], its rate, angular velocity that counts
     out: np.ndarray  # (capacity, width) samples: t, y, accelerations (6n), lam (m), hinge coordinates, potential and
     # power of the forces, largest |c| and |J v - b| over all rows
 
 
 def new_run(
-    y: np.ndarray, bodies: int, times: np.ndarray, capacity: int, width: int, terms: int, turns: np.ndarray = NEVER
-) -> Run:
+    y: np.ndarray, bodies: int, times: np.ndarray, capacity: int, width: int, terms: int, turns: np.ndarray = NEVER,
+    contacts: np.ndarray = NONE,
+) -> Run:  # fmt: skip
     """Memory for a start at y; the fields of its records are zero."""
     dy, trial, trial_rate, work, work_rate = np.zeros((5, y.size))
     return Run(
         y=y, dy=dy, trial=trial, trial_rate=trial_rate, work=work, work_rate=work_rate,
         spin=np.zeros((bodies, 3)), F=np.zeros((terms, y.size)),
         task=single(TASK), now=single(NOW), rows=single(ROWS), stiffness=single(STIFFNESS),
-        times=times, turns=turns, out=np.zeros((capacity, width)),
+        times=times, turns=turns, contacts=contacts, gaps=np.zeros((contacts.size, 2, 3)),
+        out=np.zeros((capacity, width)),
     )  # fmt: skip
 
 
@@ -110,12 +116,14 @@ class Table(NamedTuple):
     c_dense: np.ndarray  # (extra,)
     D: np.ndarray  # (terms, n + 1 + extra) beyond the cubic Hermite terms
     order: int
+    gap: tuple[float, float]  # two neighbours among the nodes c between which no stage lies: the widest gap
 
-    def widest_gap(self) -> tuple[float, float]:
-        """Two neighbours among the nodes c between which no stage lies."""
-        nodes = np.sort(self.c)
-        k = int(np.argmax(np.diff(nodes)))
-        return float(nodes[k]), float(nodes[k + 1])
+
+def widest_gap(c: np.ndarray) -> tuple[float, float]:
+    """Two neighbours among nodes."""
+    nodes = np.sort(c)
+    k = int(np.argmax(np.diff(nodes)))
+    return float(nodes[k]), float(nodes[k + 1])
 
 
 @by_reference
@@ -123,7 +131,6 @@ class Stages(NamedTuple):
     """The table and the method's own memory."""
 
     table: Table
-    gap: tuple[float, float]  # between nodes of the stages, the widest
     K: np.ndarray  # (n + 1 + extra, ny) stage rates
     carry: np.ndarray  # (ny,) what rounding cut off y: unstable motions amplify it by up to 1e9
     trial_carry: np.ndarray  # (ny,) the same of trial
@@ -132,4 +139,4 @@ class Stages(NamedTuple):
 def new_stages(table: Table, ny: int) -> Stages:
     """Memory for states of ny numbers."""
     stages = table.c.size + 1 + table.c_dense.size
-    return Stages(table, table.widest_gap(), np.zeros((stages, ny)), np.zeros(ny), np.zeros(ny))
+    return Stages(table, np.zeros((stages, ny)), np.zeros(ny), np.zeros(ny))

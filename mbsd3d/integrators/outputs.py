@@ -7,8 +7,9 @@ output, ``advance_to(m, d, s, own, run, t, x, h)`` brings trial and its rate to 
 import numpy as np
 
 from ..compiler.jit import inner_kernel, kernel, late_kernel, merged_kernel
-from ..dynamics.spinning import farthest_turn
+from ..dynamics.spinning import farthest_turn, rate_without_spin, spin_on
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate
+from ..dynamics.touching import start_watching
 from ..kernels.coordinates import coordinate, measure, remember
 from ..kernels.kinematics import kinematics
 from ..kernels.rows import row_speed
@@ -71,6 +72,7 @@ def evaluate_start(m, d, s, run):
     note_rows(s, run)
     remember(m, d, now.t)
     update_scales(m, d, run)
+    start_watching(m, d, run)
     start = now.steps == 0 and now.written == 0 and now.next_output == 0
     if (start or now.fresh == 2) and output_until(run, now.t):
         write(m, d, run, now.t, run.y)
@@ -237,8 +239,18 @@ def halt(m, d, s, run, t) -> int:
 
 @inner_kernel
 def cubic(m, d, s, own, run, h):
-    """The dense output of methods without one of their own: a cubic through both ends of the step and their rates."""
-    hermite(run, h, run.trial, run.dy, run.trial_rate)
+    """The dense output of methods without one of their own: a cubic through both ends of the step and their rates.
+
+    Beside an even rotation (`find_turns`): steps may be long that bodies turn in.
+    """
+    copy(run.work, run.trial)
+    spin_on(m, run, -h, run.work)
+    copy(run.work_rate, run.dy)
+    rate_without_spin(m, run, 0.0, run.y, run.work_rate)
+    end_rate = run.F[2]
+    copy(end_rate, run.trial_rate)
+    rate_without_spin(m, run, h, run.trial, end_rate)
+    hermite(run, h, run.work, run.work_rate, end_rate)
     return True
 
 

@@ -3,7 +3,9 @@
 import numpy as np
 
 from ..compiler.jit import inner_kernel, kernel
+from ..dynamics.spinning import find_turns
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate, rounding
+from ..dynamics.touching import go_on_watching, hides_touch
 from ..kernels.coordinates import remember
 from ..kernels.vectors import copy, finite
 from ..saddle.solve import SOLVED
@@ -255,6 +257,7 @@ def accept(run, g, t_new, h):
     run.now.t = t_new
     run.now.steps += 1
     pass_turn(run)
+    go_on_watching(run)
 
 
 @inner_kernel
@@ -268,7 +271,10 @@ def step(m, d, s, g, run):
         return NOT_CLOSING
     if solved != SOLVED or not finite(run.trial_rate):
         return NO_SOLUTION
+    if hides_touch(m, d, run, h):
+        return RUNNING
     note_rows(s, run)
+    find_turns(m, run, h)
     status = outputs(m, d, s, g, run, t_new, h, cubic, along_cubic)
     if status != RUNNING:
         return status

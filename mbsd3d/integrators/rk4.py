@@ -7,19 +7,21 @@ import numpy as np
 
 from ..base.checks import number
 from ..kernels.layout import Data, Model
-from .memory import Stages, Table, new_stages
+from .memory import Stages, Table, new_stages, widest_gap
 from .method import Method
 from .runge_kutta import advance
 
+C = np.array([0, 0.5, 0.5, 1.0])
 TABLE = Table(
     A=np.array([[0, 0, 0, 0], [0.5, 0, 0, 0], [0, 0.5, 0, 0], [0, 0, 1.0, 0]]),
     b=np.array([1, 2, 2, 1]) / 6.0,
-    c=np.array([0, 0.5, 0.5, 1.0]),
+    c=C,
     error=np.zeros((3, 4)),
     A_dense=np.zeros((0, 5)),
     c_dense=np.zeros(0),
     D=np.zeros((0, 5)),
     order=4,
+    gap=widest_gap(C),
 )
 
 

@@ -5,6 +5,7 @@ import numpy as np
 from ..compiler.jit import inner_kernel, kernel, late_kernel
 from ..dynamics.spinning import farthest_turn, find_spins, kept, limit_turn, rate_without_spin, spin_on
 from ..dynamics.state_rates import FAR, NEAR, PROJECTED, evaluate, project_and_evaluate, rounding
+from ..dynamics.touching import go_on_watching, hides_touch
 from ..kernels.coordinates import remember
 from ..kernels.vectors import add_scaled, clear, copy, finite
 from ..saddle.solve import SOLVED
@@ -161,7 +162,7 @@ def attempt(m, d, s, own, run):
         if not fixed:
             limit_turn(m, run)
         if nearly_singular(run) and not fixed:
-            pass_over_singular(run, own.gap, own.table.c[1])
+            pass_over_singular(run, own.table.gap, own.table.c[1])
         t_new, h = end_of_step(run)
         if h < run.task.min_step or stuck(run, h):
             return STEP_TOO_SMALL, t_new, h, 0.0
@@ -182,9 +183,10 @@ def attempt(m, d, s, own, run):
         status, result = project_and_evaluate(m, d, s, t_new, run.trial, run.trial_rate, NEAR - run.rows.on_manifold)
         run.now.evaluations += 1
         if status == PROJECTED and result == SOLVED and finite(run.trial_rate) and finite(run.trial):
-            if kept(m, run, h):
+            if not kept(m, run, h):
+                retry(run, 0.5 * h)
+            elif not hides_touch(m, d, run, h):
                 return RUNNING, t_new, h, error
-            retry(run, 0.5 * h)
             continue
         if fixed:
             return NOT_CLOSING if status != PROJECTED else NO_SOLUTION, t_new, h, error
@@ -200,6 +202,7 @@ def accept(own, run, t_new, h, error):
     run.now.t = t_new
     run.now.steps += 1
     pass_turn(run)
+    go_on_watching(run)
     if run.task.steps == 0:
         factor = step_factor(own.table, error, 1.0 if run.now.retried == 1 else 10.0)
         if nearly_singular(run):  # nearer to it rounding counts for more, and a shorter step would have no less of it

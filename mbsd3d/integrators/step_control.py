@@ -50,7 +50,7 @@ def end_of_step(run):
         k = run.now.steps + 1
         t_new = task.t_end if k == task.steps else task.t_start + k * (task.t_end - task.t_start) / task.steps
         return t_new, t_new - t
-    h = min(run.now.step, task.max_step)
+    h = min(run.now.step, task.max_step, run.now.longest)
     turns, k = run.turns, run.now.next_turn
     while k < turns.shape[0] and turns[k, 1] <= t + task.min_step:
         k += 1

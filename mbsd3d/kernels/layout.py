@@ -267,6 +267,12 @@ def record(fields: tuple) -> np.dtype:
     return np.dtype(list(fields))
 
 
+@cache
+def with_attributes(fields: tuple) -> np.dtype:
+    """The same of records whose fields are attributes in Python."""
+    return np.dtype((np.record, record(fields)))
+
+
 def table(fields: list, count: int) -> np.ndarray:
     """A table of zero records; with the compiler switched off, one whose records have attributes in Python too."""
     array = np.zeros(count, record(tuple(fields)))
@@ -274,5 +280,5 @@ def table(fields: list, count: int) -> np.ndarray:
 
 
 def single(fields: list) -> np.record:
-    """One zero record; its fields are attributes, in kernels and in Python."""
-    return np.zeros(1, record(tuple(fields))).view(np.recarray)[0]
+    """One zero record; its fields are attributes, in kernels and in Python, and there items too, which is faster."""
+    return np.zeros(1, with_attributes(tuple(fields)))[0]

@@ -126,7 +126,7 @@ def schatz(
     """Schatz's linkage, that of the Turbula mixer: two parallel shafts in the ground carry three links of a.
 
     Links of 0, a, a, a, 0 and sqrt(3) a in the ground; twists of 90 degrees, 0 in the ground; offsets d_1 = -d_6.
-    ``2 cos(theta_2) = -sqrt(3) cos(theta_1)``, ``cos(theta_3) = (3 cos^2(theta_1) - 2) / (4 - 3 cos^2(theta_1))``,
+    ``2 cos(theta_2) = -sqrt(3) cos(theta_1)``, ``tan(theta_3 / 2) = -sqrt(3) sin(theta_1)``,
     ``2 tan(theta_1) tan(theta_6) = -1``.
 
     Parameters
@@ -149,8 +149,7 @@ def schatz(
     angle, offset = number(angle, "schatz: angle"), number(offset, "schatz: offset")
     numbers = length * np.array([0.0, 1.0, 1.0, 1.0, 0.0, np.sqrt(3.0)])
     numbers = np.c_[numbers, RIGHT * np.array([1, 1, 1, 1, 1, 0]), [offset, 0, 0, 0, 0, -offset]]
-    square = 3.0 * np.cos(angle) ** 2
-    third = -np.copysign(np.arccos((square - 2.0) / (4.0 - square)), np.sin(angle))
+    third = -2.0 * np.arctan(np.sqrt(3.0) * np.sin(angle))
     known = np.array([angle, np.arccos(-0.5 * np.sqrt(3.0) * np.cos(angle)), third])
     angles = closed_angles("schatz", numbers, lambda x: np.r_[known, x], 3, None)
     return built("schatz", numbers, angles, links, position, orientation, gravity)

@@ -12,9 +12,9 @@ from ..base.checks import shown
 from ..base.errors import NameMissingError
 from ..base.style import html_text
 from ..equations.compiled import Switches
-from .checks.balances import balance_checks, residual_checks
+from .checks.balances import balance_checks
 from .checks.check import PASSED, USEFUL, Check, drift_limit
-from .checks.equations import equation_checks, lost
+from .checks.equations import equation_checks, joint_checks, lost, residuals
 from .checks.rounding import rounding, rounding_checks, singular_notes
 from .run_samples import RunSamples
 
@@ -110,11 +110,11 @@ def certify(solution: RunSamples) -> Certificate:
     """Make all checks of a solution."""
     record, limit, remarks = solution.record, drift_limit(solution.record), notes(solution)
     if solution.t.size:
-        found = rounding(solution)
-        checks = [*residual_checks(solution), *balance_checks(solution, limit)]
-        checks += equation_checks(solution, found.singular)
-        checks += [] if lost(solution) else rounding_checks(solution, found)
-        remarks += singular_notes(solution, found)
+        missed, opened = residuals(solution), rounding(solution)
+        checks = [*joint_checks(solution, missed), *balance_checks(solution, limit)]
+        checks += equation_checks(solution, missed, opened.singular)
+        checks += [] if lost(solution) else rounding_checks(solution, opened)
+        remarks += singular_notes(solution, opened)
     else:
         checks = [Check("samples", np.inf, 0.0, "there are none to look at; keep some, or run it to a later time")]
     return Certificate(

@@ -1,7 +1,8 @@
 """Reactions: which are determined by the constraints, and the least-norm shares of those that are not.
 
 With N the left null space of J (scaled), the multipliers are lam + N a for any a. A wrench G lam is unique if and
-only if G N = 0; the share of least norm of the others is lam - N N' lam, which depends on the unit of length.
+only if G N = 0; the share of least norm of the others is lam - N N' lam, which depends on the unit of length. Of parts
+as built, N is that of the rows as the run saw them: what fits within the tolerance repeats other rows.
 """
 
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from ..constraints.rank import redundant_combinations, surely_independent
 from ..equations.at_state import rows_at
 from ..equations.compiled import Compiled
 from ..equations.jacobian import RANK_TOLERANCE, BlockRows, displacement_units, islands
+from .record import Record
 
 
 @dataclass(frozen=True, repr=False)
@@ -31,6 +33,7 @@ class Open(NamedTuple):
 
     rows: np.ndarray  # (m,) which
     N: np.ndarray  # (m, k) left null space of their scaled J
+    slip: float  # largest entry of J'N: rounding, or what parts as built miss each other by
 
 
 class MiddleRows(NamedTuple):
@@ -39,28 +42,29 @@ class MiddleRows(NamedTuple):
     open: list[Open]
     place: np.ndarray  # (rows,) of each row in the list, -1 where nothing is open
     J: np.ndarray  # (rows, 4, 6) blocks per slot
+    tolerance: float  # of the rank
 
 
-def open_shares(rows: BlockRows) -> list[Open]:
+def open_shares(rows: BlockRows, tolerance: float) -> list[Open]:
     """What scaled rows leave open, island by island: a null space of all rows would grow with the cube of a system."""
-    if surely_independent(rows, RANK_TOLERANCE):
+    if surely_independent(rows, tolerance):
         return []
-    found = ((own, redundant_combinations(rows.alone(own))) for own in islands(rows))
-    return [Open(own, N) for own, N in found if N.shape[1]]
+    found = ((own, redundant_combinations(rows.alone(own), tolerance)) for own in islands(rows))
+    return [Open(own, N, np.abs(rows.take(own).sparse().T @ N).max()) for own, N in found if N.shape[1]]
 
 
 def middle_rows(
-    compiled: Compiled, t: np.ndarray, states: np.ndarray, coordinates: np.ndarray, left_out: int | None
+    compiled: Compiled, t: np.ndarray, states: np.ndarray, coordinates: np.ndarray, record: Record
 ) -> MiddleRows:
     """Rows of a run, for `unique_wrench` and `minimum_norm`; nothing is open where the run left out no row."""
-    data, k = compiled.data(), t.size // 2
+    data, k, tolerance = compiled.data(), t.size // 2, max(RANK_TOLERANCE, record.tolerance)
     place = np.full(compiled.model.row.size, -1)
-    if not place.size or not t.size or left_out == 0:
-        return MiddleRows([], place, data.row["J"])
-    found = open_shares(rows_at(compiled, data, t[k], states[k], coordinates[k]))
-    for i, (own, _) in enumerate(found):
-        place[own] = i
-    return MiddleRows(found, place, data.row["J"])
+    if not place.size or not t.size or record.rows_left_out == 0:
+        return MiddleRows([], place, data.row["J"], tolerance)
+    found = open_shares(rows_at(compiled, data, t[k], states[k], coordinates[k]), tolerance)
+    for i, island in enumerate(found):
+        place[island.rows] = i
+    return MiddleRows(found, place, data.row["J"], tolerance)
 
 
 def unique_wrench(compiled: Compiled, middle: MiddleRows, parts: list) -> bool:
@@ -74,7 +78,7 @@ def unique_wrench(compiled: Compiled, middle: MiddleRows, parts: list) -> bool:
     G *= displacement_units(model.length, 1)
     for i in set(middle.place[rows].tolist()) - {-1}:
         _, mine, theirs = np.intersect1d(rows, middle.open[i].rows, return_indices=True)
-        if np.abs(G[mine].T @ middle.open[i].N[theirs]).max() >= 1e-7:
+        if np.abs(G[mine].T @ middle.open[i].N[theirs]).max() >= max(1e-7, 10.0 * middle.open[i].slip):
             return False
     return True
 
@@ -87,7 +91,7 @@ def minimum_norm(
         return lam
     data, scale, shared = compiled.data(), compiled.model.row["scale"], lam.copy()
     for k in range(t.size):
-        for own, N in open_shares(rows_at(compiled, data, t[k], states[k], coordinates[k])):
+        for own, N, _ in open_shares(rows_at(compiled, data, t[k], states[k], coordinates[k]), middle.tolerance):
             mu = lam[k, own] / scale[own]
             shared[k, own] = (mu - N @ (N.T @ mu)) * scale[own]
     return shared

@@ -153,7 +153,7 @@ class RunSamples(Poses):
     def _middle(self) -> MiddleRows:
         """Which shares of the rows the constraints leave open."""
         states, coordinates = self.arrays["state"], self.arrays["coordinate"]
-        return middle_rows(self.compiled, self.t, states, coordinates, self.record.rows_left_out)
+        return middle_rows(self.compiled, self.t, states, coordinates, self.record)
 
     @cached_property
     def _multipliers(self) -> np.ndarray:

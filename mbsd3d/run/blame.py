@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..constraints.contradictions import Contradiction, find_contradiction
-from ..constraints.redundancy import freedom_gained
+from ..constraints.singularity import what_is_singular
 from ..dynamics.loads import loads
 from ..equations.at_state import load_rows
 from ..equations.compiled import Compiled
@@ -60,13 +60,13 @@ def singular_start(compiled: Compiled, start: State, t: float = -np.inf, t_end: 
     """What is wrong with the pose at the start of a run that has ended at t, if it has not left it; else ""."""
     if t - start.t > ON_THE_SPOT * (t_end - start.t):
         return ""
-    gained = freedom_gained(compiled, start)
-    return f"the pose at the start is {gained}" if gained else ""
+    what = what_is_singular(compiled, start)
+    return f"the pose at the start is {what}" if what else ""
 
 
 def singular_there(compiled: Compiled, start: State, y: np.ndarray, t: float) -> str:
     """What is singular about the pose that a run has come to; "" for a regular one."""
-    return freedom_gained(compiled, replace(start, t=t, q=y[: start.q.size]))
+    return what_is_singular(compiled, replace(start, t=t, q=y[: start.q.size]))
 
 
 def just_after(t: float, h: float) -> tuple[float, ...]:

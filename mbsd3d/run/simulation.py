@@ -85,9 +85,9 @@ def check_system(system: Any, what: str) -> None:
 def check_state(state: Any, what: str) -> None:
     """ValueError for a start that is not a State."""
     if state is not None and not isinstance(state, State):
-        raise InputError(
-            f"{what}: state {shown(state)} is not a State; give one of system.assemble() or solution.final"
-        )
+        held = isinstance(getattr(state, "state", None), State)  # by an equilibrium
+        remedy = "its .state" if held else "one of system.assemble() or solution.final"
+        raise InputError(f"{what}: state {shown(state)} is not a State; give {remedy}")
 
 
 def check_signals(compiled: Compiled, t_start: float, t_end: float) -> None:

@@ -197,11 +197,22 @@ def test_study_figure_and_command(tmp_path):
 
 @pytest.mark.parametrize(
     ("tyres", "text"),
-    [({"grip": 1.0, "law": 2}, "grip, law unknown"), ([{}], "rear, front"), ({"mu": -1.0}, "rear tyre.*mu")],
-)
+    [({"grip": 1.0, "law": 2}, "grip, law unknown"), ([{}], "rear, front"), ({"mu": -1.0}, "rear tyre.*mu"),
+     ({"stiffness": 0.0}, "rear tyre.*stiffness: 0.0 is not positive"), ({"stiffness": "hard"}, "stiffness: expected"),
+     (9.0, "rear, front"), ({3: 4.0}, "3 unknown")],
+)  # fmt: skip
 def test_errors(tyres, text):
     with pytest.raises(ValueError, match=text):
         whipple(P, tyres=tyres)
+
+
+@pytest.mark.parametrize(("x", "share"), [(-0.3, -19.65), (1.2, 113.3)])
+def test_a_bicycle_that_tips_is_not_put_on_tyres(x, share):
+    """Ideal wheels may be held down; the reason is the same for all studies on tyres."""
+    tipping = replace(P, xB=x, name="tipping")
+    assert 100.0 * tipping.front_load == pytest.approx(share, rel=1e-3)
+    with pytest.raises(ValueError, match=f"'tipping': it tips even at rest, with {share} % of its weight on the front"):
+        stability.study(tipping, [3.0, 6.0], tyres={"mu": 0.9})
 
 
 @pytest.mark.parametrize(

@@ -426,6 +426,12 @@ def test_ablations_of_the_benchmark_are_confirmed_by_the_general_model(tmp_path)
     assert len(lines) == 1 + len(found.rows) and "2.933073 ... 3.128986 m/s" in str(found)
 
 
+@pytest.mark.parametrize("hanging", [{"zB": 0.9}, {"g": 0.0}])
+def test_a_locked_bicycle_that_hangs_or_floats_does_not_fall(hanging):
+    row = why.locked(replace(BENCHMARK, **hanging), whipple, 5.0)
+    assert row.growth == 0.0 and row.confirmed
+
+
 def test_growths_of_ablations_are_those_of_an_eigenvalue_solver():
     found = why.ablations(MEASURED, None)
     for row in found.rows:

@@ -34,6 +34,7 @@ from mbsd3d import (
     inertia,
     simulate,
 )
+from mbsd3d.base.rotations import matrix
 
 ROD_AXIS = np.array([0.8, 0.15, -0.5]) / np.linalg.norm([0.8, 0.15, -0.5])
 
@@ -188,6 +189,29 @@ def test_drivers_that_part_on_the_way_are_named_when_they_do(method, geared):
     with pytest.raises(IntegrationError, match="contradictory drivers.*'one' and .*'other'; remove one") as stopped:
         simulate(system, 1.0, method=method)
     assert stopped.value.time == pytest.approx(0.62, abs=1e-2)  # the fixed step
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_drivers_that_lock_a_loop_do_not_contradict_each_other(seed):
+    """Five hinges through one point, two of them driven until the axes of the others lie in a plane.
+
+    Three rows repeat others: near that pose rounding mixes the drivers into their combinations.
+    """
+    rng = np.random.default_rng(seed)
+    axes = rng.normal(size=(5, 3))
+    links = [Body(f"link {k}", 1.0, (0.1, 0.12, 0.15), com=rng.uniform(-0.2, 0.2, 3)) for k in range(4)]
+    parts = [GROUND, *links, GROUND]
+    hinges = [Revolute(parts[k], parts[k + 1], at=0.3 * axes[k], axis=axes[k]) for k in range(5)]
+    motors = [AngleDriver(hinges[0], Ramp(0.3), name="M1"), AngleDriver(hinges[3], Ramp(-0.4), name="M2")]
+    system, ended = System(links, [*hinges, *motors]), []
+    for method in (Kinematic(), DOP853()):
+        with pytest.raises(IntegrationError, match="'M1' .* and driver 'M2' .* where the mechanism locks") as stopped:
+            simulate(system, 4.0, method=method, output=9)
+        ended.append(stopped.value.time)
+        turned = stopped.value.solution.final.q.reshape(-1, 7)[:, 3:]
+    assert ended[0] == pytest.approx(ended[1], abs=1e-4)
+    now = [matrix(turned[k - 1]) @ axes[k] if k else axes[k] for k in (1, 2, 4)]
+    assert abs(np.linalg.det([axis / np.linalg.norm(axis) for axis in now])) < 1e-2  # the square root of the way left
 
 
 def test_drivers_that_disagreed_before_the_start_are_not_to_blame():

@@ -291,6 +291,17 @@ def test_demos_far_from_their_own_parameters_meet_their_theory(name, changes):
     assert own_demos()[name].run(**changes).passed
 
 
+@pytest.mark.parametrize(
+    ("name", "changes"), [("skate_on_slope", {"blade": 0}), ("cv_joint", {"cross": 1, "bend_deg": 33.0, "torque": 7.0})]
+)
+def test_dots_of_theory_are_those_of_the_parameters(name, changes):
+    """What the ablation changes, given as parameters: the figure shows the theory that the table has."""
+    demo = discover().find(name)
+    for curve in demo.computed({**demo.parameters, **changes}, {}).curves:
+        assert curve.theory[0] == pytest.approx(curve.x, rel=1e-9, abs=1e-9)
+        assert curve.theory[1] == pytest.approx(curve.y, rel=1e-9, abs=1e-9)
+
+
 def test_a_switch_that_leaves_a_cam_no_speed_to_float_says_infinite():
     assert own_demos()["roller_cam"].run("gamma").quantities["float_rad_s"].computed == np.inf
 

@@ -102,7 +102,7 @@ def test_a_coupling_rod_is_integrated_through_dead_centres_that_are_sampled(tilt
 def test_a_start_at_a_dead_centre_is_named(method):
     """The wheels can turn either way against each other: the joints that tell them apart are named, and what to do."""
     system, *_ = wheels_and_rod(np.pi / 2)
-    said = "the pose at the start is singular: .*'far pin'.* can move while the rest stands.*nothing says along which"
+    said = "the pose at the start is singular.*: .*'far pin'.* can move while the rest stands.*nothing says along which"
     with pytest.raises((ValueError, IntegrationError), match=said):
         simulate(system, 1.0, method=method)
 
@@ -132,5 +132,5 @@ def test_a_slider_crank_with_a_rod_as_long_as_its_crank_passes_the_pose_where_it
 
 def test_newtons_method_that_ends_near_a_dead_centre_names_it():
     system, *_ = wheels_and_rod(0.0)
-    with pytest.raises(IntegrationError, match="the pose is nearly singular: 'far pin' and 'far bearing' can all but"):
+    with pytest.raises(IntegrationError, match="the pose is nearly singular: 'pin', 'far pin' and 'far bearing' can"):
         simulate(system, 1.0, method=GeneralizedAlpha(1e-3), output=41)

@@ -8,6 +8,8 @@ from mbsd3d import (
     DOP853,
     GROUND,
     Body,
+    GeneralizedAlpha,
+    RadauIIA,
     Revolute,
     Spherical,
     SpringDamper,
@@ -159,3 +161,24 @@ def test_steps_as_samples_show_every_turn():
     assert turned.min() > 0 and turned.max() < 1.001
     few = simulate(System([body]), 40.0, rtol=1e-9, output=run.t[::50])
     assert np.abs(few.rotation("top") - run.rotation("top")[::50]).max() < 1e-9
+
+
+@pytest.mark.parametrize("method", [GeneralizedAlpha(), GeneralizedAlpha(dt=0.03), RadauIIA()], ids=str)
+def test_samples_of_implicit_methods_turn_evenly_within_a_step(method):
+    """An even rotation costs generalised alpha no steps: one covers a radian and more, with samples and ends inside."""
+    axis, rate = matrix(ALONG) @ AXIS, 40.0
+    rotor = Body(
+        "rotor", 1.3, ROUND + 0.004 * np.eye(3), orientation=ALONG, omega=rate * axis, position=(0.1, 0.2, 0.3)
+    )
+    hinge = Revolute(GROUND, rotor, at=rotor.position, axis=axis)
+    system = System([rotor], [hinge], gravity=(0, 0, 0))
+    run = simulate(system, 0.6, method=method, output=101)
+    np.testing.assert_allclose(run.angle(hinge), rate * run.t, rtol=0, atol=1e-9)  # Radau IIA: its error at rtol 1e-8
+    turned = np.array([matrix(rotation(axis, rate * t)) @ matrix(ALONG) for t in run.t])
+    np.testing.assert_allclose(run.rotation(rotor), turned, rtol=0, atol=1e-9)
+    across = np.cross(axis, (1, 0, 0)) / np.linalg.norm(np.cross(axis, (1, 0, 0)))
+    rim = dict(at_a=rotor.position, at_b=rotor.position + 0.1 * np.cross(across, axis))
+    high = measures.offset(GROUND, rotor, **rim, along=across)
+    if method.dt is None:
+        stopped = simulate(system, 0.6, method=method, stop_when=high > 0.0999)
+        assert stopped.t[-1] == pytest.approx(np.arcsin(0.999) / rate, rel=1e-7)

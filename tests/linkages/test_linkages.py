@@ -120,6 +120,16 @@ def test_rssr_meets_its_loop_equation(branch, spin):
     assert min(errors) < 1e-9 < max(errors)
 
 
+@pytest.mark.parametrize("near", [0.0, np.pi, -np.pi])
+@pytest.mark.parametrize("way", [1e-12, 1e-9, -1e-6, 3e-5, -1e-3])
+def test_schatz_closes_however_near_to_its_dead_centre(near, way):
+    """There theta_3 passes 0: x of link 3 turns from that of link 2 by -2 atan(sqrt(3) sin(theta_1)), exactly."""
+    system = linkages.schatz(0.37, near + way, offset=0.15, **BASE)
+    x, other = (matrix(system.bodies[k].orientation)[:, 0] for k in (1, 2))
+    assert np.linalg.norm(other - x) == pytest.approx(2 * abs(np.sin(np.arctan(np.sqrt(3) * np.sin(way)))), abs=1e-14)
+    assert system.check().mobility == 1
+
+
 def test_sarrus_goes_straight():
     """Along z of its frame, without turning."""
     system = linkages.sarrus((0.5, 0.6), (0.55, 0.62), 1.9, 0.8, reach=0.2, **BASE)
@@ -165,6 +175,7 @@ def test_rows_that_repeat_others_cost_neither_steps_nor_digits(system, cut):
             "a / sin.alpha. = b / sin.beta. does not hold .* 1.1731495",
         ),
         (lambda: linkages.bennett(0.7, 0.6, 0.7, 0.6, 0.9), "equal links"),
+        (lambda: linkages.bennett(0.0, 0.6, 0.0, 1.9, 0.9), "lengths other than 0"),
         (lambda: linkages.bennett(0.7, 0.0, 0.7, 0.6, 0.9), "no multiples of pi"),
         (lambda: linkages.bennett(0.7, 0.6, 0.7 * np.sin(1.9) / np.sin(0.6), 1.9, 0.0), "folds the loop"),
         (lambda: linkages.goldberg(0.7, 0.6, 0.7 * np.sin(1.9) / np.sin(0.6), 1.9, 0.5, 1.1, 0.9), "c, gamma"),

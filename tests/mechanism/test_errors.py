@@ -435,6 +435,7 @@ RUNS = {
         ["state", "2 bodies, the system has 1", "state of this system"],
     ),
     "state that is none": (lambda: simulate(swing(), 1.0, state=3), ["simulate", "state 3 is not a State", "assemble"]),
+    "equilibrium for a state": (lambda: simulate(swing(), 1.0, state=swing().equilibrium()), ["give its .state"]),
     "accelerations of no system": (lambda: accelerations(3), ["accelerations", "3 is not a System"]),
     "state with NaN": (lambda: State(0.0, np.full(7, NAN), np.zeros(6)), ["State", "q", "finite"]),
     "state of wrong size": (lambda: State(0.0, np.zeros(7), np.zeros(5)), ["7 coordinates", "5 velocities", "7 and 6"]),

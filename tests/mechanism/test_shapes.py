@@ -160,6 +160,7 @@ def test_normals_leave_rims_sharp_and_sides_round():
         (lambda: Cylinder(1, 0), "Cylinder: length: 0.0 is not positive"),
         (lambda: Cylinder(1, 1, "w"), "Cylinder: axis is 'w'; give 'x', 'y', 'z' or a vector that is not zero"),
         (lambda: Disc(1, axis=(0, 0, 0)), r"Disc: axis is \(0, 0, 0\); give"),
+        (lambda: Disc(1, axis=tuple(np.zeros(3))), r"Disc: axis is \(0.0, 0.0, 0.0\); give"),  # not np.float64(0.0)
         (lambda: Disc(1, thickness=-2), "Disc: thickness: -2.0 is not positive"),
         (lambda: Torus(0.1, 0.1), "Torus: tube 0.1 is not below radius 0.1; give the radius of the centre line"),
         (lambda: Capsule("wide", 1), "Capsule: radius: expected a number, got 'wide'"),

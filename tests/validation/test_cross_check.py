@@ -16,7 +16,19 @@ from click.testing import CliRunner
 from models import all_joints_mechanism, consistent_state, pendulum
 
 import validation
-from mbsd3d import GROUND, AngleDriver, Body, PointOnLine, Ramp, Revolute, StateFeedback, System, measures, simulate
+from mbsd3d import (
+    GROUND,
+    AngleDriver,
+    Body,
+    Fixed,
+    PointOnLine,
+    Ramp,
+    Revolute,
+    StateFeedback,
+    System,
+    measures,
+    simulate,
+)
 from mbsd3d.cli import main
 from validation import cross_check
 from validation.cases.mechanisms import chain
@@ -336,6 +348,14 @@ def test_definitions_count_turns_beyond_a_half_however_rounding_falls(turns):
     assert statuses(check.of("definitions")) == {AGREES}
 
 
+def test_what_cannot_move_agrees_by_its_reactions():
+    block = Body("block", 1.3, (0.1, 0.2, 0.25), com=(0.3, -0.1, 0.2), position=(0.1, 0.2, 0.3))
+    found = cross_check(System([block], [Fixed(GROUND, block, at=(0, 0, 0), name="weld")]), 0.3)
+    assert found.passed and set(found.followed) == {"MuJoCo", "Exudyn"}
+    assert found.verdict["MuJoCo", "mass matrix"] == "not compared: MuJoCo has no freedom here"
+    assert found.verdict["MuJoCo", "reaction moment"] == "agrees"
+
+
 def test_nothing_compared_does_not_pass():
     """A controller with a filter of its own has no place in the engines nor in the second formulation."""
     system = arm()
@@ -531,7 +551,8 @@ def test_validate_ends_with_1_where_something_differs(model, fake):
     [
         (["none.py"], 2, "No such file"),
         (["arm.py", "--t-end", "-1"], 2, "does not lie after the start"),
-        (["arm.py", "--t-end", "0"], 2, "t_end = 0 s does not lie after the start"),  # 0 is given, not left out
+        (["arm.py", "--t-end", "0"], 2, "t_end = 0 s does not lie after the start"),
+        (["arm.py", "--budget", "0"], 2, "budget 0 s; give seconds above 0"),
         (["arm.py", "--tolerance", "0"], 2, "tolerance 0 is outside"),
         (["arm.py", "--set", "length=2"], 2, "no such parameter"),
         (["arm.py", "--engine", "chrono"], 2, "chrono"),

@@ -8,6 +8,7 @@ from click.testing import CliRunner
 
 from validation.engine_balance import cli, gas, phasor, report, shafts, spatial
 from validation.engine_balance.layouts import Engine, Layout, layout
+from validation.engine_balance.shafts import Shaft
 from validation.engine_balance.spectrum import spectrum
 
 LIMIT = 1e-9  # of F_single; rounding stays below 1e-12
@@ -92,6 +93,17 @@ def test_the_block_feels_the_gas_only_as_torque_reaction(name):
         assert np.ptp(torque) > 5e3
 
 
+def test_shafts_that_bear_couples_alone_stay_where_they_are():
+    engine = Engine("boxer4")
+    load, ends = phasor.block_load(engine, dyno=True), tuple(engine.stations[[0, -1]])
+    pair = [Shaft(2, way, (0.3 * way, 0.1), ends) for way in (1, -1)]
+    still = shafts.balance(engine, load, pair, torque=True)
+    assert [shaft.position for shaft in still] == [shaft.position for shaft in pair]
+    assert not any(shaft.pulls for shaft in still)
+    weights = shafts.balance(engine, load, [Shaft(1, 1, planes=(-0.2, 0.2))], torque=True)
+    assert weights[0].on_crank and weights[0].position == (0.0, 0.0)
+
+
 def test_firing_order_of_many_cylinders():
     many = Layout("W18", "three banks of six", [0.0, 240.0, 120.0] * 6, [0.0] * 18, range(18))
     with pytest.raises(ValueError, match="layout 'W18': 18 cylinders; give a firing_order that its crank can do"):
@@ -100,6 +112,12 @@ def test_firing_order_of_many_cylinders():
     with pytest.raises(ValueError, match="give a firing_order"):  # this one takes many turns
         gas.firing_angles(named)
     assert sorted(set(gas.firing_angles(replace(layout("V12_60"), firing_order=None)) % 60)) == [0.0]
+
+
+@pytest.mark.parametrize("order", ["1-3", "1-1", "1", "0-1", "1-x", "", 12])
+def test_a_firing_order_names_every_cylinder_once(order):
+    with pytest.raises(ValueError, match="layout 'twin': firing_order .*; give each of 2 cylinders once, '1-3-4-2'"):
+        Layout("twin", "parallel twin", (0, 180), (0, 0), (0, 0.1), firing_order=order)
 
 
 def test_firing_orders():

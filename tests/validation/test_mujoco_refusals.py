@@ -55,6 +55,14 @@ def test_a_class_that_no_table_knows_is_refused_by_name():
         law_of(system, system.joints[0])
 
 
+def test_a_body_too_small_for_mujoco_is_not_made_heavier():
+    """A microgram of a tenth of a millimetre: its twin turned ten thousand times as heavily, which "differs"."""
+    speck = Body("speck", 1e-9, (1e-18, 2e-18, 2.5e-18), com=(1e-4, 0, 0))
+    system = System([speck], [Spherical(GROUND, speck, at=(0, 0, 0), name="ball")])
+    with pytest.raises(NotExpressible, match="'speck': a moment of inertia of 1e-18 kg m.2; MuJoCo takes none below"):
+        twin(system)
+
+
 @pytest.mark.parametrize("cls", [cls for cls in EXAMPLES if cls not in EXPRESSES], ids=lambda cls: cls.__name__)
 def test_refused_joints(cls):
     assert set(EXPRESSES) <= public_classes(Joint) and not set(EXPRESSES) & set(REFUSED)

@@ -164,6 +164,11 @@ def test_inclined_mounts_and_undamped_ones_are_refused():
     bare = [replace(mount, damping=(0.0, 0.0, 0.0)) for mount in study.placed]
     with pytest.raises(ValueError, match="give mounts with dampers"):
         limit(lambda gain: on_mounts(study.body.rigid, bare, Skyhook((0, 0, 0), gain)))
+    compact = Study(presets.preset("inline_4"), mounts.car("compact"), 2000.0)
+    bare = replace(compact.on_mounts, placed=[replace(mount, damping=(0.0, 0.0, 0.0)) for mount in compact.placed])
+    loop = Cancel(bare, compact.source, 2000.0, 0, 2.0, RATE)
+    with pytest.raises(ValueError, match="active mount: unstable or undamped without it; give mounts with dampers"):
+        loop.path.limit(loop.W)
 
 
 @pytest.mark.slow

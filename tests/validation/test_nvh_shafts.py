@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from validation.engine_balance.pages.portrait import upright
+from validation.nvh import tables
 from validation.nvh.engine import balance_shafts, presets
 from validation.nvh.engine.balance_shafts import Fault
 from validation.nvh.engine.loads import Source
@@ -109,6 +110,15 @@ def test_the_roll_is_linear_in_the_height_of_the_shafts(share):
     found = balance_shafts.left(chosen, balance_shafts.apart(chosen, full, share * best), SPEED)
     assert abs(found[4]) == pytest.approx(abs(1 - share) * bare, abs=1e-9 * bare)
     assert np.abs(found[:4]) == pytest.approx(np.zeros(4), abs=1e-9 * WHOLE)
+
+
+@pytest.mark.parametrize("name", ["boxer_4", "inline_5", "v6_60", "v8_flat"])
+def test_where_no_height_helps_raised_shafts_are_refused(name):
+    """Shafts that bear couples alone were moved by rounding over rounding, those of the boxer four by 1e14 m."""
+    with pytest.raises(ValueError, match="has no 2x force upwards, without which raised shafts help nothing"):
+        balance_shafts.fitted(presets.preset(name), "raised")
+    study = Study(presets.preset(name), mounts.car("compact"), 3000.0, shafts="lanchester")
+    assert tables.heights(study) is None
 
 
 @pytest.mark.parametrize(("name", "kind"), [("inline_6", "lanchester"), ("v12", "first"), ("single", "third")])

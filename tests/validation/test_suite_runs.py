@@ -156,6 +156,8 @@ def test_bad_input_ends_in_one_line_before_any_work(tmp_path):
         assert code == 2 and words in said and said.count("\n") == 1
     code, said = validate("--list", "--quick")
     assert code == 0 and "heavy_top_fast" in said and "random_019" in said and "random_020" not in said
+    code, said = validate("--list", "--case", "random_0*", "--case", "heavy_top_fast")
+    assert code == 0 and said.count("\n") == 101 and "heavy_top_fast" in said and "random_100" not in said
 
 
 def in_ledger(folder):

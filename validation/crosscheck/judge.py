@@ -35,8 +35,9 @@ def judge_start(system: System, state: State, twin: Twin, ours: Ours, tolerance:
 def judge_mass(system: System, state: State, twin: Twin) -> Finding:
     """T'M T of our reference-point mass matrix against the engine's, T from its velocities to ours."""
     kinetic = twin.kinetic()
-    if kinetic is None:
-        return Finding(twin.engine, "mass matrix", SKIPPED, reason=f"{twin.engine} does not give it here")
+    if kinetic is None or not kinetic.matrix.size:
+        why = "does not give it here" if kinetic is None else "has no freedom here"
+        return Finding(twin.engine, "mass matrix", SKIPPED, reason=f"{twin.engine} {why}")
     T, theirs = kinetic.map, kinetic.matrix
     ours = T.T @ mass_matrix(system, state) @ T
     difference = largest(ours - theirs) / largest(theirs)

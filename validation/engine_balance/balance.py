@@ -3,11 +3,13 @@
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from validation.engine_balance import phasor, planar_sum, spatial
 from validation.engine_balance.harmonics import Harmonics
 from validation.engine_balance.layouts import Engine
 
-LIMIT = 1e-9  # of F_single: rounding of models with up to 26 bodies stays below 1e-12
+LIMIT = 1e-9  # of the scale: rounding of models with up to 26 bodies stays below 1e-12
 
 
 @dataclass(frozen=True)
@@ -22,12 +24,17 @@ class Comparison:
     """Where the driving torque reacts, "block" or "dyno"."""
 
     @property
+    def scale(self) -> float:
+        """F_single and the weight of a cylinder [N]: the scale of rounding, also of a crank that hardly turns."""
+        return self.engine.single + phasor.mass(self.engine) * float(np.linalg.norm(self.gravity))
+
+    @property
     def disagreement(self) -> float:
-        """Largest difference of two ways in any order and component, over F_single; moments over the spacing."""
+        """Largest difference of two ways in any order and component, over the scale; moments over the spacing."""
         first, *others = self.ways.values()
         differences = [first.difference(other, self.engine.spacing) for other in others]
         differences.append(others[0].difference(others[1], self.engine.spacing))
-        return max(differences) / self.engine.single
+        return max(differences) / self.scale
 
     @property
     def agrees(self) -> bool:

@@ -149,7 +149,7 @@ def tables(engines: list, gravity: Any, driver: str, gas: float | None, shafts: 
     else:
         click.echo(report.overview(comparisons))
         click.echo("F [N] and M [N m]: force and couple on the block; fwd, bwd turn with and against the crank;")
-        click.echo("T [N m]: largest order of the driving torque; spread: of the three ways, over F_single.")
+        click.echo("T [N m]: largest order of the driving torque; spread: of the three ways, over F_single and weight.")
     for table in extra:
         click.echo(f"\n{table}")
     return comparisons
@@ -165,4 +165,4 @@ def show(comparison: Any) -> None:
     click.echo(f"F_single 1x = {comparison.engine.single:.6g} N\n")
     click.echo(f"{report.components(comparison)}\n")
     click.echo(f"{report.turning(comparison)}\n")
-    click.echo(f"largest difference {comparison.disagreement:.1e} of F_single")
+    click.echo(f"largest difference {comparison.disagreement:.1e} of F_single and the weight of a cylinder")

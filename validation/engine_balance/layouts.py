@@ -34,7 +34,8 @@ class Layout:
     ``name, title``: short name, and what it is; ``pins, bores`` (n,): directions of crankpins at q = 0 and of bores
     [degrees], from x towards y; ``stations`` (n,): z of the cylinders [m]; ``bank_angle``: between the banks [degrees];
     ``spacing``: bore spacing for which the stations hold [m]; ``firing_order``: as the source gives it, "1-3-4-2".
-    ValueError if the numbers of pins, bores and stations differ, or a value is not a number.
+    ValueError if the numbers of pins, bores and stations differ, a value is not a number, or a cylinder does not fire
+    once.
 
     Examples
     --------
@@ -65,6 +66,10 @@ class Layout:
             listed = ", ".join(f"{n} {field}" for field, n in counts.items())
             raise InputError(f"{what}: {listed}; give one of each per cylinder")
         object.__setattr__(self, "spacing", number(self.spacing, f"{what}: spacing", positive=True))
+        order, count = self.firing_order, len(self.pins)
+        every = sorted(str(i + 1) for i in range(count))
+        if order is not None and not (isinstance(order, str) and sorted(order.split("-")) == every):
+            raise InputError(f"{what}: firing_order {order!r}; give each of {count} cylinders once, '1-3-4-2'")
 
     @property
     def phases(self) -> tuple[float, ...]:

@@ -14,7 +14,7 @@ from validation.engine_balance.published.claims import Row
 from validation.engine_balance.published.truth import single
 from validation.engine_balance.spectrum import spectrum
 
-NOISE = 1e-9  # of F_single: smaller amplitudes are rounding and shown as 0
+NOISE = 1e-9  # of F_single and weight: smaller amplitudes are rounding and shown as 0
 WORDS = {"layout", "harmonic", "turning", "unit", "figure", "verdict", "shafts", "single cylinder", "unbalances [kg m]"}
 PUBLISHED = {
     ("single", "force", 1): 9.87, ("single", "force", 2): 4.111, ("single", "force", 4): 0.295,
@@ -71,7 +71,7 @@ def ways(comparison: Comparison) -> Table:
     """
     engine = comparison.engine
     toy = engine == Engine(engine.layout.name) if engine.layout.name in names() else False
-    found, noise = [], NOISE * engine.single
+    found, noise = [], NOISE * comparison.scale
     every = {way: amplitudes(h) for way, h in comparison.ways.items()}
     for quantity, unit in (("force", "N"), ("couple", "N m"), ("reaction", "N m"), ("torque", "N m")):
         for order in range(1, every["phasor"][quantity].size):
@@ -85,7 +85,7 @@ def ways(comparison: Comparison) -> Table:
 
 def components(comparison: Comparison) -> Table:
     """Amplitudes of the components of the block load, three ways, and their largest difference."""
-    noise, found = NOISE * comparison.engine.single, []
+    noise, found = NOISE * comparison.scale, []
     names = ("F_x", "F_y", "F_z", "M_x", "M_y", "M_z", "T")
     for order in range(1, len(comparison.ways["phasor"].torque)):
         stacked = [np.array([*h.force[order], *h.moment[order], h.torque[order]]) for h in comparison.ways.values()]
@@ -98,7 +98,7 @@ def components(comparison: Comparison) -> Table:
 
 def turning(comparison: Comparison) -> Table:
     """Forces and couples as vectors that turn with the crank and against it, and the ellipse they draw."""
-    noise, h, found = NOISE * comparison.engine.single, comparison.ways["spatial"], []
+    noise, h, found = NOISE * comparison.scale, comparison.ways["spatial"], []
     for order in range(1, len(h.torque)):
         for k, (name, unit) in enumerate((("force", "N"), ("couple", "N m"))):
             forward, backward = np.abs(h.forward[order, k]), np.abs(h.backward[order, k])
@@ -112,7 +112,7 @@ def overview(comparisons: Sequence[Comparison]) -> Table:
     header = "layout,F 1x,F 2x,F 4x,F 6x,M 1x fwd,M 1x bwd,M 2x fwd,M 2x bwd,T ripple,spread".split(",")
     found = []
     for comparison in comparisons:
-        h, noise = comparison.ways["spatial"], NOISE * comparison.engine.single
+        h, noise = comparison.ways["spatial"], NOISE * comparison.scale
         size = amplitudes(h)
         order = 1 + int(np.argmax(np.round(size["torque"][1:], 9)))
         parts = [size["force"][n] for n in (1, 2, 4, 6)]
@@ -172,7 +172,8 @@ def balance_shafts(engine: Engine) -> Table:
             left = shafts.remainder(engine, load, chosen)
             model = shafts.with_shafts(spatial.build(engine), engine, chosen)
             seen = shafts.engine_load(spatial.harmonics(spatial.turn(model, engine), engine), order)
-            weights = ", ".join(f"{abs(u):.4g}" for shaft in chosen for u in shaft.unbalance)
+            every = np.abs([u for shaft in chosen for u in shaft.unbalance])
+            weights = ", ".join(f"{u:.4g}" for u in np.where(every < noise / engine.rate**2, 0.0, every))
             before, after = (
                 (np.abs(x[:2]).max(), np.abs(x[2:4]).max()) for x in (shafts.engine_load(load, order), left)
             )

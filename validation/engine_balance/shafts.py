@@ -59,6 +59,11 @@ class Shaft:
         """Counterweights of the crank."""
         return self.order == 1 and self.direction == 1 and not any(self.position)
 
+    @property
+    def pulls(self) -> bool:
+        """Whether it bears a force: one that bears a couple alone does so wherever its axis lies."""
+        return abs(sum(self.unbalance)) > RANK * sum(map(abs, self.unbalance))
+
 
 def unit_loads(shaft: Shaft, rate: float) -> np.ndarray:
     """(planes, 5) phasors of X, Y, M_x, M_y, M_z of order k for 1 kg m at angle 0 in each plane."""
@@ -85,7 +90,8 @@ def balance(engine: Engine, harmonics: Harmonics, shafts: Sequence[Shaft], *, to
 
     ``engine``: its spacing weighs couples against forces where not both can vanish; ``harmonics``: block load of the
     engine alone; ``shafts``: all of one order; ``torque``: true also moves the axes, as little as possible, so that the
-    shafts balance the torque reaction M_z, too. ValueError if the orders differ or lie beyond the harmonics.
+    shafts that bear forces balance the torque reaction M_z, too. ValueError if the orders differ or lie beyond the
+    harmonics.
     """
     orders = sorted({shaft.order for shaft in shafts})
     if len(orders) != 1 or orders[0] >= len(harmonics.force):
@@ -106,18 +112,20 @@ def balance(engine: Engine, harmonics: Harmonics, shafts: Sequence[Shaft], *, to
 
 
 def moved(engine: Engine, harmonics: Harmonics, shafts: Sequence[Shaft]) -> list[Shaft]:
-    """The shafts shifted as little as possible so that M_z of their order vanishes; counterweights stay.
+    """The shafts shifted as little as possible so that M_z of their order vanishes; counterweights and shafts that bear
+    couples alone stay.
 
     M_z = sum (x Y - y X) is linear in the places of the axes; forces and couples do not depend on them.
     """
-    free = [shaft for shaft in shafts if not shaft.on_crank]
+    if not (free := [shaft for shaft in shafts if shaft.pulls and not shaft.on_crank]):
+        return list(shafts)
     loads = np.array([load(shaft, engine.rate) for shaft in free])
     columns = np.stack([loads[:, 1], -loads[:, 0]], axis=1).ravel()
     left = remainder(engine, harmonics, shafts)[4]
     shift = np.linalg.lstsq(np.stack([columns.real, columns.imag]), -np.array([left.real, left.imag]), rcond=RANK)[0]
     steps = iter(shift.reshape(-1, 2))
     return [
-        shaft if shaft.on_crank else replace(shaft, position=tuple((np.array(shaft.position) + next(steps)).tolist()))
+        replace(shaft, position=tuple((np.array(shaft.position) + next(steps)).tolist())) if shaft in free else shaft
         for shaft in shafts
     ]
 

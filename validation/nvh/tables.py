@@ -3,6 +3,7 @@
 import numpy as np
 from scipy.integrate import cumulative_simpson
 
+from mbsd3d.errors import InputError
 from validation.engine_balance.pages.portrait import upright
 from validation.nvh.cabin.seat import rms
 from validation.nvh.engine import balance_shafts, presets
@@ -78,11 +79,16 @@ def faults(study: Study) -> Rows:
 
 
 def heights(study: Study) -> Rows | None:
-    """What a pair of shafts leaves of the roll of its order, by how far they are apart in height; None for no pair."""
+    """What a pair of shafts leaves of the roll of its order, by how far they are apart in height; None for no pair, or
+    where no height helps.
+    """
     fitted, preset, source = study.source.fitted, study.preset, study.source
-    if len(fitted) != 2 or any(shaft.on_crank for shaft in fitted) or fitted[0].order != 2:
+    if len(fitted) != 2 or fitted[0].order != 2:
         return None
-    full = balance_shafts.fitted(preset, "raised")
+    try:
+        full = balance_shafts.fitted(preset, "raised")
+    except InputError:
+        return None
     best = abs(np.subtract(*(np.array(shaft.position) @ upright(preset.layout)[2, :2] for shaft in full)))
     rows = [["apart in height [mm]", "roll 2x of inertia [N m]", "with gas at this load [N m]"]]
     for height in (0.0, best / 2, best, 1.5 * best):

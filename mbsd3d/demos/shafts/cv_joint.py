@@ -32,20 +32,28 @@ def with_cross(*, bend_deg, torque):
     return {**cardan_couple.theory(bend_deg=bend_deg, torque=torque), "unevenness": 1 / np.cos(b) - np.cos(b)}
 
 
-def measure(build, terms) -> Measured:
+def over_a_turn(angle, bend_deg, torque, cross):
+    """Couple on the driving shaft [N m] and ratio of the rates at angles [rad] of a turn."""
+    if not cross:
+        couple = theory(bend_deg=bend_deg, torque=torque, cross=0)["couple_on_driving_shaft_Nm"]
+        return np.full(angle.size, couple), np.ones(angle.size)
+    b = np.radians(bend_deg)
+    return cardan_couple.couple(angle, bend_deg, torque), np.cos(b) / (1 - (np.sin(b) * np.cos(angle)) ** 2)
+
+
+def measure(build, terms, *, bend_deg, torque, cross) -> Measured:
     """Couples and evenness of one slow turn."""
     run, on_driving, on_driven, ratio = one_turn(build(), **terms)
-    angle, known = np.degrees(run.t), build.theory["couple_on_driving_shaft_Nm"]
+    angle, (couple, even) = np.degrees(run.t), over_a_turn(run.t, bend_deg, torque, cross)
     values = {
         "couple_on_driving_shaft_Nm": on_driving.max(),
         "couple_on_driven_shaft_Nm": on_driven.max(),
         "unevenness": np.ptp(ratio),
     }
     curves = [
-        Curve("couple on the driving shaft [N m]", angle, on_driving, (angle, np.full(angle.size, known)),
-              "turn [deg]"),
-        Curve("output over input rate [-]", angle, ratio, (angle, np.ones(angle.size)), "turn [deg]"),
-    ]  # fmt: skip
+        Curve("couple on the driving shaft [N m]", angle, on_driving, (angle, couple), "turn [deg]"),
+        Curve("output over input rate [-]", angle, ratio, (angle, even), "turn [deg]"),
+    ]
     return Measured(values, [run], curves)
 
 

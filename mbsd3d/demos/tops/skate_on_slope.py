@@ -27,31 +27,26 @@ def axes(slope_deg):
     return np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]])
 
 
-def path(t, slope_deg, w):
-    """(down, sideways) with g' = g sin(slope): the speed along the blade is g' sin(w t)/w."""
+def path(t, slope_deg, w, blade):
+    """(down, sideways) with g' = g sin(slope): the speed along the blade is g' sin(w t)/w; without, a free puck."""
     g = G * np.sin(np.radians(slope_deg))
+    if not blade:
+        return 0.5 * g * t**2, 0.0 * t
     return g * (1 - np.cos(2 * w * t)) / (4 * w**2), g * t / (2 * w) - g * np.sin(2 * w * t) / (4 * w**2)
 
 
 def theory(*, slope_deg, w, blade, t):
-    """A cycloid across the slope; without its edge it is a free puck."""
-    if not blade:
-        return without_blade(slope_deg=slope_deg, t=t)
-    require(w != 0, "demo 'skate_on_slope': w = 0: a skate that does not turn slides down; give another rate")
-    down, sideways = path(t, slope_deg, w)
+    """A cycloid across the slope."""
+    require(w or not blade, "demo 'skate_on_slope': w = 0: a skate that does not turn slides down; give another rate")
+    down, sideways = path(t, slope_deg, w, blade)
     return {"down_slope_m": down, "sideways_m": sideways}
 
 
-def without_blade(*, slope_deg, t):
-    """A free puck."""
-    return {"down_slope_m": 0.5 * G * np.sin(np.radians(slope_deg)) * t**2, "sideways_m": 0.0}
-
-
-def measure(build, terms, *, slope_deg, w, t=10.0) -> Measured:
+def measure(build, terms, *, slope_deg, w, blade, t=10.0) -> Measured:
     """Where it is after t."""
     run = simulate(build(), t, rtol=1e-13, output=401, **terms)
     down, sideways, _ = axes(slope_deg) @ run.position("skate").T
-    known = path(run.t, slope_deg, w)
+    known = path(run.t, slope_deg, w, blade)
     path_seen = Curve(
         "up the slope [m]", sideways, -down, (known[1], -known[0]), "sideways [m]", "its path on the slope"
     )
@@ -73,6 +68,6 @@ demo = Demo(
         "down_slope_m": Quantity("way down the slope", "m"),
         "sideways_m": Quantity("way across the slope", "m"),
     },
-    ablation=Ablation("blade", "it slides down and nothing else", {"blade": 0}, values=without_blade),
+    ablation=Ablation("blade", "it slides down and nothing else", {"blade": 0}),
     show={"curves": [("position", "skate")], "traces": [("skate", (0, 0, 0))]},
 )

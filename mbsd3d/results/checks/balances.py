@@ -1,25 +1,10 @@
-"""Joints that stay closed, energy against work, momentum against impulse."""
+"""Energy against work, momentum against impulse."""
 
 import numpy as np
 
 from ...integrators.method import Method
 from ..run_samples import RunSamples
-from .check import MAY_GAPE, MAY_TEAR, PASSED, Check, gaping, largest, scales_of
-
-
-def residual_checks(solution: RunSamples) -> list[Check]:
-    """Constraint residuals at the samples."""
-    model, drift, record = solution.compiled.model, solution.drift(), solution.record
-    reach = 1.0 + largest(solution.arrays["q"][..., :3]) / model.length
-    speed, scale = max(largest(solution.arrays["v"]), 1.0), max(model.length, 1.0)
-    floor = max(record.tolerance, 1e-12 * reach, gaping(record))
-    gape = tear = 0.0
-    if record.nearest < PASSED:  # rows let go there are not projected: they are met as far as the motion is exact
-        gape, tear = MAY_GAPE, max(MAY_TEAR, record.rtol)
-    return [
-        Check("joint gaps", largest(drift.position) / scale, max(floor, gape), "joints drift apart"),
-        Check("joint velocities", largest(drift.velocity) / (scale * speed), max(floor, tear), "J v = b is violated"),
-    ]
+from .check import Check, largest, scales_of
 
 
 def balance_checks(solution: RunSamples, limit: float) -> list[Check]:

@@ -53,6 +53,7 @@ def gaping(record: Record) -> float:
 class Scales:
     """Characteristic sizes of a run that the absolute errors are divided by; never zero."""
 
+    rate: float  # 1/s
     acceleration: float
     force: float
     moment: float
@@ -75,6 +76,7 @@ def scales_of(solution: RunSamples) -> Scales:
     momentum = mass * max(absolute, 1e-3 * np.sqrt(a * length))
     speed = max(speed, np.sqrt(1e-3 * a * length))
     return Scales(
+        rate=max(speed, absolute) / length,
         acceleration=a,
         force=mass * a,
         moment=mass * a * length,

@@ -1,36 +1,64 @@
 """The equations of motion at the samples: whether they are met, and how well they determine what was solved for."""
 
+from typing import NamedTuple
+
 import numpy as np
 
-from ...dynamics.batch import newton_euler, row_defects
+from ...dynamics.batch import equation_residuals
 from ...mechanism.forces.custom import SavedForce
 from ..run_samples import RunSamples
-from .check import MAY_MISS, PASSED, Check, Scales, gaping, largest, scales_of
+from .check import MAY_GAPE, MAY_MISS, MAY_TEAR, PASSED, Check, Scales, gaping, largest, scales_of
 
 
-def equation_checks(solution: RunSamples, singular: np.ndarray) -> list[Check]:
-    """Newton-Euler residual per body, and rows against the accelerations, with the true terms.
+class Residuals(NamedTuple):
+    """By how much the equations are missed at the samples."""
+
+    bodies: np.ndarray  # (samples, n, 4) of forces [N] and moments [N m], and the sizes of both
+    joints: np.ndarray  # (samples, 3) of c, J v - b and J v_dot - gamma, in lengths of the model and radians
+
+
+def residuals(solution: RunSamples) -> Residuals:
+    """Of all equations at the samples, with the true terms."""
+    compiled, arrays, t = solution.compiled, solution.arrays, solution.t
+    model = compiled.model._replace(gamma=1.0, stabilisation=0)
+    known = arrays["state"], np.ascontiguousarray(arrays["coordinate"]), arrays["acceleration"], arrays["lam"]
+    found = Residuals(np.zeros((t.size, model.body.size, 4)), np.zeros((t.size, 3)))
+    equation_residuals(model, compiled.data(), t, *known, *found)
+    return found
+
+
+def joint_checks(solution: RunSamples, found: Residuals) -> list[Check]:
+    """Joints that stay closed, in position and velocity."""
+    record, length, scale = solution.record, solution.compiled.model.length, scales_of(solution)
+    reach = 1.0 + largest(solution.arrays["q"][..., :3]) / length
+    floor = max(record.tolerance, 1e-12 * reach, gaping(record))
+    gape = tear = 0.0
+    if record.nearest < PASSED:  # rows let go there are not projected: they are met as far as the motion is exact
+        gape, tear = MAY_GAPE, max(MAY_TEAR, record.rtol)
+    gaps, speeds, _ = found.joints.T
+    return [
+        Check("joint gaps", largest(gaps), max(floor, gape), "joints drift apart"),
+        Check("joint velocities", largest(speeds) / scale.rate, max(floor, tear), "J v = b is violated"),
+    ]
+
+
+def equation_checks(solution: RunSamples, found: Residuals, singular: np.ndarray) -> list[Check]:
+    """Newton-Euler residual per body, and rows against the accelerations.
 
     ``singular``: samples whose joints determine no reactions; Newton and Euler are not asked there.
     """
-    compiled, arrays, t = solution.compiled, solution.arrays, solution.t
-    data, n, scale = compiled.data(), len(solution.system.bodies), scales_of(solution)
-    model = compiled.model._replace(gamma=1.0, stabilisation=0)
-    out = np.zeros((t.size, n, 4))
-    coordinates = np.ascontiguousarray(arrays["coordinate"])
-    newton_euler(model, data, t, arrays["state"], coordinates, arrays["acceleration"], arrays["lam"], out)
-    force, moment = max(largest(out[..., 2]), scale.force), max(largest(out[..., 3]), scale.moment)
-    relative = np.where(singular[:, None], 0.0, np.maximum(out[..., 0] / force, out[..., 1] / moment))
+    system, model, scale = solution.system, solution.compiled.model, scales_of(solution)
+    lost_force, lost_moment, force, moment = np.moveaxis(found.bodies, -1, 0)
+    force, moment = max(largest(force), scale.force), max(largest(moment), scale.moment)
+    relative = np.where(singular[:, None], 0.0, np.maximum(lost_force / force, lost_moment / moment))
     worst = int(np.argmax(relative.max(axis=0)))
-    meaning = f"the equations of body '{solution.system.name(solution.system.bodies[worst])}' are not met"
+    meaning = f"the equations of body '{system.name(system.bodies[worst])}' are not met"
     gap = gaping(solution.record)  # Baumgarte's terms correct accelerations by it; `saddle` takes joints as closed
     checks = [] if lost(solution) else [Check("Newton-Euler", largest(relative), max(1e-8, gap), meaning)]
     if model.row.size:
-        defect = np.zeros(t.size)
-        row_defects(model, data, t, arrays["state"], coordinates, arrays["acceleration"], defect)
         near = MAY_MISS if solution.record.nearest < PASSED else 0.0
         limit = max(1e-8, solution.record.tolerance, gap, near, min(rounding_of_turning(solution, scale), 1e-5))
-        error = largest(defect) * model.length / scale.acceleration
+        error = largest(found.joints[:, 2]) * model.length / scale.acceleration
         checks.append(Check("acceleration rows", error, limit, "accelerations tear the joints apart"))
     return checks
 

@@ -101,7 +101,7 @@ class Sheet:
     @property
     def noise(self) -> float:
         """Below it an amplitude is rounding [N or N m]."""
-        return report.NOISE * self.engine.single
+        return report.NOISE * self.comparison.scale
 
     def harmonics(self, kind: str) -> list[Harmonic]:
         """Harmonics of force or couple, one per order, from the spatial model."""

@@ -61,16 +61,17 @@ def nearest(shaft: Shaft, units: list[Unit], record: Any) -> float:
 
 def leaving(shaft: Shaft, force: ForceElement, z: float) -> tuple[float, str]:
     """How far a load acts beside its plane or out of it."""
-    normal, rows, record = shaft.rows.axes[2], shaft.rows, force.record()
+    rows, record = shaft.rows, force.record()
     off = max((abs(rows.height(point) - z) for point in record.points), default=0.0)
     if off > EXACT * rows.length:
         return off, "m"
     if isinstance(force, Force | Torque):
-        axes = record.bodies[-1].axes.T @ normal if record.values[0] else normal
-        vector = np.array([bound(signal, 0, 1.0) for signal in record.signals])
-        leaves = axes if isinstance(force, Force) else np.sqrt(np.maximum(1 - axes**2, 0.0))
-        off = float(np.abs(vector * leaves).max())
-        return (off, "N" if isinstance(force, Force) else "N m") if off > EXACT * vector.max() else (0.0, "N")
+        axes = rows.axes @ record.bodies[-1].axes if record.values[0] else rows.axes
+        across = axes[2:] if isinstance(force, Force) else axes[:2]  # in which there must be none
+        size = max(bound(signal.terms(), 0, 1.0) for signal in record.signals)
+        parts = [[float(x) * signal for x, signal in zip(axis, record.signals, strict=True)] for axis in across]
+        off = max(bound([term for signal in part for term in signal.terms()], 0, 1.0) for part in parts)
+        return (off, "N" if isinstance(force, Force) else "N m") if off > EXACT * size else (0.0, "N")
     return 0.0, "N"
 
 

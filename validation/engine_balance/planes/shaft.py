@@ -111,27 +111,32 @@ def welded(rows: Rows, root: Any) -> list:
 
 def unsteady(system: System, joint: Joint, signal: Any, order: int, speed: float) -> list[Failure]:
     """A speed that changes."""
-    change = bound(signal, 1 if order else 2, 2 * np.pi / abs(speed))
+    change = bound(signal.terms(), 1 if order else 2, 2 * np.pi / abs(speed))
     if change <= EXACT * speed**2:
         return []
     return [Failure("H1", system.name(joint), "does not turn at a constant speed", float(change), "rad/s^2")]
 
 
-def bound(signal: Any, order: int, time: float) -> float:
-    """No |d^order f / dt^order| is larger: of polynomials |t| <= time, of sines and splines for all times.
+def bound(terms: Sequence[Any], order: int, time: float) -> float:
+    """No |d^order f / dt^order| of a sum of terms is larger: polynomials for |t| <= time, sines and splines always.
 
-    From the terms themselves; samples can miss a sine whose period they repeat. The part of each term is counted for
-    itself, so that terms that cancel are taken for more than they are.
+    From the terms themselves; samples can miss a sine whose period they repeat. Terms of one shape, as components of a
+    force have them, are added up first; others that cancel are taken for more than they are.
     """
-    total = 0.0
-    for term in signal.terms():
+    total, alike = 0.0, {}
+    for term in terms:
+        first = int(term.data[0]) + 2 if term.kind == kinds.SPLINE else 0
+        key, part = (term.data.size, *term.data[:first]), term.data[first:]
         if term.kind == kinds.SINE:
-            total += abs(term.data[0]) * abs(term.data[1]) ** order
+            key, part = (term.data[1],), term.data[0] * np.exp(1j * term.data[2])
+        alike[term.kind, *key] = alike.get((term.kind, *key), 0.0) + part
+    for (kind, *shape), part in alike.items():
+        if kind == kinds.SINE:
+            total += abs(part) * abs(shape[0]) ** order
             continue
-        pieces, reach = term.data[None], np.array([time])
-        if term.kind == kinds.SPLINE:
-            count = int(term.data[0])
-            pieces, reach = term.data[count + 2 :].reshape(count, 4)[:, ::-1], np.diff(term.data[1 : count + 2])
+        pieces, reach = part[None], np.array([time])
+        if kind == kinds.SPLINE:
+            pieces, reach = part.reshape(-1, 4)[:, ::-1], np.diff(shape[2:])
         powers = np.arange(max(pieces.shape[1] - order, 0))
         factors = [np.prod(k + 1 + np.arange(order)) for k in powers]  # d^order t^(k + order) = factor t^k
         total += np.max(np.sum(np.abs(pieces[:, order:]) * factors * reach[:, None] ** powers, axis=1), initial=0.0)

@@ -52,12 +52,14 @@ class Path:
         return np.block([[self.A, self.B[:, None], 0 * self.B[:, None]], [-turn @ seen * self.C, adapt]])
 
     def limit(self, W: float) -> float:
-        """Step from which the loop is unstable."""
+        """Step from which the loop is unstable; ValueError if it is without any step."""
 
         def size(step: float) -> float:
             return float(np.abs(np.linalg.eigvals(self.loop(W, step))).max()) - 1.0
 
         high = 1e-6 / abs(self.gain(W)) ** 2
+        if size(high / 1.5) >= 0.0:
+            raise InputError("active mount: unstable or undamped without it; give mounts with dampers")
         while size(high) < 0.0:
             high *= 1.5
         return float(brentq(size, high / 1.5, high, rtol=1e-10))

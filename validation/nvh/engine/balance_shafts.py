@@ -23,7 +23,7 @@ from validation.nvh.engine.presets import Preset
 KINDS = ("lanchester", "raised", "first")
 RPM = 1000.0
 BESIDE = 1.6  # crank radii from the crank to a shaft
-LEAST = 1e-9  # of a piston on the crank radius: smaller unbalances are rounding
+LEAST = 1e-9  # of a piston on the crank radius, or m: smaller unbalances and heights are rounding
 
 
 def fitted(preset: Preset, kind: str) -> list[Shaft]:
@@ -42,6 +42,8 @@ def fitted(preset: Preset, kind: str) -> list[Shaft]:
     found = [shaft for shaft in found if max(abs(u) for u in shaft.unbalance) > least]
     if not any(not shaft.on_crank for shaft in found):
         raise InputError(f"engine '{preset.name}' has no {order}x force or couple that {kind} shafts could take")
+    if kind == "raised" and np.ptp([upright(engine.layout)[2, :2] @ shaft.position for shaft in found]) < LEAST:
+        raise InputError(f"engine '{preset.name}' has no 2x force upwards, without which raised shafts help nothing")
     return found
 
 

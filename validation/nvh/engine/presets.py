@@ -138,13 +138,11 @@ def preset(name: str) -> Preset:
 
 def own_layout(name: str, found: Record, parts: Record) -> Layout:
     """The layout of cylinders given one by one; ValueError for a firing order that the crank cannot do."""
-    plan, given = Layout(name, found["title"], spacing=found["spacing"], **parts), parts["firing_order"]
-    count = len(plan.pins)
-    if given is not None:
-        if not isinstance(given, str) or sorted(given.split("-")) != sorted(str(i + 1) for i in range(count)):
-            raise InputError(f"engine '{name}': firing_order {given!r}; give each of {count} cylinders once, '1-3-4-2'")
-        order = given.split("-")
+    plan = Layout(name, found["title"], spacing=found["spacing"], **parts)
+    if plan.firing_order is not None:
+        order = plan.firing_order.split("-")
         first = order.index("1")
         if (does := firing_order(plan)) != "-".join(order[first:] + order[:first]):
+            given = plan.firing_order
             raise InputError(f"engine '{name}': firing_order {given} does not suit its pins and bores; {does} does")
     return plan

@@ -96,7 +96,7 @@ def assembled(mujoco: Any, system: System, start: State, rods: bool, softness: f
     motors, tendons = Motors(mujoco, made.spec, system.bodies), add_tendons(made)
     couplings, loads = couple(made, motors), load_all(made)
     model = compile_spec(mujoco, made, softness)
-    set_lengths(made, model, tendons)
+    set_lengths(model, tendons)
     reactions = Reactions(made, loads, couplings, tendons, mujoco, model)
     soft = f", solref ({softness:g} h, {dampratio:g})" if model.neq else ""
     thin = f", inertia 1e-14 m L^2 or kg m^2 where it is less ({', '.join(made.raised)})" if made.raised else ""

@@ -17,6 +17,7 @@ from validation.twins.mujoco.layout import Freedoms, Layout, Piece, freedoms_of
 FLAGS = ("CONTACT", "LIMIT", "FRICTIONLOSS", "SENSOR", "ISLAND", "AUTORESET")  # none is in a twin, or one of no use
 TOLERANCE, ITERATIONS = 1e-24, 5  # of the solver; a Newton step is exact, rounding calls for no more than five
 LEAST, ROUNDING = 1e-14, 1e-14  # [kg m^2], [m L^2]: moments of inertia MuJoCo still takes, and that matter to no digit
+SMALL = 1e-9  # of m L^2: a moment of inertia that may be raised to `LEAST`
 LOCKED = (0.9999, 0.9999, 1e-3, 0.5, 2.0)  # solimp: the stiffest that MuJoCo admits, at any residual
 
 
@@ -136,7 +137,11 @@ def weigh(made: Sketch, child: Any, body: Body) -> None:
         moments[2] = min(moments[2], moments[0] + moments[1])  # of a flat body, equal up to rounding
     if body.mass <= 0.0:
         raise NotExpressible(f"body '{body.name}': mass {body.mass:g} kg; MuJoCo needs a positive one")
-    least = max(LEAST, ROUNDING * body.mass * made.system.lowered.model.length**2)
+    size = body.mass * made.system.lowered.model.length**2
+    least = max(LEAST, ROUNDING * size)
+    if moments.min() < LEAST and LEAST > SMALL * size:
+        text = f"a moment of inertia of {moments.min():.3g} kg m^2; MuJoCo takes none below {LEAST:g}"
+        raise NotExpressible(f"body '{body.name}': {text}")
     if moments.min() < least:
         made.raised.append(body.name)
     shares = made.layout.shares(body)

@@ -93,7 +93,7 @@ def add_tendons(made: Any) -> list[tuple[Any, str, str]]:
     return found
 
 
-def set_lengths(made: Any, model: Any, tendons: list[tuple[Any, str, str]]) -> None:
+def set_lengths(model: Any, tendons: list[tuple[Any, str, str]]) -> None:
     """An equality counts from the length in qpos0, the rod has its own."""
     for joint, tendon, equality in tendons:
         model.eq_data[model.equality(equality).id, 0] = joint.length - model.tendon_length0[model.tendon(tendon).id]

@@ -1,10 +1,11 @@
-"""Poses that are nearly singular: said beforehand, with the joints that could move; silence elsewhere."""
+"""Poses that are singular or nearly so: said beforehand, with the joints that could move; silence elsewhere."""
 
 import numpy as np
 import pytest
 from models import revolute_chain
 
-from mbsd3d import GROUND, Body, Fixed, Prismatic, Revolute, SlideDriver, Spherical, System, Universal
+from mbsd3d import GROUND, Body, Fixed, Prismatic, Revolute, SlideDriver, Spherical, System, Universal, rotation
+from mbsd3d.base.rotations import matrix
 from mbsd3d.demos.turning.wrist_singularity import wrist
 from validation import cases
 
@@ -64,3 +65,31 @@ def test_a_long_beam_is_soft_and_not_singular():
     welds = [Fixed(a, b, at=(k, 0, 0)) for k, (a, b) in enumerate(zip([GROUND, *pieces], pieces, strict=False))]
     found = System(pieces, welds).check()
     assert found.least_singular < 0.01 and not found.notes
+
+
+def flat_four_bar_with_chain(balls):
+    """A parallelogram whose rods lie on one line, tilted in space, beside a chain of rods on balls."""
+    R = matrix(rotation((1.0, 0.3, -0.7), 0.8))
+    rods = [
+        Body(f"rod {k}", 1.0 + k, (0.1, 0.2, 0.25), com=(0.1, 0.05, 0.02), position=x * R[:, 0])
+        for k, x in enumerate((0.4, 1.5, 2.6))
+    ]
+    left, coupler, right = rods
+    pins = [(GROUND, left, 0), (left, coupler, 1), (coupler, right, 3), (GROUND, right, 2)]
+    joints = [Revolute(a, b, at=x * R[:, 0], axis=R[:, 2], name=f"pin {x}") for a, b, x in pins]
+    links, above = [], GROUND
+    for k in range(balls):
+        at = np.array([0.3 + 0.4 * k, 0.2 * np.sin(k), -k])
+        links.append(Body(f"link {k}", 1.0, (0.1, 0.2, 0.25), com=(0.1, 0, 0.2), position=at))
+        joints.append(Spherical(above, links[-1], at=at, name=f"ball {k}"))
+        above = links[-1]
+    return System([*rods, *links], joints)
+
+
+@pytest.mark.parametrize("balls", [0, 3, 25])
+def test_what_moves_beside_a_singular_loop_is_not_named(balls):
+    """Free beside it are equal turns of both rods; opposite ones are gained: pins turn by 1, -2, 0 and -1."""
+    found = flat_four_bar_with_chain(balls).check()
+    rank = 16 + 3 * balls
+    note = f"singular (rank {rank}, {rank + 1} beside it): 'pin 0', 'pin 1' and 'pin 2' can move while the rest stands"
+    assert note in found.notes
