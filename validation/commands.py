@@ -38,6 +38,9 @@ BUDGETS = {True: 0.2, False: 2.0}  # s of an engine for a case: of the short lis
     metavar="KIND",
     help="MODEL: leave out what cannot be imported (.xml, .urdf), e.g. contact.",
 )
+@click.option(
+    "--set", "changes", multiple=True, metavar="NAME=VALUE", help="MODEL: a parameter of build(...) of a Python file."
+)
 @click.option("--quick", is_flag=True, help="Cases: the short list, in less than a minute.")
 @click.option(
     "--case", "names", multiple=True, metavar="NAME", help="Cases: only this one (or a pattern); may be repeated."
@@ -61,7 +64,7 @@ def validate(model: str | None, **options: Any) -> None:
     wrong = [name for name in given if (name in OF_SUITE) == (model is not None)]
     if wrong:
         option = next(x.opts[0] for x in click.get_current_context().command.params if x.name == wrong[0])
-        raise InputError(f"{option} is for {'all cases, without' if model else 'a'} MODEL; leave out one of both")
+        raise InputError(f"{option} is for {'all cases; leave it or MODEL out' if model else 'a MODEL; give one'}")
     if model is None:
         validate_all(**given)
     else:
@@ -70,7 +73,7 @@ def validate(model: str | None, **options: Any) -> None:
 
 def validate_model(
     model: str, json_file: str | None = None, html_file: str | None = None, drop: tuple[str, ...] = (),
-    t_end: float = 1.0, **settings: Any,
+    changes: tuple[str, ...] = (), t_end: float = 1.0, **settings: Any,
 ) -> None:  # fmt: skip
     """Compare a model of any kind, print the table, write what was asked for; exit code 1 if it has not passed."""
     from validation.crosscheck import cross_check
@@ -80,7 +83,7 @@ def validate_model(
             ready_folder(str(Path(target).parent), option)
             if Path(target).is_dir():
                 raise InputError(f"{option} '{target}' is a folder; give a file in it")
-    check = cross_check(load_system(model, drop), t_end, **settings)
+    check = cross_check(load_system(model, drop, changes), t_end, **settings)
     click.echo(check.table())
     if json_file:
         text = json.dumps({"model": Path(model).name, **check.to_dict()}, indent=1, ensure_ascii=False, allow_nan=False)

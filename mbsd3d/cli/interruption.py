@@ -15,6 +15,7 @@ from ..base.paths import drop_pieces
 INTERRUPTED = 130  # what a shell gives a program that Ctrl-C ended
 SAID = "mbsd3d: interrupted"
 PATIENCE = 0.15  # s until Python has had its turn wherever it can have one: chunks of the time loop take 0.05 s
+TWICE = 1.0  # s within which a hurried hand presses again
 
 
 @contextmanager
@@ -24,17 +25,20 @@ def answered_at_once() -> Iterator[threading.Event]:
     Yields what says whether Ctrl-C has come: a library that is being loaded may answer it by an error of its own.
 
     Python marks a signal and acts when it is its turn; a thread that reads the marks sees whether it was. Elsewhere
-    Ctrl-C is the usual KeyboardInterrupt: runs and sweeps keep what they have.
+    Ctrl-C is the usual KeyboardInterrupt: runs and sweeps keep what they have. A press soon after another is the same.
     """
-    answered, came = threading.Event(), threading.Event()
+    answered, came, pressed = threading.Event(), threading.Event(), -TWICE
     if threading.current_thread() is not threading.main_thread():
         yield came
         return
 
     def interrupt(number: int, frame: FrameType | None) -> None:
+        nonlocal pressed
         answered.set()
         came.set()
-        raise KeyboardInterrupt
+        before, pressed = pressed, time.monotonic()
+        if pressed - before >= TWICE:
+            raise KeyboardInterrupt
 
     reader, writer = os.pipe()
     os.set_blocking(writer, False)

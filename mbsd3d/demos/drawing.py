@@ -106,7 +106,7 @@ def spectrum_bars(
     for k, (label, values) in enumerate(groups):
         shift = (k - 0.5 * (len(groups) - 1)) * width
         bars = axes.bar(place + shift, values, width=0.92 * width, color=COLOURS[k], label=label)
-        numbers, size = [f"{value:#.3g}" for value in values], 7 if len(groups) > 1 else 8
+        numbers, size = [f"{value:#.3g}" for value in values], 6 if len(groups) > 1 else 8
         axes.bar_label(bars, numbers, padding=6, fontsize=size, color=LIGHT.ink)
         if k == 0:
             theory_dots(axes, place + shift, theory, label="theory", zorder=5)

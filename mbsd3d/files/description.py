@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from ..base.checks import floats
 from ..base.errors import InputError
 from ..mechanism.bodies import GROUND, Body, Ground
 from ..mechanism.force_element import ForceElement
@@ -180,7 +181,9 @@ class Reader:
         values = {key: self.value(x, (*path, key), role.get(key, "")) for key, x in data.items() if key != "type"}
         try:
             arrays = {
-                key: np.array(x, float) for key, x in values.items() if role.get(key) == "array" and x is not None
+                key: floats(x, key, "numbers")
+                for key, x in values.items()
+                if role.get(key) == "array" and x is not None
             }
             return kind(**values | arrays)
         except (ValueError, *UNREADABLE) as error:

@@ -25,7 +25,8 @@ def to_csv(solution: RunResult, path: str | Path) -> Path:
     rows = csv.writer(text, lineterminator="\n")
     rows.writerow([harmless(name) for name in header])
     rows.writerows(zip(*(column.tolist() for column in values), strict=True))
-    return write_atomically(with_suffix(path, ".csv"), text.getvalue().encode())
+    content = text.getvalue().encode(errors="replace")  # halves of characters in names, as pages have them
+    return write_atomically(with_suffix(path, ".csv"), content)
 
 
 def to_dataframe(solution: RunResult) -> "DataFrame":

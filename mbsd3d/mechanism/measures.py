@@ -63,6 +63,7 @@ class Measure:
         fits = (self.coordinate is not None) == (self.kind in OF_JOINTS)
         own = 0 <= self.index < states if self.kind == "state" else self.part is None
         own = isinstance(self.part, Contact) if self.kind in OF_CONTACTS else own
+        own &= all(np.shape(x) == (3,) for x in (self.point_a, self.point_b, self.axis))
         if self.unit not in UNITS_OF[self.kind] or not fits or not own:
             raise InputError(
                 f"measure '{self.label}': kind '{self.kind}' in {self.unit!r} does not fit its parts; build it with a "

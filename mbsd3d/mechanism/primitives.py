@@ -1,17 +1,24 @@
 """Constraint primitives as data in world coordinates of the reference pose; joints and drivers are lists of them."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..base.checks import shown
 from ..base.errors import InputError
 from ..kernels import kinds
+from ..kernels.surfaces import GROUP
 from .bodies import Body, Ground
 from .signals import Signal
 
 ZERO = np.zeros(3)
 COORDINATES = {"angle": kinds.ANGLE, "slide": kinds.SLIDE, "path": kinds.PATH, "touch": kinds.TOUCH}
+OF_CURVES = ("path", "touch")
+AXES = ("axis", "axis_b", "zero_a", "zero_b")
+UNIT = 1e-6  # more than rounding, less than anybody means
+BUILD = "build what it measures with a function of mbsd3d.measures"
 
 
 def check_kind(kind: str, known: Mapping[str, int], what: str) -> None:
@@ -43,7 +50,23 @@ class Coordinate:
     numbers: np.ndarray = field(default_factory=lambda: ZERO[:0])
 
     def __post_init__(self) -> None:
+        """Also a file may describe a coordinate, and kernels do not check."""
         check_kind(self.kind, COORDINATES, "Coordinate")
+        for name in (*AXES, "point_a", "point_b"):
+            x = getattr(self, name)
+            if x is not None and (x.shape != (3,) or (name in AXES and not abs(math.hypot(*x.tolist()) - 1.0) < UNIT)):
+                what = "a direction of length 1" if name in AXES else "three numbers"
+                raise InputError(f"Coordinate: {name} = {shown(x.tolist())} is not {what}; {BUILD}")
+        if (self.zero_a is None) != (self.zero_b is None):
+            raise InputError(f"Coordinate: zero_a and zero_b belong together; {BUILD}")
+        if self.kind in OF_CURVES and not is_curve(self.numbers):
+            raise InputError(f"Coordinate: {self.numbers.size} numbers are not those of a curve; {BUILD}")
+
+
+def is_curve(x: np.ndarray) -> bool:
+    """Whether numbers are as many as `kernels.surfaces` reads of a curve."""
+    n, k = x[[0, 2]].tolist() if x.ndim == 1 and x.size > GROUP else (0.0, 0.0)
+    return n >= 1.0 and k >= 1.0 and n % 1.0 == k % 1.0 == 0.0 and x.size == 4 + n + GROUP * n * k
 
 
 @dataclass(frozen=True, eq=False)

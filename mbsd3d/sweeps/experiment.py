@@ -58,6 +58,8 @@ class Experiment:
                 f"build returned {type(built).__name__}; return a System, or (System, dict of arguments of simulate)"
             )
         run = self.run(**parameters) if callable(self.run) else self.run
+        if not isinstance(run, Mapping):
+            raise MisuseError(f"run returned {type(run).__name__}; return a dict of arguments of simulate")
         settings = {"progress": False, **run, **own}
         check_settings(settings)
         if "t_end" not in settings:

@@ -15,7 +15,8 @@ from click.testing import CliRunner
 from family_checks import small
 
 import mbsd3d
-from mbsd3d.cli import main
+from mbsd3d.cli import interruption, main
+from mbsd3d.cli.interruption import answered_at_once
 from mbsd3d.cli.run import METHODS
 from mbsd3d.demos.discovery import discover
 from mbsd3d.files import schema
@@ -252,7 +253,9 @@ def interrupt():
         while frame is not None and frame.f_code is not simulate.__code__:
             frame = frame.f_back
     time.sleep(1.0)
-    os.kill(os.getpid(), signal.SIGINT)
+    for _ in range(4):  # a hurried hand
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(0.02)
 
 def build(plain=build):
     simulate(plain(), 0.01)  # then everything is loaded, and Ctrl-C meets the run itself
@@ -270,6 +273,19 @@ def test_ctrl_c_keeps_what_was_computed(folder):
     assert running.returncode == 130 and "interrupted at t = " in err and "Traceback" not in err
     assert re.search(r"^kept/model.npz: \d+ samples up to t = ", out)
     assert mbsd3d.load(folder / "kept" / "model.npz").t.size > 1
+
+
+def test_a_hurried_hand_presses_ctrl_c_once(monkeypatch):
+    pressed = 0
+    with answered_at_once():
+        for wait in (0.0, 0.0, 0.0, 0.2):
+            time.sleep(wait)
+            monkeypatch.setattr(interruption, "TWICE", 0.1 if wait else 1.0)
+            try:
+                signal.raise_signal(signal.SIGINT)
+            except KeyboardInterrupt:
+                pressed += 1
+    assert pressed == 2
 
 
 def test_check_reports_a_redundant_door(folder):

@@ -50,7 +50,13 @@ def test_parameters_are_listed(model):
     assert lines == [
         "length: float, required", "heavy: bool, default False", "label: str, default 'swing'", "count: int, default 2",
     ]  # fmt: skip
-    assert call("check", model, "--help-parameters").output.splitlines() == lines
+    for command in ("check", "show", "play"):
+        assert call(command, model, "--help-parameters").output.splitlines() == lines
+
+
+def test_what_is_drawn_takes_the_parameters_that_build_needs(model, tmp_path):
+    assert "give --set length=VALUE" in call("show", model, "--out", tmp_path).output
+    assert call("show", model, "--set", "length=0.5", "--out", tmp_path).output == f"{tmp_path / 'swing.html'}\n"
 
 
 @pytest.mark.parametrize(

@@ -237,6 +237,27 @@ def test_urdf_has_the_accelerations_of_mujoco(tmp_path):
         assert np.abs(difference).max() < 1e-9 * (1.0 + np.abs(linear).max()), body.name  # as above
 
 
+MIMIC = """<joint name="wag" type="continuous"><parent link="base"/><child link="tail"/><axis xyz="0.2 1 0.4"/>
+  <mimic joint="shoulder" multiplier="-1.7" {offset}/></joint>
+  <link name="tail"><inertial><origin xyz="0.2 0.1 0.1"/><mass value="0.4"/>
+    <inertia ixx="0.02" iyy="0.03" izz="0.03" ixy="0" ixz="0.001" iyz="0"/></inertial></link>"""
+
+
+def test_a_mimic_is_a_gear_named_by_its_joints(tmp_path):
+    path = written(tmp_path, URDF.format(type="continuous", more=MIMIC.format(offset="")), "arm.urdf")
+    gear = read_urdf(path).system.joints[-1]
+    assert isinstance(gear, Gear) and gear.ratio == -1.7 and gear.name == "wag by shoulder"
+    path = written(tmp_path, URDF.format(type="continuous", more=MIMIC.format(offset='offset="0.3"')), "arm.urdf")
+    with pytest.raises(ValueError, match="cannot import equality: wag by shoulder"):
+        read_urdf(path)
+
+
+def test_a_model_in_which_nothing_moves_is_refused(tmp_path):
+    text = f'<mujoco><worldbody><body name="post">{INERTIAL.format(1)}</body></worldbody></mujoco>'
+    with pytest.raises(ValueError, match="model.xml': no body of it can move; give one a joint"):
+        read_mjcf(written(tmp_path, text))
+
+
 GEOMS = f"""
 <mujoco>
   <worldbody>

@@ -480,10 +480,10 @@ def test_failures_of_the_commands_are_one_line(hand, monkeypatch, arguments, mes
 
 @pytest.mark.parametrize(("old", "new"), [
     ('"coordinate rate"', '"coordinate"'), ('"coordinate rate"', '"position"'), ('"coordinate rate"', '"state"'),
-    ('"unit": "m/s"', '"unit": "furlong"'),
+    ('"unit": "m/s"', '"unit": "furlong"'), ('"unit": "m/s",', '"unit": "m/s", "point_b": [1, 2],'),
 ])  # fmt: skip
 def test_measures_of_a_file_are_what_kernels_know(tmp_path, old, new):
-    """A kernel would read past the end for a kind or a state that is not there."""
+    """A kernel would read past the end for a kind or a state that is not there, or a point of two numbers."""
     body = Body("cart", 1.3, (0.2, 0.3, 0.4), com=(0.1, 0.2, 0.3))
     rail = Prismatic(GROUND, body, at=(0, 0, 0), axis=(1, 2, 3), name="rail")
     servo = StateFeedback(measures=[measures.slide_rate(rail)], gains=(3.0,), on=rail, name="servo")
@@ -492,4 +492,26 @@ def test_measures_of_a_file_are_what_kernels_know(tmp_path, old, new):
     assert old in text
     path.write_text(text.replace(old, new, 1))
     with pytest.raises(ValueError, match="measure 'slide rate of rail': kind .* does not fit.*measures.0"):
+        System.from_file(path)
+
+
+@pytest.mark.parametrize(("field", "value", "message"), [
+    ("axis", [0.0, 3.0, 0.0], r"axis = \[0.0, 3.0, 0.0\] is not a direction of length 1; build what it measures with"),
+    ("axis_b", [], "axis_b = .* is not a direction"), ("zero_a", [1.0, 0.0, 0.0], "zero_a and zero_b belong together"),
+    ("axis", [None, 1.0, 0.0], "axis: .None, 1.0, 0.0. is not numeric; give numbers - at"),
+    ("point_b", [1.0], "point_b = .* is not three numbers"), ("kind", "path", "0 numbers are not those of a curve"),
+    ("numbers", [1e9, 3.0, 4.0, 5.0, 6.0], "5 numbers are not those of a curve"),  # the kernels read far beyond them
+    ("numbers", [2.0, 0.0, 1.0, *(40 * [0.5])], "43 numbers are not those"),  # two pieces have 42
+])  # fmt: skip
+def test_coordinates_of_a_file_are_what_kernels_can_read(tmp_path, field, value, message):
+    arm = Body("arm", mass=1.0, inertia=(0.1, 0.2, 0.2), position=(0.5, 0, 0))
+    hinge = Revolute(GROUND, arm, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")
+    control = StateFeedback(measures=[measures.angle(hinge)], gains=[3.0], on=hinge)
+    path = System([arm], [hinge], [control]).to_file(tmp_path / "model.json")
+    data = json.loads(path.read_text())
+    found = data["forces"][0]["measures"][0]["coordinate"]
+    found |= {"kind": "path"} if field == "numbers" else {}
+    found[field] = value
+    path.write_text(json.dumps(data))
+    with pytest.raises(ValueError, match=message):
         System.from_file(path)

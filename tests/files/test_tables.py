@@ -38,6 +38,12 @@ def test_no_cell_of_a_table_is_a_formula(run, tmp_path):
     assert harmless("crank-1") == "crank-1"
 
 
+def test_half_a_character_in_a_name_is_a_question_mark(tmp_path):
+    stone = Body("T\udcfcr", 1.0, (0.1, 0.1, 0.1))  # what a shell without UTF-8 makes of an umlaut
+    head, *_ = simulate(System([stone]), 0.1, output=2).to_csv(tmp_path / "run").read_text().splitlines()
+    assert head.startswith("time [s],T?r.position.x [m]")
+
+
 def test_a_system_has_a_name(run, tmp_path):
     system = run.system
     assert system.title == "swing & co" and replace(system, forces=()).title == "swing & co"

@@ -279,6 +279,10 @@ FORCES = {
         lambda: Bushing(GROUND, ROD, at=HERE, stiffness=(1, -2, 3), name="rubber"),
         ["force 'rubber'", "stiffness", "-2", "negative", ">= 0"],
     ),
+    "bushing with a list in a list": (
+        lambda: Bushing(GROUND, ROD, at=HERE, stiffness=3.0, damping=(1.0, [2.0, 3.0], 4.0), name="rubber"),
+        ["force 'rubber'", "damping", "not numeric", "give three numbers"],
+    ),
     "drag with negative area": (
         lambda: AeroDrag(ROD, drag_area=-0.1, name="drag"),
         ["force 'drag'", "drag_area", r"-0\.1", ">= 0"],

@@ -154,6 +154,7 @@ WRONG = {
     "name of a parameter": (wheel, lambda solution: {"torque": 1.0}, RUN, "a value named 'torque', as a parameter"),
     "no name": (wheel, lambda solution: {3: 1.0}, RUN, "a value named 3"),
     "no system": (lambda torque, inertia: None, speed, RUN, "build returned NoneType; return a System"),
+    "no settings": (wheel, speed, lambda torque, inertia: None, "run returned NoneType; return a dict of arguments"),
     "no end": (wheel, speed, {"rtol": 1e-6}, r"no t_end; give run=dict\(t_end=\.\.\.\)"),
 }  # fmt: skip
 

@@ -554,6 +554,7 @@ def test_validate_ends_with_1_where_something_differs(model, fake):
         (["arm.py", "--t-end", "0"], 2, "t_end = 0 s does not lie after the start"),
         (["arm.py", "--budget", "0"], 2, "budget 0 s; give seconds above 0"),
         (["arm.py", "--tolerance", "0"], 2, "tolerance 0 is outside"),
+        (["arm.py", "--set", "length=2"], 2, "no such parameter"),
         (["arm.py", "--engine", "chrono"], 2, "chrono"),
         (["arm.py", "--tolerance", "1"], 2, "outside 1e-9"),
         (["arm.py", "--json", "/proc/none/x.json"], 2, "--json '/proc/none' cannot be written"),

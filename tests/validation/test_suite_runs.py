@@ -149,8 +149,8 @@ def test_bad_input_ends_in_one_line_before_any_work(tmp_path):
     for arguments, words in [
         (["--case", "nothing"], "--case 'nothing': there is no such case; --list names them all"),
         (["--out", tmp_path / "file"], "is a file; give a folder"),
-        (["--t-end", "2"], "--t-end is for a MODEL"),
-        (["model.json", "--quick"], "--quick is for all cases, without MODEL"),
+        (["--t-end", "0"], "--t-end is for a MODEL; give one"),
+        (["model.json", "--quick"], "--quick is for all cases; leave it or MODEL out"),
     ]:
         code, said = validate(*arguments)
         assert code == 2 and words in said and said.count("\n") == 1

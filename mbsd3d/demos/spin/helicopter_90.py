@@ -50,7 +50,7 @@ def rotor(L, e):
 
 def theory(*, m, L, e, Omega, M0, c, k):
     """I b'' + c b' + (I W^2 (1 + 3 e/2 L) + k) b = M0 cos W t for a small flap b of a uniform blade."""
-    require(Omega > 0 and c > 0, "demo 'helicopter_90': give Omega > 0 and c > 0: the answer dies out without a damper")
+    require(Omega > 0 and c > 0, "demo 'helicopter_90': give Omega > 0 and c > 0: undamped, the start never dies out")
     require(M0 > 0, f"demo 'helicopter_90': M0 = {M0:g}: the lag is that behind a push; give M0 > 0")
     require(abs(e) <= L, f"demo 'helicopter_90': e = {e:g} m is more than the blade is long; give less than {L:g}")
     inertia = m * L**2 / 3

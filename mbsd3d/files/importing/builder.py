@@ -86,6 +86,8 @@ class Builder:
             kinds = sorted({kind for kind, _ in self.foreign if kind in KINDS})
             remedy = f"; leave out with drop={kinds}" if kinds else ""
             raise InputError(f"cannot import {shown}{remedy}, or change the file")
+        if len(self.bodies) == 1:
+            raise InputError("no body of it can move; give one a joint")
         system = Mechanism(list(self.bodies.values())[1:], self.joints, self.forces, gravity=self.facts["gravity"])
         dropped = tuple(f"{kind}: {what}" for kind, what in self.foreign)
         return Imported(system, merged, self.renamed, dropped, {k: n for k, n in self.facts["idle"].items() if n})

@@ -48,11 +48,10 @@ class Facts:
         names = (flag, "CONSTRAINT") if flag in constraints else (flag,)
         return any(self.model.opt.disableflags & getattr(flags, f"mjDSBL_{name}") for name in names)
 
-    def name(self, kind: str, i: int) -> str:
-        """Name of an element, or its kind and number."""
-        return self.mujoco.mj_id2name(self.model, getattr(self.mujoco.mjtObj, f"mjOBJ_{kind.upper()}"), i) or (
-            f"{kind} {i}"
-        )
+    def name(self, kind: str, i: int, otherwise: str = "") -> str:
+        """Name of an element, or what else says which it is, or its kind and number."""
+        found = self.mujoco.mj_id2name(self.model, getattr(self.mujoco.mjtObj, f"mjOBJ_{kind.upper()}"), i)
+        return found or otherwise or f"{kind} {i}"
 
     def bodies(self) -> list[dict[str, Any]]:
         """Poses, masses, centres of mass and inertias about them, all in world axes."""
@@ -113,11 +112,13 @@ class Facts:
         """Active loop closures and couplings."""
         m, found = self.model, []
         for i in range(0 if self.off("EQUALITY") else m.neq):
-            name, kind = self.name("equality", i), self.mujoco.mjtEq(m.eq_type[i]).name.removeprefix("mjEQ_").lower()
+            kind, parts = self.mujoco.mjtEq(m.eq_type[i]).name.removeprefix("mjEQ_").lower(), []
+            if kind == "joint":  # a mimic of URDF has no name
+                parts = [int(m.eq_obj1id[i]), int(m.eq_obj2id[i])]
+            name = self.name("equality", i, " by ".join(self.name("joint", k) for k in parts if k >= 0))
             if not m.eq_active0[i]:
                 self.foreign.append(("equality", f"{name}, inactive at the start"))
             elif kind == "joint":
-                parts = [int(m.eq_obj1id[i]), int(m.eq_obj2id[i])]
                 found.append({"name": name, "type": kind, "joints": parts, "polynomial": m.eq_data[i, :5]})
             elif kind in ("connect", "weld"):
                 found.append({"name": name, "type": kind, **self.ends(i, kind)})

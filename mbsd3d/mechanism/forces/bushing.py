@@ -113,7 +113,8 @@ class Bushing(ForceElement):
         self.set(at=vector(self.at, f"{what}: at"), axes=as_quaternion(self.axes, f"{what}: axes"))
         for name in ("stiffness", "turning_stiffness", "damping", "turning_damping"):
             value = getattr(self, name)
-            three = vector((value,) * 3 if np.ndim(value) == 0 else value, f"{what}: {name}")
+            several = isinstance(value, list | tuple) or np.ndim(value)
+            three = vector(value if several else (value,) * 3, f"{what}: {name}")
             if (three < 0).any():
                 raise InputError(f"{what}: {name} {three.tolist()} has a negative entry; give numbers >= 0")
             self.set(**{name: three})

@@ -60,6 +60,8 @@ def quiet(module: Any) -> Iterator[StringIO]:
         module.config.printToConsole = before
 
 
+CTRL_C = ("KeyboardInterrupt", "returned a result with an exception set")
+"""What an error says where Ctrl-C met a function of Python that Exudyn calls, or Exudyn itself."""
 SOLVERS = {
     "generalized-alpha": ("GeneralizedAlpha", 2),
     "index2": ("TrapezoidalIndex2", 2),
@@ -178,8 +180,8 @@ def march(module: Any, mbs: Any, scheme: Scheme, settings: Any) -> float:
             fine = fine and solver.SolveSteps(mbs, settings)
             seconds = time.perf_counter() - began
             solver.FinalizeSolver(mbs, settings)
-        except (RuntimeError, ValueError, module.ExudynError) as error:
-            if "KeyboardInterrupt" in str(error):  # Ctrl-C met one of the functions of Python that Exudyn calls
+        except (RuntimeError, ValueError, SystemError, module.ExudynError) as error:
+            if any(sign in str(error) for sign in CTRL_C):
                 raise KeyboardInterrupt from None
             raise EngineFailed(f"Exudyn stopped: {last_words(str(error) + said.getvalue())}") from None
     if not fine:
