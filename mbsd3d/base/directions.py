@@ -8,6 +8,7 @@ from .errors import InputError
 from .rotations import UNIT
 
 WORLD = np.eye(3)
+NEARLY_SQUARE = 1e-6  # cosine of an angle that is meant to be right
 
 
 def unit(value: ArrayLike, what: str) -> np.ndarray:
@@ -31,6 +32,15 @@ def crosses(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         out[..., i] = a[..., j] * b[..., k] - a[..., k] * b[..., j]
     return out
+
+
+def squared(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """The unit vector y, made perpendicular to x where it is so to 1e-6, as typed digits are; y itself elsewhere."""
+    off = float(x @ y)
+    if not UNIT < abs(off) <= NEARLY_SQUARE:
+        return y
+    y = y - off * x
+    return y / np.sqrt(y @ y)
 
 
 def perpendiculars(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -221,13 +221,13 @@ def describe(compiled: Compiled, chosen: list, lost: int) -> Cure:
 
 
 def axis_text(option: Joint) -> str:
-    """Directions of a weaker joint, where it has some; those of a cross must be perpendicular to 1e-9."""
+    """Directions of a weaker joint, where it has some; those of a cross in all digits, so that loops still close."""
     if isinstance(option, Universal):
-        return f" with axis_a = {direction_text(option.axis_a, 10)}, axis_b = {direction_text(option.axis_b, 10)}"
+        return f" with axis_a = {direction_text(option.axis_a, 16)}, axis_b = {direction_text(option.axis_b, 16)}"
     axis = getattr(option, "axis", getattr(option, "normal", None))
     return "" if axis is None else f" along {direction_text(axis, 4)}"
 
 
 def direction_text(axis: np.ndarray, digits: int) -> str:
     """A direction in so many digits."""
-    return "({})".format(", ".join(f"{x:.{digits}g}" for x in axis.round(10) + 0.0))
+    return "({})".format(", ".join(f"{x:.{digits}g}" for x in axis.round(16) + 0.0))

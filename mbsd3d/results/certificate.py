@@ -12,7 +12,7 @@ from ..base.checks import shown
 from ..base.errors import NameMissingError
 from ..base.style import html_text
 from ..equations.compiled import Switches
-from .checks.balances import balance_checks
+from .checks.balances import balance_checks, work_note
 from .checks.check import PASSED, USEFUL, Check, drift_limit
 from .checks.equations import equation_checks, joint_checks, lost, residuals
 from .checks.rounding import rounding, rounding_checks, singular_notes
@@ -114,7 +114,7 @@ def certify(solution: RunSamples) -> Certificate:
         checks = [*joint_checks(solution, missed), *balance_checks(solution, limit)]
         checks += equation_checks(solution, missed, opened.singular)
         checks += [] if lost(solution) else rounding_checks(solution, opened)
-        remarks += singular_notes(solution, opened)
+        remarks += singular_notes(solution, opened) + work_note(solution)
     else:
         checks = [Check("samples", np.inf, 0.0, "there are none to look at; keep some, or run it to a later time")]
     return Certificate(

@@ -5,12 +5,14 @@ import re
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from mbsd3d import (
     GROUND,
     AngleDriver,
     AssemblyError,
     Body,
+    Perpendicular,
     PointOnLine,
     Revolute,
     Spherical,
@@ -306,3 +308,15 @@ def test_small_parts_are_built_as_well_as_large_ones(size):
     hinges = [Revolute(GROUND, leaf, at=(x * size, 0, z * size), axis=(0, 0, 1)) for x, z in ((0, -1), (0.01, 1))]
     assert System([leaf], hinges[:1]).check().verdict.startswith("regular")
     assert System([leaf], hinges).check().verdict.startswith("locked")
+
+
+@pytest.mark.parametrize("joint", [Universal, Perpendicular])
+def test_axes_typed_in_seven_digits_are_squared(joint):
+    """Off by 2e-8, which a start would not meet; the second axis gives way."""
+    turn = Rotation.from_rotvec((0.4, -0.7, 0.2)).as_matrix().round(7)
+    part = Body("part", 1.2, (0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
+    at = {"at": (0.1, 0.2, 0.3)} if joint is Universal else {}
+    made = joint(GROUND, part, axis_a=turn[0], axis_b=turn[1], **at)
+    assert 1e-9 < abs(turn[0] @ turn[1]) < 1e-6 and abs(made.axis_a @ made.axis_b) < 1e-15
+    np.testing.assert_allclose(made.axis_a, turn[0], rtol=0, atol=1e-7)  # as long as one
+    assert System([part], [made]).state().q[0] == 0.4

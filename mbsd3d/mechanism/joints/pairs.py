@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...base.checks import number
-from ...base.directions import cross, perpendiculars, unit
+from ...base.directions import NEARLY_SQUARE, cross, perpendiculars, squared, unit
 from ...base.errors import InputError
 from ..primitives import Coordinate, Primitive, coincide, in_plane, perpendicular, ratio
 from .joint import AxisJoint, PointJoint
@@ -45,6 +45,8 @@ class Revolute(AxisJoint):
 class Universal(PointJoint):
     """Cardan joint: the points coincide and ``axis_a`` of a stays perpendicular to ``axis_b`` of b (4 rows).
 
+    What they are off square, 1e-6 at most, is taken from ``axis_b``.
+
     >>> from mbsd3d import GROUND, Body, Universal
     >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
     >>> cross = Universal(GROUND, part, at=(0.1, 0.2, 0.3), axis_a=(1, 2, 2), axis_b=(2, 1, -2))
@@ -61,10 +63,10 @@ class Universal(PointJoint):
         off = cross(x, y)
         if off @ off < 1e-12:
             raise InputError(f"{what}: axis_a and axis_b are parallel; a cross needs two perpendicular axes")
-        if abs(x @ y) > 1e-6:
+        if abs(x @ y) > NEARLY_SQUARE:
             angle = np.degrees(np.arccos(x @ y))
             raise InputError(f"{what}: axis_a and axis_b enclose {angle:.6g} degrees; give perpendicular axes")
-        self.set(axis_a=x, axis_b=y)
+        self.set(axis_a=x, axis_b=squared(x, y))
 
     def rows(self) -> list[Primitive]:
         return [coincide(self.a, self.b, self.at, self.at_b), perpendicular(self.a, self.b, self.axis_a, self.axis_b)]

@@ -4,7 +4,9 @@ import numpy as np
 
 from ...integrators.method import Method
 from ..run_samples import RunSamples
-from .check import Check, largest, scales_of
+from .check import USEFUL, Check, largest, scales_of
+
+NOTHING = 1e-6  # of the energy: a work that is rounding, of poses near dead centres too
 
 
 def balance_checks(solution: RunSamples, limit: float) -> list[Check]:
@@ -21,6 +23,15 @@ def balance_checks(solution: RunSamples, limit: float) -> list[Check]:
         Check("momentum balance", largest(lost) / scale.momentum, limit, "an inertial term is missing"),
         Check("angular momentum", largest(turned) / scale.angular_momentum, limit, "an inertial term is missing"),
     ]
+
+
+def work_note(solution: RunSamples) -> list[str]:
+    """What the energy balance says of the work of a driven run, where that is not known to a hundredth."""
+    energy = solution.energy()
+    gap, work = largest(change(energy.total) - change(energy.work)), largest(change(energy.work))
+    if not solution.record.kinematic or gap <= max(USEFUL * work, NOTHING * scales_of(solution).energy):
+        return []
+    return [f"work is known to {gap:.1e} J of {work:.1e} J: by the trapezoidal rule over the poses; shorten max_step"]
 
 
 def energy_meaning(method: Method) -> str:
