@@ -215,7 +215,7 @@ def closed_pose(compiled: Compiled, as_built: float) -> tuple[State, float, str 
         return pose, gap, None
     if gap <= 1e-2 * compiled.model.length:
         text = f"locked: redundant joints miss each other by {gap:.6g} m at {part}, more than {as_built:g} m as built"
-        return pose, gap, f"{text}; align them or replace one (see cures)"
+        return pose, gap, f"{text}; align them, or replace one by a joint with fewer rows"
     return pose, gap, f"cannot close: a gap of {gap:.6g} m remains at {part}; correct its position or a length"
 
 
