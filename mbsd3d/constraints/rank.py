@@ -108,12 +108,12 @@ class Analysis:
         return without_rounding(self.left.row_combinations(N)) if N.shape[1] else N
 
     def free_motion(self, weights: np.random.Generator) -> np.ndarray:
-        """(6 n,) a random motion that all rows leave free."""
+        """(6 n,) a random motion that all rows leave free; the same whatever basis rounding has given its space."""
         x = np.zeros((6 * self.n, 1))
         x[self.left.free, 0] = weights.normal(size=self.left.free.size)
         for k, (core, (_, _, Vt)) in enumerate(zip(self.cores, self.decompositions, strict=True)):
-            rank = self.core_rank(k)
-            x[core.columns, 0] = Vt[rank:].T @ weights.normal(size=Vt.shape[0] - rank)
+            free = Vt[self.core_rank(k) :]
+            x[core.columns, 0] = free.T @ (free @ weights.normal(size=free.shape[1]))
         return self.left.motion(x)[:, 0]
 
     def least_motion(self) -> np.ndarray:
