@@ -69,7 +69,7 @@ def scales_of(solution: RunSamples) -> Scales:
     speed = largest(arrays["v"][..., :3] - arrays["v"][..., :3].mean(axis=1, keepdims=True))
     speed = max(speed, length * spin)
     a = largest(arrays["acceleration"][..., :3])
-    a = max(a, float(np.linalg.norm(system.gravity)), length * spin**2) or 1.0
+    a = max(a, float(np.linalg.norm(system.gravity)), length * spin * spin) or 1.0
     mass = system.total_mass() or 1.0
     reach = largest(arrays["q"][..., :3]) + length
     absolute = largest(arrays["v"][..., :3]) + length * spin
@@ -82,7 +82,7 @@ def scales_of(solution: RunSamples) -> Scales:
         moment=mass * a * length,
         momentum=momentum,
         angular_momentum=momentum * reach,
-        energy=mass * max(speed * max(speed, absolute), TRAVEL * absolute**2),  # a speed v that errs by dv: m v dv
+        energy=mass * max(speed * max(speed, absolute), TRAVEL * absolute * absolute),  # a speed v that errs by dv: m v dv
     )
 
 

@@ -56,7 +56,7 @@ def units_of(solution: RunSamples) -> np.ndarray:
     a = scales_of(solution).acceleration
     alpha = max(largest(arrays["acceleration"][..., 3:]), a / model.length)
     metres, spin = model.row["metres"] == 1, largest(arrays["v"][..., 3:])
-    pull = max(float(np.linalg.norm(model.gravity)), model.length * spin**2)
+    pull = max(float(np.linalg.norm(model.gravity)), model.length * spin * spin)
     most = np.abs(arrays["lam"]).max(axis=0, initial=0.0)
     force = max(largest(most[metres]), solution.system.total_mass() * pull) or 1.0
     moment = max(largest(most[~metres]), force * model.length)
