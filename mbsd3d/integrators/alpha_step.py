@@ -63,8 +63,7 @@ def correct(m, s, run, w, h_v):
         w.rate[7 * n + j] -= w.x[j]
         unit = speed if j % 6 < 3 else turn
         if j >= 6 * n:
-            own = m.state[j - 6 * n]
-            unit = max(own.unit * speed**own.power, abs(run.y[7 * n + j]))
+            unit = max(run.unit[j - 6 * n], abs(run.y[7 * n + j]))
         size = abs(h_v * w.x[j]) / unit
         if not size <= largest:  # NaN counts
             largest = size

@@ -74,6 +74,7 @@ class Run(NamedTuple):
     trial_rate: np.ndarray  # (ny,) its rate
     work: np.ndarray  # (ny,) stage or sample state
     work_rate: np.ndarray  # (ny,)
+    unit: np.ndarray  # (nz,) what errors of the states z are measured in, at the greatest speed so far
     spin: np.ndarray  # (n, 3) rad/s, of each body, body axes
     F: np.ndarray  # (terms, ny) dense output of the last step
     task: np.record  # TASK
@@ -97,7 +98,7 @@ def new_run(
     dy, trial, trial_rate, work, work_rate = np.zeros((5, y.size))
     return Run(
         y=y, dy=dy, trial=trial, trial_rate=trial_rate, work=work, work_rate=work_rate,
-        spin=np.zeros((bodies, 3)), F=np.zeros((terms, y.size)),
+        unit=np.zeros(y.size - 13 * bodies), spin=np.zeros((bodies, 3)), F=np.zeros((terms, y.size)),
         task=single(TASK), now=single(NOW), rows=single(ROWS), stiffness=single(STIFFNESS),
         times=times, turns=turns, contacts=contacts, gaps=np.zeros((contacts.size, 2, 3)),
         out=np.zeros((capacity, width)),

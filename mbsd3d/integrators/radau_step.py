@@ -35,8 +35,7 @@ def unit(m, run, k):
         return m.length if k % 7 < 3 else 1.0
     if k < 13 * n:
         return run.now.speed if (k - 7 * n) % 6 < 3 else run.now.turn
-    state = m.state[k - 13 * n]
-    return max(state.unit * run.now.speed**state.power, abs(run.y[k]))
+    return max(run.unit[k - 13 * n], abs(run.y[k]))
 
 
 @inner_kernel

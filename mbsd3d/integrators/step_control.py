@@ -71,8 +71,8 @@ def pass_turn(run):
 
 @inner_kernel
 def update_scales(m, d, run):
-    """Greatest speed relative to the mean and greatest angular velocity so far: the scales of velocity errors."""
-    n = m.body.shape[0]
+    """Greatest speed relative to the mean and greatest angular velocity so far, and the units of z by that speed."""
+    n, before = m.body.shape[0], run.now.speed
     x, y, z = 0.0, 0.0, 0.0
     for i in range(n):
         v = d.body[i].velocity
@@ -83,33 +83,30 @@ def update_scales(m, d, run):
         turn = np.sqrt(w[0] ** 2 + w[1] ** 2 + w[2] ** 2)
         run.now.speed = max(run.now.speed, speed, m.length * turn)
         run.now.turn = max(run.now.turn, turn)
+    for j in range(m.state.shape[0] if run.now.speed > before or run.now.fresh > 0 else 0):
+        run.unit[j] = m.state[j].unit * run.now.speed ** m.state[j].power
 
 
 @inner_kernel
 def state_error(m, run):
-    """Greatest square in run.work over bodies and states: |dr|/L, angle, |dv|, |dw|, z, in their scales."""
-    n = m.body.shape[0]
-    speed, turn = run.now.speed, run.now.turn
-    worst = 0.0
+    """Greatest square in run.work over bodies and states: |dr|/L, angle, |dv|, |dw|, z, in their units."""
+    n, x = m.body.shape[0], run.work
+    shorter, slower, calmer = 1.0 / m.length**2, 1.0 / run.now.speed**2, 1.0 / run.now.turn**2
+    worst, total = 0.0, 0.0
     for i in range(n):
         q, u = 7 * i, 7 * n + 6 * i
-        x = run.work
-        shift = (x[q] ** 2 + x[q + 1] ** 2 + x[q + 2] ** 2) / m.length**2
+        shift = shorter * (x[q] ** 2 + x[q + 1] ** 2 + x[q + 2] ** 2)
         angle = 4.0 * (x[q + 3] ** 2 + x[q + 4] ** 2 + x[q + 5] ** 2 + x[q + 6] ** 2)
-        linear = (x[u] ** 2 + x[u + 1] ** 2 + x[u + 2] ** 2) / speed**2
-        angular = (x[u + 3] ** 2 + x[u + 4] ** 2 + x[u + 5] ** 2) / turn**2
+        linear = slower * (x[u] ** 2 + x[u + 1] ** 2 + x[u + 2] ** 2)
+        angular = calmer * (x[u + 3] ** 2 + x[u + 4] ** 2 + x[u + 5] ** 2)
         worst = max(worst, shift, angle, linear, angular)
-        if not np.isfinite(shift + angle + linear + angular):
-            return np.inf
+        total += shift + angle + linear + angular
     for j in range(m.state.shape[0]):
-        scale = m.state[j].unit * speed ** m.state[j].power
         least = 1.0 if j < m.z_work else ROUNDING / (LOCAL * run.task.rtol)  # own states come in any size
-        scale = max(scale, least * abs(run.y[13 * n + j]))
-        error = (run.work[13 * n + j] / scale) ** 2
-        if not np.isfinite(error):
-            return np.inf
+        error = (x[13 * n + j] / max(run.unit[j], least * abs(run.y[13 * n + j]))) ** 2
         worst = max(worst, error)
-    return worst
+        total += error
+    return worst if total * 0.0 == 0.0 else np.inf  # infinite or NaN
 
 
 @inner_kernel
