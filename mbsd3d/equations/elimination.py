@@ -44,7 +44,7 @@ def eliminate(model: Model, data: Data, rows: np.ndarray | None = None, dtype: t
     state.soft = UNKNOWN
     if loop.size:
         loop["mu"] = PROXIMAL / heaviest_in_loops(plan, inertias) / model.row["scale"][loop["row"]] ** 2
-    ready = model.body["inv_sqrt_mass"][tables["link"]["body"]] > 0.0
+    ready = model.body["inv_mass"][tables["link"]["body"]] > 0.0
     tables["link"]["alone"] = np.where(ready, tables["link"]["alone"], 0)
     size = int((np.arange(loop.size) - loop["first"] + 1).sum())
     tree = Tree(

@@ -105,7 +105,7 @@ class Signals:
 
 
 def body_table(system: Mechanism) -> tuple[np.ndarray, bool]:
-    """(masses, inertias and their square roots, whether one of them is singular)."""
+    """(masses, inertias and their inverses, whether one of them is singular)."""
     out = table(BODY, len(system.bodies))
     out["mass"] = [body.mass for body in system.bodies]
     out["com"] = [body.com for body in system.bodies]
@@ -113,9 +113,8 @@ def body_table(system: Mechanism) -> tuple[np.ndarray, bool]:
     out["inertia"] = inertia.reshape(-1, 9)
     moments, C = np.linalg.eigh(inertia)
     regular = (out["mass"] > 0.0) & (moments[:, 0] > 1e-12 * moments[:, -1])
-    root = np.sqrt(np.where(regular[:, None], moments, np.inf))
-    out["inv_sqrt_inertia"] = (C / root[:, None, :]).swapaxes(1, 2).reshape(-1, 9)
-    out["inv_sqrt_mass"][regular] = 1.0 / np.sqrt(out["mass"][regular])
+    out["inv_mass"][regular] = 1.0 / out["mass"][regular]
+    out["inv_inertia"][regular] = np.linalg.inv(inertia[regular]).reshape(-1, 9)
     arms = out["com"] * np.sqrt(out["mass"])[:, None]
     for i in np.flatnonzero(regular).tolist():
         out["symmetry"][i], out["axis"][i] = symmetry(moments[i], C[i], arms[i])

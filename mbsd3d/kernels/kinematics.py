@@ -6,7 +6,7 @@
 import numpy as np
 
 from ..compiler.jit import inner_kernel, kernel
-from .vectors import add, mat, pair, put, rotate, vec
+from .vectors import add, pair, put, rotate, vec
 
 TINY = 1e-9  # square of half an angle below which two terms of sine and cosine are exact to rounding
 
@@ -35,7 +35,7 @@ def quaternion_rate(e, w):
 
 @kernel
 def kinematics(m, d, y):
-    """Fill r, e, R, s, velocity, w, A of all bodies and z from the state y."""
+    """Fill r, e, R, s, velocity, w of all bodies and z from the state y."""
     n = m.body.shape[0]
     for i in range(n):
         q, u = 7 * i, 7 * n + 6 * i
@@ -51,12 +51,6 @@ def kinematics(m, d, y):
         w_body = (y[u + 3], y[u + 4], y[u + 5])
         put(body.w_body, w_body)
         put(body.w, rotate(R, w_body))
-        W = mat(m.body[i].inv_sqrt_inertia)
-        for j in range(3):  # A = W R', column j is W times row j of R
-            column = rotate(W, (R[3 * j], R[3 * j + 1], R[3 * j + 2]))
-            body.A[j] = column[0]
-            body.A[3 + j] = column[1]
-            body.A[6 + j] = column[2]
     for j in range(m.z_work):
         d.z[j] = y[13 * n + j]
 

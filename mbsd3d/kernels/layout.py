@@ -18,10 +18,10 @@ MOST_BODIES = 4  # of a custom force
 
 BODY = [
     ("mass", float),  # kg
-    ("inv_sqrt_mass", float),  # kg^(-1/2)
+    ("inv_mass", float),  # 1/kg, zero of a body whose mass or inertia is singular,
     ("com", float, 3),  # m, r_G from the reference point O, body axes
     ("inertia", float, 9),  # kg m^2, about the centre of mass, body axes
-    ("inv_sqrt_inertia", float, 9),  # I_p^(-1/2) C', C the principal axes: its W'W = I_G^-1, body axes
+    ("inv_inertia", float, 9),  # I_G^-1, body axes; zero as well
     ("symmetry", int),  # 1: two equal moments, and the reference point on the axis of the third; 2: three; else 0
     ("axis", float, 3),  # that axis, body axes
 ]
@@ -126,7 +126,6 @@ def data_records(dtype: type) -> dict[str, list]:
                 dtype,
                 3,
             ),  # rad/s, body axes: straight from the state, so that Euler's term sees no R'R rounding
-            ("A", dtype, 9),  # inv_sqrt_inertia R': takes a moment about G to mass-scaled body axes
             ("Q", dtype, 6),  # applied force and moment about O, gravity included      } computed by loads
             ("h", dtype, 6),  # velocity-quadratic term
             ("spin", dtype, 3),  # N m, its gyroscopic part w x I_G w in body axes, free of R R' rounding

@@ -46,10 +46,12 @@ def coincide(d, p, a, b):
 
 @inner_kernel
 def axes_dot(x, y, wx, wy):
-    """(x . y, x cross y, J_dot v) for x turning with wx, y with wy: d(x.y)/dt = (wx - wy) . (x cross y)."""
-    x_dot, y_dot = cross(wx, x), cross(wy, y)
-    rest = dot(cross(wx, x_dot), y) + 2.0 * dot(x_dot, y_dot) + dot(x, cross(wy, y_dot))
-    return dot(x, y), cross(x, y), rest
+    """(x . y, x cross y, J_dot v) for x turning with wx, y with wy: d(x.y)/dt = w . (x cross y), w = wx - wy.
+
+    With x_dot = wx cross x and y_dot = wy cross y, w . d(x cross y)/dt = (w.x)(wx.y) - (w.y)(wy.x) - w.w x.y.
+    """
+    w, c = sub(wx, wy), dot(x, y)
+    return c, cross(x, y), dot(w, x) * dot(wx, y) - dot(w, y) * dot(wy, x) - dot(w, w) * c
 
 
 @inner_kernel

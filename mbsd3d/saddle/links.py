@@ -185,15 +185,14 @@ def load_links(d, s):
 
 @inner_kernel
 def solve_alone(fixed, body):
-    """Acceleration of a free body: U^-1 U^-T of (force, moment about G), the moment in body axes."""
+    """Acceleration of a free body from force and moment about G, the moment in body axes."""
     force, moment = pair(body.top)
-    s, R, W = vec(body.s), mat(body.R), mat(fixed.inv_sqrt_inertia)
-    linear = scale(fixed.inv_sqrt_mass, force)
-    angular = add(rotate(mat(body.A), add(moment, cross(force, s))), rotate(W, vec(body.turn)))
-    alpha = rotate_back(W, angular)
+    s, R = vec(body.s), mat(body.R)
+    moment = add(rotate_back(R, add(moment, cross(force, s))), vec(body.turn))
+    alpha = rotate(mat(fixed.inv_inertia), moment)
     w = rotate(R, alpha)
     put(body.alpha, alpha)
-    put6(body.acceleration, add(scale(fixed.inv_sqrt_mass, linear), cross(s, w)), w)
+    put6(body.acceleration, add(scale(fixed.inv_mass, force), cross(s, w)), w)
 
 
 @inner_kernel
