@@ -51,7 +51,7 @@ def start_group(s, begin, end):
         loop[i].at = i
         for k in range(first, begin):
             other, total = loop[k].line, S[line + loop[k].at]
-            for j in range(max(first, loop[k].first), k):
+            for j in range(max(first, loop[k].first), k if L[other + k] != 0.0 else 0):  # 0: row k is left out
                 total -= L[line + j] * L[other + j]
             L[line + k] = total * L[other + k]
         for k in range(begin, i + 1):
@@ -116,7 +116,7 @@ def factor_group(s, begin, end):
         for k in range(i + 1, end):
             line = loop[k].line
             L[line + i] *= inverse
-            for j in range(i + 1, k + 1):
+            for j in range(i + 1, k + 1 if inverse != 0.0 else 0):
                 L[line + j] -= L[line + i] * L[loop[j].line + i]
 
 
@@ -126,13 +126,13 @@ def substitute(s, x):
     L, loop, z = s.skyline[1], s.loop, s.vector[4]
     for i in range(loop.shape[0]):
         line, total = loop[i].line, x[loop[i].at]
-        for k in range(loop[i].first, i):
+        for k in range(loop[i].first, i if L[line + i] != 0.0 else 0):
             total -= L[line + k] * z[k]
         z[i] = total * L[line + i]
     for i in range(loop.shape[0] - 1, -1, -1):
         line = loop[i].line
         value = z[i] * L[line + i]
-        for k in range(loop[i].first, i):
+        for k in range(loop[i].first, i if value != 0.0 else 0):
             z[k] -= L[line + k] * value
         x[loop[i].at] = value
 
