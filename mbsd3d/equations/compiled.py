@@ -73,6 +73,12 @@ class Compiled:
     switches: Switches
     inputs: tuple[InputTerm, ...] = ()  # where the values of signals stand that are set from outside
 
+    def __reduce__(self) -> tuple:
+        raise InputError(
+            "results are neither copied nor pickled: they are read by the parts of their system; copy the system, "
+            "return numbers from other processes, or write a run by solution.save(path) for mbsd3d.load(path)"
+        )
+
     def coordinate(self, coordinate: Coordinate) -> int:
         """Index of a hinge coordinate."""
         return self.coordinate_index[key_of(coordinate)]

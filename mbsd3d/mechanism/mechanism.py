@@ -42,6 +42,11 @@ def short(part: Any) -> str:
     return shown(part)
 
 
+def made_of(cls: type["Mechanism"], parts: tuple, gravity: np.ndarray, title: str | None) -> "Mechanism":
+    """What a copy or a pickle of a mechanism is."""
+    return cls(*parts, gravity, title=title)
+
+
 @dataclass(frozen=True, eq=False)
 class Mechanism(Frozen):
     """Bodies, joints and forces with their names; the public `System` adds what can be asked of it.
@@ -75,6 +80,10 @@ class Mechanism(Frozen):
             raise InputError("System: no bodies; give at least one Body")
         self._store(gravity=vector(self.gravity, "System: gravity"), names=self._names())
         self._check_members()
+
+    def __reduce__(self) -> tuple:
+        """Copies are made anew of copied parts: names and tables are kept by the identity of the parts."""
+        return made_of, (type(self), (self.bodies, self.joints, self.forces), self.gravity, self.title)
 
     def _names(self) -> dict[int, str]:
         """Names of all parts; nameless ones are numbered by type."""

@@ -269,6 +269,10 @@ class CustomForce(FunctionForce):
                 raise InputError(self.uncompilable(dtype, reason(error))) from error
         return self.callbacks[dtype].address
 
+    def __getstate__(self) -> dict:
+        """Copies and pickles compile the function again: addresses are those of one process."""
+        return {**vars(self), "callbacks": {}}
+
     def uncompilable(self, dtype: type, why: str) -> str:
         """What to say of a function that numba refuses."""
         force = f"force '{self.name}' (CustomForce)" if self.name else "CustomForce without a name"
