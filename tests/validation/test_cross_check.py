@@ -24,6 +24,7 @@ from mbsd3d import (
     PointOnLine,
     Ramp,
     Revolute,
+    Spherical,
     StateFeedback,
     System,
     measures,
@@ -346,6 +347,42 @@ def test_definitions_count_turns_beyond_a_half_however_rounding_falls(turns):
     system = System([wheel], [hinge, AngleDriver(hinge, Ramp(2 * np.pi * turns))], gravity=(0, 0, 0))
     check = cross_check(system, 1.0, engines=["definitions"])
     assert statuses(check.of("definitions")) == {AGREES}
+
+
+def knee(length=1.0, shank=0.4):
+    """Two bodies on hinges askew, of a size [m], the second of a mass [kg]."""
+    tall = Body("thigh", 2.0, length**2 * np.diag([0.05, 0.02, 0.06]), com=length * np.array([0.1, 0.05, -0.3]))
+    lower = dict(com=length * np.array([0.02, 0.1, -0.2]), position=length * np.array([0.1, 0.1, -0.6]))
+    low = Body("shank", shank, shank * length**2 * np.diag([0.02, 0.03, 0.04]), **lower)
+    hip = Revolute(GROUND, tall, at=(0, 0, 0), axis=(0.3, -0.2, 0.9), name="hip")
+    return System([tall, low], [hip, Revolute(tall, low, at=low.position, axis=(1, 0.2, 0.3), name="knee")])
+
+
+@pytest.mark.parametrize("length", [1e-6, 1.0, 1e3])
+def test_definitions_see_a_part_in_ten_million_in_any_unit_of_length(monkeypatch, length):
+    """A model in micrometres is no better conditioned than one in metres: limits were 840 % of the acceleration."""
+    system, solve = knee(length), formulation.solve
+    assert statuses(cross_check(system, None, engines=["definitions"]).of("definitions")) == {AGREES}
+
+    def wrong(*given):
+        found = solve(*given)
+        return replace(found, acceleration=(1 + 1e-7) * found.acceleration, gaps=found.gaps + 1e-8)
+
+    monkeypatch.setattr(formulation, "solve", wrong)
+    found = cross_check(system, None, engines=["definitions"]).of("definitions").findings
+    differ = {x.quantity for x in found if x.status == DIFFERS}
+    assert differ == {"joint gaps", "acceleration", "angular acceleration"}
+
+
+@pytest.mark.parametrize(("mass", "status"), [(0.0, AGREES), (1e-6, AGREES), (1e-14, SKIPPED)])
+def test_definitions_say_where_rounding_alone_would_agree_with_anything(mass, status):
+    """A cross without mass is held by its joints and judged; a ball of 1e-14 kg on 2 kg turns as rounding says."""
+    system, at = knee(shank=0.4), (0.2, 0.3, -0.9)
+    light = Body("light", mass, 3 * (0.01 * mass,), com=(0.1, 0, 0), position=at)
+    shank = system.bodies[1]
+    joint = Spherical(shank, light, at=at) if mass else Fixed(shank, light, at=at)
+    found = cross_check(System([*system.bodies, light], [*system.joints, joint]), None, engines=["definitions"])
+    assert found.of("definitions").findings[2].status == status, found.table()
 
 
 def test_what_cannot_move_agrees_by_its_reactions():
