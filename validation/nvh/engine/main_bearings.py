@@ -1,8 +1,8 @@
 """Loads of the main bearings of an engine over a cycle, from the multipliers of a crank that is cut in its bearings.
 
 A crank of one piece in three or more bearings is indeterminate. As is usual, every throw is a body of its own in two
-bearings half a gap beyond its cylinders, those of a V side by side on it; throws hand on torque, no bending. A bearing carries the ends of the throws on
-both sides. The weight of the flywheel is left out, the block stands still.
+bearings half a gap beyond its cylinders, those of a V side by side on it; throws hand on torque, no bending. A bearing
+carries the ends of the throws on both sides. The weight of the flywheel is left out, the block stands still.
 """
 
 from dataclasses import dataclass
