@@ -393,6 +393,10 @@ def test_what_cannot_move_agrees_by_its_reactions():
     assert found.verdict["MuJoCo", "reaction moment"] == "agrees"
 
 
+def test_an_engine_named_twice_is_compared_once():
+    assert cross_check(arm(), None, engines=["definitions", "definitions"]).compared == ("definitions",)
+
+
 def test_nothing_compared_does_not_pass():
     """A controller with a filter of its own has no place in the engines nor in the second formulation."""
     system = arm()
