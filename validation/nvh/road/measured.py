@@ -68,8 +68,8 @@ class Measured:
         if steep.size:
             k = steep[0]
             raise InputError(
-                f"road '{self.title}': a step of {rise[k]:.4g} m after point {k + 1}, x = {self.x[k]:g} m; give heights "
-                f"in m, from point to point {STEEP:g} m or less"
+                f"road '{self.title}': a step of {rise[k]:.4g} m after point {k + 1}, x = {self.x[k]:g} m; give "
+                f"heights in m, from point to point {STEEP:g} m or less"
             )
         if not SHORT <= self.x[-1] - self.x[0] <= LONG:
             raise InputError(f"road '{self.title}': {self.x[-1] - self.x[0]:g} m long; give {SHORT:g} to {LONG:g} m")
