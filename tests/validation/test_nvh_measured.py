@@ -80,7 +80,7 @@ def lines(change: str) -> str:
         ("cell", "line 52: left is ''; give a number"),
         ("nan", "line 52: left is 'nan'"),
         ("order", "x goes from 15.25 to 13 m after point 50; give places in order"),
-        ("steep", "a step of 0.9387 m after point 51, x = 15.5 m; give heights in m, from point to point 0.5 m or less"),
+        ("steep", "a step of 0.9387 m after point 51, x = 15.5 m; give heights in m, from point to point 0.5 m"),
         ("short", "10 points; give 20 to 20000"),
         ("less", "line 52 has 2 values; give 3"),
         ("header", "line 1 must be 'x,left,right' or 'x,z'"),
