@@ -22,8 +22,10 @@ from mbsd3d import (
     Body,
     Fixed,
     PointOnLine,
+    Prismatic,
     Ramp,
     Revolute,
+    SpeedDriver,
     Spherical,
     StateFeedback,
     System,
@@ -391,6 +393,16 @@ def test_what_cannot_move_agrees_by_its_reactions():
     assert found.passed and set(found.followed) == {"MuJoCo", "Exudyn"}
     assert found.verdict["MuJoCo", "mass matrix"] == "not compared: MuJoCo has no freedom here"
     assert found.verdict["MuJoCo", "reaction moment"] == "agrees"
+
+
+def test_a_slider_that_moves_at_a_given_speed_agrees_everywhere():
+    """MuJoCo let it slide freely, Exudyn refused it."""
+    block = Body("block", 1.3, (0.1, 0.2, 0.25), com=(0.3, -0.1, 0.2), position=(0.1, 0.2, 0.3))
+    arm = Body("arm", 0.7, (0.05, 0.02, 0.06), com=(0.1, 0.2, -0.1), position=(0.4, 0.1, 0.2))
+    rail = Prismatic(GROUND, block, at=(0, 0.2, 0), axis=(1, 0.3, -0.2))
+    joints = [rail, SpeedDriver(rail, Ramp(0.7, 0.2)), Revolute(block, arm, at=(0.3, 0, 0), axis=(0.2, 1, 0.4))]
+    found = cross_check(System([block, arm], joints), 0.2)
+    assert found.passed and set(found.followed) == {"MuJoCo", "Exudyn"}, found.table()
 
 
 def test_an_engine_named_twice_is_compared_once():

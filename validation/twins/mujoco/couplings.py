@@ -12,7 +12,7 @@ import numpy as np
 
 from mbsd3d import ConstantVelocity, Fixed, GearMesh, Joint, PositionDriver, Prismatic, Screw, Signal, SpeedDriver
 from mbsd3d.extend import Coordinate, kinds
-from validation.twins.base import NotExpressible, label
+from validation.twins.base import NotExpressible, label, speed_of
 from validation.twins.mujoco.build import Sketch, slide_name, turn_name
 from validation.twins.mujoco.layout import ALONG, Piece, Z
 
@@ -117,7 +117,8 @@ def couple(made: Sketch, motors: Motors) -> list[Coupling]:
                 pairs += along_the_teeth(joint) if isinstance(joint, GearMesh) else []
                 found.append(hold(made, motors, joint, pairs, row.signal))
             elif isinstance(joint, SpeedDriver):
-                found.append(hold(made, motors, joint, [(driven(made, joint), 1.0)], row.signal, adrift=True))
+                x = speed_of(joint, label(made.system, joint), "MuJoCo")
+                found.append(hold(made, motors, joint, [(x, 1.0)], row.signal, adrift=True))
     for piece in made.layout.pieces:
         if isinstance(piece.joint, ConstantVelocity):
             terms = {turn_name(piece, 0): 1.0, turn_name(piece, 2): 1.0}
@@ -128,16 +129,6 @@ def couple(made: Sketch, motors: Motors) -> list[Coupling]:
                     name, terms = f"{made.system.name(piece.joint)} {'xyz'[k]}", {slide_name(piece, k): 1.0}
                     found.append(hold_tendon(made, motors, piece.joint, name, terms, signal))
     return found
-
-
-def driven(made: Sketch, driver: SpeedDriver) -> Coordinate:
-    """The angle or slide of which a driver gives the speed."""
-    if driver.axis is not None:
-        return Coordinate("angle", driver.a, driver.b, driver.axis, driver.axis)
-    if driver.joint is None:
-        shown = label(made.system, driver)
-        raise NotExpressible(f"{shown}: moves a point that no slider leads; MuJoCo has no row on velocities alone")
-    return driver.joint.slide()
 
 
 def along_the_teeth(mesh: GearMesh) -> list[tuple[Coordinate, float]]:
