@@ -173,7 +173,7 @@ def test_accelerations_are_those_of_the_second_formulation(kind):
 
 def consistent(system, state, wanted):
     """The velocities nearest to those wanted that the joints allow."""
-    J = reference_point.constraint_rows(system, state)[0]
+    J = reference_point.constraint_rows(system, state).J
     return wanted - np.linalg.pinv(J, rcond=1e-10) @ (J @ wanted)
 
 

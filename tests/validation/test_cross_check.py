@@ -22,8 +22,11 @@ from mbsd3d import (
     Body,
     Fixed,
     PointOnLine,
+    Prismatic,
     Ramp,
     Revolute,
+    SpeedDriver,
+    Spherical,
     StateFeedback,
     System,
     measures,
@@ -348,12 +351,62 @@ def test_definitions_count_turns_beyond_a_half_however_rounding_falls(turns):
     assert statuses(check.of("definitions")) == {AGREES}
 
 
+def knee(length=1.0, shank=0.4):
+    """Two bodies on hinges askew, of a size [m], the second of a mass [kg]."""
+    tall = Body("thigh", 2.0, length**2 * np.diag([0.05, 0.02, 0.06]), com=length * np.array([0.1, 0.05, -0.3]))
+    lower = dict(com=length * np.array([0.02, 0.1, -0.2]), position=length * np.array([0.1, 0.1, -0.6]))
+    low = Body("shank", shank, shank * length**2 * np.diag([0.02, 0.03, 0.04]), **lower)
+    hip = Revolute(GROUND, tall, at=(0, 0, 0), axis=(0.3, -0.2, 0.9), name="hip")
+    return System([tall, low], [hip, Revolute(tall, low, at=low.position, axis=(1, 0.2, 0.3), name="knee")])
+
+
+@pytest.mark.parametrize("length", [1e-6, 1.0, 1e3])
+def test_definitions_see_a_part_in_ten_million_in_any_unit_of_length(monkeypatch, length):
+    """A model in micrometres is no better conditioned than one in metres: limits were 840 % of the acceleration."""
+    system, solve = knee(length), formulation.solve
+    assert statuses(cross_check(system, None, engines=["definitions"]).of("definitions")) == {AGREES}
+
+    def wrong(*given):
+        found = solve(*given)
+        return replace(found, acceleration=(1 + 1e-7) * found.acceleration, gaps=found.gaps + 1e-8)
+
+    monkeypatch.setattr(formulation, "solve", wrong)
+    found = cross_check(system, None, engines=["definitions"]).of("definitions").findings
+    differ = {x.quantity for x in found if x.status == DIFFERS}
+    assert differ == {"joint gaps", "acceleration", "angular acceleration"}
+
+
+@pytest.mark.parametrize(("mass", "status"), [(0.0, AGREES), (1e-6, AGREES), (1e-14, SKIPPED)])
+def test_definitions_say_where_rounding_alone_would_agree_with_anything(mass, status):
+    """A cross without mass is held by its joints and judged; a ball of 1e-14 kg on 2 kg turns as rounding says."""
+    system, at = knee(shank=0.4), (0.2, 0.3, -0.9)
+    light = Body("light", mass, 3 * (0.01 * mass,), com=(0.1, 0, 0), position=at)
+    shank = system.bodies[1]
+    joint = Spherical(shank, light, at=at) if mass else Fixed(shank, light, at=at)
+    found = cross_check(System([*system.bodies, light], [*system.joints, joint]), None, engines=["definitions"])
+    assert found.of("definitions").findings[2].status == status, found.table()
+
+
 def test_what_cannot_move_agrees_by_its_reactions():
     block = Body("block", 1.3, (0.1, 0.2, 0.25), com=(0.3, -0.1, 0.2), position=(0.1, 0.2, 0.3))
     found = cross_check(System([block], [Fixed(GROUND, block, at=(0, 0, 0), name="weld")]), 0.3)
     assert found.passed and set(found.followed) == {"MuJoCo", "Exudyn"}
     assert found.verdict["MuJoCo", "mass matrix"] == "not compared: MuJoCo has no freedom here"
     assert found.verdict["MuJoCo", "reaction moment"] == "agrees"
+
+
+def test_a_slider_that_moves_at_a_given_speed_agrees_everywhere():
+    """MuJoCo let it slide freely, Exudyn refused it."""
+    block = Body("block", 1.3, (0.1, 0.2, 0.25), com=(0.3, -0.1, 0.2), position=(0.1, 0.2, 0.3))
+    arm = Body("arm", 0.7, (0.05, 0.02, 0.06), com=(0.1, 0.2, -0.1), position=(0.4, 0.1, 0.2))
+    rail = Prismatic(GROUND, block, at=(0, 0.2, 0), axis=(1, 0.3, -0.2))
+    joints = [rail, SpeedDriver(rail, Ramp(0.7, 0.2)), Revolute(block, arm, at=(0.3, 0, 0), axis=(0.2, 1, 0.4))]
+    found = cross_check(System([block, arm], joints), 0.2)
+    assert found.passed and set(found.followed) == {"MuJoCo", "Exudyn"}, found.table()
+
+
+def test_an_engine_named_twice_is_compared_once():
+    assert cross_check(arm(), None, engines=["definitions", "definitions"]).compared == ("definitions",)
 
 
 def test_nothing_compared_does_not_pass():

@@ -81,10 +81,13 @@ def refused(part, bodies, joints):
         "Table": AngleDriver(joints[0], Table([0, 1, 2, 3], [0, 0.1, 0.3, 0.2]), name="part"),
         "degree 5": AngleDriver(joints[0], Polynomial((0, 0, 0, 0, 0, 1.0)), name="part"),
         "no way from": SpeedDriver(GROUND, bodies[1], axis=(1, 0, 0), speed=1.0, name="part"),
+        "no slider leads": SpeedDriver(GROUND, bodies[1], direction=(1, 0, 0), speed=1.0, name="part"),
     }[part]
 
 
-@pytest.mark.parametrize("word", ["tanh", "creeps", "six components", "Table", "degree 5", "no way from"])
+@pytest.mark.parametrize(
+    "word", ["tanh", "creeps", "six components", "Table", "degree 5", "no way from", "no slider leads"]
+)
 def test_refused_parts_are_named(word):
     rng, bodies = bodies_of(4)
     joints = [

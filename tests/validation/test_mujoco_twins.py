@@ -167,6 +167,17 @@ def test_drivers_and_couplings_under_load(make):
     assert np.all(np.abs(orders[:2] - 2.0) < 0.5) and fine[0] < 1e-3 and fine[2] < 0.1
 
 
+def test_a_slider_moves_at_a_given_speed():
+    """It slid freely: differences of 42 % in the accelerations of a right motion."""
+    rng, (first, second, *_) = bodies_of(4)
+    hinge = Revolute(GROUND, first, at=middle(rng, GROUND, first), axis=direction(rng))
+    rail = Prismatic(first, second, at=middle(rng, first, second), axis=direction(rng))
+    drive = SpeedDriver(rail, Sine(0.3, 0.7, 0.2, 0.4) + Ramp(0.3, 0.1))
+    pair = Pair(System([first, second], [hinge, rail, drive], gravity=GRAVITY))
+    assert instant(pair)[1] < 1e-10
+    assert np.all(np.abs(pair.orders(128)[0][:2] - 2.0) < 0.5)
+
+
 def test_a_speed_driver_begins_where_the_state_is_and_when():
     system = loaded(lambda bodies, joints: SpeedDriver(GROUND, bodies[0], axis=joints[0].axis, speed=Ramp(0.4, 1.0)))
     later = system.assemble(angles={"hinge": 0.7}, t=0.25)

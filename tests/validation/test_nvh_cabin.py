@@ -108,6 +108,11 @@ def test_shells_that_cannot_be_are_refused(call, text):
         call()
 
 
+def test_a_sound_is_a_wave_file():
+    found = CliRunner().invoke(nvh, ["single", "--car", "compact", "--sound", "x.mp3"])
+    assert "--sound 'x.mp3'; give a file that ends in .wav" in str(found.exception)
+
+
 def test_sound_needs_a_shell():
     found = CliRunner().invoke(nvh, ["single", "--car", "bench", "--sound", "x.wav"])
     assert "give compact or saloon" in str(found.exception)

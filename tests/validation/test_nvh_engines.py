@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from validation.engine_balance import gas, phasor, planar_sum, spatial
+from validation.engine_balance import gas, layouts, phasor, planar_sum, spatial
 from validation.engine_balance.pages.portrait import upright
 from validation.engine_balance.spectrum import spectrum
 from validation.nvh.engine import presets
@@ -108,6 +108,25 @@ def test_main_bearings_of_a_throw_share_what_the_planar_crank_bears():
     for bearing in main_bearings(source, 5300.0):
         assert np.abs(bearing.force - known).max() < ROUNDING * np.abs(known).max()
     assert mains == pytest.approx(engine.ends)
+
+
+def test_cylinders_of_a_v_side_by_side_share_a_throw():
+    """Rods 18 mm apart on one throw: two bearings, not three, each with its share of the planar cranks by the lever."""
+    plan = layouts.Layout("V2", "staggered V twin", (10, 40), (30, -25), (-0.012, 0.006), spacing=0.1)
+    source = Source(replace(presets.preset("single"), layout=plan, spacing=0.1), 0.0)
+    engine, (solution, mains) = source.preset.engine(5300.0), cycle_run(source, 5300.0)
+    assert mains == pytest.approx([-0.062, 0.056])
+    cranks = [planar.kinematics(planar_sum.build(engine, i), solution.t).reaction("bearing").force for i in (0, 1)]
+    front = [(mains[1] - z) / (mains[1] - mains[0]) for z in plan.stations]
+    for bearing, shares in zip(main_bearings(source, 5300.0), (front, np.subtract(1, front)), strict=True):
+        known = shares[0] * cranks[0] + shares[1] * cranks[1]
+        assert np.abs(bearing.force - known).max() < ROUNDING * np.abs(known).max()
+
+
+@pytest.mark.parametrize("name", presets.names())
+def test_every_crank_has_a_bearing_between_its_throws(name):
+    source = Source(presets.preset(name), 0.0)
+    assert len(cut_engine(source, 1000.0)[1]) == len(set(source.preset.layout.stations)) + 1
 
 
 def test_bearings_and_bores_together_are_the_load_on_the_block():

@@ -68,7 +68,7 @@ def lines(change: str) -> str:
     text = {
         "gap": rows[:50] + rows[52:], "cell": [*rows[:50], "15.5,,0.1", *rows[51:]], "order": rows[:50] + rows[40:],
         "nan": [*rows[:50], "15.5,nan,0.1", *rows[51:]], "short": rows[:10],
-        "less": [*rows[:50], "15.5,0.1", *rows[51:]],
+        "steep": [*rows[:51], *(f"{x:g},0.8,0.8" for x in X[51:])], "less": [*rows[:50], "15.5,0.1", *rows[51:]],
     }.get(change, rows)  # fmt: skip
     return "\n".join(["x,left,right" if change != "header" else "s,a,b", *text])
 
@@ -80,6 +80,7 @@ def lines(change: str) -> str:
         ("cell", "line 52: left is ''; give a number"),
         ("nan", "line 52: left is 'nan'"),
         ("order", "x goes from 15.25 to 13 m after point 50; give places in order"),
+        ("steep", "a step of 0.9387 m after point 51, x = 15.5 m; give heights in m, from point to point 0.5 m"),
         ("short", "10 points; give 20 to 20000"),
         ("less", "line 52 has 2 values; give 3"),
         ("header", "line 1 must be 'x,left,right' or 'x,z'"),

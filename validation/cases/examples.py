@@ -287,7 +287,7 @@ def mechanism(seed: int) -> mbsd3d.System:
 def moving(system: mbsd3d.System, seed: int) -> mbsd3d.State:
     """The reference pose with general velocities of some m/s and rad/s that all joints and drivers allow."""
     rest = system.state()
-    _, s, Vt = np.linalg.svd(reference_point.constraint_rows(system, rest)[0])
+    _, s, Vt = np.linalg.svd(reference_point.constraint_rows(system, rest).J)
     free = Vt[int((s > reference_point.RANK * s.max(initial=0.0)).sum()) :]
     wanted = np.random.default_rng([seed, 1]).normal(size=rest.v.size) - rest.v
     return replace(rest, v=rest.v + free.T @ (free @ wanted))

@@ -99,6 +99,7 @@ def cross_check(
     'agrees'
     """
     start, times = check_input(system, t_end, engines, state, tolerance, budget)
+    engines = tuple(dict.fromkeys(engines))
     if not any(body.mass for body in system.bodies):
         raise InputError("cross_check: no body has a mass, so nothing moves by laws that engines share; give masses")
     with Progress("compare", 0.0, 1.0 + len(engines), progress) as bar:

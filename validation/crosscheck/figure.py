@@ -1,7 +1,6 @@
 """Convergence of engines to our motion as a figure."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -9,22 +8,20 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from mbsd3d.extend import LINE, THIN, Theme, dress, house, theme
 
-if TYPE_CHECKING:
-    from validation.crosscheck.result import Compared
-
+Curves = Sequence[tuple[str, Sequence[float], Sequence[float]]]
+"""Quantity, steps and differences of each."""
 SHOWN = ("position", "rotation", "velocity", "energy", "reaction force")
 """Quantities that are drawn: the others follow from them."""
 
 
-def convergence_figure(found: "Sequence[Compared]", dark: bool = False) -> Figure:
-    """Difference from our motion over the step, one panel per engine with runs, and the expected slope beside it."""
-    engines = [engine for engine in found if engine.curves]
+def convergence_figure(engines: Sequence[tuple[str, float | None, Curves]], dark: bool = False) -> Figure:
+    """Difference from our motion over the step, one panel per (name, order, curves), and the slope of that order."""
     look = theme(dark)
     with house(look):
         figure = Figure(figsize=(7.5, 3.6), layout="constrained", facecolor=look.paper)
         panels = figure.subplots(1, max(len(engines), 1), squeeze=False, sharey=True)[0]
         for axes, engine in zip(panels, engines, strict=False):
-            draw(axes, engine, look)
+            draw(axes, *engine, look)
         panels[0].set_ylabel("difference from mbsd3d, relative [-]")
         if not engines:
             panels[0].set_title("no engine ran")
@@ -32,27 +29,26 @@ def convergence_figure(found: "Sequence[Compared]", dark: bool = False) -> Figur
     return figure
 
 
-def draw(axes: Axes, engine: "Compared", look: Theme) -> None:
+def draw(axes: Axes, name: str, order: float | None, curves: Curves, look: Theme) -> None:
     """Curves of an engine."""
     dress(axes, look)
-    shown = [curve for curve in engine.curves if curve.quantity in SHOWN]
-    for i, curve in enumerate(shown):
-        kept = [(h, e) for h, e in zip(curve.steps, curve.differences, strict=True) if e > 0.0]
+    shown = [curve for curve in curves if curve[0] in SHOWN]
+    for i, (quantity, steps, differences) in enumerate(shown):
+        kept = [(h, e) for h, e in zip(steps, differences, strict=True) if e > 0.0]
         if kept:
             axes.loglog(*zip(*kept, strict=True), "o-", color=look.colour(i), linewidth=LINE, markersize=4,
-                        label=curve.quantity)  # fmt: skip
-    if shown and engine.order:
-        coarse, first = shown[0].steps[0], max(curve.differences[0] for curve in shown)
-        least = min((e for curve in shown for e in curve.differences if e > 0.0), default=0.0)
-        slope = [(h, 2.0 * first * (h / coarse) ** engine.order) for h in shown[0].steps]
+                        label=quantity)  # fmt: skip
+    if shown and order:
+        _, steps, _ = shown[0]
+        first = max(differences[0] for *_, differences in shown)
+        least = min((e for *_, differences in shown for e in differences if e > 0.0), default=0.0)
+        slope = [(h, 2.0 * first * (h / steps[0]) ** order) for h in steps]
         slope = slope[:2] + [(h, e) for h, e in slope[2:] if e >= 0.1 * least]  # below, all is rounding
-        axes.loglog(
-            *zip(*slope, strict=True), "--", color=look.muted, linewidth=2 * THIN, label=f"order {engine.order:g}"
-        )
+        axes.loglog(*zip(*slope, strict=True), "--", color=look.muted, linewidth=2 * THIN, label=f"order {order:g}")
     for axis in (axes.xaxis, axes.yaxis):  # mathtext is off in house style: names may have dollars in them
         axis.set_major_locator(LogLocator(numticks=6))
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.0e}"))
         axis.set_minor_formatter(NullFormatter())
     axes.set_xlabel("step [s]")
-    axes.set_title(engine.engine)
+    axes.set_title(name)
     axes.legend(fontsize=8, frameon=False, labelcolor=look.ink)

@@ -169,7 +169,7 @@ class CrossCheck:
         """Convergence of every engine to our motion, log-log, with the expected slopes; a matplotlib Figure."""
         from validation.crosscheck.figure import convergence_figure  # matplotlib only where it is asked for
 
-        return convergence_figure(self.engines, dark)
+        return convergence_figure([(x.engine, x.order, x.curves) for x in self.engines if x.curves], dark)
 
     def to_dict(self) -> dict[str, Any]:
         """For JSON: plain numbers (None where there is none), texts and lists."""

@@ -80,6 +80,8 @@ def nvh(engine: str | None, only_list: bool, **options: Any) -> None:
         raise InputError("nvh: --cycles belongs to --sweep; give both")
     if "sound" in given:
         ready_folder(str(Path(given["sound"]).parent), "--sound")
+        if Path(given["sound"]).suffix.lower() != ".wav" or Path(given["sound"]).is_dir():
+            raise InputError(f"nvh: --sound '{given['sound']}'; give a file that ends in .wav")
     car = mounts.car(given.pop("car", CAR))
     if subject == "LAYOUT":
         in_car(presets.preset(engine), car, **given)

@@ -42,10 +42,8 @@ class Flat:
     @property
     def rates(self) -> tuple[np.ndarray, np.ndarray]:
         """(2 mounts, 2 mounts) stiffness and damping of the mounts alone."""
-        mounts = self.held.placed
-        dampings = [mount.axes @ np.diag(mount.damping) @ mount.axes.T for mount in mounts]
-        parts = [mount.stiffness for mount in mounts], dampings
-        return tuple(block_diag(*[part[IN, IN] for part in each]) for each in parts)
+        parts = ("stiffness", "dampers")
+        return tuple(block_diag(*[getattr(mount, part)[IN, IN] for mount in self.held.placed]) for part in parts)
 
     def modes(self) -> np.ndarray:
         """(3,) frequencies, the rotor locked, dampers left out [Hz]."""

@@ -11,9 +11,10 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from mbsd3d import Joint, State, System
+from mbsd3d import Joint, SpeedDriver, State, System
 from mbsd3d.errors import InputError, MbsError
 from mbsd3d.extend import (
+    Coordinate,
     check_quaternions,
     check_signals,
     check_state,
@@ -60,6 +61,15 @@ def release(version: str) -> tuple[int, int, int]:
     """Version as three numbers, without what marks it as a preview: "4.1.0rc1" is (4, 1, 0)."""
     first, second, third = (re.findall(r"(?:^|\.)(\d+)", version) + ["0"] * 3)[:3]
     return int(first), int(second), int(third)
+
+
+def speed_of(driver: SpeedDriver, what: str, engine: str) -> Coordinate:
+    """The angle or slide of which a driver gives the speed; NotExpressible for a point that no slider leads."""
+    if driver.axis is not None:
+        return Coordinate("angle", driver.a, driver.b, driver.axis, driver.axis)
+    if driver.joint is None:
+        raise NotExpressible(f"{what}: moves a point that no slider leads; {engine} gives speeds to hinges and slides")
+    return driver.joint.slide()
 
 
 def spanning(joints: Iterable[Joint]) -> list[Joint]:

@@ -22,7 +22,7 @@ from mbsd3d.errors import InputError
 from mbsd3d.extend import exponential, matrix, number, quaternion_from_matrix
 from validation.nvh.engine.loads import Source
 from validation.nvh.held.mounts import Mount
-from validation.nvh.held.response import OnMounts, shift
+from validation.nvh.held.response import OnMounts
 
 Z = (0.0, 0.0, 1.0)
 
@@ -115,12 +115,12 @@ class Cancel:
     @cached_property
     def path(self) -> Path:
         """Path from the actuator to the force on the car, held over a sample."""
-        n, head = 12, shift(matrix(self.held.rest[3:]) @ self.mount.at)
-        B = self.held.pushed @ head.T[:, 2]  # + u on the powertrain, - u on the car
+        n, head = 12, self.held.head(self.mount)[2]
+        B = self.held.pushed @ head  # + u on the powertrain, - u on the car
         both = np.zeros((n + 1, n + 1))
         both[:n, :n], both[:n, n] = self.held.turning(self.turning), B
         sampled = expm(both / self.rate)
-        C = np.concatenate([self.mount.rates[2] * head[2], self.mount.damping[2] * head[2]])
+        C = np.concatenate([self.mount.rates[2] * head, self.mount.damping[2] * head])
         return Path(sampled[:n, :n], sampled[:n, n], C, -1.0, 1 / self.rate)
 
     @cached_property
@@ -134,7 +134,7 @@ class Cancel:
         """(amplitude of its force [N], power it gives to the powertrain [W]) when the order is gone."""
         u = -self.force / self.path.gain(self.W)
         x = np.linalg.solve(1j * self.W * np.eye(12) - self.held.turning(self.turning), self.held.pushed)
-        head = shift(matrix(self.held.rest[3:]) @ self.mount.at)[2]
+        head = self.held.head(self.mount)[2]
         found = self.held.answer(self.source, [self.rpm]).motion[0, int(2 * self.order)]
         v = 1j * self.W * head @ (found + x[:6] @ (head * u))
         return abs(u), float((u * np.conj(v)).real / 2)

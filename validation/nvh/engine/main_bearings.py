@@ -1,8 +1,8 @@
 """Loads of the main bearings of an engine over a cycle, from the multipliers of a crank that is cut in its bearings.
 
 A crank of one piece in three or more bearings is indeterminate. As is usual, every throw is a body of its own in two
-bearings half a gap beyond its cylinders; throws hand on torque, no bending. A bearing carries the ends of the throws on
-both sides. The weight of the flywheel is left out, the block stands still.
+bearings half a gap beyond its cylinders, those of a V side by side on it; throws hand on torque, no bending. A bearing
+carries the ends of the throws on both sides. The weight of the flywheel is left out, the block stands still.
 """
 
 from dataclasses import dataclass
@@ -34,6 +34,7 @@ from validation.nvh.engine.presets import THROW
 
 COUNT = 180  # samples of a turn
 ROLLERS = 10.0 / 3.0
+BESIDE = 0.4  # of the bore spacing: nearer cylinders have no bearing between them
 Z = spatial.Z
 
 
@@ -58,22 +59,21 @@ class Bearing:
 
 
 def cut_engine(source: Source, rpm: float) -> tuple[System, np.ndarray]:
-    """The engine with a throw of the crank for each station, and the places of the main bearings along the crank [m].
+    """The engine with a throw of the crank for cylinders side by side, and the places of its main bearings [m].
 
     Joints "front k", "rear k" of throw k, "bore i"; axes of `engine_balance`: the crank along z.
     """
     engine = source.preset.engine(rpm)
     places = [spatial.place(engine, i) for i in range(len(engine.layout.pins))]
-    stations = np.unique(np.round(engine.stations, 9))
-    middle = (stations[1:] + stations[:-1]) / 2
-    mains = np.concatenate([[stations[0] - engine.spacing / 2], middle, [stations[-1] + engine.spacing / 2]])
+    order, stations = np.argsort(engine.stations, kind="stable"), np.sort(engine.stations)
+    gaps = np.flatnonzero(np.diff(stations) > BESIDE * engine.spacing)
+    mains = np.array([engine.ends[0], *(stations[gaps] + stations[gaps + 1]) / 2, engine.ends[1]])
     bodies, joints, loads = [], [], []
-    for k, z in enumerate(stations):
-        mine = [i for i, where in enumerate(places) if abs(where.pin[2] - z) < 1e-8]
+    for k, mine in enumerate(np.split(order, gaps + 1)):
         throw = throw_of([places[i].throw for i in mine], source.preset.throw_mass, engine.radius, f"throw {k + 1}")
         ends = zip(("front", "rear"), mains[k : k + 2], strict=True)
         joints += [PointOnLine(GROUND, throw, at=(0, 0, at), axis=Z, name=f"{end} {k + 1}") for end, at in ends]
-        joints.append(PointOnPlane(GROUND, throw, at=(0, 0, z), normal=Z, name=f"thrust {k + 1}"))
+        joints.append(PointOnPlane(GROUND, throw, at=(0, 0, mains[k]), normal=Z, name=f"thrust {k + 1}"))
         for i in mine:
             new_bodies, new_joints = spatial.cylinder(engine, i, places[i], throw, GROUND, "spherical")
             bodies += new_bodies

@@ -62,6 +62,11 @@ class Mount:
         """(3, 3) car axes [N/m]."""
         return self.axes @ np.diag(self.rates) @ self.axes.T
 
+    @property
+    def dampers(self) -> np.ndarray:
+        """(3, 3) car axes [N s/m]."""
+        return self.axes @ np.diag(self.damping) @ self.axes.T
+
     def bushing(self, body: Body) -> Bushing:
         """Between ground and a body, which is at the reference pose."""
         return Bushing(

@@ -122,20 +122,23 @@ class OnMounts:
 
     def handed_on(self, mount: Mount, motion: np.ndarray, W: np.ndarray) -> np.ndarray:
         """(n, 3) force of a mount on the car for motions (n, 6) of the middle of the crank at rates W [rad/s]."""
-        u = motion @ shift(matrix(self.rest[3:]) @ mount.at).T[:, :3]
-        damping = mount.axes @ np.diag(mount.damping) @ mount.axes.T
-        return u @ mount.stiffness + 1j * W[:, None] * (u @ damping)
+        u = motion @ self.head(mount).T
+        return u @ mount.stiffness + 1j * W[:, None] * (u @ mount.dampers)
+
+    def head(self, mount: Mount) -> np.ndarray:
+        """(3, 6) how a mount's head on the powertrain moves with the middle of the crank."""
+        return shift(matrix(self.rest[3:]) @ mount.at)[:3]
 
     def feet(self, rate: float, W: np.ndarray) -> np.ndarray:
         """(n, 3 mounts, 3 mounts) D: forces against motions of the mounts' feet at rates W, the crank turning [N/m].
 
         With Z of the mounts alone and Y the receptance of the mounted powertrain at their heads, ``D = Z - Z Y Z``.
         """
-        heads = np.vstack([shift(matrix(self.rest[3:]) @ mount.at)[:3] for mount in self.placed])
+        heads = np.vstack([self.head(mount) for mount in self.placed])
         A, W = self.turning(rate), np.asarray(W)[:, None, None]
         Y = heads @ np.linalg.solve(1j * W * np.eye(12) - A, self.pushed @ heads.T)[:, :6]
-        dampings = [mount.axes @ np.diag(mount.damping) @ mount.axes.T for mount in self.placed]
-        Z = block_diag(*[mount.stiffness for mount in self.placed]) + 1j * W * block_diag(*dampings)
+        k, c = (block_diag(*[getattr(mount, part) for mount in self.placed]) for part in ("stiffness", "dampers"))
+        Z = k + 1j * W * c
         return Z - Z @ Y @ Z
 
     @property

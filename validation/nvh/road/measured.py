@@ -26,6 +26,7 @@ from validation.nvh.road.profile import SHORTEST, summed
 GAP = 1.5  # of the usual step: from here on a point is missing
 LEAST, SHORT = 20, 5.0  # points; m
 MOST, LONG = 20_000, 5000.0  # what a car is driven over in minutes
+STEEP = 0.5  # m from point to point, or of slope: what wheels climb
 HEADERS = ["x", "left", "right"], ["x", "z"]
 
 
@@ -34,7 +35,7 @@ class Measured:
     """``title``; ``x`` (n,): places [m]; ``z`` (2, n): heights of the left and the right track [m].
 
     ValueError for fewer than 20 points or more than 20 000, less than 5 m or more than 5 km, places that do not grow,
-    or a gap between them.
+    a gap between them, or a step that no wheel climbs.
 
     >>> road = Measured("a bump", np.arange(0, 30, 0.1), np.tile(np.exp(-((np.arange(0, 30, 0.1) - 10) ** 2)), (2, 1)))
     >>> bool(abs(road.height(10.0, 0) - road.height(0.0, 0) - 1) < 1e-6)
@@ -62,6 +63,14 @@ class Measured:
                     f"road '{self.title}': a gap of {b - a:g} m after point {k}, x = {a:g} m; points stand {step:g} m "
                     "apart elsewhere; give the heights between"
                 )
+        rise = np.abs(np.diff(self.z)).max(axis=0)
+        steep = np.flatnonzero(rise > np.maximum(STEEP, STEEP * np.diff(self.x)))
+        if steep.size:
+            k = steep[0]
+            raise InputError(
+                f"road '{self.title}': a step of {rise[k]:.4g} m after point {k + 1}, x = {self.x[k]:g} m; give "
+                f"heights in m, from point to point {STEEP:g} m or less"
+            )
         if not SHORT <= self.x[-1] - self.x[0] <= LONG:
             raise InputError(f"road '{self.title}': {self.x[-1] - self.x[0]:g} m long; give {SHORT:g} to {LONG:g} m")
 

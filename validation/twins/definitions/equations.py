@@ -6,17 +6,20 @@ It reads the public fields of bodies, joints and force elements:
 - J and gamma by Taylor series along motions: along the motion with v_dot = 0, ``J v_dot = -c_ddot`` or ``-s_dot``;
 - M and h from the velocity of the centre of mass, v_G = B v with B = [1, -[s]x] (principle of virtual power);
 - v_dot = J^+ gamma + N (N'M N)^-1 N'(Q - h - M J^+ gamma) with N the null space of J from its singular values.
+
+Solved in lengths of the model, each part of a joint over its greatest slope: rank, gaps and condition are those of the
+mechanism in any units.
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d import GROUND, State, System
+from mbsd3d import GROUND, Joint, State, System
 from mbsd3d.errors import InputError
 from validation.twins.base import label
-from validation.twins.definitions.rows import Motion, law_of, rotation
+from validation.twins.definitions.rows import TURNS, Motion, law_of, rotation
 from validation.twins.definitions.series import Array, Series
 from validation.twins.laws import LAWS, Law
 from validation.twins.laws.moving import Moving, Push, own_states
@@ -25,13 +28,9 @@ RANK = 1e-9
 """Singular values of J below this part of the greatest count as zero: far above rounding, far below a real row."""
 
 
-def column(parts: list[Series], order: int, motions: int) -> Array:
+def coefficient(part: Series, order: int, motions: int) -> Array:
     """(motions, rows) coefficients of one order."""
-    found = []
-    for part in parts:
-        x, rows = (part.x0, part.x1, part.x2)[order], part.x0.shape[-1]
-        found.append(np.broadcast_to(x, (motions, rows)))
-    return np.concatenate(found, axis=1)
+    return np.broadcast_to((part.x0, part.x1, part.x2)[order], (motions, part.x0.shape[-1]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,37 +38,75 @@ class Reference:
     """Solution of the second formulation at one state.
 
     ``acceleration`` (n, 6): (r_ddot, w_dot), world [m/s^2, rad/s^2]; ``wrench``: id(joint) -> (6,) force and moment
-    about O of its body b [N, N m]; ``residual``: greatest |c| [m or rad]; ``rate``: greatest |J v - b| [m/s or rad/s];
-    ``rank``: of J; ``condition``: of J M^-1 J' on its range: what solvers that form this matrix may lose of their
-    digits.
+    about O of its body b [N, N m]; ``gaps``, ``rates`` (m,): |c| and |J v - b| of the rows [rad, rad/s, or lengths of
+    the model]; ``spans``: the rows of each joint; ``rank``: of J; ``condition``: of N'M N, the inertia of what is free
+    to move: what any solver may lose of its digits.
     """
 
     acceleration: Array
     wrench: dict[int, Array]
-    residual: float
-    rate: float
+    gaps: Array
+    rates: Array
+    spans: list[slice]
     rank: int
     condition: float
 
 
-def constraint_rows(system: System, state: State) -> tuple[Array, Array, list[slice], float, float]:
-    """(J, gamma, rows of each joint, greatest |c|, greatest |J v - b|)."""
-    n = len(system.bodies)
-    unit = np.concatenate([np.eye(6 * n), np.zeros((1, 6 * n))]).reshape(-1, n, 6)
-    basis, motion = Motion(system, state, unit), Motion(system, state, state.v.reshape(1, n, 6))
-    J, gamma, spans, residual, rate = [np.zeros((0, 6 * n))], [np.zeros(0)], [], 0.0, 0.0
+class Rows(NamedTuple):
+    """Rows of all joints: ``J`` (m, 6 n), ``gamma`` (m,); ``c`` (m,): 0 for rows of velocities alone; ``rate`` (m,):
+    J v - b; ``size`` (m,): greatest slope of the part of a joint they belong to, lengths counted in those of the model;
+    ``spans``: the rows of each joint.
+    """
+
+    J: Array
+    gamma: Array
+    c: Array
+    rate: Array
+    size: Array
+    spans: list[slice]
+
+
+def units(system: System) -> Array:
+    """(6 n,) lengths of the model and radians [m, rad]."""
+    return np.tile(3 * [system.lowered.model.length] + 3 * [1.0], len(system.bodies))
+
+
+def constraint_rows(system: System, state: State) -> Rows:
+    """The rows at a state."""
+    n, unit, spans, first = len(system.bodies), units(system), [], 0
+    single = np.concatenate([np.eye(6 * n), np.zeros((1, 6 * n))]).reshape(-1, n, 6)
+    basis, motion = Motion(system, state, single), Motion(system, state, state.v.reshape(1, n, 6))
+    found: list[tuple[Array, ...]] = [(np.zeros((0, 6 * n)), *4 * [np.zeros(0)])]  # a body that flies has no rows
     for joint in system.joints:
         order, law = law_of(system, joint)
-        slopes, along = column(law(basis, joint), order, 6 * n + 1), law(motion, joint)
-        J.append((slopes[:-1] - slopes[-1]).T)
-        gamma.append(-(order + 1) * column(along, order + 1, 1)[0])
-        if order:
-            residual = max(residual, np.abs(column(along, 0, 1)).max())
-        rate = max(rate, np.abs(column(along, order, 1)).max())
-        first = spans[-1].stop if spans else 0
-        spans.append(slice(first, first + gamma[-1].size))
-    none = np.zeros((0, 6 * n))  # a body that flies has no rows
-    return np.concatenate([none, *J]), np.concatenate([none[:, 0], *gamma]), spans, residual, rate
+        along = law(motion, joint)
+        for part, moved in zip(along, law(basis, joint), strict=True):
+            slopes = coefficient(moved, order, 6 * n + 1)
+            J = (slopes[:-1] - slopes[-1]).T
+            c, rate, bend = np.zeros(len(J)), *(coefficient(part, order + k, 1)[0] for k in (0, 1))
+            if order:
+                c += coefficient(part, 0, 1)[0]
+            found.append((J, -(order + 1) * bend, c, rate, np.full(len(J), np.abs(J * unit).max() or 1.0)))
+        found[-1][2][:] += whole_turns(system, state, motion, joint)
+        last = first + sum(part.x0.shape[-1] for part in along)
+        spans.append(slice(first, last))
+        first = last
+    return Rows(*map(np.concatenate, zip(*found, strict=True)), spans)
+
+
+def whole_turns(system: System, state: State, now: Motion, joint: Joint) -> float:
+    """What the turns that hinges have made add to the last part of c: a definition knows its angle to +-pi only.
+
+    They are counted from that angle: after half a turn rounding says whether it is pi or -pi.
+    """
+    if state.coordinates is None:
+        return 0.0
+    found = 0.0
+    for factor, hinge in TURNS.get(type(joint), lambda joint: [])(joint):
+        x = hinge.angle()
+        away = state.coordinates[system.lowered.coordinate(x)] - float(np.squeeze(now.turn(hinge, x.axis).x0))
+        found += factor * 2 * np.pi * round(away / (2 * np.pi))
+    return found
 
 
 def mass_and_force(system: System, state: State) -> tuple[Array, Array]:
@@ -120,8 +157,8 @@ def pushed(system: System, state: State, now: Motion, force: Any, law: Law) -> t
 def solve(system: System, state: State) -> Reference:
     """Accelerations and wrenches of a mechanism at a state.
 
-    ``system``: bodies with mass and inertia, joints of any type, gravity and force elements; ``state``: a consistent
-    state; `Reference.residual` and `Reference.rate` say how consistent. ValueError for force elements
+    ``system``: bodies, joints of any type, gravity and force elements; ``state``: a consistent
+    state; `Reference.gaps` and `Reference.rates` say how consistent. ValueError for force elements
     without a second formulation.
 
     Examples
@@ -133,19 +170,21 @@ def solve(system: System, state: State) -> Reference:
     >>> round(float(solve(system, system.state()).acceleration[0, 4]), 9)  # m g l / (I + m l^2)
     8.408571429
     """
+    rows, unit = constraint_rows(system, state), units(system)
     M, F = mass_and_force(system, state)
-    J, gamma, spans, residual, rate = constraint_rows(system, state)
+    M, F, J = M * np.outer(unit, unit), F * unit, rows.J * unit / rows.size[:, None]
     U, s, Vt = np.linalg.svd(J)
     rank = int((s > RANK * s.max(initial=0.0)).sum())
-    fixed = Vt[:rank].T @ ((U[:, :rank].T @ gamma) / s[:rank])
+    fixed = Vt[:rank].T @ ((U[:, :rank].T @ (rows.gamma / rows.size)) / s[:rank])
     N = Vt[rank:].T
-    v_dot = fixed + N @ np.linalg.solve(N.T @ M @ N, N.T @ (F - M @ fixed))
+    free = N.T @ M @ N
+    v_dot = fixed + N @ np.linalg.solve(free, N.T @ (F - M @ fixed))
     held = U[:, :rank] @ ((Vt[:rank] @ (M @ v_dot - F)) / s[:rank])  # J' held = force of the constraints
     wrench = {}
-    for joint, span in zip(system.joints, spans, strict=True):
+    for joint, span in zip(system.joints, rows.spans, strict=True):
         i = next((i for i, body in enumerate(system.bodies) if body is joint.b), None)
         if i is not None:
-            wrench[id(joint)] = (held[span] @ J[span])[6 * i : 6 * i + 6]
-    spread = np.linalg.svd(np.linalg.solve(np.linalg.cholesky(M), J.T), compute_uv=False)[:rank]
-    condition = float((spread[0] / spread[-1]) ** 2) if rank else 1.0
-    return Reference(v_dot.reshape(-1, 6), wrench, residual, rate, rank, condition)
+            wrench[id(joint)] = (held[span] @ J[span] / unit)[6 * i : 6 * i + 6]
+    condition = float(np.linalg.cond(free)) if N.size else 1.0
+    gaps, rates = np.abs(rows.c / rows.size), np.abs(rows.rate / rows.size)
+    return Reference((v_dot * unit).reshape(-1, 6), wrench, gaps, rates, rows.spans, rank, condition)

@@ -23,7 +23,7 @@ from mbsd3d import (
     SpeedDriver,
 )
 from mbsd3d.extend import Coordinate, cross, exponential, matrix, skew
-from validation.twins.base import Array, NotExpressible
+from validation.twins.base import Array, speed_of
 from validation.twins.exudyn.assembly import Assembly
 from validation.twins.laws.moving import Placed, deepest, follow, one_axis
 
@@ -62,10 +62,8 @@ def add_position_driver(model: Assembly, joint: Joint, what: str) -> None:
 
 
 def add_speed_driver(model: Assembly, joint: Joint, what: str) -> None:
-    """x_a . (w_b - w_a) = f(t), a condition on velocities."""
-    if joint.axis is None:
-        raise NotExpressible(f"{what}: moves a point at a given speed; Exudyn has a row for speeds of turning only")
-    x, speed = Coordinate("angle", joint.a, joint.b, joint.axis, joint.axis), follow(joint.speed)
+    """x_dot = f(t) of an angle or a slide, a condition on velocities."""
+    x, speed = speed_of(joint, what, "Exudyn"), follow(joint.speed)
     moving = {}
     if not isinstance(joint.speed, Constant):
         moving = {"offsetUserFunction_t": lambda mbs, t, item, offset: speed(t)}

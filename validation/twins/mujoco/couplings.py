@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d import ConstantVelocity, Fixed, GearMesh, Joint, PositionDriver, Prismatic, Screw, Signal
+from mbsd3d import ConstantVelocity, Fixed, GearMesh, Joint, PositionDriver, Prismatic, Screw, Signal, SpeedDriver
 from mbsd3d.extend import Coordinate, kinds
-from validation.twins.base import NotExpressible, label
+from validation.twins.base import NotExpressible, label, speed_of
 from validation.twins.mujoco.build import Sketch, slide_name, turn_name
 from validation.twins.mujoco.layout import ALONG, Piece, Z
 
@@ -116,9 +116,9 @@ def couple(made: Sketch, motors: Motors) -> list[Coupling]:
                 pairs = list(zip(row.coordinates, row.values, strict=False))
                 pairs += along_the_teeth(joint) if isinstance(joint, GearMesh) else []
                 found.append(hold(made, motors, joint, pairs, row.signal))
-            elif row.kind == kinds.TURN_RATE:
-                pairs = [(Coordinate("angle", joint.a, joint.b, joint.axis, joint.axis), 1.0)]
-                found.append(hold(made, motors, joint, pairs, row.signal, adrift=True))
+            elif isinstance(joint, SpeedDriver):
+                x = speed_of(joint, label(made.system, joint), "MuJoCo")
+                found.append(hold(made, motors, joint, [(x, 1.0)], row.signal, adrift=True))
     for piece in made.layout.pieces:
         if isinstance(piece.joint, ConstantVelocity):
             terms = {turn_name(piece, 0): 1.0, turn_name(piece, 2): 1.0}
