@@ -5,6 +5,7 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from ..base.checks import number
 from ..base.errors import explaining, explaining_methods
 from ..equations.compiled import Switches
 from ..linear import linearization, modes
@@ -54,6 +55,7 @@ class Mode(modes.Mode):
 
     def animate(self, amplitude: float = 0.2, cycles: float = 2.0, **options: object) -> "View | LiveView":
         """A page that shows `motion`; options as in `Solution.animate`; a period takes 2 s without ``speed``."""
+        cycles = number(cycles, "animate: cycles", positive=True)
         moved = self.motion(amplitude, cycles, samples=int(50 * max(cycles, 1.0)) + 1)
         seconds, title = 2.0 * cycles, f"{self.label}, {self.frequency:.4g} Hz"
         return moved.animate(**{"speed": float(moved.t[-1]) / seconds, "title": title, **options})

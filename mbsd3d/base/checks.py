@@ -127,6 +127,13 @@ def number(value: float, what: str, *, minimum: float | None = None, positive: b
     return x
 
 
+def whole(value: int, what: str, least: int, most: int) -> int:
+    """A whole number in a range."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= most:
+        raise InputError(f"{what} = {shown(value)}; give a whole number from {least} to {most}")
+    return int(value)
+
+
 def sequence(values: Any, what: str) -> tuple[float, ...]:
     """Finite numbers."""
     if isinstance(values, str | bytes):

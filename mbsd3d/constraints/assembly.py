@@ -17,7 +17,7 @@ from ..kernels.layout import Data
 from ..kernels.rows import rows
 from ..mechanism.bodies import Body
 from ..mechanism.joints import coordinate_of
-from ..mechanism.measures import Measure, check_members
+from ..mechanism.measures import OF_POSES, Measure, check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .contradictions import find_contradiction
@@ -178,21 +178,24 @@ def assemble(
     for probe in probes:
         if not isinstance(probe, Measure):
             raise InputError(f"assemble: {shown(probe)} is not a measure; build one with mbsd3d.measures")
+        if probe.kind not in OF_POSES:
+            raise InputError(f"assemble: {probe.label} does not follow from a pose; give speeds as rates=")
         check_members(system, probe, "assemble")
     compiled = compile_system(system, probes)
-    wanted = []
+    wanted, asked = [], []
     for values, kind in ((angles, "angle"), (slides, "slide")):
         for key, value in values.items():
             joint = system.part(key, "joints")
             x = coordinate_of(joint, kind, f"assemble: {kind}s")
-            wanted.append((x, number(value, f"assemble: {kind} of '{system.name(joint)}'")))
+            asked.append(f"{kind} of '{system.name(joint)}'")
+            wanted.append((x, number(value, f"assemble: {asked[-1]}")))
     if not isinstance(pinned, Sequence) or isinstance(pinned, str):
         raise InputError(f"assemble: pinned = {shown(pinned)} is not a sequence; give a list of bodies")
     fixed = {compiled.body_index[id(system.part(body))] for body in pinned}
     pose = near or reference_pose(system, t)
     start = State(t, pose.q, pose.v, pose.z, pose.coordinates)
     if near is None:
-        start = swing(compiled, start, wanted)
+        start = swing(compiled, start, wanted, fixed)
     reference = driven_coordinates(compiled, t) if start.coordinates is None else start.coordinates.copy()
     targets = [(compiled.coordinate(x), value) for x, value in wanted]
     for i, value in targets:
@@ -202,7 +205,7 @@ def assemble(
     closed, residual = close_pose(compiled, start, targets, goals, fixed)
     if gap_size(compiled, residual) > 1e-9:  # show the gap where the loop closes
         residual = newton(compiled, start, targets, goals, fixed, loop_weights(compiled))[1]
-    check_closed(compiled, closed, residual, targets, goals)
+    check_closed(compiled, closed, residual, targets, goals, [*asked, *(probe.label for probe in probes)])
     moved = moved_report(system, pose, closed)
     data = compiled.data()
     load_state(compiled, data, closed)
@@ -217,13 +220,18 @@ def mapping(given: Mapping | None, what: str) -> Mapping:
 
 
 def check_closed(
-    compiled: Compiled, closed: State, residual: np.ndarray, targets: list[tuple[int, float]], goals: list[float]
-) -> None:
-    """AssemblyError with the gap and the joint where the pose does not close or misses a target."""
+    compiled: Compiled, closed: State, residual: np.ndarray, targets: list[tuple[int, float]], goals: list[float],
+    asked: list[str],
+) -> None:  # fmt: skip
+    """AssemblyError with the gap and the joint where the pose does not close or misses a target.
+
+    ``asked``: names of the targets and of the goals.
+    """
     if gap_size(compiled, residual) > 1e-9:
         part, gap = worst_joint(compiled, residual)
+        wanted = f" with this {', '.join(asked)}" if asked else ""
         raise AssemblyError(
-            "the mechanism cannot close, a gap remains (m or rad)",
+            f"the mechanism cannot close{wanted}, a gap remains (m or rad)",
             part=part, residual=gap, time=closed.t,
             advice="check positions and lengths, give other angles, or see system.check()",
         )  # fmt: skip
@@ -233,7 +241,7 @@ def check_closed(
     if miss.size and np.abs(miss).max() > 1e-8:
         k = int(np.argmax(np.abs(miss)))
         raise AssemblyError(
-            f"the mechanism closes but misses the asked-for value no. {k + 1} by {miss[k]:.6g} rad or m",
+            f"the mechanism closes but misses the {asked[k]} asked for by {miss[k]:.6g} rad or m",
             part="assemble", residual=float(miss[k]), time=closed.t,
             advice="the value is out of reach; give one within the mechanism's range or a better start with near=",
         )  # fmt: skip

@@ -8,7 +8,7 @@ import scipy.linalg
 from ..base.style import html_text
 from ..equations.at_state import driven_coordinates, joint_point, load_state, worst_joint
 from ..equations.compiled import Compiled, compile_system
-from ..equations.jacobian import RANK_TOLERANCE, BlockRows, scaled_rows
+from ..equations.jacobian import BlockRows, scaled_rows
 from ..kernels.layout import Data
 from ..mechanism.drivers import Driver
 from ..mechanism.mechanism import Mechanism
@@ -100,15 +100,14 @@ def diagnose(system: Mechanism, as_built: float | None) -> Diagnosis:
     load_state(compiled, data, pose)
     rows = scaled_rows(compiled.model, data)
     found = Analysis(rows, safe=max(SAFE, 10.0 * as_built / length))
-    loose, slip = rank_as_built(found, length, as_built)
-    misaligned = slip > 0.0 and loose < found.rank
-    rank = loose if misaligned else found.rank
-    misfit = max(misfit, slip if misaligned else 0.0)
-    N = found.redundant(as_built_cut(found, length, as_built) if misaligned else None)
+    slip = misfit_as_built(found, length, as_built)
+    if slip > 0.0:  # from here on rows that play takes up repeat others
+        found.tolerance = as_built / length / found.largest
+    rank, N, misfit = found.rank, found.redundant(), max(misfit, slip)
     beside = rows_beside(compiled, pose, found)
-    shares = tuple(joint_shares(compiled, data, rows, N))
+    shares = tuple(joint_shares(compiled, data, rows, N, 10.0 * found.tolerance * found.largest))
     cures = tuple(find_cures(compiled, pose, rows, N, n - rank)) if N.shape[1] and not stuck else ()
-    offset = misfit_of_lock(found, length) if not misaligned else 0.0
+    offset = 0.0 if slip else misfit_of_lock(found, length)
     spins = free_spins(compiled, data, rows)
     slack = max(TOLERANCE, 10.0 * as_built / length)
     clash = find_contradiction(compiled, data, pose.t, N=orthonormal(N), slack=slack)
@@ -141,24 +140,16 @@ def diagnose(system: Mechanism, as_built: float | None) -> Diagnosis:
 def holonomic_rank(compiled: Compiled, rows: BlockRows, found: Analysis) -> int:
     """Rank of the rows that have a residual."""
     holonomic = compiled.model.row["holonomic"].astype(bool)
-    return found.rank if holonomic.all() else Analysis(rows.take(holonomic)).rank
+    return found.rank if holonomic.all() else Analysis(rows.take(holonomic), found.tolerance).rank
 
 
-def as_built_cut(found: Analysis, length: float, as_built: float) -> float:
-    """Relative cut-off of singular values that belong to misfits below ``as_built`` metres."""
-    return max(RANK_TOLERANCE, as_built / length / found.largest) if found.largest else RANK_TOLERANCE
-
-
-def rank_as_built(found: Analysis, length: float, as_built: float) -> tuple[int, float]:
-    """(rank when misfits below ``as_built`` are taken up by play, the largest misfit [m] that is).
+def misfit_as_built(found: Analysis, length: float, as_built: float) -> float:
+    """The largest misfit below ``as_built`` [m]: what play takes up.
 
     A unit motion (one radian, one model length) along a right singular vector violates the rows by its singular value.
     """
-    s = found.singular
-    small = (s > RANK_TOLERANCE * found.largest) & (s * length <= as_built)
-    if not small.any():
-        return found.rank, 0.0
-    return found.picked.size + int((s * length > as_built).sum()), violation(found, 10.0 * s[small].max()) * length
+    small = found.counted[found.counted * length <= as_built]
+    return violation(found, 10.0 * small.max()) * length if small.size else 0.0
 
 
 def violation(found: Analysis, tolerance: float) -> float:
@@ -219,14 +210,17 @@ def closed_pose(compiled: Compiled, as_built: float) -> tuple[State, float, str 
     return pose, gap, f"cannot close: a gap of {gap:.6g} m remains at {part}; correct its position or a length"
 
 
-def joint_shares(compiled: Compiled, data: Data, rows: BlockRows, N: np.ndarray) -> list[Share]:
-    """Joints with rows in redundant sets (where the projector N N' is not zero), unique reactions told apart."""
+def joint_shares(compiled: Compiled, data: Data, rows: BlockRows, N: np.ndarray, off: float) -> list[Share]:
+    """Joints with rows in redundant sets (where the projector N N' is not zero), unique reactions told apart.
+
+    ``off``: what J'N may be off zero, in model lengths and radians.
+    """
     system, shares = compiled.system, []
     if not N.shape[1]:
         return shares
     for joint in system.joints:
         own = compiled.rows[id(joint)]
-        involved = int((np.linalg.norm(N[own], axis=1) > 1e-8).sum())
+        involved = int((np.linalg.norm(N[own], axis=1) > max(1e-8, off)).sum())
         if not involved:
             continue
         moving = joint.b if compiled.body_index[id(joint.b)] < rows.n else joint.a
@@ -236,7 +230,7 @@ def joint_shares(compiled: Compiled, data: Data, rows: BlockRows, N: np.ndarray)
         arm = (joint_point(compiled, data, joint) - data.body["r"][i]) / compiled.model.length  # from O
         moment = G[3:] - np.cross(arm[:, None], G[:3], axis=0)
         name = f"{type(joint).__name__} '{system.name(joint)}'"
-        force_unique, moment_unique = np.abs(G[:3]).max() < 1e-7, np.abs(moment).max() < 1e-7
+        force_unique, moment_unique = (np.abs(x).max() < max(1e-7, off) for x in (G[:3], moment))
         shares.append(Share(name, own.stop - own.start, involved, bool(force_unique), bool(moment_unique)))
     return shares
 

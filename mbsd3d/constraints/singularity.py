@@ -59,7 +59,7 @@ def rows_beside(compiled: Compiled, pose: State, found: Analysis) -> list[tuple[
         if gap_size(compiled, residual) <= 1e-9:
             load_state(compiled, data, moved)
             rows = scaled_rows(model, data)
-            beside.append((Analysis(rows).rank, rows))
+            beside.append((Analysis(rows, 10.0 * found.tolerance).rank, rows))
     return beside
 
 

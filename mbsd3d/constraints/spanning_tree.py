@@ -11,7 +11,7 @@ from ..mechanism.primitives import Coordinate
 from ..mechanism.state import State
 
 
-def swing(compiled: Compiled, pose: State, targets: list[tuple[Coordinate, float]]) -> State:
+def swing(compiled: Compiled, pose: State, targets: list[tuple[Coordinate, float]], pinned: set[int]) -> State:
     """Forward kinematics: everything beyond a joint in the spanning tree moves by the asked-for angle or slide."""
     system, index = compiled.system, compiled.body_index
     n = len(system.bodies)
@@ -19,8 +19,8 @@ def swing(compiled: Compiled, pose: State, targets: list[tuple[Coordinate, float
     links, points = joint_links(system, index), hinge_points(system)
     for x, value in targets:
         k = bodies_beyond(links, index[id(x.a)], index[id(x.b)])
-        if k is None or x.kind not in ("angle", "slide"):
-            continue  # the joint closes a loop, or leads along a curve: Newton's task
+        if k is None or x.kind not in ("angle", "slide") or pinned.intersection(k):
+            continue  # the joint closes a loop, leads along a curve, or what it moves is held: Newton's task
         sign = 1.0 if index[id(x.b)] in k else -1.0
         fixed = x.a if sign > 0.0 else x.b
         i = index[id(fixed)]

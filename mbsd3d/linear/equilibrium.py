@@ -39,6 +39,7 @@ from .variations import Field, Tangent, Variations, tangent_space
 STEPS = 200
 AWAY = 8.0  # sizes of the mechanism that a body may move by; what goes on farther does not come to rest
 REST = 1e-10  # accelerations, in units of length rate^2, at which a pose is an equilibrium; Newton mostly reaches 1e-15
+MOST = 1e8  # growth of the steps: more would count as rounding what falls freely
 SHORT = 0.2  # rad, or model lengths, that nothing moves by more in one step
 ROUNDING = 1e-12  # m or rad that print as nothing
 CALM = 1e-6  # rates of growth, in units of the fastest rate, that are rounding of undamped modes
@@ -151,18 +152,19 @@ def find_equilibrium(system: Mechanism, start: State) -> Equilibrium:
 def search(field: Field) -> tuple[np.ndarray, Variations, Tangent, Units, float, int]:
     """(y, variations, tangent space, units, residual, steps) at the equilibrium."""
     model, y = field.compiled.model, field.y.copy()
-    best, growth, n = np.inf, 1.0, model.body.size
+    before, growth, n = None, 1.0, model.body.size
     begin = y[: 7 * n].reshape(n, 7)[:, :3].copy()
     far = AWAY * (model.length + np.ptp(begin, axis=0).max())
     for step in range(STEPS):
         at = field.at(field.t, y)
         space = tangent_space(field.compiled, at)
-        units = natural_units(model, at, space)
+        units = natural_units(model, at, space, damped=False)
         size = unrest(at, units, model.length)
-        if size <= 1e-14 or (size <= REST and size > 0.1 * best):
+        last = unrest(before, units, model.length) if before else np.inf
+        if size <= 1e-14 or (size <= REST and size > 0.1 * last):
             return y, at, space, units, size, step
-        growth = growth * 4.0 if size < best else max(1.0, growth / 4.0)
-        best = min(best, size)
+        growth = min(4.0 * growth, MOST) if size <= 1.01 * last else max(1.0, growth / 4.0)
+        before = at
         if np.abs(y[: 7 * n].reshape(n, 7)[:, :3] - begin).max() > far:
             break  # it falls, or drifts away
         X, dz = direction(at, space, units, model.body.size, growth / units.rate**2)

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy.linalg
 
-from ..base.checks import number
+from ..base.checks import number, whole
 from ..base.concurrency import on_one_thread
-from ..base.errors import AssemblyError, InputError
+from ..base.errors import AssemblyError
 from ..constraints.nearby_poses import closed
 from ..equations.at_state import coordinate_row, load_state
 from ..equations.compiled import Compiled
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .linearization import Linearization
 
 ZERO = 1e-13  # singular values of A below this, in units of its norm, are what rounding made of zero
+MOST = 100_000  # samples of a motion
 NAMES = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")
 
 
@@ -121,16 +122,15 @@ class Mode:
         """The mechanism moving in this mode, all joints closed; a motion that goes on is shown at rest.
 
         ``amplitude``: the largest displacement at its largest [model lengths or radians]; ``cycles``: periods, or for a
-        mode that does not oscillate time constants, for a zero eigenvalue to and fro; ``samples`` at least 2. The
+        mode that does not oscillate time constants, for a zero eigenvalue to and fro; ``samples`` 2 ... 100 000. The
         `Motion` has ``t``, ``position``, ``orientation``, ``com`` ... by body, and ``animate``. ValueError for other
         numbers; AssemblyError if the joints do not close at so large an amplitude.
         """
         amplitude, cycles = number(amplitude, "motion: amplitude"), number(cycles, "motion: cycles", positive=True)
-        if samples < 2:
-            raise InputError(f"motion: samples = {samples}; give at least 2")
+        samples = whole(samples, "motion: samples", 2, MOST)
         value = self.eigenvalue
         rate = (abs(value.imag) / (2.0 * np.pi)) or abs(value.real) or 1.0
-        t = np.linspace(0.0, cycles / rate, int(samples))
+        t = np.linspace(0.0, cycles / rate, samples)
         wave = np.exp(value * t) if value else np.sin(2.0 * np.pi * t).astype(complex)
         wave *= amplitude / np.abs(wave).max()
         return moving_poses(self, t, wave)

@@ -37,15 +37,15 @@ class Units:
     rate: float  # [1/s]
 
 
-def natural_units(model: Model, at: Variations, space: Tangent) -> Units:
-    """The model's length, and as rate the fastest of: stiffness, damping, angular velocity, gravity."""
+def natural_units(model: Model, at: Variations, space: Tangent, damped: bool = True) -> Units:
+    """The model's length, and as rate the fastest of: stiffness, damping if wanted, angular velocity, gravity."""
     n, c, v = 6 * model.body.size, space.configuration, space.velocity
     one = displacement_units(model.length, 2 * model.body.size)
     chosen = space.chosen[: c + v]
     pull = np.abs((at.F @ space.E)[n : 2 * n, : c + v] / one[:n, None] * one[chosen])
     stiffness, damping = pull[:, :c].max(initial=0.0), pull[:, c:].max(initial=0.0)
     fall = np.linalg.norm(model.gravity) / model.length
-    rate = max(np.sqrt(stiffness), damping, np.abs(at.velocity[:, 3:]).max(), np.sqrt(fall)) or 1.0
+    rate = max(np.sqrt(stiffness), damping if damped else 0.0, np.abs(at.velocity[:, 3:]).max(), np.sqrt(fall)) or 1.0
     x = np.r_[one[:n], rate * one[:n], np.ones(model.z_work)]
     for j in range(2 * n, x.size):  # own states: what causes a unit acceleration, or what a unit motion causes
         cause, effect = np.abs(at.F[n : 2 * n, j] / x[n : 2 * n]).max(), np.abs(at.F[j, : 2 * n] * x[: 2 * n]).max()

@@ -176,7 +176,9 @@ class SpeedDriver(Driver):
 
     def check(self, what: str) -> None:
         if isinstance(self.a, Joint):
-            self.set(joint=self.a, speed=self.b if self.speed is None else self.speed)
+            if self.speed is not None and self.b is not None:
+                raise InputError(f"{what}: two speeds, {shown(self.b)} and {shown(self.speed)}; give one")
+            self.set(joint=self.a, a=None, b=None, speed=self.b if self.speed is None else self.speed)
         if self.joint is not None:
             self.follow_joint(what)
         super().check(what)
@@ -208,9 +210,12 @@ class SpeedDriver(Driver):
         if slide is not None and slide.kind != "slide":
             raise InputError(f"{what}: '{joint.name}' leads along a curve; give a SlideDriver with Ramp(speed)")
         x = turn or slide
-        self.set(a=x.a, b=x.b, axis=x.axis if turn else None)
-        if slide:
-            self.set(direction=x.axis_b, at=x.point_b)
+        own = {"a": x.a, "b": x.b, "axis": turn and x.axis, "direction": slide and x.axis_b, "at": slide and x.point_b}
+        for name, value in own.items():
+            given = getattr(self, name)
+            if given is not None and not np.array_equal(given, value):
+                raise InputError(f"{what}: {name} = {shown(given)}, but '{joint.name}' says what moves; leave it out")
+        self.set(**own)
 
     def point(self) -> np.ndarray:
         return self.b.position if self.at is None else self.at

@@ -32,6 +32,7 @@ MEASURES = {
 }
 OF_CONTACTS = ("clearance", "normal force")
 OF_JOINTS = ("coordinate", "coordinate rate")
+OF_POSES = ("coordinate", "position", "lean", "distance", "clearance")
 UNITS = {"rad": (0.0, 0.0), "m": (1.0, 0.0), "rad/s": (-1.0, 1.0), "m/s": (0.0, 1.0), "-": (0.0, 0.0), "N": (0.0, 0.0)}
 UNITS_OF = {
     "coordinate": ("rad", "m"), "coordinate rate": ("rad/s", "m/s"), "position": ("m",), "velocity": ("m/s",),

@@ -189,6 +189,28 @@ def test_door_built_one_micron_out_swings_within_the_tolerance():
     assert solution.certificate.passed, solution.certificate.failures
 
 
+@pytest.mark.parametrize("offset", [0.0, 1e-7, 8e-6])
+def test_play_in_a_door_is_no_matter_of_what_hangs_on_it(offset):
+    """A wheel and a link on the door, an open branch: its reactions are unique, and the door is not near to moving."""
+    door, wheel = (
+        Body("door", 5.0, (1, 1, 1), position=(0, 0, 1)),
+        Body("wheel", 1.0, (0.1, 0.2, 0.1), position=(2, 0, 0)),
+    )
+    link = Body("link", 1.0, (0.1, 0.2, 0.1), position=(3.0, 0, 0.3))
+    upper = np.array((0.1, 0.2, 1.5))
+    joints = [
+        Revolute(GROUND, door, at=(0, 0, 0.5), axis=upper - (0, 0, 0.5), name="lower"),
+        Revolute(
+            GROUND, door, at=upper, at_b=upper + (offset, 0.3 * offset, 0), axis=upper - (0, 0, 0.5), name="upper"
+        ),
+        Revolute(door, wheel, at=(2, 0, 0.3), axis=(1, 0.2, 0), name="axle"),
+        Universal(wheel, link, at=(2.5, 0, 0.3), axis_a=(0, 1, 0), axis_b=(0, 0, 1), name="cross"),
+    ]
+    found = System([door, wheel, link], joints).check()
+    assert [share.joint for share in found.shares] == ["Revolute 'lower'", "Revolute 'upper'"]
+    assert found.mobility == found.configuration_freedom == 4 and found.notes == ()
+
+
 def test_parts_as_built_leave_open_what_exact_ones_do():
     """Hinges of a Sarrus linkage 1e-7 m and rad out, one row let go: the shares are those of least norm, off by that.
 

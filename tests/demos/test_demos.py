@@ -245,6 +245,7 @@ def test_broken_demos_are_named_and_not_fatal(plugins):
         ("spinning_egg", {"t": 0.2}, "after t = 0.2 s: give a greater t or mu, and a spin near 160 rad/s"),
         ("tippe_top", {"c": -0.2}, "c = -0.2 N s/m: rubbing takes energy away; give c >= 0"),
         ("bennett", {"a": -0.2}, "a = -0.2; give a length > 0"),
+        ("fishhook", {"track": 3.75}, "this car does not roll back by itself; give less damping or track"),
     ],
 )  # fmt: skip
 def test_what_no_demo_can_do_is_refused_in_one_sentence(name, changes, message):

@@ -11,6 +11,7 @@ from mbsd3d import (
     AssemblyError,
     Body,
     Bushing,
+    Contact,
     CustomForce,
     EquilibriumError,
     Fixed,
@@ -31,8 +32,10 @@ from mbsd3d import (
     accelerations,
     measures,
     rotation,
+    shapes,
     simulate,
 )
+from mbsd3d.base.rotations import matrix
 from mbsd3d.mechanism.forces.custom import SavedForce
 
 G = 9.81
@@ -193,6 +196,18 @@ def test_neutral_and_held():
     assert repr(held).startswith("<equilibrium: held (joints and drivers leave no freedom); nothing moved; residual ")
     turned = AngleDriver(Revolute(GROUND, stone, at=(0, 0, 1), axis=(0, 1, 0)), 0.0)
     assert System([stone], [turned.hinge, turned]).equilibrium().stability == "held"
+
+
+@pytest.mark.parametrize("law", [{}, {"creep": 1e-3}, {"rolling": 0.01, "spinning": 0.02}])
+@pytest.mark.parametrize("gap", [1e-3, 0.37])
+def test_what_rubs_comes_down_onto_the_floor(law, gap):
+    """In the air nothing but the weight acts, while friction has rates of its own: k d^1.5 = m g in the end."""
+    ball = Body("ball", 2.0, (0.01, 0.02, 0.025), com=(0.02, 0.01, -0.03), position=(0.1, 0.2, 0.2 + gap))
+    form = shapes.Sphere(0.2, at=ball.com)
+    floor = Contact(GROUND, ball, form, stiffness=3e5, exponent=1.5, damping=300.0, friction=0.6, **law)
+    rest = System([ball], forces=[floor]).equilibrium()
+    depth = 0.2 - (rest.state.q[2] + (matrix(rest.state.q[3:]) @ ball.com)[2])
+    assert depth == pytest.approx((2.0 * 9.81 / 3e5) ** (2.0 / 3.0), rel=1e-8)
 
 
 def test_failures_are_named():

@@ -40,6 +40,7 @@ from mbsd3d import (
     linearize,
     rotation,
 )
+from mbsd3d.base.errors import InputError
 from mbsd3d.base.quaternions import exponential
 from mbsd3d.base.rotations import matrix
 from mbsd3d.equations.compiled import compile_system
@@ -598,6 +599,11 @@ def test_motion_of_every_kind_of_mode():
         motion = mode.motion(amplitude=0.05, cycles=1.5, samples=7)
         reach = np.abs(motion.arrays["q"] - found.state.q.reshape(-1, 7)).max()
         assert 1e-3 < reach < 0.2 and np.isfinite(motion.t).all()
+    for samples in ("many", 2.5, 1, 10**12):
+        with pytest.raises(InputError, match=f"motion: samples = '?{samples}'?; give a whole number from 2 to 100000"):
+            mode.motion(samples=samples)
+    with pytest.raises(InputError, match="animate: cycles: expected a number, got 'two'"):
+        mode.animate(cycles="two")
 
 
 def test_table_and_figure():
@@ -614,8 +620,6 @@ def test_table_and_figure():
     assert np.isin(found.eigenvalues, drawn).all() and drawn.size == found.eigenvalues.size  # one of them zero
     with pytest.raises(ValueError, match="not one of the"):
         found.mode(99)
-    with pytest.raises(ValueError, match="at least 2"):
-        found.mode(0).motion(samples=1)
 
 
 # --- refusals ---------------------------------------------------------------------------------------------------------

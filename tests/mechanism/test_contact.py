@@ -13,6 +13,7 @@ from mbsd3d import (
     Body,
     Contact,
     RadauIIA,
+    Revolute,
     Rolling,
     RollingDisc,
     System,
@@ -166,6 +167,20 @@ def test_two_floating_bodies_exchange_momentum_and_lose_energy():
     assert run.certificate.passed and run.measure(measures.normal_force(hit)).max() > 10.0
     assert run.momentum().linear == pytest.approx(run.momentum().linear[[0]] + 0 * run.momentum().linear, abs=1e-8)
     assert np.diff(run.energy().total).max() < 1e-7 < run.energy().total[0] - run.energy().total[-1]
+
+
+@pytest.mark.parametrize("gap", [0.3, -2e-3])
+def test_what_does_not_rub_has_no_derivative_either(gap):
+    """A pendulum swings, or falls over, by weight less normal force in the air and where it only resists spinning."""
+    m, moment, arm, r, k = 2.0, 0.025, 0.4, 0.1, 3e5
+    table = ((0, 0, -arm - r - gap), (0, 0, 1))
+    bob = Body("bob", m, (0.01, moment, 0.02), com=(0, 0, -arm))
+    hinge = Revolute(GROUND, bob, at=(0, 0, 0), axis=(0, 1, 0))
+    law = {"friction": 0.5, "spinning": 0.01} if gap > 0.0 else {"spinning": 0.01}
+    rubbing = Contact(GROUND, bob, shapes.Sphere(r, at=(0, 0, -arm)), stiffness=k, plane=table, **law)
+    found = linearize(System([bob], [hinge], [rubbing])).eigenvalues
+    square = (m * 9.81 - k * max(-gap, 0.0)) * arm / (moment + m * arm**2)
+    assert np.abs(found - np.sqrt(complex(-square))).min() < 1e-9 * np.sqrt(abs(square))
 
 
 def test_clearance_is_that_of_the_lowest_of_many_points():

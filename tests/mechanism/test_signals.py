@@ -132,6 +132,14 @@ def test_algebra_with_numbers_on_either_side(signal):
     np.testing.assert_allclose(sum([signal, signal])(INSIDE), 2 * value, rtol=1e-14)
 
 
+def test_a_long_series_is_one_sum():
+    """A thousand harmonics added one by one, against numpy; a sum in a sum would nest as deep."""
+    t, orders = 0.37, np.arange(1, 1001)
+    series = sum(Sine(1.0 / k, float(k), phase=0.1 * k) for k in orders)
+    assert float(series(t)) == pytest.approx((np.sin(2 * np.pi * orders * t + 0.1 * orders) / orders).sum(), abs=1e-11)
+    assert all(not isinstance(one, Sum) for one in series.signals)
+
+
 def test_interval_is_what_all_tables_share():
     late = Table(TIMES + 0.5, TIMES)
     assert Sine(1.0, 2.0).interval == (-np.inf, np.inf)

@@ -23,6 +23,10 @@ from mbsd3d import (
 KEPT = 1e-10  # velocities are projected onto the rows to rounding at every sample
 
 
+def pin(a, b):
+    return Revolute(a, b, at=(0, 0, 0), axis=(0, 0, 1), name="pin")
+
+
 def pair(seed=3):
     rng = np.random.default_rng(seed)
     return rng, random_body(rng, "a"), random_body(rng, "b")
@@ -121,6 +125,12 @@ def test_files_keep_them(tmp_path):
         (lambda a, b, nut, rod: SpeedDriver(a, b, axis=(1, 0, 0), at=(0, 0, 0), speed=1.0), "a turn has no point"),
         (lambda a, b, nut, rod: SpeedDriver(a, 3.0, axis=(1, 0, 0), speed=1.0), "b = 3.0 is not a body"),
         (lambda a, b, nut, rod: SpeedDriver(joint=a, speed=1.0), "has neither angle nor slide"),
+        (lambda a, b, nut, rod: SpeedDriver(pin(a, b), 1.0, speed=2.0), "two speeds, 1.0 and 2.0; give one"),
+        (
+            lambda a, b, nut, rod: SpeedDriver(pin(a, b), 1.0, axis=(1, 0, 0)),
+            "axis = .*, but 'pin' says what moves; leave it out",
+        ),
+        (lambda a, b, nut, rod: SpeedDriver(pin(a, b), 1.0, at=(1, 0, 0)), "at = .*, but 'pin' says what moves"),
     ],
 )
 def test_slips_are_named(make, message):

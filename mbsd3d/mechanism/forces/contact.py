@@ -28,7 +28,9 @@ def gripped(k, c, x, y, u, v, most):
     """(f, x_dot) of two components: f = k x + c u, but no more than ``most``, and x_dot = (f - k x) / c."""
     f, g = k * x + c * u, k * y + c * v
     square = f * f + g * g
-    if square.real > most.real * most.real:
+    if most.real <= 0.0:  # nothing rubs, also in derivatives
+        f, g = 0.0 * f, 0.0 * g
+    elif square.real > most.real * most.real:
         share = most / np.sqrt(square)
         f, g = share * f, share * g
     return f, g, (f - k * x) / c, (g - k * y) / c

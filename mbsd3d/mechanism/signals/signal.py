@@ -7,6 +7,7 @@ so the plotted signal is the one that drives the model.
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 from numbers import Real
 
 import numpy as np
@@ -105,7 +106,7 @@ class Constant(Signal):
 
 @dataclass(frozen=True)
 class Sum(Signal):
-    """Sum of signals; ``a + b`` makes it.
+    """Sum of signals; ``a + b`` makes it. A sum in a sum is taken apart.
 
     Raises ValueError if the intervals of two tables have no time in common.
 
@@ -120,7 +121,8 @@ class Sum(Signal):
         signals = listed(self.signals, "Sum: signals", "a tuple of signals")
         if not signals or not all(isinstance(signal, Signal) for signal in signals):
             raise InputError(f"Sum: signals {shown(self.signals)}; give a tuple of signals")
-        self._store(signals=signals)
+        inside = (one.signals if isinstance(one, Sum) else (one,) for one in signals)
+        self._store(signals=tuple(chain.from_iterable(inside)))
         start, end = self.interval
         if not start < end:
             raise InputError(

@@ -8,7 +8,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
-from ...base.checks import number
+from ...base.checks import number, whole
 from ...base.errors import InputError
 from ...base.style import Theme, dress, house, theme
 from ...plotting.panels import Wanted
@@ -27,13 +27,6 @@ MOST, LARGEST = 5000, 4096  # frames of a film, pixels of a side
 COARSE = 31.0  # longest triangle or stroke, about [pixel]
 PATH = 400  # points of a path at least
 FEW = 60  # poses that say how far the motion reaches
-
-
-def whole(value: int, what: str, least: int, most: int) -> int:
-    """A whole number in a range."""
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= most:
-        raise InputError(f"{what} = {value!r}; give a whole number from {least} to {most}")
-    return int(value)
 
 
 def paced(t: np.ndarray, fps: float, speed: float | None, usual: tuple[float, float]) -> tuple[float, float, int]:
