@@ -38,7 +38,7 @@ class Studies(click.Group):
 def bicycle() -> None:
     """Stability, sensitivity, rides and circles of bicycles, on ideal wheels or on tyres.
 
-    BICYCLE is a name, e.g. Browser, or a file with parameters (.txt, .yml); without it the benchmark bicycle of 2007.
+    BICYCLE is a name, e.g. Browserins, or a parameter file (.txt, .yml); without it the benchmark bicycle of 2007.
     """
 
 

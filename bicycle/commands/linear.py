@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 @click.option(
     "--samples", type=click.IntRange(2, 100_000), default=10_000, show_default=True, help="Of the distribution."
 )
-@click.option("--seed", type=int, default=1, show_default=True, help="Of the random numbers.")
+@click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Of the random numbers.")
 @click.option(
     "--map", "axes", multiple=True, metavar="SYMBOL=FROM:TO:COUNT",
     help="Map of the self-stable range over two parameters, e.g. --map c=0:0.2:81 --map lam=0:0.7:81",

@@ -66,8 +66,8 @@ def ride(
     name = "_".join([parameters.name, manoeuvre, *changes(chosen, arguments, fallen, held_down), *own])
     arguments |= fitted
     target = ready_folder(out) / name
+    samples = int(np.clip(RATE * number(arguments["t_end"], "ride: --t-end", positive=True), LEAST, MOST)) + 1
     try:
-        samples = int(np.clip(RATE * arguments["t_end"], LEAST, MOST)) + 1
         found = run(parameters, fallen=np.radians(fallen), held_down=held_down, output=samples, **arguments)
     except IntegrationError as error:
         keep(error.solution, target)

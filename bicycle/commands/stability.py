@@ -29,7 +29,7 @@ def stability(
 ) -> None:  # fmt: skip
     """Eigenvalues over the speed: weave, capsize, castering and the stable range.
 
-    BICYCLE is a name, e.g. Browser, or a file with parameters (.txt, .yml). Writes a figure and a table (.csv). On
+    BICYCLE is a name, e.g. Browserins, or a file with parameters (.txt, .yml). Writes a figure and a table (.csv). On
     tyres: from 0.5 m/s in 96 steps; Sharp1971 is a motorcycle on its own tyres, at 3 to 50 m/s.
     """
     from ..linear.stability import check_mode, study

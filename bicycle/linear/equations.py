@@ -50,15 +50,20 @@ class Canonical:
         return np.sort_complex(np.linalg.eigvals(self.A(checked_speeds(speeds))))
 
 
+def checked_list(values: ArrayLike, what: str, remedy: str) -> np.ndarray:
+    """(n,) finite numbers, n > 0, or a ValueError."""
+    try:
+        found = np.atleast_1d(np.asarray(values, dtype=float))
+    except (TypeError, ValueError):
+        found = np.zeros(0)
+    if found.ndim != 1 or not found.size or not np.isfinite(found).all():
+        raise InputError(f"{what}: {values!r:.80}; give {remedy}")
+    return found
+
+
 def checked_speeds(speeds: ArrayLike) -> np.ndarray:
     """(n,) finite speeds, or a ValueError."""
-    try:
-        found = np.atleast_1d(np.asarray(speeds, dtype=float))
-    except (TypeError, ValueError):
-        raise InputError(f"speeds: {speeds!r} are not numbers; give speeds in m/s") from None
-    if found.ndim != 1 or not found.size or not np.isfinite(found).all():
-        raise InputError("speeds: give one or more finite speeds in m/s")
-    return found
+    return checked_list(speeds, "speeds", "one or more finite speeds in m/s")
 
 
 def canonical(p: Parameters) -> Canonical:

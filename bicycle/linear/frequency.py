@@ -24,7 +24,7 @@ from ..model.mechanism import outputs, whipple
 from ..model.tyres import Tyres
 from ..output import new_figure, write_table
 from ..parameters import Parameters
-from .equations import canonical, checked_speeds
+from .equations import canonical, checked_list, checked_speeds
 from .general import Build
 from .tyre_equations import matrix, sideways
 
@@ -89,9 +89,10 @@ def response(
     [-1.0829 -0.4552]
     """
     speeds = checked_speeds(speeds)
-    omega = np.logspace(-1.0, 2.0, 301) if frequencies is None else np.atleast_1d(np.asarray(frequencies, float))
-    if omega.ndim != 1 or not omega.size or not (np.isfinite(omega) & (omega > 0.0)).all():
-        raise InputError("response: frequencies: give one or more positive ones in rad/s")
+    omega = np.logspace(-1.0, 2.0, 301) if frequencies is None else frequencies
+    omega = checked_list(omega, "response: frequencies", remedy := "one or more positive ones in rad/s")
+    if omega.min() <= 0.0:
+        raise InputError(f"response: frequencies: {omega.min():g} is not positive; give {remedy}")
     if build is None and tyres is not None:
         raise InputError("response: the closed form has ideal wheels; leave out tyres, or give a model")
     if fittings and tyres is None:

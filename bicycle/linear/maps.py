@@ -12,8 +12,9 @@ from mbsd3d.errors import InputError
 from mbsd3d.extend import Theme, dress
 
 from ..output import collected, new_figure, write_table
-from ..parameters import MEANING, SYMBOL, TYRES, UNIT, Parameters
+from ..parameters import MEANING, SYMBOL, TYRES, UNIT, Parameters, check_set
 from . import critical
+from .equations import checked_list
 from .general import Build
 from .uncertainty import variants
 
@@ -88,6 +89,7 @@ def checked_axes(
     parameters: Parameters, axes: Mapping[str, Sequence[float]], build: Build | None
 ) -> dict[str, np.ndarray]:
     """Two parameters with their values, every pair of which is possible."""
+    check_set(parameters, "stable_map")
     what = f"stable_map of '{parameters.name}'"
     if len(axes) != 2:
         raise InputError(f"{what}: {len(axes)} parameters; give two, e.g. {{'c': [0.05, 0.1], 'lam': [0.2, 0.4]}}")
@@ -95,9 +97,7 @@ def checked_axes(
     for key, values in axes.items():
         if key not in MEANING:
             raise InputError(f"{what}: there is no parameter '{key}'; there are {', '.join(MEANING)}")
-        found[key] = np.asarray(values, float)
-        if found[key].ndim != 1 or not found[key].size or not np.isfinite(found[key]).all():
-            raise InputError(f"{what}: values of {key}; give a list of finite numbers")
+        found[key] = checked_list(values, f"{what}: values of {key}", "a list of finite numbers")
     for corner in product(*({x.min(), x.max()} for x in found.values())):  # suffice: what is possible is convex
         replace(parameters, **dict(zip(found, corner, strict=True)))
     if build is None and set(found) & set(TYRES):

@@ -20,7 +20,7 @@ from mbsd3d.errors import InputError
 from mbsd3d.extend import dress
 
 from ..output import new_figure, write_table
-from ..parameters import MEANING, SYMBOL, SYMBOLS, TYRES, UNIT, Parameters
+from ..parameters import MEANING, SYMBOL, SYMBOLS, TYRES, UNIT, Parameters, check_set
 from . import critical
 from .critical import Quartic, double_roots, value
 from .general import Build
@@ -109,6 +109,7 @@ def derivatives(parameters: Parameters, build: Build | None = None) -> Derivativ
     >>> print(f"{found.speeds['weave']:.6f} m/s, {found.by['weave']['c']:.3f} m/s per metre of trail")
     4.292383 m/s, 11.480 m/s per metre of trail
     """
+    check_set(parameters, "derivatives")
     keys = [*SYMBOLS, *(key for key in TYRES if getattr(parameters, key))]
     if build is None:
         q, stepped = critical.polynomial(parameters), critical.polynomial(perturbed(parameters))

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from mbsd3d import Mode
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, THIN, Theme, explaining
+from mbsd3d.extend import LINE, THIN, Theme, explaining, number
 
 from ..model.mechanism import whipple
 from ..model.tyres import Tyres
@@ -56,6 +56,7 @@ class Stability:
     def mode(self, name: str, speed: float) -> Mode:
         """Weave, capsize or castering of the general model at a speed [m/s]; ``.animate()`` shows it in motion."""
         check_mode(name)
+        speed = number(speed, f"mode '{name}': speed")
         fastest = np.copysign(max(np.abs([*self.speeds, speed, 1.0])), speed)
         linear = linear_equations(self.build, self.parameters, fastest)
         value = follow(linear, np.array([fastest, speed]))[0][1, NAMES.index(name)]
@@ -164,9 +165,9 @@ def lines(axes: "Axes", found: Stability, look: Theme, part: Callable[[np.ndarra
     split = split | np.r_[split[1:], False] | np.r_[False, split[:-1]]  # up to where they are one
     for side in (found.speeds < 0.0, found.speeds >= 0.0):  # at rest the modes get their names anew
         speeds, values = found.speeds[side], found.values[side]
-        for number, k in enumerate(SHOWN):
+        for place, k in enumerate(SHOWN):
             label = found.names[k] if side[np.argmax(found.speeds)] else None
-            axes.plot(speeds, part(values[:, k]), label=label, color=look.colour(number), linewidth=LINE)
+            axes.plot(speeds, part(values[:, k]), label=label, color=look.colour(place), linewidth=LINE)
         rest = np.where(split[side], part(values[:, 1]), np.nan)  # the second of two real modes that become the weave
         axes.plot(speeds, rest, color=look.colour(0), linewidth=LINE)
     if found.closed is not None:

@@ -67,7 +67,12 @@ def matrix(system: System, speed: float) -> np.ndarray:
 
     The world's speed to the left is that over the bicycle and V heading: with it the heading drops out.
     """
-    A = linearize(system, outputs=sideways(system), tolerance=ROUNDING).A
+    try:
+        A = linearize(system, outputs=sideways(system), tolerance=ROUNDING).A
+    except InputError as error:
+        if not any(getattr(force, "rolling_resistance", 0.0) for force in system.forces):
+            raise
+        raise InputError(f"{error}; rolling resistance slows a bicycle down: leave out rolling_resistance") from None
     turned = np.eye(len(A))
     turned[4, -1] = speed
     A = np.linalg.solve(turned, A @ turned)

@@ -15,11 +15,11 @@ import numpy as np
 import scipy
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, dress
+from mbsd3d.extend import LINE, dress, number
 
 from .. import parameters as published
 from ..output import new_figure, write_table
-from ..parameters import NOT_NEGATIVE, POSITIVE, SYMBOL, SYMBOLS, Parameters
+from ..parameters import NOT_NEGATIVE, POSITIVE, SYMBOL, SYMBOLS, Parameters, check_set
 from . import critical
 
 if TYPE_CHECKING:
@@ -104,17 +104,23 @@ def published_deviations(parameters: Parameters) -> dict[str, float]:
 
 def checked_deviations(parameters: Parameters, given: Mapping[str, float] | None) -> dict[str, float]:
     """Standard deviations as given or as published with the set, none of them zero."""
+    check_set(parameters, "deviations")
     given = published_deviations(parameters) if given is None else given
-    found = {key: float(std) for key, std in given.items() if std != 0.0}
-    what = f"bicycle '{parameters.name}'"
+    found, what = {key: std for key, std in given.items() if std != 0.0}, f"bicycle '{parameters.name}'"
     if not found:
         raise InputError(f"{what}: no standard deviations; give them by symbol, e.g. {{'c': 0.01}}")
     for key, std in found.items():
         if key not in SYMBOLS:
             raise InputError(f"{what}: deviation of '{key}': no such parameter; there are {', '.join(SYMBOLS)}")
-        if not (np.isfinite(std) and std > 0.0):
-            raise InputError(f"{what}: deviation of {key} = {std!r}; give a positive number")
+        found[key] = number(std, f"{what}: deviation of {key}", positive=True)
     return found
+
+
+def whole(value: int, what: str, least: int) -> int:
+    """A whole number that is not below the least, or a ValueError."""
+    if not isinstance(value, int | np.integer) or isinstance(value, bool) or value < least:
+        raise InputError(f"{what} = {value!r:.80}; give a whole number >= {least}")
+    return int(value)
 
 
 def monte_carlo(
@@ -139,9 +145,8 @@ def monte_carlo(
         For unknown symbols, no deviations, or deviations so large that a sample is impossible.
     """
     known = checked_deviations(parameters, deviations)
-    if n < 2:
-        raise InputError(f"monte_carlo: n = {n} samples; give at least 2")
-    keys, random = tuple(known), np.random.default_rng(seed)
+    n, random = whole(n, "monte_carlo: n", 2), np.random.default_rng(whole(seed, "monte_carlo: seed", 0))
+    keys = tuple(known)
     mean = np.array([getattr(parameters, key) for key in keys])
     inputs = mean + np.array(list(known.values())) * random.normal(size=(n, len(keys)))
     check_samples(parameters, keys, inputs.T)
@@ -160,11 +165,13 @@ def impossible(variant: SimpleNamespace) -> np.ndarray:
 
 
 def check_samples(parameters: Parameters, names: tuple[str, ...], x: np.ndarray) -> None:
-    """Refuse samples (k, n) with lengths, masses or inertias that are impossible."""
+    """Refuse samples (k, n) with lengths, masses or a tilt that are impossible."""
     for key, values in zip(names, x, strict=True):
-        if (key in POSITIVE and values.min() <= 0.0) or (key in NOT_NEGATIVE and values.min() < 0.0):
+        least, most = values.min(), np.abs(values).max()
+        low = (key in POSITIVE and least <= 0.0) or (key in NOT_NEGATIVE and least < 0.0)
+        if low or (key == "lam" and most >= np.pi / 2):
             raise InputError(
-                f"bicycle '{parameters.name}': a sample has {key} = {values.min():.3g}, which is impossible; "
+                f"bicycle '{parameters.name}': a sample has {key} = {least if low else most:.3g}, which is impossible; "
                 f"give a smaller deviation of {key}, or none"
             )
 
@@ -174,7 +181,8 @@ def sobol(
 ) -> Sobol:
     """Sobol indices of the critical speeds by n (k + 2) samples, n a power of two; the rest as in `monte_carlo`."""
     known = checked_deviations(parameters, deviations)
-    if n < 2 or n & (n - 1):
+    n, seed = whole(n, "sobol: n", 2), whole(seed, "sobol: seed", 0)
+    if n & (n - 1):
         raise InputError(f"sobol: n = {n}; give a power of two, e.g. 2048")
     keys, exists = tuple(known), np.ones(len(OUTPUTS), bool)
 

@@ -17,7 +17,7 @@ from mbsd3d.errors import InputError
 from ..model.mechanism import whipple
 from ..model.tyres import Tyres, both
 from ..output import collected
-from ..parameters import Parameters, named
+from ..parameters import Parameters, check_set, named
 from . import critical, why_on_tyres
 from .critical import Quartic
 from .equations import canonical
@@ -114,6 +114,7 @@ def ablations(
     >>> print(*{row.name: row.ranges for row in found.rows}["no trail"])
     2.933073 ... 3.128986 m/s
     """
+    check_set(parameters, "why")
     if tyres is not None:
         return why_on_tyres.ablations(parameters, both(tyres), fittings, progress)
     if fittings:

@@ -13,9 +13,10 @@ from numpy.typing import ArrayLike
 from scipy.linalg import solve_continuous_are
 from scipy.optimize import brentq
 
+from mbsd3d.errors import InputError
 from mbsd3d.extend import number, on_one_thread
 
-from ..linear.equations import canonical
+from ..linear.equations import canonical, checked_speeds
 from ..parameters import Parameters
 
 Law = Callable[[float], np.ndarray]
@@ -45,6 +46,8 @@ def into_the_fall(roll: float, rate: float) -> Law:
 
 def regulator(parameters: Parameters, weights: Sequence[float] = (1.0, 1.0, 1.0, 1.0), effort: float = 1e-2) -> Law:
     """The K that makes the integral of sum w_i x_i^2 + effort T^2 least, at every speed anew."""
+    if np.shape(weights) != (4,):
+        raise InputError(f"assist: weights = {weights!r:.80}; give four: of lean, steer and their rates")
     Q, linear = np.diag([number(w, "assist: weight", minimum=0.0) for w in weights]), canonical(parameters)
     R = np.array([[number(effort, "assist: effort", positive=True)]])
     B = input_of(parameters)
@@ -73,7 +76,9 @@ def stable_ranges(parameters: Parameters, law: Law, speeds: ArrayLike | None = N
     >>> [(round(x.low, 5), round(x.high, 5)) for x in assist.stable_ranges(Meijaard2007(), assist.roll_rate(-10.0))]
     [(2.81174, 6.02426)]
     """
-    grid = GRID if speeds is None else np.unique(np.asarray(speeds, float))
+    grid = GRID if speeds is None else np.unique(checked_speeds(speeds))
+    if grid.size < 2:
+        raise InputError("assist: give at least two different speeds, between which limits are sought")
 
     def growth(v: float) -> float:
         return float(eigenvalues(parameters, [v], law).real.max())

@@ -21,7 +21,7 @@ from mbsd3d.extend import LINE, THIN, dress
 from ..linear.equations import checked_speeds
 from ..output import collected, new_figure, write_table
 from ..parameters import Parameters
-from .rider import Gains, by_rule, closed_loops, eigenvalues, gains_of, spans
+from .rider import Gains, by_rule, checked_gains, closed_loops, eigenvalues, gains_of, spans
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -68,7 +68,7 @@ def peak(parameters: Parameters, speed: float, gains: Gains | None = None) -> Pe
     >>> print(round(handling.peak(Meijaard2007(), 5.0).value, 4))
     4.7647
     """
-    gains = gains_of(parameters, speed) if gains is None else Gains(*gains)
+    gains = gains_of(parameters, speed) if gains is None else checked_gains(gains)
     growth = eigenvalues(parameters, speed, gains).real.max()
     if growth >= 0.0:
         raise InputError(

@@ -7,6 +7,7 @@ The model and its rule for gains are those of R. A. Hess, J. K. Moore and M. Hub
 the lateral deviation of the front contact, are positive to the right, as lean phi and steer delta are.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -38,6 +39,13 @@ class Gains(NamedTuple):
     roll: float  # [1/s]
     heading: float
     deviation: float  # [rad/m]
+
+
+def checked_gains(gains: Sequence[float]) -> Gains:
+    """Five finite numbers, or a ValueError."""
+    if np.shape(gains) != (len(LOOPS),):
+        raise InputError(f"rider: gains = {gains!r:.80}; give five: of the loops of {', '.join(LOOPS)}")
+    return Gains(*(number(k, f"rider: gain of the {name} loop") for k, name in zip(gains, LOOPS, strict=True)))
 
 
 class Loop(NamedTuple):
@@ -74,8 +82,8 @@ def open_loop(parameters: Parameters, speed: float) -> Loop:
 def closed_loops(parameters: Parameters, speed: float, gains: Gains, count: int = 5) -> Loop:
     """Transfer from the command of the outermost of ``count`` closed loops to the states; no loop is `open_loop`."""
     A, B = open_loop(parameters, speed)
-    for k, seen, name in zip(gains[:count], SEEN, LOOPS, strict=False):
-        B = B * number(k, f"rider: gain of the {name} loop")
+    for k, seen in zip(checked_gains(gains)[:count], SEEN, strict=False):
+        B = B * k
         A[:, seen] -= B
     return Loop(A, B)
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mbsd3d import CustomForce
+from mbsd3d.errors import InputError
 from mbsd3d.extend import LINE, dress, number
 
 from ..model.kinematics import steer_axis
@@ -14,7 +15,7 @@ from ..model.mechanism import Bicycle, whipple
 from ..model.tyres import Tyres
 from ..output import new_figure, write_table
 from ..parameters import Parameters
-from ..riders.rider import MUSCLES, Gains, gains_of
+from ..riders.rider import MUSCLES, Gains, checked_gains, gains_of
 from .manoeuvres import FALLEN
 from .motion import Ride, legend_above, lines, on_tyres
 from .ride import ended
@@ -176,11 +177,13 @@ def run(
         Until the end, or until the rider falls or a wheel lifts, as in `bicycle.ride.run`.
     """
     speed = number(speed, "rider: speed", positive=True)
-    gains = gains_of(parameters, speed) if gains is None else gains
+    gains = gains_of(parameters, speed) if gains is None else checked_gains(gains)
+    if not isinstance(course, Course):
+        raise InputError(f"rider: course = {course!r:.80}; give a Course, e.g. COURSES['slalom']")
     fittings = {"tyres": tyres, "steer_damping": steer_damping}
     fittings |= {"head_stiffness": head_stiffness, "head_damping": head_damping}
     system = ridden(parameters, speed, course, gains, **fittings)
-    settings = {"state": system.state(), "rtol": rtol, "output": np.linspace(0.0, t_end, samples)}
+    settings = {"state": system.state(), "rtol": rtol, "output": samples}
     return RiddenCourse(ended(parameters, system, t_end, FALLEN, on_tyres(system), settings), course, gains)
 
 

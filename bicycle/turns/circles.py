@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 from mbsd3d.errors import InputError
 from mbsd3d.extend import LINE, Progress, Theme, dress, number
 
+from ..linear.equations import checked_list
 from ..output import new_figure, write_table
 from ..parameters import Parameters
 from ..rides.motion import legend_above
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 
 LEANS = np.radians([1.0, *np.arange(2.5, 41.0, 2.5)])
 """Of the turns with steer torque in the figure of the command line [rad]."""
+ROUNDING = 1e-12
+"""Sine of a steer angle that is straight ahead or reversed."""
 COLUMNS = {
     "lean": "rad", "steer": "rad", "speed": "m/s", "yaw_rate": "rad/s", "radius": "m", "torque": "N m", "load": "N",
     "friction": "-", "growth": "1/s",
@@ -90,8 +93,8 @@ def turn(parameters: Parameters, lean: float, steer: float) -> Turn:
     (4.037783, -0.330445)
     """
     lean, steer = number(lean, "circles.turn: lean"), number(steer, "circles.turn: steer")
-    if np.sin(steer) == 0.0:
-        raise InputError("circles.turn: steer = 0: a straight wheel makes no turn; give a steer angle")
+    if abs(np.sin(steer)) < ROUNDING:
+        raise InputError(f"circles.turn: steer = {steer:g}: a straight wheel makes no turn; give a steer angle")
     return TurnSolver(parameters).turn(lean, steer)
 
 
@@ -116,8 +119,8 @@ def held(
     """
     turner, speed = turner or TurnSolver(parameters), number(speed, "circles.held: speed", positive=True)
     found = []
-    for lean in leans:
-        side = np.sign(number(lean, "circles.held: lean"))
+    for lean in checked_list(leans, "circles.held: leans", "finite ones in rad"):
+        side = np.sign(lean)
         if side == 0.0:
             raise InputError("circles.held: lean = 0: an upright bicycle goes straight; give a lean")
 

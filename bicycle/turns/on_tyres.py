@@ -4,20 +4,21 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.optimize import root
 
-from mbsd3d import Input, Signal, Solution, State, accelerations
+from mbsd3d import AssemblyError, Input, Signal, Solution, State, accelerations
 from mbsd3d.errors import InputError
 from mbsd3d.extend import LINE, Rates, as_signal, cross, dress, number
 
-from ..model.kinematics import Pose, X, Y, Z, placed, pose_of, rotation_about, steer_axis
+from ..model.kinematics import Pose, Y, Z, placed, steer_axis
 from ..model.mechanism import Bicycle, steer_torque, whipple
 from ..model.tyres import Tyres
 from ..output import new_figure, write_table
 from ..parameters import Parameters
+from ..rides.motion import WHEELS
 from ..rides.ride import axle_torque
 from .turning import SteadyTurn, Turn
 
@@ -27,8 +28,12 @@ if TYPE_CHECKING:
 SIZES = np.array([0.1, 0.01, 0.01, 0.1, 0.1, 1.0, 1.0, 1.0, 1.0, 0.01, 0.01, 0.01, 0.01])
 """Of the unknowns: steer, pitch, height of the rear hub over that of an ideal wheel, its speed to the left, yaw rate,
 spins of the wheels over frame and fork, steer and drive torque, deflections of the tyres."""
-STEP = 0.1  # [rad] of lean from one turn to the next
-HALVED = 5
+DIFFERENCE = 1e-6
+"""Of the lean [rad] and, over `SIZES`, of the unknowns, for derivatives."""
+ASIDE = 0.5
+"""Largest distance of a turn from where the tangent leads, over the way there."""
+LEAST = 1e-3
+"""[rad] Shortest step of lean on the way to one that has no turn."""
 STEADY = 1e-8
 """Largest acceleration left over [m/s^2, rad/s^2], and rate of a deflection; rounding leaves 1e-12."""
 
@@ -71,37 +76,41 @@ class TyreTurn(SteadyTurn):
         return float(self.x[8])
 
     @cached_property
+    def forces(self) -> list[Any]:
+        """Of the ground on the rear and the front wheel, one sample each."""
+        return [self.at.force(f"{wheel} tyre") for wheel in WHEELS]
+
+    @property
     def saturation(self) -> float:
         """The larger part of the grip that a tyre uses."""
-        return max(float(self.at.force(f"{wheel} tyre").saturation[0]) for wheel in ("rear", "front"))
+        return max(float(load.saturation[0]) for load in self.forces)
 
     @property
     def friction(self) -> float:
         """The larger horizontal force of a wheel over its load."""
-        loads = [self.at.force(f"{wheel} tyre") for wheel in ("rear", "front")]
-        return max(float(np.hypot(x.longitudinal[0], x.lateral[0]) / x.normal[0]) for x in loads)
+        return max(float(np.hypot(x.longitudinal[0], x.lateral[0]) / x.normal[0]) for x in self.forces)
 
     def columns(self) -> dict[str, float]:
         """The line of the table that `to_csv` writes."""
         found = {"speed [m/s]": self.speed, "lean [rad]": self.lean, "steer [rad]": self.steer}
         found |= {"yaw rate [rad/s]": self.yaw_rate, "radius [m]": self.radius}
         found |= {"steer torque [N m]": self.steer_torque, "drive torque [N m]": self.drive_torque}
-        for wheel in ("rear", "front"):
-            load = self.at.force(f"{wheel} tyre")
+        for wheel, load in zip(WHEELS, self.forces, strict=True):
             found |= {f"{wheel} load [N]": load.normal[0], f"{wheel} slip angle [rad]": -load.slip_angle[0]}
             found[f"{wheel} saturation [-]"] = load.saturation[0]
         return found
 
 
 class Balance:
-    """What a state lacks to be a steady turn."""
+    """Steady turns at one speed, and what a state lacks to be one."""
 
-    def __init__(self, parameters: Parameters, tyres: Tyres, speed: float, lean: float) -> None:
-        self.parameters, self.speed, self.lean = parameters, speed, lean
+    def __init__(self, parameters: Parameters, tyres: Tyres, speed: float) -> None:
+        self.parameters, self.speed = parameters, speed
         self.free = whipple(parameters, tyres=tyres)
         self.axis = steer_axis(parameters)[1]
-        start = self.state(guess(parameters, self.free, speed, lean))[0]
-        self.rates = Rates(self.held(Input("steer"), Input("drive")), start)
+        self.straight = np.zeros(len(SIZES))
+        self.straight[5:7] = speed / parameters.rR, speed / parameters.rF
+        self.rates = Rates(self.held(Input("steer"), Input("drive")), self.state(self.straight, 0.0)[0])
 
     def held(self, steer: Signal | float, drive: Signal | float) -> Bicycle:
         """The bicycle under a steer and a drive torque [N m]."""
@@ -109,9 +118,9 @@ class Balance:
         forces += axle_torque(self.free, "rear wheel", "frame", as_signal(drive, "turn: drive"), "drive")
         return replace(self.free, forces=forces)
 
-    def state(self, x: np.ndarray) -> tuple[State, Pose]:
-        """State and pose of the unknowns."""
-        at = placed(self.parameters, self.lean, x[0], x[1])
+    def state(self, x: np.ndarray, lean: float) -> tuple[State, Pose]:
+        """State and pose of the unknowns at a lean [rad]."""
+        at = placed(self.parameters, lean, x[0], x[1])
         shift = np.array([0.0, -at.rear[1], x[2]])
         at = at._replace(rear=at.rear + shift, front=at.front + shift)
         turn = x[4] * Z
@@ -120,9 +129,9 @@ class Balance:
         v = [v_r, turn + x[5] * at.frame @ Y, v_r, turn, v_f, turn, v_f, turn + x[6] * at.fork @ Y]
         return State(0.0, at.q, np.concatenate(v), z=x[9:], coordinates=np.array([0.0, x[0], 0.0])), at
 
-    def __call__(self, x: np.ndarray) -> np.ndarray:
+    def lack(self, x: np.ndarray, lean: float) -> np.ndarray:
         """(13,) accelerations of frame, fork and wheels over those of a steady turn, and rates of the deflections."""
-        state, at = self.state(x)
+        state, at = self.state(x, lean)
         self.rates.set("steer", x[7])
         self.rates.set("drive", x[8])
         (rear, frame, fork, front), z_dot = self.rates(state)
@@ -130,25 +139,58 @@ class Balance:
         about = [at.frame @ self.axis @ (fork - frame)[3:], at.frame @ Y @ (rear - frame)[3:]]
         return np.r_[gap, frame[3:], about, at.fork @ Y @ (front - fork)[3:], z_dot]
 
+    def slope(self, at: "TyreTurn") -> np.ndarray:
+        """(13,) change of the unknowns with the lean along the turns [1/rad]."""
+        here = self.lack(at.x, at.lean)
+        columns = [self.lack(at.x + change, at.lean) - here for change in np.diag(DIFFERENCE * SIZES)]
+        by_lean = self.lack(at.x, at.lean + DIFFERENCE) - here
+        return -SIZES * np.linalg.solve(np.transpose(columns), by_lean)
 
-def pitch_of(p: Parameters, lean: float, steer: float) -> float:
-    """Pitch at which both ideal wheels stand on the ground [rad]."""
-    upright = rotation_about(X, -lean) @ pose_of(p, lean, steer).frame
-    return float(np.arctan2(-upright[2, 0], upright[0, 0]))
+    def turn(self, start: np.ndarray, lean: float) -> "TyreTurn | None":
+        """The turn at a lean [rad] near unknowns (13,); None if none presses both wheels to the ground."""
+        try:
+            found = root(lambda x: self.lack(SIZES * x, lean), start / SIZES, tol=1e-14)
+        except AssemblyError:
+            return None
+        if not np.abs(found.fun).max() < STEADY:
+            return None
+        x = SIZES * found.x
+        system, state = self.held(*x[7:9].tolist()), self.state(x, lean)[0]
+        made = TyreTurn(self.parameters, self.speed, lean, x, system, state, accelerations(system, state))
+        return made if min(load.normal[0] for load in made.forces) > 0.0 else None
+
+    def followed(self, last: "TyreTurn", lean: float) -> "TyreTurn":
+        """The turn at a lean [rad], followed from another one along the tangent; the last of them if there is none.
+
+        A turn far from where the tangent leads, in view of the step, is another one: then the step is halved.
+        """
+        slope, step = self.slope(last), lean - last.lean
+        while last.lean != lean:
+            there = lean if abs(step) >= abs(lean - last.lean) else last.lean + step
+            ahead = (there - last.lean) * slope
+            new = self.turn(last.x + ahead, there)
+            miss, way = (np.inf, 0.0) if new is None else (size(new.x - last.x - ahead), size(ahead))
+            if miss > ASIDE * way + STEADY:
+                step = 0.5 * (there - last.lean)
+                if abs(step) < LEAST:
+                    break
+                continue
+            last, slope, step = new, self.slope(new), 2.0 * step
+        return last
 
 
-def turn(parameters: Parameters, tyres: Tyres, *, speed: float, lean: float, near: TyreTurn | None = None) -> TyreTurn:
-    """The steady turn at a speed of the rear hub [m/s] and a lean [rad].
+def size(change: np.ndarray) -> float:
+    """Of a change of the unknowns."""
+    return float(np.linalg.norm(change / SIZES))
 
-    Parameters
-    ----------
-    near : TyreTurn or None
-        Where the search starts; None = a turn of ideal wheels by its textbook formula.
+
+def turn(parameters: Parameters, tyres: Tyres, *, speed: float, lean: float) -> TyreTurn:
+    """The steady turn at a speed of the rear hub [m/s] and a lean [rad], followed from straight running.
 
     Raises
     ------
     ValueError
-        If there is no such turn near it: beyond the grip of a tyre there is none.
+        If the turns end before this lean: at the limit of grip, where a wheel lifts, or where the speed allows no more.
 
     Examples
     --------
@@ -156,61 +198,34 @@ def turn(parameters: Parameters, tyres: Tyres, *, speed: float, lean: float, nea
     >>> round(turn(Meijaard2007(), TYPICAL, speed=5.0, lean=0.1).steer, 9)
     0.041078062
     """
-    what = f"bicycle '{parameters.name}': turn on tyres"
-    speed, lean = number(speed, f"{what}: speed", positive=True), number(lean, f"{what}: lean")
-    balance = Balance(parameters, tyres, speed, lean)
-    if near is None and abs(lean) > 1.5 * STEP:
-        near = turn(parameters, tyres, speed=speed, lean=lean - np.copysign(STEP, lean))
-    start = guess(parameters, balance.free, speed, lean)
-    if near is not None:
-        start += near.x - guess(parameters, balance.free, near.speed, near.lean)
-    found = root(lambda x: balance(SIZES * x), start / SIZES, tol=1e-14)
-    left = float(np.abs(found.fun).max())
-    if not left < STEADY:
-        raise InputError(
-            f"{what}: none at {speed:g} m/s and a lean of {lean:.4g} rad ({left:.2g} m/s^2 are left over); give a "
-            "smaller lean, or a turn near it"
-        )
-    x = SIZES * found.x
-    system, state = balance.held(*x[7:9].tolist()), balance.state(x)[0]
-    return TyreTurn(parameters, speed, lean, x, system, state, accelerations(system, state))
-
-
-def guess(p: Parameters, system: Bicycle, speed: float, lean: float) -> np.ndarray:
-    """The unknowns of a leaning bicycle whose wheels follow a circle with little slip."""
-    yaw_rate = -p.g * np.tan(lean) / speed
-    steer = -p.w * yaw_rate / speed * np.cos(lean) / np.cos(p.lam)
-    rear, front = (system.part(f"{wheel} tyre", "forces") for wheel in ("rear", "front"))
-    start = [steer, pitch_of(p, lean, steer), 0.0, 0.0, yaw_rate, speed / p.rR, speed / p.rF, 0.0, 0.0]
-    return np.array([*start, 0.0, -np.tan(lean) / rear.cornering, 0.0, -np.tan(lean) / front.cornering])
+    return turns(parameters, tyres, speed, [lean])[0]
 
 
 def turns(parameters: Parameters, tyres: Tyres, speed: float, leans: Iterable[float]) -> list[TyreTurn]:
-    """Turns at rising leans [rad], each sought near the one before, until none is left: the limit of grip.
+    """Turns at leans of rising size [rad], until there are no more, and one within `LEAST` of the last that there is.
 
-    Between the last lean that has a turn and the first that has none the limit is halved in `HALVED` times.
+    Raises
+    ------
+    ValueError
+        If there is no turn at the first lean, or a value is not a number.
     """
-    found: list[TyreTurn] = []
+    what = f"bicycle '{parameters.name}': turn on tyres"
+    balance = Balance(parameters, tyres, number(speed, f"{what}: speed", positive=True))
+    last, found = balance.turn(balance.straight, 0.0), []
+    if last is None:
+        raise InputError(f"{what}: at {speed:g} m/s it does not run straight with both wheels on the ground")
     for lean in leans:
-        try:
-            found.append(turn(parameters, tyres, speed=speed, lean=float(lean), near=found[-1] if found else None))
-        except ValueError:
-            if not found:
-                raise
-            return found + up_to_the_limit(parameters, tyres, found[-1], float(lean))
+        before, last = last, balance.followed(last, number(lean, f"{what}: lean"))
+        if last.lean != lean and not found:
+            raise InputError(
+                f"{what}: none at {speed:g} m/s and a lean of {lean:.4g} rad; those from straight ahead on end at a "
+                f"lean of {last.lean:.4g} rad; give a smaller one"
+            )
+        if last is not before or not found:
+            found.append(last)
+        if last.lean != lean:
+            break
     return found
-
-
-def up_to_the_limit(parameters: Parameters, tyres: Tyres, last: TyreTurn, beyond: float) -> list[TyreTurn]:
-    """Turns between one that there is and a lean [rad] at which there is none."""
-    found = [last]
-    for _ in range(HALVED):
-        lean = 0.5 * (found[-1].lean + beyond)
-        try:
-            found.append(turn(parameters, tyres, speed=last.speed, lean=lean, near=found[-1]))
-        except ValueError:
-            beyond = lean
-    return found[1:]
 
 
 def to_csv(found: Iterable[TyreTurn], path: str | Path) -> Path:

@@ -332,6 +332,7 @@ def test_interrupted_command_keeps_what_was_found(found, tmp_path, monkeypatch):
     ("call", "message"),
     [
         (lambda: circles.turn(BENCHMARK, 0.1, 0.0), "steer = 0: a straight wheel makes no turn"),
+        (lambda: circles.turn(BENCHMARK, 0.3, np.pi), "steer = 3.14159: a straight wheel makes no turn"),
         (lambda: circles.turn(BENCHMARK, 0.3, -0.25), "no speed makes a steady turn"),
         (lambda: circles.turn(BENCHMARK, 1.7, 0.1), "lies on the ground"),
         (lambda: circles.held(BENCHMARK, 0.0, [0.1]), "circles.held: speed"),

@@ -265,6 +265,16 @@ def test_turns_end_at_the_limit_of_grip(tmp_path):
     assert done.exit_code == 0 and "5 m/s: up to a lean of 16." in done.output
 
 
+def test_turns_are_those_of_both_wheels_whatever_leans_are_asked_for():
+    """Slow turns are steered far, and a search from afar ends in wheelies, with less lean."""
+    p = named("Rigid")
+    fine, coarse = (turns_on_tyres.turns(p, BRUSH, 2.0, np.arange(step, 1.0, step))[-1] for step in (0.025, 0.2))
+    assert fine.lean == pytest.approx(coarse.lean, abs=2 * turns_on_tyres.LEAST) and coarse.lean > 0.47
+    assert min(load.normal[0] for load in fine.forces) > 100.0
+    with pytest.raises(ValueError, match=r"none at 2 m/s and a lean of 0.6 rad; those .* end at a lean of 0.47"):
+        turns_on_tyres.turn(p, BRUSH, speed=2.0, lean=0.6)
+
+
 def test_turns_of_linear_tyres_say_that_grip_has_no_limit(tmp_path, monkeypatch):
     one = turns_on_tyres.turn(P, BRUSH | {"mu": None}, speed=5.0, lean=0.1)
     monkeypatch.setattr(turns_on_tyres, "turns", lambda *_: [one])

@@ -269,7 +269,8 @@ def test_help_says_the_usual_tilt():
         (["--speed", "0"], "a manoeuvre needs a bicycle that rolls"),
         (["Nobody"], "there is no bicycle 'Nobody'"),
         (["--fallen", "95"], "give a tilt below pi/2"),
-        (["--t-end", "-1"], "t_end"),
+        (["--t-end", "-1"], "--t-end: -1.0 is not positive"),
+        (["--t-end", "nan"], "--t-end: not finite"),
     ],
 )
 def test_command_refuses_in_one_line(options, message, tmp_path):

@@ -182,6 +182,30 @@ def test_impossible_courses_are_refused(wrong):
         course.Course(**wrong)
 
 
+@pytest.mark.parametrize("gains", [(46.5, -0.05), 3.0, (46.5, -0.05, 12.0, np.nan, 0.1)])
+def test_a_rider_has_five_gains(gains):
+    """Compiled loops would read two gains and the course as five."""
+    for call in (
+        rider.eigenvalues,
+        handling.peak,
+        lambda *given: course.run(P, course.Course(), speed=5.0, gains=gains),
+    ):
+        with pytest.raises(ValueError, match="rider: gain"):
+            call(P, 5.0, gains)
+
+
+def test_rides_and_assist_refuse_what_has_no_answer():
+    for wrong, message in (({"samples": 1}, "output = 1 samples"), ({"t_end": "long"}, "t_end: expected a number")):
+        with pytest.raises(ValueError, match=message):
+            course.run(P, course.Course(), speed=5.0, **wrong)
+    with pytest.raises(ValueError, match="course = 'slalom'; give a Course"):
+        course.run(P, "slalom", speed=5.0)
+    with pytest.raises(ValueError, match="at least two different speeds"):
+        assist.stable_ranges(P, assist.roll_rate(-10.0), [5.0])
+    with pytest.raises(ValueError, match="weights = .*; give four"):
+        assist.regulator(P, (1.0, 1.0))
+
+
 def test_a_course_does_not_start_on_a_wheel_that_is_not_pressed():
     tipping = replace(P, xB=-0.3)
     with pytest.raises(ValueError, match="front wheel is not pressed to the ground .* it tips even at rest"):

@@ -1,6 +1,7 @@
 """Stability of bicycles: published eigenvalues and critical speeds, modes followed over the speed, figure, command."""
 
 import csv
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -349,6 +350,7 @@ def test_command(tmp_path):
         (["--from", "5", "--to", "5"], "--from 5 is not below --to 5"),
         (["--from", "-inf"], "give two finite speeds in m/s"),
         (["--mode", "weave", "--speed", "nan"], "--speed: not finite"),
+        (["--tyre", "rolling_resistance=0.004"], "leave out rolling_resistance"),
         (["--mode", "wobble"], "give weave, capsize or castering"),
     ],
 )
@@ -362,7 +364,8 @@ def test_help_is_quick_and_says_units():
     code = "import sys; from mbsd3d.cli import main\nmain(['bicycle', '--help'], standalone_mode=False)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert "stability" in done.stdout and "weave, capsize" in done.stdout
-    assert "[m/s]" in run("--help").output
+    text = run("--help").output
+    assert "[m/s]" in text and named(re.search(r"e\.g\. (\w+)", text)[1]).mB > 0.0  # a set that is not refused
 
 
 def test_outputs_are_lean_steer_and_their_rates():
