@@ -31,7 +31,7 @@ def load(path: str | Path) -> Solution:
     """
     found = read_run(path)
     system = System.of(found.system)
-    return Solution.of(replace(found, compiled=replace(found.compiled, system=system)), rerun(found.record.inputs))
+    return Solution.of(replace(found, compiled=replace(found.compiled, system=system)), rerun(found))
 
 
 @explaining
