@@ -67,6 +67,8 @@ def read_mjcf(path: str | Path, *, drop: Sequence[str] = (), timeout: float = 4.
 def read_urdf(path: str | Path, *, drop: Sequence[str] = (), timeout: float = 4.0) -> Imported:
     """The mechanism of a URDF file; its root link is part of the ground. See `read_mjcf`.
 
+    A link without inertial has no mass; where MuJoCo makes one of its shapes, say so by ``drop=("inertial",)``.
+
     Raises
     ------
     ValueError
