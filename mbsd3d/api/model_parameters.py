@@ -12,7 +12,7 @@ WORDS = {"true": True, "yes": True, "on": True, "false": False, "no": False, "of
 def parameter_lines(build: Callable[..., Any]) -> list[str]:
     """One line per parameter: name, type and default."""
     found = []
-    for name, x in inspect.signature(build).parameters.items():
+    for name, x in parameters(build).items():
         kind = kind_of(x)
         default = "required" if x.default is x.empty else f"default {x.default!r}"
         found.append(f"{name}: {kind.__name__ if kind else 'number or text'}, {default}")
@@ -21,18 +21,20 @@ def parameter_lines(build: Callable[..., Any]) -> list[str]:
 
 def given_parameters(build: Callable[..., Any], settings: Sequence[str], file: str) -> Mapping[str, Any]:
     """Name -> value of texts NAME=VALUE; ValueError naming those there are."""
-    known, found = inspect.signature(build).parameters, {}
+    known, found = parameters(build), {}
     for text in settings:
         name, equals, value = text.partition("=")
         if not equals or not name:
             raise InputError(f"--set {text!r}: give NAME=VALUE, e.g. --set length=0.5")
+        if name in found:
+            raise InputError(f"--set {name} is given twice; give it once")
         if name not in known:
             near = similar(name, known)
-            hint = f", did you mean '{near[0]}'?" if near else ""
+            hint = f", did you mean '{near[0]}'?" if near else ";"
             have = "; ".join(parameter_lines(build)) or "none"
             raise InputError(f"--set {name}: '{file}' has no such parameter{hint} build() takes {have}")
         found[name] = typed(value, kind_of(known[name]), f"--set {name}")
-    missing = [name for name, x in known.items() if required(x) and name not in found]
+    missing = [name for name, x in known.items() if x.default is x.empty and name not in found]
     if missing:
         have = "; ".join(parameter_lines(build))
         raise InputError(
@@ -41,9 +43,10 @@ def given_parameters(build: Callable[..., Any], settings: Sequence[str], file: s
     return found
 
 
-def required(x: inspect.Parameter) -> bool:
-    """Whether build() cannot be called without it."""
-    return x.default is x.empty and x.kind not in (x.VAR_POSITIONAL, x.VAR_KEYWORD)
+def parameters(build: Callable[..., Any]) -> dict[str, inspect.Parameter]:
+    """What can be given by name; `*rest` and `**rest` have none."""
+    known = inspect.signature(build).parameters.items()
+    return {name: x for name, x in known if x.kind not in (x.VAR_POSITIONAL, x.VAR_KEYWORD)}
 
 
 def kind_of(x: inspect.Parameter) -> type | None:

@@ -31,7 +31,7 @@ def load(path: str | Path) -> Solution:
     """
     found = read_run(path)
     system = System.of(found.system)
-    return Solution.of(replace(found, compiled=replace(found.compiled, system=system)), rerun(found.record.inputs))
+    return Solution.of(replace(found, compiled=replace(found.compiled, system=system)), rerun(found))
 
 
 @explaining
@@ -66,6 +66,8 @@ def read_mjcf(path: str | Path, *, drop: Sequence[str] = (), timeout: float = 4.
 @explaining
 def read_urdf(path: str | Path, *, drop: Sequence[str] = (), timeout: float = 4.0) -> Imported:
     """The mechanism of a URDF file; its root link is part of the ground. See `read_mjcf`.
+
+    A link without inertial has no mass; where MuJoCo makes one of its shapes, say so by ``drop=("inertial",)``.
 
     Raises
     ------

@@ -2,18 +2,18 @@
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any
 
 import numpy as np
 
 from ..base.checks import check_choice
 from ..base.errors import Explained, IntegrationError, explaining_methods
 from ..equations.compiled import Switches
-from ..equations.inputs import History
+from ..equations.inputs import starts
 from ..integrators.method import Method
 from ..mechanism.measures import Measure
 from ..mechanism.signals.input import Input
 from ..mechanism.state import State
+from ..results.run_result import RunResult
 from ..run.slices import Slices
 from .replay import replay
 from .simulation import simulate, start_of
@@ -139,7 +139,7 @@ class Stepper(metaclass=Explained):
 
     @property
     def state(self) -> State:
-        """The state reached: other runs may start from it."""
+        """The state reached: other runs may start from it, with what `inputs` are set to there anew."""
         return self._run.state
 
     def solution(self) -> Solution:
@@ -150,12 +150,13 @@ class Stepper(metaclass=Explained):
         return _solution_of(self._run.solution())
 
 
-def _solution_of(result: Any) -> Solution:
+def _solution_of(result: RunResult) -> Solution:
     """The solution of a run in slices: to run it again is to repeat its changes of inputs."""
-    return Solution.of(result, rerun(result.record.inputs))
+    return Solution.of(result, rerun(result))
 
 
-def rerun(history: History) -> Callable[..., Solution]:
-    """How a run with these inputs is run again: as `simulate` where none was ever changed."""
-    changed = any(len(changes) > 1 for changes in history.values())
-    return partial(replay, history) if changed else simulate
+def rerun(result: RunResult) -> Callable[..., Solution]:
+    """How a run is run again: as `simulate` where no input was ever set to another value than its own."""
+    history, own = result.record.inputs, starts(result.compiled)
+    was_set = any(value != own[name] for name, changes in history.items() for _, value in changes)
+    return partial(replay, history) if was_set else simulate

@@ -18,7 +18,10 @@ def as_path(path: str | Path, example: str) -> Path:
     if isinstance(path, str | os.PathLike):
         found = Path(path)
         with suppress(UnicodeEncodeError):
-            if found.name and "\0" not in str(found) and len(os.fsencode(found.name)) <= LONGEST:
+            size = len(os.fsencode(found.name))
+            if size > LONGEST:
+                raise InputError(f"path = {path!r:.80}: a name of {size} bytes; give one of at most {LONGEST}")
+            if found.name and "\0" not in str(found):
                 return found
     raise InputError(f"path = {path!r:.80} names no file; give a name such as '{example}'")
 
@@ -26,7 +29,7 @@ def as_path(path: str | Path, example: str) -> Path:
 def with_suffix(path: str | Path, suffix: str) -> Path:
     """The path, with the suffix appended unless it is there."""
     path = as_path(path, f"result{suffix}")
-    return path if path.name.lower().endswith(suffix) else path.with_name(path.name + suffix)
+    return path if path.name.lower().endswith(suffix) else as_path(f"{path}{suffix}", "")
 
 
 def ready_path(path: str | Path, suffix: str) -> Path:
@@ -63,7 +66,7 @@ def drop_pieces() -> None:
 @contextmanager
 def in_its_place(path: Path) -> Iterator[Path]:
     """A name to write a file under: it takes the place of ``path`` once it is whole, and goes if that fails."""
-    part = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}.part")
+    part = path.with_name(f".{uuid.uuid4().hex}.part")  # no longer than any name
     _PIECES.add(part)
     try:
         try:

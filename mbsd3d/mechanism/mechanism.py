@@ -136,7 +136,9 @@ class Mechanism(Frozen):
                 if self.names[id(part)] == key:
                     return part
         have = ", ".join(f"'{self.name(part)}'" for part in parts) or "none"
-        key = getattr(key, "name", key)
+        if isinstance(key, Body | Joint | ForceElement) and key.name in map(self.name, parts):
+            raise InputError(f"the '{key.name}' given is a part of another system; give its name instead")
+        key = getattr(key, "name", None) or key
         raise InputError(f"{shown(key)} is not one of the {kind} of this system; there are {have}")
 
     def total_mass(self) -> float:

@@ -12,7 +12,7 @@ from ..base.style import html_table
 
 @dataclass(frozen=True, eq=False)
 class State(metaclass=Explained):
-    """Coordinates, velocities and own states of the force elements at one time.
+    """Coordinates, velocities and own states of the force elements at one time; not what `Input` signals are set to.
 
     Parameters
     ----------

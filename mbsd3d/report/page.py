@@ -20,7 +20,7 @@ from ..results.run_result import RunResult
 from ..view.scene.drawing import title_of
 from . import facts
 from .exhibits import figure_of, picture_of, wanted_curves
-from .wording import digits
+from .wording import digits, relative
 
 AS_BUILT = 1e-5  # [m] play of real parts, as `System.check` takes it
 DECADES = 16.0  # of the certificate's bars, from 1e-16 to 1
@@ -97,8 +97,8 @@ def check_row(check: Check) -> dict[str, str | bool | float]:
     return {
         "name": check.name,
         "meaning": MEANING.get(check.name, check.meaning) if check.passed else check.meaning,
-        "error": digits(check.error, count=2) if finite else "not a number",
-        "limit": digits(check.limit, count=2),
+        "error": relative(check.error, count=2) if finite else "not a number",
+        "limit": relative(check.limit),
         "passed": check.passed,
         "bar": place(check.error) if finite else 100.0,
         "mark": place(check.limit),

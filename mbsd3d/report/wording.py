@@ -14,7 +14,16 @@ def digits(value: float, size: float = 0.0, count: int = 4) -> str:
     """A number with ``count`` significant digits; 0 if it is rounding of something as large as ``size``."""
     if abs(value) <= ROUNDING * size:
         return "0"
-    text = f"{value:.{count}g}"
+    return typeset(f"{value:.{count}g}")
+
+
+def relative(value: float, count: int = 1) -> str:
+    """A relative error or its limit: a power of ten, as the certificate writes it."""
+    return typeset(f"{value:.{count - 1}e}") if value else "0"
+
+
+def typeset(text: str) -> str:
+    """A number as it prints, its power of ten raised."""
     if "e" in text:
         mantissa, exponent = text.split("e")
         power = f"10{str(int(exponent)).translate(RAISED)}"

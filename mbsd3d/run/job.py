@@ -35,7 +35,7 @@ from ..results.record import Record, Samples, buffer_size
 from ..results.run_result import RunResult
 from ..saddle.solve import SOLVED
 from .balance import check_balance
-from .blame import BESIDE, FAILURES, at_end_of_curve, blame, contradiction, driven_to, singular_start, singular_there
+from .blame import BESIDE, at_end_of_curve, blame, contradiction, driven_to, failure, singular_start, singular_there
 from .divergence import DivergenceWatch
 from .events import armed_at_start, turns_of_signals
 from .stiffness import check_forces
@@ -278,7 +278,7 @@ class Job:
         solution = self.solution()
         here = (self.compiled, self.data, self.memory.y, t, float(self.memory.now.step))
         part, clash = blame(*here), contradiction(*here)
-        what, advice = FAILURES[status]
+        what, advice = failure(status, self.memory)
         ended = at_end_of_curve(self.compiled, self.data, float(self.memory.now.step))
         if ended:
             part, what, advice = ended, "the contact comes to the end of its curve", "give a longer one, or end the run"

@@ -200,11 +200,12 @@ def agree(
 
 def check_names(grid: Grid, units: Mapping[str, str], cell: int, outcome: Outcome) -> None:
     """SweepError where measures are named like parameters, or units are given for what there is not."""
-    own = {*outcome.values, *(f"{name}_index" for name, length in shapes(outcome).items() if length is not None)}
-    taken = sorted(own & {*grid.columns, *grid.dims})
+    indices = {f"{name}_index" for name, length in shapes(outcome).items() if length is not None}
+    taken = sorted({*outcome.values, *indices} & {*grid.columns, *grid.dims} | outcome.values.keys() & indices)
     if taken:
         raise SweepError(
-            f"sweep: {grid.title(cell)}: measure returned a value named '{taken[0]}', as a parameter is",
+            f"sweep: {grid.title(cell)}: measure returned a value named '{taken[0]}', as a parameter or the index "
+            "of an array is",
             advice="give it another name",
         )
     unknown = sorted(units.keys() - outcome.values.keys() - grid.columns.keys())

@@ -131,6 +131,11 @@ def test_wrong_calls(call, message):
         (lambda: CurveContact(GROUND, BOB, np.ones((20_001, 3)), at=(0, 0, 0)), "give 8 to 20000 points"),
         (lambda: reduce_to_planes(BOB), "reduce_to_planes: .* is not a System; give"),
         (lambda: load("a\0b"), "path = 'a.x00b' names no file; give a name such as 'result.npz'"),
+        (lambda: load(300 * "ü"), "path = 'ü.*: a name of 600 bytes; give one of at most 255"),
+        (
+            lambda: SWING.part(Body("bob", 1.0, (0.1, 0.1, 0.1))),
+            "the 'bob' given is a part of another system; give its",
+        ),
         (lambda: load(None), "path = None names no file; give a name such as 'result.npz'"),
         (lambda: simulate(SWING, 1.0, progress="bar"), "progress = bar; give True, False, 'lines' or None"),
         (lambda: SWING.part("bob", "body"), "part: kind 'body' is unknown; give 'bodies' or 'joints' or 'forces'"),

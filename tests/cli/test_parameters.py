@@ -64,6 +64,8 @@ def test_what_is_drawn_takes_the_parameters_that_build_needs(model, tmp_path):
     [
         ((), r"build\(\) needs length; give --set length=VALUE. It takes length: float, required; heavy"),
         (("--set", "lenght=1"), "no such parameter, did you mean 'length'"),
+        (("--set", "tilt=1"), "has no such parameter; build"),
+        (("--set", "length=1", "--set", "length=2"), "--set length is given twice; give it once"),
         (("--set", "length"), "'length': give NAME=VALUE"),
         (("--set", "length=x"), "length='x' is not a float"),
         (("--set", "length=1", "--set", "count=1.5"), "count='1.5' is not an int"),

@@ -157,6 +157,12 @@ def test_suffix_is_added_and_an_old_file_replaced(solution, tmp_path):
     assert [file.name for file in tmp_path.iterdir()] == ["run.v2.npz"]
 
 
+def test_a_name_may_be_as_long_as_the_system_lets_it(solution, tmp_path):
+    assert solution.save(tmp_path / (251 * "n")).name == 251 * "n" + ".npz"
+    with pytest.raises(ValueError, match="a name of 256 bytes; give one of at most 255"):
+        solution.save(tmp_path / (252 * "n"))
+
+
 @pytest.mark.parametrize("folder", ["missing", "file"])
 def test_unwritable_folder_is_named(solution, tmp_path, folder):
     (tmp_path / "file").write_text("")

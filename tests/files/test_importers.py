@@ -237,6 +237,22 @@ def test_urdf_has_the_accelerations_of_mujoco(tmp_path):
         assert np.abs(difference).max() < 1e-9 * (1.0 + np.abs(linear).max()), body.name  # as above
 
 
+def test_a_link_without_inertial_has_no_mass(tmp_path):
+    """URDF says so, https://wiki.ros.org/urdf/XML/link; MuJoCo makes 113 kg of a ball of 0.3 m."""
+    more = """<link name="cover"><collision><geometry><sphere radius="0.3"/></geometry></collision></link>
+      <joint name="screw" type="fixed"><parent link="upper"/><child link="cover"/></joint>"""
+    path = written(tmp_path, URDF.format(type="continuous", more=more), "arm.urdf")
+    with pytest.raises(ValueError, match="inertial: the 113 kg that MuJoCo makes of the shapes of cover; .*'inertial'"):
+        read_urdf(path)
+    system = read_urdf(path, drop="inertial").system
+    assert [body.mass for body in system.bodies] == [2.0, 1.9]
+    path = written(tmp_path, URDF.format(type="continuous", more=more.replace("fixed", "continuous")), "arm.urdf")
+    assert [body.mass for body in read_urdf(path, drop=["inertial", "contact"]).system.bodies] == [2.0, 1.9, 0.0]
+    own = '<mujoco><compiler inertiafromgeom="true"/></mujoco>'  # as the file itself wants it
+    path = written(tmp_path, URDF.format(type="continuous", more=more + own), "arm.urdf")
+    assert read_urdf(path).system.total_mass() == pytest.approx(3.9 + 1000.0 * 4.0 / 3.0 * np.pi * 0.3**3, rel=1e-14)
+
+
 MIMIC = """<joint name="wag" type="continuous"><parent link="base"/><child link="tail"/><axis xyz="0.2 1 0.4"/>
   <mimic joint="shoulder" multiplier="-1.7" {offset}/></joint>
   <link name="tail"><inertial><origin xyz="0.2 0.1 0.1"/><mass value="0.4"/>
@@ -300,6 +316,12 @@ def test_geoms_become_shapes_where_mujoco_has_them(tmp_path):
     [
         ("revolute", "", "limit: range of elbow", ("limit",)),
         ("continuous", "<transmission name='t'/>", "extension: <transmission> in line", ("extension",)),
+        (
+            "continuous",
+            "<gazebo><plugin filename='libros.so'><period>1</period></plugin></gazebo>",
+            "extension: <gazebo> in line [0-9]+(?!.*extension: )",  # and nothing inside it
+            ("extension",),
+        ),
     ],
 )
 def test_urdf_names_what_it_leaves_out(tmp_path, kind, more, message, drop):
@@ -476,7 +498,7 @@ def test_the_worker_limits_itself(tmp_path):
     probe = """
 import resource, sys
 from mbsd3d.files.importing import worker as import_worker
-sys.argv = ["", sys.argv[1], "7"]
+sys.argv = ["", sys.argv[1], "7", "mujoco"]
 import_worker.main()
 limits = [resource.getrlimit(kind)[0] for kind in (resource.RLIMIT_AS, resource.RLIMIT_CPU)]
 open(sys.argv[1] + ".limits", "w").write(str(limits))

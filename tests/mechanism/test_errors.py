@@ -366,6 +366,10 @@ RUNS = {
     "t_end 0": (lambda: simulate(swing(), 0.0), ["t_end = 0 s", "later time"]),
     "t_end negative": (lambda: simulate(swing(), -2.0), ["t_end = -2 s", "later time"]),
     "t_end NaN": (lambda: simulate(swing(), NAN), ["t_end", "nan", "finite"]),
+    "t_end without digits for a step": (
+        lambda: simulate(swing(), 1e20),
+        [r"1e\+20 s", r"steps of 1e\+06 s", "earlier end"],
+    ),
     "t_end before the state": (
         lambda: simulate(swing(), 1.0, state=State(2.0, swing().state().q, np.zeros(6))),
         ["t_end = 1 s", "start at 2 s", "later"],

@@ -182,6 +182,17 @@ def test_a_tighter_run_repeats_the_changes():
     assert solution.estimate().error < 1e-7
 
 
+def test_what_is_set_at_the_start_and_never_again_is_repeated(tmp_path):
+    sled = Body("sled", 2.0, (0.1, 0.1, 0.1), velocity=(0, 0, 0), omega=(0, 0, 0))
+    stepper = Stepper(System([sled], forces=[Force(sled, (Input("push"), 0, 19.62))]))
+    stepper.set("push", 4.0)
+    stepper.advance(1.0)
+    solution = stepper.solution()
+    for ride in (solution, load(solution.save(tmp_path / "ride"))):
+        assert abs(ride.again(2.0, output=3).final.q[0] - 4.0) < 1e-12  # F t^2 / (2 m)
+        assert abs(ride.at(0.5).q[0] - 0.25) < 1e-12 and ride.estimate().error < 1e-12
+
+
 def test_a_run_again_has_the_samples_that_are_asked_for():
     ride = controlled().solution()
     end = float(ride.t[-1])

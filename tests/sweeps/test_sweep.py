@@ -152,6 +152,7 @@ WRONG = {
     "matrix": (wheel, lambda s: {"q": s.position("wheel")}, RUN, r"'q' = an array of shape \(33, 3\)"),
     "complex": (wheel, lambda solution: {"z": 1j}, RUN, "'z' = 1j; return a number"),
     "name of a parameter": (wheel, lambda solution: {"torque": 1.0}, RUN, "a value named 'torque', as a parameter"),
+    "name of an index": (wheel, lambda solution: {"a": [1.0], "a_index": 5.0}, RUN, "named 'a_index', as a parameter"),
     "no name": (wheel, lambda solution: {3: 1.0}, RUN, "a value named 3"),
     "no system": (lambda torque, inertia: None, speed, RUN, "build returned NoneType; return a System"),
     "no settings": (wheel, speed, lambda torque, inertia: None, "run returned NoneType; return a dict of arguments"),

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...base.errors import InputError
-from ...base.mass_properties import combine
+from ...base.mass_properties import MassProperties, combine
 from ...base.rotations import matrix
 from ...mechanism.bodies import GROUND, Body
 from ...mechanism.couplings import Gear, RackPinion
@@ -18,8 +18,8 @@ from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes.geoms import shapes
 
 KINDS = (
-    "actuator", "armature", "contact", "equality", "extension", "flex", "fluid", "frictionloss", "gravcomp", "limit",
-    "mocap", "passive", "tendon",
+    "actuator", "armature", "contact", "equality", "extension", "flex", "fluid", "frictionloss", "gravcomp", "inertial",
+    "limit", "mocap", "passive", "tendon",
 )  # fmt: skip
 SMALL = 1e-9  # [1, m] what axes and points that are taken as one may differ by: rounding, not tolerances of a part
 
@@ -109,7 +109,8 @@ class Builder:
         parts = [
             (part["mass"], R.T @ (np.array(part["centre"]) - r), R.T @ np.array(part["inertia"]) @ R) for part in group
         ]
-        whole = combine([part for part in parts if part[0] > 0.0] or parts[:1])
+        parts = [part for part in parts if part[0] > 0.0]
+        whole = combine(parts) if parts else MassProperties(0.0, np.zeros(3), np.zeros((3, 3)))
         name, e = self.name(group[0]["name"], "body"), np.array(group[0]["quaternion"])
         look = shapes([geom for part in group for geom in part["geoms"]], r, e, R)
         return Body(name, **vars(whole), position=r, orientation=e, shape=look)

@@ -42,14 +42,14 @@ def read_xml(path: str | Path, kind: str, drop: Sequence[str], timeout: float) -
     if scan.kind != kind:
         raise InputError(f"'{path}': its root is <{scan.kind}>, not <{kind}>; use the reader of its format")
     try:
-        return Builder(compiled_facts(path, timeout), scan.unknown, drop).build()
+        return Builder(compiled_facts(path, kind, timeout), scan.unknown, drop).build()
     except ValueError as error:
         raise InputError(f"'{path}': {error}") from error
 
 
-def compiled_facts(path: Path, timeout: float) -> dict[str, Any]:
+def compiled_facts(path: Path, kind: str, timeout: float) -> dict[str, Any]:
     """What the worker says, or why it says nothing."""
-    command = [sys.executable, "-m", "mbsd3d.files.importing.worker", str(path.absolute()), str(ceil(timeout))]
+    command = [sys.executable, "-m", "mbsd3d.files.importing.worker", str(path.absolute()), str(ceil(timeout)), kind]
     place = str(Path(__file__).resolve().parents[3])
     extra = {"PYTHONPATH": os.pathsep.join(filter(None, (place, os.environ.get("PYTHONPATH"))))}
     extra |= {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}  # every thread takes address space

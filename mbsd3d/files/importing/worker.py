@@ -32,10 +32,12 @@ def limit(seconds: int) -> None:
 class Facts:
     """What the compiled model says."""
 
-    def __init__(self, mujoco: Any, path: str) -> None:
+    def __init__(self, mujoco: Any, path: str, kind: str) -> None:
         spec = mujoco.MjSpec.from_file(path)
         spec.compiler.fusestatic = 0  # merged here by name, not there in silence
         self.mujoco, self.model = mujoco, spec.compile()
+        guesses = kind == "robot" and spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_AUTO
+        self.guessed = {body.id for body in spec.bodies if guesses and not body.explicitinertial}
         self.data = mujoco.MjData(self.model)
         self.data.qpos[:] = self.model.qpos0
         mujoco.mj_kinematics(self.model, self.data)
@@ -58,6 +60,7 @@ class Facts:
         m, d, found = self.model, self.data, []
         for i in range(m.nbody):
             C = d.ximat[i].reshape(3, 3)
+            mass, moments = (0.0, np.zeros(3)) if i in self.guessed else (m.body_mass[i], m.body_inertia[i])
             found.append(
                 {
                     "name": self.name("body", i),
@@ -65,9 +68,9 @@ class Facts:
                     "weld": 0 if m.body_mocapid[m.body_weldid[i]] >= 0 else int(m.body_weldid[i]),
                     "position": d.xpos[i],
                     "quaternion": d.xquat[i],
-                    "mass": m.body_mass[i],
+                    "mass": mass,
                     "centre": d.xipos[i],
-                    "inertia": C @ np.diag(m.body_inertia[i]) @ C.T,
+                    "inertia": C @ np.diag(moments) @ C.T,
                     "geoms": [self.geom(k) for k in range(m.body_geomadr[i], m.body_geomadr[i] + m.body_geomnum[i])],
                 }
             )
@@ -161,6 +164,14 @@ class Facts:
                 add(("passive", f"polynomial stiffness or damping of {name}"))
         for i in np.flatnonzero(m.body_gravcomp):
             add(("gravcomp", self.name("body", i)))
+        for i in self.guessed:
+            if m.body_weldid[i] and m.body_mass[i]:
+                add(
+                    (
+                        "inertial",
+                        f"the {m.body_mass[i]:.3g} kg that MuJoCo makes of the shapes of {self.name('body', i)}",
+                    )
+                )
         for i in np.flatnonzero(m.body_mocapid >= 0):
             add(("mocap", self.name("body", i)))
         if m.nplastic:
@@ -223,7 +234,7 @@ def main() -> None:
     try:
         import mujoco
 
-        answer = {"facts": plain(Facts(mujoco, sys.argv[1]).all(), "")}
+        answer = {"facts": plain(Facts(mujoco, sys.argv[1], sys.argv[3]).all(), "")}
     except ImportError as error:
         answer = {"error": f"needs the package mujoco ({error}); install it: pip install 'mbsd3d[import]'"}
     except (Exception, MemoryError) as error:

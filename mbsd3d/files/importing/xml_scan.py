@@ -19,8 +19,8 @@ FOLDERS = ("meshdir", "texturedir", "assetdir")
 COUNTED = ("replicate", "composite", "flexcomp")
 OPENED = ("include", "model")  # elements whose files are models again
 URDF = frozenset(
-    "link joint inertial origin mass inertia visual collision geometry box sphere cylinder capsule mesh material color "
-    "texture parent child axis limit dynamics mimic calibration verbose".split()
+    "robot mujoco link joint inertial origin mass inertia visual collision geometry box sphere cylinder capsule mesh "
+    "material color texture parent child axis limit dynamics mimic calibration verbose".split()
 )
 
 
@@ -103,9 +103,10 @@ class File:
         scan, place = self.scan, self.place(f"<{name}>")
         if not self.stack:
             scan.kind = scan.kind or name
-        elif scan.kind == "robot" and "mujoco" not in self.stack and name not in (*URDF, "mujoco"):
+        passed = scan.kind == "robot" and "mujoco" not in self.stack and not URDF.issuperset([*self.stack, name])
+        if passed and URDF.issuperset(self.stack):  # what it holds is passed over with it
             scan.unknown.append(("extension", f"<{name}> in line {self.parser.CurrentLineNumber}"))
-        if name in ("plugin", "extension"):
+        if name in ("plugin", "extension") and not passed:
             raise InputError(f"{place} asks for a plugin; plugins run foreign code and are not loaded")
         self.times.append(self.times[-1] * (copies(attributes, place) if name in COUNTED else 1))
         self.stack.append(name)
