@@ -123,11 +123,12 @@ def test_mean_load_of_the_worked_example():
 
 
 def test_deep_groove_ball_bearing_reads_its_table_at_every_sample():
-    """Rows f0 F_a / C0 = 0.345, 1.38, 6.89 of the table, a pure radial load, and one that is interpolated."""
+    """Rows f0 F_a / C0 = 0.345, 1.38, 6.89 of the table, one radial, one interpolated, two beside F_a = e F_r."""
     bearing = DeepGrooveBallBearing(C=2e4, C0=7000.0, f0=14.0)
-    axial = np.array([0.345, 1.38, 6.89, 0.0, 0.517]) * 500.0
-    radial = np.array([100.0, 100.0, 7000.0, 800.0, 100.0])
+    axial = np.array([0.345, 1.38, 6.89, 0.0, 0.517, 0.345, 0.345]) * 500.0
+    radial = np.array([100.0, 100.0, 7000.0, 800.0, 100.0, 790.0, 780.0])
     expected = [56 + 1.99 * 172.5, 56 + 1.45 * 690, 56 * 70 + 3445.0, 800.0, 56 + 1.85 * 258.5]
+    expected += [790.0, 0.56 * 780 + 1.99 * 172.5]  # e = 0.22
     assert bearing.equivalent(radial, -axial) == pytest.approx(expected, rel=1e-14)
     with pytest.raises(ValueError, match="f0 F_a / C0 = 8 is beyond the table, which ends at 6.89; take a greater"):
         bearing.equivalent(1000.0, 4000.0)
