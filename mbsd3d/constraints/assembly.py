@@ -222,10 +222,11 @@ def check_closed(
     """AssemblyError with the gap and the joint where the pose does not close or misses a target."""
     if gap_size(compiled, residual) > 1e-9:
         part, gap = worst_joint(compiled, residual)
+        asked, other = (" with the values asked for", "give other values, ") if targets or goals else ("", "")
         raise AssemblyError(
-            "the mechanism cannot close, a gap remains (m or rad)",
+            f"the mechanism cannot close{asked}, a gap remains (m or rad)",
             part=part, residual=gap, time=closed.t,
-            advice="check positions and lengths, give other angles, or see system.check()",
+            advice=f"check positions and lengths, {other}or see system.check()",
         )  # fmt: skip
     data = compiled.data()
     y = load_state(compiled, data, closed)

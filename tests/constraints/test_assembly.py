@@ -98,6 +98,13 @@ def test_pinned_bodies_stay():
     system = four_bar()
     state = system.assemble(pinned=[system.part("rocker")])
     np.testing.assert_array_equal(state.q[14:], np.r_[system.bodies[2].position, system.bodies[2].orientation])
+    chain = arm()
+    tip, first = chain.bodies[2], chain.bodies[0]
+    height = measures.position(tip, axis=(0, 0, 1))
+    wanted = accelerations(chain, chain.assemble(angles={"hinge 1": 0.3, "hinge 2": -0.4})).com(tip)[0, 2]
+    state = chain.assemble(measures={height: wanted}, pinned=[first])
+    assert accelerations(chain, state).com(tip)[0, 2] == pytest.approx(wanted, abs=1e-9)
+    np.testing.assert_array_equal(state.q[:7], np.r_[first.position, first.orientation])
 
 
 def test_near_stays_on_the_branch():
@@ -148,6 +155,18 @@ def test_what_cannot_close_names_the_gap():
     system = four_bar()
     with pytest.raises(AssemblyError, match="cannot close|misses"):
         system.assemble(angles={"drive": 0.4, "output": 2.5})
+
+
+def test_values_out_of_reach_are_no_fault_of_the_joints():
+    """A crank takes its angle, and a block on a level rail cannot rise, nor move at all where it is pinned."""
+    crank, block = (Body(name, mass=1.0, inertia=INERTIA, com=(0.1, 0.02, 0.03)) for name in ("crank", "block"))
+    rail = Prismatic(GROUND, block, at=(0, 0, 0), axis=(0.6, 0.8, 0), name="rail")
+    system = System([crank, block], [Revolute(GROUND, crank, at=(0, 0, 0), axis=AXIS, name="drive"), rail])
+    wanted = dict(angles={"drive": 0.5}, measures={measures.position(block, axis=(0, 0, 1)): 0.43})
+    with pytest.raises(AssemblyError, match="cannot close with the values asked for.*'rail'.*give other values"):
+        system.assemble(**wanted)
+    with pytest.raises(AssemblyError, match="misses the asked-for value no. 2 by -0.4 rad or m"):
+        system.assemble(**wanted, pinned=[block])
 
 
 def test_assembled_state_runs():

@@ -96,6 +96,9 @@ def test_rssr_meets_its_loop_equation(branch, spin):
     assert system.check().mobility == 1 + spin
     if spin:
         return
+    rod_pin, shaft = system.joints[2:]
+    assert np.allclose(rod_pin.axis_b, shaft.axis, rtol=0, atol=1e-15)  # the cross along the rocker's shaft,
+    assert abs(rod_pin.axis_a @ (rod_pin.at - system.joints[1].at)) < 1e-15  # and across the rod
     driven = System(system.bodies, [*system.joints, AngleDriver(system.joints[0], Ramp(2.0))])
     solution = simulate(driven, 3.0, method=Kinematic(), output=61)
 
@@ -118,6 +121,8 @@ def test_rssr_meets_its_loop_equation(branch, spin):
             psi.append(brentq(reach, psi[-1] - 0.15, psi[-1] + 0.15, args=(start + 2.0 * t,), xtol=1e-14))
         errors.append(np.abs(turned - turned[0] - (np.array(psi) - psi[0])).max())
     assert min(errors) < 1e-9 < max(errors)
+    psi = roots[int(np.argmin(errors))]  # |p - q| grows with the sine of psi seen from atan2(F, E)
+    assert np.sign(reach(psi + 1e-6, start) - reach(psi - 1e-6, start)) == branch
 
 
 @pytest.mark.parametrize("near", [0.0, np.pi, -np.pi])
