@@ -222,7 +222,7 @@ def check_closed(
     """AssemblyError with the gap and the joint where the pose does not close or misses a target."""
     if gap_size(compiled, residual) > 1e-9:
         part, gap = worst_joint(compiled, residual)
-        asked, other = (" with the values asked for", "give other values, ") if targets or goals else ("", "")
+        asked, other = (" with the values asked for", "give other angles or values, ") if targets or goals else ("", "")
         raise AssemblyError(
             f"the mechanism cannot close{asked}, a gap remains (m or rad)",
             part=part, residual=gap, time=closed.t,

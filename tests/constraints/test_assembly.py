@@ -9,6 +9,7 @@ from mbsd3d import (
     AssemblyError,
     Body,
     Constant,
+    Cylindrical,
     Prismatic,
     Revolute,
     Spherical,
@@ -126,6 +127,14 @@ def test_rates_give_consistent_velocities():
     np.testing.assert_allclose(found.velocity("rocker")[0], difference, rtol=0, atol=1e-8)
 
 
+def test_the_rate_of_a_joint_that_turns_and_slides_is_that_of_its_angle():
+    nut = Body("nut", mass=2.0, inertia=INERTIA, com=(0.1, 0.02, 0.03), position=(0.3, -0.2, 0.5))
+    sleeve = Cylindrical(GROUND, nut, at=(0.3, -0.2, 0.5), axis=AXIS, name="sleeve")
+    system = System([nut], [sleeve])
+    found = accelerations(system, system.assemble(rates={sleeve: 3.0}))
+    np.testing.assert_allclose(found.omega(nut)[0], 3.0 * AXIS, rtol=0, atol=1e-12)
+
+
 def test_unknown_velocities_take_least_kinetic_energy():
     system = arm(2)
     spun = System(
@@ -163,7 +172,7 @@ def test_values_out_of_reach_are_no_fault_of_the_joints():
     rail = Prismatic(GROUND, block, at=(0, 0, 0), axis=(0.6, 0.8, 0), name="rail")
     system = System([crank, block], [Revolute(GROUND, crank, at=(0, 0, 0), axis=AXIS, name="drive"), rail])
     wanted = dict(angles={"drive": 0.5}, measures={measures.position(block, axis=(0, 0, 1)): 0.43})
-    with pytest.raises(AssemblyError, match="cannot close with the values asked for.*'rail'.*give other values"):
+    with pytest.raises(AssemblyError, match="cannot close with the values asked for.*'rail'.*give other angles or values"):
         system.assemble(**wanted)
     with pytest.raises(AssemblyError, match="misses the asked-for value no. 2 by -0.4 rad or m"):
         system.assemble(**wanted, pinned=[block])

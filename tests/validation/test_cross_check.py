@@ -7,6 +7,7 @@ import sys
 import types
 from dataclasses import replace
 from functools import partial
+from types import SimpleNamespace
 from pathlib import Path
 
 import click
@@ -269,6 +270,14 @@ def test_what_a_cause_leaves_is_small_by_itself(monkeypatch, stays, before, afte
     monkeypatch.setattr(judge, "changed", lambda *arguments: {"position": after})
     (found,) = judge.explained([suspect(before)], None, None, None, None)
     assert found.status == status
+
+
+@pytest.mark.parametrize(("known", "samples", "used"), [(5e-5, 33, 1e-4), (5e-3, 0, 1e-3)])
+def test_a_tolerance_is_loosened_to_a_thousandth_at_most(monkeypatch, known, samples, used):
+    """Of an engine whose limit is known to 5e-5 or 5e-3."""
+    monkeypatch.setattr(judge, "horizon", lambda runs, tolerance, own: 33 * (tolerance >= known))
+    monkeypatch.setattr(judge, "least_samples", lambda ours: 5)
+    assert judge.reach(SimpleNamespace(ours=None), 1e-6) == (samples, pytest.approx(used))
 
 
 def test_our_own_error_is_never_forgiven(monkeypatch):
