@@ -7,7 +7,6 @@ import sys
 import types
 from dataclasses import replace
 from functools import partial
-from types import SimpleNamespace
 from pathlib import Path
 
 import click
@@ -277,7 +276,7 @@ def test_a_tolerance_is_loosened_to_a_thousandth_at_most(monkeypatch, known, sam
     """Of an engine whose limit is known to 5e-5 or 5e-3."""
     monkeypatch.setattr(judge, "horizon", lambda runs, tolerance, own: 33 * (tolerance >= known))
     monkeypatch.setattr(judge, "least_samples", lambda ours: 5)
-    assert judge.reach(SimpleNamespace(ours=None), 1e-6) == (samples, pytest.approx(used))
+    assert judge.reach(types.SimpleNamespace(ours=None), 1e-6) == (samples, pytest.approx(used))
 
 
 def test_our_own_error_is_never_forgiven(monkeypatch):
