@@ -229,11 +229,11 @@ def check_closed(
     """
     if gap_size(compiled, residual) > 1e-9:
         part, gap = worst_joint(compiled, residual)
-        wanted = f" with this {', '.join(asked)}" if asked else ""
+        wanted, other = (f" with this {', '.join(asked)}", "give other angles or values, ") if asked else ("", "")
         raise AssemblyError(
             f"the mechanism cannot close{wanted}, a gap remains (m or rad)",
             part=part, residual=gap, time=closed.t,
-            advice="check positions and lengths, give other angles, or see system.check()",
+            advice=f"check positions and lengths, {other}or see system.check()",
         )  # fmt: skip
     data = compiled.data()
     y = load_state(compiled, data, closed)

@@ -9,6 +9,7 @@ from mbsd3d import (
     AssemblyError,
     Body,
     Constant,
+    Cylindrical,
     Prismatic,
     Revolute,
     Spherical,
@@ -98,6 +99,13 @@ def test_pinned_bodies_stay():
     system = four_bar()
     state = system.assemble(pinned=[system.part("rocker")])
     np.testing.assert_array_equal(state.q[14:], np.r_[system.bodies[2].position, system.bodies[2].orientation])
+    chain = arm()
+    tip, first = chain.bodies[2], chain.bodies[0]
+    height = measures.position(tip, axis=(0, 0, 1))
+    wanted = accelerations(chain, chain.assemble(angles={"hinge 1": 0.3, "hinge 2": -0.4})).com(tip)[0, 2]
+    state = chain.assemble(measures={height: wanted}, pinned=[first])
+    assert accelerations(chain, state).com(tip)[0, 2] == pytest.approx(wanted, abs=1e-9)
+    np.testing.assert_array_equal(state.q[:7], np.r_[first.position, first.orientation])
 
 
 def test_pinned_bodies_stay_where_an_angle_is_asked_for():
@@ -137,6 +145,14 @@ def test_rates_give_consistent_velocities():
     np.testing.assert_allclose(found.velocity("rocker")[0], difference, rtol=0, atol=1e-8)
 
 
+def test_the_rate_of_a_joint_that_turns_and_slides_is_that_of_its_angle():
+    nut = Body("nut", mass=2.0, inertia=INERTIA, com=(0.1, 0.02, 0.03), position=(0.3, -0.2, 0.5))
+    sleeve = Cylindrical(GROUND, nut, at=(0.3, -0.2, 0.5), axis=AXIS, name="sleeve")
+    system = System([nut], [sleeve])
+    found = accelerations(system, system.assemble(rates={sleeve: 3.0}))
+    np.testing.assert_allclose(found.omega(nut)[0], 3.0 * AXIS, rtol=0, atol=1e-12)
+
+
 def test_unknown_velocities_take_least_kinetic_energy():
     system = arm(2)
     spun = System(
@@ -166,6 +182,20 @@ def test_what_cannot_close_names_the_gap():
     system = four_bar()
     with pytest.raises(AssemblyError, match="cannot close with this angle of 'drive', angle of 'output', a gap"):
         system.assemble(angles={"drive": 0.4, "output": 2.5})
+
+
+def test_values_out_of_reach_are_no_fault_of_the_joints():
+    """A crank takes its angle, and a block on a level rail cannot rise, nor move at all where it is pinned."""
+    crank, block = (Body(name, mass=1.0, inertia=INERTIA, com=(0.1, 0.02, 0.03)) for name in ("crank", "block"))
+    rail = Prismatic(GROUND, block, at=(0, 0, 0), axis=(0.6, 0.8, 0), name="rail")
+    system = System([crank, block], [Revolute(GROUND, crank, at=(0, 0, 0), axis=AXIS, name="drive"), rail])
+    wanted = dict(angles={"drive": 0.5}, measures={measures.position(block, axis=(0, 0, 1)): 0.43})
+    with pytest.raises(
+        AssemblyError, match="cannot close with the values asked for.*'rail'.*give other angles or values"
+    ):
+        system.assemble(**wanted)
+    with pytest.raises(AssemblyError, match="misses the asked-for value no. 2 by -0.4 rad or m"):
+        system.assemble(**wanted, pinned=[block])
 
 
 def test_assembled_state_runs():

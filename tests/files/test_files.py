@@ -143,11 +143,11 @@ def test_method_switches_and_estimate_are_kept(tmp_path):
     from dataclasses import replace
 
     run = simulate(pendulum(), 0.02, method=mbsd3d.RK4(0.01), gyroscopic=False, stabilisation="none")
-    run = run.with_certificate(replace(run.certificate, error=1.25e-7, order=3.9))
+    run = run.with_certificate(replace(run.certificate, error=1.25e-7, order=3.9, doubling=0.7))
     copy = load(run.save(tmp_path / "run"))
     assert copy.record.method == mbsd3d.RK4(0.01)
     assert copy.record.switches == run.record.switches and copy.compiled.model.gyroscopic == 0.0
-    assert copy.certificate.error == 1.25e-7 and copy.certificate.order == 3.9
+    assert (copy.certificate.error, copy.certificate.order, copy.certificate.doubling) == (1.25e-7, 3.9, 0.7)
 
 
 def test_suffix_is_added_and_an_old_file_replaced(solution, tmp_path):

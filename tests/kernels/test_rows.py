@@ -1,5 +1,7 @@
 """Rows of every joint and driver: residual, Jacobian and right sides belong together, on and off the manifold."""
 
+from dataclasses import fields, replace
+
 import numpy as np
 import pytest
 from models import (
@@ -12,7 +14,10 @@ from models import (
     public_classes,
 )
 
-from mbsd3d import Joint
+from mbsd3d import AngleDriver, Joint, SlideDriver, System, rotation
+from mbsd3d.base.directions import perpendiculars
+from mbsd3d.base.quaternions import multiply
+from mbsd3d.base.rotations import matrix
 from mbsd3d.equations.compiled import Switches
 
 TOLERANCE = 1e-8
@@ -45,6 +50,34 @@ def test_residual_is_zero_at_the_reference_pose(cls, ground):
     q, v = evaluation.reference()
     c, *_ = evaluation.rows(q, v, 0.0)
     assert np.abs(c).max() < 1e-14  # differences of numbers of order one
+
+
+AS_BUILT = [cls for cls in EXAMPLES if {x.name for x in fields(cls) if x.default is None} & {"at_b", "axis_b"}]
+
+
+@pytest.mark.parametrize("cls", AS_BUILT, ids=lambda cls: cls.__name__)
+def test_a_part_built_elsewhere_is_joined_at_the_same_places_of_its_own(cls):
+    """With body b displaced, and ``at_b`` and ``axis_b`` with it, the rows are the same wherever the bodies are."""
+    system, rng = example_system(cls, 11), np.random.default_rng(12)
+    joint, given, turn = system.joints[-1], {}, np.array([1.0, 0.0, 0.0, 0.0])
+    if hasattr(joint, "axis") and hasattr(joint, "axis_b"):
+        turn = rotation(perpendiculars(joint.axis)[0], 0.4)  # about it no choice of perpendiculars differs
+        given["axis_b"] = matrix(turn) @ joint.axis
+    body = replace(
+        joint.b, position=joint.b.position + rng.normal(size=3), orientation=multiply(turn, joint.b.orientation)
+    )
+    if hasattr(joint, "at"):
+        given["at_b"] = body.position + matrix(turn) @ (joint.at - joint.b.position)
+    found = []
+    for b, more in ((joint.b, {}), (body, given)):
+        made = replace(joint, b=b, **more)
+        pairs = (AngleDriver, made.angle()), (SlideDriver, made.slide())
+        drivers = [driver(made, 0.3) for driver, x in pairs if x is not None]
+        bodies = [b if x is joint.b else x for x in system.bodies]
+        found.append(Evaluation(System(bodies, [made, *drivers])))
+    q, v = found[0].general(rng)
+    for x, y in zip(*(evaluation.rows(q, v, 0.0) for evaluation in found), strict=True):
+        assert np.abs(x - y).max() < 1e-13  # rounding of numbers of order one
 
 
 @every_joint

@@ -12,7 +12,7 @@ from mbsd3d.signals import Ramp
 from validation import cases
 from validation.cases.loops import FAMILIES, parts
 
-BASE = {"position": (0.4, -1.2, 0.7), "orientation": rotation((0.3, 1.0, -0.5), 0.8)}
+BASE = {"position": (0.4, -1.2, 0.7), "orientation": rotation((0.3, 1.0, -0.5), 0.8), "gravity": (0.3, -0.7, -9.6)}
 
 
 @pytest.mark.parametrize("name", FAMILIES)
@@ -65,7 +65,8 @@ def test_the_bricard_of_equal_links_is_line_and_plane_symmetric():
     ids=["bennett", "sarrus", "rssr"],
 )
 def test_bars_reach_from_hinge_to_hinge(system):
-    """A bar's centre of mass lies between its hinges, its inertia is smallest along it."""
+    """A bar's centre of mass lies between its hinges, its inertia is smallest along it; gravity is as given."""
+    assert tuple(system.gravity) == BASE["gravity"]
     for body, near, far in zip(system.bodies, system.joints[:-1], system.joints[1:], strict=True):
         centre = body.position + matrix(body.orientation) @ body.com
         assert np.allclose(centre, 0.5 * (near.at + far.at), rtol=0, atol=1e-14)
@@ -96,6 +97,9 @@ def test_rssr_meets_its_loop_equation(branch, spin):
     assert system.check().mobility == 1 + spin
     if spin:
         return
+    rod_pin, shaft = system.joints[2:]
+    assert np.allclose(rod_pin.axis_b, shaft.axis, rtol=0, atol=1e-15)  # the cross along the rocker's shaft,
+    assert abs(rod_pin.axis_a @ (rod_pin.at - system.joints[1].at)) < 1e-15  # and across the rod
     driven = System(system.bodies, [*system.joints, AngleDriver(system.joints[0], Ramp(2.0))])
     solution = simulate(driven, 3.0, method=Kinematic(), output=61)
 
@@ -118,6 +122,8 @@ def test_rssr_meets_its_loop_equation(branch, spin):
             psi.append(brentq(reach, psi[-1] - 0.15, psi[-1] + 0.15, args=(start + 2.0 * t,), xtol=1e-14))
         errors.append(np.abs(turned - turned[0] - (np.array(psi) - psi[0])).max())
     assert min(errors) < 1e-9 < max(errors)
+    psi = roots[int(np.argmin(errors))]  # |p - q| grows with the sine of psi seen from atan2(F, E)
+    assert np.sign(reach(psi + 1e-6, start) - reach(psi - 1e-6, start)) == branch
 
 
 @pytest.mark.parametrize("near", [0.0, np.pi, -np.pi])

@@ -123,14 +123,15 @@ def test_mean_load_of_the_worked_example():
 
 
 def test_deep_groove_ball_bearing_reads_its_table_at_every_sample():
-    """Rows f0 F_a / C0 = 0.345, 1.38, 6.89 of the table, a pure radial load, and one that is interpolated."""
+    """Rows f0 F_a / C0 = 0.345, 1.38, 6.89 of the table, one radial, one interpolated, two beside F_a = e F_r."""
     bearing = DeepGrooveBallBearing(C=2e4, C0=7000.0, f0=14.0)
-    axial = np.array([0.345, 1.38, 6.89, 0.0, 0.517]) * 500.0
-    radial = np.array([100.0, 100.0, 7000.0, 800.0, 100.0])
+    axial = np.array([0.345, 1.38, 6.89, 0.0, 0.517, 0.345, 0.345]) * 500.0
+    radial = np.array([100.0, 100.0, 7000.0, 800.0, 100.0, 790.0, 780.0])
     expected = [56 + 1.99 * 172.5, 56 + 1.45 * 690, 56 * 70 + 3445.0, 800.0, 56 + 1.85 * 258.5]
+    expected += [790.0, 0.56 * 780 + 1.99 * 172.5]  # e = 0.22
     assert bearing.equivalent(radial, -axial) == pytest.approx(expected, rel=1e-14)
     with pytest.raises(ValueError, match="f0 F_a / C0 = 8 is beyond the table, which ends at 6.89; take a greater"):
-        bearing.equivalent(1000.0, 4000.0)
+        bearing.equivalent(1000.0, [100.0, 4000.0])
 
 
 def test_rows_of_the_table_make_no_jump_where_axial_forces_begin_to_count():
@@ -174,6 +175,8 @@ def test_errors_name_value_and_remedy():
     still = accelerations(System([body], [rail]))
     doubled = accelerations(System([body], [hinge, twice]))
     rest = BearingLoad(load.t, load.force * [1, 1, 0], 0 * load.moment, load.point, 0 * load.speed, 1.0, "hinge")
+    once = np.array([[0.0, 0.0, 1.0], [3.0, 4.0, 0.0]])
+    tilted = BearingLoad(np.arange(2.0), np.ones((2, 3)), once, np.zeros((2, 3)), np.ones(2), 0.1, "hinge")
     away = hinge.at + 0.1 * across(np.random.default_rng(2), hinge.axis)
     cases = [
         (lambda: RollingBearing(C=0.0), "C: 0.0 is not positive"),
@@ -184,6 +187,7 @@ def test_errors_name_value_and_remedy():
         (lambda: bearing_load(run, hinge, frame="world"), "give 'a' or 'b'"),
         (lambda: bearing_pair(run, hinge, fixed=hinge.at, floating=away), "lies 0.1 m off the axis"),
         (lambda: bearing_pair(run, hinge, fixed=hinge.at, floating=hinge.at), "give two"),
+        (lambda: RollingBearing(C=1e4, X=0.5, Y=1.0).life(tilted), "'hinge': a tilting moment of 5 N m"),
         (lambda: RollingBearing(C=1e4).life(load), "'hinge': a tilting moment of .*split the hinge with bearing_pair"),
         (lambda: RollingBearing(C=1e4, tilting=1e3).life(load), "an axial force of .* but Y = 0; give X, Y and e"),
         (lambda: RollingBearing(C=1e4).life(rest), "it does not turn in this run"),

@@ -279,7 +279,7 @@ def test_errors_name_what_is_wrong():
 def test_an_input_may_not_tear_joints_apart():
     body = Body("rotor", 1.0, (0.1, 0.1, 0.2))
     hinge = Revolute(GROUND, body, at=(0, 0, 0), axis=(0, 0, 1))
-    motor = SpeedDriver(GROUND, body, axis=(0, 0, 1), speed=Input("speed", 2.0) + 1.0, name="motor")
+    motor = SpeedDriver(GROUND, body, axis=(0, 0, 1), speed=Ramp(0.0, 1.0) + Input("speed", 2.0), name="motor")
     stepper = Stepper(System([body], [hinge, motor]))
     stepper.advance(0.5)
     assert stepper.v[5] == pytest.approx(3.0)

@@ -274,6 +274,14 @@ def test_what_a_cause_leaves_is_small_by_itself(monkeypatch, stays, before, afte
     assert found.status == status
 
 
+@pytest.mark.parametrize(("known", "samples", "used"), [(5e-5, 33, 1e-4), (5e-3, 0, 1e-3)])
+def test_a_tolerance_is_loosened_to_a_thousandth_at_most(monkeypatch, known, samples, used):
+    """Of an engine whose limit is known to 5e-5 or 5e-3."""
+    monkeypatch.setattr(judge, "horizon", lambda runs, tolerance, own: 33 * (tolerance >= known))
+    monkeypatch.setattr(judge, "least_samples", lambda ours: 5)
+    assert judge.reach(types.SimpleNamespace(ours=None), 1e-6) == (samples, pytest.approx(used))
+
+
 def test_our_own_error_is_never_forgiven(monkeypatch):
     """Rows without J_dot v leave the joints: our run depends on its tolerance, which must not loosen the verdict."""
     upper = Body("upper", 1.5, (0.02, 0.03, 0.04), com=(0.05, 0.1, -0.1), position=(0, 0.5, -0.5))

@@ -12,7 +12,7 @@ from scipy.special import ellipe, ellipk
 
 from mbsd3d import System
 from validation.engine_balance import balance, cli, phasor, planar_sum, report, spatial
-from validation.engine_balance.harmonics import Harmonics
+from validation.engine_balance.harmonics import Harmonics, half_axes
 from validation.engine_balance.layouts import Engine, Layout, data, layout, names
 from validation.engine_balance.planes.reduction import reduce_to_planes
 
@@ -170,6 +170,20 @@ def test_rotating_parts_of_a_harmonic():
     x, y, _ = (h.force[0] * np.exp(1j * q)).real
     turned = h.forward[0, 0] * np.exp(1j * q) + np.conj(h.backward[0, 0]) * np.exp(-1j * q)
     assert x + 1j * y == pytest.approx(turned)
+
+
+def test_differences_of_harmonics_see_forces_moments_and_torques():
+    none = Harmonics(np.zeros((3, 3), complex), np.zeros((3, 3), complex), np.zeros(3, complex))
+    other = [replace(none, **{name: getattr(none, name) + 0.6j}) for name in ("force", "moment", "torque")]
+    assert [none.difference(one, 0.2) for one in other] == pytest.approx([0.6, 3.0, 3.0], rel=1e-15)
+
+
+@pytest.mark.parametrize("Y", [0.2 + 0.9j, 0.7 - 0.5j])
+def test_half_axes_are_those_of_the_ellipse_that_the_load_draws(Y):
+    X, q = 1.3 - 0.4j, np.linspace(0.0, 2 * np.pi, 100001)
+    size = np.hypot(*(np.real(c * np.exp(1j * q)) for c in (X, Y)))
+    found = half_axes((X + 1j * Y) / 2, (X - 1j * Y) / 2)
+    assert found == pytest.approx((size.max(), size.min()), abs=1e-8)  # a step is 6e-5 rad
 
 
 def test_rod_ratio_sweep_in_space():

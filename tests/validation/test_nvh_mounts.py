@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from mbsd3d import inertia
 from mbsd3d.extend import main as mbsd3d
 from validation.engine_balance import phasor
 from validation.nvh.cli import nvh
@@ -51,6 +52,14 @@ def test_mass_and_place_of_the_mean_crank_train():
     up = chosen.block.mass * chosen.block.com[2] + n * phasor.reciprocating(engine) * phasor.place(engine, 3)[0]
     # harmonics from the 12th on fold back onto the mean of 12 angles
     assert found.com[2] == pytest.approx(up / mass, rel=1e-9)
+
+
+def test_powertrain_and_rotor_together_are_the_locked_body():
+    found = equivalent(presets.preset("inline_3"))
+    whole = inertia.combine([(body.mass, body.com, body.inertia) for body in found.bodies])
+    assert whole.mass == pytest.approx(found.mass, rel=1e-14)
+    assert whole.com == pytest.approx(found.rigid.com, abs=1e-14)
+    assert whole.inertia == pytest.approx(found.rigid.inertia, abs=1e-13)  # of some kg m^2
 
 
 def test_momentum_of_the_mean_crank_train():
