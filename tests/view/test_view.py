@@ -318,9 +318,7 @@ def test_a_page_far_from_the_origin_is_that_of_the_same_near_it():
     systems = [pair_at(k * np.array([2.1e6, -3.3e6, 4.7e5])) for k in (0.0, 1.0)]
     near, far = (data_of(simulate(x, 0.1, output=5, rtol=1e-6).animate(frames=5)) for x in systems)
     moved = (unpack(far["poses"]["r"]) - unpack(near["poses"]["r"]))[:, :-1]
-    assert (
-        np.abs(moved).max() < 60.0 and np.ptp(moved, axis=(0, 1)).max() < 1e-3
-    )  # the same motion, near
+    assert np.abs(moved).max() < 60.0 and np.ptp(moved, axis=(0, 1)).max() < 1e-3  # the same motion, near
     assert near["sight"] == pytest.approx(far["sight"], rel=1e-3) and not unpack(far["poses"]["r"])[:, -1].any()
     assert np.allclose(unpack(far["arrows"][0]["points"]), unpack(near["arrows"][0]["points"]) + moved[0, 0], atol=1e-3)
     ends = [np.array(x["links"][0]["ends"][0][0][1]) for x in (near, far)]  # of the spring on the ground
