@@ -30,6 +30,7 @@ from mbsd3d import (
     SlideDriver,
     SpeedDriver,
     Spherical,
+    SpringDamper,
     State,
     System,
     Torque,
@@ -313,6 +314,15 @@ def at_reference(system):
 def dense_rows(compiled, data):
     """The whole scaled J."""
     return scaled_rows(compiled.model, data).dense()
+
+
+def pair_at(o: np.ndarray) -> System:
+    """A pendulum of two with a spring to the ground, about a point of the world."""
+    arm = Body("arm", 2.0, (0.02, 0.03, 0.04), com=(0.1, -0.2, 0.3), position=o + (0.3, 0.2, 0.1))
+    bob = Body("bob", 1.0, (0.03, 0.02, 0.04), position=o + (0.7, 0.1, 0.2))
+    hook = Universal(GROUND, arm, at=o + (0.3, 0.25, 0.1), axis_a=(0.6, 0, 0.8), axis_b=(0.0, 1.0, 0.0))
+    spring = SpringDamper(GROUND, bob, at_a=o + (1.1, 0.4, 0.7), at_b=o + (0.7, 0.1, 0.3), stiffness=20.0)
+    return System([arm, bob], [hook, Spherical(arm, bob, at=o)], [spring])
 
 
 def crane(**more):

@@ -3,6 +3,7 @@
 import base64
 import io
 import re
+import textwrap
 
 import numpy as np
 from markupsafe import Markup
@@ -20,6 +21,7 @@ from .facts import loaded_joints
 
 LINES = 6  # of a figure that is chosen here
 DRAWN = 200  # bodies of a picture
+LABEL = 18  # characters of a label beside an axis of this height
 PICTURE = (7.2, 3.8)  # [inch]
 
 
@@ -67,6 +69,8 @@ def figure_of(number: int, solution: RunResult, entry: str | tuple, caption: str
     """A figure as inline SVG, with a caption and a text for those who do not see it."""
     figure = plot_quantity(solution, [entry])
     figure.set_size_inches(7.5, 0.7 + 1.55 * len(figure.axes))  # four panels go on an A4 page
+    for axes in figure.axes:
+        axes.yaxis.label.set_text("\n".join(textwrap.wrap(axes.get_ylabel(), LABEL)))
     labels = ", ".join(axes.get_ylabel().replace("\n", " ") for axes in figure.axes)
     return {"svg": Markup(inline_svg(figure, f"f{number}-")), "caption": caption, "label": f"{labels} over time"}
 

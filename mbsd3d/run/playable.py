@@ -182,6 +182,7 @@ def usual_curves(system: Mechanism) -> list[Measure]:
     """Angles and slides of the first joints that have one; without any, the velocity of the heaviest body."""
     found = []
     for kind, of in (("angle", angle), ("slide", slide)):
-        found += [of(joint) for joint in system.joints if getattr(joint, kind)() is not None][:LINES]
+        joints = [joint for joint in system.joints if getattr(joint, kind)() is not None][:LINES]
+        found += [replace(of(joint), label=f"{kind} of {system.name(joint)}") for joint in joints]
     heaviest = max(system.bodies, key=lambda body: body.mass)
     return found or [replace(velocity(heaviest, axis=way), label=f"{x} of {heaviest.name}") for x, way in AXES.items()]

@@ -8,6 +8,7 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from test_files import UPPER_ARM, WHEEL, pendulum
 
 from mbsd3d import (
@@ -27,7 +28,7 @@ from mbsd3d import (
     simulate,
 )
 from mbsd3d.mechanism import measures  # fmt: skip
-from mbsd3d.report import facts
+from mbsd3d.report import exhibits, facts
 from mbsd3d.report.facts import MOST
 from mbsd3d.report.wording import counted, digits, triple
 
@@ -318,6 +319,20 @@ def test_of_many_joints_the_most_loaded_ones_are_shown():
     assert len(kept) == MOST and f"The {MOST} of {MOST + 3} joints" in text
     assert [joint.name for joint in kept] == [name for name in load if name in {x.name for x in kept}]  # in order
     assert min(load.pop(joint.name) for joint in kept) >= max(load.values())
+
+
+def test_labels_of_figures_fit_beside_their_axes(monkeypatch):
+    figures = []
+    monkeypatch.setattr(exhibits, "inline_svg", lambda figure, prefix: figures.append(figure) or "")
+    arm = Body("arm", 1.3, (0.1, 0.2, 0.3), com=(0.2, 0.1, -0.3))
+    hinge = Revolute(GROUND, arm, at=(0, 0, 0), axis=(0.2, 1, 0.3), name="hinge of the lower left arm")
+    simulate(System([arm], [hinge]), 0.2, output=9).report(curves=["reaction", ("omega_body", arm), "momentum"])
+    for figure in figures:
+        FigureCanvasAgg(figure).draw()
+        boxes = [axes.yaxis.label.get_window_extent() for axes in figure.axes]
+        assert all(upper.y0 > lower.y1 for upper, lower in zip(boxes, boxes[1:], strict=False))
+        assert min(box.y0 for box in boxes) > 0.0 and boxes[0].y1 < figure.bbox.height
+    assert len(figures) == 3
 
 
 @pytest.mark.slow

@@ -197,6 +197,9 @@ def test_curves_are_grouped_by_unit():
     assert [x.label for x in made.measures] == ["rate of pin", "slide of rail", "angle of pin"]
     usual = plain(system, system.state(), {"push": (0, 1)})
     assert [panel.lines for panel in usual.panels] == [("angle of pin",), ("slide of rail",), ("push",)]
+    arms = [Body(f"arm {k}", 1.0, (1, 1, 1)) for k in (1, 2)]
+    unnamed = System(arms, [Revolute(GROUND, arm, at=(0, 0, 0), axis=(0, 1, 0)) for arm in arms])
+    assert plain(unnamed, unnamed.state()).panels[0].lines == ("angle of Revolute 1", "angle of Revolute 2")
     free = System([Body("stone", 1.0, (1, 1, 1))])
     assert plain(free, free.state()).panels[0].lines == ("x of stone", "y of stone", "z of stone")
     with pytest.raises(ValueError, match="is not in the system"):

@@ -6,6 +6,7 @@ import struct
 import numpy as np
 import pytest
 import trimesh
+from models import pair_at
 from test_files import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 
 from mbsd3d import (
@@ -263,6 +264,20 @@ def test_small_and_large_mechanisms(unit, tmp_path):
     moving, point = File(run.export_glb(tmp_path / "arm", frames=11)).check(), np.array([0.1, -0.2, 0.3]) * unit
     for k in (0, 5, 10):
         assert np.abs(moving.world("arm", point, k) - y_up(run.com(arm)[k])).max() < 4 * SINGLE * unit
+
+
+def test_far_from_the_origin_nothing_is_coarse(tmp_path):
+    """Single precision has steps of a quarter of a metre there; numbers in the file are of the mechanism's size."""
+    o = np.array([2.1e6, -3.3e6, 4.7e5])
+    near, far = (File(pair_at(x).export_glb(tmp_path / f"pose{x[0]:g}")).check() for x in (0.0 * o, o))
+    for name in ("arm", "bob", "SpringDamper 1"):
+        for point in ((0.0, 0.0, 0.0), (0.1, -0.2, 1.0)):
+            assert np.abs(far.world(name, point) - near.world(name, point) - y_up(o)).max() < 2e-5
+    lines = []
+    for file in (near, far):
+        mesh = next(mesh for mesh in file.document["meshes"] if mesh["name"] == "Universal 1 on ground")
+        lines.append(np.ptp(file.array(mesh["primitives"][0]["attributes"]["POSITION"]), axis=0))
+    assert np.allclose(*lines, rtol=0, atol=2e-5)
 
 
 def test_names_are_kept_letter_by_letter(tmp_path):

@@ -19,12 +19,13 @@ from mbsd3d.base.style import DARK, LIGHT, paler
 from mbsd3d.mechanism.shapes.kinds import Box, Sphere
 from mbsd3d.plotting.plots import save_figure
 from mbsd3d.view.picture.painter import Mosaic, Painter, new_sheet
+from mbsd3d.view.picture.picture import painter_of
 from mbsd3d.view.picture.shading import Solids, outlines, pointers_of, split_strokes, split_triangles
 from mbsd3d.view.scene.artist import draw_system
 from mbsd3d.view.scene.camera import Camera, frame_camera, lens_of, round_down, turned, window
 from mbsd3d.view.scene.drawing import MARKS, NAMES, USUAL, bounds, poses_of
 from mbsd3d.view.scene.frames import frames_of
-from mbsd3d.view.scene.motion import arrows_of
+from mbsd3d.view.scene.motion import arrows_of, traces_of
 
 HIDDEN, BARE = (*NAMES, "ground grid"), ("bodies", "joints")
 CAMERA = Camera(np.array([2.3, -3.1, 1.7]), np.array([0.2, 0.4, -0.3]), 4.5)
@@ -307,6 +308,22 @@ def test_small_large_and_bare_systems(size):
 def test_a_time_next_to_a_sample_is_that_sample(solution):
     almost = np.nextafter(solution.t[7], 1.0)
     assert np.array_equal(solution.at(float(almost)).q, solution.state(7).q)
+
+
+@pytest.mark.parametrize("view", [None, (200.0, 15.0), (-60.0, -30.0)])
+@pytest.mark.parametrize("velocity", [(-2.0, 6.0, 3.0), (31.0, -47.0, -19.0), (7.0, 0.4, 0.2)])
+def test_a_path_from_behind_the_camera_is_before_it(velocity, view):
+    """A point behind the eye would be drawn anywhere."""
+    stone = Body("stone", 5.0, (0.4, 0.5, 0.6), velocity=velocity, omega=(0.3, 0.2, 0.7))
+    motion, layers = simulate(System([stone]), 2.0, output=9), ("bodies", "traces")
+    run = frames_of(motion, 40)
+    paths = traces_of(motion, run)
+    last = run.r[-1:], run.e[-1:]
+    painter, _ = painter_of(
+        System([stone]), *last, (6.4, 4.8), paths=paths, layers=layers, view=view, dark=False, drawn=slice(None)
+    )
+    seen, depth = painter.lens.project(paths[0].points)
+    assert depth.min() > 0.1 * painter.lens.distance and np.abs(seen).max() < 6.0
 
 
 def test_a_name_with_dollars_is_written_as_it_is():

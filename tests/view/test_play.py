@@ -18,7 +18,7 @@ from mbsd3d import GROUND, Body, Input, Revolute, Solution, System, Torque
 from mbsd3d.run.playing import PERIOD
 from mbsd3d.view.page.stage import FOV, swing
 from mbsd3d.view.play.page import pivot_of
-from mbsd3d.view.play.play import Play, parsed
+from mbsd3d.view.play.play import Play, parsed, ride_so_far
 from mbsd3d.view.play.server import Outlet
 from mbsd3d.view.scene.camera import directions, sight
 
@@ -200,6 +200,14 @@ def test_a_ride_is_saved_as_a_page(ride):
         line.say(do="save")
         heard(line, lambda said: not is_frame(said) and said["ride"] == 2)
         assert sorted(ride._pages) == ["/", "/ride-2.html"]  # one is kept
+
+
+def test_a_saved_ride_is_seen_from_where_it_was():
+    with crane().play(RANGES, view=(70.0, 35.0)) as made, looking(made) as line:
+        heard(line, lambda said: is_frame(said) and said[0] > 3 * PERIOD)
+        run = made.solution()
+        saved = ride_so_far(run, None, made._look)
+    assert saved == run.animate(view=(70.0, 35.0)).html != run.animate().html
 
 
 def test_a_ride_that_cannot_be_saved_is_told(ride):

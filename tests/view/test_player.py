@@ -257,3 +257,15 @@ def test_every_axis_has_two_values_at_least(page):
     ticks = "(() => {" + asset("curves.js") + "return [[-15, 14.9, 1], [-0.9, 1.9, 2], [3, 71, 3], [0.11, 0.19, 3]]"
     for found in page.run(ticks + ".map((x) => ticks(...x).found)})()"):
         assert 2 <= len(found) <= 8
+
+
+def test_values_beside_an_axis_are_told_apart_and_have_room(page):
+    """Far from zero, tiny and huge: read back, each is its value to a hundredth of the step between two of them."""
+    ranges = [[882900, 882950], [-5e12, 1.2e13], [-2.6e-5, 4e-5], [200000.12, 200000.19], [-1e-9, 3e-9], [0.4, 7.3]]
+    pick = "[low, high]) => { const {found, step} = ticks(low, high, 4), texts = found.map((v) => tickText(v, step));"
+    take = "return [found, step, texts, makeAxes(400, 120, low, high, 0, 1).left]"
+    found = page.run("(() => {" + asset("curves.js") + f"return {ranges}.map(({pick} {take} }}) }})()")
+    for values, step, texts, left in found:
+        read = [float(text.replace("\u2212", "-")) for text in texts]
+        assert np.allclose(read, values, rtol=0.0, atol=0.01 * step), texts
+        assert max(map(len, texts)) * 5.0 < left, texts  # a digit of 11 pixels is more than 5 wide

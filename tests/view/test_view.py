@@ -12,6 +12,7 @@ import zlib
 import numpy as np
 import pytest
 import trimesh
+from models import pair_at
 
 from mbsd3d import GROUND, Body, Revolute, Spherical, SpringDamper, System, linearize, simulate
 from mbsd3d.base.rotations import matrix
@@ -21,6 +22,7 @@ from mbsd3d.view.page import show
 from mbsd3d.view.page.content import ARROW, LENGTH, MISSING, TURN, VALUE, pack
 from mbsd3d.view.page.recorder import Recording, import_viser
 from mbsd3d.view.page.stage import LONGEST, Stage
+from mbsd3d.view.play.page import shapes_of
 from mbsd3d.view.scene.artist import draw_system
 from mbsd3d.view.scene.camera import length_text, round_down, round_up
 from mbsd3d.view.scene.frames import frames_of, sensible_speed
@@ -309,6 +311,24 @@ def test_scenes_are_some_units_large(size):
     assert 0.5 <= drawing.size * stage.scale < 5.0 and np.isclose(np.log10(stage.scale) % 1.0, 0.0)
     assert np.allclose([node.position for node in stage.bodies], frames.r[0] * stage.scale)
     assert np.allclose(matrix(np.array([node.wxyz for node in stage.bodies])), matrix(frames.e[0]))
+
+
+def test_a_page_far_from_the_origin_is_that_of_the_same_near_it():
+    """Single precision, in which pages draw, has steps of a quarter of a metre there; shares of the size are left."""
+    systems = [pair_at(k * np.array([2.1e6, -3.3e6, 4.7e5])) for k in (0.0, 1.0)]
+    near, far = (data_of(simulate(x, 0.1, output=5, rtol=1e-6).animate(frames=5)) for x in systems)
+    moved = (unpack(far["poses"]["r"]) - unpack(near["poses"]["r"]))[:, :-1]
+    assert np.abs(moved).max() < 60.0 and np.ptp(moved, axis=(0, 1)).max() < 1e-3  # the same motion, near
+    assert near["sight"] == pytest.approx(far["sight"], rel=1e-3) and not unpack(far["poses"]["r"])[:, -1].any()
+    assert np.allclose(unpack(far["arrows"][0]["points"]), unpack(near["arrows"][0]["points"]) + moved[0, 0], atol=1e-3)
+    ends = [np.array(x["links"][0]["ends"][0][0][1]) for x in (near, far)]  # of the spring on the ground
+    assert np.allclose(ends[1] - ends[0], moved[0, 0], rtol=0, atol=1e-3)
+    shapes = [shapes_of(x) for x in systems]
+    for node, arrays in shapes[0].items():
+        for key in arrays:
+            one, other = (np.reshape(shape[node][key], (-1, 3)) for shape in shapes)
+            assert np.allclose(np.ptp(one, axis=0), np.ptp(other, axis=0), rtol=0, atol=1e-4)
+    assert shapes[0].keys() == shapes[1].keys()
 
 
 def test_rods_and_arrows_lie_along_vectors():

@@ -1,7 +1,8 @@
 """A run as an animated glTF 2.0 file, which Blender, three.js and most viewers of solids open.
 
 One node per body, named as it, carries its shape and the joints' glyphs; its translation and rotation are animated.
-glTF is y up: the root node turns the world, z up, by -90 degrees about x. Time starts at zero.
+glTF is y up: the root node turns the world, z up, by -90 degrees about x; it is shifted to mechanisms that are far from
+the origin, since places have single precision. Time starts at zero.
 """
 
 from collections.abc import Iterator
@@ -10,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ...base.paths import package_version, with_suffix, write_atomically
-from ...base.rotations import rotation
+from ...base.rotations import matrix, rotation
 from ...base.style import GREY, SHADED
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes import Mesh
@@ -19,7 +20,7 @@ from ..scene.artist import draw_system
 from ..scene.drawing import Drawing, Piece, Wire, poses_of, title_of
 from ..scene.frames import Frames, frames_of
 from ..scene.meshes import ROD, SLENDER, rolled, unit_coil, unit_rod
-from ..scene.motion import Points, Trace, moved, traces_of
+from ..scene.motion import Points, Trace, moved, nearby, traces_of
 from .asset import LINE_STRIP, LINES, TRIANGLES, Asset
 
 LAYERS = ("bodies", "joints")  # marks of centres and reference points belong to switches, which glTF does not have
@@ -44,6 +45,8 @@ def export_pose(system: Mechanism, path: str | Path) -> Path:
 def glb(system: Mechanism, frames: Frames, traces: list[Trace]) -> bytes:
     """The bytes of the file."""
     drawing = draw_system(system)
+    origin = drawing.origin
+    drawing, frames, _, traces = nearby(drawing, frames, traces=traces)
     names = [body.name for body in system.bodies]
     about = {
         "title": title_of(system),
@@ -53,7 +56,8 @@ def glb(system: Mechanism, frames: Frames, traces: list[Trace]) -> bytes:
         "duration": float(frames.t[-1] - frames.t[0]),
     }
     asset = Asset(about, f"mbsd3d {package_version()}")
-    root = asset.node("world, z up", rotation=as_gltf(UPRIGHT))
+    place = {"translation": matrix(UPRIGHT) @ origin} if origin.any() else {}
+    root = asset.node("world, z up", rotation=as_gltf(UPRIGHT), **place)
     add_bodies(asset, root, [*names, "ground"], drawing, frames)
     add_links(asset, root, drawing, frames)
     for trace in traces:

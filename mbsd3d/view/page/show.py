@@ -19,7 +19,7 @@ from ..scene.artist import draw_system
 from ..scene.camera import directions
 from ..scene.drawing import USUAL, Layers, layers_of, poses_of, title_of
 from ..scene.frames import Frames, frames_of, sensible_speed
-from ..scene.motion import Points, arrows_of, curves_of, traces_of
+from ..scene.motion import Points, arrows_of, curves_of, nearby, traces_of
 from .content import Content, weight_of
 from .html import View, make_page
 from .live import LiveView
@@ -47,7 +47,7 @@ def show_system(
     (r, e), t = poses_of(system, state), np.array([0.0 if state is None else state.t])
     title = title or f"{title_of(system)}: {'reference pose' if state is None else 'a pose'}"
     still, layers = Frames(t, r[None], e[None]), page_layers(system, shown, hidden)
-    content = Content(draw_system(system), still, [], [], [], 1.0, title, layers, timed=state is not None)
+    content = Content(*nearby(draw_system(system), still), [], 1.0, title, layers, timed=state is not None)
     return deliver(content, path, dark, live, "system.show")
 
 
@@ -83,9 +83,10 @@ def animate(
             paths = traces_of(motion, at, traces)
             lines = curves_of(motion, at, curves) if at.t.size > 1 else []
             progress.update(4.0)
-            least = None if beside is None else reach_of(beside, frames, layers, axes)
+            least = None if beside is None else reach_of(beside, frames, layers, axes, drawing.origin)
             pace, name = speed or sensible_speed(float(at.t[-1] - at.t[0])), title or title_of(motion.system)
-            return Content(drawing, at, arrows, paths, lines, pace, name, layers, True, followed, view, least)
+            shown = nearby(drawing, at, arrows, paths)
+            return Content(*shown, lines, pace, name, layers, True, followed, view, least)
 
         content = gathered(frames_of(motion, frames))
         if frames is None and not live and (weight := weight_of(content)) > LARGEST:
@@ -93,10 +94,11 @@ def animate(
         return deliver(content, path, dark, live, "solution.animate")
 
 
-def reach_of(motion: Poses, frames: int | None, layers: Sequence[str], axes: np.ndarray) -> Reach:
-    """The space a motion takes, also along the directions of a view, and its longest arrows."""
-    at, drawing = frames_of(motion, frames), draw_system(motion.system)
-    return Reach(*boxes(drawing, at, layers, axes), {kind.kind: kind.longest for kind in arrows_of(motion, at)})
+def reach_of(motion: Poses, frames: int | None, layers: Sequence[str], axes: np.ndarray, origin: np.ndarray) -> Reach:
+    """The space a motion takes about an origin, also along the directions of a view, and its longest arrows."""
+    at = frames_of(motion, frames)
+    drawing, near, _, _ = nearby(draw_system(motion.system)._replace(origin=origin), at)
+    return Reach(*boxes(drawing, near, layers, axes), {kind.kind: kind.longest for kind in arrows_of(motion, at)})
 
 
 def followed_body(motion: Poses, follow: Body | Ground | str | None, live: bool) -> int:

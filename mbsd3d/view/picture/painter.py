@@ -16,7 +16,7 @@ from matplotlib.transforms import IdentityTransform
 
 from ...base.rotations import matrix
 from ...base.style import LIGHT, Theme, channels
-from ..scene.camera import Lens, length_text, round_down, window
+from ..scene.camera import NEAR, Lens, length_text, round_down, window
 from ..scene.drawing import USUAL, Drawing
 from ..scene.motion import Trace
 from .shading import SEAM, Items, Pointers, Solids, join, outlines, split_strokes, strokes_as_items
@@ -25,6 +25,7 @@ POINT = 72.0  # points per inch
 FINE = 0.045  # longest triangle or stroke, of the size of what is seen
 PEN, LINK, AXIS, PATH = 0.7, 1.6, 1.0, 1.3  # line widths [points]
 SIZE, GAP = 9.0, 7.0  # of the letters of names, and from a name to its point [points]
+NONE = np.empty((0, 3))  # no points
 MANY = 3000  # more triangles and strokes than this are painted as an image, also in a vector file
 
 
@@ -78,7 +79,7 @@ class Painter:
         *,
         sheet: Theme = LIGHT,
         layers: Collection[str] = USUAL,  # "ground grid" is the floor with its grid and the shadows
-        also: np.ndarray | None = None,  # (k, 3) more points that must fit, world [m]: paths, tips of arrows
+        also: np.ndarray = NONE,  # (k, 3) more points that must fit, world [m]: paths, tips of arrows
         fine: float = FINE,  # longest triangle or stroke, of the size of all that is seen
     ) -> None:
         self.lens, self.sheet, self.inches, self.ground = lens, sheet, inches, "ground grid" in layers
@@ -87,7 +88,7 @@ class Painter:
         self.wires = [w._replace(colour=hues.get(w.colour, w.colour)) for w in drawing.wires if w.layer in layers]
         self.tags = [tag for tag in drawing.tags if tag.layer in layers]
         self.links = drawing.links if "springs and rods" in layers else []
-        points = [also] if also is not None and len(also) else []
+        points = [also]
         R = matrix(e)
         for body, local in [(p.body, p.mesh.vertices) for p in pieces] + [(w.body, w.points) for w in self.wires]:
             points.append((local @ R[:, body].transpose(0, 2, 1) + r[:, None, body]).reshape(-1, 3))
@@ -189,7 +190,8 @@ class Painter:
                 strokes.append(line)
         short, _ = split_strokes(np.array(strokes), 0.25 * self.cell)
         far = np.linalg.norm(short.mean(axis=1)[:, :2] - middle, axis=1) / reach
-        short, far = short[far < 1.0], far[far < 1.0]
+        seen = (far < 1.0) & (self.lens.project(short)[1] > NEAR * self.lens.distance).all(axis=1)
+        short, far = short[seen], far[seen]
         tints = grid + (paper - grid) * np.clip(1.6 * far - 0.6, 0.0, 1.0)[:, None]
         axes.add_collection(
             LineCollection(self.on_paper(short), colors=tints, linewidths=0.6, zorder=2, capstyle="butt"), autolim=False

@@ -13,11 +13,11 @@ from ...mechanism.mechanism import Mechanism
 from ...mechanism.state import State
 from ...results.body_motion import Poses
 from ..scene.artist import draw_system
-from ..scene.camera import frame_camera, lens_of, pair, seen_from
+from ..scene.camera import frame_camera, lens_of, pair, seen_from, stood_back
 from ..scene.drawing import ARROWS, MARKS, NAMES, USUAL, Layers, bounds, layers_of, poses_of
 from ..scene.frames import Frames, frames_at, frames_of
 from ..scene.motion import Arrows, Points, Trace, arrows_of, traces_of
-from .painter import FINE, Painter, new_sheet
+from .painter import FINE, NONE, Painter, new_sheet
 from .shading import pointers_of, tips_of
 
 LEGIBLE = 14  # names that a picture can hold
@@ -61,10 +61,10 @@ def painter_of(
     """
     drawing = draw_system(system)
     low, high = bounds(drawing, r, e, layers)
-    camera = seen_from(frame_camera(low, high), view)
     reach = REACH * float((high - low).max())
-    also = [trace.points for trace in paths] + [tips_of(x, reach, drawn) for x in vectors]
-    options = {"sheet": theme(dark), "layers": layers, "fine": fine, "also": np.concatenate(also) if also else None}
+    also = np.concatenate([NONE, *(x.points for x in paths), *(tips_of(x, reach, drawn) for x in vectors)])
+    camera = stood_back(seen_from(frame_camera(low, high), view), also)
+    options = {"sheet": theme(dark), "layers": layers, "fine": fine, "also": also}
     return Painter(drawing, lens_of(camera), r, e, inches, **options), reach
 
 
@@ -121,7 +121,7 @@ def picture_of_solution(
         figure, axes = new_sheet(inches, painter.sheet)
         pointers = [pointers_of(x, k, reach, painter.lens) for x in vectors for k in range(run.t.size, both.t.size)]
         painter.paint(axes, list(zip(now.r, now.e, strict=True)), traces=paths, arrows=pointers)
-        texts = [f"{time:.4g}" for time in now.t]
+        texts = [f"{time:.6g}" for time in now.t]
         several = ", ".join(texts) if len(texts) < 6 else f"{texts[0]} ... {texts[-1]}"
         painter.write_note(axes, f"t = {several} s")
     return figure

@@ -20,6 +20,7 @@ from ..page.stage import Stage
 from ..scene.artist import draw_system
 from ..scene.drawing import poses_of
 from ..scene.frames import Frames
+from ..scene.motion import nearby
 
 SCENE = ("unpack.js", "scene.js", "curves.js", "common.js")
 RIDE = ("strips.js", "gamepad.js", "ride.js")
@@ -42,16 +43,18 @@ def ride_page(model: Playable, built: Built, look: Look) -> str:
     """The whole page."""
     recording, (r, e) = Recording("play"), poses_of(built.system, built.state)
     still, drawing = Frames(np.array([built.state.t]), r[None], e[None]), draw_system(built.system)
-    content = Content(drawing, still, [], [], [], 1.0, look.title, look.layers, followed=look.followed)
+    content = Content(*nearby(drawing, still), [], 1.0, look.title, look.layers, followed=look.followed)
+    pivot = pivot_of(built.system) if look.followed < 0 else None
     stage = Stage(
-        recording.scene, recording.camera, drawing, still, shown=look.layers, endless=True, view=look.view,
-        pivot=pivot_of(built.system) if look.followed < 0 else None,
+        recording.scene, recording.camera, *content[:2], shown=look.layers, endless=True, view=look.view,
+        pivot=None if pivot is None else pivot - drawing.origin,
     )  # fmt: skip
     bodies = built.system.bodies
     data = player_data(content, stage) | {
         "moving": [*range(len(bodies))],
         "bodies": [[i, body.name] for i, body in enumerate(bodies)],
         "controls": [control_data(control) for control in model.controls],
+        "origin": drawing.origin.tolist(),
         "panels": [panel._asdict() for panel in model.panels],
         "seconds": SECONDS,
     }
@@ -91,8 +94,9 @@ def control_data(control: Control) -> dict[str, object]:
 def shapes_of(system: Mechanism) -> Shapes:
     """Meshes and lines of the bodies, as the nodes of the scene hold them."""
     recording = Recording("play")
-    (r, e), drawing = poses_of(system), draw_system(system)
-    Stage(recording.scene, recording.camera, drawing, Frames(np.zeros(1), r[None], e[None]))
+    r, e = poses_of(system)
+    still = Frames(np.zeros(1), r[None], e[None])
+    Stage(recording.scene, recording.camera, *nearby(draw_system(system), still))
     found = {}
     for message in recording.recorder.messages.values():
         props = getattr(message, "props", None)

@@ -203,7 +203,7 @@ def ride_so_far(solution: Poses, curves: Wanted | None, look: Look) -> str:
     hidden = [layer for layer in (*USUAL, "body names") if layer not in look.layers]
     view = animate(
         solution, None, curves=curves, traces=None, shown=look.layers, hidden=hidden, frames=None, speed=None,
-        title=look.title, dark=look.dark, live=False, follow=follow,
+        title=look.title, dark=look.dark, live=False, follow=follow, view=look.view,
     )  # fmt: skip
     return view.html
 

@@ -17,6 +17,7 @@ from ...mechanism.shapes.surfaces import ball, block, joined, moved
 from .drawing import Drawing, Link, Piece, Tag, Wire, bounds, corners, poses_of
 from .glyphs import RIM, anchor, circles, joints_of, scaled, solids, spokes
 
+FAR = 100.0  # of its size: a mechanism that is farther from the origin of the world is shown about another one
 LIFT = np.full(3, np.nan)  # lifts the pen between two strokes
 
 
@@ -129,4 +130,5 @@ class Artist:
         mark = self.grain(size)
         self.marks(mark)
         self.joints(mark)
-        return self.drawing._replace(size=size, floor=float(low[2]))
+        step = 10.0 ** np.ceil(np.log10(FAR * size))
+        return self.drawing._replace(size=size, floor=float(low[2]), origin=step * np.round(0.5 * (low + high) / step))

@@ -9,7 +9,8 @@ from ...base.checks import number, shown
 from ...base.errors import InputError
 
 AROUND = 1.12  # of what is seen: the box and some air
-NEAR = 0.02  # of the camera's distance: what is nearer to the eye is drawn as if it were there
+NEAR = 0.02  # of the camera's distance: what is nearer to the eye cannot be drawn
+ASIDE = 2.0  # tangent of the angle from the middle of the view at which a path is still seen well
 TIPS = 1.4  # of the height of what the camera goes along with: it may rise and tip over
 AIR = 0.06  # of a window, on every side
 AZIMUTH, HEIGHT = np.radians((-58.0, 22.0))  # of the camera, seen from the middle
@@ -83,6 +84,19 @@ def directions(view: Sequence[float] | None) -> np.ndarray:
     azimuth, elevation = np.radians(checked_view(view))
     (c, s), (cz, sz) = (np.cos(azimuth), np.sin(azimuth)), (np.cos(elevation), np.sin(elevation))
     return np.array([(cz * c, cz * s, sz), (-s, c, 0.0), (-sz * c, -sz * s, cz)])
+
+
+def stood_back(camera: Camera, points: np.ndarray) -> Camera:
+    """The camera so far back that points (k, 3), world [m], are before it and not much aside; else they are distorted.
+
+    With w from the point one looks at and u towards the camera this is ``|w - (w . u) u| <= ASIDE (d - w . u)``.
+    """
+    towards = (camera.position - camera.look_at) / camera.distance
+    w = points - camera.look_at
+    along = w @ towards
+    aside = np.linalg.norm(w - along[:, None] * towards, axis=1)
+    distance = float((along + aside / ASIDE).max(initial=camera.distance))
+    return camera._replace(position=camera.look_at + distance * towards, distance=distance)
 
 
 def turned(camera: Camera, azimuth: float, elevation: float) -> Camera:

@@ -74,6 +74,7 @@ class Drawing(NamedTuple):
     tags: list[Tag]
     size: float
     floor: float  # height of the ground grid, world [m]
+    origin: np.ndarray = np.zeros(3)  # a round point about which viewers show it, which count in single precision [m]
 
 
 def title_of(system: Mechanism) -> str:

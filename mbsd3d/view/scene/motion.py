@@ -1,6 +1,6 @@
 """Arrows, traces and curves over time of a motion; no plotting library."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +17,7 @@ from ...results.body_motion import Poses
 from ...results.checks.check import scales_of
 from ...results.every_reaction import every_reaction
 from ...results.run_result import RunResult
-from .drawing import ARROWS
+from .drawing import ARROWS, Drawing
 from .frames import Between, Frames, between
 
 TRACES = 12  # at most, unless asked for
@@ -129,6 +129,28 @@ def carried(
         return where.blend(points)
     local = np.einsum("tji,tj->ti", run.rotation(body)[used], points - run.position(body)[used])
     return moved(frames, run.compiled.body_index[id(body)], where.blend(local))
+
+
+def nearby(
+    drawing: Drawing, frames: Frames, arrows: Sequence[Arrows] = (), traces: Sequence[Trace] = ()
+) -> tuple[Drawing, Frames, list[Arrows], list[Trace]]:
+    """The same about the origin of the drawing: bodies are there, the ground stays and what is fixed to it moves."""
+    o, ground = drawing.origin, frames.r.shape[1] - 1
+
+    def there(body: int, points: np.ndarray) -> np.ndarray:
+        return points - o if body == ground else points
+
+    near = Drawing(
+        [x._replace(mesh=x.mesh._replace(vertices=there(x.body, x.mesh.vertices))) for x in drawing.pieces],
+        [x._replace(points=there(x.body, x.points)) for x in drawing.wires],
+        [x._replace(ends=tuple((body, there(body, point)) for body, point in x.ends)) for x in drawing.links],
+        [x._replace(point=there(x.body, x.point)) for x in drawing.tags],
+        drawing.size,
+        float(drawing.floor - o[2]),
+    )
+    r = np.concatenate([frames.r[:, :ground] - o, frames.r[:, ground:]], axis=1)
+    paths = [x._replace(points=x.points - o) for x in traces]
+    return near, frames._replace(r=r), [x._replace(points=x.points - o) for x in arrows], paths
 
 
 def traces_of(motion: Poses, frames: Frames, points: Points | None = None) -> list[Trace]:

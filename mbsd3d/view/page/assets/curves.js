@@ -17,13 +17,13 @@ function ticks(low, high, count) {
   return found.length > 1 || count > 9 ? {found, step} : ticks(low, high, count + 1);
 }
 
-// As many digits as the step needs; powers of ten only for very large and small numbers.
+// As many digits as the step needs; powers of ten only for long numbers that they make shorter.
 function tickText(value, step) {
   if (Math.abs(value) < 1e-9 * step) return "0";
-  const size = Math.max(Math.abs(value), step);
-  const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
-  const plain = size < 1e5 && digits <= 5 ? value.toFixed(digits) : String(Number(value.toPrecision(3)));
-  return plain.replaceAll("-", "\u2212");
+  const decade = (x) => Math.floor(Math.log10(Math.abs(x)) + 1e-9);
+  const plain = value.toFixed(Math.min(Math.max(0, -decade(step)), 100));
+  const power = value.toExponential(Math.max(0, decade(value) - decade(step)));
+  return (plain.length < 8 || plain.length <= power.length ? plain : power).replaceAll("-", "\u2212");
 }
 
 // Four digits; what is rounding in the scale of its picture is zero.
@@ -35,7 +35,9 @@ function valueText(value, scale = 0) {
   return text.replaceAll("-", "\u2212");
 }
 
-const BOX = {left: 56, right: 12, top: 6, bottom: 20}; // room for numbers around a plot
+const BOX = {left: 56, right: 12, top: 6, bottom: 20}; // room for numbers around a plot; on the left at least
+const FONT = "11px system-ui, sans-serif";
+const letters = element("canvas").getContext("2d"); // measures them
 
 const ink = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
@@ -73,19 +75,22 @@ function sharp(canvas, width, height) {
 
 // Where values low ... high and times first ... last lie on a canvas of the given size, and the lines and numbers there.
 function makeAxes(width, height, low, high, first, last) {
-  const x = (t) => BOX.left + ((t - first) / (last - first || 1)) * (width - BOX.left - BOX.right);
+  const up = ticks(low, high, Math.max(3, Math.floor((height - BOX.top - BOX.bottom) / 30)));
+  const numbers = up.found.map((v) => tickText(v, up.step));
+  letters.font = FONT;
+  const left = Math.max(BOX.left, ...numbers.map((text) => 8 + letters.measureText(text).width));
+  const x = (t) => left + ((t - first) / (last - first || 1)) * (width - left - BOX.right);
   const y = (v) => BOX.top + ((high - v) / (high - low)) * (height - BOX.top - BOX.bottom);
   function draw(g) {
-    g.font = "11px system-ui, sans-serif";
+    g.font = FONT;
     (g.fillStyle = ink("--muted")), (g.strokeStyle = ink("--line")), (g.lineWidth = 1), g.setLineDash([]);
-    const up = ticks(low, high, Math.max(3, Math.floor((height - BOX.top - BOX.bottom) / 30)));
     const along = ticks(first, last, Math.max(2, Math.floor(width / 80)));
     (g.textAlign = "right"), (g.textBaseline = "middle");
-    for (const v of up.found) {
+    up.found.forEach((v, i) => {
       const at = Math.round(y(v)) + 0.5;
-      g.beginPath(), g.moveTo(BOX.left, at), g.lineTo(width - BOX.right, at), g.stroke();
-      g.fillText(tickText(v, up.step), BOX.left - 6, at);
-    }
+      g.beginPath(), g.moveTo(left, at), g.lineTo(width - BOX.right, at), g.stroke();
+      g.fillText(numbers[i], left - 6, at);
+    });
     (g.textAlign = "center"), (g.textBaseline = "top");
     for (const t of along.found) {
       const at = Math.round(x(t)) + 0.5, text = tickText(t, along.step);
@@ -94,7 +99,7 @@ function makeAxes(width, height, low, high, first, last) {
       g.fillText(t === along.found[along.found.length - 1] ? `${text} s` : text, Math.min(at, width - room - 1), height - BOX.bottom + 6);
     }
   }
-  return {x, y, draw};
+  return {x, y, left, draw};
 }
 
 // `scale`: largest value of this unit on the page; what is 1e-9 of it is rounding and not blown up.
@@ -148,7 +153,7 @@ function makeCurve(curve, lines, times, colours, scale, seek) {
   }
 
   const pick = (event) => {
-    const share = (event.offsetX - BOX.left) / (canvas.clientWidth - BOX.left - BOX.right);
+    const share = (event.offsetX - axes.left) / (canvas.clientWidth - axes.left - BOX.right);
     seek(first + Math.min(Math.max(share, 0), 1) * (last - first));
   };
   canvas.addEventListener("pointerdown", (event) => (canvas.setPointerCapture(event.pointerId), pick(event)));

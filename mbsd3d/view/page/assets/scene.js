@@ -19,7 +19,7 @@ function makeScene(data, arrays) {
   }
 
   // Copies of a body of length 1 along z, laid along vectors from points: as wide as long, or of given radii; they turn
-  // from directions `rest` by the smallest rotation, so that coils do not spin (mbsd3d/view/copies.py).
+  // from directions `rest` by the smallest rotation, so that coils do not spin (`laid` of mbsd3d/view/scene/meshes.py).
   function lay(name, points, vectors, factor, radii, rest) {
     const count = points.length / 3;
     const positions = new Float32Array(3 * count), turns = new Float32Array(4 * count), scales = new Float32Array(3 * count);

@@ -117,7 +117,7 @@ function tick(now) {
   e[4 * count] = 1; // the ground comes last
   for (let i = 0; i < count; i++) {
     const at = HEAD + lines + 7 * i;
-    r.set(frame.subarray(at, at + 3), 3 * i), e.set(frame.subarray(at + 3, at + 7), 4 * i);
+    r.set(frame.subarray(at, at + 3).map((x, k) => x - data.origin[k]), 3 * i), e.set(frame.subarray(at + 3, at + 7), 4 * i);
   }
   scene.put(r, e);
   (drawn = t), (frame = null);
