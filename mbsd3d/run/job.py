@@ -12,12 +12,11 @@ from ..compiler.announcing import announce_compilation
 from ..compiler.disk import mark_warm
 from ..compiler.second import wait_for_second
 from ..constraints.contradictions import rivals
-from ..constraints.row_choice import choose_rows
+from ..constraints.row_choice import choose_rows, tree_over_rows
 from ..constraints.spins import check_spins, free_spins
 from ..dynamics.state_rates import FAR, PROJECTED, project_and_evaluate
 from ..equations.at_state import check_quaternions, driven_coordinates, load_rows, load_state, unmet, worst_joint
 from ..equations.compiled import Compiled
-from ..equations.elimination import eliminate
 from ..equations.jacobian import scaled_rows
 from ..integrators import memory
 from ..integrators.memory import NEVER, Run, new_run
@@ -162,14 +161,12 @@ class Job:
 
     def eliminate(self) -> None:
         """The tree of the equations at the present state, over all rows; of parts as built, over independent ones."""
-        run, model, rows = self.memory, self.model, None
+        run = self.memory
         load_rows(self.compiled, self.data, run.y, run.now.t)
         if not np.isfinite(self.data.row["J"]).all():
             self.fail(memory.NO_SOLUTION)
-        if self.record.tolerance > 0.0:
-            rows = choose_rows(model, self.data, max(self.tolerance, 1e-10))
-            self.record.svd_calls += 1
-        self.tree = eliminate(model, self.data, rows)
+        self.record.svd_calls += self.record.tolerance > 0.0
+        self.tree = tree_over_rows(self.model, self.data, self.record.tolerance)
         self.record.rows_left_out = int(self.tree.skipped.size + self.tree.loop.size)
         run.now.fresh = max(run.now.fresh, 1)
 
@@ -270,7 +267,7 @@ class Job:
         record.evaluations, record.nearest = int(now["evaluations"]), float(run.rows["lowest"])
         arrays = self.samples.finished()
         arrays["t"] = arrays["t"][:, 0]
-        return RunResult.from_run(self.compiled, arrays, record, run.y.copy(), float(now["t"]), self.data)
+        return RunResult.from_run(self.compiled, arrays, record, self.start, run.y.copy(), float(now["t"]), self.data)
 
     def fail(self, status: int) -> None:
         """IntegrationError with time, the part to blame, advice and what was computed."""

@@ -126,7 +126,7 @@ class Slices(Job):
         arrays = {name: array[:count].copy() for name, array in self.samples.arrays.items()}
         arrays["t"] = arrays["t"][:, 0]
         compiled = with_history(self.compiled, self.history)
-        return RunResult.from_run(compiled, arrays, record, run.y.copy(), self.t, self.data)
+        return RunResult.from_run(compiled, arrays, record, self.start, run.y.copy(), self.t, self.data)
 
     @property
     def velocities(self) -> np.ndarray:
