@@ -23,7 +23,7 @@ from ..mechanism.state import State
 from ..results.run_result import RunResult
 from ..results.run_samples import unit_quaternions
 from .job import LEAST, Job
-from .simulation import check_kinds, check_signals
+from .simulation import check_kinds, check_signals, check_steps
 
 SILENT = Progress("", 0.0, 1.0, False)
 
@@ -96,6 +96,7 @@ class Slices(Job):
         begin, step, rejected, first = float(now["t"]), now["step"], now["rejected"], now["evaluations"] == 0
         if not t - begin > max(LEAST * abs(t), SMALLEST):  # what rounding adds is no slice
             raise InputError(f"Stepper: t = {t:.9g} s does not lie after {begin:.9g} s; give a later time")
+        check_steps(self.method, t - begin, "Stepper")
         if t > self.last_signal:
             check_signals(self.compiled, begin, t)
         task["t_end"], task["min_step"] = t, LEAST * max(abs(t), t - begin)
