@@ -43,7 +43,6 @@ from .sunk import check_sunk
 CHUNK = 0.05  # seconds of kernel time between visits to Python: progress, Ctrl-C
 CAPACITY = 1024  # samples between visits to Python where every step is one
 SHORT = memory.STEP_TOO_SMALL, memory.NOT_CONVERGED  # ends of runs that a singular pose may be the reason for
-LEAST = 1e-14  # of the time, the shortest step: 50 units of its last place, for jumps of forces at rtol 1e-12
 
 
 class Job:
@@ -83,7 +82,7 @@ class Job:
         task, now = run.task, run.now  # their fields by name: as attributes each takes a microsecond more
         task["t_start"], task["t_end"], task["rtol"], task["tolerance"] = t, t_end, rtol, max(self.tolerance, 1e-9)
         task["steps"] = 0 if method.dt is None else max(int(np.ceil((t_end - t) / method.dt - 1e-9)), 1)
-        task["min_step"], task["max_step"] = LEAST * max(abs(t_end), t_end - t), method.max_step
+        task["max_step"] = method.max_step
         task["every_step"], task["condition"] = times is None, -1
         if self.stop_when is not None:
             task["condition"], task["stop"], task["direction"] = 0, self.stop_when.value, self.stop_when.direction
@@ -216,7 +215,7 @@ class Job:
         now["speed"], now["turn"] = rate * model.length, rate
         if self.record.kinematic:
             now["turn"] = np.abs(v[:, 3:]).max(initial=0.0)  # what it does turn, for the distance of poses
-        now["step"] = min(horizon, 0.5 * task["rtol"] ** (1.0 / (self.method.order or 8)) / rate)
+        now["step"] = task["first_step"] = min(horizon, 0.5 * task["rtol"] ** (1.0 / (self.method.order or 8)) / rate)
 
     def check_start(self) -> None:
         """A projected run starts from a consistent state: what the user gave is not moved silently."""

@@ -15,6 +15,7 @@ from ..equations.compiled import Switches, compile_system
 from ..equations.inputs import set_input, starts, with_history, with_own_inputs
 from ..integrators.dop853 import DOP853
 from ..integrators.method import Method
+from ..integrators.step_control import LEAST
 from ..kernels.coordinates import measure
 from ..mechanism.measures import Measure, check_members
 from ..mechanism.mechanism import Mechanism
@@ -22,7 +23,7 @@ from ..mechanism.signals.input import Input
 from ..mechanism.state import State
 from ..results.run_result import RunResult
 from ..results.run_samples import unit_quaternions
-from .job import LEAST, Job
+from .job import Job
 from .simulation import check_kinds, check_signals, check_steps
 
 SILENT = Progress("", 0.0, 1.0, False)
@@ -99,7 +100,7 @@ class Slices(Job):
         check_steps(self.method, t - begin, "Stepper")
         if t > self.last_signal:
             check_signals(self.compiled, begin, t)
-        task["t_end"], task["min_step"] = t, LEAST * max(abs(t), t - begin)
+        task["t_end"] = t
         if self.method.dt is not None:
             steps, done = max(int(np.ceil((t - begin) / self.method.dt - 1e-9)), 1), int(now["steps"])
             task["steps"], task["t_start"] = done + steps, begin - done * (t - begin) / steps
