@@ -47,7 +47,7 @@ def replay(
             f"state, output (a count or times), method, rtol, as_built, {', '.join(SWITCHES)}"
         )
     if not isinstance(state, State):
-        raise InputError(f"solution.again: state {shown(state)} is not a State; give one, e.g. ride.state(0)")
+        raise InputError(f"solution.again: state {shown(state)} is not a State; give one, e.g. ride.start")
     t_end = check_end(number(t_end, "solution.again: t_end"), state.t)
     wanted = set(output_times(output, state.t, t_end, method).tolist())
     run = Slices(system, state, switches, method, rtol, as_built, ())

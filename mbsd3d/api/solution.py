@@ -61,18 +61,18 @@ class Solution(RunResult, Viewable):
     def at(self, t: float) -> State:
         """The state at any time of the run [s], by integrating on from the sample before it."""
         t = number(t, "solution.at: t")
-        begin = self.state(0).t
+        begin = self.start.t
         if not begin <= t <= self.final.t:
             raise InputError(f"solution.at: t = {t:g} s is outside the run {begin:g} ... {self.final.t:g} s")
         k = int(np.searchsorted(self.t, t, side="right")) - 1
-        start = self.state(k)
+        start = self.state(k) if k >= 0 else self.start
         same = t - start.t <= SHORTEST * abs(t)  # too short for any run
         return start if same else self.again(t, state=start, output=[t]).final
 
     def again(self, t_end: float | None = None, **changes: Any) -> "Solution":
         """Run the same system again with the same settings, except for the given ones (see `simulate`)."""
         settings = {**asdict(self.record.switches), "rtol": self.record.rtol, "method": self.record.method}
-        settings.update(state=self.state(0), output=self.t)
+        settings.update(state=self.start, output=self.t)
         if self.record.tolerance:
             settings["as_built"] = self.record.tolerance * self.compiled.model.length
         settings.update(changes)

@@ -6,8 +6,9 @@ in radians), of which the bodies have been eliminated that need no such decision
 
 import numpy as np
 
+from ..equations.elimination import eliminate
 from ..equations.jacobian import RANK_TOLERANCE, scaled_rows
-from ..kernels.layout import Data, Model
+from ..kernels.layout import Data, Model, Tree
 from .rank import Analysis, surely_independent
 
 
@@ -17,3 +18,11 @@ def choose_rows(model: Model, data: Data, tolerance: float = RANK_TOLERANCE) -> 
     if surely_independent(rows, tolerance):
         return np.arange(model.row.size)
     return Analysis(rows, tolerance).independent()
+
+
+def tree_over_rows(model: Model, data: Data, tolerance: float) -> Tree:
+    """The tree of the equations at the state in ``data``, over all rows; over independent ones of parts as built.
+
+    ``tolerance``: within which these may miss each other, in model lengths; 0 = they do not.
+    """
+    return eliminate(model, data, choose_rows(model, data, max(tolerance, RANK_TOLERANCE)) if tolerance else None)

@@ -33,15 +33,17 @@ def save(solution: RunResult, path: str | Path) -> Path:
     system, record = solution.system, solution.record
     write, (error, order, doubling) = Writer(system), solution.estimated
     count = len(compile_system(system).coordinate_index)  # without that of the measure of stop_when
-    final = solution.final
-    if final.coordinates is not None:
-        final = replace(final, coordinates=final.coordinates[:count])
+    start, final = (
+        replace(x, moved={}, coordinates=None if x.coordinates is None else x.coordinates[:count])
+        for x in (solution.start, solution.final)
+    )
     document = {
         "format": SOLUTION,
         "version": FORMAT,
         "written_by": package_version(),
         "system": describe(system, without_functions=True),
         "record": write.part(record, "record"),
+        "start": write.part(start, "start"),
         "final": write.part(final, "final state"),
         "estimate": {"error": error, "order": order, "doubling": doubling},
     }
@@ -83,14 +85,17 @@ def read_solution(handle: Any) -> RunResult:
     system, reader = read_system(document["system"])
     record = reader.part(document["record"], ("record",), Record)
     final = reader.part(document["final"], ("final",), State)
+    start = reader.part(document["start"], ("start",), State) if "start" in document else None  # older files
     record.rank_events = list(record.rank_events)
     compiled = with_history(compile_system(system, (), record.switches), record.inputs)
-    check_arrays(compiled, arrays, final)
+    check_arrays(compiled, arrays, [final] if start is None else [start, final])
     n = len(system.bodies)
     arrays["q"] = arrays["state"][:, : 7 * n].reshape(-1, n, 7)
     arrays["z"] = arrays["state"][:, 13 * n :]
     estimate = document["estimate"]
-    return RunResult(compiled, arrays, record, final, (estimate["error"], estimate["order"], estimate.get("doubling")))
+    estimated = estimate["error"], estimate["order"], estimate.get("doubling")
+    run = RunResult(compiled, arrays, record, start or final, final, estimated)
+    return run if start is not None or not run.t.size else replace(run, start=run.state(0))
 
 
 def check_entries(handle: Any) -> None:
@@ -107,7 +112,7 @@ def check_entries(handle: Any) -> None:
             raise InputError(f"'{entry.filename}' is compressed, which solution.save never does")
 
 
-def check_arrays(compiled: Compiled, arrays: dict[str, Any], final: State) -> None:
+def check_arrays(compiled: Compiled, arrays: dict[str, Any], states: list[State]) -> None:
     """Every array is there with the shape the model gives it."""
     model, system, n = compiled.model, compiled.system, len(compiled.system.bodies)
     rows, coordinates, elements = compiled.row_joint.size, len(compiled.coordinate_index), len(system.forces)
@@ -120,6 +125,7 @@ def check_arrays(compiled: Compiled, arrays: dict[str, Any], final: State) -> No
         array = arrays[name]
         if not isinstance(array, np.ndarray) or array.dtype != float or array.shape != (*samples, *shape):
             raise InputError(f"array '{name}' has shape {np.shape(array)}, its system needs {(*samples, *shape)}")
-    sizes = (final.q.size, final.z.size, coordinates if final.coordinates is None else np.size(final.coordinates))
-    if sizes != (7 * n, model.z_work, coordinates):
-        raise InputError("the final state does not fit the system")
+    for state in states:
+        numbers = coordinates if state.coordinates is None else np.size(state.coordinates)
+        if (state.q.size, numbers) != (7 * n, coordinates) or state.z.size not in (model.z_work, 0):
+            raise InputError("the start or the final state does not fit the system")

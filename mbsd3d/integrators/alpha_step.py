@@ -5,7 +5,7 @@ import numpy as np
 from ..compiler.jit import inner_kernel, kernel
 from ..dynamics.spinning import find_turns
 from ..dynamics.state_rates import FAR, PROJECTED, audit_rates, project_and_evaluate, project_positions, rounding
-from ..dynamics.touching import go_on_watching, hides_touch
+from ..dynamics.touching import hides_touch
 from ..kernels.coordinates import remember
 from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace_body, rotation_matrix
@@ -14,7 +14,18 @@ from ..saddle.solve import SOLVED
 from .memory import NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING, STEP_TOO_SMALL
 from .newton import fill_matrix, filtered, lu_factor, lu_solve, residual
 from .outputs import along_cubic, cubic, evaluate_start, outputs
-from .step_control import LOCAL, end_of_step, note_rows, pass_turn, rows_hold, state_error, take_steps, update_scales
+from .step_control import (
+    LOCAL,
+    end_of_step,
+    go_on,
+    good_enough,
+    least_step,
+    note_rows,
+    rows_hold,
+    state_error,
+    take_steps,
+    update_scales,
+)
 
 ITERATIONS = 12  # of Newton's method in one attempt
 SLOW = 0.2  # contraction above which the matrix is made anew
@@ -170,7 +181,7 @@ def attempt(m, d, s, run, g, c):
     rejected, fixed = False, run.task.steps > 0
     while True:
         t_new, h = end_of_step(run)
-        if h < run.task.min_step:
+        if h < least_step(run):
             return STEP_TOO_SMALL, t_new, h
         predict(g, c, h, False)
         solved = solve_step(m, d, s, run, g, c, t_new, h)
@@ -185,7 +196,7 @@ def attempt(m, d, s, run, g, c):
         factor = 0.25
         if np.isfinite(error):
             factor = min(3.0, max(0.2, 0.9 * max(error, 1e-9) ** (-1.0 / 3.0)))
-        if error <= 1.0:
+        if good_enough(run, h, error):
             factor = min(factor, 1.0) if rejected else factor
             run.now.step = h if 0.95 < factor < SAME_STEP else h * factor
             return RUNNING, t_new, h
@@ -221,10 +232,7 @@ def accept(m, run, g, t_new, h):
     if g.past.first == 1:
         g.past.first, g.past.matrix = 0, 0  # other weights from now on
     g.past.step = h
-    run.now.t = t_new
-    run.now.steps += 1
-    pass_turn(run)
-    go_on_watching(run)
+    go_on(run, t_new)
 
 
 @inner_kernel

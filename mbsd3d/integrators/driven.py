@@ -12,11 +12,12 @@ from ..kernels.coordinates import remember
 from ..kernels.kinematics import normalise
 from ..kernels.layout import Data, Model
 from ..kernels.vectors import add_scaled, clear, copy, finite
+from ..saddle.independence import independence
 from ..saddle.solve import SOLVED
 from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING
 from .method import Method, check_max_step
 from .outputs import evaluate_start, first_crossing, halt, land, may_come_true, watch_on, write
-from .step_control import full, hermite, note_rows, rows_hold, update_scales
+from .step_control import NEARLY_SINGULAR, full, hermite, note_rows, rows_hold, update_scales, way_to_singular
 
 TURN_PER_POSE = 0.3  # rad between poses: Newton stays on its branch
 TOO_FAR = 2.0  # times that is the turn, by the angular velocity found at the new pose, from which on it is not believed
@@ -99,19 +100,29 @@ def advance_to(m, d, s, own, run, t, x, h):
         return NO_SOLUTION
     for i in range(13 * m.body.shape[0], run.trial.shape[0]):
         run.trial[i] += 0.5 * x * (run.trial_rate[i] - run.dy[i])
+    if s.loop.shape[0] > 0 and s.state.dense == 0:
+        s.state.pivot = independence(s)
     return RUNNING
 
 
 @inner_kernel
 def farthest(m, run):
-    """Time [s] in which a body may turn TURN_PER_POSE: h w + h^2/2 alpha with the greatest w so far, alpha of now."""
+    """Time [s] to the next pose at most: in which a body may turn TURN_PER_POSE, or half the way to a singular pose.
+
+    Turns are h w + h^2/2 alpha with the greatest w so far, alpha of now. Two branches nearly meet where a mechanism
+    passes close by a singular pose: longer steps would come out on the other one, which no sample tells.
+    """
     n, alpha = m.body.shape[0], 0.0
     for i in range(n):
         for j in range(3):
             alpha = max(alpha, abs(run.dy[7 * n + 6 * i + 3 + j]))
     w = run.now.turn
-    speed = w + np.sqrt(w * w + 2.0 * alpha * TURN_PER_POSE)
-    return min(run.task.max_step, 2.0 * TURN_PER_POSE / speed if speed > 0.0 else np.inf)
+    far = TURN_PER_POSE if run.now.steps > 0 else APART  # the first two poses say whether a singular one is ahead
+    speed = w + np.sqrt(w * w + 2.0 * alpha * far)
+    most = min(run.task.max_step, 2.0 * far / speed if speed > 0.0 else np.inf)
+    if SINGULAR <= run.rows.pivot < NEARLY_SINGULAR and run.now.steps > 0:
+        most = min(most, 2.0 * run.now.step)
+    return min(most, 0.5 * run.rows.ahead) if run.rows.pivot >= SINGULAR else most
 
 
 @inner_kernel
@@ -211,8 +222,9 @@ def next_regular(m, d, s, own, run, t_output):
 def step(m, d, s, own, run, t_output):
     """The next pose on the way to t_output; RUNNING or a reason to come back to Python."""
     status, t_new = next_regular(m, d, s, own, run, t_output)
-    h = t_new - run.now.t
+    h, before = t_new - run.now.t, run.rows.pivot
     note_rows(s, run)
+    run.now.step, run.rows.ahead = h, way_to_singular(before, run.rows.pivot, h)
     if status == RUNNING and run.task.condition >= 0:
         status = watch(m, d, s, run, t_new, h)
     if status != RUNNING:
@@ -231,6 +243,7 @@ def follow(m, d, s, own, run, budget):
     """Visit the output times; DONE, RUNNING after `budget` poses, or a reason to come back to Python."""
     if run.now.fresh == 1:
         status = evaluate_start(m, d, s, run)
+        run.rows.ahead = np.inf
         if status != RUNNING:
             return status
     for _ in range(budget):

@@ -14,7 +14,7 @@ TASK = [  # constant during the run
     ("t_start", float),  # s
     ("t_end", float),  # s
     ("steps", int),  # number of equal steps, 0 = adaptive
-    ("min_step", float),  # s
+    ("first_step", float),  # s, the first one tried
     ("max_step", float),  # s
     ("rtol", float),
     ("tolerance", float),  # within which rows left out may be violated, in model lengths and radians
@@ -34,6 +34,7 @@ NOW = [
     ("evaluations", int),
     ("longest", float),  # s, of the next step, where contacts in the air turn: touching.py
     ("fresh", int),  # nothing has been evaluated since: 1, the tree is new; 2, a signal has jumped
+    ("forced", int),  # 1: the step at hand has the least length, as over a jump of a force; 2: the last one had
     ("retried", int),  # 1: the step at hand has been rejected before: it may not grow
     ("spinning", int),  # bodies whose spin is taken out of the step at hand: spinning.py
     ("written", int),  # samples in the buffer

@@ -5,14 +5,25 @@ import numpy as np
 from ..compiler.jit import inner_kernel, kernel
 from ..dynamics.spinning import find_turns
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate, rounding
-from ..dynamics.touching import go_on_watching, hides_touch
+from ..dynamics.touching import hides_touch
 from ..kernels.coordinates import remember
 from ..kernels.vectors import copy, finite
 from ..saddle.solve import SOLVED
 from .memory import NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING, STEP_TOO_SMALL
 from .newton import lu_factor, lu_solve
 from .outputs import along_cubic, cubic, evaluate_start, outputs
-from .step_control import LOCAL, end_of_step, note_rows, pass_turn, rows_hold, state_error, take_steps, update_scales
+from .step_control import (
+    LOCAL,
+    end_of_step,
+    go_on,
+    good_enough,
+    least_step,
+    note_rows,
+    rows_hold,
+    state_error,
+    take_steps,
+    update_scales,
+)
 
 ITERATIONS = 10  # of Newton's method in one attempt
 NEWTON = 0.1  # of LOCAL rtol is what Newton's method may leave
@@ -223,7 +234,7 @@ def attempt(m, d, s, run, g):
     rejected, fixed = False, run.task.steps > 0
     while True:
         t_new, h = end_of_step(run)
-        if h < run.task.min_step:
+        if h < least_step(run):
             return STEP_TOO_SMALL, t_new, h
         solved, iterations = stages(m, d, s, run, g, h)
         if not solved or not end_of_stages(m, d, s, run, g, h):
@@ -235,7 +246,7 @@ def attempt(m, d, s, run, g):
         error = 0.0 if fixed else local_error(m, d, s, run, g, h, rejected or g.past.step == 0.0)
         safety = 0.9 * (2.0 * ITERATIONS + 1.0) / (2.0 * ITERATIONS + iterations)
         factor = min(8.0, max(0.2, safety * max(error, 1e-12) ** -0.25)) if np.isfinite(error) else 0.2
-        if error <= 1.0:
+        if good_enough(run, h, error):
             factor = min(factor, 1.0) if rejected else factor
             run.now.step = h if 0.99 < factor < SAME_STEP else h * factor
             return RUNNING, t_new, h
@@ -253,10 +264,7 @@ def accept(run, g, t_new, h):
     copy(run.dy, run.trial_rate)
     g.past.step = h
     g.past.jacobian = 0 if g.past.contraction < KEEP else -1
-    run.now.t = t_new
-    run.now.steps += 1
-    pass_turn(run)
-    go_on_watching(run)
+    go_on(run, t_new)
 
 
 @inner_kernel

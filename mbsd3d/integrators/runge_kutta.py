@@ -5,7 +5,7 @@ import numpy as np
 from ..compiler.jit import inner_kernel, kernel, late_kernel
 from ..dynamics.spinning import farthest_turn, find_spins, kept, limit_turn, rate_without_spin, spin_on
 from ..dynamics.state_rates import FAR, NEAR, PROJECTED, evaluate, project_and_evaluate, rounding
-from ..dynamics.touching import go_on_watching, hides_touch
+from ..dynamics.touching import hides_touch
 from ..kernels.coordinates import remember
 from ..kernels.vectors import add_scaled, clear, copy, finite
 from ..saddle.solve import SOLVED
@@ -14,12 +14,13 @@ from .outputs import evaluate_start, outputs
 from .step_control import (
     LOCAL,
     end_of_step,
+    go_on,
     good_enough,
     hermite,
+    least_step,
     nearly_singular,
     note_rows,
     pass_over_singular,
-    pass_turn,
     rows_hold,
     state_error,
     stuck,
@@ -164,7 +165,7 @@ def attempt(m, d, s, own, run):
         if nearly_singular(run) and not fixed:
             pass_over_singular(run, own.table.gap, own.table.c[1])
         t_new, h = end_of_step(run)
-        if h < run.task.min_step or stuck(run, h):
+        if h < least_step(run) or stuck(run, h):
             return STEP_TOO_SMALL, t_new, h, 0.0
         if not fixed:
             find_spins(m, run, h)
@@ -199,10 +200,6 @@ def accept(own, run, t_new, h, error):
     copy(own.carry, own.trial_carry)
     copy(run.y, run.trial)
     copy(run.dy, run.trial_rate)
-    run.now.t = t_new
-    run.now.steps += 1
-    pass_turn(run)
-    go_on_watching(run)
     if run.task.steps == 0:
         factor = step_factor(own.table, error, 1.0 if run.now.retried == 1 else 10.0)
         if nearly_singular(run):  # nearer to it rounding counts for more, and a shorter step would have no less of it
@@ -211,6 +208,7 @@ def accept(own, run, t_new, h, error):
     run.now.retried = 0
     if not nearly_singular(run):
         run.rows.missed = 0.0
+    go_on(run, t_new)
 
 
 @inner_kernel

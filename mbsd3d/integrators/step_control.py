@@ -5,17 +5,20 @@ import numpy as np
 from ..compiler.jit import inner_kernel, merged_kernel
 from ..dynamics.spinning import spin_on
 from ..dynamics.state_rates import skipped_residual
+from ..dynamics.touching import go_on_watching
 from ..kernels.kinds import PROJECTION
 from ..kernels.vectors import add_scaled, clear
 from ..saddle.independence import note_independence
 from .memory import DONE, FULL, RUNNING
 
+LEAST = 1e-14  # of the time, the shortest step: 50 units of its last place; of the first step, at t = 0
 ROUNDING = 1e-15  # of a work or an impulse is what a step may always err: less cannot be had
 LOCAL = 0.1  # of rtol is what a single step may err, since errors add up over a run
 
 CLOSE, STUCK = 1e-5, 1e-4  # a share as that below; of the way to a singular position: who passes it goes faster
 NEARLY_SINGULAR = 0.1  # share of the largest it has been to which a pivot of the loop rows has fallen
 BETTERED, LOST = 0.25, 1e3  # what a shorter step leaves of an error, unless rounding is its cause; more is no step
+JUMP = 1e2  # what a step of the least length may err: it takes a jump of a force, and none can be shorter
 
 
 @inner_kernel
@@ -43,6 +46,12 @@ def take_steps(m, d, s, own, run, budget, start, step):
 
 
 @inner_kernel
+def least_step(run):
+    """The shortest step [s]."""
+    return LEAST * max(abs(run.now.t), run.task.first_step)
+
+
+@inner_kernel
 def end_of_step(run):
     """(t_new, h): the next step, landing exactly on t_end, and unless steps are fixed where a signal turns."""
     task, t = run.task, run.now.t
@@ -51,18 +60,28 @@ def end_of_step(run):
         t_new = task.t_end if k == task.steps else task.t_start + k * (task.t_end - task.t_start) / task.steps
         return t_new, t_new - t
     h = min(run.now.step, task.max_step, run.now.longest)
+    least = least_step(run)
+    if h < least and run.now.forced == 0:
+        h, run.now.forced = least, 1
     turns, k = run.turns, run.now.next_turn
-    while k < turns.shape[0] and turns[k, 1] <= t + task.min_step:
+    while k < turns.shape[0] and turns[k, 1] <= t + least:
         k += 1
     run.now.next_turn = k
     last = turns[k, 0] if k < turns.shape[0] and turns[k, 1] <= task.t_end else task.t_end
     t_new = last if t + 1.01 * h >= last else t + h
-    return t_new, t_new - t
+    return t_new, max(t_new - t, min(h, least))  # rounding of t makes no step too short
 
 
 @inner_kernel
-def pass_turn(run):
-    """At the end of a step where the second derivative of a signal jumps, go on behind the jump."""
+def go_on(run, t_new):
+    """The end of a step becomes the start of the next one; where the second derivative of a signal jumps, behind it."""
+    run.now.t = t_new
+    run.now.steps += 1
+    go_on_watching(run)
+    if run.now.forced == 1:
+        run.now.forced, run.now.step = 2, max(run.now.step, least_step(run))
+    else:
+        run.now.forced = 0
     k = run.now.next_turn
     if run.task.steps == 0 and k < run.turns.shape[0] and run.turns[k, 0] == run.now.t < run.turns[k, 1]:
         run.now.t = run.turns[k, 1]
@@ -158,12 +177,13 @@ def pass_over_singular(run, gap, first):
 
 @inner_kernel
 def good_enough(run, h, error):
-    """True for a step within the tolerance, or over a singular position where shorter ones gain nothing.
+    """True for a step within the tolerance, or over a jump or a singular position where shorter ones gain nothing.
 
     Their stages lie nearer to it, so rounding counts for more: by shortening on and on the run would end there.
     """
-    if error <= 1.0 or run.rows.on_manifold == 0 or run.rows.ahead >= h:
-        return error <= 1.0
+    allowed = JUMP if run.now.forced == 1 else 1.0
+    if error <= allowed or run.rows.on_manifold == 0 or run.rows.ahead >= h:
+        return error <= allowed
     before = run.rows.missed
     run.rows.missed = error
     return before > 0.0 and BETTERED * before < error < LOST

@@ -19,6 +19,8 @@ def estimate(solution: RunResult) -> Certificate:
     steps, and the exponent of rtol for adaptive ones.
     """
     record = solution.record
+    if not record.steps or not solution.t.size:
+        raise InputError("estimate: nothing was integrated, or no sample kept; estimate a run of `simulate`")
     if record.method.dt is None and record.rtol < 3.2e-12:
         raise InputError(
             f"estimate: rtol {record.rtol:g} leaves no room for a tighter run; estimate at 1e-11 or looser"

@@ -61,11 +61,12 @@ class RunSamples(Poses):
     compiled: Compiled
     arrays: dict[str, np.ndarray]
     record: Record
+    start: State  # as it was given; the first sample may be later
     final: State
 
     @classmethod
     def from_run(
-        cls, compiled: Compiled, arrays: dict, record: Record, y: np.ndarray, t: float, data: Data
+        cls, compiled: Compiled, arrays: dict, record: Record, start: State, y: np.ndarray, t: float, data: Data
     ) -> "RunSamples":
         """Split the raw samples ``y`` into q, world velocities and own states."""
         n = len(compiled.system.bodies)
@@ -79,7 +80,7 @@ class RunSamples(Poses):
         v = arrays["v"][-1] if at_end else world_velocities(y[None], n)[0]
         own = y[13 * n : 13 * n + compiled.model.z_work]
         end = State(t, unit_quaternions(y[: 7 * n]), v.ravel(), own, data.coordinate["value"].copy())
-        return cls(compiled, arrays, record, end)
+        return cls(compiled, arrays, record, start, end)
 
     @property
     def t(self) -> np.ndarray:
@@ -152,8 +153,7 @@ class RunSamples(Poses):
     @cached_property
     def _middle(self) -> MiddleRows:
         """Which shares of the rows the constraints leave open."""
-        states, coordinates = self.arrays["state"], self.arrays["coordinate"]
-        return middle_rows(self.compiled, self.t, states, coordinates, self.record)
+        return middle_rows(self.compiled, self.t, self.arrays["state"], self.arrays["coordinate"], self.record)
 
     @cached_property
     def _multipliers(self) -> np.ndarray:

@@ -12,12 +12,11 @@ from ..compiler.announcing import announce_compilation
 from ..compiler.disk import mark_warm
 from ..compiler.second import wait_for_second
 from ..constraints.contradictions import rivals
-from ..constraints.row_choice import choose_rows
+from ..constraints.row_choice import choose_rows, tree_over_rows
 from ..constraints.spins import check_spins, free_spins
 from ..dynamics.state_rates import FAR, PROJECTED, project_and_evaluate
 from ..equations.at_state import check_quaternions, driven_coordinates, load_rows, load_state, unmet, worst_joint
 from ..equations.compiled import Compiled
-from ..equations.elimination import eliminate
 from ..equations.jacobian import scaled_rows
 from ..integrators import memory
 from ..integrators.memory import NEVER, Run, new_run
@@ -44,7 +43,6 @@ from .sunk import check_sunk
 CHUNK = 0.05  # seconds of kernel time between visits to Python: progress, Ctrl-C
 CAPACITY = 1024  # samples between visits to Python where every step is one
 SHORT = memory.STEP_TOO_SMALL, memory.NOT_CONVERGED  # ends of runs that a singular pose may be the reason for
-LEAST = 1e-14  # of the time, the shortest step: 50 units of its last place, for jumps of forces at rtol 1e-12
 
 
 class Job:
@@ -84,7 +82,7 @@ class Job:
         task, now = run.task, run.now  # their fields by name: as attributes each takes a microsecond more
         task["t_start"], task["t_end"], task["rtol"], task["tolerance"] = t, t_end, rtol, max(self.tolerance, 1e-9)
         task["steps"] = 0 if method.dt is None else max(int(np.ceil((t_end - t) / method.dt - 1e-9)), 1)
-        task["min_step"], task["max_step"] = LEAST * max(abs(t_end), t_end - t), method.max_step
+        task["max_step"] = method.max_step
         task["every_step"], task["condition"] = times is None, -1
         if self.stop_when is not None:
             task["condition"], task["stop"], task["direction"] = 0, self.stop_when.value, self.stop_when.direction
@@ -162,14 +160,12 @@ class Job:
 
     def eliminate(self) -> None:
         """The tree of the equations at the present state, over all rows; of parts as built, over independent ones."""
-        run, model, rows = self.memory, self.model, None
+        run = self.memory
         load_rows(self.compiled, self.data, run.y, run.now.t)
         if not np.isfinite(self.data.row["J"]).all():
             self.fail(memory.NO_SOLUTION)
-        if self.record.tolerance > 0.0:
-            rows = choose_rows(model, self.data, max(self.tolerance, 1e-10))
-            self.record.svd_calls += 1
-        self.tree = eliminate(model, self.data, rows)
+        self.record.svd_calls += self.record.tolerance > 0.0
+        self.tree = tree_over_rows(self.model, self.data, self.record.tolerance)
         self.record.rows_left_out = int(self.tree.skipped.size + self.tree.loop.size)
         run.now.fresh = max(run.now.fresh, 1)
 
@@ -219,7 +215,7 @@ class Job:
         now["speed"], now["turn"] = rate * model.length, rate
         if self.record.kinematic:
             now["turn"] = np.abs(v[:, 3:]).max(initial=0.0)  # what it does turn, for the distance of poses
-        now["step"] = min(horizon, 0.5 * task["rtol"] ** (1.0 / (self.method.order or 8)) / rate)
+        now["step"] = task["first_step"] = min(horizon, 0.5 * task["rtol"] ** (1.0 / (self.method.order or 8)) / rate)
 
     def check_start(self) -> None:
         """A projected run starts from a consistent state: what the user gave is not moved silently."""
@@ -270,7 +266,7 @@ class Job:
         record.evaluations, record.nearest = int(now["evaluations"]), float(run.rows["lowest"])
         arrays = self.samples.finished()
         arrays["t"] = arrays["t"][:, 0]
-        return RunResult.from_run(self.compiled, arrays, record, run.y.copy(), float(now["t"]), self.data)
+        return RunResult.from_run(self.compiled, arrays, record, self.start, run.y.copy(), float(now["t"]), self.data)
 
     def fail(self, status: int) -> None:
         """IntegrationError with time, the part to blame, advice and what was computed."""

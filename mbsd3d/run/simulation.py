@@ -20,7 +20,7 @@ from ..results.run_result import RunResult
 from .job import Job
 
 SHORTEST = 1e-12  # of the time, the shortest run: a hundred of the shortest steps
-MOST_STEPS = 1e9  # of a run with fixed steps: days
+MOST_STEPS = 1e9  # of a run: days
 MOST_NUMBERS = 2**30  # that the samples of a run may hold: 8 GB
 
 
@@ -41,8 +41,7 @@ def run_to(
     method = DOP853() if method is None else method
     check_kinds(method, rtol, stop_when)
     t_end = number(t_end, "simulate: t_end")
-    if method.dt is not None and (steps := (t_end - start.t) / method.dt) > MOST_STEPS:
-        raise InputError(f"simulate: dt = {method.dt:g} s needs {steps:.2g} steps; give a longer one")
+    check_steps(method, t_end - start.t, "simulate")
     check_end(t_end, start.t)
     if stop_when is not None:
         check_members(system, stop_when.measure, "simulate: stop_when")
@@ -61,6 +60,13 @@ def check_end(t_end: float, t_start: float) -> float:
             f"simulate: t_end = {t_end:g} s does not lie after the start at {t_start:g} s; give a later time"
         )
     return t_end
+
+
+def check_steps(method: Method, span: float, what: str) -> None:
+    """ValueError for steps [s] so short that a time span [s] takes days."""
+    name, longest = ("max_step", method.max_step) if method.dt is None else ("dt", method.dt)
+    if (steps := span / longest) > MOST_STEPS:
+        raise InputError(f"{what}: {name} = {longest:g} s needs {steps:.2g} steps; give a longer one")
 
 
 def check_kinds(method: Any, rtol: float, stop_when: Any) -> None:

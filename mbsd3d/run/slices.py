@@ -15,6 +15,7 @@ from ..equations.compiled import Switches, compile_system
 from ..equations.inputs import set_input, starts, with_history, with_own_inputs
 from ..integrators.dop853 import DOP853
 from ..integrators.method import Method
+from ..integrators.step_control import LEAST
 from ..kernels.coordinates import measure
 from ..mechanism.measures import Measure, check_members
 from ..mechanism.mechanism import Mechanism
@@ -22,8 +23,8 @@ from ..mechanism.signals.input import Input
 from ..mechanism.state import State
 from ..results.run_result import RunResult
 from ..results.run_samples import unit_quaternions
-from .job import LEAST, Job
-from .simulation import check_kinds, check_signals
+from .job import Job
+from .simulation import check_kinds, check_signals, check_steps
 
 SILENT = Progress("", 0.0, 1.0, False)
 
@@ -96,9 +97,10 @@ class Slices(Job):
         begin, step, rejected, first = float(now["t"]), now["step"], now["rejected"], now["evaluations"] == 0
         if not t - begin > max(LEAST * abs(t), SMALLEST):  # what rounding adds is no slice
             raise InputError(f"Stepper: t = {t:.9g} s does not lie after {begin:.9g} s; give a later time")
+        check_steps(self.method, t - begin, "Stepper")
         if t > self.last_signal:
             check_signals(self.compiled, begin, t)
-        task["t_end"], task["min_step"] = t, LEAST * max(abs(t), t - begin)
+        task["t_end"] = t
         if self.method.dt is not None:
             steps, done = max(int(np.ceil((t - begin) / self.method.dt - 1e-9)), 1), int(now["steps"])
             task["steps"], task["t_start"] = done + steps, begin - done * (t - begin) / steps
@@ -126,7 +128,7 @@ class Slices(Job):
         arrays = {name: array[:count].copy() for name, array in self.samples.arrays.items()}
         arrays["t"] = arrays["t"][:, 0]
         compiled = with_history(self.compiled, self.history)
-        return RunResult.from_run(compiled, arrays, record, run.y.copy(), self.t, self.data)
+        return RunResult.from_run(compiled, arrays, record, self.start, run.y.copy(), self.t, self.data)
 
     @property
     def velocities(self) -> np.ndarray:

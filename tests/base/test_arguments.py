@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from mbsd3d import (
+    DOP853,
     GROUND,
     RK4,
     Body,
@@ -100,6 +101,14 @@ def test_wrong_calls(call, message):
         (lambda: simulate(SWING, 1.0, gyroscopic="x"), "gyroscopic = 'x'; give True or False"),
         (lambda: simulate(SWING, 1.0, as_built="1mm"), "as_built: expected a number, got '1mm'"),
         (lambda: simulate(SWING, 1.0, method=RK4(1e-30)), "dt = 1e-30 s needs 1e.30 steps; give a longer one"),
+        (
+            lambda: simulate(SWING, 1.0, method=DOP853(max_step=1e-20)),
+            "max_step = 1e-20 s needs 1e.20 steps; give a lon",
+        ),
+        (
+            lambda: Stepper(SWING, method=RK4(1e-30)).advance(1.0),
+            "Stepper: dt = 1e-30 s needs 1e.30 steps; give a longer",
+        ),
         (lambda: SWING.check(as_built="1mm"), "as_built: expected a number, got '1mm'"),
         (lambda: SWING.assemble(angles=[1]), r"angles = \[1\] is not a mapping; give e.g. {hinge: 0.3}"),
         (lambda: Body("b", 1e300, (1, 1, 1)), "mass: 1e.300 is outside 1e-60 ... 1e.60, .*check the units"),

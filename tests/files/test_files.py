@@ -139,6 +139,14 @@ def test_a_loaded_solution_goes_on(solution, stored):
     assert load(stored).plot("energy").axes
 
 
+def test_a_start_before_the_first_sample_is_kept(tmp_path):
+    run = simulate(pendulum(), 0.05, output=[0.05])
+    copy = load(path := run.save(tmp_path / "late"))
+    assert same_bits(copy.at(0.03).q, run.at(0.03).q) and str(copy.certificate) == str(run.certificate)
+    change_text(path, lambda document: document.pop("start"))  # as older files: nothing is known before the sample
+    assert load(path).start.t == 0.05 and load(path).certificate.passed
+
+
 def test_method_switches_and_estimate_are_kept(tmp_path):
     from dataclasses import replace
 

@@ -134,3 +134,32 @@ def test_newtons_method_that_ends_near_a_dead_centre_names_it():
     system, *_ = wheels_and_rod(0.0)
     with pytest.raises(IntegrationError, match="the pose is nearly singular: 'pin', 'far pin' and 'far bearing' can"):
         simulate(system, 1.0, method=GeneralizedAlpha(1e-3), output=41)
+
+
+@pytest.mark.parametrize("clearance", [1e-2, 3e-4, 1e-5])
+@pytest.mark.parametrize("output", [5, 200])
+def test_a_four_bar_that_clears_its_dead_centre_by_little_stays_on_its_branch(clearance, output):
+    """Coupler and rocker are stretched but for the clearance when the crank points away: the other branch is near.
+
+    The coupler's far end is where two circles meet, and on one side of their centres at all times.
+    """
+    Q, r, base, coupler, start, rate = rotation((1.0, 0.3, -0.7), 0.8), 0.3, 1.0, 0.75, 0.4, -7.0
+    R, rocker = matrix(Q), r + base - coupler + clearance
+
+    def pins(angle):
+        """Crank pin and far pin in the plane."""
+        B = r * np.array([np.cos(angle), np.sin(angle)])
+        to = [base, 0] - B
+        d = np.hypot(*to)
+        along = (coupler**2 - rocker**2 + d**2) / (2 * d)
+        return B, B + (along * to + np.sqrt(coupler**2 - along**2) * np.array([-to[1], to[0]])) / d
+
+    near, far, foot, axis = *(R @ [x, 0, z] for x, z in pins(start)), R @ [base, 0, 0], -R[:, 1]
+    bars = [Body(name, 1.0, (0.02, 0.03, 0.04), com=(0.1, 0.02, 0.05), position=at, orientation=Q)
+            for name, at in (("crank", (0, 0, 0)), ("coupler", near), ("rocker", foot))]  # fmt: skip
+    drive = Revolute(GROUND, bars[0], at=(0, 0, 0), axis=axis)
+    joints = [drive, Revolute(bars[0], bars[1], at=near, axis=axis), Revolute(bars[1], bars[2], at=far, axis=axis)]
+    joints += [Revolute(GROUND, bars[2], at=foot, axis=axis), AngleDriver(drive, Ramp(rate))]
+    run = simulate(System(bars, joints), 1.0, method=Kinematic(), output=output)  # just over a turn
+    found = run.body_point(bars[1], far) @ R[:, [0, 2]]
+    np.testing.assert_allclose(found, [pins(start + rate * t)[1] for t in run.t], rtol=0, atol=1e-8)

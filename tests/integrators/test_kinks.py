@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from models import dropped_wheel
 
-from mbsd3d import simulate
+from mbsd3d import DOP853, GROUND, Body, Contact, RadauIIA, System, measures, shapes, simulate
 from mbsd3d.integrators.dop853 import TABLE
 
 PLACES = np.linspace(0.0, 1.0, 4001)  # of the kink in the step
@@ -45,3 +45,27 @@ def test_a_bouncing_wheel_passes_from_any_height(rtol):
         _, system = dropped_wheel(rng)
         run = simulate(system, 1.2, rtol=rtol, output=61)
         assert run.certificate.passed, f"{system.name}\n{run.certificate}"
+
+
+@pytest.mark.parametrize(
+    ("method", "rtol", "t_end"), [(DOP853(), 1e-12, 1.0), (DOP853(), 1e-9, 1e5), (RadauIIA(), 1e-9, 1e5)], ids=str
+)
+def test_the_shortest_step_takes_a_jump_of_a_force(method, rtol, t_end):
+    """A damped contact pushes at once when a ball touches: at rtol 1e-12, or in a run of a day, no step resolves that.
+
+    The depth at rest between falling and rising is that of d_ddot + 2 a d_dot + w^2 d = g from d = 0.
+    """
+    r, m, w, damping, fall = 0.05, 0.3, 3e3, 0.1, 0.04
+    a, g = damping * w, 9.81
+    ball = Body("ball", m, (1e-4, 1.2e-4, 1.3e-4), position=(0.3, -0.2, r + fall), velocity=(0, 0, 0), omega=(0, 0, 0))
+    floor = Contact(GROUND, ball, shapes.Sphere(r), stiffness=m * w**2, damping=2 * m * a)
+    lowest = measures.velocity(ball, axis=(0, 0, 1)) > 0.0
+    run = simulate(System([ball], forces=[floor]), t_end, method=method, rtol=rtol, output=2, stop_when=lowest)
+    speed, turn = np.sqrt(2 * g * fall), np.sqrt(w**2 - a**2)
+    A, B = -g / w**2, (speed - a * g / w**2) / turn
+    rest = np.arctan2(turn * B - a * A, a * B + turn * A) / turn  # d_dot = 0
+    depth = g / w**2 + np.exp(-a * rest) * (A * np.cos(turn * rest) + B * np.sin(turn * rest))
+    # a step of 1e-14 t_end misses as much of the blow 2 a speed, and its depth by 1/w of that
+    blow = 1e-14 * t_end * 2 * a * speed / w
+    assert r - run.position(ball)[-1, 2] == pytest.approx(depth, rel=0, abs=10 * blow + 1e3 * rtol * r)
+    assert run.certificate.passed, run.certificate

@@ -39,6 +39,7 @@ from mbsd3d import (
     System,
     Torque,
     TorsionSpring,
+    accelerations,
     simulate,
 )
 from mbsd3d.base.rotations import matrix
@@ -592,3 +593,20 @@ def test_work_of_few_poses_is_noted():
     (note,) = few.certificate.notes
     assert note.startswith(f"work is known to {np.abs(gained - spent).max():.1e} J of ")
     assert few.certificate.passed and many.certificate.notes == ()
+
+
+@pytest.mark.parametrize("times", [[39.9, 40.0], [40.0]])
+def test_what_went_wrong_before_the_first_sample_counts(times):
+    """Samples at the end alone: the error of a chaotic run, what a damped method loses since the start."""
+    _, _, _, whole = chaotic(40.0)
+    late, damped = whole.again(output=times), whole.again(5.0, output=[5.0], method=GeneralizedAlpha(0.01, rho=0.2))
+    assert late.certificate.passed and late.estimate().error > 0.1
+    seen, every = (x.certificate["energy balance"].error for x in (damped, damped.again(output=2)))
+    assert seen == pytest.approx(every, rel=1e-9) and seen > damped.certificate["energy balance"].limit
+    assert np.abs(late.at(20.0).q - whole.at(20.0).q).max() < 1e-5  # a step of another length: errors grow from 1e-9
+
+
+def test_one_state_has_no_global_error():
+    system, state = swinging()
+    with pytest.raises(ValueError, match="nothing was integrated"):
+        accelerations(system, state).estimate()

@@ -9,10 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...constraints.row_choice import choose_rows
+from ...constraints.row_choice import tree_over_rows
 from ...dynamics.batch import refinements
 from ...equations.at_state import load_rows
-from ...equations.elimination import eliminate
 from ..run_samples import RunSamples
 from .check import Check, gaping, largest, scales_of
 
@@ -35,13 +34,13 @@ class Rounding(NamedTuple):
 def rounding(solution: RunSamples) -> Rounding:
     """What a step of refinement changes at the samples of a run."""
     compiled, arrays, t = solution.compiled, solution.arrays, solution.t
-    model, data, tolerance = compiled.model, compiled.data(), solution.record.tolerance
+    model, data = compiled.model, compiled.data()
     known = arrays["state"], np.ascontiguousarray(arrays["coordinate"]), arrays["acceleration"], arrays["lam"]
     units, size, which = units_of(solution), np.zeros((t.size, 3)), np.zeros((t.size, 2), np.int64)
     first = 0
     while first < t.size:
         load_rows(compiled, data, known[0][first], t[first], known[1][first])
-        tree = eliminate(model, data, choose_rows(model, data, max(tolerance, 1e-10)) if tolerance else None)
+        tree = tree_over_rows(model, data, solution.record.tolerance)
         first = refinements(model, data, tree, t, *known, first, units, size, which)
     return Rounding(size[:, 0], size[:, 1], which[:, 0], which[:, 1], size[:, 2] < SINGULAR)
 
