@@ -94,13 +94,13 @@ from .mechanism.primitives import Primitive as Primitive
 from .mechanism.signals import as_signal as as_signal
 
 # a model that is played: `play_model` takes a `Playable`
+from .api.playing import Play as Play
 from .api.playing import play_model as play_model
 from .run.playable import Built as Built
 from .run.playable import Control as Control
 from .run.playable import Panel as Panel
 from .run.playable import Playable as Playable
 from .run.playable import Seen as Seen
-from .view.play.play import Play as Play
 from .mechanism.signals.terms import POLYNOMIAL as POLYNOMIAL
 from .mechanism.signals.terms import SINE as SINE
 from .mechanism.signals.terms import evaluate as evaluate

@@ -82,7 +82,8 @@ def scales_of(solution: RunSamples) -> Scales:
         moment=mass * a * length,
         momentum=momentum,
         angular_momentum=momentum * reach,
-        energy=mass * max(speed * max(speed, absolute), TRAVEL * absolute * absolute),  # a speed v that errs by dv: m v dv
+        # a speed v that errs by dv: m v dv
+        energy=mass * max(speed * max(speed, absolute), TRAVEL * absolute * absolute),
     )
 
 
