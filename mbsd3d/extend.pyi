@@ -50,6 +50,7 @@ from .sweeps.ledger import Store as Store
 from .base.style import DARK as DARK
 from .base.style import LIGHT as LIGHT
 from .base.style import LINE as LINE
+from .base.style import RAISED as RAISED
 from .base.style import THIN as THIN
 from .base.style import Theme as Theme
 from .base.style import dress as dress
@@ -58,7 +59,6 @@ from .base.style import theme as theme
 from .base.templates import HtmlPage as HtmlPage
 from .base.templates import page_template as page_template
 from .report.exhibits import inline_svg as inline_svg
-from .report.wording import RAISED as RAISED
 from .report.wording import digits as digits
 from .view.scene.camera import VIEW as VIEW
 

@@ -10,7 +10,8 @@ import numpy as np
 import scipy.linalg
 
 from ..base.concurrency import one_thread
-from ..equations.jacobian import RANK_TOLERANCE, BlockRows
+from ..equations.jacobian import RANK_TOLERANCE, BlockRows, scaled_rows
+from ..kernels.layout import Data, Model
 from .elimination import SAFE, Core, Elimination
 from .least_squares import proven
 
@@ -153,3 +154,14 @@ def redundant_combinations(rows: BlockRows, tolerance: float = RANK_TOLERANCE) -
 def orthonormal(N: np.ndarray) -> np.ndarray:
     """Of the same columns."""
     return scipy.linalg.qr(N, mode="economic")[0] if N.shape[1] else N
+
+
+def choose_rows(model: Model, data: Data, tolerance: float = RANK_TOLERANCE) -> np.ndarray:
+    """A largest independent set of rows at the state in ``data``, ascending.
+
+    For drivers that must determine everything, small motions, and parts as built.
+    """
+    rows = scaled_rows(model, data)
+    if surely_independent(rows, tolerance):
+        return np.arange(model.row.size)
+    return Analysis(rows, tolerance).independent()

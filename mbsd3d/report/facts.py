@@ -5,13 +5,14 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
+from ..base.style import counted
 from ..constraints.redundancy import Diagnosis
 from ..mechanism.drivers import Driver
 from ..mechanism.joints import Joint
 from ..results.checks.check import scales_of
 from ..results.columns import columns_of_effort, loads_of
 from ..results.run_result import RunResult
-from .wording import counted, digits, triple
+from .wording import digits, triple
 
 MOST = 40  # rows of a table
 OPEN = 1e7  # bodies cubed times samples whose rows are decomposed where they repeat others: some seconds

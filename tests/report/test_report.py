@@ -26,10 +26,11 @@ from mbsd3d import (
     load,
     simulate,
 )
+from mbsd3d.base.style import counted
 from mbsd3d.mechanism import measures  # fmt: skip
 from mbsd3d.report import facts
 from mbsd3d.report.facts import MOST
-from mbsd3d.report.wording import counted, digits, triple
+from mbsd3d.report.wording import digits, triple
 
 HOSTILE = (
     "<script>alert('1')</script>",
