@@ -22,13 +22,13 @@ if TYPE_CHECKING:
     from ..view.page.live import LiveView
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Motion(modes.Motion, Viewable):
     """Poses of a mechanism over time (no forces, no energy): read like a `Solution`."""
 
 
 @explaining_methods
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Mode(modes.Mode):
     """One mode: ``X(t) = Re(shape exp(eigenvalue t))``.
 

@@ -16,12 +16,13 @@ from ..equations.elimination import eliminate
 from ..mechanism.bodies import Body
 from ..mechanism.joints import Joint
 from ..results.body_motion import Poses
+from ..run.simulation import check_room
 from .linearization import Linearization
 
 NAMES = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Mode:
     """One mode; see `mbsd3d.api.small_motions.Mode`."""
 
@@ -56,6 +57,9 @@ class Mode:
         """Time in which the amplitude halves [s], infinite unless the mode decays."""
         return float(-np.log(2.0) / self.eigenvalue.real) if self.eigenvalue.real < 0.0 else np.inf
 
+    def __repr__(self) -> str:
+        return f"<mode: {self.label}, {self.eigenvalue:.6g} 1/s>"
+
     def shape(self, body: Body | str) -> tuple[np.ndarray, np.ndarray]:
         """Complex (translation of the centre of mass [m], rotation [rad]) of a body, world axes."""
         k = self.linearization.compiled.body_index[id(self.linearization.system.part(body))]
@@ -89,23 +93,27 @@ class Mode:
         numbers; AssemblyError if the joints do not close at so large an amplitude.
         """
         amplitude, cycles = number(amplitude, "motion: amplitude"), number(cycles, "motion: cycles", positive=True)
-        if samples < 2:
-            raise InputError(f"motion: samples = {samples}; give at least 2")
+        if not isinstance(samples, int | np.integer) or isinstance(samples, bool) or samples < 2:
+            raise InputError(f"motion: samples = {shown(samples)}; give a whole number, at least 2")
+        check_room(samples, 7 * len(self.translation), "motion: samples")
         value = self.eigenvalue
         rate = (abs(value.imag) / (2.0 * np.pi)) or abs(value.real) or 1.0
-        t = np.linspace(0.0, cycles / rate, int(samples))
+        t = np.linspace(0.0, cycles / rate, samples)
         wave = np.exp(value * t) if value else np.sin(2.0 * np.pi * t).astype(complex)
         wave *= amplitude / np.abs(wave).max()
         return moving_poses(self, t, wave)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Motion(Poses):
     """Poses of a mechanism over time (no forces, no energy): read like a `Solution`."""
 
     compiled: Compiled
     t: np.ndarray
     arrays: dict[str, np.ndarray]
+
+    def __repr__(self) -> str:
+        return f"<motion: {self.t.size} samples, 0 ... {self.t[-1]:g} s>"
 
 
 def moving_poses(mode: Mode, t: np.ndarray, wave: np.ndarray) -> Motion:

@@ -614,8 +614,13 @@ def test_table_and_figure():
     assert np.isin(found.eigenvalues, drawn).all() and drawn.size == found.eigenvalues.size  # one of them zero
     with pytest.raises(ValueError, match="not one of the"):
         found.mode(99)
-    with pytest.raises(ValueError, match="at least 2"):
-        found.mode(0).motion(samples=1)
+    for samples in (1, 2.5, "many", True):
+        with pytest.raises(ValueError, match="samples = .*; give a whole number, at least 2"):
+            found.mode(0).motion(samples=samples)
+    with pytest.raises(ValueError, match="more than memory holds; give at most"):
+        found.mode(0).motion(samples=10**12)
+    assert repr(found.mode(0)).startswith(f"<mode: {found.mode(0).label}, ")
+    assert repr(found.mode(0).motion(samples=3)).startswith("<motion: 3 samples, 0 ... ")
 
 
 # --- refusals ---------------------------------------------------------------------------------------------------------
