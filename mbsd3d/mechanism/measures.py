@@ -222,7 +222,7 @@ def distance(
 def state(force: ForceElement, index: int | str = 0) -> Measure:
     """Own state of a force element, e.g. of a filter or of a `CustomForce`, by its number from 0 or its name.
 
-    ValueError if it has none such.
+    ValueError if it has no such state.
     """
     record = force.record() if isinstance(force, ForceElement) else None
     states = record.states if record else ()
