@@ -107,8 +107,8 @@ class CentralGravity(ForceElement):
     """Newton's attraction of body ``b`` by a centre in body ``a``, to second order in the size of ``b`` (MacCullagh).
 
     Energy U = -mu (m/r + (tr I - 3 n.I n)/(2 r^3)), n from the centre to the centre of mass of ``b``, I about it.
-    Beside the force there is the moment 3 mu n x I n/r^3, which turns a long satellite towards the Earth (the gradient of
-    gravity). Left out are terms of third order in the size of ``b`` over r. The opposite force acts on ``a``.
+    Beside the force there is the moment 3 mu n x I n/r^3, which turns a long satellite towards the Earth (gravity
+    gradient). Left out are terms of third order in the size of ``b`` over r. The opposite force acts on ``a``.
 
     Parameters
     ----------
