@@ -136,7 +136,7 @@ def thinned(solution: RunResult) -> tuple[RunResult, str]:
     if step <= 1:
         return solution, ""
     arrays = {name: values[::step] for name, values in solution.arrays.items()}
-    return replace(solution, arrays=arrays), f"Of every {step}th sample only, to save time."
+    return replace(solution, arrays=arrays), f"From one sample in {step}, to save time."
 
 
 def largest_load(values: np.ndarray, t: np.ndarray, size: float) -> tuple[str, str]:
@@ -237,6 +237,6 @@ def drift_facts(solution: RunResult) -> list[tuple[str, str]]:
     if not solution.record.kinematic and solution.t.size > 1:
         size = scales_of(solution).energy
         gained, work = (float(x[-1] - x[0]) for x in (energy.total, energy.work))
-        facts.append(("energy", f"changed by {digits(gained, size)} J, of which drivers and other forces did "
-                                f"{digits(work, size)} J; left over {digits(gained - work, count=2)} J"))  # fmt: skip
+        facts.append(("energy", f"changed by {digits(gained, size)} J; drivers and other forces did {digits(work, size)} J "
+                                f"of work; left over {digits(gained - work, count=2)} J"))  # fmt: skip
     return facts

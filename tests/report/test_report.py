@@ -272,7 +272,7 @@ def test_a_large_redundant_model_is_thinned_and_says_so(monkeypatch):
     monkeypatch.setattr(facts, "OPEN", 1.0)
     run = door(output=7)
     few, sentence = facts.thinned(run)
-    assert few.t.size == 1 and sentence == "Of every 7th sample only, to save time."
+    assert few.t.size == 1 and sentence == "From one sample in 7, to save time."
     assert f"Reactions and efforts: {sentence}" in run.report(curves=[], dark=False).html
 
 
