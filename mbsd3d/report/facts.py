@@ -237,6 +237,7 @@ def drift_facts(solution: RunResult) -> list[tuple[str, str]]:
     if not solution.record.kinematic and solution.t.size > 1:
         size = scales_of(solution).energy
         gained, work = (float(x[-1] - x[0]) for x in (energy.total, energy.work))
-        facts.append(("energy", f"changed by {digits(gained, size)} J; drivers and other forces did {digits(work, size)} J "
-                                f"of work; left over {digits(gained - work, count=2)} J"))  # fmt: skip
+        did = f"drivers and other forces did {digits(work, size)} J of work"
+        left = digits(gained - work, count=2)
+        facts.append(("energy", f"changed by {digits(gained, size)} J; {did}; left over {left} J"))
     return facts
