@@ -50,6 +50,7 @@ from .sweeps.ledger import Store as Store
 from .base.style import DARK as DARK
 from .base.style import LIGHT as LIGHT
 from .base.style import LINE as LINE
+from .base.style import RAISED as RAISED
 from .base.style import THIN as THIN
 from .base.style import Theme as Theme
 from .base.style import dress as dress
@@ -58,7 +59,6 @@ from .base.style import theme as theme
 from .base.templates import HtmlPage as HtmlPage
 from .base.templates import page_template as page_template
 from .report.exhibits import inline_svg as inline_svg
-from .report.wording import RAISED as RAISED
 from .report.wording import digits as digits
 from .view.scene.camera import VIEW as VIEW
 
@@ -94,13 +94,13 @@ from .mechanism.primitives import Primitive as Primitive
 from .mechanism.signals import as_signal as as_signal
 
 # a model that is played: `play_model` takes a `Playable`
+from .api.playing import Play as Play
 from .api.playing import play_model as play_model
 from .run.playable import Built as Built
 from .run.playable import Control as Control
 from .run.playable import Panel as Panel
 from .run.playable import Playable as Playable
 from .run.playable import Seen as Seen
-from .view.play.play import Play as Play
 from .mechanism.signals.terms import POLYNOMIAL as POLYNOMIAL
 from .mechanism.signals.terms import SINE as SINE
 from .mechanism.signals.terms import evaluate as evaluate

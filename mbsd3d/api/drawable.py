@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from ..view.page.html import View
     from ..view.page.live import LiveView
-    from ..view.play.play import Play
+    from .playing import Play
 
 
 class Drawable:

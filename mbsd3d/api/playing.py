@@ -2,14 +2,36 @@
 
 from collections.abc import Sequence
 
+from ..base.checks import shown as shown_text
+from ..base.errors import InputError
 from ..integrators.method import Method
 from ..mechanism.bodies import Body
 from ..run.playable import Playable
 from ..run.playing import Playing
 from ..view.page.recorder import import_viser
-from ..view.play.play import Play, play
+from ..view.page.show import check_options, number_of, page_layers
+from ..view.play import play
+from ..view.play.page import Look
+from ..view.scene.drawing import title_of
 from .replay import played
+from .solution import Solution
 from .viewable import Layers
+
+
+class Play(play.Play):
+    """A model that is played in a browser; a context manager that ends it.
+
+    ::
+
+        with system.play({"push": (-5, 5)}) as play:
+            play.open()
+            play.wait()
+        play.solution().plot()
+    """
+
+    def solution(self) -> Solution:
+        """The ride so far, of at most the last ten minutes: a `Solution` with a sample every 1/60 s."""
+        return played(super().solution())
 
 
 def play_model(
@@ -36,7 +58,11 @@ def play_model(
         If the model cannot start.
     """
     import_viser("play")
-    return play(
-        Playing(model, method, rtol, as_built), shown=shown, hidden=hidden, follow=follow, view=view, title=title,
-        dark=dark, port=port, as_solution=played,
-    )  # fmt: skip
+    playing = Playing(model, method, rtol, as_built)
+    system = playing.built.system
+    check_options(None, title, dark, False)
+    if type(port) is not int or not 0 <= port <= 65535:
+        raise InputError(f"play: port = {shown_text(port)}; give a whole number up to 65535, or 0 for any that is free")
+    followed = -1 if follow is None else number_of(system, follow)
+    look = Look(title or title_of(system), page_layers(system, shown, hidden), followed, view, dark)
+    return Play(playing, look, port)

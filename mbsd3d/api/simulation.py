@@ -42,7 +42,8 @@ def simulate(
     method : DOP853, RK4, GeneralizedAlpha, RadauIIA, Kinematic or None
         None = DOP853().
     rtol : float
-        Ten times the local error per step, relative to the model's length, one radian and the greatest speed so far.
+        Relative tolerance: a step may err by 0.2 rtol (`DOP853`) or up to 0.1 rtol (implicit methods), relative to the
+        model's length, one radian and the greatest speed so far.
     output : None, int or array
         Every accepted step, a number of equally spaced samples, or the sample times [s] (hit exactly).
     stop_when : Condition

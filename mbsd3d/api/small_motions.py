@@ -1,14 +1,15 @@
 """`linearize`: small motions about an equilibrium or a steady motion, as modes that can be plotted and animated."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 from ..base.checks import number
 from ..base.errors import explaining, explaining_methods
 from ..equations.compiled import Switches
-from ..linear import linearization, modes
+from ..linear import modes
+from ..linear.linearization import linearize_at
 from ..mechanism.measures import Measure
 from ..mechanism.state import State
 from .simulation import start_of
@@ -22,13 +23,13 @@ if TYPE_CHECKING:
     from ..view.page.live import LiveView
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Motion(modes.Motion, Viewable):
     """Poses of a mechanism over time (no forces, no energy): read like a `Solution`."""
 
 
 @explaining_methods
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Mode(modes.Mode):
     """One mode: ``X(t) = Re(shape exp(eigenvalue t))``.
 
@@ -63,7 +64,7 @@ class Mode(modes.Mode):
 
 @explaining_methods
 @dataclass(frozen=True, eq=False, repr=False)
-class Linearization(linearization.Linearization):
+class Linearization(modes.ModalAnalysis):
     """``x_dot = A x`` for small deviations from a motion; parts are given as objects or by name.
 
     Attributes
@@ -75,7 +76,7 @@ class Linearization(linearization.Linearization):
         "v_x" and "w_x" the changes of velocity and angular velocity; world axes, turning with the mechanism if that
         turns as a whole. All other displacements follow from the constraints.
     eigenvalues : (n,) complex array
-        [1/s] by frequency, then real part. Zeros are exact: see `mbsd3d.linear.modes.spectrum`.
+        [1/s] by frequency, then real part. Zeros are exact: see `mbsd3d.linear.linearization.spectrum`.
     modes : tuple of Mode
         One per real eigenvalue and per complex pair.
     generator : Generator
@@ -170,7 +171,5 @@ def linearize(
     (4.952272206, "angle of 'hinge'")
     """
     start = start_of(system, state, "linearize")
-    found = linearization.linearize_at(
-        system, start, outputs=outputs, tolerance=tolerance, switches=Switches(gyroscopic, centripetal, gamma)
-    )
-    return Linearization(**{field.name: getattr(found, field.name) for field in fields(found)})
+    switches = Switches(gyroscopic, centripetal, gamma)
+    return Linearization.of(linearize_at(system, start, outputs=outputs, tolerance=tolerance, switches=switches))

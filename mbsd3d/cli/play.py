@@ -32,7 +32,7 @@ def ranges(given: tuple[str, ...]) -> dict[str, tuple[float, float]]:
     help="Range of an input, e.g. motor=-5:5; gives it a slider and keys. Repeatable.",
 )  # fmt: skip
 @click.option("--follow", metavar="BODY", help="The camera follows this body and turns with it.")
-@click.option("--rtol", type=float, default=1e-6, show_default=True, help="Local relative error of a step.")
+@click.option("--rtol", type=float, default=1e-6, show_default=True, help="Tolerance: a step may err by a fifth of it.")
 @port_option
 @drop_option
 @set_option

@@ -46,7 +46,7 @@ def method_of(name: str | None, dt: float | None, stiff: str | None) -> "Method"
 @click.option(
     "--stiff", type=click.Choice(["stop", "run"]), help="Whether DOP853 goes on with a stiff model; default: stop."
 )
-@click.option("--rtol", type=float, default=1e-8, show_default=True, help="Local relative error of a step.")
+@click.option("--rtol", type=float, default=1e-8, show_default=True, help="Tolerance: a step may err by a fifth of it.")
 @click.option("--output", type=int, help="Number of equally spaced samples; default: every step.")
 @click.option("--view", "viewed", is_flag=True, help="Also write a page (.html) that shows the motion.")
 @click.option(

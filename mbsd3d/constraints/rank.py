@@ -10,7 +10,9 @@ import numpy as np
 import scipy.linalg
 
 from ..base.concurrency import one_thread
-from ..equations.jacobian import RANK_TOLERANCE, BlockRows
+from ..equations.elimination import eliminate
+from ..equations.jacobian import RANK_TOLERANCE, BlockRows, scaled_rows
+from ..kernels.layout import Data, Model, Tree
 from .elimination import SAFE, Core, Elimination
 from .least_squares import proven
 
@@ -153,3 +155,22 @@ def redundant_combinations(rows: BlockRows, tolerance: float = RANK_TOLERANCE) -
 def orthonormal(N: np.ndarray) -> np.ndarray:
     """Of the same columns."""
     return scipy.linalg.qr(N, mode="economic")[0] if N.shape[1] else N
+
+
+def choose_rows(model: Model, data: Data, tolerance: float = RANK_TOLERANCE) -> np.ndarray:
+    """A largest independent set of rows at the state in ``data``, ascending.
+
+    For drivers that must determine everything, small motions, and parts as built.
+    """
+    rows = scaled_rows(model, data)
+    if surely_independent(rows, tolerance):
+        return np.arange(model.row.size)
+    return Analysis(rows, tolerance).independent()
+
+
+def tree_over_rows(model: Model, data: Data, tolerance: float) -> Tree:
+    """The tree of the equations at the state in ``data``, over all rows; over independent ones of parts as built.
+
+    ``tolerance``: within which these may miss each other, in model lengths; 0 = they do not.
+    """
+    return eliminate(model, data, choose_rows(model, data, max(tolerance, RANK_TOLERANCE)) if tolerance else None)

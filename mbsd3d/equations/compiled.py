@@ -12,10 +12,11 @@ from ..compiler.announcing import announce_compilation
 from ..kernels import kinds
 from ..kernels.layout import MOST_BODIES, Data, Model, data_records, table
 from ..mechanism.drivers import Driver
+from ..mechanism.force_element import ForceRecord
 from ..mechanism.forces.custom import FunctionForce
 from ..mechanism.measures import Measure
 from ..mechanism.mechanism import Mechanism
-from ..mechanism.primitives import Coordinate
+from ..mechanism.primitives import Coordinate, Primitive
 from .frames import Frames
 from .row_tables import row_tables
 from .tables import (
@@ -141,12 +142,8 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
     primitives = [row for rows in rows_of_joint for row in rows]
     records = [force.record() for force in system.forces]
     given = [x for r in records for x in r.numbers]
-    wanted = [x for joint in system.joints for x in (joint.angle(), joint.slide())]
-    wanted += [x for row in primitives for x in row.coordinates]
-    wanted += [r.coordinate for r in records]
-    read = [x for r in records for x in r.measures]  # those of the caller last: results are stored without theirs
-    wanted += [x.coordinate for x in (*read, *measures)]
-    coordinates = list({key_of(x): x for x in wanted if x is not None}.values())
+    read = [x for r in records for x in r.measures]
+    coordinates = coordinates_of(system, primitives, records, [*read, *measures])
     where = {key_of(x): i for i, x in enumerate(coordinates)}
     signals, length = Signals(), own_length(system, records, frames)
     bodies, singular = body_table(system)
@@ -186,6 +183,16 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
         switches=switches,
         inputs=tuple(signals.inputs),
     )
+
+
+def coordinates_of(
+    system: Mechanism, primitives: list[Primitive], records: list[ForceRecord], measures: list[Measure]
+) -> list[Coordinate]:
+    """Angles and slides that joints have or anything reads, each once; of measures last, as results leave those out."""
+    wanted = [x for joint in system.joints for x in (joint.angle(), joint.slide())]
+    wanted += [x for row in primitives for x in row.coordinates]
+    wanted += [x.coordinate for x in (*records, *measures)]
+    return list({key_of(x): x for x in wanted if x is not None}.values())
 
 
 def new_data(model: Model, dtype: type = float) -> Data:

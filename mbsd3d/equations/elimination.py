@@ -214,17 +214,7 @@ def loop_plan(rows: bytes, light: bytes, chosen: bytes) -> dict[str, np.ndarray]
     at = {(i, k): int(starts[i]) + j for i, places in enumerate(entries) for j, k in enumerate(places)}
     owner = np.repeat(np.arange(n), lengths)
     entry_place = np.array([k for places in entries for k in places], np.int64)
-    begin, end = np.searchsorted(group, group), np.searchsorted(group, group, "right")
-    first_column = begin.copy()
-    for places in entries:
-        if places:
-            first_column[places] = np.minimum(first_column[places], begin[places[0]])
-    first_column = np.array([first_column[b:e].min() for b, e in zip(begin, end, strict=True)], np.int64)
-    width = np.arange(loops.size) - first_column + 1
-    start_of_line = np.cumsum(width) - width - first_column
-    last_line = np.zeros(loops.size, np.int64)
-    np.maximum.at(last_line, first_column, np.arange(loops.size))
-    last_line = np.maximum.accumulate(last_line)
+    end, first_column, last_line, start_of_line = skyline(group, entries)
     slot, twin = slots_on(on[loops[entry_place]], bodies[owner])
     return {
         "link": np.empty(n), "link.body": bodies, "link.up": up, "link.rows": counts,
@@ -237,6 +227,23 @@ def loop_plan(rows: bytes, light: bytes, chosen: bytes) -> dict[str, np.ndarray]
         "entry.next": np.array([at.get((i, k), -1) for i, k in np.stack([up[owner], entry_place], 1).tolist()], int),
         "entry.slot": slot, "entry.twin": twin, "inner": np.array(inner, bool),
     }  # fmt: skip
+
+
+def skyline(group: np.ndarray, entries: list[list[int]]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """(end of its group, first column, last line that reaches its column, start of its line) of each loop row in S.
+
+    Rows that one link feels meet in S, and so do all rows of their groups.
+    """
+    begin, end = np.searchsorted(group, group), np.searchsorted(group, group, "right")
+    first = begin.copy()
+    for places in entries:
+        if places:
+            first[places] = np.minimum(first[places], begin[places[0]])
+    first = np.array([first[b:e].min() for b, e in zip(begin, end, strict=True)], np.int64)
+    width = np.arange(group.size) - first + 1
+    last = np.zeros(group.size, np.int64)
+    np.maximum.at(last, first, np.arange(group.size))
+    return end, first, np.maximum.accumulate(last), np.cumsum(width) - width - first
 
 
 def paths(on: np.ndarray, loops: np.ndarray, place: np.ndarray, up: np.ndarray, n: int) -> list[dict[int, bool]]:

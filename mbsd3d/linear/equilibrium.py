@@ -32,7 +32,8 @@ from ..kernels.coordinates import remember
 from ..mechanism.forces.custom import check_runnable
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
-from .linearization import Linearization, linearize_at
+from .linearization import linearize_at
+from .modes import ModalAnalysis
 from .steady_motion import Units, natural_units, varies
 from .variations import Field, Tangent, Variations, tangent_space
 
@@ -65,12 +66,12 @@ class Equilibrium:
     freedoms: int
 
     @cached_property
-    def linearization(self) -> Linearization | ValueError | None:
+    def linearization(self) -> ModalAnalysis | ValueError | None:
         """Small motions about it; None if nothing can move, the error where there are no linear equations."""
         if not self.freedoms:
             return None
         try:
-            return linearize_at(self.system, self.state)
+            return ModalAnalysis.of(linearize_at(self.system, self.state))
         except ValueError as error:
             return error
 
@@ -109,7 +110,7 @@ class Equilibrium:
         return f"<equilibrium: {self.stability} ({self.reason}); {path}; residual {self.residual:.1g}>"
 
 
-def label_of(found: Linearization, value: complex) -> str:
+def label_of(found: ModalAnalysis, value: complex) -> str:
     """The label of the mode of an eigenvalue."""
     return min(found.modes, key=lambda mode: abs(mode.eigenvalue - value)).label
 

@@ -20,9 +20,43 @@ from ..mechanism.measures import Measure, check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from ..run.simulation import accelerations_at, check_state, check_system
-from .modes import Mode, joint_gradients, make_modes, spectrum, table
 from .steady_motion import Generator, Units, check_signals, find_generator, natural_units
 from .variations import Field, Tangent, Variations, tangent_space
+
+ZERO = 1e-13  # singular values of A below this, in units of its norm, are what rounding made of zero
+
+
+@on_one_thread
+def spectrum(A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Eigenvalues and vectors (columns) of a dimensionless matrix, zeros divided out first.
+
+    Cyclic coordinates leave Jordan blocks of zeros, of which an eigenvalue solver makes 1e-8, or 1e-5 where blocks are
+    longer. Here null spaces are split off one by one, ``Q'AQ = [[N, X], [0, B]]`` with N nilpotent, so zeros are exact
+    and B has no others. The vectors of zeros span the null spaces of A, A^2, ...; the first ones are eigenvectors.
+    """
+    n, k = A.shape[0], 0
+    Q, cut = np.eye(n), ZERO * np.linalg.norm(A, 2)
+    while k < n:
+        _, s, Vt = scipy.linalg.svd((Q.T @ A @ Q)[k:, k:])
+        null = int((s <= cut).sum())
+        if not null:
+            break
+        Q[:, k:] = Q[:, k:] @ np.roll(Vt, null, axis=0).T
+        k += null
+    T = Q.T @ A @ Q
+    values, W = scipy.linalg.eig(T[k:, k:]) if k < n else (np.zeros(0), np.zeros((0, 0)))
+    N, X = T[:k, :k], T[:k, k:]
+    top = [np.linalg.solve(value * np.eye(k) - N, X @ w) for value, w in zip(values, W.T, strict=True)]
+    upper = np.array(top).reshape(values.size, k).T
+    vectors = Q @ np.block([[np.eye(k), upper], [np.zeros((n - k, k)), W]]).astype(complex)
+    values = np.r_[np.zeros(k), values].astype(complex)
+    order = sorted(range(n), key=lambda i: (sorting(values[i]), i))
+    return values[order], vectors[:, order]
+
+
+def sorting(value: complex) -> tuple[int, int, bool]:
+    """Key that sorts by frequency, then growth, the conjugate last; rounding does not change the order."""
+    return round(abs(value.imag) / 1e-9), round(value.real / 1e-9), value.imag < 0.0
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -72,24 +106,6 @@ class Linearization:
         """Eigenvalues [1/s] sorted by frequency, then real part."""
         return self.spectrum[0]
 
-    @cached_property
-    def modes(self) -> tuple[Mode, ...]:
-        """One per real eigenvalue and per complex pair, in the order of the eigenvalues."""
-        return make_modes(self)
-
-    @cached_property
-    def joint_gradients(self) -> list:
-        """See `mbsd3d.linear.modes.joint_gradients`."""
-        return joint_gradients(self)
-
-    def mode(self, k: int) -> Mode:
-        """Mode number k, counted from zero."""
-        if not isinstance(k, int | np.integer) or not -len(self.modes) <= k < len(self.modes):
-            raise InputError(
-                f"linearization.mode: {shown(k)} is not one of the {len(self.modes)} modes 0 ... {len(self.modes) - 1}"
-            )
-        return self.modes[k]
-
     def deviation(self, value: complex, vector: np.ndarray) -> np.ndarray:
         """(N,) X of all bodies for a vector of the states, or for one of the outputs: L x = y, (A - s) x least."""
         if self.L is None:
@@ -101,9 +117,6 @@ class Linearization:
         if unseen.shape[1]:
             seen = seen - unseen @ np.linalg.lstsq(shifted @ unseen, shifted @ seen, rcond=1e-12)[0]
         return self.space.E @ (x * seen)
-
-    def __repr__(self) -> str:
-        return table(self)
 
 
 @solvable("linearize")

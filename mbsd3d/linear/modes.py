@@ -1,15 +1,14 @@
-"""Eigenvalues and modes of a linearisation: numbers, labels, shapes that move."""
+"""Modes of a linearisation: numbers, labels, shapes that move."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import Self
 
 import numpy as np
-import scipy.linalg
 
-from ..base.checks import number, whole
+from ..base.checks import number, shown, whole
 from ..base.concurrency import on_one_thread
-from ..base.errors import AssemblyError
+from ..base.errors import AssemblyError, InputError
 from ..constraints.nearby_poses import closed
 from ..equations.at_state import coordinate_row, load_state
 from ..equations.compiled import Compiled
@@ -17,53 +16,17 @@ from ..equations.elimination import eliminate
 from ..mechanism.bodies import Body
 from ..mechanism.joints import Joint
 from ..results.body_motion import Poses
+from .linearization import Linearization
 
-if TYPE_CHECKING:
-    from .linearization import Linearization
-
-ZERO = 1e-13  # singular values of A below this, in units of its norm, are what rounding made of zero
 MOST = 100_000  # samples of a motion
 NAMES = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")
 
 
-@on_one_thread
-def spectrum(A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenvalues and vectors (columns) of a dimensionless matrix, zeros divided out first.
-
-    Cyclic coordinates leave Jordan blocks of zeros, of which an eigenvalue solver makes 1e-8, or 1e-5 where blocks are
-    longer. Here null spaces are split off one by one, ``Q'AQ = [[N, X], [0, B]]`` with N nilpotent, so zeros are exact
-    and B has no others. The vectors of zeros span the null spaces of A, A^2, ...; the first ones are eigenvectors.
-    """
-    n, k = A.shape[0], 0
-    Q, cut = np.eye(n), ZERO * np.linalg.norm(A, 2)
-    while k < n:
-        _, s, Vt = scipy.linalg.svd((Q.T @ A @ Q)[k:, k:])
-        null = int((s <= cut).sum())
-        if not null:
-            break
-        Q[:, k:] = Q[:, k:] @ np.roll(Vt, null, axis=0).T
-        k += null
-    T = Q.T @ A @ Q
-    values, W = scipy.linalg.eig(T[k:, k:]) if k < n else (np.zeros(0), np.zeros((0, 0)))
-    N, X = T[:k, :k], T[:k, k:]
-    top = [np.linalg.solve(value * np.eye(k) - N, X @ w) for value, w in zip(values, W.T, strict=True)]
-    upper = np.array(top).reshape(values.size, k).T
-    vectors = Q @ np.block([[np.eye(k), upper], [np.zeros((n - k, k)), W]]).astype(complex)
-    values = np.r_[np.zeros(k), values].astype(complex)
-    order = sorted(range(n), key=lambda i: (sorting(values[i]), i))
-    return values[order], vectors[:, order]
-
-
-def sorting(value: complex) -> tuple[int, int, bool]:
-    """Key that sorts by frequency, then growth, the conjugate last; rounding does not change the order."""
-    return round(abs(value.imag) / 1e-9), round(value.real / 1e-9), value.imag < 0.0
-
-
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Mode:
     """One mode; see `mbsd3d.api.small_motions.Mode`."""
 
-    linearization: "Linearization"
+    linearization: "ModalAnalysis"
     eigenvalue: complex
     translation: np.ndarray
     rotation: np.ndarray
@@ -93,6 +56,9 @@ class Mode:
     def time_to_half(self) -> float:
         """Time in which the amplitude halves [s], infinite unless the mode decays."""
         return float(-np.log(2.0) / self.eigenvalue.real) if self.eigenvalue.real < 0.0 else np.inf
+
+    def __repr__(self) -> str:
+        return f"<mode: {self.label}, {self.eigenvalue:.6g} 1/s>"
 
     def shape(self, body: Body | str) -> tuple[np.ndarray, np.ndarray]:
         """Complex (translation of the centre of mass [m], rotation [rad]) of a body, world axes."""
@@ -136,7 +102,7 @@ class Mode:
         return moving_poses(self, t, wave)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Motion(Poses):
     """Poses of a mechanism over time (no forces, no energy): read like a `Solution`."""
 
@@ -144,41 +110,8 @@ class Motion(Poses):
     t: np.ndarray
     arrays: dict[str, np.ndarray]
 
-
-@on_one_thread
-def make_modes(linearization: "Linearization") -> tuple[Mode, ...]:
-    """Modes of all eigenvalues, one per complex pair."""
-    n, values = linearization.compiled.model.body.size, linearization.eigenvalues
-    size = linearization.units.x
-    modes = []
-    for value, vector in zip(values, linearization.spectrum[1].T, strict=True):
-        if value.imag < 0.0:
-            continue
-        X = linearization.deviation(value, vector)
-        moves = np.abs(X / size)[: 6 * n]
-        if moves.max() <= 1e-9 * np.abs(X / size).max():  # only velocities or own states take part
-            moves = np.abs(X / size)
-        k = int(np.argmax(moves > moves.max() * (1.0 - 1e-6)))  # of equal ones the first, whatever rounding does
-        factor = size[k] / X[k]
-        X, vector = X * factor, vector * factor
-        pose = X[: 6 * n].reshape(n, 6)
-        modes.append(Mode(linearization, complex(value), pose[:, :3], pose[:, 3:], vector))
-    return tuple(modes)
-
-
-def joint_gradients(linearization: "Linearization") -> list[tuple[Joint, str, np.ndarray]]:
-    """(joint, "angle" or "slide", (6 n,) gradient with respect to (r_G, theta) of all bodies) of all joints."""
-    compiled, state, found = linearization.compiled, linearization.state, []
-    data, n = compiled.data(), compiled.model.body.size
-    load_state(compiled, data, state)
-    s = data.body["s"][:n]
-    for joint in linearization.system.joints:
-        for kind, x in (("angle", joint.angle()), ("slide", joint.slide())):
-            if x is not None:
-                row = coordinate_row(compiled, data, compiled.coordinate(x), state.t)[1].reshape(n, 6).copy()
-                row[:, 3:] += np.cross(row[:, :3], s)  # delta r_O = delta r_G + s x delta theta
-                found.append((joint, kind, row.ravel()))
-    return found
+    def __repr__(self) -> str:
+        return f"<motion: {self.t.size} samples, 0 ... {self.t[-1]:g} s>"
 
 
 def moving_poses(mode: Mode, t: np.ndarray, wave: np.ndarray) -> Motion:
@@ -200,17 +133,75 @@ def moving_poses(mode: Mode, t: np.ndarray, wave: np.ndarray) -> Motion:
     return Motion(compiled, t, {"q": poses.reshape(t.size, n, 7)})
 
 
-def table(linearization: "Linearization") -> str:
-    """One line per mode."""
-    g = linearization.generator
-    steady = f", turning at {np.linalg.norm(g.rotation):.6g} rad/s as a whole" if g.turning else ""
-    lines = [
-        f"{linearization.A.shape[0]} states, residual {linearization.residual:.1e}{steady}",
-        f"{'eigenvalue [1/s]':>28} {'f [Hz]':>11} {'damping':>10}  mode",
-    ]
-    for mode in linearization.modes:
-        s, damping = mode.eigenvalue, mode.damping_ratio if abs(mode.damping_ratio) > 1e-9 else 0.0
-        real = s.real if damping else 0.0  # rounding is not printed
-        shown = f"{real:.6g} +- {s.imag:.6g}i" if s.imag else f"{real:.6g}"
-        lines.append(f"{shown:>28} {mode.natural_frequency:>11.6g} {damping:>10.4f}  {mode.label}")
-    return "\n".join(lines)
+@on_one_thread
+def make_modes(linearization: "ModalAnalysis") -> tuple[Mode, ...]:
+    """Modes of all eigenvalues, one per complex pair."""
+    n, values = linearization.compiled.model.body.size, linearization.eigenvalues
+    size = linearization.units.x
+    modes = []
+    for value, vector in zip(values, linearization.spectrum[1].T, strict=True):
+        if value.imag < 0.0:
+            continue
+        X = linearization.deviation(value, vector)
+        moves = np.abs(X / size)[: 6 * n]
+        if moves.max() <= 1e-9 * np.abs(X / size).max():  # only velocities or own states take part
+            moves = np.abs(X / size)
+        k = int(np.argmax(moves > moves.max() * (1.0 - 1e-6)))  # of equal ones the first, whatever rounding does
+        factor = size[k] / X[k]
+        X, vector = X * factor, vector * factor
+        pose = X[: 6 * n].reshape(n, 6)
+        modes.append(Mode(linearization, complex(value), pose[:, :3], pose[:, 3:], vector))
+    return tuple(modes)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ModalAnalysis(Linearization):
+    """A linearisation with its modes; see `mbsd3d.Linearization`."""
+
+    @classmethod
+    def of(cls, found: Linearization) -> Self:
+        """The modal analysis of linear equations."""
+        return cls(**{x.name: getattr(found, x.name) for x in fields(Linearization)})
+
+    @cached_property
+    def modes(self) -> tuple[Mode, ...]:
+        """One per real eigenvalue and per complex pair, in the order of the eigenvalues."""
+        return make_modes(self)
+
+    def mode(self, k: int) -> Mode:
+        """Mode number k, counted from zero."""
+        if not isinstance(k, int | np.integer) or not -len(self.modes) <= k < len(self.modes):
+            raise InputError(
+                f"linearization.mode: {shown(k)} is not one of the {len(self.modes)} modes 0 ... {len(self.modes) - 1}"
+            )
+        return self.modes[k]
+
+    @cached_property
+    def joint_gradients(self) -> list[tuple[Joint, str, np.ndarray]]:
+        """(joint, "angle" or "slide", (6 n,) gradient with respect to (r_G, theta) of all bodies) of all joints."""
+        compiled, found = self.compiled, []
+        data, n = compiled.data(), compiled.model.body.size
+        load_state(compiled, data, self.state)
+        s = data.body["s"][:n]
+        for joint in self.system.joints:
+            for kind, x in (("angle", joint.angle()), ("slide", joint.slide())):
+                if x is not None:
+                    row = coordinate_row(compiled, data, compiled.coordinate(x), self.state.t)[1].reshape(n, 6).copy()
+                    row[:, 3:] += np.cross(row[:, :3], s)  # delta r_O = delta r_G + s x delta theta
+                    found.append((joint, kind, row.ravel()))
+        return found
+
+    def __repr__(self) -> str:
+        """One line per mode."""
+        g = self.generator
+        steady = f", turning at {np.linalg.norm(g.rotation):.6g} rad/s as a whole" if g.turning else ""
+        lines = [
+            f"{self.A.shape[0]} states, residual {self.residual:.1e}{steady}",
+            f"{'eigenvalue [1/s]':>28} {'f [Hz]':>11} {'damping':>10}  mode",
+        ]
+        for mode in self.modes:
+            s, damping = mode.eigenvalue, mode.damping_ratio if abs(mode.damping_ratio) > 1e-9 else 0.0
+            real = s.real if damping else 0.0  # rounding is not printed
+            shown = f"{real:.6g} +- {s.imag:.6g}i" if s.imag else f"{real:.6g}"
+            lines.append(f"{shown:>28} {mode.natural_frequency:>11.6g} {damping:>10.4f}  {mode.label}")
+        return "\n".join(lines)

@@ -20,7 +20,7 @@ import scipy.linalg
 from ..base.errors import AssemblyError, InputError
 from ..base.quaternions import H, skew
 from ..base.rotations import matrix
-from ..constraints.row_choice import choose_rows
+from ..constraints.rank import choose_rows
 from ..dynamics.state_rates import accelerate
 from ..equations.at_state import load_rows, load_state, worst_joint
 from ..equations.compiled import Compiled

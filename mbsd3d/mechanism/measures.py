@@ -223,7 +223,7 @@ def distance(
 def state(force: ForceElement, index: int | str = 0) -> Measure:
     """Own state of a force element, e.g. of a filter or of a `CustomForce`, by its number from 0 or its name.
 
-    ValueError if it has none such.
+    ValueError if it has no such state.
     """
     record = force.record() if isinstance(force, ForceElement) else None
     states = record.states if record else ()
@@ -231,8 +231,8 @@ def state(force: ForceElement, index: int | str = 0) -> Measure:
     if index in names:
         index = names.index(index)
     if type(index) is not int or not 0 <= index < len(states):
-        have = f"{len(states)} own states" + (f" ({', '.join(names)})" if names else "")
-        raise InputError(f"measures.state: {label(force)} has {have}, none no. {shown(index)}; give one of these")
+        remedy = f"give one of {', '.join(names)}, or its number" if names else "give a force with own states"
+        raise InputError(f"measures.state: {label(force)} has no own state {shown(index)}; {remedy}")
     what = record.measures[index].unit if record.measures else "-"  # a filter has the unit of what it sees
     return Measure("state", f"state {names[index]} of {label(force)}", what, part=force, index=index)
 

@@ -4,12 +4,12 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..base.style import LIGHT, dress, house
-from ..linear.linearization import Linearization
+from ..linear.modes import ModalAnalysis
 
 MARKERS = "osD^v<>pP*X"
 
 
-def plot_eigenvalues(linearization: Linearization) -> Figure:
+def plot_eigenvalues(linearization: ModalAnalysis) -> Figure:
     """Eigenvalues in the complex plane, one mark per mode and one for all zeros; the growing half is tinted."""
     look = LIGHT
     with house(look):

@@ -5,13 +5,14 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
+from ..base.style import counted
 from ..constraints.redundancy import Diagnosis
 from ..mechanism.drivers import Driver
 from ..mechanism.joints import Joint
 from ..results.checks.check import scales_of
 from ..results.columns import columns_of_effort, loads_of
 from ..results.run_result import RunResult
-from .wording import counted, digits, triple
+from .wording import digits, triple
 
 MOST = 40  # rows of a table
 OPEN = 1e7  # bodies cubed times samples whose rows are decomposed where they repeat others: some seconds
@@ -135,7 +136,7 @@ def thinned(solution: RunResult) -> tuple[RunResult, str]:
     if step <= 1:
         return solution, ""
     arrays = {name: values[::step] for name, values in solution.arrays.items()}
-    return replace(solution, arrays=arrays), f"Of every {step}th sample only, to save time."
+    return replace(solution, arrays=arrays), f"From one sample in {step}, to save time."
 
 
 def largest_load(values: np.ndarray, t: np.ndarray, size: float) -> tuple[str, str]:
@@ -236,6 +237,7 @@ def drift_facts(solution: RunResult) -> list[tuple[str, str]]:
     if not solution.record.kinematic and solution.t.size > 1:
         size = scales_of(solution).energy
         gained, work = (float(x[-1] - x[0]) for x in (energy.total, energy.work))
-        facts.append(("energy", f"changed by {digits(gained, size)} J, of which drivers and other forces did "
-                                f"{digits(work, size)} J; left over {digits(gained - work, count=2)} J"))  # fmt: skip
+        did = f"drivers and other forces did {digits(work, size)} J of work"
+        left = digits(gained - work, count=2)
+        facts.append(("energy", f"changed by {digits(gained, size)} J; {did}; left over {left} J"))
     return facts

@@ -5,7 +5,6 @@ from collections.abc import Iterable
 import numpy as np
 
 from ..base.style import RAISED
-from ..base.style import counted as counted
 
 ROUNDING = 1e-9  # of the size of a quantity: what is smaller is what rounding left of zero
 

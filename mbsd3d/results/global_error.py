@@ -26,11 +26,13 @@ def estimate(solution: RunResult) -> Certificate:
             f"estimate: rtol {record.rtol:g} leaves no room for a tighter run; estimate at 1e-11 or looser"
         )
     finer, finest = refined(solution, 1), refined(solution, 2)
-    first, second = (float(distances(run, finest).max(initial=0.0)) for run in (solution, finer))
+    last = distances(finer, finest)
+    error, first, second = (
+        float(x.max(initial=0.0)) for x in (distances(solution, finest), distances(solution, finer), last)
+    )
     factor = 32.0 if record.method.dt is None else 2.0
     order = float(np.log(first / second) / np.log(factor)) if 0.0 < second < first else None
-    doubling = doubling_time(solution.t, distances(finer, finest))
-    return replace(solution.certificate, error=first, order=order, doubling=doubling)
+    return replace(solution.certificate, error=error, order=order, doubling=doubling_time(solution.t, last))
 
 
 def refined(solution: RunResult, level: int) -> RunResult:

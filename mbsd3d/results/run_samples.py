@@ -1,6 +1,5 @@
 """The samples of a run: every quantity by part, in world axes and SI units."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -17,13 +16,10 @@ from ..kernels.layout import Data
 from ..mechanism.bodies import GROUND, Body, Ground
 from ..mechanism.drivers import Driver
 from ..mechanism.force_element import ForceElement
-from ..mechanism.joints import Joint, coordinate_of
-from ..mechanism.measures import Measure
-from ..mechanism.primitives import Coordinate
+from ..mechanism.joints import Joint
 from ..mechanism.state import State
-from .body_motion import Poses
+from .body_motion import RunMotion
 from .loads import Load, load_of
-from .measured import measured
 from .reactions import MiddleRows, Reaction, middle_rows, minimum_norm, unique_wrench
 from .record import Record
 
@@ -55,7 +51,7 @@ class Drift(Sampled):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RunSamples(Poses):
+class RunSamples(RunMotion):
     """Samples of a run. Parts are given as objects or by name; vectors are (samples, 3) in world axes."""
 
     compiled: Compiled
@@ -81,74 +77,6 @@ class RunSamples(Poses):
         own = y[13 * n : 13 * n + compiled.model.z_work]
         end = State(t, unit_quaternions(y[: 7 * n]), v.ravel(), own, data.coordinate["value"].copy())
         return cls(compiled, arrays, record, start, end)
-
-    @property
-    def t(self) -> np.ndarray:
-        """(samples,) times [s]."""
-        return self.arrays["t"]
-
-    def velocity(self, body: Body | str) -> np.ndarray:
-        """Velocity of the reference point [m/s]."""
-        return self.arrays["v"][:, self._body(body), :3]
-
-    def omega(self, body: Body | str) -> np.ndarray:
-        """Angular velocity [rad/s], world axes."""
-        return self.arrays["v"][:, self._body(body), 3:]
-
-    def omega_body(self, body: Body | str) -> np.ndarray:
-        """Angular velocity [rad/s], body axes."""
-        return np.einsum("tji,tj->ti", self.rotation(body), self.omega(body))
-
-    def acceleration(self, body: Body | str) -> np.ndarray:
-        """Acceleration of the reference point [m/s^2]."""
-        return self.arrays["acceleration"][:, self._body(body), :3]
-
-    def alpha(self, body: Body | str) -> np.ndarray:
-        """Angular acceleration [rad/s^2], world axes."""
-        return self.arrays["acceleration"][:, self._body(body), 3:]
-
-    def _coordinate(self, joint: Joint | str, kind: str) -> np.ndarray:
-        part = self.system.part(joint, "joints")
-        return self.compiled.coordinate(coordinate_of(part, kind, f"solution.{kind}"))
-
-    def angle(self, joint: Joint | str) -> np.ndarray:
-        """(samples,) angle of a hinge [rad], unwrapped, zero at the reference pose."""
-        return self.arrays["coordinate"][:, self._coordinate(joint, "angle")]
-
-    def slide(self, joint: Joint | str) -> np.ndarray:
-        """(samples,) displacement of a sliding joint [m]."""
-        return self.arrays["coordinate"][:, self._coordinate(joint, "slide")]
-
-    def rate(self, joint: Joint | str) -> np.ndarray:
-        """(samples,) rate of a hinge's angle [rad/s], or of a slide [m/s] where there is no angle."""
-        part = self.system.part(joint, "joints")
-        x = part.angle() or part.slide()
-        if x is None:
-            raise InputError(f"'{self.system.name(part)}' has no angle and no slide; give a hinge or a slider")
-        return self._coordinate_rate(x)
-
-    def _coordinate_rate(self, x: Coordinate) -> np.ndarray:
-        """(samples,) rate of a hinge coordinate [rad/s or m/s]."""
-        if x.kind not in ("angle", "slide"):
-            return self.measure(Measure("coordinate rate", f"rate of a {x.kind}", "m/s", x.a, x.b, coordinate=x))
-        axis = self.body_axis(x.a, x.axis)
-        w_a, w_b = (np.zeros((self.t.size, 3)) if body is GROUND else self.omega(body) for body in (x.a, x.b))
-        if x.kind == "angle":
-            return np.einsum("ti,ti->t", axis, w_b - w_a)
-        p_b, v_b = self._point_motion(x.b, x.point_b)
-        v_a_there = 0.0 if x.a is GROUND else self.velocity(x.a) + crosses(w_a, p_b - self.position(x.a))
-        return np.einsum("ti,ti->t", axis, v_b - v_a_there)
-
-    def _point_motion(self, body: Body | Ground, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """World position and velocity of a body point given at the reference pose."""
-        if body is GROUND:
-            return np.broadcast_to(point, (self.t.size, 3)), np.zeros((self.t.size, 3))
-        return self._carried(body, body.local_point(point))
-
-    def _carried(self, body: Body, local: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """World position and velocity of a point given in body axes from the reference point."""
-        arm = self.rotation(body) @ local
-        return self.position(body) + arm, self.velocity(body) + crosses(self.omega(body), arm)
 
     @cached_property
     def _middle(self) -> MiddleRows:
@@ -199,14 +127,6 @@ class RunSamples(Poses):
         where the function of a `CustomForce` was not saved.
         """
         return load_of(self, force, on)
-
-    def measure(self, measures: Measure | Sequence[Measure]) -> np.ndarray:
-        """(samples,) values of one of `mbsd3d.measures`, (samples, k) of k of them.
-
-        Angles of hinges are those of the run. Other angles, e.g. headings, are followed from sample to sample: between
-        two of them the rate at the first must tell the turn to within half a turn.
-        """
-        return measured(self, measures)
 
     def effort(self, driver: Driver | str) -> np.ndarray:
         """(samples,) torque [N m] or force [N] a driver applies to b along its motion; (samples, k) for k rows."""
@@ -272,12 +192,6 @@ class RunSamples(Poses):
         a = self.arrays
         own, q = a["z"][sample, : self.compiled.model.z_work], unit_quaternions(a["q"][sample].ravel())
         return State(float(self.t[sample]), q, a["v"][sample].ravel(), own, a["coordinate"][sample])
-
-    def state_of(self, force: ForceElement | str) -> np.ndarray:
-        """(samples, k) own states of a force element, e.g. of a filter or a `CustomForce`."""
-        part = self.system.part(force, "forces")
-        entry = self.compiled.model.force[self.system.forces.index(part)]
-        return self.arrays["z"][:, entry["state"] : entry["state"] + entry["states"]]
 
 
 def unit_quaternions(q: np.ndarray) -> np.ndarray:

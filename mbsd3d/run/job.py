@@ -12,7 +12,7 @@ from ..compiler.announcing import announce_compilation
 from ..compiler.disk import mark_warm
 from ..compiler.second import wait_for_second
 from ..constraints.contradictions import rivals
-from ..constraints.row_choice import choose_rows, tree_over_rows
+from ..constraints.rank import choose_rows, tree_over_rows
 from ..constraints.spins import check_spins, free_spins
 from ..dynamics.state_rates import FAR, PROJECTED, project_and_evaluate
 from ..equations.at_state import check_quaternions, driven_coordinates, load_rows, load_state, unmet, worst_joint

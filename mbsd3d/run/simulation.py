@@ -102,11 +102,11 @@ def check_signals(compiled: Compiled, t_start: float, t_end: float) -> None:
         check_interval(signal, t_start, t_end, f"'{compiled.system.name(part)}'")
 
 
-def check_room(samples: int, width: int) -> None:
+def check_room(samples: int, width: int, what: str = "simulate: output") -> None:
     """ValueError for more samples than memory has room for."""
     if samples * width > MOST_NUMBERS:
         raise InputError(
-            f"simulate: output: {shown(samples)} samples of {width} numbers are more than memory holds; give at most "
+            f"{what}: {shown(samples)} samples of {width} numbers are more than memory holds; give at most "
             f"{MOST_NUMBERS // width}"
         )
 

@@ -12,7 +12,7 @@ from models import at_reference, dense_rows, revolute_chain
 from mbsd3d import RK4, PointOnLine, Revolute, System, simulate
 from mbsd3d.base.quaternions import conjugate, logarithm, multiply
 from mbsd3d.constraints.elimination import Elimination
-from mbsd3d.constraints.row_choice import choose_rows
+from mbsd3d.constraints.rank import choose_rows
 from mbsd3d.equations.compiled import compile_system
 from mbsd3d.equations.elimination import eliminate
 from mbsd3d.equations.jacobian import RANK_TOLERANCE, scaled_rows

@@ -620,6 +620,8 @@ def test_table_and_figure():
     assert np.isin(found.eigenvalues, drawn).all() and drawn.size == found.eigenvalues.size  # one of them zero
     with pytest.raises(ValueError, match="not one of the"):
         found.mode(99)
+    assert repr(found.mode(0)).startswith(f"<mode: {found.mode(0).label}, ")
+    assert repr(found.mode(0).motion(samples=3)).startswith("<motion: 3 samples, 0 ... ")
 
 
 # --- refusals ---------------------------------------------------------------------------------------------------------

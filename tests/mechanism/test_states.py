@@ -234,8 +234,8 @@ def feedback(**changes):
         (lambda: feedback(measures=["angle", "rate"]), r"servo.*'angle' is not a measure"),
         (lambda: feedback(measures=[], gains=[]), r"servo.*no measures"),
         (lambda: feedback(on=OTHER), r"servo.*no angle and no slide"),
-        (lambda: measures.state(feedback()), r"servo has 0 own states"),
-        (lambda: measures.state(feedback(time_constant=1.0), 2), r"servo has 2 own states .*, none no. 2"),
+        (lambda: measures.state(feedback()), r"servo has no own state 0; give a force"),
+        (lambda: measures.state(feedback(time_constant=1.0), 2), r"servo has no own state 2; give one of "),
         (lambda: System([HINGE.b], [], [feedback()]), r"servo.*'hinge' is not in the system"),
         (
             lambda: System(

@@ -27,10 +27,11 @@ from mbsd3d import (
     load,
     simulate,
 )
+from mbsd3d.base.style import counted
 from mbsd3d.mechanism import measures  # fmt: skip
 from mbsd3d.report import exhibits, facts
 from mbsd3d.report.facts import MOST
-from mbsd3d.report.wording import counted, digits, triple
+from mbsd3d.report.wording import digits, triple
 
 HOSTILE = (
     "<script>alert('1')</script>",
@@ -272,7 +273,7 @@ def test_a_large_redundant_model_is_thinned_and_says_so(monkeypatch):
     monkeypatch.setattr(facts, "OPEN", 1.0)
     run = door(output=7)
     few, sentence = facts.thinned(run)
-    assert few.t.size == 1 and sentence == "Of every 7th sample only, to save time."
+    assert few.t.size == 1 and sentence == "From one sample in 7, to save time."
     assert f"Reactions and efforts: {sentence}" in run.report(curves=[], dark=False).html
 
 

@@ -35,6 +35,7 @@ from mbsd3d import (
     Pulse,
     Ramp,
     Revolute,
+    Spherical,
     SpringDamper,
     System,
     Torque,
@@ -477,6 +478,15 @@ def test_estimate_observes_the_order(method, order):
     case = cases.load("heavy_top_fast", 7)
     solution = simulate(case.system, 0.5, output=6, method=method)
     assert solution.estimate().order == pytest.approx(order, abs=0.5)  # two refinements only
+
+
+@pytest.mark.parametrize(("method", "order"), [(RK4(4e-3), 4.0), (GeneralizedAlpha(dt=4e-3), 2.0)])
+def test_the_observed_order_is_that_of_successive_differences(method, order):
+    """(x_0 - x_1) / (x_1 - x_2) = 2^p; of differences from the finest run alone it is 2^p + 1, 2.32 for order 2."""
+    body = Body("top", 2.0, (0.02, 0.03, 0.04), com=(0.1, -0.05, 0.3), omega=(0.4, -0.3, 8.0), position=(0.1, 0.2, 0.3))
+    top = System([body], [Spherical(GROUND, body, at=(0.05, 0.2, 0.3))])
+    found = simulate(top, 0.5, method=method, output=6).estimate()
+    assert found.order == pytest.approx(order, abs=0.05)  # the next power of dt: 1 % of the error at 0.03 rad a step
 
 
 def test_estimate_of_an_adaptive_run_observes_an_exponent_of_one():

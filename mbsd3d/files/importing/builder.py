@@ -1,4 +1,4 @@
-"""A system from the facts of a compiled MuJoCo model (`import_worker`), and what of them has no counterpart here."""
+"""A system from the facts of a compiled MuJoCo model (`worker`), and what of them has no counterpart here."""
 
 from collections.abc import Iterable
 from typing import Any, NamedTuple
@@ -7,6 +7,7 @@ import numpy as np
 
 from ...base.errors import InputError
 from ...base.mass_properties import MassProperties, combine
+from ...base.quaternions import conjugate, multiply
 from ...base.rotations import matrix
 from ...mechanism.bodies import GROUND, Body
 from ...mechanism.couplings import Gear, RackPinion
@@ -15,7 +16,8 @@ from ...mechanism.forces.springs import TorsionSpring
 from ...mechanism.joints import Joint
 from ...mechanism.joints.pairs import Cylindrical, Fixed, Planar, Prismatic, Revolute, Spherical, Universal
 from ...mechanism.mechanism import Mechanism
-from ...mechanism.shapes.geoms import shapes
+from ...mechanism.shapes.base import Shape
+from ...mechanism.shapes.kinds import Box, Capsule, Cylinder, Ellipsoid, Sphere
 
 KINDS = (
     "actuator", "armature", "contact", "equality", "extension", "flex", "fluid", "frictionloss", "gravcomp", "inertial",
@@ -112,7 +114,7 @@ class Builder:
         parts = [part for part in parts if part[0] > 0.0]
         whole = combine(parts) if parts else MassProperties(0.0, np.zeros(3), np.zeros((3, 3)))
         name, e = self.name(group[0]["name"], "body"), np.array(group[0]["quaternion"])
-        look = shapes([geom for part in group for geom in part["geoms"]], r, e, R)
+        look = drawn([geom for part in group for geom in part["geoms"]], r, e, R)
         return Body(name, **vars(whole), position=r, orientation=e, shape=look)
 
     def parent(self, i: int) -> Any:
@@ -218,3 +220,26 @@ def joint_of(a: Any, b: Any, parts: list[dict[str, Any]], name: str) -> Joint | 
         case 1, 2 if np.abs(axes[1:] @ axes[0]).max() < SMALL and np.linalg.norm(np.cross(*axes[1:])) > 1e-3:
             return Planar(a, b, at=at, normal=axes[0], name=name)
     return None
+
+
+def drawn(geoms: list[dict], r: np.ndarray, e: np.ndarray, R: np.ndarray) -> list[Shape] | None:
+    """Shapes of the geoms of a body at (r, e), R = matrix(e); None where none can: meshes, planes, height fields."""
+    found = []
+    for geom in geoms:
+        a, b, c = geom["size"]
+        place = {
+            "at": R.T @ (np.array(geom["position"]) - r),
+            "orientation": multiply(conjugate(e), np.array(geom["quaternion"])),
+            "colour": geom["colour"] and "#" + bytes(round(255 * x) for x in geom["colour"]).hex(),
+        }
+        sizes = {
+            "box": (Box, ((2 * a, 2 * b, 2 * c),)),
+            "sphere": (Sphere, (a,)),
+            "capsule": (Capsule, (a, 2 * b)),
+            "cylinder": (Cylinder, (a, 2 * b)),
+            "ellipsoid": (Ellipsoid, ((a, b, c),)),
+        }
+        if geom["shown"] and geom["type"] in sizes:
+            kind, numbers = sizes[geom["type"]]
+            found.append(kind(*numbers, **place))
+    return found or None

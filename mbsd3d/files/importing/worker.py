@@ -1,4 +1,4 @@
-"""The guarded process that lets MuJoCo read a file: ``python -m mbsd3d.import_worker FILE SECONDS``
+"""The guarded process that lets MuJoCo read a file: ``python -m mbsd3d.files.importing.worker FILE SECONDS``
 prints facts as JSON.
 
 It holds limits on time and memory, imports nothing else of the package, and gives numbers and names only. Points and

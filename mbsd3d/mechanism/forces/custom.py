@@ -5,7 +5,7 @@ import inspect
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numba
 import numpy as np
@@ -22,9 +22,7 @@ from ...kernels.layout import MOST_BODIES, data_records
 from ...kernels.vectors import add, add6, arm, clear, cross, dot, mat, pair, point, point_velocity, put, sub, vec
 from ..bodies import GROUND, Body, Ground
 from ..force_element import ForceElement, ForceRecord
-
-if TYPE_CHECKING:
-    from ..mechanism import Mechanism
+from ..mechanism import Mechanism
 
 RETURNED = 6 * MOST_BODIES  # place in Data.wrench that the wrapper sets to 0 when the function has returned
 ARGUMENTS = ("t", "bodies", "z", "parameters", "loads", "z_dot")
@@ -290,7 +288,7 @@ class CustomForce(FunctionForce):
         )  # fmt: skip
 
 
-def check_runnable(system: "Mechanism") -> None:
+def check_runnable(system: Mechanism) -> None:
     """ValueError for a system whose custom forces have lost their functions."""
     for force in system.forces:
         if isinstance(force, SavedForce):

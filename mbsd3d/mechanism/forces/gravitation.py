@@ -42,17 +42,17 @@ def weight(m, d, p, out, t):
 
 @dataclass(frozen=True, eq=False)
 class Weight(ForceElement):
-    """Weight m g of body ``b`` at its centre of mass, g resting in body ``a``: a laboratory that turns with the Earth.
+    """Weight m g of body ``b`` at its centre of mass, g fixed in body ``a``: a laboratory that turns with the Earth.
 
-    What attracts is no part of the system, so nothing acts on ``a``. The work is counted; no energy is stored, as the
-    field moves. Give the system ``gravity=(0, 0, 0)``, or it acts besides.
+    The attracting body is not part of the system, so nothing acts on ``a``. The work is counted; no energy is stored,
+    as the field moves. Give the system ``gravity=(0, 0, 0)``, or it acts as well.
 
     Parameters
     ----------
     a : Body or GROUND
-        In which g rests.
+        The body in which g is fixed.
     b : Body
-        Which is heavy.
+        The body that has the weight.
     acceleration : (3,) array_like
         g, world at the reference pose [m/s^2].
 
@@ -106,16 +106,16 @@ def attraction(m, d, p, out, t):
 class CentralGravity(ForceElement):
     """Newton's attraction of body ``b`` by a centre in body ``a``, to second order in the size of ``b`` (MacCullagh).
 
-    Energy U = -mu (m/r + (tr I - 3 n.I n)/(2 r^3)), n from the centre to the centre of mass of ``b``, I about it. So
-    besides mu m/r^2 there is the moment 3 mu n x I n/r^3, which turns a long satellite towards the Earth (the gradient
-    of gravity). What is left out is of the size of ``b`` over r to the third. The opposite force acts on ``a``.
+    Energy U = -mu (m/r + (tr I - 3 n.I n)/(2 r^3)), n from the centre to the centre of mass of ``b``, I about it.
+    Beside the force there is the moment 3 mu n x I n/r^3, which turns a long satellite towards the Earth (gravity
+    gradient). Left out are terms of third order in the size of ``b`` over r. The opposite force acts on ``a``.
 
     Parameters
     ----------
     a : Body or GROUND
-        In which the centre rests.
+        The body in which the centre is fixed.
     b : Body
-        Which is attracted.
+        The body that is attracted.
     at : (3,) array_like
         The centre, world at the reference pose [m].
     mu : float

@@ -111,7 +111,7 @@ class Parallel(Joint):
 
 @dataclass(frozen=True, eq=False)
 class Perpendicular(Joint):
-    """``axis_b`` of b stays perpendicular to ``axis_a`` of a (1 row); what it is off, 1e-6 at most, is taken from it.
+    """``axis_b`` of b stays perpendicular to ``axis_a`` of a (1 row), squared if off by up to 1e-6.
 
     >>> from mbsd3d import GROUND, Body, Perpendicular
     >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))

@@ -45,7 +45,7 @@ class Revolute(AxisJoint):
 class Universal(PointJoint):
     """Cardan joint: the points coincide and ``axis_a`` of a stays perpendicular to ``axis_b`` of b (4 rows).
 
-    What they are off square, 1e-6 at most, is taken from ``axis_b``.
+    If they are off square by up to 1e-6, ``axis_b`` is squared to ``axis_a``.
 
     >>> from mbsd3d import GROUND, Body, Universal
     >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))

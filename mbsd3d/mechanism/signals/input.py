@@ -17,7 +17,7 @@ class Input(Signal):
     Parameters
     ----------
     name : str
-        What it is set by; signals of one name are one input.
+        Name to set it by; signals of one name are one input.
     value : float
         At the start, in the unit of what it drives; `simulate` keeps it.
 

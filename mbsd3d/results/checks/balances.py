@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...constraints.row_choice import tree_over_rows
+from ...constraints.rank import tree_over_rows
 from ...dynamics.state_rates import FAR, project_and_evaluate
 from ...equations.at_state import load_state
 from ...integrators.method import Method

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...constraints.row_choice import tree_over_rows
+from ...constraints.rank import tree_over_rows
 from ...dynamics.batch import refinements
 from ...equations.at_state import load_rows
 from ..run_samples import RunSamples

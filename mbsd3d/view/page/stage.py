@@ -154,7 +154,7 @@ class Stage:
         self.light()
         self.sight = sight(*seen, axes, FOV, turns=near)  # of the first view
         self.aim(camera)
-        scene.add_frame("/ready", show_axes=False)  # the last one: when it is there, all is
+        scene.add_frame("/ready", show_axes=False)  # the last one: once it exists, so does everything else
 
     def move(self, r: np.ndarray, e: np.ndarray) -> None:
         """Bring bodies (r (n + 1, 3), e (n + 1, 4)) and links to a pose."""

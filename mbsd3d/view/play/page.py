@@ -71,7 +71,7 @@ def ride_page(model: Playable, built: Built, look: Look) -> str:
 
 
 def pivot_of(system: Mechanism) -> np.ndarray | None:
-    """The one point of the ground that a mechanism hangs on or stands on [m]; None if there is no such one.
+    """The one point of the ground that a mechanism hangs on or stands on [m]; None if there is none, or more.
 
     What is held at several points does not leave far the box that it takes at first.
     """

@@ -3,50 +3,36 @@
 import json
 import math
 from collections import deque
-from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...base.checks import number
 from ...base.checks import shown as shown_text
 from ...base.errors import InputError, MbsError
-from ...mechanism.bodies import Body
 from ...mechanism.mechanism import Mechanism
 from ...plotting.panels import Wanted
 from ...results.body_motion import Poses
 from ...results.run_result import RunResult
 from ...run.playing import PERIOD, Frame, Playing
 from ..page.served import Served
-from ..page.show import animate, check_options, number_of, page_layers
-from ..scene.drawing import USUAL, Layers, title_of
+from ..page.show import animate
+from ..scene.drawing import USUAL
 from .page import SECONDS, Look, ride_page, shapes_of
 from .server import Server
-
-if TYPE_CHECKING:
-    from ...api.solution import Solution
 
 PACES = (0.01, 10.0)  # seconds of the model per second
 STEADY = 6  # frames from one look at what seldom changes to the next
 
 
 class Play(Served):
-    """A model that is played in a browser; a context manager that ends it.
-
-    ::
-
-        with system.play({"push": (-5, 5)}) as play:
-            play.open()
-            play.wait()
-        play.solution().plot()
-    """
+    """A model that is played in a browser; see `mbsd3d.api.playing.Play`."""
 
     kind = "play"
 
-    def __init__(self, playing: Playing, look: Look, port: int, as_solution: Callable[[RunResult], "Solution"]) -> None:
+    def __init__(self, playing: Playing, look: Look, port: int) -> None:
         super().__init__()
-        self._playing, self._look, self._as_solution = playing, look, as_solution
+        self._playing, self._look = playing, look
         self._controls = {control.name: control for control in playing.model.controls}
         self._history: deque[list[float | None]] = deque(maxlen=round(SECONDS / PERIOD))
         self._told, self._count, self._ride, self._saving, self._good = "", 0, 0, False, {}
@@ -93,9 +79,9 @@ class Play(Served):
         """Back to the start."""
         self._playing.do(self._playing.reset).result()
 
-    def solution(self) -> "Solution":
-        """The ride so far, of at most the last ten minutes: a `Solution` with a sample every 1/60 s."""
-        return self._as_solution(self._playing.do(self._playing.result).result())
+    def solution(self) -> RunResult:
+        """The ride so far, of at most the last ten minutes, with a sample every 1/60 s."""
+        return self._playing.do(self._playing.result).result()
 
     def _close(self) -> None:
         """The model first, then the server."""
@@ -219,25 +205,3 @@ def parsed(said: str) -> object:
 def refused(word: str) -> None:
     """NaN and Infinity are no numbers here."""
     raise InputError(f"{word} is not finite")
-
-
-def play(
-    playing: Playing,
-    *,
-    shown: Layers,
-    hidden: Layers,
-    follow: Body | str | None,
-    view: Sequence[float] | None,
-    title: str | None,
-    dark: bool | None,
-    port: int,
-    as_solution: Callable[[RunResult], "Solution"],
-) -> Play:
-    """See `System.play`."""
-    check_options(None, title, dark, False)
-    if type(port) is not int or not 0 <= port <= 65535:
-        raise InputError(f"play: port = {shown_text(port)}; give a whole number up to 65535, or 0 for any that is free")
-    system = playing.built.system
-    followed = -1 if follow is None else number_of(system, follow)
-    look = Look(title or title_of(system), page_layers(system, shown, hidden), followed, view, dark)
-    return Play(playing, look, port, as_solution)

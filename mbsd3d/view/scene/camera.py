@@ -106,7 +106,7 @@ def turned(camera: Camera, azimuth: float, elevation: float) -> Camera:
 
 
 def seen_from(camera: Camera, view: Sequence[float] | None) -> Camera:
-    """The camera at an azimuth and an elevation [degrees]; None = as it is. ValueError for what is no such pair."""
+    """The camera at an azimuth and an elevation [degrees]; None = as it is. ValueError for anything else."""
     return camera if view is None else turned(camera, *checked_view(view))
 
 
