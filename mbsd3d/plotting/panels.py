@@ -246,7 +246,7 @@ def measures_only(entries: tuple) -> tuple[Measure, ...]:
     """Measures that share axes; anything else among them is an error."""
     for entry in entries:
         if not isinstance(entry, Measure):
-            raise InputError(f"{shown(entry)} stands beside a measure and is none; give measures, or quantities")
+            raise InputError(f"{shown(entry)} is not a measure, as others in the list are; give measures alone")
     return entries
 
 

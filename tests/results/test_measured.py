@@ -188,7 +188,7 @@ def test_slips_are_named(run):
         measures.turn(a, "b", about=(0, 0, 1))
     with pytest.raises(ValueError, match="is not a SpringDamper; use measures.distance"):
         measures.length(a)
-    with pytest.raises(ValueError, match="'energy' stands beside a measure and is none"):
+    with pytest.raises(ValueError, match="'energy' is not a measure, as others in the list are"):
         run.plot([(measures.distance(a, b), "energy")])
 
 

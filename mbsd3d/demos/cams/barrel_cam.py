@@ -91,8 +91,8 @@ demo = Demo(
     title="The barrel cam",
     question="How does a groove around a drum move a slide along its axis, and what must the rail bear?",
     why="A pin reaches into a groove that winds around the drum; while the drum turns evenly, the pin goes to and fro "
-    "as the groove says, in any law one likes. The flank pushes at right angles to the groove and to the pin, so "
-    "where the groove is steep the push leans over by the pressure angle. What it has across the way of the slide "
+    "as the groove says, by any law. The flank pushes at right angles to the groove and to the pin, so "
+    "where the groove is steep the push leans over by the pressure angle. Its part across the slide "
     "moves nothing: the rail bears it, and its arm about the drum is the torque.",
     equation="z = h (u - sin(2 pi u) / 2 pi), u = phi / pi; tan(alpha) = z' / (R w); side force = m z'' tan(alpha); "
     "torque = m z'' z' / w",

@@ -94,7 +94,7 @@ demo = Demo(
     why="The car carries the crankshaft's angular momentum round the corner, which takes a moment at right angles to "
     "it. Built across and turning like the wheels, the engine rolls the car outward, as its wheels do; it does "
     "not pitch it, as some books say. Built along, it pitches it and does not roll it. But nobody notices: of the roll "
-    "the engine makes less than one part in a hundred, because J W v/R stands beside m h v^2/R; at higher speeds "
+    "the engine makes less than one part in a hundred, because J W v/R is small beside m h v^2/R; at higher speeds "
     "the share falls.",
     equation="roll = (m_s h + 4 m_w r + 4 I_w/r + J W/v) a_y / (K_f + K_r - (m_s h + 4 m_w r) g)",
     source="d(J W)/dt = w x H; Milliken, Milliken, Race Car Vehicle Dynamics (gyroscopic couples)",

@@ -65,8 +65,8 @@ demo = Demo(
     question="Can a wheel inside make the forbidden axis stable?",
     why="A free body cannot spin about its middle axis: the smallest error grows until it turns over. A wheel that "
     "spins along that axis adds angular momentum without adding inertia, so that the axis behaves as if its "
-    "moment were the greatest. Television satellites are kept in place so while their aerial, turning once a "
-    "day, points down.",
+    "moment were the greatest. This keeps television satellites steady while their aerial, "
+    "turning once a day, points down.",
     equation="lambda^2 = -(h + (C - A) w)(h + (C - B) w) / (A B); h = J W",
     source="Hughes, Spacecraft Attitude Dynamics, ch. 6 (gyrostats)",
     quantities={

@@ -59,7 +59,7 @@ demo = Demo(
     __name__,
     title="Bennett's linkage",
     question="How can four hinges that are neither parallel nor meet move at all?",
-    why="A loop of hinges needs seven to move in space; four should be locked, twice over. Hinges that are all "
+    why="A loop of hinges needs seven to move in space; by counting, four are locked. Hinges that are all "
     "parallel (a plane four-bar) or all meet in a point (a spherical one) move because they repeat each other's "
     "conditions. Bennett found the only other case: opposite sides alike, lengths in proportion to the sines of "
     "their twists. One side a hair longer, and it is a rigid frame.",

@@ -101,7 +101,7 @@ demo = Demo(
     why="In a plane a hinge takes two freedoms of three and a second one locks the door. In space five of six go, "
     "and a second hinge on the same axis takes the same five again, so counting says 6 - 10 = -4 where the door turns. "
     "Its motion is certain, and so is the force of both hinges together. What each of them carries is not: it depends "
-    "on how they were fitted. A ball above and a point on a line below hold the door without doubt.",
+    "on how they were fitted. With a ball above and a point on a line below, each share is unique.",
     equation="6 - 10 = -4 by counting, 6 - rank = 1; sin(a/2) = k cd(p t, k^2); F = m (a - g)",
     source="physical pendulum by elliptic functions; the net force by Newton's second law, m (a - g)",
     quantities={

@@ -103,7 +103,7 @@ demo = Demo(
     why="Every motor carries all links beyond it: their weights, their accelerations, and the gyroscopic moments of "
     "links that turn about several axes at once. The recursion of Newton and Euler goes outwards for the motion "
     "and back inwards for the forces. Here it is done twice, by that recursion and by constraints of bodies with "
-    "seven coordinates each; both know nothing of each other.",
+    "seven coordinates each; neither shares anything with the other.",
     equation="outwards: w, w', a; inwards: f = m a, n = I w' + w x I w; torque = n . z",
     source="Luh, Walker, Paul (1980); Featherstone, Rigid Body Dynamics Algorithms",
     quantities={f"torque{k}_Nm": Quantity(f"torque of motor {k}", "N m") for k in range(1, 7)},

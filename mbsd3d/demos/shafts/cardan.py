@@ -110,9 +110,9 @@ demo = Demo(
     title="Cardan joint: an uneven ratio between shafts at an angle",
     question="Why does a shaft behind a Cardan joint run unevenly, and what takes it back?",
     why="In a plane all shafts are parallel and a coupling hands every angle on unchanged. Two shafts that meet at an "
-    "angle need space, and a cross between them trades speed four times a turn: its pins stand now across the bend, "
-    "now in it. An output with inertia then needs a torque that swings, even at a steady input. A second joint with "
-    "aligned yokes at the same angle takes the unevenness back.",
+    "angle need space, and the cross between them makes the output faster and slower twice a turn, as its pins lie now "
+    "across the bend, now in it. An output with inertia then needs a torque that swings, even at a steady input. A "
+    "second joint with aligned yokes at the same angle takes the unevenness back.",
     equation="n = cos b / (1 - sin^2 b cos^2 a); amplitude 2k: 2 tan^(2k)(b/2)",
     source="spherical trigonometry of the cross, tan(out) = cos(bend) tan(in); the Fourier series of the rate is the "
     "Poisson kernel with q = tan^2(bend/2)",

@@ -144,10 +144,10 @@ demo = Demo(
     __name__,
     title="The wall: what each forgotten term breaks",
     question="Which terms do models of machines in space forget, and who would notice?",
-    why="All of these terms vanish in a plane for a body on its centre of mass. In space, and off it, each one that is "
-    "dropped looks right to some check and is caught by another: without w x I w the energy stays and the angular "
-    "momentum turns away, without m w x (w x s) an engine shakes a tenth less, without -J_dot v a wheel leaves its "
-    "hinge, without H_dot a quaternion stops to be a rotation.",
+    why="Plane motion has no w x I w, and a body placed by its centre of mass no m w x (w x s), so plane models never "
+    "miss them. A model that drops a term passes one check and fails another: without w x I w the energy stays but the "
+    "angular momentum turns, without m w x (w x s) an engine shakes a tenth less, without -J_dot v a wheel leaves its "
+    "hinge, without H_dot a quaternion stops being a rotation.",
     equation="M v_dot + J^T lam = Q - w x I w - m w x (w x s); J v_dot = -J_dot v; e_ddot = (H w_dot + H_dot w) / 2",
     source="closed forms for constant w, in the docstrings of the source",
     quantities={
