@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullFormatter
 
-from ..base.checks import shown
+from ..base.checks import check_choice, shown
 from ..base.errors import InputError, explaining
 from ..base.paths import as_path, write_atomically
 from ..base.style import LINE, Theme, dress, house, theme
@@ -39,6 +39,7 @@ def plot_quantity(
     axes: Axes | Sequence[Axes] | None = None,
 ) -> Figure:
     """See `Solution.plot`."""
+    check_choice(degrees, (True, False), "plot: degrees")
     if quantity is None and parts:
         raise InputError("plot: parts without a quantity; give one, e.g. plot('reaction', hinge)")
     panels = seen_panels(solution, telling(solution)) if quantity is None else panels_of(solution, quantity, parts)

@@ -170,9 +170,23 @@ def end_in_time(told: list[int]) -> None:
         os._exit(1)
 
 
+class Deaf(ProcessPoolExecutor):
+    """Its processes, which begin within `submit`, never hear Ctrl-C: not before `begin_worker` either."""
+
+    def submit(self, *call: Any, **given: Any) -> Any:
+        """As `Executor.submit`."""
+        if os.name != "posix":
+            return super().submit(*call, **given)
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+        try:
+            return super().submit(*call, **given)
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 def process_pool(workers: int) -> ProcessPoolExecutor:
     """A pool of spawned processes: threads and libraries start clean."""
-    return ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), begin_worker)
+    return Deaf(workers, multiprocessing.get_context("spawn"), begin_worker)
 
 
 def on_processes(call: Callable, cells: list[dict], queue: deque) -> Iterator[tuple[int, Outcome]]:

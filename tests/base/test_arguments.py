@@ -136,6 +136,7 @@ def test_wrong_calls(call, message):
         ),
         (lambda: measures.touches(HINGE), "measures.touches: .* is not a contact; give a Contact"),
         (lambda: Stepper(SWING, keep="yes"), "Stepper: keep 'yes' is unknown; give True or False"),
+        (lambda: measures.angle("hinge"), "measures.angle: 'hinge' is not a joint; give the part itself"),
         (lambda: Gear(HINGE, SLIDER, ratio=2.0), "a Prismatic without a name has no angle; give a joint that has one"),
         (lambda: CurveContact(GROUND, BOB, np.ones((20_001, 3)), at=(0, 0, 0)), "give 8 to 20000 points"),
         (lambda: reduce_to_planes(BOB), "reduce_to_planes: .* is not a System; give"),

@@ -268,6 +268,14 @@ def test_a_mimic_is_a_gear_named_by_its_joints(tmp_path):
         read_urdf(path)
 
 
+def test_a_body_is_merged_into_one_of_the_system(tmp_path):
+    inner = f'<body name="hand">{INERTIAL.format(1)}</body>'
+    text = f"""<mujoco><worldbody><body name="ground"><joint name="hinge"/>{INERTIAL.format(1)}{inner}</body></worldbody>
+      </mujoco>"""
+    found = read_mjcf(written(tmp_path, text))
+    assert found.merged == {"hand": "ground (body)"} and found.renamed == {"ground (body)": "ground"}
+
+
 def test_a_model_in_which_nothing_moves_is_refused(tmp_path):
     text = f'<mujoco><worldbody><body name="post">{INERTIAL.format(1)}</body></worldbody></mujoco>'
     with pytest.raises(ValueError, match="model.xml': no body of it can move; give one a joint"):

@@ -64,6 +64,8 @@ def test_refusals_name_what_there_is(solution):
         solution.plot("com", "foot")
     with pytest.raises(ValueError, match="no joint of this system has the quantity slide"):
         solution.plot("slide")
+    with pytest.raises(ValueError, match="plot: degrees 'no' is unknown; give True or False"):
+        solution.plot("angle", degrees="no")
     with pytest.raises(ValueError, match="energy belongs to the whole system"):
         solution.plot("energy", WHEEL)
 

@@ -215,6 +215,15 @@ class InPlace(Executor):
         return future
 
 
+@pytest.mark.skipif(os.name != "posix", reason="Windows has no masks of signals")
+def test_processes_are_deaf_to_ctrl_c_before_they_have_begun():
+    """A terminal sends it to them too: they had answered by tracebacks while they loaded their modules."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [])
+    with workers.process_pool(1) as pool:
+        assert signal.SIGINT in pool.submit(signal.pthread_sigmask, signal.SIG_BLOCK, []).result()
+    assert signal.pthread_sigmask(signal.SIG_BLOCK, []) == before
+
+
 def test_ctrl_c_returns_what_has_finished():
     table = sweep(wheel, GRID, speed, run=RUN, executor=InPlace())
     assert table.attrs["stopped_by"] == "stopped after 3 of 12 cells"

@@ -272,6 +272,7 @@ def test_dark_paper_and_layers(solution):
     ("options", "message"),
     [
         ({"size": 3}, "size: 3 is not a pair"),
+        ({"size": (1e6, 3)}, "size = 1e.06 x 3 inch; give at most 100 each way"),
         ({"size": (3, -1)}, "size: -1.0 is not positive"),
         ({"view": (1, 2, 3)}, "view: .* is not a pair"),
         ({"view": (0, 90)}, "elevation = 90; give -89"),

@@ -208,6 +208,7 @@ def test_a_mode_is_animated():
         ({"hidden": 3}, "hidden: 3 is not a sequence; give a list"),
         ({"shown": "joints", "hidden": ["joints"]}, "shown, hidden: layer 'joints' is in both"),
         ({"shown": ["arrows"]}, "layer 'arrows' is unknown; give some of bodies, body names"),
+        ({"beside": 5}, "beside 5 is not a solution; give one, or None"),
         ({"path": 5}, "path = 5 names no file"),
         (
             {"path": "nowhere/page"},

@@ -72,12 +72,12 @@ class Builder:
 
     def build(self) -> Imported:
         """Build all parts, or raise an error that names the rest."""
-        bodies, merged = self.facts["bodies"], {}
-        for i, body in enumerate(bodies):
+        merged = {}
+        for i, body in enumerate(self.facts["bodies"]):
             if i and body["weld"] == i:
                 self.bodies[i] = self.body(i)
             elif i:
-                merged[body["name"]] = GROUND.name if body["weld"] == 0 else bodies[body["weld"]]["name"]
+                merged[body["name"]] = self.bodies[body["weld"]].name
         for i in list(self.bodies)[1:]:
             self.join(i, self.joints_of.get(i, []))
         for equality in self.facts["equalities"]:

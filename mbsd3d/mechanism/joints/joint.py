@@ -137,11 +137,11 @@ class AxisJoint(PointJoint):
 
 def coordinate_of(part: Any, kind: str, what: str) -> Coordinate:
     """The angle or slide of a joint, or a ValueError that names both."""
-    found = getattr(part, kind)() if isinstance(part, Joint) else None
+    if not isinstance(part, Joint):
+        raise InputError(f"{what}: {shown(part)} is not a joint; give the part itself")
+    found = getattr(part, kind)()
     if found is None:
-        have = shown(part)
-        if isinstance(part, Joint):
-            have = f"{type(part).__name__} '{part.name}'" if part.name else f"a {type(part).__name__} without a name"
+        have = f"{type(part).__name__} '{part.name}'" if part.name else f"a {type(part).__name__} without a name"
         example = "Revolute or Cylindrical" if kind == "angle" else "Prismatic or Cylindrical"
         raise InputError(f"{what}: {have} has no {kind}; give a joint that has one, e.g. a {example}")
     return found

@@ -70,6 +70,8 @@ def animate(
 ) -> View | LiveView:
     """See `Solution.animate`."""
     check_options(path, title, dark, live)
+    if not isinstance(beside, Poses | None):
+        raise InputError(f"solution.animate: beside {shown_text(beside)} is not a solution; give one, or None")
     followed = followed_body(motion, follow, live)
     layers, axes = page_layers(motion.system, shown, hidden), directions(view)
     speed = None if speed is None else number(speed, "speed", positive=True)

@@ -21,6 +21,7 @@ from .painter import FINE, NONE, Painter, new_sheet
 from .shading import pointers_of, tips_of
 
 LEGIBLE = 14  # names that a picture can hold
+LARGEST = 100  # inch
 REACH = 0.4  # length of the longest arrow, of the size of what is seen
 
 
@@ -69,9 +70,11 @@ def painter_of(
 
 
 def paper_size(size: Sequence[float]) -> tuple[float, float]:
-    """Width and height [inch], both positive."""
-    width, height = pair(size, "size")
-    return number(width, "size", positive=True), number(height, "size", positive=True)
+    """Width and height [inch], positive, and no larger than memory holds."""
+    width, height = (number(side, "size", positive=True) for side in pair(size, "size"))
+    if max(width, height) > LARGEST:
+        raise InputError(f"size = {width:g} x {height:g} inch; give at most {LARGEST} each way")
+    return width, height
 
 
 def picture_of_system(
