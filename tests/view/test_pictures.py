@@ -230,7 +230,7 @@ def test_arrows_are_to_scale_and_say_how_long_they_are():
 
 
 def test_an_arrow_within_a_solid_is_seen():
-    """The legend says how long it is; the force of a pin through the middle of a ball is shorter than the ball is wide."""
+    """A pin in the middle of a ball: the legend gave a length, and nothing was seen of it."""
     ball = Body("ball", 3.0, (0.3, 0.3, 0.3), position=(0.1, 0.2, 0.4), shape=Sphere(0.5))
     run = simulate(System([ball], [Revolute(GROUND, ball, at=(0.1, 0.2, 0.4), axis=(0, 1, 0.2))]), 0.1, output=3)
     red, green, blue = pixels_of(run.picture(shown="reaction force", hidden=HIDDEN)).astype(int).transpose(2, 0, 1)
