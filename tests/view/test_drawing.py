@@ -9,7 +9,7 @@ from mbsd3d.base.quaternions import multiply
 from mbsd3d.base.rotations import matrix
 from mbsd3d.mechanism.couplings import GearMesh
 from mbsd3d.mechanism.joints import Joint
-from mbsd3d.mechanism.shapes.kinds import Box, Disc, MeshFile
+from mbsd3d.mechanism.shapes.kinds import Box, Cylinder, Disc, MeshFile
 from mbsd3d.mechanism.state import State
 from mbsd3d.view.page.show import page_layers
 from mbsd3d.view.scene.artist import draw_system
@@ -203,6 +203,18 @@ def test_the_least_of_systems_and_a_long_chain_are_drawn():
     assert (
         barrel < np.ptp(layer(drawing, "bodies")[7].mesh.vertices, axis=0).max()
     )  # sized after the links, not the chain
+
+
+@pytest.mark.parametrize(("radius", "lines"), [(0.002, 1), (0.02, 0)])
+def test_what_is_too_thin_for_a_screen_is_a_line_too(radius, lines):
+    """Of 5 m in a window 1000 pixels wide 4 mm are less than one: a page showed nothing there."""
+    axis, centre = np.array([0.6, -0.48, 0.64]), np.array([0.3, 0.2, -0.4])
+    body = Body("needle", 1.0, (2.0, 2.0, 0.1), com=centre, position=(1, 2, 3), shape=Cylinder(radius, 5.0, axis=axis))
+    wires = draw_system(System([body])).wires
+    assert len(wires) == lines
+    for wire in wires:
+        ends = wire.points if (wire.points[1] - wire.points[0]) @ axis > 0.0 else wire.points[::-1]
+        assert np.allclose(ends, centre + np.outer([-2.5, 2.5], axis), rtol=0, atol=radius)
 
 
 def test_two_drawings_are_the_same():

@@ -229,6 +229,14 @@ def test_arrows_are_to_scale_and_say_how_long_they_are():
     assert reached < 1e-9  # the frames are the samples
 
 
+def test_an_arrow_within_a_solid_is_seen():
+    """A pin in the middle of a ball: the legend gave a length, and nothing was seen of it."""
+    ball = Body("ball", 3.0, (0.3, 0.3, 0.3), position=(0.1, 0.2, 0.4), shape=Sphere(0.5))
+    run = simulate(System([ball], [Revolute(GROUND, ball, at=(0.1, 0.2, 0.4), axis=(0, 1, 0.2))]), 0.1, output=3)
+    red, green, blue = pixels_of(run.picture(shown="reaction force", hidden=HIDDEN)).astype(int).transpose(2, 0, 1)
+    assert ((red > 2 * blue) & (red > green + 40)).sum() > 1000  # orange; the ball is blue
+
+
 def test_picture_of_a_moment(solution):
     figure = solution.picture(0.1234, shown="reaction force", traces=[(LOWER_ARM, (0.32, 0.1, -0.4))])
     assert isinstance(figure, Figure) and not matplotlib.pyplot.get_fignums()

@@ -23,6 +23,7 @@ from .shading import SEAM, Items, Pointers, Solids, join, outlines, split_stroke
 
 POINT = 72.0  # points per inch
 FINE = 0.045  # longest triangle or stroke, of the size of what is seen
+BEFORE = 1e3  # sizes of what is seen by which arrows are painted as if nearer: most start within solids
 PEN, LINK, AXIS, PATH = 0.7, 1.6, 1.0, 1.3  # line widths [points]
 SIZE, GAP = 9.0, 7.0  # of the letters of names, and from a name to its point [points]
 NONE = np.empty((0, 3))  # no points
@@ -144,7 +145,8 @@ class Painter:
         axes.set(xlim=(0, width), ylim=(0, height))
         axes.set_axis_off()
         found = [self.items(r, e) for r, e in poses]
-        found += [arrow.items(self.longest) for arrow in arrows]
+        for items in (arrow.items(self.longest) for arrow in arrows):
+            found.append(items._replace(lift=items.lift + BEFORE * self.size))
         if self.ground:
             shadows = [self.solids.shadow(r, matrix(e), self.low[2]) for r, e in poses]
             self.paint_ground(axes, np.concatenate(shadows))

@@ -18,12 +18,22 @@ from .drawing import Drawing, Link, Piece, Tag, Wire, bounds, corners, poses_of
 from .glyphs import RIM, anchor, circles, joints_of, scaled, solids, spokes
 
 FAR = 100.0  # of its size: a mechanism that is farther from the origin of the world is shown about another one
+THREAD = 0.002  # width over length of what is drawn as a line too
 LIFT = np.full(3, np.nan)  # lifts the pen between two strokes
 
 
 def draw_system(system: Mechanism) -> Drawing:
     """What is drawn of a system, true to scale, except for the marks of joints and points."""
     return Artist(system).draw()
+
+
+def thread(vertices: np.ndarray) -> np.ndarray:
+    """(2, 3) ends of the middle line of points that are so thin that a screen has no pixel for them; else (0, 3)."""
+    middle = vertices.mean(axis=0)
+    axes = np.linalg.svd(vertices - middle, full_matrices=False)[2]
+    along = (vertices - middle) @ axes.T
+    length, width = np.ptp(along, axis=0)[:2]
+    return middle + np.outer([along[:, 0].min(), along[:, 0].max()], axes[0]) if width < THREAD * length else axes[:0]
 
 
 class Artist:
@@ -46,7 +56,10 @@ class Artist:
                     if isinstance(shape, Lines):
                         self.drawing.wires.append(Wire(body.name, "bodies", i, shape.line(body), tint))
                     else:
-                        self.drawing.pieces.append(Piece(body.name, "bodies", i, shape.mesh(body), tint))
+                        mesh = shape.mesh(body)
+                        self.drawing.pieces.append(Piece(body.name, "bodies", i, mesh, tint))
+                        if len(line := thread(mesh.vertices)):
+                            self.drawing.wires.append(Wire(body.name, "bodies", i, line, tint))
                 except ValueError as error:
                     raise InputError(f"body '{body.name}': {error}") from error
 
