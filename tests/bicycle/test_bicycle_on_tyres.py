@@ -81,6 +81,16 @@ def test_equations_are_affine_in_the_speed_unless_something_fades():
     assert [at.speed for at in limits] == pytest.approx([4.49779, 6.84322], abs=2e-2)  # 1/(1 + (V/V0)^2) = 5e-4
 
 
+def test_modes_do_not_depend_on_the_speeds_between():
+    """Two speeds are enough to follow them by; the others stand where many small steps lead."""
+    few, many = (stability.study(P, np.linspace(0.5, 10.0, n), tyres=BRUSH) for n in (2, 96))
+    assert few.names == many.names and few.values == pytest.approx(many.values[[0, -1]], rel=1e-9)
+    for name in ("weave", "capsize", "castering", "wobble"):
+        wanted = many.values[45, many.names.index(name)]
+        found = few.mode(name, many.speeds[45]).eigenvalue
+        assert min(abs(found - wanted), abs(found - wanted.conjugate())) < 1e-8 * abs(wanted), name
+
+
 def test_ranges_from_rest_or_backwards_are_those_ahead():
     """Two speeds, both unstable: the range between them is found by the equations of all speeds."""
     known = stability.study(P, [0.5, 8.0], tyres=BRUSH)
