@@ -28,10 +28,10 @@ if TYPE_CHECKING:
 
 __all__ = ["TyreStability", "eigenvalues", "figure", "study"]
 
-ORDER = (
-    "weave", "capsize", "castering", "wobble", "second wobble", "third wobble", "fourth wobble", "tyre decay",
-    "second tyre decay", "third tyre decay", "fourth tyre decay",
-)  # fmt: skip
+NTH = ("", "second ", "third ", "fourth ", "fifth ", "sixth ", "seventh ", "eighth ")
+WAVES, DECAYS = ("weave", *(f"{n}wobble" for n in NTH[:4])), ("capsize", "castering", *(f"{n}tyre decay" for n in NTH))
+"""Enough for ten states that all oscillate, or all decay."""
+ORDER = WAVES[0], *DECAYS[:2], *WAVES[1:], *DECAYS[2:]
 TWIN = " (conjugate)"
 FOOT = 0.3048
 """[m]"""
@@ -125,8 +125,7 @@ def followed(A: Callable[[float], np.ndarray], speeds: np.ndarray) -> tuple[np.n
 
 def named(values: np.ndarray) -> list[str]:
     """Names of modes at the fastest speed: oscillations from weave on by frequency, decays from capsize on by rate."""
-    waves = iter(("weave", "wobble", "second wobble", "third wobble", "fourth wobble"))
-    decays = iter(("capsize", "castering", "tyre decay", "second tyre decay", "third tyre decay", "fourth tyre decay"))
+    waves, decays = iter(WAVES), iter(DECAYS)
     names = [""] * len(values)
     for k in np.lexsort((-values.real, np.abs(values.imag))):
         if values[k].imag == 0.0:

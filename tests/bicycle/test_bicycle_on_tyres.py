@@ -91,6 +91,13 @@ def test_modes_do_not_depend_on_the_speeds_between():
         assert min(abs(found - wanted), abs(found - wanted.conjugate())) < 1e-8 * abs(wanted), name
 
 
+def test_modes_that_hardly_oscillate_have_names():
+    """A bicycle whose steer and head are damped has eight or more decays."""
+    damped = {"steer_damping": 190.0, "head_stiffness": 700.0, "head_damping": 0.4}
+    found = stability.study(P, [2.0, 4.4], tyres=BRUSH | {"relaxation": 2e-4}, **damped)
+    assert sum(name in on_tyres.DECAYS for name in found.names) == 8 and len({*found.names}) == 10
+
+
 def test_ranges_from_rest_or_backwards_are_those_ahead():
     """Two speeds, both unstable: the range between them is found by the equations of all speeds."""
     known = stability.study(P, [0.5, 8.0], tyres=BRUSH)
