@@ -292,6 +292,14 @@ def test_turns_are_those_of_both_wheels_whatever_leans_are_asked_for():
         turns_on_tyres.turn(p, BRUSH, speed=2.0, lean=0.6)
 
 
+def test_a_speed_without_turns_does_not_lose_the_others(tmp_path):
+    asked = ["bicycle", "circles", "--tyre", "mu=0.1", "--speed", "6", "--speed", "0.3", "--out", str(tmp_path)]
+    done = CliRunner().invoke(main, asked)
+    assert done.exit_code == 0 and "6 m/s: up to a lean" in done.output and "none at 0.3 m/s" in done.output
+    assert (tmp_path / "Meijaard2007_circles_tyres.csv").exists()
+    assert CliRunner().invoke(main, asked[:4] + asked[6:]).exit_code == 2
+
+
 def test_turns_of_linear_tyres_say_that_grip_has_no_limit(tmp_path, monkeypatch):
     one = turns_on_tyres.turn(P, BRUSH | {"mu": None}, speed=5.0, lean=0.1)
     monkeypatch.setattr(turns_on_tyres, "turns", lambda *_: [one])
