@@ -161,14 +161,20 @@ def circles_on_tyres(parameters: "Parameters", speeds: tuple[float, ...], tyres:
     interrupted = False
     try:
         for speed in speeds:
-            found.append(turns(parameters, tyres, speed, leans))
+            try:
+                found.append(turns(parameters, tyres, speed, leans))
+            except InputError as error:
+                if not found and speed == speeds[-1]:
+                    raise
+                click.echo(f"mbsd3d: {error}", err=True)
+                continue
             last = found[-1][-1]
             used = f"{100.0 * last.saturation:.0f} % of the grip" if last.saturation else "no limit of grip"
             click.echo(
                 f"{speed:g} m/s: up to a lean of {np.degrees(last.lean):.1f}°, radius {last.radius:.4g} m, with {used} "
                 f"and {last.steer_torque:.3g} N m of steer torque"
             )
-        study.held_if_possible(parameters, speeds, ideal, lambda text: None)
+        study.held_if_possible(parameters, [group[0].speed for group in found], ideal, lambda text: None)
     except KeyboardInterrupt:
         click.echo("mbsd3d: interrupted; what was found until then is kept", err=True)
         interrupted = True

@@ -10,6 +10,7 @@ vectors and eigenvalues change least; a step is halved until they hardly change.
 oscillation no vector tells the two apart, and the step is as small as it gets.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -139,7 +140,7 @@ def follow(linear: Canonical, speeds: np.ndarray) -> tuple[np.ndarray, np.ndarra
         at = speeds[side[0]]
         here, modes = ordered(*np.linalg.eig(linear.A(at)))
         for k in side:
-            here, modes = walk(linear, at, here, modes, speeds[k])
+            here, modes = walk(linear.A, at, here, modes, speeds[k])
             at, values[k], vectors[k] = speeds[k], here, modes
     return values, vectors
 
@@ -158,24 +159,24 @@ def ordered(values: np.ndarray, vectors: np.ndarray) -> tuple[np.ndarray, np.nda
 
 
 def changes(here: np.ndarray, modes: np.ndarray, values: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """(4, 4) difference of mode i here from mode j there: of eigenvalues, in units of the largest, and of shapes."""
+    """(k, k) difference of mode i here from mode j there: of eigenvalues, in units of the largest, and of shapes."""
     size = np.abs(values).max() or 1.0
     shape = 1.0 - np.abs(modes.conj().T @ vectors) ** 2
     return np.abs(here[:, None] - values) / size + shape
 
 
 def walk(
-    linear: Canonical, at: float, here: np.ndarray, modes: np.ndarray, end: float
+    A: Callable[[float], np.ndarray], at: float, here: np.ndarray, modes: np.ndarray, end: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Follow the modes from the speed ``at`` to another."""
+    """Follow the k modes of A(v) (k, k) from the speed ``at`` to another."""
     step = end - at
     while at != end:
         step = np.sign(end - at) * min(abs(step), abs(end - at))
         there = end if abs(end - at) <= abs(step) else at + step
-        values, vectors = np.linalg.eig(linear.A(there))
+        values, vectors = np.linalg.eig(A(there))
         cost = changes(here, modes, values, vectors)
         pairing = linear_sum_assignment(cost)[1]
-        if cost[np.arange(4), pairing].max() > ALIKE and abs(step) > FINEST:
+        if cost[np.arange(len(here)), pairing].max() > ALIKE and abs(step) > FINEST:
             step /= 2.0
             continue
         pairing = parted(here, values, pairing)

@@ -4,14 +4,13 @@ Nine freedoms and four deflections have 22 eigenvalues; those of what happens si
 `bicycle.linear.tyre_equations`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import linear_sum_assignment
 
 from mbsd3d import Mode, linearize
 from mbsd3d.errors import InputError
@@ -20,7 +19,8 @@ from mbsd3d.extend import LINE, THIN
 from ..output import modes_figure, write_modes
 from ..parameters import Parameters, machines
 from .critical import Range
-from .tyre_equations import Build, Limit, SpeedBySpeed, eigenvalues, equations, stable_parts
+from .equations import walk
+from .tyre_equations import Affine, Build, Limit, SpeedBySpeed, eigenvalues, equations, stable_parts
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,10 +28,10 @@ if TYPE_CHECKING:
 
 __all__ = ["TyreStability", "eigenvalues", "figure", "study"]
 
-ORDER = (
-    "weave", "capsize", "castering", "wobble", "second wobble", "third wobble", "fourth wobble", "tyre decay",
-    "second tyre decay", "third tyre decay", "fourth tyre decay",
-)  # fmt: skip
+NTH = ("", "second ", "third ", "fourth ", "fifth ", "sixth ", "seventh ", "eighth ")
+WAVES, DECAYS = ("weave", *(f"{n}wobble" for n in NTH[:4])), ("capsize", "castering", *(f"{n}tyre decay" for n in NTH))
+"""Enough for ten states that all oscillate, or all decay."""
+ORDER = WAVES[0], *DECAYS[:2], *WAVES[1:], *DECAYS[2:]
 TWIN = " (conjugate)"
 FOOT = 0.3048
 """[m]"""
@@ -62,7 +62,8 @@ class TyreStability:
             raise InputError(
                 f"mode '{name}' is known from {self.speeds[0]:g} to {self.speeds[-1]:g} m/s; give a speed between"
             )
-        wanted = np.interp(speed, self.speeds, self.values[:, self.names.index(name)])
+        _, A = found_equations(self.build, self.parameters, self.speeds[-1])
+        wanted = followed(A, np.array([speed, self.speeds[-1]]))[0][0, self.names.index(name)]
         found = linearize(self.build(self.parameters, speed=float(speed))).modes
         return min(found, key=lambda mode: min(abs(mode.eigenvalue - s) for s in (wanted, wanted.conjugate())))
 
@@ -87,14 +88,9 @@ def study(parameters: Parameters, speeds: ArrayLike, build: Build) -> TyreStabil
     speeds = np.unique(np.asarray(speeds, float))
     if speeds.size < 2:
         raise InputError("stability on tyres: give at least two different speeds, between which limits are sought")
-    direct = SpeedBySpeed(build, parameters)
-    linear = equations(build, parameters, speeds[-1]) if speeds[-1] > 0.0 else direct
-
-    def A(speed: float) -> np.ndarray:
-        return (linear if speed > 0.0 else direct).A(speed)
-
-    values, names = followed([np.linalg.eig(A(v)) for v in speeds.tolist()])
-    if speeds[0] > 0.0 or linear is direct:
+    direct, (linear, A) = SpeedBySpeed(build, parameters), found_equations(build, parameters, speeds[-1])
+    values, names = followed(A, speeds)
+    if speeds[0] > 0.0 or isinstance(linear, SpeedBySpeed):
         limits = linear.limits(speeds)
     else:  # the equations of rolling ahead are not those of rolling back
         limits = *direct.limits(np.append(speeds[speeds < 0.0], 0.0)), *linear.limits(np.array([0.0, speeds[-1]]))
@@ -103,27 +99,33 @@ def study(parameters: Parameters, speeds: ArrayLike, build: Build) -> TyreStabil
     return TyreStability(build, parameters, speeds, values, limits, stable, names)
 
 
-def followed(found: list) -> tuple[np.ndarray, tuple[str, ...]]:
-    """(values with a column per mode, their names), from the fastest speed down, where modes are told apart."""
-    here, shapes = found[-1]
+def found_equations(
+    build: Build, parameters: Parameters, fastest: float
+) -> tuple[Affine | SpeedBySpeed, Callable[[float], np.ndarray]]:
+    """(equations of rolling ahead, A(v) at any speed): those of rolling back are others."""
+    direct = SpeedBySpeed(build, parameters)
+    linear = equations(build, parameters, fastest) if fastest > 0.0 else direct
+    return linear, lambda speed: (linear if speed > 0.0 else direct).A(speed)
+
+
+def followed(A: Callable[[float], np.ndarray], speeds: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
+    """(values with a column per mode, their names), from the fastest of rising speeds down; there modes are named."""
+    here, modes = np.linalg.eig(A(speeds[-1]))
     names = named(here)
     order = sorted(
         range(len(here)), key=lambda k: ORDER.index(names[k].removesuffix(TWIN)) + 0.5 * names[k].endswith(TWIN)
     )
-    values, vectors = [here[order]], shapes[:, order]
-    for there, shapes in reversed(found[:-1]):
-        far = np.abs(values[-1][:, None] - there) / (1.0 + np.abs(there))
-        change = far + 0.5 * (1.0 - np.abs(vectors.conj().T @ shapes) ** 2)
-        place = linear_sum_assignment(change)[1]
-        values.append(there[place])
-        vectors = shapes[:, place]
+    at, here, modes, values = speeds[-1], here[order].astype(complex), modes[:, order], []
+    for v in speeds[::-1].tolist():
+        here, modes = walk(A, at, here, modes, v)
+        at = v
+        values.append(here)
     return np.array(values[::-1]), tuple(names[k] for k in order)
 
 
 def named(values: np.ndarray) -> list[str]:
     """Names of modes at the fastest speed: oscillations from weave on by frequency, decays from capsize on by rate."""
-    waves = iter(("weave", "wobble", "second wobble", "third wobble", "fourth wobble"))
-    decays = iter(("capsize", "castering", "tyre decay", "second tyre decay", "third tyre decay", "fourth tyre decay"))
+    waves, decays = iter(WAVES), iter(DECAYS)
     names = [""] * len(values)
     for k in np.lexsort((-values.real, np.abs(values.imag))):
         if values[k].imag == 0.0:

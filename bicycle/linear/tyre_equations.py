@@ -119,8 +119,7 @@ class Table(NamedTuple):
 
     def stable(self) -> list[Range]:
         """Self-stable ranges from the first to the last speed."""
-        edges = [self.speeds[0], *(at.speed for at in limits_between(self.A, self.speeds)), self.speeds[-1]]
-        return stable_parts(self.A, edges)
+        return stable_between(self.A, self.speeds)
 
 
 class Affine(NamedTuple):
@@ -162,6 +161,12 @@ def limits_between(A: Callable[[float], np.ndarray], speeds: np.ndarray) -> tupl
     """Where the largest growth changes sign between two rising speeds [m/s]."""
     grown = [growth(A(v)) for v in speeds.tolist()]
     return tuple(limit(A, speeds[k], speeds[k + 1]) for k in np.flatnonzero(np.diff(np.signbit(grown))))
+
+
+def stable_between(A: Callable[[float], np.ndarray], speeds: np.ndarray) -> list[Range]:
+    """Self-stable ranges from the first to the last of rising speeds [m/s]; limits are sought between two of them."""
+    edges = [speeds[0], *(at.speed for at in limits_between(A, speeds)), speeds[-1]]
+    return stable_parts(A, edges)
 
 
 def between(part: Range) -> float:

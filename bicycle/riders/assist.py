@@ -6,30 +6,23 @@ with roll-rate feedback, K = (0, 0, k, 0); steer into the fall, K = (k, 0, c, 0)
 """
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import solve_continuous_are
-from scipy.optimize import brentq
 
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number, on_one_thread
 
+from ..linear.critical import Range
 from ..linear.equations import canonical, checked_speeds
+from ..linear.tyre_equations import stable_between
 from ..parameters import Parameters
 
 Law = Callable[[float], np.ndarray]
 """K (4,) at a speed [m/s]."""
 GRID = np.linspace(0.05, 15.0, 600)
 """[m/s] between two of which a limit is sought."""
-
-
-class Range(NamedTuple):
-    """Speeds at which a straight run is stable [m/s]."""
-
-    low: float
-    high: float
 
 
 def roll_rate(gain: float) -> Law:
@@ -79,12 +72,5 @@ def stable_ranges(parameters: Parameters, law: Law, speeds: ArrayLike | None = N
     grid = GRID if speeds is None else np.unique(checked_speeds(speeds))
     if grid.size < 2:
         raise InputError("assist: give at least two different speeds, between which limits are sought")
-
-    def growth(v: float) -> float:
-        return float(eigenvalues(parameters, [v], law).real.max())
-
-    grown = eigenvalues(parameters, grid, law).real.max(axis=1)
-    turns = np.flatnonzero(np.diff(np.signbit(grown)))
-    edges = [grid[0], *(brentq(growth, grid[k], grid[k + 1], xtol=1e-12, rtol=1e-14) for k in turns), grid[-1]]
-    pairs = zip(edges, edges[1:], strict=False)
-    return [Range(float(low), float(high)) for low, high in pairs if growth(0.5 * (low + high)) < 0.0]
+    linear, B = canonical(parameters), input_of(parameters)
+    return stable_between(lambda v: linear.A(v) - B * law(v), grid)

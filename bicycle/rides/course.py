@@ -180,9 +180,10 @@ def run(
     gains = gains_of(parameters, speed) if gains is None else checked_gains(gains)
     if not isinstance(course, Course):
         raise InputError(f"rider: course = {course!r:.80}; give a Course, e.g. COURSES['slalom']")
-    fittings = {"tyres": tyres, "steer_damping": steer_damping}
-    fittings |= {"head_stiffness": head_stiffness, "head_damping": head_damping}
-    system = ridden(parameters, speed, course, gains, **fittings)
+    system = ridden(
+        parameters, speed, course, gains, tyres=tyres, steer_damping=steer_damping, head_stiffness=head_stiffness,
+        head_damping=head_damping,
+    )  # fmt: skip
     settings = {"state": system.state(), "rtol": rtol, "output": samples}
     return RiddenCourse(ended(parameters, system, t_end, FALLEN, on_tyres(system), settings), course, gains)
 

@@ -97,16 +97,11 @@ def run(
     limit = number(fallen, "ride: fallen", positive=True)
     if limit >= 0.5 * np.pi:
         raise InputError(f"ride: fallen = {limit:.6g} rad; give a tilt below pi/2")
-    begin: dict[str, Any] = {
-        "speed": speed,
-        "lean": lean,
-        "steer": steer,
-        "lean_rate": lean_rate,
-        "steer_rate": steer_rate,
-    }
-    begin |= {"tyres": tyres, "steer_damping": steer_damping}
-    begin |= {"head_stiffness": head_stiffness, "head_damping": head_damping}
-    system = ridden(parameters, torque, push, drive, brake, drag, **begin)
+    system = ridden(
+        parameters, torque, push, drive, brake, drag, speed=speed, lean=lean, steer=steer, lean_rate=lean_rate,
+        steer_rate=steer_rate, tyres=tyres, steer_damping=steer_damping, head_stiffness=head_stiffness,
+        head_damping=head_damping,
+    )  # fmt: skip
     settings = {"state": system.state(), "rtol": rtol, "output": output, "progress": progress}
     return ended(parameters, system, t_end, limit, held_down or on_tyres(system), settings)
 

@@ -81,6 +81,23 @@ def test_equations_are_affine_in_the_speed_unless_something_fades():
     assert [at.speed for at in limits] == pytest.approx([4.49779, 6.84322], abs=2e-2)  # 1/(1 + (V/V0)^2) = 5e-4
 
 
+def test_modes_do_not_depend_on_the_speeds_between():
+    """Two speeds are enough to follow them by; the others stand where many small steps lead."""
+    few, many = (stability.study(P, np.linspace(0.5, 10.0, n), tyres=BRUSH) for n in (2, 96))
+    assert few.names == many.names and few.values == pytest.approx(many.values[[0, -1]], rel=1e-9)
+    for name in ("weave", "capsize", "castering", "wobble"):
+        wanted = many.values[45, many.names.index(name)]
+        found = few.mode(name, many.speeds[45]).eigenvalue
+        assert min(abs(found - wanted), abs(found - wanted.conjugate())) < 1e-8 * abs(wanted), name
+
+
+def test_modes_that_hardly_oscillate_have_names():
+    """A bicycle whose steer and head are damped has eight or more decays."""
+    damped = {"steer_damping": 190.0, "head_stiffness": 700.0, "head_damping": 0.4}
+    found = stability.study(P, [2.0, 4.4], tyres=BRUSH | {"relaxation": 2e-4}, **damped)
+    assert sum(name in on_tyres.DECAYS for name in found.names) == 8 and len({*found.names}) == 10
+
+
 def test_ranges_from_rest_or_backwards_are_those_ahead():
     """Two speeds, both unstable: the range between them is found by the equations of all speeds."""
     known = stability.study(P, [0.5, 8.0], tyres=BRUSH)
@@ -273,6 +290,14 @@ def test_turns_are_those_of_both_wheels_whatever_leans_are_asked_for():
     assert min(load.normal[0] for load in fine.forces) > 100.0
     with pytest.raises(ValueError, match=r"none at 2 m/s and a lean of 0.6 rad; those .* end at a lean of 0.47"):
         turns_on_tyres.turn(p, BRUSH, speed=2.0, lean=0.6)
+
+
+def test_a_speed_without_turns_does_not_lose_the_others(tmp_path):
+    asked = ["bicycle", "circles", "--tyre", "mu=0.1", "--speed", "6", "--speed", "0.3", "--out", str(tmp_path)]
+    done = CliRunner().invoke(main, asked)
+    assert done.exit_code == 0 and "6 m/s: up to a lean" in done.output and "none at 0.3 m/s" in done.output
+    assert (tmp_path / "Meijaard2007_circles_tyres.csv").exists()
+    assert CliRunner().invoke(main, asked[:4] + asked[6:]).exit_code == 2
 
 
 def test_turns_of_linear_tyres_say_that_grip_has_no_limit(tmp_path, monkeypatch):
