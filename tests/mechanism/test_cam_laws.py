@@ -129,7 +129,8 @@ def test_a_groove_holds_both_ways_and_does_not_lift_off():
 
 def test_a_roller_larger_than_the_curvature_undercuts_its_cam():
     s, ds, dds = cams.cycloidal(ANGLE, LIFT, np.radians(40.0))
-    radius = cams.pitch_radius(s, ds, dds, PITCH)
+    r = PITCH + s
+    radius = (r**2 + ds**2) ** 1.5 / (r**2 + 2 * ds**2 - r * dds)  # of the way of the roller's centre
     largest = radius[radius > 0.0].min()
     for share in (0.9, 1.1):
         points = np.column_stack([0 * ANGLE, cams.roller_cam(ANGLE, s, ds, PITCH, share * largest)])

@@ -6,7 +6,24 @@ from models import random_body
 from test_loads import EXAMPLES
 from test_random import differences
 
-from mbsd3d import GROUND, Revolute, State, System, TorsionSpring, accelerations, simulate
+from mbsd3d import (
+    GROUND,
+    Brake,
+    CurveContact,
+    Gear,
+    Joint,
+    JointFriction,
+    Planar,
+    RackPinion,
+    Ramp,
+    Revolute,
+    SlideDriver,
+    State,
+    System,
+    TorsionSpring,
+    accelerations,
+    simulate,
+)
 from validation.cases.examples import moving
 from validation.twins.definitions import equations as reference_point
 from validation.twins.laws import LAWS
@@ -62,3 +79,62 @@ def test_turns_of_a_spring_are_counted():
     run = simulate(system, 0.5, state=system.assemble(rates={hinge: 30.0}))
     assert run.angle(hinge)[-1] > 4 * np.pi
     assert differences(system, run.final)[0] < 1e-9  # a step is projected
+
+
+ROUND = 2 * np.pi * np.arange(160) / 160
+WIRE = np.stack([np.cos(ROUND), 1.3 * np.sin(ROUND), 0.3 * np.sin(2 * ROUND)], axis=1)
+CAM = (0.3 + 0.02 * np.cos(ROUND))[:, None] * np.stack([0 * ROUND, np.cos(ROUND), np.sin(ROUND)], axis=1)
+CONTACTS = {
+    "wire": (WIRE, dict(at=WIRE[7])),
+    "roller": (CAM, dict(at=1.17 * CAM[40], pin=(1, 0, 0), radius=0.05)),
+    "face": (CAM, dict(at=CAM[40], face=(0, 0, 1))),
+}
+ALONG = {
+    "spring": lambda way, wheel: TorsionSpring(way, stiffness=4.0, damping=0.2, angle=0.3),
+    "friction": lambda way, wheel: JointFriction(way, viscous=0.5),
+    "brake": lambda way, wheel: Brake(way, torque=0.3, stiffness=40.0, damping=1.0),
+    "driver": lambda way, wheel: SlideDriver(way, Ramp(0.4)),
+    "rack": lambda way, wheel: RackPinion(wheel, way, radius=0.1),
+}
+
+
+@pytest.mark.parametrize("kind", ALONG)
+@pytest.mark.parametrize("contact", CONTACTS)
+def test_ways_along_curves(contact, kind):
+    """Loads and rows along the curve of a bead, a roller and a face: they were taken for those of a hinge."""
+    rng, (curve, where) = np.random.default_rng(8), CONTACTS[contact]
+    one, two, three = (random_body(rng, name, position=(0, 0, 0)) for name in ("one", "two", "three"))
+    way, at = CurveContact(one, two, curve, **where), (-0.2, 0.1, 0.1)
+    hinge, wheel = (
+        Revolute(GROUND, one, at=(0, 0.1, 0), axis=(1, 0.2, 0.1)),
+        Revolute(GROUND, three, at=at, axis=(1, 9, 3)),
+    )
+    part = ALONG[kind](way, wheel)
+    rows, loads = ([part], []) if isinstance(part, Joint) else ([], [part])
+    system = System([one, two, three], [hinge, wheel, way, *rows], loads, gravity=(0.3, -0.7, -9.6))
+    run = simulate(system, 0.1, state=system.assemble())
+    acceleration, wrench, expected = differences(system, run.final)
+    assert acceleration < 1e-9 and wrench < 1e-9 and expected.gaps.max() < 1e-9  # a step is projected
+
+
+def test_laps_of_a_bead_are_counted():
+    """A spring along a wire, wound up by more than a lap, pulls back with all of it, and a driver leads beyond one."""
+    bead = random_body(np.random.default_rng(3), "bead", position=WIRE[7])
+    way = CurveContact(GROUND, bead, WIRE, at=WIRE[7])
+    spring, drive = TorsionSpring(way, stiffness=3.0, angle=0.4), SlideDriver(way, Ramp(90.0))
+    for joints, forces in (([way], [spring]), ([way, drive], [])):
+        system = System([bead], joints, forces)
+        run = simulate(system, 0.16, state=system.assemble(rates={} if forces == [] else {way: 90.0}))
+        assert run.slide(way)[-1] > 1.1 * way.line.length
+        acceleration, _, expected = differences(system, run.final)
+        assert acceleration < 1e-9 and expected.gaps.max() < 1e-9
+
+
+def test_gears_and_racks_on_a_planar_joint():
+    rng = np.random.default_rng(4)
+    plate, wheel = (random_body(rng, name) for name in ("plate", "wheel"))
+    table = Planar(GROUND, plate, at=(0.1, 0.2, 0.3), normal=(0.3, -0.4, 0.8))
+    hinge = Revolute(GROUND, wheel, at=(0, 0, 0.1), axis=(0.2, 0.9, 0.1))
+    system = System([plate, wheel], [table, hinge, Gear(table, hinge, ratio=-1.3)])
+    acceleration, wrench, _ = differences(system, moving(system, 5))
+    assert acceleration < LIMIT and wrench < LIMIT

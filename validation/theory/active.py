@@ -14,8 +14,3 @@ def skyhook_limit(mass: float, damping: float, rate: float, corner: float, share
     a0 = rate * corner**2
     a1 = (a3 * a2 + np.sqrt((a3 * a2) ** 2 - 4 * a4 * a3**2 * a0)) / (2 * a4)
     return (a1 - damping * corner**2 - 2 * share * corner * rate) / corner**2
-
-
-def step_limit(gain: float) -> float:
-    """Largest step of narrow-band feed-forward on a path that is a gain alone: ``1 - mu g^2`` must stay above -1."""
-    return 2 / gain**2

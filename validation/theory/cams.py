@@ -37,12 +37,6 @@ def pressure_angle(s: np.ndarray, ds: np.ndarray, pitch: float) -> np.ndarray:
     return np.arctan2(ds, pitch + s)
 
 
-def pitch_radius(s: np.ndarray, ds: np.ndarray, dds: np.ndarray, pitch: float) -> np.ndarray:
-    """Radius of curvature of the way of the roller's centre [m], < 0 where it is hollow; larger rollers undercut it."""
-    r = pitch + s
-    return (r**2 + ds**2) ** 1.5 / (r**2 + 2 * ds**2 - r * dds)
-
-
 def roller_cam(angle: np.ndarray, s: np.ndarray, ds: np.ndarray, pitch: float, roller: float) -> np.ndarray:
     """(n, 2) outline, the nose up: across, up [m]; a roller of radius 0 gives the way of its centre."""
     r, alpha = pitch + s, pressure_angle(s, ds, pitch)

@@ -103,9 +103,9 @@ def whole_turns(system: System, state: State, now: Motion, joint: Joint) -> floa
         return 0.0
     found = 0.0
     for factor, hinge in TURNS.get(type(joint), lambda joint: [])(joint):
-        x = hinge.angle()
-        away = state.coordinates[system.lowered.coordinate(x)] - float(np.squeeze(now.turn(hinge, x.axis).x0))
-        found += factor * 2 * np.pi * round(away / (2 * np.pi))
+        x, here, turn = now.counted(hinge)
+        away = state.coordinates[system.lowered.coordinate(x)] - float(np.squeeze(here.x0))
+        found += factor * turn * round(away / turn)
     return found
 
 

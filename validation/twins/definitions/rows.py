@@ -88,15 +88,24 @@ class Motion:
         return self.point(j.b, j.at_b) - self.point(j.a, j.at)
 
     def slide(self, j: Any) -> Series:
-        """Way of b along the axis of a."""
+        """Way of b along the axis of a, or along a curve."""
+        if isinstance(j, mbsd3d.CurveContact):
+            return on_curve(self, j)[1] - j.start
         return dot(self.axis(j.a, j.axis), self.gap(j))
+
+    def counted(self, j: Any) -> tuple[Any, Series, float]:
+        """(hinge coordinate, its value here, by what it may be off: a turn, or once round a curve)."""
+        if isinstance(j, mbsd3d.CurveContact):
+            return j.slide(), self.slide(j), j.line.length
+        return j.angle(), self.turn(j), 2 * np.pi
 
     def parallel(self, j: Any, a: Array, b: Array) -> Series:
         """a x b (3 rows of rank 2)."""
         return cross(self.axis(j.a, a), self.axis(j.b, b))
 
-    def turn(self, j: Any, axis: Array) -> Series:
-        """Twist about an axis that both bodies share: tan = (R21 - R12) / (R11 + R22)."""
+    def turn(self, j: Any) -> Series:
+        """Twist about the axis of a joint, which both bodies share: tan = (R21 - R12) / (R11 + R22)."""
+        axis = j.angle().axis
         x = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
         x = x / np.linalg.norm(x)
         y = np.cross(axis, x)
@@ -121,7 +130,7 @@ def constant_velocity(k: Motion, j: Any) -> Series:
 
 def advance(k: Motion, j: Any) -> Series:
     """Slide less pitch times turn."""
-    return k.slide(j) - k.turn(j, j.axis) * (j.pitch / (2 * np.pi))
+    return k.slide(j) - k.turn(j) * (j.pitch / (2 * np.pi))
 
 
 def distance(k: Motion, j: Any) -> Series:
@@ -174,8 +183,8 @@ def seen_from(k: Motion, body: Any, x: Series) -> Series:
     return sum((dot(k.axis(body, e), x) * e for e in np.eye(3)), series(np.zeros(3)))
 
 
-def beside_curve(k: Motion, j: Any) -> list[Series]:
-    """Off the nearest point of a curve along its normals, or under a face: s by Newton's method on series."""
+def on_curve(k: Motion, j: Any) -> tuple[Series, Series]:
+    """(the point of b in axes of a, s of the nearest point of a curve or of that under a face): Newton on series."""
     p = seen_from(k, j.a, k.point(j.b, j.at) - k.origin(j.a)) + j.a.position
     e, weight = (p, 1.0) if j.face is None else (seen_from(k, j.a, k.axis(j.b, j.face)), 0.0)
     known = p.x0.reshape(-1, 3)[0] if weight else e.x0.reshape(-1, 3)[0]
@@ -185,9 +194,15 @@ def beside_curve(k: Motion, j: Any) -> list[Series]:
     slope = bend @ (known - weight * j.line.x(start)) - weight * tangent @ tangent
     for _ in range(2):  # one order a step
         s = s - dot(along(j.line.x, s, 1), e - along(j.line.x, s) * weight) * (1.0 / slope)
+    return p, s
+
+
+def beside_curve(k: Motion, j: Any) -> list[Series]:
+    """Off the nearest point of a curve along its normals, or under a face."""
+    p, s = on_curve(k, j)
     off = p - along(j.line.x, s)
-    if weight == 0.0:
-        return [dot(e, off)]
+    if j.face is not None:
+        return [dot(seen_from(k, j.a, k.axis(j.b, j.face)), off)]
     return [dot(along(n, s), off) - (j.radius or 0.0) for n in j.across]
 
 
@@ -208,11 +223,11 @@ GEOMETRY: dict[type, Callable] = {
     mbsd3d.CurveContact: beside_curve,
     mbsd3d.Screw: lambda k, j: [
         *GEOMETRY[mbsd3d.Cylindrical](k, j),
-        k.slide(j) - k.turn(j, j.axis) * (j.pitch / (2 * np.pi)),
+        advance(k, j),
     ],
-    mbsd3d.Gear: lambda k, j: [k.turn(j.hinge_b, j.hinge_b.axis) - k.turn(j.hinge_a, j.hinge_a.axis) * j.ratio],
-    mbsd3d.RackPinion: lambda k, j: [k.slide(j.rack) - k.turn(j.pinion, j.pinion.axis) * j.radius],
-    mbsd3d.AngleDriver: lambda k, j: [k.turn(j.hinge, j.hinge.angle().axis) - k.signal(j.signal)],
+    mbsd3d.Gear: lambda k, j: [k.turn(j.hinge_b) - k.turn(j.hinge_a) * j.ratio],
+    mbsd3d.RackPinion: lambda k, j: [k.slide(j.rack) - k.turn(j.pinion) * j.radius],
+    mbsd3d.AngleDriver: lambda k, j: [k.turn(j.hinge) - k.signal(j.signal)],
     mbsd3d.SlideDriver: lambda k, j: [k.slide(j.slider) - k.signal(j.signal)],
     mbsd3d.PositionDriver: position,
 }
@@ -233,11 +248,12 @@ VELOCITY: dict[type, Callable] = {
 
 TURNS: dict[type, Callable] = {
     mbsd3d.AngleDriver: lambda j: [(1.0, j.hinge)],
+    mbsd3d.SlideDriver: lambda j: [(1.0, j.slider)] * isinstance(j.slider, mbsd3d.CurveContact),
     mbsd3d.Gear: lambda j: [(1.0, j.hinge_b), (-j.ratio, j.hinge_a)],
-    mbsd3d.RackPinion: lambda j: [(-j.radius, j.pinion)],
+    mbsd3d.RackPinion: lambda j: [(-j.radius, j.pinion), *[(1.0, j.rack)] * isinstance(j.rack, mbsd3d.CurveContact)],
     mbsd3d.Screw: lambda j: [(-j.pitch / (2 * np.pi), j)],
 }
-"""Joint class -> (factor, hinge): whole turns of hinges add to the last part of c, which knows angles to +-pi only."""
+"""Joint class -> (factor, joint): whole turns add to the last part of c, which knows angles to +-pi only."""
 
 
 def law_of(system: System, joint: Joint) -> tuple[int, Callable]:

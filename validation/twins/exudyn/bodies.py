@@ -95,14 +95,12 @@ class BodyTwin:
 
     def run(self, t_end: float, steps: int, samples: int) -> Motion:
         """See `Twin.run`; also ValueError for samples off the steps, and tables that end before."""
-        start = self.state.t
-        check_run(self.engine, self.system, start, t_end, steps, samples)
+        check_run(self.engine, self.system, self.state.t, t_end, steps, samples)
         every = self.scheme.records(steps, samples, len(self.system.bodies))
         first = self.equations().begin_with_accelerations() if self.scheme.implicit else 0.0
-        settings = self.scheme.settings(self.module, start, t_end, steps, samples * every)
-        seconds = march(self.module, self.mbs, self.scheme, settings)
+        seconds = march(self.module, self.mbs, self.scheme, self.state.t, t_end, steps, samples * every)
         table = np.array(self.mbs.GetSensorStoredData(self.recorder))
-        t = check_samples(table[:, 0], start, t_end, samples * every, table[:, 1:])[::every]
+        t = check_samples(table[:, 0], self.state.t, t_end, samples * every, table[:, 1:])[::every]
         n = self.mbs.systemData.ODE2Size()
         q, u, lam = np.split(table[::every, 1:], [n, 2 * n], axis=1)
         lam[0] = first

@@ -182,18 +182,16 @@ class TreeTwin:
 
     def run(self, t_end: float, steps: int, samples: int) -> Motion:
         """See `Twin.run`; also ValueError for samples off the steps, and tables that end before."""
-        start = self.state.t
-        check_run(self.engine, self.system, start, t_end, steps, samples)
+        check_run(self.engine, self.system, self.state.t, t_end, steps, samples)
         every = self.scheme.records(steps, samples, len(self.system.bodies))
         if self.scheme.implicit:
             self.mbs.systemData.SetODE2Coordinates_tt(self.change(), self.module.ConfigurationType.Initial)
-        settings = self.scheme.settings(self.module, start, t_end, steps, samples * every)
-        seconds = march(self.module, self.mbs, self.scheme, settings)
+        seconds = march(self.module, self.mbs, self.scheme, self.state.t, t_end, steps, samples * every)
         stored = {
             name: np.array([self.mbs.GetSensorStoredData(k) for k in own]).swapaxes(0, 1)
             for name, own in self.sensors.items()
         }
-        t = check_samples(stored["Position"][:, 0, 0], start, t_end, samples * every, *stored.values())[::every]
+        t = check_samples(stored["Position"][:, 0, 0], self.state.t, t_end, samples * every, *stored.values())[::every]
         position, turn, velocity, omega = (stored[name][::every, :, 1:] for name in OUTPUTS)
         frames = np.array([self.model.links[self.model.link_of[id(body)]].here.axes for body in self.system.bodies])
         turn = turn.reshape(len(t), -1, 3, 3) @ frames.swapaxes(1, 2)

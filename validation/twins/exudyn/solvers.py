@@ -167,12 +167,12 @@ def opened(module: Any, mbs: Any, start: float) -> Any:
     return solver
 
 
-def march(module: Any, mbs: Any, scheme: Scheme, settings: Any) -> float:
-    """Integrate; seconds of the time loop.
+def march(module: Any, mbs: Any, scheme: Scheme, start: float, t_end: float, steps: int, records: int) -> float:
+    """Integrate, see `Scheme.settings`; seconds of the time loop.
 
     EngineFailed with the last lines of what Exudyn said.
     """
-    solver = scheme.open(module)
+    solver, settings = scheme.open(module), scheme.settings(module, start, t_end, steps, records)
     with quiet(module) as said:
         try:
             fine = solver.InitializeSolver(mbs, settings)

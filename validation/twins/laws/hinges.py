@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import Brake, JointFriction, TorsionSpring
+from mbsd3d import Brake, CurveContact, JointFriction, TorsionSpring
 from mbsd3d.extend import Coordinate, cross, hinge_coordinate, perpendiculars
 from validation.twins.base import Array
 from validation.twins.laws.moving import NONE, STATELESS, Law, Moving, Placed, Push, follow, one_axis
@@ -14,6 +14,8 @@ from validation.twins.laws.moving import NONE, STATELESS, Law, Moving, Placed, P
 def along_hinge(force: Any, what: str, load: Callable) -> Law:
     """``load(t, x, x_dot, z)`` = (load on b along a hinge or slide, rates of the own states)."""
     x = hinge_coordinate(force.hinge, what)
+    if isinstance(force.hinge, CurveContact):
+        return along_curve(force.hinge, load)
     one_axis(x, what, "its law is written about one axis")
     sliding = x.kind == "slide"
 
@@ -25,6 +27,28 @@ def along_hinge(force: Any, what: str, load: Callable) -> Law:
         return Push(size * axis, point, NONE, rates) if sliding else Push(NONE, point, size * axis, rates)
 
     return Law(x.a, x.b, push)
+
+
+def along_curve(joint: CurveContact, load: Callable) -> Law:
+    """The same along a curve: s where x'. (p - x) = 0 of a point p, or x'. e = 0 under a face e, all in axes of a."""
+    line, faced = joint.line, joint.face is not None
+
+    def push(t: float, a: Moving, b: Moving, z: Array, counted: float) -> Push:
+        point = b.point(joint.at)
+        e = a.R.T @ (b.axis(joint.face) if faced else point - a.r + a.R @ a.body.position)
+        s = line.highest(e) if faced else line.nearest(e)
+        tangent, bend = line.x(s, 1), line.x(s, 2)
+        if faced:
+            way = a.R @ cross(tangent, e) / (e @ bend)
+            rate = way @ (b.omega - a.omega)
+        else:
+            way = a.R @ tangent / (tangent @ tangent - (e - line.x(s)) @ bend)
+            rate = way @ (b.velocity(point) - a.velocity(point))
+        value = s - joint.start
+        size, rates = load(t, value + line.length * round((counted - value) / line.length), rate, z)
+        return Push(NONE, point, size * way, rates) if faced else Push(size * way, point, NONE, rates)
+
+    return Law(joint.a, joint.b, push)
 
 
 def angle(x: Coordinate, a: Placed, b: Placed, counted: float) -> float:
