@@ -11,7 +11,7 @@ from ..base.quaternions import conjugate, logarithm, multiply
 from ..equations.at_state import coordinate_row, driven_coordinates, load_state, pack, worst_joint
 from ..equations.compiled import Compiled, compile_system, initial_states
 from ..equations.jacobian import block_rows, displacement_units
-from ..kernels.coordinates import coordinate, measure
+from ..kernels.coordinates import coordinate, measure, remember
 from ..kernels.kinematics import displace, kinematics
 from ..kernels.layout import Data
 from ..kernels.rows import rows
@@ -23,7 +23,7 @@ from ..mechanism.state import State
 from .contradictions import find_contradiction
 from .least_squares import shortest
 from .nearby_poses import nudged
-from .spanning_tree import loop_weights, swing
+from .spanning_tree import geared, loop_weights, swing
 from .velocities import with_velocities
 
 
@@ -126,6 +126,7 @@ def newton(
         data.body["acceleration"][:-1] = dx.reshape(-1, 6)
         displace(model, data, y)
         kinematics(model, data, y)
+        remember(model, data, pose.t)  # angles count their turns on the way
         rows(model, data, pose.t)
     kinematics(model, data, best_y)
     rows(model, data, pose.t)
@@ -194,12 +195,13 @@ def assemble(
     fixed = {compiled.body_index[id(system.part(body))] for body in pinned}
     pose = near or reference_pose(system, t)
     start = State(t, pose.q, pose.v, pose.z, pose.coordinates)
+    known = geared(compiled, wanted)
     if near is None:
-        start = swing(compiled, start, wanted, fixed)
+        start = swing(compiled, start, known, fixed)
     reference = driven_coordinates(compiled, t) if start.coordinates is None else start.coordinates.copy()
     targets = [(compiled.coordinate(x), value) for x, value in wanted]
-    for i, value in targets:
-        reference[i] = value
+    for x, value in known:
+        reference[compiled.coordinate(x)] = value
     start = State(t, start.q, start.v, start.z, reference)
     goals = [number(v, f"assemble: {probe.label}") for probe, v in measures.items()]
     closed, residual = close_pose(compiled, start, targets, goals, fixed)

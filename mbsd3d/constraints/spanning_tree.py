@@ -6,6 +6,8 @@ from scipy.cluster.hierarchy import DisjointSet
 from ..base.quaternions import exponential, multiply
 from ..base.rotations import matrix
 from ..equations.compiled import Compiled
+from ..kernels import kinds
+from ..mechanism.couplings import Coupling
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.primitives import Coordinate
 from ..mechanism.state import State
@@ -38,6 +40,21 @@ def swing(compiled: Compiled, pose: State, targets: list[tuple[Coordinate, float
     return State(pose.t, poses.ravel(), pose.v, pose.z)
 
 
+def geared(compiled: Compiled, targets: list[tuple[Coordinate, float]]) -> list[tuple[Coordinate, float]]:
+    """The asked-for angles and slides, and what gears, racks and screws make of them: f_0 x_0 + f_1 x_1 = 0."""
+    known, before = {compiled.coordinate(x): (x, value) for x, value in targets}, 0
+    rows = [row for joint in compiled.system.joints for row in joint.primitives]
+    rows = [row for row in rows if row.kind in (kinds.RATIO, kinds.MESH) and len(row.coordinates) == 2]
+    while before < len(known):
+        before = len(known)
+        for row in rows:
+            ends = [(compiled.coordinate(x), x, factor) for x, factor in zip(row.coordinates, row.values, strict=True)]
+            for (i, _, factor), (j, x, other) in (ends, ends[::-1]):
+                if i in known and j not in known and other != 0.0:
+                    known[j] = (x, -factor * known[i][1] / other)
+    return list(known.values())
+
+
 def line_of(x: Coordinate) -> tuple:
     """Coordinates of one line: same bodies, same axis."""
     return id(x.a), id(x.b), x.axis.tobytes()
@@ -54,9 +71,11 @@ def hinge_points(system: Mechanism) -> dict[tuple, np.ndarray]:
 
 
 def joint_links(system: Mechanism, index: dict[int, int]) -> list[set[int]]:
-    """Bodies that share a joint with each body; the ground is the last."""
+    """Bodies that share a joint with each body; the ground is the last. Couplings (see `geared`) hold none in place."""
     links: list[set[int]] = [set() for _ in range(len(system.bodies) + 1)]
     for joint in system.joints:
+        if isinstance(joint, Coupling):
+            continue
         ends = {index[id(body)] for body in joint.bodies()}
         for i in ends:
             links[i] |= ends - {i}

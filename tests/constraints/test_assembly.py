@@ -10,7 +10,10 @@ from mbsd3d import (
     Body,
     Constant,
     Cylindrical,
+    Gear,
+    GearMesh,
     Prismatic,
+    RackPinion,
     Revolute,
     Spherical,
     System,
@@ -124,6 +127,21 @@ def test_what_a_pose_does_not_give_is_not_asked_of_it():
     speed = measures.rate(system.part("drive", "joints"))
     with pytest.raises(ValueError, match="rate of drive does not follow from a pose; .* rates="):
         system.assemble(measures={speed: 0.0}, rates={"drive": 2.0})
+
+
+@pytest.mark.parametrize("angle", [2.0, -50.3])
+def test_gears_and_racks_follow_over_many_turns(angle):
+    """b = -0.5 a by a Gear, c = r_a/r_b a by teeth inside, the rack 0.13 c; on shafts that are not parallel too."""
+    wheels = [Body(f"wheel {k}", 1.0, INERTIA, com=(0.02, 0.01, 0.03), position=(0.3 * k, 0.1, 0)) for k in range(3)]
+    rack = Body("rack", 2.0, INERTIA, position=(0.4, 0.5, 0.2))
+    a, c = (Revolute(GROUND, wheels[k], at=(0.2 * k, 0, 0), axis=(0, 0, 1), name="abc"[k]) for k in (0, 2))
+    b = Revolute(GROUND, wheels[1], at=(0.3, 0.1, 0), axis=(0.3, -0.5, 0.8), name="b")
+    rail = Prismatic(GROUND, rack, at=(0, 0, 0), axis=AXIS, name="rail")
+    mesh = GearMesh(a, c, at=(-0.1, 0, 0), helix_angle=0.2)
+    system = System([*wheels, rack], [a, b, c, rail, Gear(a, b, ratio=-0.5), mesh, RackPinion(c, rail, radius=0.13)])
+    found = accelerations(system, system.assemble(angles={"a": angle}))
+    turned = [found.angle("b")[0], found.angle("c")[0], found.slide("rail")[0]]
+    np.testing.assert_allclose(turned, [-0.5 * angle, angle / 5.0, 0.13 * angle / 5.0], rtol=1e-12)
 
 
 def test_near_stays_on_the_branch():
