@@ -271,6 +271,12 @@ def test_what_a_cause_leaves_is_small_by_itself(monkeypatch, stays, before, afte
     assert found.status == status
 
 
+def test_what_is_not_a_number_is_the_worst_of_a_definition():
+    entries = [(0.2, "arm", 2e-10, 1e-9), (np.nan, "rod", np.nan, 1e-9), (0.5, "arm", 5e-10, 1e-9)]
+    found = formulation.finding("acceleration", entries, 1.0)
+    assert (found.status, found.part) == (DIFFERS, "rod")
+
+
 @pytest.mark.parametrize(("known", "samples", "used"), [(5e-5, 33, 1e-4), (5e-3, 0, 1e-3)])
 def test_a_tolerance_is_loosened_to_a_thousandth_at_most(monkeypatch, known, samples, used):
     """Of an engine whose limit is known to 5e-5 or 5e-3."""
