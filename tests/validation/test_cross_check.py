@@ -24,12 +24,14 @@ from mbsd3d import (
     PointOnLine,
     Ramp,
     Revolute,
+    Solution,
     StateFeedback,
     System,
     measures,
     simulate,
 )
 from mbsd3d.cli import main
+from mbsd3d.results.run_samples import Momentum
 from validation import cross_check
 from validation.cases.mechanisms import chain
 from validation.crosscheck import check as checking
@@ -114,6 +116,14 @@ def test_momenta_and_energies_from_poses_alone_are_those_of_the_solution():
     assert np.allclose(R @ R.swapaxes(-1, -2), np.eye(3), rtol=0, atol=1e-14)
     assert np.allclose(R[:, 2], solution.rotation(system.bodies[2]), rtol=0, atol=1e-15)
     assert np.array_equal(rotation_matrices(-motion.orientation), R)
+
+
+def test_momenta_that_are_compared_are_those_of_the_solution(monkeypatch):
+    """Else nothing would tell that they are wrong."""
+    monkeypatch.setattr(Solution, "momentum", lambda self: Momentum(*2 * [np.full((self.t.size, 3), 7.0)]))
+    system = pendulum()[0]
+    found = ours_at(system, system.state(), np.linspace(0.0, 0.05, 3)).found
+    assert all((found[name].values == 7.0).all() for name in ("momentum", "angular momentum"))
 
 
 def test_growth_of_a_pendulum_that_stands_on_its_head():

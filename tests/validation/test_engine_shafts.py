@@ -102,6 +102,7 @@ def test_shafts_that_bear_couples_alone_stay_where_they_are():
     assert not any(shaft.pulls for shaft in still)
     weights = shafts.balance(engine, load, [Shaft(1, 1, planes=(-0.2, 0.2))], torque=True)
     assert weights[0].on_crank and weights[0].position == (0.0, 0.0)
+    assert not Shaft(1, 1, (0.1, 0.0)).on_crank  # beside it, it turns on a bearing of its own
 
 
 def test_firing_order_of_many_cylinders():
