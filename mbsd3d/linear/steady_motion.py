@@ -88,9 +88,8 @@ def varies(signal: Signal, degree: int) -> bool:
         elif term.kind == kinds.SINE:
             more = term.data[0] * term.data[1:2]
         else:
-            pieces = int(term.data[0])
-            powers = term.data[pieces + 2 :].reshape(pieces, 4)[:, ::-1]
-            more = np.r_[powers[:, degree + 1 :].ravel(), np.ptp(powers[:, degree])]
+            pieces = term.data[int(term.data[0]) + 2 :].reshape(-1, 4)
+            more = pieces[:, : 3 - degree]  # where there is none, pieces joined smoothly are one
         if np.any(more != 0.0):
             return True
     return False

@@ -168,9 +168,19 @@ def test_modes_keep_their_names_where_growths_cross():
     assert np.all(values[20:, 0].imag > 0.0) and np.all(values[:, 2:].imag == 0.0)
     assert values[20:, 1] == pytest.approx(values[20:, 0].conj(), abs=1e-12)
     assert np.all(growth[:, 3] < growth[:, 2]) and NAMES[3] == "castering"
+    assert growth[0, :2] == pytest.approx([3.1316, 5.5309], abs=1e-4)  # split at rest, the slower first
     for row, k in zip(TABLE[1:], range(20, 201, 20), strict=True):
         assert growth[k, 2] == pytest.approx(float(row["printed"]["capsize"]), abs=1e-11)
         assert growth[k, 3] == pytest.approx(float(row["printed"]["castering"]), abs=1e-11)
+
+
+def test_weave_speed_is_where_weave_ends_and_not_where_it_begins_again():
+    """h = -(w - 2) (w - 6) / 10 with w = v^2: a pair of roots of p crosses the axis to the left."""
+    q = critical.Quartic(*map(np.array, (1.0, 1.0, [4.0, -0.9], [1.0, 0.1], [4.2, -1.5])))
+    speed = critical.weave(q)
+    assert speed == pytest.approx(np.sqrt(2.0), rel=1e-12)
+    growth = [np.roots(q.at(v)[::-1]).real.max() for v in (0.99 * speed, 1.01 * speed)]
+    assert growth[0] > 1e-4 and growth[1] < -1e-4
 
 
 def test_names_do_not_depend_on_the_grid():

@@ -10,6 +10,7 @@ from mbsd3d import (
     Body,
     Constant,
     Cylindrical,
+    Distance,
     Gear,
     GearMesh,
     Prismatic,
@@ -96,6 +97,13 @@ def test_slide_and_measure_targets():
     height = measures.position(block, axis=(0, 0, 1))
     state = system.assemble(measures={height: 1.1})
     assert accelerations(system, state).com(block)[0, 2] == pytest.approx(1.1, abs=1e-9)
+
+
+def test_a_rod_has_the_length_it_is_given():
+    system = arm(1)
+    rod = Distance(GROUND, system.bodies[0], at_a=(0.1, 0.7, 0.2), at_b=(0.3, 0.1, 0.05), length=0.57)
+    found = accelerations(closed := System(system.bodies, [*system.joints, rod]), closed.assemble())
+    assert np.linalg.norm(found.body_point(rod.b, rod.at_b)[0] - rod.at_a) == pytest.approx(0.57, abs=1e-12)
 
 
 def test_pinned_bodies_stay():

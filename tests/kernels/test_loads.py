@@ -122,10 +122,12 @@ def _on(joint, cls, **numbers):
     return [joint], cls(joint, **numbers)
 
 
-def _tyre(rng, a, b):
+def _tyre(rng, a, b, **given):
     """So large a tube that the general poses press it."""
     numbers = dict(radius=3.0, crown=2.4, stiffness=4.0, damping=0.1, trail=0.3, twisting=0.2, rolling_resistance=0.1)
     more = dict(cornering=1.3, longitudinal=1.7, camber=0.8, mu=0.7, standing_damping=0.4, standing_speed=2.0)
+    more |= dict(relaxation=0.5, relaxation_x=0.3, nominal_load=6.0, grip_sensitivity=0.1, stiffness_sensitivity=0.2)
+    more |= given
     plane = (b.position - np.array([0.3, 0.2, 1.1]), np.array([0.2, -0.1, 1.0]))
     return Tyre(a, b, axis=(0.3, 1.0, -0.2), plane=plane, centre=b.position + 0.2 * direction(rng), **numbers, **more)
 
@@ -153,6 +155,7 @@ EXAMPLES = {
     "StateFeedback": lambda rng, a, b: _seen(_hinge(rng, a, b)),
     "CustomForce": lambda rng, a, b: ([], _custom(rng, a, b)),
     "Tyre": lambda rng, a, b: ([], _tyre(rng, a, b)),
+    "Tyre with instant camber": lambda rng, a, b: ([], _tyre(rng, a, b, camber_lag=False)),
     "Bushing": lambda rng, a, b: ([], _bushing(rng, a, b)),
     "Contact that sticks": lambda rng, a, b: _contact(rng, a, b, shapes.Ellipsoid((0.7, 0.5, 0.3), **STONE), **STICKS),
     "Contact that slips": lambda rng, a, b: _contact(rng, a, b, shapes.Torus(0.4, 0.3, (3, -1, 2), **STONE), **SLIPS),

@@ -61,7 +61,7 @@ def test_a_part_built_elsewhere_is_joined_at_the_same_places_of_its_own(cls):
     system, rng = example_system(cls, 11), np.random.default_rng(12)
     joint, given, turn = system.joints[-1], {}, np.array([1.0, 0.0, 0.0, 0.0])
     if hasattr(joint, "axis") and hasattr(joint, "axis_b"):
-        turn = rotation(perpendiculars(joint.axis)[0], 0.4)  # about it no choice of perpendiculars differs
+        turn = rotation(perpendiculars(joint.axis)[0], 1.2)  # about it they stay perpendiculars
         given["axis_b"] = matrix(turn) @ joint.axis
     body = replace(
         joint.b, position=joint.b.position + rng.normal(size=3), orientation=multiply(turn, joint.b.orientation)

@@ -47,8 +47,9 @@ def test_it_lets_go_when_it_is_released():
     assert run.rate("hinge")[-1] > 0.1
 
 
-def test_a_released_brake_is_none():
-    now = accelerations(flywheel(Input("pull", 0.0)))
+@pytest.mark.parametrize("pull", [0.0, -3.0])
+def test_a_released_brake_is_none(pull):
+    now = accelerations(flywheel(Input("pull", pull)))
     assert now.alpha("disc")[0] == pytest.approx(0.0, abs=1e-12)
 
 

@@ -61,12 +61,13 @@ def test_axis_of_a_shaft_that_was_drawn_elsewhere():
         assert getattr(turning, what) == pytest.approx(getattr(fixed, what), rel=1e-11)  # joints close to rounding
 
 
-def test_pair_of_bearings_is_in_balance_with_the_shaft():
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_pair_of_bearings_is_in_balance_with_the_shaft(way):
     """Unknown F_A (3) and F_B (2 across) from the six equations of the shaft."""
     system, hinge, body = spinning(72)
     solution = accelerations(system)
     u, x = hinge.axis, across(np.random.default_rng(1), hinge.axis)
-    A, B = hinge.at - 0.13 * u, hinge.at + 0.31 * u
+    A, B = hinge.at - way * 0.13 * u, hinge.at + way * 0.31 * u
     fixed, floating = bearing_pair(solution, hinge, fixed=A, floating=B)
     force, moment, _ = euler_wrench(body, hinge, system.gravity, 7.0, 0.0)
     columns = [np.concatenate([e, np.cross(A - hinge.at, e)]) for e in np.eye(3)]

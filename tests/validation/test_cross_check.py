@@ -25,6 +25,7 @@ from mbsd3d import (
     Prismatic,
     Ramp,
     Revolute,
+    Solution,
     SpeedDriver,
     Spherical,
     StateFeedback,
@@ -33,6 +34,7 @@ from mbsd3d import (
     simulate,
 )
 from mbsd3d.cli import main
+from mbsd3d.results.run_samples import Momentum
 from validation import cross_check
 from validation.cases.mechanisms import chain
 from validation.crosscheck import check as checking
@@ -117,6 +119,14 @@ def test_momenta_and_energies_from_poses_alone_are_those_of_the_solution():
     assert np.allclose(R @ R.swapaxes(-1, -2), np.eye(3), rtol=0, atol=1e-14)
     assert np.allclose(R[:, 2], solution.rotation(system.bodies[2]), rtol=0, atol=1e-15)
     assert np.array_equal(rotation_matrices(-motion.orientation), R)
+
+
+def test_momenta_that_are_compared_are_those_of_the_solution(monkeypatch):
+    """Else nothing would tell that they are wrong."""
+    monkeypatch.setattr(Solution, "momentum", lambda self: Momentum(*2 * [np.full((self.t.size, 3), 7.0)]))
+    system = pendulum()[0]
+    found = ours_at(system, system.state(), np.linspace(0.0, 0.05, 3)).found
+    assert all((found[name].values == 7.0).all() for name in ("momentum", "angular momentum"))
 
 
 def test_growth_of_a_pendulum_that_stands_on_its_head():
@@ -272,6 +282,12 @@ def test_what_a_cause_leaves_is_small_by_itself(monkeypatch, stays, before, afte
     monkeypatch.setattr(judge, "changed", lambda *arguments: {"position": after})
     (found,) = judge.explained([suspect(before)], None, None, None, None)
     assert found.status == status
+
+
+def test_what_is_not_a_number_is_the_worst_of_a_definition():
+    entries = [(0.2, "arm", 2e-10, 1e-9), (np.nan, "rod", np.nan, 1e-9), (0.5, "arm", 5e-10, 1e-9)]
+    found = formulation.finding("acceleration", entries, 1.0)
+    assert (found.status, found.part) == (DIFFERS, "rod")
 
 
 @pytest.mark.parametrize(("known", "samples", "used"), [(5e-5, 33, 1e-4), (5e-3, 0, 1e-3)])

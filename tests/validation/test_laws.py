@@ -60,6 +60,15 @@ def test_laws(name, ground):
     assert np.abs(loads).max() > 1e-3  # the element does something here
 
 
+@pytest.mark.parametrize("name", [name for name in WRITTEN if loaded(name, False)[2].state_names()])
+def test_rates_of_own_states(name):
+    system, state, force = loaded(name, False)
+    now = reference_point.Motion(system, state, state.v.reshape(1, -1, 6))
+    push, _ = reference_point.pushed(system, state, now, force, reference_point.law_of_force(system, force))
+    found = accelerations(system, state=state).force(force).state_rates
+    assert np.ravel([*found.values()]) == pytest.approx(push.rates, rel=LIMIT, abs=LIMIT)
+
+
 def test_every_law_is_looked_at():
     assert {type(loaded(name, False)[2]) for name in WRITTEN} == set(LAWS)
 

@@ -92,12 +92,13 @@ def test_load_on_the_block_is_that_of_the_engine_in_space_with_its_gas(name, rpm
     system = gas.with_gas(spatial.build(engine, driver="dyno"), engine, source.cycle.force, 4 * count)
     solution = spatial.turn(system, engine, turns=2, count=count)
     R = upright(engine.layout)
-    seen = spectrum(solution.t, np.hstack([part @ R.T for part in spatial.block_load(solution)]), rate=engine.rate)
+    loads = [part @ R.T for part in spatial.block_load(solution)]
+    seen = spectrum(solution.t, np.column_stack([*loads, solution.effort("motor")]), rate=engine.rate)
     known = source.at(rpm)
     found = np.array([seen.at(order) for order in known.orders])
     scale = np.abs(known.six).max()
     # orders that 240 samples a turn fold back of a gas that has all orders
-    assert np.abs(found - known.six).max() < 1e-5 * scale
+    assert np.abs(found - np.column_stack([known.six, known.torque])).max() < 1e-5 * scale
 
 
 def test_main_bearings_of_a_throw_share_what_the_planar_crank_bears():

@@ -1,6 +1,7 @@
 """One engine three ways: closed form, sum of planar models, whole engine in space."""
 
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -31,10 +32,8 @@ class Comparison:
     @property
     def disagreement(self) -> float:
         """Largest difference of two ways in any order and component, over the scale; moments over the spacing."""
-        first, *others = self.ways.values()
-        differences = [first.difference(other, self.engine.spacing) for other in others]
-        differences.append(others[0].difference(others[1], self.engine.spacing))
-        return max(differences) / self.scale
+        pairs = combinations(self.ways.values(), 2)
+        return max(one.difference(other, self.engine.spacing) for one, other in pairs) / self.scale
 
     @property
     def agrees(self) -> bool:
