@@ -244,7 +244,6 @@ def follow(m, d, s, own, run, budget):
     """Visit the output times; DONE, RUNNING after `budget` poses, or a reason to come back to Python."""
     if run.now.fresh == 1:
         status = evaluate_start(m, d, s, run)
-        run.rows.ahead = np.inf
         if status != RUNNING:
             return status
     for _ in range(budget):
