@@ -100,11 +100,12 @@ def accelerations(
     gyroscopic: bool = True,
     centripetal: bool = True,
     gamma: bool = True,
+    as_built: float | None = None,
 ) -> Solution:
     """Accelerations and reactions at one state: a `Solution` with a single sample.
 
     ``accelerations(system, state).acceleration(body)[0]``, ``.reaction(joint).force[0]``, ``.effort(driver)[0]``.
-    The teaching switches drop the same terms as in `simulate`.
+    The teaching switches drop the same terms as in `simulate`, and ``as_built`` [m] lets parts out of line be as there.
 
     Examples
     --------
@@ -117,9 +118,9 @@ def accelerations(
     >>> round(float(now.reaction("hinge").force[0, 2]), 12)  # m (g - l alpha)
     9.81
     """
-    start = start_of(system, state, "accelerations")
+    start, switches = start_of(system, state, "accelerations", as_built), Switches(gyroscopic, centripetal, gamma)
     try:
-        return Solution.of(accelerations_at(system, start, Switches(gyroscopic, centripetal, gamma)), simulate)
+        return Solution.of(accelerations_at(system, start, switches, as_built), simulate)
     except IntegrationError as error:
         error.solution = error.solution and Solution.of(error.solution, simulate)
         raise

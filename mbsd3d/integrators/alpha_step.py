@@ -6,7 +6,6 @@ from ..compiler.jit import inner_kernel, kernel
 from ..dynamics.spinning import find_turns
 from ..dynamics.state_rates import FAR, PROJECTED, audit_rates, project_and_evaluate, project_positions, rounding
 from ..dynamics.touching import hides_touch
-from ..kernels.coordinates import remember
 from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace_body, rotation_matrix
 from ..kernels.vectors import copy, finite, put, rotate, scale
@@ -14,18 +13,7 @@ from ..saddle.solve import SOLVED
 from .memory import NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING, STEP_TOO_SMALL
 from .newton import fill_matrix, filtered, lu_factor, lu_solve, residual
 from .outputs import along_cubic, cubic, evaluate_start, outputs
-from .step_control import (
-    LOCAL,
-    end_of_step,
-    go_on,
-    good_enough,
-    least_step,
-    note_rows,
-    rows_hold,
-    state_error,
-    take_steps,
-    update_scales,
-)
+from .step_control import LOCAL, end_of_step, go_on, good_enough, note_rows, rows_hold, state_error, take_steps
 
 ITERATIONS = 12  # of Newton's method in one attempt
 SLOW = 0.2  # contraction above which the matrix is made anew
@@ -181,7 +169,7 @@ def attempt(m, d, s, run, g, c):
     rejected, fixed = False, run.task.steps > 0
     while True:
         t_new, h = end_of_step(run)
-        if h < least_step(run):
+        if h == 0.0:
             return STEP_TOO_SMALL, t_new, h
         predict(g, c, h, False)
         solved = solve_step(m, d, s, run, g, c, t_new, h)
@@ -215,7 +203,7 @@ def end_rates(m, run, g, h):
 
 
 @inner_kernel
-def accept(m, run, g, t_new, h):
+def accept(m, run, g, h):
     """The end of the step becomes the start of the next one."""
     n, w = m.body.shape[0], g.newton
     theta = g.weights.alpha_m - g.weights.alpha_f
@@ -232,7 +220,6 @@ def accept(m, run, g, t_new, h):
     if g.past.first == 1:
         g.past.first, g.past.matrix = 0, 0  # other weights from now on
     g.past.step = h
-    go_on(run, t_new)
 
 
 @inner_kernel
@@ -255,9 +242,8 @@ def step(m, d, s, g, run):
     status = outputs(m, d, s, g, run, t_new, h, cubic, along_cubic)
     if status != RUNNING:
         return status
-    remember(m, d, t_new)
-    update_scales(m, d, run)
-    accept(m, run, g, t_new, h)
+    accept(m, run, g, h)
+    go_on(m, d, run, t_new)
     return RUNNING if rows_hold(m, d, s, run) else NEW_TREE
 
 

@@ -23,6 +23,7 @@ TURN_PER_POSE = 0.3  # rad between poses: Newton stays on its branch
 TOO_FAR = 2.0  # times that is the turn, by the angular velocity found at the new pose, from which on it is not believed
 HALVINGS = 30  # of the distance between poses before a mechanism counts as one that cannot go on
 SINGULAR = 1e-6  # pivot, the square of a small angle: below, velocities and accelerations are those of the poses before
+PASSED_OVER = 1e-7  # pivot below which the next pose may lie behind the singular one
 APART = 1e-2  # rad between these poses: their squares are far above rounding, their sixth power is not
 BINOMIAL = np.array([6.0, -15.0, 20.0, -15.0, 6.0, -1.0])  # f(0) = 6 f(-h) - 15 f(-2 h) + ...: exact to h^5
 
@@ -120,9 +121,9 @@ def farthest(m, run):
     far = TURN_PER_POSE if run.now.steps > 0 else APART  # the first two poses say whether a singular one is ahead
     speed = w + np.sqrt(w * w + 2.0 * alpha * far)
     most = min(run.task.max_step, 2.0 * far / speed if speed > 0.0 else np.inf)
-    if SINGULAR <= run.rows.pivot < NEARLY_SINGULAR and run.now.steps > 0:
+    if PASSED_OVER <= run.rows.pivot < NEARLY_SINGULAR and run.now.steps > 0:
         most = min(most, 2.0 * run.now.step)
-    return min(most, 0.5 * run.rows.ahead) if run.rows.pivot >= SINGULAR else most
+    return min(most, 0.5 * run.rows.ahead) if run.rows.pivot >= PASSED_OVER else most
 
 
 @inner_kernel
@@ -207,7 +208,7 @@ def extrapolate(m, d, s, own, run, t, apart) -> int:
 def next_regular(m, d, s, own, run, t_output):
     """As `next_pose`; a singular pose is reached from those shortly before it, which are visited first."""
     status, t_new = next_pose(m, d, s, run, t_output)
-    if status != RUNNING or s.state.pivot >= SINGULAR or run.now.turn == 0.0:
+    if status != RUNNING or t_new < t_output or s.state.pivot >= SINGULAR or run.now.turn == 0.0:
         return status, t_new
     apart = APART / run.now.turn
     first = t_new - (BINOMIAL.size + 1) * apart
@@ -243,7 +244,6 @@ def follow(m, d, s, own, run, budget):
     """Visit the output times; DONE, RUNNING after `budget` poses, or a reason to come back to Python."""
     if run.now.fresh == 1:
         status = evaluate_start(m, d, s, run)
-        run.rows.ahead = np.inf
         if status != RUNNING:
             return status
     for _ in range(budget):

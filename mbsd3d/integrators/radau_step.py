@@ -6,24 +6,12 @@ from ..compiler.jit import inner_kernel, kernel
 from ..dynamics.spinning import find_turns
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate, rounding
 from ..dynamics.touching import hides_touch
-from ..kernels.coordinates import remember
 from ..kernels.vectors import copy, finite
 from ..saddle.solve import SOLVED
 from .memory import NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING, STEP_TOO_SMALL
 from .newton import lu_factor, lu_solve
 from .outputs import along_cubic, cubic, evaluate_start, outputs
-from .step_control import (
-    LOCAL,
-    end_of_step,
-    go_on,
-    good_enough,
-    least_step,
-    note_rows,
-    rows_hold,
-    state_error,
-    take_steps,
-    update_scales,
-)
+from .step_control import LOCAL, end_of_step, go_on, good_enough, note_rows, rows_hold, state_error, take_steps
 
 ITERATIONS = 10  # of Newton's method in one attempt
 NEWTON = 0.1  # of LOCAL rtol is what Newton's method may leave
@@ -234,7 +222,7 @@ def attempt(m, d, s, run, g):
     rejected, fixed = False, run.task.steps > 0
     while True:
         t_new, h = end_of_step(run)
-        if h < least_step(run):
+        if h == 0.0:
             return STEP_TOO_SMALL, t_new, h
         solved, iterations = stages(m, d, s, run, g, h)
         if not solved or not end_of_stages(m, d, s, run, g, h):
@@ -255,7 +243,7 @@ def attempt(m, d, s, run, g):
 
 
 @inner_kernel
-def accept(run, g, t_new, h):
+def accept(run, g, h):
     """The end of the step becomes the start of the next one."""
     for k in range(g.J.shape[0]):
         for i in range(3):
@@ -264,7 +252,6 @@ def accept(run, g, t_new, h):
     copy(run.dy, run.trial_rate)
     g.past.step = h
     g.past.jacobian = 0 if g.past.contraction < KEEP else -1
-    go_on(run, t_new)
 
 
 @inner_kernel
@@ -285,9 +272,8 @@ def step(m, d, s, g, run):
     status = outputs(m, d, s, g, run, t_new, h, cubic, along_cubic)
     if status != RUNNING:
         return status
-    remember(m, d, t_new)
-    update_scales(m, d, run)
-    accept(run, g, t_new, h)
+    accept(run, g, h)
+    go_on(m, d, run, t_new)
     return RUNNING if rows_hold(m, d, s, run) else NEW_TREE
 
 

@@ -6,7 +6,6 @@ from ..compiler.jit import inner_kernel, kernel, late_kernel
 from ..dynamics.spinning import farthest_turn, find_spins, kept, limit_turn, rate_without_spin, spin_on
 from ..dynamics.state_rates import FAR, NEAR, PROJECTED, evaluate, project_and_evaluate, rounding
 from ..dynamics.touching import hides_touch
-from ..kernels.coordinates import remember
 from ..kernels.vectors import add_scaled, clear, copy, finite
 from ..saddle.solve import SOLVED
 from .memory import NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING, STEP_TOO_SMALL, STIFF
@@ -17,7 +16,6 @@ from .step_control import (
     go_on,
     good_enough,
     hermite,
-    least_step,
     nearly_singular,
     note_rows,
     pass_over_singular,
@@ -25,7 +23,6 @@ from .step_control import (
     state_error,
     stuck,
     take_steps,
-    update_scales,
     way_to_singular,
 )
 
@@ -165,7 +162,7 @@ def attempt(m, d, s, own, run):
         if nearly_singular(run) and not fixed:
             pass_over_singular(run, own.table.gap, own.table.c[1])
         t_new, h = end_of_step(run)
-        if h < least_step(run) or stuck(run, h):
+        if h == 0.0 or stuck(run, h):
             return STEP_TOO_SMALL, t_new, h, 0.0
         if not fixed:
             find_spins(m, run, h)
@@ -195,7 +192,7 @@ def attempt(m, d, s, own, run):
 
 
 @inner_kernel
-def accept(own, run, t_new, h, error):
+def accept(own, run, h, error):
     """The end of the step becomes the start of the next one, whose length follows from the error."""
     copy(own.carry, own.trial_carry)
     copy(run.y, run.trial)
@@ -208,7 +205,6 @@ def accept(own, run, t_new, h, error):
     run.now.retried = 0
     if not nearly_singular(run):
         run.rows.missed = 0.0
-    go_on(run, t_new)
 
 
 @inner_kernel
@@ -265,9 +261,8 @@ def step(m, d, s, own, run):
     status = outputs(m, d, s, own, run, t_new, h, dense, advance_to)
     if status != RUNNING:
         return status
-    remember(m, d, t_new)
-    update_scales(m, d, run)
-    accept(own, run, t_new, h, error)
+    accept(own, run, h, error)
+    go_on(m, d, run, t_new)
     return verdict(m, d, s, own, run, h)
 
 

@@ -6,6 +6,7 @@ from ..compiler.jit import inner_kernel, merged_kernel
 from ..dynamics.spinning import spin_on
 from ..dynamics.state_rates import skipped_residual
 from ..dynamics.touching import go_on_watching
+from ..kernels.coordinates import remember
 from ..kernels.kinds import PROJECTION
 from ..kernels.vectors import add_scaled, clear
 from ..saddle.independence import note_independence
@@ -53,7 +54,10 @@ def least_step(run):
 
 @inner_kernel
 def end_of_step(run):
-    """(t_new, h): the next step, landing exactly on t_end, and unless steps are fixed where a signal turns."""
+    """(t_new, h): the next step, landing exactly on t_end, and unless steps are fixed where a signal turns.
+
+    h = 0: none is short enough.
+    """
     task, t = run.task, run.now.t
     if task.steps > 0:
         k = run.now.steps + 1
@@ -61,7 +65,9 @@ def end_of_step(run):
         return t_new, t_new - t
     h = min(run.now.step, task.max_step, run.now.longest)
     least = least_step(run)
-    if h < least and run.now.forced == 0:
+    if h < least:
+        if run.now.forced > 0:
+            return t, 0.0
         h, run.now.forced = least, 1
     turns, k = run.turns, run.now.next_turn
     while k < turns.shape[0] and turns[k, 1] <= t + least:
@@ -73,8 +79,10 @@ def end_of_step(run):
 
 
 @inner_kernel
-def go_on(run, t_new):
-    """The end of a step becomes the start of the next one; where the second derivative of a signal jumps, behind it."""
+def go_on(m, d, run, t_new):
+    """The end of a step, in d, is the start of the next; behind it where the second derivative of a signal jumps."""
+    remember(m, d, t_new)
+    update_scales(m, d, run)
     run.now.t = t_new
     run.now.steps += 1
     go_on_watching(run)

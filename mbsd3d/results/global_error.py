@@ -14,14 +14,14 @@ FEWEST = 8  # samples from which growth is read
 def estimate(solution: RunResult) -> Certificate:
     """The certificate with a global error estimate: the same run at tighter settings, compared at the samples.
 
-    Adaptive: rtol/32 and rtol/1024; fixed steps: dt/2 and dt/4. The error is the largest difference of positions (model
-    lengths) and angles [rad] from the tightest run; the order is log2 of the ratio of successive differences for fixed
-    steps, and the exponent of rtol for adaptive ones.
+    Adaptive: rtol/32 and rtol/1024; fixed steps: dt/2 and dt/4; driven poses: half and a quarter apart. The error is
+    the largest difference of positions (model lengths) and angles [rad] from the tightest run; the order is log2 of the
+    ratio of successive differences for fixed steps, and the exponent of rtol for adaptive ones.
     """
     record = solution.record
     if not record.steps or not solution.t.size:
         raise InputError("estimate: nothing was integrated, or no sample kept; estimate a run of `simulate`")
-    if record.method.dt is None and record.rtol < 3.2e-12:
+    if record.method.dt is None and not record.kinematic and record.rtol < 3.2e-12:
         raise InputError(
             f"estimate: rtol {record.rtol:g} leaves no room for a tighter run; estimate at 1e-11 or looser"
         )
@@ -37,9 +37,12 @@ def estimate(solution: RunResult) -> Certificate:
 
 def refined(solution: RunResult, level: int) -> RunResult:
     """The run again, ``level`` times refined."""
-    method = solution.record.method
+    record, method = solution.record, solution.record.method
+    if record.kinematic:
+        apart = (solution.final.t - solution.start.t) / record.steps
+        return solution.again(method=replace(method, max_step=min(method.max_step, apart) / 2**level))
     if method.dt is None:
-        return solution.again(rtol=max(solution.record.rtol / 32**level, 1e-13))
+        return solution.again(rtol=max(record.rtol / 32**level, 1e-13))
     return solution.again(method=replace(method, dt=method.dt / 2**level))
 
 

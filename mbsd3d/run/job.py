@@ -86,7 +86,8 @@ class Job:
         task["every_step"], task["condition"] = times is None, -1
         if self.stop_when is not None:
             task["condition"], task["stop"], task["direction"] = 0, self.stop_when.value, self.stop_when.direction
-        now["t"], now["fresh"], run.rows["pivot"], run.rows["lowest"] = t, 1, 1.0, 1.0
+        now["t"], now["fresh"] = t, 1
+        run.rows["pivot"], run.rows["lowest"], run.rows["ahead"] = 1.0, 1.0, np.inf
         run.stiffness["patience"] = method.patience
         return run
 

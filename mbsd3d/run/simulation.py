@@ -135,7 +135,9 @@ def output_times(output: Any, t_start: float, t_end: float, method: Method, widt
     return times
 
 
-def accelerations_at(system: Mechanism, start: State, switches: Switches | None = None) -> RunResult:
+def accelerations_at(
+    system: Mechanism, start: State, switches: Switches | None = None, as_built: float | None = None
+) -> RunResult:
     """Accelerations and reactions at one state, as a result with a single sample."""
     compiled = compile_system(system, (), switches)
-    return Job(compiled, start, start.t, np.array([start.t]), DOP853(), 1e-8, None, None).evaluate()
+    return Job(compiled, start, start.t, np.array([start.t]), DOP853(), 1e-8, None, as_built).evaluate()
