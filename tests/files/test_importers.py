@@ -270,9 +270,8 @@ def test_a_mimic_is_a_gear_named_by_its_joints(tmp_path):
 
 def test_a_body_is_merged_into_one_of_the_system(tmp_path):
     inner = f'<body name="hand">{INERTIAL.format(1)}</body>'
-    text = f"""<mujoco><worldbody><body name="ground"><joint name="hinge"/>{INERTIAL.format(1)}{inner}</body>
-      </worldbody></mujoco>"""
-    found = read_mjcf(written(tmp_path, text))
+    body = f'<body name="ground"><joint name="hinge"/>{INERTIAL.format(1)}{inner}</body>'
+    found = read_mjcf(written(tmp_path, f"<mujoco><worldbody>{body}</worldbody></mujoco>"))
     assert found.merged == {"hand": "ground (body)"} and found.renamed == {"ground (body)": "ground"}
 
 
