@@ -28,6 +28,7 @@ NOW = [
     ("t", float),  # s, time of the state y
     ("step", float),  # s, length of the next step to be tried
     ("speed", float),  # m/s, greatest so far, relative to the mean of all bodies: scale of velocity errors
+    ("fastest", float),  # m/s, the greatest that there was; `speed` is never less than the start leads to expect
     ("turn", float),  # rad/s, greatest angular velocity so far
     ("steps", int),  # accepted
     ("rejected", int),

@@ -108,7 +108,8 @@ def update_scales(m, d, run):
         v, w = d.body[i].velocity, d.body[i].w
         speed = np.sqrt((v[0] - x) ** 2 + (v[1] - y) ** 2 + (v[2] - z) ** 2)
         turn = np.sqrt(w[0] ** 2 + w[1] ** 2 + w[2] ** 2)
-        run.now.speed = max(run.now.speed, speed, m.length * turn)
+        run.now.fastest = max(run.now.fastest, speed, m.length * turn)
+        run.now.speed = max(run.now.speed, run.now.fastest)
         run.now.turn = max(run.now.turn, turn)
     for j in range(m.state.shape[0] if run.now.speed > before or run.now.fresh > 0 else 0):
         run.unit[j] = m.state[j].unit * run.now.speed ** m.state[j].power

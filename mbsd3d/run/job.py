@@ -265,6 +265,7 @@ class Job:
         now = run.now
         record.steps, record.rejected = int(now["steps"]), int(now["rejected"])
         record.evaluations, record.nearest = int(now["evaluations"]), float(run.rows["lowest"])
+        record.speed = float(now["fastest"])
         arrays = self.samples.finished()
         arrays["t"] = arrays["t"][:, 0]
         return RunResult.from_run(self.compiled, arrays, record, self.start, run.y.copy(), float(now["t"]), self.data)

@@ -123,6 +123,7 @@ class Slices(Job):
         record = replace(
             self.record, rank_events=list(self.record.rank_events), steps=int(run.now.steps),
             rejected=int(run.now.rejected), evaluations=int(run.now.evaluations), seconds=self.record.loop_seconds,
+            speed=float(run.now.fastest),
             inputs={name: tuple(changes) for name, changes in self.history.items()},
         )  # fmt: skip
         arrays = {name: array[:count].copy() for name, array in self.samples.arrays.items()}

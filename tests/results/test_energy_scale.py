@@ -4,7 +4,18 @@ import numpy as np
 import pytest
 from models import dropped_wheel
 
-from mbsd3d import DOP853, Body, GeneralizedAlpha, RadauIIA, SpringDamper, System, simulate
+from mbsd3d import (
+    DOP853,
+    GROUND,
+    Body,
+    GeneralizedAlpha,
+    RadauIIA,
+    Revolute,
+    SpringDamper,
+    System,
+    TorsionSpring,
+    simulate,
+)
 
 METHODS = [DOP853(), RadauIIA(), GeneralizedAlpha()]
 
@@ -37,3 +48,16 @@ def test_a_body_that_falls_without_turning_has_the_energy_of_its_fall(method):
             (method, 1e-6), (DOP853(), 1e-10)))  # fmt: skip
         assert np.abs(run.position("wheel") - exact.position("wheel")).max() < 1e-3 * h  # it is right, and passes
         assert run.certificate.passed, f"{system.name}\n{run.certificate}"
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: type(method).__name__)
+def test_a_machine_that_has_come_to_rest_is_judged_by_how_it_moved(method):
+    """Start and sample are at rest; what the method damped of the swing between is no large share of nothing."""
+    bob = Body("bob", 2.0, (0.1, 0.2, 0.25), com=(0.1, 0.05, -0.6))
+    hinge = Revolute(GROUND, bob, at=(0, 0, 0), axis=(0.1, 1.0, 0.2), name="hinge")
+    system = System([bob], [hinge], forces=[TorsionSpring(hinge, stiffness=0.0, damping=1.0)])
+    state = system.assemble(angles={hinge: 2.5})
+    late, whole = (simulate(system, 40.0, state=state, method=method, rtol=1e-6, output=x) for x in ([40.0], None))
+    assert np.abs(late.arrays["v"]).max() < 1e-4 and late.certificate.passed, late.certificate
+    first, second = (run.certificate["energy balance"].error for run in (late, whole))
+    assert first <= second * (1.0 + 1e-9)

@@ -67,12 +67,12 @@ def scales_of(solution: RunSamples) -> Scales:
     arrays, system, length = solution.arrays, solution.system, solution.compiled.model.length
     spin = largest(arrays["v"][..., 3:])
     speed = largest(arrays["v"][..., :3] - arrays["v"][..., :3].mean(axis=1, keepdims=True))
-    speed = max(speed, length * spin)
+    speed = max(speed, length * spin, solution.record.speed)  # samples may all be of a machine at rest
     a = largest(arrays["acceleration"][..., :3])
     a = max(a, float(np.linalg.norm(system.gravity)), length * spin * spin) or 1.0
     mass = system.total_mass() or 1.0
     reach = largest(arrays["q"][..., :3]) + length
-    absolute = largest(arrays["v"][..., :3]) + length * spin
+    absolute = max(largest(arrays["v"][..., :3]) + length * spin, speed)
     momentum = mass * max(absolute, 1e-3 * np.sqrt(a * length))
     speed = max(speed, np.sqrt(1e-3 * a * length))
     return Scales(
