@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from scipy.interpolate import Akima1DInterpolator
 
 from ...base.checks import listed, shown, vector
 from ...base.errors import InputError
@@ -202,7 +203,16 @@ def curves_of(motion: Poses, frames: Frames, wanted: Wanted | None = None) -> li
 
 
 def curve(samples: np.ndarray, t: np.ndarray, panel: Panel) -> Curve:
-    """A panel read at the times [s], between samples along straight lines."""
+    """A panel read at the times [s], between samples along Akima's cubic curves, which hardly swing beside a jump.
+
+    Along straight lines what is rounding (``log``), what is somewhere not finite, and what has two samples or a time
+    twice.
+    """
     label = f"{panel.label} ({' '.join(panel.note.split())})" if panel.note else panel.label
-    lines = [(name, np.interp(t, samples, values)) for name, values in panel.lines]
+
+    def read(values: np.ndarray) -> np.ndarray:
+        smooth = samples.size > 2 and np.diff(samples).min() > 0.0 and not panel.log and np.isfinite(values).all()
+        return Akima1DInterpolator(samples, values)(t) if smooth else np.interp(t, samples, values)
+
+    lines = [(name, read(values)) for name, values in panel.lines]
     return Curve(label, panel.unit.strip("[]"), lines)
