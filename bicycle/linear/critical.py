@@ -222,7 +222,7 @@ def decays(q: Quartic, v: Array) -> Array:
     w = v * v
     with np.errstate(invalid="ignore"):
         signs = [value(x[..., None, :], w) > 0.0 for x in (q.c, q.d, q.e, q.h)]
-    return np.logical_and.reduce([*signs, (q.b > 0.0)[..., None] & np.ones_like(signs[0])])
+    return np.logical_and.reduce(signs)  # h = b (c d - b e) - a d^2 is positive with c, d and e only where b is
 
 
 def ranges(q: Quartic) -> list[Range]:
