@@ -31,6 +31,7 @@ class Record:
     inputs: dict = field(default_factory=dict)  # name -> ((time [s], value), ...): what each was set to, and when
 
 
+MOST_NUMBERS = 2**30  # that the samples of a run may hold: 8 GB
 BUFFER = 2**21  # numbers (16 MB) the buffer of the time loop may hold
 FEWEST = 16  # samples it holds at least
 QUANTITIES = ("t", "y", "acceleration", "lam", "coordinate", "potential", "power", "residual")

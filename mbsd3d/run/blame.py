@@ -25,23 +25,12 @@ FAILURES = {
     ),
     memory.NOT_CLOSING: ("the joints cannot be closed any more", "a singular or locked position; see system.check()"),
     memory.NO_SOLUTION: ("the equations have no finite solution", "check the forces and masses"),
+    memory.FULL: ("every step is a sample, and memory holds no more", "give output=, a number of samples or times"),
     memory.NOT_CONVERGED: (
         "Newton's method finds no end of the step", "take a smaller dt, or dt=None for adaptive steps",
     ),
 }  # fmt: skip
-COARSE = 1e-5  # rad: no motion is followed by longer steps than its jumps and bends ask for
 UNITS = {AngleDriver: "rad", SlideDriver: "m", PositionDriver: "m"}
-
-
-def failure(status: int, run: memory.Run) -> tuple[str, str]:
-    """What has happened, and advice, by the status of the time loop."""
-    if status == memory.STEP_TOO_SMALL and run.task.min_step * run.now.turn > COARSE:
-        long, step = run.task.t_end, run.task.min_step
-        return (
-            f"a run to {long:g} s has steps of {step:.0e} s at least, too long for this motion",
-            "give an earlier end",
-        )
-    return FAILURES[status]
 
 
 def driven_to(compiled: Compiled, t: float) -> str:

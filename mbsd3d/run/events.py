@@ -1,4 +1,5 @@
-"""Times at which something happens: where signals turn; and whether a condition to stop can come true at once."""
+"""Times at which something happens: where signals turn; whether a condition to stop can come true at once; how fast a
+motion is at its start."""
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from ..mechanism.signals.terms import turning_times
 
 ROUNDED = 1e-15  # of its time: nearer than that a stage at the end of a step may fall behind a jump
 SLACK = 1e-9  # of its scale is what a measure may differ from a value that it is said to have
+BLURRED = 1e-2  # rad of the motion at the start, between two times that can be told apart at the end
 SOON = 1e-3  # of the first step: so far the motion is a straight line
 
 
@@ -60,3 +62,21 @@ def at_start(model: Model, data: Data, run: Run, dt: float) -> float:
     value = float(np.real(measure(model, data, 0, t + dt)))
     kinematics(model, data, run.y)
     return value
+
+
+def rate_of_motion(v: np.ndarray, a: np.ndarray, length: float) -> float:
+    """[1/s] how fast a motion changes, by velocities and accelerations (n, 6) of its bodies; 1 where unknown."""
+    spin = np.abs(v[:, 3:]).max(initial=0.0) + np.sqrt(np.abs(a[:, 3:]).max(initial=0.0))
+    relative = np.abs(v[:, :3] - v[:, :3].mean(axis=0)).max(initial=0.0) / length
+    rate = spin + relative + np.sqrt(np.abs(a[:, :3]).max(initial=0.0) / length)
+    return float(rate) if np.isfinite(rate) else 1.0
+
+
+def check_digits(t_end: float, rate: float) -> None:
+    """InputError for an end so late that times have no digits left for a motion."""
+    apart = float(np.spacing(abs(t_end)))  # NaN for a run without end
+    if rate * apart > BLURRED:
+        raise InputError(
+            f"simulate: t_end = {t_end:g} s: times there are {apart:.0e} s apart, too far for this motion; give an "
+            "earlier end"
+        )

@@ -30,13 +30,13 @@ from ..mechanism.forces.contact import Contact
 from ..mechanism.forces.custom import check_runnable
 from ..mechanism.measures import Condition
 from ..mechanism.state import State
-from ..results.record import Record, Samples, buffer_size
+from ..results.record import MOST_NUMBERS, Record, Samples, buffer_size
 from ..results.run_result import RunResult
 from ..saddle.solve import SOLVED
 from .balance import check_balance
-from .blame import BESIDE, at_end_of_curve, blame, contradiction, driven_to, failure, singular_start, singular_there
+from .blame import BESIDE, FAILURES, at_end_of_curve, blame, contradiction, driven_to, singular_start, singular_there
 from .divergence import DivergenceWatch
-from .events import armed_at_start, turns_of_signals
+from .events import armed_at_start, check_digits, rate_of_motion, turns_of_signals
 from .stiffness import check_forces
 from .sunk import check_sunk
 
@@ -141,6 +141,8 @@ class Job:
                 budget = int(np.clip(budget * CHUNK / max(spent, 1e-6), budget / 4, 4 * budget)) or 1
             elif status == memory.FULL:
                 self.drain()
+                if self.samples.count * run.out.shape[1] > MOST_NUMBERS:
+                    self.fail(memory.FULL)
             elif status == memory.NEW_TREE:
                 self.eliminate_anew()
             elif status == memory.STIFF:
@@ -206,13 +208,10 @@ class Job:
         now, task = run.now, run.task
         horizon = task["t_end"] - now["t"]
         project_and_evaluate(model, self.data, self.tree, now["t"], run.y.copy(), run.dy, FAR)
-        v = run.y[7 * n : 13 * n].reshape(n, 6)
-        a = run.dy[7 * n : 13 * n].reshape(n, 6)
-        spin = np.abs(v[:, 3:]).max(initial=0.0) + np.sqrt(np.abs(a[:, 3:]).max(initial=0.0))
-        relative = np.abs(v[:, :3] - v[:, :3].mean(axis=0)).max(initial=0.0) / model.length
-        rate = spin + relative + np.sqrt(np.abs(a[:, :3]).max(initial=0.0) / model.length)
-        rate = rate if np.isfinite(rate) else 1.0
-        rate = max(rate, 1.0 / horizon) or 1.0  # a run without horizon may start at rest
+        v, a = (x[7 * n : 13 * n].reshape(n, 6) for x in (run.y, run.dy))
+        rate = max(rate_of_motion(v, a, model.length), 1.0 / horizon) or 1.0  # a run without horizon may start at rest
+        if self.stop_when is None:
+            check_digits(float(task["t_end"]), rate)
         now["speed"], now["turn"] = rate * model.length, rate
         if self.record.kinematic:
             now["turn"] = np.abs(v[:, 3:]).max(initial=0.0)  # what it does turn, for the distance of poses
@@ -276,7 +275,7 @@ class Job:
         solution = self.solution()
         here = (self.compiled, self.data, self.memory.y, t, float(self.memory.now.step))
         part, clash = blame(*here), contradiction(*here)
-        what, advice = failure(status, self.memory)
+        what, advice = FAILURES[status]
         ended = at_end_of_curve(self.compiled, self.data, float(self.memory.now.step))
         if ended:
             part, what, advice = ended, "the contact comes to the end of its curve", "give a longer one, or end the run"

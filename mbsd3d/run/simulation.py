@@ -16,12 +16,12 @@ from ..mechanism.measures import Condition, check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.signals import check_interval
 from ..mechanism.state import State
+from ..results.record import MOST_NUMBERS
 from ..results.run_result import RunResult
 from .job import Job
 
 SHORTEST = 1e-12  # of the time, the shortest run: a hundred of the shortest steps
 MOST_STEPS = 1e9  # of a run: days
-MOST_NUMBERS = 2**30  # that the samples of a run may hold: 8 GB
 
 
 def run_to(
