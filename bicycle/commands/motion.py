@@ -44,8 +44,8 @@ def ride(
 ) -> None:  # fmt: skip
     """Let a bicycle go without hands: nonlinear motion, forces of the ground, friction they need, and falls.
 
-    Writes a figure, a table (.csv) and the whole run (.npz, read by mbsd3d.load), named after bicycle, manoeuvre and
-    the settings that were changed. Ctrl-C keeps what was computed. The exit code is 1 if the certificate of the run
+    Writes a figure, a table (.csv) and the whole run (.npz, read by mbsd3d.load; not with --unphysical), named after
+    bicycle, manoeuvre and the settings that were changed. Ctrl-C keeps what was computed. The exit code is 1 if the certificate of the run
     fails.
     """
     from ..rides.motion import plot_ride
@@ -70,11 +70,15 @@ def ride(
     try:
         found = run(parameters, fallen=np.radians(fallen), held_down=held_down, output=samples, **arguments)
     except IntegrationError as error:
-        keep(error.solution, target)
+        if not parameters.unphysical:
+            keep(error.solution, target)
         raise
     click.echo(f"{chosen.title}\n{found}")
-    figure = plot_ride(found, chosen.title)
-    report(found.solution.save(target), found.to_csv(target), *saved(figure, target))
+    if parameters.unphysical:
+        click.echo("no .npz file: it would hold bodies that cannot exist, and not be read back")
+    else:
+        report(found.solution.save(target))
+    report(found.to_csv(target), *saved(plot_ride(found, chosen.title), target))
     if viewed:
         report(view(found, target, title=f"{parameters.name}: {chosen.title}"))
     if found.interrupted:

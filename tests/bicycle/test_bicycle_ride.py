@@ -242,6 +242,14 @@ def test_command_writes_what_it_says(tmp_path):
 
 
 @pytest.mark.slow
+def test_a_ride_of_bodies_that_cannot_exist_is_written_as_far_as_it_can_be(tmp_path):
+    """It had been computed, then refused by the .npz file, and all was lost."""
+    options = ["Browser", "--unphysical", "--t-end", "0.2", "--out", str(tmp_path)]
+    answer = CliRunner().invoke(main, ["bicycle", "ride", *options])
+    assert answer.exit_code == 0 and "no .npz file" in answer.output
+    assert {path.suffix for path in tmp_path.iterdir()} == {".csv", ".png", ".svg"}
+
+
 def test_rides_that_differ_have_files_of_their_own(tmp_path):
     common = ["bicycle", "ride", "--manoeuvre", "pulse", "--t-end", "0.1", "--out", str(tmp_path)]
     for more in ([], ["--speed", "4.25"], ["--speed", "5"], ["--fallen", "30", "--held-down"], ["--fallen", "60"]):
