@@ -45,8 +45,8 @@ def ride(
     """Let a bicycle go without hands: nonlinear motion, forces of the ground, friction they need, and falls.
 
     Writes a figure, a table (.csv) and the whole run (.npz, read by mbsd3d.load; not with --unphysical), named after
-    bicycle, manoeuvre and the settings that were changed. Ctrl-C keeps what was computed. The exit code is 1 if the certificate of the run
-    fails.
+    bicycle, manoeuvre and the settings that were changed. Ctrl-C keeps what was computed. The exit code is 1 if the
+    certificate of the run fails.
     """
     from ..rides.motion import plot_ride
     from ..rides.ride import run, view
