@@ -1,5 +1,6 @@
 # checks of what a user gave; errors name the part, the value and the remedy
 from .base.checks import number as number
+from .base.checks import whole as whole
 from .base.checks import solvable as solvable
 from .base.checks import vector as vector
 from .base.errors import Explained as Explained

@@ -15,7 +15,7 @@ import numpy as np
 import scipy
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, dress, number
+from mbsd3d.extend import LINE, dress, number, whole
 
 from .. import parameters as published
 from ..output import new_figure, write_table
@@ -114,13 +114,6 @@ def checked_deviations(parameters: Parameters, given: Mapping[str, float] | None
             raise InputError(f"{what}: deviation of '{key}': no such parameter; there are {', '.join(SYMBOLS)}")
         found[key] = number(std, f"{what}: deviation of {key}", positive=True)
     return found
-
-
-def whole(value: int, what: str, least: int) -> int:
-    """A whole number that is not below the least, or a ValueError."""
-    if not isinstance(value, int | np.integer) or isinstance(value, bool) or value < least:
-        raise InputError(f"{what} = {value!r:.80}; give a whole number >= {least}")
-    return int(value)
 
 
 def monte_carlo(

@@ -127,10 +127,11 @@ def number(value: float, what: str, *, minimum: float | None = None, positive: b
     return x
 
 
-def whole(value: int, what: str, least: int, most: int) -> int:
+def whole(value: int, what: str, least: int, most: float = np.inf) -> int:
     """A whole number in a range."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= most:
-        raise InputError(f"{what} = {shown(value)}; give a whole number from {least} to {most}")
+        wanted = f">= {least}" if most == np.inf else f"from {least} to {most}"
+        raise InputError(f"{what} = {shown(value)}; give a whole number {wanted}")
     return int(value)
 
 

@@ -166,12 +166,8 @@ class Facts:
             add(("gravcomp", self.name("body", i)))
         for i in self.guessed:
             if m.body_weldid[i] and m.body_mass[i]:
-                add(
-                    (
-                        "inertial",
-                        f"the {m.body_mass[i]:.3g} kg that MuJoCo makes of the shapes of {self.name('body', i)}",
-                    )
-                )
+                body, mass = self.name("body", i), m.body_mass[i]
+                add(("inertial", f"the {mass:.3g} kg that MuJoCo makes of the shapes of {body}"))
         for i in np.flatnonzero(m.body_mocapid >= 0):
             add(("mocap", self.name("body", i)))
         if m.nplastic:
