@@ -149,3 +149,8 @@ class Part(Frozen):
     def check(self, what: str) -> None:
         """Validate and convert the fields; errors start with ``what``."""
         raise NotImplementedError
+
+
+def called(part: Body | Part) -> str:
+    """A part by its type and name, for messages."""
+    return f"{type(part).__name__} '{part.name}'" if part.name else f"a {type(part).__name__} without a name"

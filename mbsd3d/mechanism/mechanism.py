@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..base.checks import Frozen, check_choice, check_name, shown, vector
 from ..base.errors import InputError
-from .bodies import GROUND, Body
+from .bodies import GROUND, Body, called
 from .force_element import ForceElement
 from .joints import Joint
 
@@ -38,7 +38,7 @@ def misplaced(part: Any, key: str) -> str:
 def short(part: Any) -> str:
     """A part by its type and name, anything else by what it prints, cut."""
     if isinstance(part, tuple(KINDS.values())):
-        return f"{type(part).__name__} '{part.name}'" if part.name else f"a {type(part).__name__} without a name"
+        return called(part)
     return shown(part)
 
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from ...base.checks import shown, vector
 from ...base.directions import matched_perpendiculars, perpendiculars, unit
 from ...base.errors import InputError
-from ..bodies import Body, Ground, Part
+from ..bodies import Body, Ground, Part, called
 from ..motion import LoadedMotion, Motion
 from ..primitives import Coordinate, Primitive, in_plane, perpendicular
 
@@ -141,7 +141,6 @@ def coordinate_of(part: Any, kind: str, what: str) -> Coordinate:
         raise InputError(f"{what}: {shown(part)} is not a joint; give the part itself")
     found = getattr(part, kind)()
     if found is None:
-        have = f"{type(part).__name__} '{part.name}'" if part.name else f"a {type(part).__name__} without a name"
         example = "Revolute or Cylindrical" if kind == "angle" else "Prismatic or Cylindrical"
-        raise InputError(f"{what}: {have} has no {kind}; give a joint that has one, e.g. a {example}")
+        raise InputError(f"{what}: {called(part)} has no {kind}; give a joint that has one, e.g. a {example}")
     return found
