@@ -3,10 +3,8 @@
 from ..compiler.jit import inner_kernel, kernel
 from ..kernels.kinematics import kinematics
 from ..kernels.rows import row_speed, rows
-from ..kernels.vectors import add, clear, cross, dot, mat, pair, put6, rotate, rotate_back, scale, sub, turning, vec
-from ..saddle.links import body_inertia
-from ..saddle.solve import factor, solve
-from ..saddle.spatial import times
+from ..kernels.vectors import add, clear, cross, dot, mat, pair, rotate, rotate_back, scale, sub, turning, vec
+from ..saddle.solve import factor, solve, subtract_known
 from .loads import loads
 from .state_rates import right_sides
 
@@ -99,26 +97,6 @@ def equation_residuals(m, d, times, states, coordinates, accelerations, lam, bod
         rows_of_sample(m, d, times[k], states[k], coordinates[k])
         row_defects(m, d, accelerations[k], joints[k])
         newton_euler(m, d, times[k], accelerations[k], lam[k], bodies[k])
-
-
-@inner_kernel
-def subtract_known(m, d, acceleration, lam):
-    """[top; bottom] -= [M J'; J 0] [acceleration; lam]."""
-    n = m.body.shape[0]
-    for i in range(n):
-        body = d.body[i]
-        A, B, C = body_inertia(m.body[i], body)
-        inertial, turning_part = times(A, B, C, pair(acceleration[i]))
-        force, moment = pair(body.top)
-        put6(body.top, sub(force, inertial), sub(moment, turning_part))
-    for k in range(m.row.shape[0]):
-        row = d.row[k]
-        for slot in range(4):
-            i = m.row[k].body[slot]
-            if 0 <= i < n:
-                for j in range(6):
-                    d.body[i].top[j] -= row.J[slot, j] * lam[k]
-                    row.bottom -= row.J[slot, j] * acceleration[i, j]
 
 
 @kernel

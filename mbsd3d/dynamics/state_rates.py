@@ -15,7 +15,7 @@ from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace, kinematics, normalise, push_velocities, rates
 from ..kernels.rows import row_speed, rows
 from ..kernels.vectors import add, add6, cross, pair, put, put6, scale, sub, vec
-from ..saddle.solve import SOLVED, factor, solve
+from ..saddle.solve import SOLVED, factor, refine, solve
 from .loads import loads
 
 PROJECTED, NOT_CLOSED, UNSOLVED = 0, 1, 2
@@ -70,7 +70,8 @@ def right_sides(m, d, t):
 def accelerate(m, d, s, t):
     """v_dot and lam from the rows, loads and factor at hand."""
     right_sides(m, d, t)
-    return solve(m, d, s)
+    status = solve(m, d, s)
+    return refine(m, d, s) if status == SOLVED and s.state.graded == 1 else status
 
 
 @inner_kernel

@@ -199,6 +199,7 @@ class Tree(NamedTuple):
 TREE_STATE = [
     ("mu", float),  # 1/kg of a row in radians and metres of the model: what keeps S regular where rows repeat others
     ("dense", int),  # 1: a pivot of a link has vanished (bodies without inertia): the dense matrix at this state
+    ("graded", int),  # 1: pivots of the loop rows differ so much that S loses digits: solutions are refined
     ("weak", int),  # 1: some loop rows are nearly dependent on others
     ("soft", int),  # 1: some resist so little at the end of the last step that one sweep does not take mu away again
     ("rank", int),  # independent loop rows, the most at the end of any step: off c = 0 rows that repeat others seem so

@@ -20,6 +20,7 @@ WEAK = 1e-2  # pivots below this share of the largest that they have been: the r
 UNFELT = 1e-4  # times mu: diagonals below it belong to rows that nothing in the tree yields to, as out of a plane
 SWEEPS, MORE_SWEEPS = 1, 40  # as a rule; at most, near a singular position or where rows are soft
 SETTLED = 1e-15  # of the right side: change of the residual that ends the sweeps
+PIVOT_RATIO_MAX = 3e5  # [1] largest diagonal over least pivot: beyond, S leaves 1e-16 times it of the digits of J
 GRADED = 1e6  # largest diagonal over least pivot: S alone has too few digits then,
 REGULAR = 1e7  # times mu: pivots below it are judged as if they were this
 FLOOR = 1e-14  # of the diagonal: what rounding leaves of a pivot
@@ -137,6 +138,18 @@ def substitute(s, x):
         x[loop[i].at] = value
 
 
+@inner_kernel
+def least_independent(s):
+    """Return the least pivot of the rows that repeat no others, times mu."""
+    least = np.inf
+    for i in range(s.loop.shape[0]):
+        row = s.loop[i]
+        used = s.skyline[1][row.line + i] != 0.0
+        if used and (s.state.soft == 1 or max(row.most, row.pivot) > FELT):
+            least = min(least, row.pivot)
+    return least
+
+
 @late_kernel
 def factor_loops(s):
     """Factor of S + mu, group after group (symmetric also for complex steps), and how independent its rows are."""
@@ -161,6 +174,8 @@ def factor_loops(s):
     s.state.pivot = independence(s) if s.state.weak == 1 or s.state.soft == 1 else 1.0
     if softest > GRADED * max(least, REGULAR):
         s.state.dense, s.state.pivot = 1, 1.0
+    elif s.state.pivot > WEAK and softest > PIVOT_RATIO_MAX * least_independent(s):  # else rows are let go instead
+        s.state.graded = 1
 
 
 @fused_kernel

@@ -9,9 +9,10 @@ import numpy as np
 
 from ..compiler.jit import allocating_kernel, inner_kernel, kernel
 from ..compiler.late import late
-from ..kernels.vectors import add, mat, pair, put, rotate, rotate_back, vec
+from ..kernels.vectors import add, add_scaled, mat, pair, put, put6, rotate, rotate_back, sub, vec
 from .links import body_inertia, factor_links, load_links, move_links
 from .loops import PROXIMAL, factor_loops, solve_loops
+from .spatial import times
 
 SOLVED, NOT_FINITE = 0, 1
 DENSE_SWEEPS = 3
@@ -20,7 +21,7 @@ DENSE_SWEEPS = 3
 @kernel
 def factor(m, d, s):
     """Prepare `solve` at the present rows."""
-    s.state.dense, s.state.worn, s.state.weak, s.state.pivot = 0, 0, 0, 1.0
+    s.state.dense, s.state.worn, s.state.graded, s.state.weak, s.state.pivot = 0, 0, 0, 0, 1.0
     factor_links(m, d, s)
     if s.state.dense == 0 and s.loop.shape[0] > 0:
         factor_loops(s)
@@ -105,3 +106,43 @@ def solve_dense(m, d, s) -> int:
     for i in range(c):
         d.row[s.used[i]].lam = x[n + i] * (PROXIMAL / s.state.mu)
     return SOLVED
+
+
+@inner_kernel
+def subtract_known(m, d, acceleration, lam):
+    """[top; bottom] -= [M J'; J 0] [acceleration; lam]."""
+    n = m.body.shape[0]
+    for i in range(n):
+        body = d.body[i]
+        A, B, C = body_inertia(m.body[i], body)
+        inertial, turning_part = times(A, B, C, pair(acceleration[i]))
+        force, moment = pair(body.top)
+        put6(body.top, sub(force, inertial), sub(moment, turning_part))
+    for k in range(m.row.shape[0]):
+        row = d.row[k]
+        for slot in range(4):
+            i = m.row[k].body[slot]
+            if 0 <= i < n:
+                for j in range(6):
+                    d.body[i].top[j] -= row.J[slot, j] * lam[k]
+                    row.bottom -= row.J[slot, j] * acceleration[i, j]
+
+
+@late
+@allocating_kernel
+def refine(m, d, s) -> int:
+    """Add to acceleration, alpha and lam what the residual of the whole saddle point still asks for.
+
+    S = J M^-1 J' has the square of the condition of J. The residual knows no S, so a solution with d digits gets 2 d,
+    up to those that the condition of J leaves.
+    """
+    n = m.body.shape[0]
+    known, alpha, lam = d.body["acceleration"][:n].copy(), d.body["alpha"][:n].copy(), d.row["lam"].copy()
+    subtract_known(m, d, known, lam)
+    status = solve(m, d, s)
+    for i in range(n):
+        add_scaled(d.body[i].acceleration, 1.0, known[i])
+        add_scaled(d.body[i].alpha, 1.0, alpha[i])
+    for k in range(lam.shape[0]):
+        d.row[k].lam += lam[k]
+    return status
