@@ -16,7 +16,7 @@ from scipy.linalg.lapack import dgeqrf as geqrf
 from scipy.linalg.lapack import dgetrf as getrf
 from scipy.linalg.lapack import dgetrs as getrs
 from scipy.linalg.lapack import dtrtri as trtri
-from scipy.sparse import coo_array, csc_array, csr_array, eye_array, vstack
+from scipy.sparse import coo_array, csc_array, csr_array, diags_array, eye_array, vstack
 from scipy.sparse.linalg import splu
 
 from ..base.errors import AssemblyError
@@ -105,3 +105,24 @@ def shortest(J: BlockRows, rows: np.ndarray, more: np.ndarray, columns: np.ndarr
     if more.shape[0]:
         A = vstack([A, csr_array(more * columns)], format="csr")
     return least(eye_array(columns.size), A, b)
+
+
+def least_motion(
+    J: BlockRows, rows: np.ndarray, more: np.ndarray, columns: np.ndarray, b: np.ndarray, B: BlockRows
+) -> tuple[np.ndarray, int]:
+    """x (n,) of least |B x| that meets A x = b as in `shortest`, and the rank of A; 0 where it is not computed.
+
+    Entries of x whose column is 0 stay 0; B leaves none of the others free.
+    """
+    held = columns == 0.0
+    if J.n < FEW_BODIES:
+        A, W = np.vstack([J.dense() * rows[:, None], more]) * columns, B.dense() * ~held
+        L = np.linalg.cholesky(W.T @ W + np.diag(held.astype(float)))
+        y, _, rank, _ = scipy.linalg.lstsq(
+            scipy.linalg.solve_triangular(L, A.T, lower=True).T, b, cond=DAMPING**0.5, lapack_driver="gelsy"
+        )
+        return scipy.linalg.solve_triangular(L, y, trans=1, lower=True), int(rank)
+    A, W = scaled(J.sparse(), rows, columns), scaled(B.sparse(), np.ones(B.body.shape[0]), (~held).astype(float))
+    if more.shape[0]:
+        A = vstack([A, csr_array(more * columns)], format="csr")
+    return least(W.T @ W + diags_array(held.astype(float)), A, b), 0
