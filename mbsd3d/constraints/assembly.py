@@ -16,9 +16,9 @@ from ..mechanism.joints import coordinate_of
 from ..mechanism.measures import OF_POSES, Measure, check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
-from .closing import Found, ambiguities, close_pose
 from .contradictions import find_contradiction
-from .pose_equations import CLOSED_GAP_MAX, gap_size, newton
+from .poses.closing import Found, ambiguities, close_pose
+from .poses.pose_equations import CLOSED_GAP_MAX, gap_size, newton
 from .spanning_tree import loop_weights
 from .velocities import with_velocities
 
@@ -159,10 +159,8 @@ def check_closed(found: Found, asked: list[str], pinned: set[int]) -> None:
 
 def moved_report(system: Mechanism, start: State, end: State) -> dict[str, tuple[float, float]]:
     """How far each body moved: distance of O [m] and angle [rad]."""
-    n = len(system.bodies)
-    a, b = start.q.reshape(n, 7), end.q.reshape(n, 7)
-    report = {}
-    for i, body in enumerate(system.bodies):
-        turn = float(np.linalg.norm(logarithm(multiply(b[i, 3:], conjugate(a[i, 3:])))))
-        report[system.name(body)] = (float(np.linalg.norm(b[i, :3] - a[i, :3])), turn)
-    return report
+    a, b = start.q.reshape(-1, 7), end.q.reshape(-1, 7)
+    shifts = np.linalg.norm(b[:, :3] - a[:, :3], axis=1)
+    turns = np.linalg.norm(logarithm(multiply(b[:, 3:], conjugate(a[:, 3:]))), axis=1)
+    names = [system.name(body) for body in system.bodies]
+    return dict(zip(names, zip(shifts.tolist(), turns.tolist(), strict=True), strict=True))

@@ -16,6 +16,7 @@ from scipy.linalg.lapack import dgeqrf as geqrf
 from scipy.linalg.lapack import dgetrf as getrf
 from scipy.linalg.lapack import dgetrs as getrs
 from scipy.linalg.lapack import dtrtri as trtri
+from scipy.linalg.lapack import dtrtrs as trtrs
 from scipy.sparse import coo_array, csc_array, csr_array, diags_array, eye_array, vstack
 from scipy.sparse.linalg import splu
 
@@ -116,12 +117,13 @@ def least_motion(
     """
     held = columns == 0.0
     if J.n < FEW_BODIES:
-        A, W = np.vstack([J.dense() * rows[:, None], more]) * columns, B.dense() * ~held
-        L = np.linalg.cholesky(W.T @ W + np.diag(held.astype(float)))
-        y, _, rank, _ = scipy.linalg.lstsq(
-            scipy.linalg.solve_triangular(L, A.T, lower=True).T, b, cond=DAMPING**0.5, lapack_driver="gelsy"
-        )
-        return scipy.linalg.solve_triangular(L, y, trans=1, lower=True), int(rank)
+        A, W = np.vstack([J.dense() * rows[:, None], more]) * columns, B.dense()
+        D = W.T @ W
+        D[held], D[:, held], D[held, held] = 0.0, 0.0, 1.0
+        L = np.linalg.cholesky(D)
+        eased = trtrs(L, A.T, lower=1)[0].T
+        y, _, rank, _ = scipy.linalg.lstsq(eased, b, cond=DAMPING**0.5, lapack_driver="gelsy", check_finite=False)
+        return trtrs(L, y, lower=1, trans=1)[0], int(rank)
     A, W = scaled(J.sparse(), rows, columns), scaled(B.sparse(), np.ones(B.body.shape[0]), (~held).astype(float))
     if more.shape[0]:
         A = vstack([A, csr_array(more * columns)], format="csr")

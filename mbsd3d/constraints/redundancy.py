@@ -14,10 +14,10 @@ from ..mechanism.drivers import Driver
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .assembly import reference_pose
-from .closing import close_pose
 from .contradictions import TOLERANCE, find_contradiction
 from .elimination import SAFE, Core
-from .pose_equations import gap_size, newton
+from .poses.closing import close_pose
+from .poses.pose_equations import gap_size, newton
 from .rank import Analysis, orthonormal
 from .remedies import Cure, find_cures
 from .singularity import rows_beside, singularities

@@ -10,7 +10,7 @@ from ..kernels.layout import Data
 from ..mechanism.drivers import Driver
 from ..mechanism.state import State
 from .least_squares import shortest
-from .pose_equations import gap_size, newton
+from .poses.pose_equations import gap_size, newton
 from .rank import Analysis
 
 BESIDE = (0.05, -0.05)  # radians or lengths of the model

@@ -20,8 +20,8 @@ from ..kernels.layout import Data
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .contradictions import find_contradiction
-from .joint_motion import joint_graph
 from .least_squares import FEW_BODIES, Matrix, least
+from .poses.joint_motion import joint_graph
 from .spins import check_spins
 
 

@@ -4,17 +4,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base.concurrency import on_one_thread
-from ..base.errors import AssemblyError
-from ..equations.at_state import pack
-from ..equations.compiled import Compiled
-from ..kernels.kinematics import displace
-from ..mechanism.state import State
+from ...base.concurrency import on_one_thread
+from ...base.errors import AssemblyError
+from ...equations.at_state import pack
+from ...equations.compiled import Compiled
+from ...kernels.kinematics import displace
+from ...mechanism.state import State
 from .continuation import Continuation
 from .joint_motion import joint_graph
-from .pose_equations import CLOSED_GAP_MAX, PoseEquations, gap_size
+from .pose_equations import CLOSED_GAP_MAX, CORRECTION_MAX, PoseEquations, gap_size
 
-CORRECTION_MAX = 1e-6  # [1] residual of a start from which Newton's method goes straight to the one pose nearby
 FREE_RATE_MIN = 1e-4  # [1] of a hinge in a free motion of order one; less is rounding of rows near a singular pose
 MOVED_MIN = 1e-6  # [rad] of a hinge that nobody asked for, by which it counts as moved
 SEEDED_MOVES = 0.05, 0.2, 0.5  # [rad, lengths of the model] to poses nearby

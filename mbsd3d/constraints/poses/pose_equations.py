@@ -2,19 +2,20 @@
 
 import numpy as np
 
-from ..equations.at_state import coordinate_row, load_state
-from ..equations.compiled import Compiled
-from ..equations.jacobian import block_rows, displacement_units
-from ..kernels.coordinates import coordinate, measure, remember
-from ..kernels.kinds import ANGLE
-from ..kernels.kinematics import displace, kinematics
-from ..kernels.rows import rows
-from ..mechanism.state import State
+from ...equations.at_state import coordinate_row, load_state
+from ...equations.compiled import Compiled
+from ...equations.jacobian import block_rows, displacement_units
+from ...kernels.coordinates import coordinate, measure, remember
+from ...kernels.kinds import ANGLE
+from ...kernels.kinematics import displace, kinematics
+from ...kernels.rows import rows
+from ...mechanism.state import State
+from ..least_squares import least_motion, shortest
+from ..nearby_poses import nudged
 from .joint_motion import JointGraph
-from .least_squares import least_motion, shortest
-from .nearby_poses import nudged
 
 CLOSED_GAP_MAX = 1e-9  # [1] residual in lengths of the model and radians of a pose that counts as closed
+CORRECTION_MAX = 1e-6  # [1] residual from which Newton's method goes straight to the one pose nearby
 ITERATIONS_MAX = 200  # of Newton's method; a chain that is drawn far off takes some fifty
 
 
@@ -37,7 +38,7 @@ class PoseEquations:
         self.asked_scale = np.where([*turns, *(True for _ in goals)], 1.0, 1.0 / model.length)
         self.free = np.repeat([i not in pinned for i in range(model.body.size)], 6)
         self.columns = displacement_units(model.length, model.body.size) * self.free
-        self.rank = 0  # of the last `motion`, of few bodies
+        self.rank, self.B = 0, None  # of the last `motion` by a graph: rank, of few bodies, and twists of the joints
         self.y = load_state(compiled, self.data, pose)
 
     @property
@@ -85,8 +86,8 @@ class PoseEquations:
         J, more = block_rows(self.model, self.data).take(self.holonomic), self.asked_rows()
         if graph is None:
             return self.columns * shortest(J, self.scale, more, self.columns, F)
-        B = graph.twist_rows(self.data, self.model.length)
-        x, self.rank = least_motion(J, self.scale, more, self.columns, F, B)
+        self.B = graph.twist_rows(self.data, self.model.length)
+        x, self.rank = least_motion(J, self.scale, more, self.columns, F, self.B)
         return self.columns * x
 
     def change(self, motion: np.ndarray) -> np.ndarray:
@@ -139,7 +140,7 @@ class PoseEquations:
                 best, taken = size, (self.q.copy(), self.counted())
             if size < enough or stalled > (8 if best > 1e-12 else 1):
                 break
-            dx = self.motion(-c, graph)
+            dx = self.motion(-c, graph if size > CORRECTION_MAX else None)
             turn = np.abs(dx.reshape(-1, 6)[:, 3:]).max(initial=0.0)
             shift = np.abs(dx.reshape(-1, 6)[:, :3]).max(initial=0.0) / self.model.length
             self.displace(dx * min(1.0, 0.5 / max(turn, shift, 1e-300)))  # half a radian, half a length

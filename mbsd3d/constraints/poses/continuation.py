@@ -1,23 +1,22 @@
 """The way to a pose: asked-for values and drivers go there along the motion, so that every hinge counts its turns.
 
 F(q) = (1 - s) F(q_0) for s from 0 to 1. A step goes along the motion that the rows allow, every body on a screw that
-rests in the body that carries it, and Newton's method corrects it. Where joints turn evenly, as in gears, steps double.
+rests in the body that carries it, and Newton's method corrects it. Where joints turn evenly, as in gears, steps grow.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..equations.jacobian import displacement_units
-from ..kernels.kinds import ANGLE, SLIDE
+from ...equations.jacobian import displacement_units
+from ...kernels.kinds import ANGLE, SLIDE
 from .joint_motion import JointGraph
 from .pose_equations import PoseEquations
 
-FIRST_TURN_MAX = (
-    0.6  # [rad] of a joint in the first step, or lengths of a slide: far from the half turn that is ambiguous
-)
+FIRST_TURN_MAX = 1.0  # [rad] of a joint in the first step, or lengths of a slide; half a turn would be ambiguous
 MISS_MAX = 0.3  # [rad] between the pose that a step expects and the one it finds, a twentieth of a turn
-MISS_AIM = 0.1  # [rad] that steps are chosen for; one of twice the length misses four times as much
+MISS_AIM = 0.1  # [rad] that steps are chosen for
+GROWTH_MAX = 8.0  # [1] of a step over the last one, where joints turn evenly to rounding
 STEP_MIN = 1e-6  # [1] of the way; shorter ones end in a singular pose, or where what is asked for is out of reach
 CORRECTIONS_MAX = 12  # of a step on the way; one that takes more was too long
 STEP_GAP_MAX = 1e-10  # [1] residual on the way, a tenth of what counts as closed
@@ -72,8 +71,8 @@ class Continuation:
         return True
 
     def next_step(self, heading: Heading, step: float, miss: float) -> float:
-        """Return a step that misses by MISS_AIM, at most twice the last one."""
-        step *= min(2.0, (MISS_AIM / max(miss, 1e-300)) ** 0.5)
+        """Return a step that misses by MISS_AIM, at most GROWTH_MAX times the last one; misses grow with its square."""
+        step *= min(GROWTH_MAX, (MISS_AIM / max(miss, 1e-300)) ** 0.5)
         return step if self.even else min(step, FIRST_TURN_MAX / max(heading.turn, 1e-300))
 
     def heading(self, before: Heading | None) -> Heading:
@@ -81,15 +80,14 @@ class Continuation:
 
         In a singular pose, where the rows leave more open than before, it goes on as it came.
         """
-        equations, length = self.equations, self.equations.model.length
+        equations = self.equations
         wanted = -self.start
         motion = equations.motion(wanted, self.graph)
         if before is not None and equations.rank < before.rank:
             motion = before.motion + equations.motion(wanted - equations.change(before.motion), self.graph)
-        rates, units = equations.rates(motion), displacement_units(length, 1)
-        twists = self.graph.twist_rows(equations.data, length).times(motion / np.tile(units, self.graph.parent.size))
-        relative = np.abs(self.graph.relative(equations.q, motion) / units).max(initial=0.0)
-        turn = max(float(relative), float(np.abs(rates / self.units).max(initial=0.0)))
+        rates = equations.rates(motion)
+        twists = equations.B.times(motion / displacement_units(equations.model.length, equations.model.body.size))
+        turn = max(float(np.abs(x).max(initial=0.0)) for x in (twists, rates / self.units))
         return Heading(motion, rates, twists, turn, equations.rank)
 
     def advance(self, heading: Heading, step: float) -> float:
