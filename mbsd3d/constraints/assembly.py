@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..base.checks import number, shown
+from ..base.concurrency import on_one_thread
 from ..base.errors import AssemblyError, InputError
 from ..base.quaternions import conjugate, logarithm, multiply
 from ..equations.at_state import driven_coordinates, load_state, worst_joint
@@ -76,6 +77,7 @@ def open_reference(compiled: Compiled, data: Data, pose: State) -> AssemblyError
     )  # fmt: skip
 
 
+@on_one_thread  # small dense algebra
 def assemble(
     system: Mechanism,
     angles: Mapping | None,

@@ -11,7 +11,8 @@ with b - d p in the place of b take that away.
 from collections.abc import Callable
 
 import numpy as np
-import scipy.linalg
+from scipy.linalg.lapack import dgelsy as gelsy
+from scipy.linalg.lapack import dgelsy_lwork as gelsy_size
 from scipy.linalg.lapack import dgeqrf as geqrf
 from scipy.linalg.lapack import dgetrf as getrf
 from scipy.linalg.lapack import dgetrs as getrs
@@ -91,6 +92,18 @@ def sparse_factor(D: csr_array, A: csr_array) -> Callable[[np.ndarray], np.ndarr
     return splu(csc_array((data, (i, j)), shape=(n + m, n + m))).solve
 
 
+def deficient(A: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, int]:
+    """x (n,) of least length with least |A x - b|, and the rank of A (m, n)."""
+    m, n = A.shape
+    if not m:
+        return np.zeros(n), 0
+    right = np.zeros(max(m, n))
+    right[:m] = b
+    size = int(gelsy_size(m, n, 1, DAMPING**0.5)[0])
+    _, x, _, rank, _ = gelsy(A, right, np.zeros(n, np.int32), DAMPING**0.5, size)
+    return x[:n], int(rank)
+
+
 def shortest(J: BlockRows, rows: np.ndarray, more: np.ndarray, columns: np.ndarray, b: np.ndarray) -> np.ndarray:
     """x (n,) of least length that meets A x = b in the sense of least squares; A = J times ``rows``, ``more``.
 
@@ -98,10 +111,7 @@ def shortest(J: BlockRows, rows: np.ndarray, more: np.ndarray, columns: np.ndarr
     takes longer there than to solve.
     """
     if J.n < FEW_BODIES:
-        A = np.vstack([J.dense() * rows[:, None], more]) * columns
-        return (
-            scipy.linalg.lstsq(A, b, cond=DAMPING**0.5, lapack_driver="gelsy")[0] if b.size else np.zeros(columns.size)
-        )
+        return deficient(np.vstack([J.dense() * rows[:, None], more]) * columns, b)[0]
     A = scaled(J.sparse(), rows, columns)
     if more.shape[0]:
         A = vstack([A, csr_array(more * columns)], format="csr")
@@ -119,11 +129,11 @@ def least_motion(
     if J.n < FEW_BODIES:
         A, W = np.vstack([J.dense() * rows[:, None], more]) * columns, B.dense()
         D = W.T @ W
-        D[held], D[:, held], D[held, held] = 0.0, 0.0, 1.0
+        if held.any():
+            D[held], D[:, held], D[held, held] = 0.0, 0.0, 1.0
         L = np.linalg.cholesky(D)
-        eased = trtrs(L, A.T, lower=1)[0].T
-        y, _, rank, _ = scipy.linalg.lstsq(eased, b, cond=DAMPING**0.5, lapack_driver="gelsy", check_finite=False)
-        return trtrs(L, y, lower=1, trans=1)[0], int(rank)
+        y, rank = deficient(trtrs(L, A.T, lower=1)[0].T, b)
+        return trtrs(L, y, lower=1, trans=1)[0], rank
     A, W = scaled(J.sparse(), rows, columns), scaled(B.sparse(), np.ones(B.body.shape[0]), (~held).astype(float))
     if more.shape[0]:
         A = vstack([A, csr_array(more * columns)], format="csr")

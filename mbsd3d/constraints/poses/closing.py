@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...base.concurrency import on_one_thread
 from ...base.errors import AssemblyError
 from ...equations.at_state import pack
 from ...equations.compiled import Compiled
@@ -43,7 +42,6 @@ class Found:
         return gap_size(self.equations.compiled, self.residual)
 
 
-@on_one_thread  # small dense algebra
 def close_pose(
     compiled: Compiled, start: State, targets: list[tuple[int, float]], goals: list[float], pinned: set[int],
     tolerance: float = CLOSED_GAP_MAX,
@@ -101,7 +99,6 @@ def seeded(compiled: Compiled, start: State, pinned: set[int], size: float) -> S
     return State(start.t, y[: start.q.size], start.v, start.z, start.coordinates)
 
 
-@on_one_thread
 def ambiguities(found: Found) -> tuple[str, ...]:
     """Return sentences on what was chosen on the way to a pose; AssemblyError where the choice decides on a turn."""
     equations, way = found.equations, found.way
@@ -110,8 +107,8 @@ def ambiguities(found: Found) -> tuple[str, ...]:
     notes = []
     if way.gone < 1.0:
         notes.append(
-            f"the motion from the start ends after {100.0 * way.gone:.3g} % of the way; the pose was found beside it, with "
-            "turns counted along the steps of Newton's method: go in steps with near= to choose the way"
+            f"the motion from the start ends after {100.0 * way.gone:.3g} % of the way; the pose was found beside it, "
+            "with turns counted along the steps of Newton's method: go in steps with near= to choose the way"
         )
     elif 0 < way.rank < np.count_nonzero(equations.free) and way.rank < way.heading(None).rank:
         notes.append(

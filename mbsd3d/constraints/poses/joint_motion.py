@@ -49,28 +49,30 @@ class JointGraph:
         slots[:, 0], slots[:, 1] = self.a, self.b
         return np.repeat(slots, 6, axis=0)
 
-    def relative(self, q: np.ndarray, motion: np.ndarray) -> np.ndarray:
-        """(n, 6) motions of the bodies relative to their parents, at their reference points [m, rad, world]."""
-        r, moved = with_ground(q.reshape(-1, 7)[:, :3]), with_ground(motion.reshape(-1, 6))
+    def relative(self, data: Data, motion: np.ndarray) -> np.ndarray:
+        """(6 n,) motions of the bodies relative to their parents, at their reference points, body axes [m, rad]."""
+        r, moved = data.body["r"], with_ground(motion.reshape(-1, 6))
         own, carrier = moved[:-1].copy(), moved[self.parent]
         own[:, :3] -= carrier[:, :3] + cross(carrier[:, 3:], r[:-1] - r[self.parent])
         own[:, 3:] -= carrier[:, 3:]
-        return own
+        R = data.body["R"][:-1].reshape(-1, 3, 3)
+        return (own.reshape(-1, 2, 3) @ R).ravel()
 
-    def moved(self, q: np.ndarray, motion: np.ndarray) -> np.ndarray:
-        """(7 n,) poses after a motion (6 n,) [m, rad]: every body goes along a screw that rests in its parent.
+    def moved(self, data: Data, relative: np.ndarray) -> np.ndarray:
+        """(7 n,) poses after `relative` motions: every body goes along a screw that rests in its parent.
 
         That is exact for chains of hinges, slides and screws, however far each of them moves.
         """
-        before, relative = q.reshape(-1, 7), self.relative(q, motion)
-        turned = np.vstack([exponential(relative[:, 3:]), [1.0, 0.0, 0.0, 0.0]])  # of bodies, the ground last
-        r_before = with_ground(before[:, :3])
-        r = with_ground(before[:, :3] + advance(relative[:, :3], relative[:, 3:]))
+        r_before, e_before = data.body["r"], data.body["e"][:-1]
+        R = data.body["R"][:-1].reshape(-1, 3, 3)
+        shift, turn = (relative.reshape(-1, 2, 3) @ R.transpose(0, 2, 1)).transpose(1, 0, 2)
+        turned = np.vstack([exponential(turn), [1.0, 0.0, 0.0, 0.0]])  # of bodies, the ground last
+        r = r_before + with_ground(advance(shift, turn))
         for level in self.levels:
             p = self.parent[level]
             r[level] = r[p] + rotated(turned[p], r[level] - r_before[p])
             turned[level] = product(turned[p], turned[level])
-        return np.concatenate([r[:-1], product(turned[:-1], before[:, 3:])], axis=1).ravel()
+        return np.concatenate([r[:-1], product(turned[:-1], e_before)], axis=1).ravel()
 
 
 def with_ground(x: np.ndarray) -> np.ndarray:
@@ -122,11 +124,12 @@ def carrying_rows(joint: Joint) -> int:
 
 
 def joint_graph(compiled: Compiled, pinned: set[int]) -> JointGraph:
-    """Return the joints that carry bodies; trees start at the ground and at the pinned bodies. Made once per system."""
-    key = f"joint graph {sorted(pinned)}"
-    if key not in compiled.system.derived:
-        compiled.system.derived[key] = new_joint_graph(compiled, pinned)
-    return compiled.system.derived[key]
+    """Return the joints that carry bodies; trees start at the ground and at the pinned bodies."""
+    if pinned:
+        return new_joint_graph(compiled, pinned)
+    if "joint graph" not in compiled.system.derived:
+        compiled.system.derived["joint graph"] = new_joint_graph(compiled, pinned)
+    return compiled.system.derived["joint graph"]
 
 
 def new_joint_graph(compiled: Compiled, pinned: set[int]) -> JointGraph:
