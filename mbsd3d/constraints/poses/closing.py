@@ -14,7 +14,7 @@ from .joint_motion import joint_graph
 from .pose_equations import CLOSED_GAP_MAX, CORRECTION_MAX, PoseEquations, gap_size
 
 FREE_RATE_MIN = 1e-4  # [1] of a hinge in a free motion of order one; less is rounding of rows near a singular pose
-MOVED_MIN = 1e-6  # [rad] of a hinge that nobody asked for, by which it counts as moved
+MOVED_MIN = 1e-6  # [rad, m] of a hinge that nobody asked for, by which it counts as moved
 SEEDED_MOVES = 0.05, 0.2, 0.5  # [rad, lengths of the model] to poses nearby
 
 
@@ -117,32 +117,32 @@ def ambiguities(found: Found) -> tuple[str, ...]:
         )
     if way.rank == np.count_nonzero(equations.free):
         return tuple(notes)
-    chosen = chosen_hinges(found)
-    name, turned = max(chosen.items(), key=lambda item: abs(item[1]), default=("", 0.0))
-    if abs(turned) > np.pi:
-        raise AssemblyError(
-            f"what is asked for does not say how often '{name}' turns: {turned:.6g} rad on the way of least motion",
-            part="assemble", time=found.start.t,
-            advice="give its angle too, or that of another hinge that turns with it, or pin a body",
-        )  # fmt: skip
+    chosen = chosen_coordinates(found)
+    for joint, unit, change in chosen:
+        if unit == "rad" and abs(change) > np.pi:
+            raise AssemblyError(
+                f"what is asked for does not say how often '{joint}' turns: {change:.6g} rad if joints move least",
+                part="assemble", time=found.start.t,
+                advice="give its angle too, or that of another hinge that turns with it, or pin a body",
+            )  # fmt: skip
     if chosen:
-        listed = ", ".join(f"'{name}' by {turned:.6g}" for name, turned in chosen.items())
-        notes.append(f"what is asked for leaves a choice: joints moved as little as they can, {listed} rad or m")
+        listed = ", ".join(f"'{joint}' by {change:.6g} {unit}" for joint, unit, change in chosen)
+        notes.append(f"what is asked for leaves a choice: joints moved as little as they can, {listed}")
     return tuple(notes)
 
 
-def chosen_hinges(found: Found) -> dict[str, float]:
-    """Return name and change [rad, m] of hinges that moved, though rows and asked-for values leave them free."""
+def chosen_coordinates(found: Found) -> list[tuple[str, str, float]]:
+    """Return (joint, unit, change) of angles and slides that moved though nothing asked for determines them."""
     equations, compiled = found.equations, found.equations.compiled
-    free = free_motion(equations)
-    rates = equations.rates(free)
+    rates = equations.rates(free_motion(equations))
     changes = found.state.coordinates - found.way.counted
-    chosen = {}
+    chosen = []
     for joint in compiled.system.joints:
-        for x in (joint.angle(), joint.slide()):
-            i = None if x is None else compiled.coordinate(x)
-            if i is not None and abs(rates[i]) > FREE_RATE_MIN and abs(changes[i]) > MOVED_MIN:
-                chosen[compiled.system.name(joint)] = float(changes[i])
+        for x in filter(None, (joint.angle(), joint.slide())):
+            i = compiled.coordinate(x)
+            if abs(rates[i]) > FREE_RATE_MIN and abs(changes[i]) > MOVED_MIN:
+                unit = "rad" if x.kind == "angle" else "m"
+                chosen.append((compiled.system.name(joint), unit, float(changes[i])))
     return chosen
 
 
