@@ -134,16 +134,18 @@ def ambiguities(found: Found) -> tuple[str, ...]:
 def chosen_coordinates(found: Found) -> list[tuple[str, str, float]]:
     """Return (joint, unit, change) of angles and slides that moved though nothing asked for determines them."""
     equations, compiled = found.equations, found.equations.compiled
-    rates = equations.rates(free_motion(equations))
     changes = found.state.coordinates - found.way.counted
-    chosen = []
-    for joint in compiled.system.joints:
-        for x in filter(None, (joint.angle(), joint.slide())):
-            i = compiled.coordinate(x)
-            if abs(rates[i]) > FREE_RATE_MIN and abs(changes[i]) > MOVED_MIN:
-                unit = "rad" if x.kind == "angle" else "m"
-                chosen.append((compiled.system.name(joint), unit, float(changes[i])))
-    return chosen
+    moved = np.abs(changes) > MOVED_MIN
+    moved[[i for i, _ in equations.targets]] = False
+    if not moved.any():
+        return []
+    moved &= np.abs(equations.rates(free_motion(equations))) > FREE_RATE_MIN
+    return [
+        (compiled.system.name(joint), "rad" if x.kind == "angle" else "m", float(changes[compiled.coordinate(x)]))
+        for joint in compiled.system.joints
+        for x in (joint.angle(), joint.slide())
+        if x is not None and moved[compiled.coordinate(x)]
+    ]
 
 
 def free_motion(equations: PoseEquations) -> np.ndarray:
