@@ -13,7 +13,9 @@ from ..equations.at_state import driven_coordinates, load_state, worst_joint
 from ..equations.compiled import Compiled, compile_system, initial_states, tables_of
 from ..kernels.layout import Data
 from ..mechanism.bodies import Body
+from ..mechanism.couplings import GearMesh
 from ..mechanism.joints import coordinate_of
+from ..mechanism.joints.pairs import Cylindrical
 from ..mechanism.measures import OF_POSES, Measure, check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
@@ -115,7 +117,10 @@ def assemble(
         start = replace(start, coordinates=driven_coordinates(compiled, t))
     targets = [(compiled.coordinate(x), value) for x, value in wanted]
     goals = [number(v, f"assemble: {probe.label}") for probe, v in measures.items()]
-    found = close_pose(compiled, start, targets, goals, fixed)
+    resting = resting_slides(compiled, start, targets)
+    found = close_pose(compiled, start, [*targets, *resting], goals, fixed)
+    if resting and not found.is_met:
+        found = close_pose(compiled, start, targets, goals, fixed)
     check_closed(found, [*asked, *(probe.label for probe in probes)], fixed)
     notes, closed = ambiguities(found), found.state
     data = compiled.data()
@@ -124,6 +129,16 @@ def assemble(
     own = tables_of(system).model.coordinate.size  # others belong to measures that only this call knows
     moved = moved_report(system, pose, closed)
     return replace(moving, coordinates=closed.coordinates[:own], moved=moved, notes=notes)
+
+
+def resting_slides(compiled: Compiled, start: State, targets: list[tuple[int, float]]) -> list[tuple[int, float]]:
+    """Slides of gears, at the start, that nobody asks for: helical ones could slide where they are meant to turn."""
+    asked = {i for i, _ in targets}
+    meshes = [joint for joint in compiled.system.joints if isinstance(joint, GearMesh)]
+    hinges = {hinge: None for mesh in meshes for hinge in mesh.partners() if isinstance(hinge, Cylindrical)}
+    numbers = [compiled.coordinate(hinge.slide()) for hinge in hinges]
+    known = {} if start.coordinates is None else dict(enumerate(start.coordinates))
+    return [(i, float(known.get(i, 0.0))) for i in numbers if i not in asked]
 
 
 def mapping(given: Mapping | None, what: str) -> Mapping:
@@ -149,8 +164,8 @@ def check_closed(found: Found, asked: list[str], pinned: set[int]) -> None:
             part=part, residual=gap, time=found.start.t,
             advice=f"check positions and lengths, {other}or see system.check()",
         )  # fmt: skip
-    miss = equations.misses()
-    if miss.size and np.abs(miss).max() > 1e-8:
+    if not found.is_met:
+        miss = equations.misses()
         k = int(np.argmax(np.abs(miss)))
         raise AssemblyError(
             f"the mechanism closes but misses the {asked[k]} asked for by {miss[k]:.6g} rad or m",

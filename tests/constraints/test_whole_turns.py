@@ -10,6 +10,7 @@ from mbsd3d import (
     Body,
     Constant,
     CurveContact,
+    Cylindrical,
     Gear,
     GearMesh,
     Kinematic,
@@ -224,7 +225,7 @@ def test_what_is_not_determined_is_said():
     assert all("leaves a choice" in state.notes[0] and "'right' by" in state.notes[0] for state in states)
     run = simulate(systems[0], 1e-3, state=states[0])
     assert any(note.startswith("start: what is asked for leaves a choice") for note in run.certificate.notes)
-    with pytest.raises(AssemblyError, match=r"does not say how often '.*' turns.* give its angle too"):
+    with pytest.raises(AssemblyError, match=r"does not say how often '.*' turns.* ask for its angle"):
         systems[0].assemble(angles={"left": 40.0})
 
 
@@ -385,3 +386,21 @@ def test_other_hinges_of_a_chain_rest():
     floating = place.mixed(bodies, joints[1:])
     state = floating.assemble(angles={"h2": 9.0})
     assert turned(floating, state, *names[1:]) == pytest.approx([0, 9.0, 0], abs=1e-12)
+
+
+def test_a_helical_gear_that_may_slide_turns_unless_it_is_asked_to_slide():
+    """A right-handed pinion at rest makes a wheel that slides by s turn by -s tan(beta) / r_b."""
+    place, helix, r_a, r_b = Place(15), 0.4, 0.1, 0.25
+    pinion, wheel = place.body("pinion", 0, 0, 0), place.body("wheel", r_a + r_b, 0, 0)
+    z = place.to(0, 0, 1)
+    fast = Revolute(GROUND, pinion, at=place.at(0, 0, 0), axis=z, name="fast")
+    slow = Cylindrical(GROUND, wheel, at=place.at(r_a + r_b, 0, 0), axis=z, name="slow")
+    mesh = GearMesh(fast, slow, at=place.at(r_a, 0, 0), helix_angle=helix)
+    system = place.mixed([pinion, wheel], [fast, slow, mesh])
+    for slide in (0.0, 3.0):
+        asked = {"slides": {"slow": slide}} if slide else {}
+        state = system.assemble(angles={"fast": 20.0}, **asked)
+        found = accelerations(system, state)
+        assert found.slide("slow")[0] == pytest.approx(slide, abs=1e-12)
+        assert found.angle("slow")[0] == pytest.approx(-20.0 * r_a / r_b - slide * np.tan(helix) / r_b, abs=1e-10)
+        assert state.notes == ()

@@ -15,6 +15,7 @@ from .pose_equations import CLOSED_GAP_MAX, CORRECTION_MAX, PoseEquations, gap_s
 
 FREE_RATE_MIN = 1e-4  # [1] of a hinge in a free motion of order one; less is rounding of rows near a singular pose
 MOVED_MIN = 1e-6  # [rad, m] of a hinge that nobody asked for, by which it counts as moved
+ASKED_MISS_MAX = 1e-8  # [rad, m] of a value asked for that counts as met
 SEEDED_MOVES = 0.05, 0.2, 0.5  # [rad, lengths of the model] to poses nearby
 
 
@@ -40,6 +41,11 @@ class Found:
     def gap(self) -> float:
         """The largest of them, in lengths of the model and radians."""
         return gap_size(self.equations.compiled, self.residual)
+
+    @property
+    def is_met(self) -> bool:
+        """Whether the joints close and the values asked for are met."""
+        return self.gap <= CLOSED_GAP_MAX and np.abs(self.equations.misses()).max(initial=0.0) <= ASKED_MISS_MAX
 
 
 def close_pose(
@@ -123,7 +129,7 @@ def ambiguities(found: Found) -> tuple[str, ...]:
             raise AssemblyError(
                 f"what is asked for does not say how often '{joint}' turns: {change:.6g} rad if joints move least",
                 part="assemble", time=found.start.t,
-                advice="give its angle too, or that of another hinge that turns with it, or pin a body",
+                advice="ask for its angle or slide too, or for a hinge that turns with it, or pin a body",
             )  # fmt: skip
     if chosen:
         listed = ", ".join(f"'{joint}' by {change:.6g} {unit}" for joint, unit, change in chosen)
