@@ -19,7 +19,7 @@ from ..mechanism.joints.pairs import Cylindrical
 from ..mechanism.measures import OF_POSES, Measure, check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
-from .contradictions import find_contradiction
+from .contradictions import find_contradiction, rivals
 from .poses.closing import Found, ambiguities, close_pose
 from .poses.pose_equations import CLOSED_GAP_MAX, gap_size, newton
 from .spanning_tree import loop_weights
@@ -44,14 +44,24 @@ def reference_state(system: Mechanism, as_built: float | None) -> State:
 
 def closed_or_error(compiled: Compiled, data: Data, pose: State, tolerance: float) -> State:
     """The pose, loaded into ``data``, with its hinge coordinates, or an AssemblyError naming the joint that gapes."""
+    pose = replace(pose, coordinates=np.zeros(compiled.model.coordinate.size))
     load_state(compiled, data, pose)
-    if gap_size(compiled, data.row["c"]) > tolerance:
-        turned = after_whole_turns(compiled, pose, tolerance)
-        if turned is None:
-            raise open_reference(compiled, data, pose)
-        pose = turned
-        load_state(compiled, data, pose)
-    return pose
+    if gap_size(compiled, data.row["c"]) <= tolerance:
+        return pose
+    clash = find_contradiction(compiled, data, pose.t, pose.t)
+    if clash is not None:
+        raise clash.error()
+    turned = after_whole_turns(compiled, pose, tolerance)
+    if turned is not None:
+        load_state(compiled, data, turned)
+        return turned
+    part, gap = worst_joint(compiled, data.row["c"])
+    raise AssemblyError(
+        "the reference pose does not close (m or rad)",
+        part=part, residual=gap, time=pose.t,
+        advice="start from system.assemble(), correct the part's position (at_b, axis_b, driver at t = 0), or give "
+        "as_built for parts out of line",
+    )  # fmt: skip
 
 
 def after_whole_turns(compiled: Compiled, pose: State, tolerance: float) -> State | None:
@@ -65,21 +75,7 @@ def after_whole_turns(compiled: Compiled, pose: State, tolerance: float) -> Stat
     return replace(pose, coordinates=found.state.coordinates)
 
 
-def open_reference(compiled: Compiled, data: Data, pose: State) -> AssemblyError:
-    """The error of a reference pose, loaded into ``data``, that does not close."""
-    clash = find_contradiction(compiled, data, pose.t, pose.t)
-    if clash is not None:
-        return clash.error()
-    part, gap = worst_joint(compiled, data.row["c"])
-    return AssemblyError(
-        "the reference pose does not close (m or rad)",
-        part=part, residual=gap, time=pose.t,
-        advice="start from system.assemble(), correct the part's position (at_b, axis_b, driver at t = 0), or give "
-        "as_built for parts out of line",
-    )  # fmt: skip
-
-
-@on_one_thread  # small dense algebra
+@on_one_thread
 def assemble(
     system: Mechanism,
     angles: Mapping | None,
@@ -156,13 +152,16 @@ def check_closed(found: Found, asked: list[str], pinned: set[int]) -> None:
     equations = found.equations
     if found.gap > CLOSED_GAP_MAX:  # show the gap where the loop closes
         compiled, task = equations.compiled, (equations.targets, equations.goals, pinned)
+        clash = rivals(compiled, equations.data, found.start.t, found.start.t)
+        if clash is not None:
+            raise clash.error()
         residual = newton(compiled, found.start, *task, loop_weights(compiled))[1]
         part, gap = worst_joint(compiled, residual)
         wanted, other = (f" with this {', '.join(asked)}", "give other angles or values, ") if asked else ("", "")
         raise AssemblyError(
             f"the mechanism cannot close{wanted}, a gap remains (m or rad)",
             part=part, residual=gap, time=found.start.t,
-            advice=f"check positions and lengths, {other}or see system.check()",
+            advice=f"{reached(found)}check positions and lengths, {other}or see system.check()",
         )  # fmt: skip
     if not found.is_met:
         miss = equations.misses()
@@ -170,8 +169,15 @@ def check_closed(found: Found, asked: list[str], pinned: set[int]) -> None:
         raise AssemblyError(
             f"the mechanism closes but misses the {asked[k]} asked for by {miss[k]:.6g} rad or m",
             part="assemble", residual=float(miss[k]), time=found.start.t,
-            advice="the value is out of reach; give one within the mechanism's range or a better start with near=",
+            advice=f"{reached(found)}the value is out of reach; give one within the mechanism's range or a better start "
+            "with near=",
         )  # fmt: skip
+
+
+def reached(found: Found) -> str:
+    """The beginning of an advice: how far the motion leads."""
+    share = 1.0 if found.way is None else found.way.gone
+    return f"the motion from the start ends after {100.0 * share:.3g} % of the way; " if 0.0 < share < 1.0 else ""
 
 
 def moved_report(system: Mechanism, start: State, end: State) -> dict[str, tuple[float, float]]:

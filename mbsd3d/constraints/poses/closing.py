@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...base.concurrency import on_one_thread
 from ...base.errors import AssemblyError
 from ...equations.at_state import pack
 from ...equations.compiled import Compiled
@@ -48,6 +49,7 @@ class Found:
         return self.gap <= CLOSED_GAP_MAX and np.abs(self.equations.misses()).max(initial=0.0) <= ASKED_MISS_MAX
 
 
+@on_one_thread  # small dense algebra
 def close_pose(
     compiled: Compiled, start: State, targets: list[tuple[int, float]], goals: list[float], pinned: set[int],
     tolerance: float = CLOSED_GAP_MAX,
