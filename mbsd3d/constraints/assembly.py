@@ -1,4 +1,4 @@
-"""Consistent states: poses by forward kinematics and Newton, velocities by least kinetic energy."""
+"""Consistent states: poses along the motion of the mechanism, velocities by least kinetic energy."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -87,23 +87,11 @@ def assemble(
     t: float,
 ) -> State:
     """See `System.assemble`."""
-    angles, slides = mapping(angles, "angles"), mapping(slides, "slides")
     rates, measures = mapping(rates, "rates"), mapping(measures, "measures")
-    probes = tuple(measures)
-    for probe in probes:
-        if not isinstance(probe, Measure):
-            raise InputError(f"assemble: {shown(probe)} is not a measure; build one with mbsd3d.measures")
-        if probe.kind not in OF_POSES:
-            raise InputError(f"assemble: {probe.label} does not follow from a pose; give speeds as rates=")
-        check_members(system, probe, "assemble")
-    compiled = compile_system(system, probes)
-    wanted, asked = [], []
-    for values, kind in ((angles, "angle"), (slides, "slide")):
-        for key, value in values.items():
-            joint = system.part(key, "joints")
-            x = coordinate_of(joint, kind, f"assemble: {kind}s")
-            asked.append(f"{kind} of '{system.name(joint)}'")
-            wanted.append((x, number(value, f"assemble: {asked[-1]}")))
+    compiled = compile_system(system, probes_of_poses(system, measures))
+    asked = asked_coordinates(compiled, mapping(angles, "angles"), mapping(slides, "slides"))
+    targets = [(i, value) for _, i, value in asked]
+    goals = [number(value, f"assemble: {probe.label}") for probe, value in measures.items()]
     if not isinstance(pinned, Sequence) or isinstance(pinned, str):
         raise InputError(f"assemble: pinned = {shown(pinned)} is not a sequence; give a list of bodies")
     fixed = {compiled.body_index[id(system.part(body))] for body in pinned}
@@ -111,20 +99,40 @@ def assemble(
     start = State(t, pose.q, pose.v, pose.z, pose.coordinates)
     if near is not None and near.coordinates is None:
         start = replace(start, coordinates=driven_coordinates(compiled, t))
-    targets = [(compiled.coordinate(x), value) for x, value in wanted]
-    goals = [number(v, f"assemble: {probe.label}") for probe, v in measures.items()]
     resting = resting_slides(compiled, start, targets)
     found = close_pose(compiled, start, [*targets, *resting], goals, fixed)
     if resting and not found.is_met:
         found = close_pose(compiled, start, targets, goals, fixed)
-    check_closed(found, [*asked, *(probe.label for probe in probes)], fixed)
-    notes, closed = ambiguities(found), found.state
-    data = compiled.data()
+    check_closed(found, [name for name, _, _ in asked] + [probe.label for probe in measures], fixed)
+    notes, closed, data = ambiguities(found), found.state, compiled.data()
     load_state(compiled, data, closed)
     moving = with_velocities(compiled, data, closed, rates, near=near)
     own = tables_of(system).model.coordinate.size  # others belong to measures that only this call knows
     moved = moved_report(system, pose, closed)
     return replace(moving, coordinates=closed.coordinates[:own], moved=moved, notes=notes)
+
+
+def probes_of_poses(system: Mechanism, measures: Mapping) -> tuple[Measure, ...]:
+    """The measures asked for, or an InputError for one that does not follow from a pose."""
+    for probe in measures:
+        if not isinstance(probe, Measure):
+            raise InputError(f"assemble: {shown(probe)} is not a measure; build one with mbsd3d.measures")
+        if probe.kind not in OF_POSES:
+            raise InputError(f"assemble: {probe.label} does not follow from a pose; give speeds as rates=")
+        check_members(system, probe, "assemble")
+    return tuple(measures)
+
+
+def asked_coordinates(compiled: Compiled, angles: Mapping, slides: Mapping) -> list[tuple[str, int, float]]:
+    """(name, number of the hinge coordinate, value) of every angle and slide asked for."""
+    asked, system = [], compiled.system
+    for values, kind in ((angles, "angle"), (slides, "slide")):
+        for key, value in values.items():
+            joint = system.part(key, "joints")
+            x = coordinate_of(joint, kind, f"assemble: {kind}s")
+            name = f"{kind} of '{system.name(joint)}'"
+            asked.append((name, compiled.coordinate(x), number(value, f"assemble: {name}")))
+    return asked
 
 
 def resting_slides(compiled: Compiled, start: State, targets: list[tuple[int, float]]) -> list[tuple[int, float]]:
@@ -169,8 +177,8 @@ def check_closed(found: Found, asked: list[str], pinned: set[int]) -> None:
         raise AssemblyError(
             f"the mechanism closes but misses the {asked[k]} asked for by {miss[k]:.6g} rad or m",
             part="assemble", residual=float(miss[k]), time=found.start.t,
-            advice=f"{reached(found)}the value is out of reach; give one within the mechanism's range or a better start "
-            "with near=",
+            advice=f"{reached(found)}the value is out of reach; give one within the mechanism's range or a better "
+            "start with near=",
         )  # fmt: skip
 
 

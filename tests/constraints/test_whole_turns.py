@@ -404,3 +404,34 @@ def test_a_helical_gear_that_may_slide_turns_unless_it_is_asked_to_slide():
         assert found.slide("slow")[0] == pytest.approx(slide, abs=1e-12)
         assert found.angle("slow")[0] == pytest.approx(-20.0 * r_a / r_b - slide * np.tan(helix) / r_b, abs=1e-10)
         assert state.notes == ()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(20))
+def test_random_trains_over_many_turns(seed):
+    """Spindles, planetary gears, parallelograms and four-bars of any ratio, size and place, from either end."""
+    random = np.random.default_rng(1000 + seed)
+    size, far = random.choice([1e-3, 1.0, 30.0]), random.choice([0.0, 100.0])
+    angle, pitch = random.uniform(-80.0, 80.0), random.choice([-1, 1]) * random.uniform(0.002, 0.05)
+    place = Place(seed, size, far * size)
+    screw = spindle(place, pitch)
+    way = -angle * pitch / TURNS * size
+    assert turned(screw, screw.assemble(angles={"thread": -angle}), "rail")[0] == pytest.approx(way, rel=1e-7)
+    assert turned(screw, screw.assemble(slides={"rail": way}), "hinge")[0] == pytest.approx(angle, rel=1e-5)
+
+    teeth = random.integers(11, 60, 2)
+    z_sun, z_ring, ring = teeth[0], teeth[0] + 2 * teeth[1], random.uniform(-30.0, 30.0)
+    gears = planetary(Place(seed), teeth, random.uniform(1e-3, 2e-2), random.uniform(-0.5, 0.5))
+    carrier = (z_sun * angle + z_ring * ring) / (z_sun + z_ring)
+    state = gears.assemble(angles={"carrier": carrier, "ring": ring})
+    assert turned(gears, state, "sun")[0] == pytest.approx(angle, rel=1e-10, abs=1e-10)
+
+    bars, _ = parallelogram(Place(seed, size, far * size), random.uniform(0.3, 2.8))
+    limit = 1e-8 * max(1.0, far)
+    assert turned(bars, bars.assemble(angles={"eye": angle}), "crank", "pin", "motor") == pytest.approx(
+        [angle, -angle, -angle / 0.31], rel=limit
+    )
+    short, others = 0.1, random.uniform(0.3, 0.4, 3)  # Grashof: the shortest and the longest less than the others
+    linkage, after = four_bar(Place(seed), short, *others, random.uniform(0.3, 2.5))
+    state = linkage.assemble(angles={"crank": angle})
+    assert turned(linkage, state, "pin", "eye", "rocker") == pytest.approx(after(angle), abs=1e-8)

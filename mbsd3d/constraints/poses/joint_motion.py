@@ -135,9 +135,8 @@ def joint_graph(compiled: Compiled, pinned: set[int]) -> JointGraph:
 def new_joint_graph(compiled: Compiled, pinned: set[int]) -> JointGraph:
     """See `joint_graph`."""
     system, index, n = compiled.system, compiled.body_index, len(compiled.system.bodies)
-    joints = sorted(
-        (j for j in system.joints if carrying_rows(j) >= CARRYING_ROWS_MIN), key=lambda j: -carrying_rows(j)
-    )
+    joints = [joint for joint in system.joints if carrying_rows(joint) >= CARRYING_ROWS_MIN]
+    joints.sort(key=carrying_rows, reverse=True)
     edges = [(index[id(joint.a)], index[id(joint.b)], joint.b.local_point(joint.point())) for joint in joints]
     groups, neighbours = DisjointSet(range(n + 1)), [[] for _ in range(n + 1)]
     for i in pinned:
@@ -151,13 +150,19 @@ def new_joint_graph(compiled: Compiled, pinned: set[int]) -> JointGraph:
             root = max(group, key=lambda i: (system.bodies[i].mass, system.name(system.bodies[i])))
             edges.append((n, root, np.zeros(3)))
             neighbours[n].append(root)
-    parent, levels, level = np.full(n, n), [], [n, *sorted(pinned)]
-    seen = set(level)
+    a, b = (np.array([edge[k] for edge in edges], int) for k in (0, 1))
+    parent, levels = spread(neighbours, [n, *sorted(pinned)])
+    return JointGraph(a, b, np.array([edge[2] for edge in edges]).reshape(-1, 3), parent, levels)
+
+
+def spread(neighbours: list[list[int]], roots: list[int]) -> tuple[np.ndarray, list[list[int]]]:
+    """Return (parent of each body, bodies that are carried by others than the roots, parents first)."""
+    n = len(neighbours) - 1
+    parent, levels, level, seen = np.full(n, n), [], roots, set(roots)
     while level:
-        pairs = {j: i for i in level for j in neighbours[i] if j not in seen}
-        level = list(pairs)
-        parent[level] = list(pairs.values())
+        carried = {j: i for i in level for j in neighbours[i] if j not in seen}
+        level = list(carried)
+        parent[level] = list(carried.values())
         seen.update(level)
         levels.append(level)
-    a, b = (np.array([edge[k] for edge in edges], int) for k in (0, 1))
-    return JointGraph(a, b, np.array([edge[2] for edge in edges]).reshape(-1, 3), parent, levels[1:-1])
+    return parent, levels[1:-1]
