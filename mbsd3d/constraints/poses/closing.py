@@ -1,6 +1,7 @@
 """From a start to a pose that closes: along the motion, else by Newton's method; what is not unique about it."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -112,48 +113,65 @@ def ambiguities(found: Found) -> tuple[str, ...]:
     equations, way = found.equations, found.way
     if way is None:
         return ()
-    notes = []
     if way.gone < 1.0:
-        notes.append(
-            f"the motion from the start ends after {100.0 * way.gone:.3g} % of the way; the pose was found beside it, "
-            "with turns counted along the steps of Newton's method: go in steps with near= to choose the way"
-        )
-    elif 0 < way.rank < np.count_nonzero(equations.free) and way.rank < way.heading(None).rank:
+        where = f"the motion from the start ends after {100.0 * way.gone:.3g} % of the way"
+        check_turns(found, moved_hinges(found), f"{where}, which", "go there in steps with near=")
+        return (f"{where}; the pose was found beside it: go there in steps with near= to choose the way",)
+    notes = []
+    if 0 < way.rank < np.count_nonzero(equations.free) and way.rank < way.heading(None).rank:
         notes.append(
             "the start is a singular pose, where motions part, and one of them was followed: start near= a pose beside "
             "it to choose another"
         )
-    if way.rank == np.count_nonzero(equations.free):
-        return tuple(notes)
-    chosen = chosen_coordinates(found)
-    for joint, unit, change in chosen:
-        if unit == "rad" and abs(change) > np.pi:
-            raise AssemblyError(
-                f"what is asked for does not say how often '{joint}' turns: {change:.6g} rad if joints move least",
-                part="assemble", time=found.start.t,
-                advice="ask for its angle or slide too, or for a hinge that turns with it, or pin a body",
-            )  # fmt: skip
+    chosen = chosen_hinges(found)
+    remedy = "ask for its angle or slide too, or for a hinge that turns with it, or pin a body"
+    check_turns(found, chosen, "what is asked for", remedy)
     if chosen:
-        listed = ", ".join(f"'{joint}' by {change:.6g} {unit}" for joint, unit, change in chosen)
+        listed = ", ".join(f"'{hinge.joint}' by {hinge.change:.6g} {hinge.unit}" for hinge in chosen)
         notes.append(f"what is asked for leaves a choice: joints moved as little as they can, {listed}")
     return tuple(notes)
 
 
-def chosen_coordinates(found: Found) -> list[tuple[str, str, float]]:
-    """Return (joint, unit, change) of angles and slides that moved though nothing asked for determines them."""
-    equations, compiled = found.equations, found.equations.compiled
-    changes = found.state.coordinates - found.way.counted
-    moved = np.abs(changes) > MOVED_MIN
-    moved[[i for i, _ in equations.targets]] = False
-    if not moved.any():
+class MovedHinge(NamedTuple):
+    """An angle or slide that nobody asked for and that has changed."""
+
+    joint: str
+    number: int  # of the hinge coordinate
+    unit: str
+    change: float
+
+
+def check_turns(found: Found, hinges: list[MovedHinge], why: str, remedy: str) -> None:
+    """AssemblyError if one of the hinges has turned by more than half a turn."""
+    for hinge in hinges:
+        if hinge.unit == "rad" and abs(hinge.change) > np.pi:
+            raise AssemblyError(
+                f"{why} leaves open how often '{hinge.joint}' turns: here {hinge.change:.6g} rad",
+                part="assemble", time=found.start.t, advice=remedy,
+            )  # fmt: skip
+
+
+def moved_hinges(found: Found) -> list[MovedHinge]:
+    """Return the angles and slides of joints that have changed though nobody asked for them."""
+    compiled, asked = found.equations.compiled, {i for i, _ in found.equations.targets}
+    changes, moved = found.state.coordinates - found.way.counted, []
+    for joint in compiled.system.joints:
+        for x in filter(None, (joint.angle(), joint.slide())):
+            i = compiled.coordinate(x)
+            if i not in asked and abs(changes[i]) > MOVED_MIN:
+                unit = "rad" if x.kind == "angle" else "m"
+                moved.append(MovedHinge(compiled.system.name(joint), i, unit, float(changes[i])))
+    return moved
+
+
+def chosen_hinges(found: Found) -> list[MovedHinge]:
+    """Return those of `moved_hinges` that rows and asked-for values leave free."""
+    equations = found.equations
+    if found.way.rank == np.count_nonzero(equations.free):
         return []
-    moved &= np.abs(equations.rates(free_motion(equations))) > FREE_RATE_MIN
-    return [
-        (compiled.system.name(joint), "rad" if x.kind == "angle" else "m", float(changes[compiled.coordinate(x)]))
-        for joint in compiled.system.joints
-        for x in (joint.angle(), joint.slide())
-        if x is not None and moved[compiled.coordinate(x)]
-    ]
+    moved = moved_hinges(found)
+    rates = equations.rates(free_motion(equations)) if moved else []
+    return [hinge for hinge in moved if abs(rates[hinge.number]) > FREE_RATE_MIN]
 
 
 def free_motion(equations: PoseEquations) -> np.ndarray:
