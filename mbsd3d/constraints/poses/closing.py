@@ -31,23 +31,27 @@ class Found:
 
     @property
     def state(self) -> State:
-        """The pose with its hinge coordinates."""
+        """Return the pose with its hinge coordinates."""
         return self.equations.state()
 
     @property
-    def residual(self) -> np.ndarray:
-        """(m,) residual of the rows [m, rad]."""
-        return self.equations.row_residual()
-
-    @property
     def gap(self) -> float:
-        """The largest of them, in lengths of the model and radians."""
-        return gap_size(self.equations.compiled, self.residual)
+        """Return the largest residual of the rows, in lengths of the model and radians."""
+        return gap_size(self.equations.compiled, self.equations.row_residual())
 
     @property
     def is_met(self) -> bool:
-        """Whether the joints close and the values asked for are met."""
+        """Return whether the joints close and the values asked for are met."""
         return self.gap <= CLOSED_GAP_MAX and np.abs(self.equations.misses()).max(initial=0.0) <= ASKED_MISS_MAX
+
+
+class MovedHinge(NamedTuple):
+    """An angle or slide that nobody asked for and that has changed."""
+
+    joint: str
+    number: int  # of the hinge coordinate
+    unit: str
+    change: float
 
 
 @on_one_thread  # small dense algebra
@@ -132,17 +136,8 @@ def ambiguities(found: Found) -> tuple[str, ...]:
     return tuple(notes)
 
 
-class MovedHinge(NamedTuple):
-    """An angle or slide that nobody asked for and that has changed."""
-
-    joint: str
-    number: int  # of the hinge coordinate
-    unit: str
-    change: float
-
-
 def check_turns(found: Found, hinges: list[MovedHinge], why: str, remedy: str) -> None:
-    """AssemblyError if one of the hinges has turned by more than half a turn."""
+    """Raise an AssemblyError if one of the hinges has turned by more than half a turn."""
     for hinge in hinges:
         if hinge.unit == "rad" and abs(hinge.change) > np.pi:
             raise AssemblyError(

@@ -43,27 +43,27 @@ class PoseEquations:
 
     @property
     def q(self) -> np.ndarray:
-        """(7 n,) the pose, a view."""
+        """Return the pose (7 n,), a view."""
         return self.y[: 7 * self.model.body.size]
 
     def residual(self) -> np.ndarray:
-        """F at the present pose."""
+        """Return F at the present pose."""
         return np.concatenate([self.data.row["c"][self.holonomic] * self.scale, self.misses() * self.asked_scale])
 
     def misses(self) -> np.ndarray:
-        """What the asked-for values are off, hinge coordinates first [rad, m]."""
+        """Return what the asked-for values are off, hinge coordinates first [rad, m]."""
         model, data, t = self.model, self.data, self.t
         off = [coordinate(model, data, i, t)[0] - value for i, value in self.targets]
         return np.array(off + [measure(model, data, i, t) - value for i, value in enumerate(self.goals)], float)
 
     def asked_rows(self) -> np.ndarray:
-        """Gradients of the asked-for values with respect to displacements (6 n), one a row."""
+        """Return gradients of the asked-for values with respect to displacements (6 n), one a row."""
         more = [coordinate_row(self.compiled, self.data, i, self.t)[1] for i, _ in self.targets]
         more += [self.measure_gradient(i) for i in range(len(self.goals))]
         return self.asked_scale[:, None] * np.array(more).reshape(-1, self.columns.size)
 
     def measure_gradient(self, i: int) -> np.ndarray:
-        """Gradient of measure i by central differences; Newton needs no better."""
+        """Return the gradient of measure i by central differences; Newton needs no better."""
         model, data = self.model, self.data
         gradient, step = np.zeros((model.body.size, 6)), 1e-6
         probe = model.measure[i]
@@ -79,7 +79,7 @@ class PoseEquations:
         return gradient.ravel()
 
     def motion(self, F: np.ndarray, graph: JointGraph | None = None) -> np.ndarray:
-        """(6 n,) the least displacement [m, rad] that changes the residual by F, in the sense of least squares.
+        """Return the least displacement (6 n,) [m, rad] that changes the residual by F, in the sense of least squares.
 
         With a graph it is the one that moves the joints least, so that what nobody asks for rests in its carrier.
         """
@@ -91,12 +91,12 @@ class PoseEquations:
         return self.columns * x
 
     def change(self, motion: np.ndarray) -> np.ndarray:
-        """The change of F in a small motion (6 n,) [m, rad]."""
+        """Return the change of F in a small motion (6 n,) [m, rad]."""
         J = block_rows(self.model, self.data).take(self.holonomic)
         return np.concatenate([self.scale * J.times(motion), self.asked_rows() @ motion])
 
     def rates(self, motion: np.ndarray) -> np.ndarray:
-        """Rates of the hinge coordinates in a motion (6 n,) [m, rad]."""
+        """Return the rates of the hinge coordinates in a motion (6 n,) [m, rad]."""
         data = self.data
         data.body["velocity"][:-1], data.body["w"][:-1] = motion.reshape(-1, 2, 3).transpose(1, 0, 2)
         remember(self.model, data, self.t)
@@ -112,7 +112,7 @@ class PoseEquations:
         rows(model, data, self.t)
 
     def counted(self) -> np.ndarray:
-        """Hinge coordinates as they were counted last, a copy."""
+        """Return hinge coordinates as they were counted last, a copy."""
         return self.data.coordinate["value"].copy()
 
     def put(self, q: np.ndarray, coordinates: np.ndarray) -> None:
@@ -127,7 +127,7 @@ class PoseEquations:
         self, rest: np.ndarray | float = 0.0, graph: JointGraph | None = None, *, enough: float = 1e-15,
         most: int = ITERATIONS_MAX,
     ) -> float:  # fmt: skip
-        """Newton's method on F = rest; returns the largest residual left, of the best pose, which is taken.
+        """Solve F = rest by Newton's method; return the largest residual left, of the best pose, which is taken.
 
         Where the rows cannot all be met, the sum of squares of the weighted residuals is least.
         """
@@ -149,12 +149,12 @@ class PoseEquations:
         return best
 
     def state(self) -> State:
-        """The pose with its hinge coordinates; velocities as at the start."""
+        """Return the pose with its hinge coordinates, velocities as at the start."""
         values = [coordinate(self.model, self.data, i, self.t)[0] for i in range(self.model.coordinate.size)]
         return State(self.t, self.q, self.pose.v, self.pose.z, np.array(values, float))
 
     def row_residual(self) -> np.ndarray:
-        """(m,) residual of all rows [m, rad], 0 of those without one."""
+        """Return the residual (m,) of all rows [m, rad], 0 of those without one."""
         return np.where(self.holonomic, self.data.row["c"], 0.0)
 
 
