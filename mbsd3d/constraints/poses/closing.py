@@ -61,30 +61,22 @@ def close_pose(
 ) -> Found:  # fmt: skip
     """Return the pose that the motion leads to from the start; what drivers prescribe is moved like what is asked for.
 
-    Where that leads no further, Newton's method from the start, and where that sticks (a stretched chain that must
-    buckle), from seeded poses nearby; both count turns along their own steps.
+    Joints that are drawn open are closed first. Where the motion leads no further, the rest is left to `by_newton`.
     """
     task = targets, goals, pinned
     equations = PoseEquations(compiled, start, *task)
     if joint_gap(equations) > CLOSED_GAP_MAX:
-        start = joints_closed(compiled, start, pinned)
+        start = by_newton(compiled, start, [], [], pinned, compiled.model.row["drive"] < 0).state()
         equations = PoseEquations(compiled, start, *task)
+        if joint_gap(equations) > tolerance:
+            return Found(equations, start)
     if np.abs(equations.residual()).max(initial=0.0) <= CORRECTION_MAX:
         equations.close()
         return Found(equations, start)
     way = Continuation(equations, joint_graph(compiled, pinned), tolerance)
     if way.follow():
         return Found(equations, start, way)
-    equations = PoseEquations(compiled, start, *task)
-    equations.close()
-    for size in SEEDED_MOVES:
-        if gap_size(compiled, equations.row_residual()) <= tolerance:
-            break
-        again = PoseEquations(compiled, seeded(compiled, start, pinned, size), *task)
-        again.close()
-        if gap_size(compiled, again.row_residual()) <= tolerance:
-            equations = again
-    return Found(equations, start, way)
+    return Found(by_newton(compiled, start, *task, np.ones(compiled.model.row.size)), start, way)
 
 
 def joint_gap(equations: PoseEquations) -> float:
@@ -93,11 +85,23 @@ def joint_gap(equations: PoseEquations) -> float:
     return gap_size(equations.compiled, equations.row_residual() * undriven)
 
 
-def joints_closed(compiled: Compiled, start: State, pinned: set[int]) -> State:
-    """Return the start with its joints closed, whatever drivers prescribe; as it is where they cannot be."""
-    equations = PoseEquations(compiled, start, [], [], pinned, (compiled.model.row["drive"] < 0).astype(float))
-    equations.close()
-    return equations.state() if joint_gap(equations) <= CLOSED_GAP_MAX else start
+def by_newton(
+    compiled: Compiled, start: State, targets: list[tuple[int, float]], goals: list[float], pinned: set[int],
+    used: np.ndarray,
+) -> PoseEquations:  # fmt: skip
+    """Return the pose that closes the rows ``used`` by Newton's method, which counts turns along its own steps.
+
+    Where it sticks (a stretched chain that must buckle), it starts from seeded poses nearby.
+    """
+    first = None
+    for size in (0.0, *SEEDED_MOVES):
+        nearby = seeded(compiled, start, pinned, size) if size else start
+        equations = PoseEquations(compiled, nearby, targets, goals, pinned, used.astype(float))
+        equations.close()
+        if gap_size(compiled, equations.row_residual() * used) <= CLOSED_GAP_MAX:
+            return equations
+        first = first or equations
+    return first
 
 
 def seeded(compiled: Compiled, start: State, pinned: set[int], size: float) -> State:
