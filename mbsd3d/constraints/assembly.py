@@ -9,7 +9,7 @@ from ..base.checks import number, shown
 from ..base.concurrency import on_one_thread
 from ..base.errors import AssemblyError, InputError
 from ..base.quaternions import conjugate, logarithm, multiply
-from ..equations.at_state import driven_coordinates, load_state, worst_joint
+from ..equations.at_state import coordinate_row, driven_coordinates, load_state, worst_joint
 from ..equations.compiled import Compiled, compile_system, initial_states, tables_of
 from ..kernels.layout import Data
 from ..mechanism.bodies import Body
@@ -65,7 +65,7 @@ def closed_or_error(compiled: Compiled, data: Data, pose: State, tolerance: floa
 
 
 def after_whole_turns(compiled: Compiled, pose: State, tolerance: float) -> State | None:
-    """The reference pose with the turns counted that drivers ask for, if their way leads back to it; else None."""
+    """Return the reference pose with the turns that drivers ask for, if their way leads back to it; else None."""
     if not compiled.drives:
         return None
     found = close_pose(compiled, pose, [], [], set(), tolerance)
@@ -113,7 +113,7 @@ def assemble(
 
 
 def probes_of_poses(system: Mechanism, measures: Mapping) -> tuple[Measure, ...]:
-    """The measures asked for, or an InputError for one that does not follow from a pose."""
+    """Return the measures asked for, or raise an InputError for one that does not follow from a pose."""
     for probe in measures:
         if not isinstance(probe, Measure):
             raise InputError(f"assemble: {shown(probe)} is not a measure; build one with mbsd3d.measures")
@@ -124,7 +124,7 @@ def probes_of_poses(system: Mechanism, measures: Mapping) -> tuple[Measure, ...]
 
 
 def asked_coordinates(compiled: Compiled, angles: Mapping, slides: Mapping) -> list[tuple[str, int, float]]:
-    """(name, number of the hinge coordinate, value) of every angle and slide asked for."""
+    """Return (name, number of the hinge coordinate, value) of every angle and slide asked for."""
     asked, system = [], compiled.system
     for values, kind in ((angles, "angle"), (slides, "slide")):
         for key, value in values.items():
@@ -136,13 +136,15 @@ def asked_coordinates(compiled: Compiled, angles: Mapping, slides: Mapping) -> l
 
 
 def resting_slides(compiled: Compiled, start: State, targets: list[tuple[int, float]]) -> list[tuple[int, float]]:
-    """Slides of gears, at the start, that nobody asks for: helical ones could slide where they are meant to turn."""
+    """Return the slides of gears that nobody asks for, as they are: helical gears could slide instead of turning."""
     asked = {i for i, _ in targets}
-    meshes = [joint for joint in compiled.system.joints if isinstance(joint, GearMesh)]
-    hinges = {hinge: None for mesh in meshes for hinge in mesh.partners() if isinstance(hinge, Cylindrical)}
-    numbers = [compiled.coordinate(hinge.slide()) for hinge in hinges]
-    known = {} if start.coordinates is None else dict(enumerate(start.coordinates))
-    return [(i, float(known.get(i, 0.0))) for i in numbers if i not in asked]
+    gears = [hinge for joint in compiled.system.joints if isinstance(joint, GearMesh) for hinge in joint.partners()]
+    slides = {compiled.coordinate(hinge.slide()) for hinge in gears if isinstance(hinge, Cylindrical)} - asked
+    if not slides:
+        return []
+    data = compiled.data()
+    load_state(compiled, data, start)
+    return [(i, float(coordinate_row(compiled, data, i, start.t)[0])) for i in sorted(slides)]
 
 
 def mapping(given: Mapping | None, what: str) -> Mapping:
@@ -183,7 +185,7 @@ def check_closed(found: Found, asked: list[str], pinned: set[int]) -> None:
 
 
 def reached(found: Found) -> str:
-    """The beginning of an advice: how far the motion leads."""
+    """Return the beginning of an advice: how far the motion leads."""
     share = 1.0 if found.way is None else found.way.gone
     return f"the motion from the start ends after {100.0 * share:.3g} % of the way; " if 0.0 < share < 1.0 else ""
 

@@ -413,15 +413,17 @@ def test_a_helical_gear_that_may_slide_turns_unless_it_is_asked_to_slide():
     pinion, wheel = place.body("pinion", 0, 0, 0), place.body("wheel", r_a + r_b, 0, 0)
     z = place.to(0, 0, 1)
     fast = Revolute(GROUND, pinion, at=place.at(0, 0, 0), axis=z, name="fast")
-    slow = Cylindrical(GROUND, wheel, at=place.at(r_a + r_b, 0, 0), axis=z, name="slow")
+    ends = {"at": place.at(r_a + r_b, 0, 0), "at_b": place.at(r_a + r_b, 0, -0.07)}  # its slide is -0.07 as drawn
+    slow = Cylindrical(GROUND, wheel, **ends, axis=z, name="slow")
     mesh = GearMesh(fast, slow, at=place.at(r_a, 0, 0), helix_angle=helix)
     system = place.mixed([pinion, wheel], [fast, slow, mesh])
-    for slide in (0.0, 3.0):
-        asked = {"slides": {"slow": slide}} if slide else {}
+    for slide in (-0.07, 3.0):
+        asked = {} if slide < 0.0 else {"slides": {"slow": slide}}
         state = system.assemble(angles={"fast": 20.0}, **asked)
         found = accelerations(system, state)
         assert found.slide("slow")[0] == pytest.approx(slide, abs=1e-12)
-        assert found.angle("slow")[0] == pytest.approx(-20.0 * r_a / r_b - slide * np.tan(helix) / r_b, abs=1e-10)
+        turn = -20.0 * r_a / r_b - slide * np.tan(helix) / r_b
+        assert found.angle("slow")[0] == pytest.approx(turn, abs=1e-10)
         assert state.notes == ()
 
 
