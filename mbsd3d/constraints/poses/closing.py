@@ -151,9 +151,10 @@ def check_turns(found: Found, hinges: list[MovedHinge], why: str, remedy: str) -
 
 
 def moved_hinges(found: Found) -> list[MovedHinge]:
-    """Return the angles and slides of joints that have changed though nobody asked for them."""
-    compiled, asked = found.equations.compiled, {i for i, _ in found.equations.targets}
-    changes, moved = found.state.coordinates - found.way.counted, []
+    """Return the angles and slides of joints that have changed though nobody asked for them, and no driver."""
+    compiled, changes, moved = found.equations.compiled, found.state.coordinates - found.way.counted, []
+    driven = [x for driver, _ in compiled.drives for row in driver.primitives for x in row.coordinates]
+    asked = {i for i, _ in found.equations.targets} | {compiled.coordinate(x) for x in driven}
     for joint in compiled.system.joints:
         for x in filter(None, (joint.angle(), joint.slide())):
             i = compiled.coordinate(x)
