@@ -19,7 +19,9 @@ def multiply(p: ArrayLike, q: ArrayLike) -> np.ndarray:
     p, q = _stack(p, 4, "quaternion"), _stack(q, 4, "quaternion")
     p0, p_v, q0, q_v = p[..., :1], p[..., 1:], q[..., :1], q[..., 1:]
     scalar = p0 * q0 - np.sum(p_v * q_v, axis=-1, keepdims=True)
-    return np.concatenate([scalar, p0 * q_v + q0 * p_v + np.cross(p_v, q_v)], axis=-1)
+    (p1, p2, p3), (q1, q2, q3) = ((x[..., 1], x[..., 2], x[..., 3]) for x in (p, q))
+    across = np.stack([p2 * q3 - p3 * q2, p3 * q1 - p1 * q3, p1 * q2 - p2 * q1], axis=-1)  # faster than np.cross
+    return np.concatenate([scalar, p0 * q_v + q0 * p_v + across], axis=-1)
 
 
 def conjugate(e: ArrayLike) -> np.ndarray:
