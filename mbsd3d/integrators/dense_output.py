@@ -1,4 +1,4 @@
-"""The motion within a step: cubics through both ends of it, of orientations as of rotation vectors, and their values."""
+"""The motion within a step: cubics through both of its ends, those of orientations by rotation vectors."""
 
 import numpy as np
 
@@ -20,7 +20,7 @@ def hermite(run, h, end, rate, end_rate):
 
 @inner_kernel
 def turn_back(rho, w):
-    """Rate of the rotation vector rho [rad] of a body that turns with w, body axes: exact to the fourth power of rho."""
+    """Rate of the rotation vector rho [rad] of a body that turns with w, body axes; exact to order 4 in rho."""
     swept = cross(rho, w)
     return add(add(w, scale(0.5, swept)), scale(1.0 / 12.0, cross(rho, swept)))
 

@@ -8,7 +8,6 @@ import numpy as np
 
 from ..compiler.jit import inner_kernel, kernel, late_kernel
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate
-from ..dynamics.turning import CERTAIN, compare_poses
 from ..kernels.coordinates import miscount, remember
 from ..kernels.kinematics import normalise
 from ..kernels.layout import Data, Model
@@ -29,6 +28,7 @@ from .step_control import (
     update_scales,
     way_to_singular,
 )
+from .turning import CERTAIN, compare_poses
 
 TURN_PER_POSE = 0.3  # rad between poses: Newton stays on its branch
 GROWTH = 4.0  # of the distance between poses from one to the next, or up to what was enough for the fastest turn so far

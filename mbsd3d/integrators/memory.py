@@ -85,7 +85,8 @@ class Run(NamedTuple):
     work_rate: np.ndarray  # (ny,)
     unit: np.ndarray  # (nz,) what errors of the states z are measured in, at the greatest speed so far
     spin: np.ndarray  # (n, 3) rad/s, of each body, body axes
-    missed: np.ndarray  # (n, 3) rad, by how much each body has turned otherwise than by its angular velocity, world axes
+    missed: np.ndarray  # (n, 4) rad, by how much each body has turned otherwise than by its angular velocity, world
+    # axes, and what `compare_poses` allowed it in the last step
     F: np.ndarray  # (terms, ny) dense output of the last step
     task: np.record  # TASK
     now: np.record  # NOW
@@ -108,7 +109,7 @@ def new_run(
     dy, trial, trial_rate, work, work_rate = np.zeros((5, y.size))
     return Run(
         y=y, dy=dy, trial=trial, trial_rate=trial_rate, work=work, work_rate=work_rate,
-        unit=np.zeros(y.size - 13 * bodies), spin=np.zeros((bodies, 3)), missed=np.zeros((bodies, 3)),
+        unit=np.zeros(y.size - 13 * bodies), spin=np.zeros((bodies, 3)), missed=np.zeros((bodies, 4)),
         F=np.zeros((terms, y.size)),
         task=single(TASK), now=single(NOW), rows=single(ROWS), stiffness=single(STIFFNESS),
         times=times, turns=turns, contacts=contacts, gaps=np.zeros((contacts.size, 2, 3)),

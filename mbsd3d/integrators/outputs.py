@@ -10,7 +10,6 @@ from ..compiler.jit import inner_kernel, kernel, late_kernel, merged_kernel
 from ..dynamics.spinning import farthest_turn, rate_without_spin, spin_on
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..dynamics.touching import start_watching
-from ..dynamics.turning import compare_poses
 from ..kernels.coordinates import coordinate, measure, remember
 from ..kernels.kinematics import kinematics
 from ..kernels.rows import row_speed
@@ -19,6 +18,7 @@ from ..saddle.solve import SOLVED
 from .dense_output import hermite, hermite_of_rotations, interpolate
 from .memory import FULL, NO_SOLUTION, NOT_CLOSING, RUNNING, STOPPED
 from .step_control import note_rows, update_scales
+from .turning import compare_poses
 
 LANDINGS = 6  # Newton steps to the time of an event, each a step of the method; the first is good to its dense output
 SCAN = 8  # parts of a step that are searched for an event, or of a radian that a body spins in it

@@ -11,14 +11,15 @@ acceleration that changes evenly. Where a method takes an even spin out of the s
 import numpy as np
 
 from ..compiler.jit import inner_kernel
+from ..dynamics.spinning import turned_by
 from ..kernels.coordinates import miscount
 from ..kernels.kinematics import product, quaternion_of, rotation_matrix
 from ..kernels.vectors import add, cross, dot, put, rotate, scale, sub, vec
-from .spinning import turned_by
 
 CERTAIN = 1.0  # rad between an angle and the mean of its rates over a step: a third of where turns are miscounted
-RESOLVED = 10.0  # over the squares of the angles by which w turns and swings in a step: of the second term above, what
-# the formula may err by; fifteen times its error for a harmonic swing in small steps, thirty for a turning one
+RESOLVED = 0.2  # times the squares of the angles by which w turns and swings in a step, times the second term above, is
+# what the formula may err by: six times its error for free bodies, twelve for one that swings about an axis
+FADING = 0.8  # of what a step allowed is allowed in the next: the second term vanishes at moments, its error does not
 UNSEEN = 1e-12  # rad in a step: rounding
 
 
@@ -77,7 +78,9 @@ def compare_poses(m, run, h):
         if dot(whole, whole) > run.now.farthest**2:
             run.now.farthest, run.now.farthest_by = np.sqrt(dot(whole, whole)), i
         swing = h * h * dot(jerk, jerk) / max(dot(change, change), 1e-300)
-        allowed = np.sqrt(dot(term, term)) * (dot(turn, turn) + swing) / RESOLVED + UNSEEN * (1.0 + run.now.farthest)
+        error = RESOLVED * np.sqrt(dot(term, term)) * (dot(turn, turn) + swing)
+        run.missed[i, 3] = max(min(error, CERTAIN), FADING * run.missed[i, 3])
+        allowed = run.missed[i, 3] + UNSEEN * (1.0 + run.now.farthest)
         back, e_back = quaternion_of(scale(-1.0, add(turn, term))), (e[0], -e[1], -e[2], -e[3])
         missed = product(back, product(e_back, e_end))
         x = (missed[1], missed[2], missed[3])
