@@ -4,8 +4,17 @@ import numpy as np
 
 from ..compiler.jit import inner_kernel, kernel
 from ..dynamics.spinning import find_turns
-from ..dynamics.state_rates import FAR, PROJECTED, audit_rates, project_and_evaluate, project_positions, rounding
+from ..dynamics.state_rates import (
+    FAR,
+    PROJECTED,
+    audit_rates,
+    project_and_evaluate,
+    project_positions,
+    project_velocities,
+    rounding,
+)
 from ..dynamics.touching import hides_touch
+from ..dynamics.turning import compare_poses, turns_are_certain
 from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace_body, rotation_matrix
 from ..kernels.vectors import copy, finite, put, rotate, scale
@@ -21,6 +30,7 @@ STALLED = 0.5  # contraction above which corrections as small as rounding are ro
 FINE = 1e-8  # up to this rtol a step may err LOCAL rtol: less, and what Newton's method leaves would count,
 COARSE = -0.2  # beyond, times the excess to this power, a tenth of it at 1e-3: the many steps err all that they may
 NEWTON = 1e-3  # of rtol is what Newton's method may leave of a velocity, relative to the scales of the error
+GROWN = 10.0  # times the multipliers at the end of a step: these are not forces of stiff elements that ring
 SAME_STEP = 1.3  # growth below which the step, and with it the matrix, is kept
 
 
@@ -91,7 +101,8 @@ def predict(g, c, h, steady):
 def solve_step(m, d, s, run, g, c, t, h):
     """Newton's method for the rates and multipliers at the end of the step from their guess; True if it converges.
 
-    The matrix is kept over steps of the same size and made anew where it contracts by less than SLOW.
+    The matrix is kept over steps of the same size and made anew where it contracts by less than SLOW. It belongs to
+    velocities that meet J v = b: at others, rows that repeat each other differ, and what is open of lam would grow.
     """
     w, n = g.newton, m.body.shape[0]
     size = 6 * n + m.z_work + s.used.shape[0]
@@ -109,6 +120,8 @@ def solve_step(m, d, s, run, g, c, t, h):
         residual(m, d, s, t, run.trial, w.rate, w.lam, h_v, w.x)
         if stale:
             g.past.matrix = 0
+            if m.stabilisation == PROJECTION and project_velocities(m, d, s, run.trial) != PROJECTED:
+                return False
             fill_matrix(m, d, s, w, t, run.trial, h_q, h_v)
             if not lu_factor(w.A, w.pivot, size):
                 return False
@@ -203,7 +216,22 @@ def end_rates(m, run, g, h):
 
 
 @inner_kernel
-def accept(m, run, g, h):
+def keep_multipliers(m, d, g):
+    """The multipliers of the step are the next guess; those of the saddle point at its end where the others have grown.
+
+    Rows that repeat others leave a part of lam open. A first iteration, which does not meet J v = b yet, adds to it in
+    every step, until the matrix belongs to forces a thousand times as large as there are.
+    """
+    own, end, w = 0.0, 0.0, g.newton
+    for k in range(m.row.shape[0]):
+        own = max(own, abs(w.lam[k]) / m.row[k].scale)
+        end = max(end, abs(d.row[k].lam) / m.row[k].scale)
+    for k in range(m.row.shape[0]):
+        g.lam[k] = d.row[k].lam if own > GROWN * end else w.lam[k]
+
+
+@inner_kernel
+def accept(m, d, run, g, h):
     """The end of the step becomes the start of the next one."""
     n, w = m.body.shape[0], g.newton
     theta = g.weights.alpha_m - g.weights.alpha_f
@@ -214,7 +242,7 @@ def accept(m, run, g, h):
             g.shift[k] = (g.a[k] - w.rate[k]) / h
     copy(g.jerk, g.jerk_new)
     copy(g.rate, w.rate)
-    copy(g.lam, w.lam)
+    keep_multipliers(m, d, g)
     copy(run.y, run.trial)
     copy(run.dy, run.trial_rate)
     if g.past.first == 1:
@@ -234,7 +262,7 @@ def step(m, d, s, g, run):
         return NOT_CLOSING
     if solved != SOLVED:
         return NO_SOLUTION
-    if hides_touch(m, d, run, h):
+    if not turns_are_certain(m, d, run, t_new, h) or hides_touch(m, d, run, h):
         return RUNNING
     end_rates(m, run, g, h)
     note_rows(s, run)
@@ -242,7 +270,8 @@ def step(m, d, s, g, run):
     status = outputs(m, d, s, g, run, t_new, h, cubic, along_cubic)
     if status != RUNNING:
         return status
-    accept(m, run, g, h)
+    compare_poses(m, run, h)
+    accept(m, d, run, g, h)
     go_on(m, d, run, t_new)
     return RUNNING if rows_hold(m, d, s, run) else NEW_TREE
 

@@ -6,6 +6,7 @@ from ..compiler.jit import inner_kernel, kernel
 from ..dynamics.spinning import find_turns
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate, rounding
 from ..dynamics.touching import hides_touch
+from ..dynamics.turning import compare_poses, turns_are_certain
 from ..kernels.vectors import copy, finite
 from ..saddle.solve import SOLVED
 from .memory import NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING, STEP_TOO_SMALL
@@ -140,10 +141,11 @@ def collocate(m, d, s, run, g, h):
         if k > 0:
             contraction = moved / before if before > 0.0 else 0.0
             g.past.contraction = contraction
-            if contraction >= 1.0:
+            if contraction >= 1.0 and not (fixed and moved > least):
                 return moved <= least, k + 1
-            eta = contraction / (1.0 - contraction)
-            if moved * contraction ** (ITERATIONS - 1 - k) * eta > max(enough, least):  # it will not get there
+            eta = contraction / (1.0 - contraction) if contraction < 1.0 else 1.0
+            # it will not get there; of fixed steps none is shorter, and positions follow a turn one iteration later
+            if not fixed and moved * contraction ** (ITERATIONS - 1 - k) * eta > max(enough, least):
                 return False, k
         if eta * moved <= allowed or (k > 0 and eta * moved <= least) or moved == 0.0:
             return True, k + 1
@@ -265,13 +267,14 @@ def step(m, d, s, g, run):
         return NOT_CLOSING
     if solved != SOLVED or not finite(run.trial_rate):
         return NO_SOLUTION
-    if hides_touch(m, d, run, h):
+    if not turns_are_certain(m, d, run, t_new, h) or hides_touch(m, d, run, h):
         return RUNNING
     note_rows(s, run)
     find_turns(m, run, h)
     status = outputs(m, d, s, g, run, t_new, h, cubic, along_cubic)
     if status != RUNNING:
         return status
+    compare_poses(m, run, h)
     accept(run, g, h)
     go_on(m, d, run, t_new)
     return RUNNING if rows_hold(m, d, s, run) else NEW_TREE

@@ -52,8 +52,8 @@ from validation.cases.comparison import compare
 from validation.suite.trials.references import allowed
 
 CHECKS = {
-    "joint gaps", "joint velocities", "energy balance", "momentum balance", "angular momentum", "Newton-Euler",
-    "acceleration rows", "accelerations", "reactions",
+    "joint gaps", "joint velocities", "orientations", "turns of hinges", "energy balance", "momentum balance",
+    "angular momentum", "Newton-Euler", "acceleration rows", "accelerations", "reactions",
 }  # fmt: skip
 
 
@@ -116,7 +116,9 @@ def test_clean_runs_pass(mechanism, options):
 
 @pytest.mark.parametrize("mechanism", HELD)
 def test_every_check_is_made(mechanism):
-    assert {check.name for check in run(mechanism).certificate.checks} == CHECKS
+    made = run(mechanism)
+    expected = CHECKS if made.compiled.model.coordinate.size else CHECKS - {"turns of hinges"}  # where there are some
+    assert {check.name for check in made.certificate.checks} == expected
 
 
 def still(kind):
