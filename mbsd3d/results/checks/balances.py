@@ -1,6 +1,7 @@
 """Energy against work, momentum against impulse, since the start."""
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -9,7 +10,7 @@ from ...dynamics.state_rates import FAR, project_and_evaluate
 from ...equations.at_state import load_state
 from ...integrators.method import Method
 from ..run_samples import RunSamples, world_velocities
-from .check import USEFUL, Check, largest, scales_of
+from .check import USEFUL, Check, Scales, largest, longest, rounding_of, scales_of
 
 NOTHING = 1e-6  # of the energy: a work that is rounding, of poses near dead centres too
 
@@ -31,20 +32,45 @@ def since_start(solution: RunSamples) -> RunSamples:
     return replace(solution, arrays={name: np.concatenate([[x], arrays[name]]) for name, x in first.items()})
 
 
+class Balance(NamedTuple):
+    """What the motion gained, less what was done to it, and the numbers that this is the difference of."""
+
+    gap: float
+    terms: float
+
+
+def balances(whole: RunSamples, scale: Scales) -> tuple[Balance, Balance, Balance]:
+    """Energy [J] about the centre of mass, momentum, angular momentum about the centre of mass.
+
+    With P the momentum, I the impulse of the external forces since the start: T' + U less W, and less what these forces
+    did to the motion of the centre of mass, (P_0 + I/2) . I / m; P - I; L' less the angular impulse about it.
+    """
+    about, energy, mass = whole.about_centre, whole.energy(), whole.system.total_mass()
+    impulse = change(whole.arrays["z"][:, whole.compiled.model.z_impulse :])
+    push, turn = impulse[:, :3], impulse[:, 3:]
+    carried = ((about.velocity[0] + 0.5 * push / mass) * push).sum(axis=1) if mass else np.zeros(push.shape[0])
+    gained = change(about.kinetic) + change(energy.potential) - change(energy.work) + carried
+    moved, turned = mass * change(about.velocity) - push, change(about.angular) - turn
+    arm = scale.speed + scale.acceleration * float(whole.t[-1] - whole.t[0])
+    return (
+        Balance(largest(gained), sum(map(largest, (energy.potential, energy.work, carried)))),
+        Balance(longest(moved), mass * scale.speed + longest(push)),
+        Balance(longest(turned), mass * arm * (scale.reach + about.farthest)),
+    )
+
+
 def balance_checks(solution: RunSamples, limit: float) -> list[Check]:
     """Energy against work, momentum against impulse."""
     if solution.record.kinematic:
         return []  # no ODE, so nothing was integrated along; the Newton-Euler residuals are the check
-    whole, model = since_start(solution), solution.compiled.model
-    scale = scales_of(whole)
-    energy, momentum, impulse = whole.energy(), whole.momentum(), whole.arrays["z"][:, model.z_impulse :]
-    gap = change(energy.total) - change(energy.work)
-    lost = change(momentum.linear) - change(impulse[:, :3])
-    turned = change(momentum.angular) - change(impulse[:, 3:])
+    whole, inertial = since_start(solution), "an inertial term is missing"
+    scale, rounding = scales_of(whole), rounding_of(solution.record)
+    sizes = scale.energy, scale.momentum, scale.angular_momentum
+    names = "energy balance", "momentum balance", "angular momentum"
+    meanings = energy_meaning(solution.record.method), inertial, inertial
     return [
-        Check("energy balance", largest(gap) / scale.energy, limit, energy_meaning(solution.record.method)),
-        Check("momentum balance", largest(lost) / scale.momentum, limit, "an inertial term is missing"),
-        Check("angular momentum", largest(turned) / scale.angular_momentum, limit, "an inertial term is missing"),
+        Check(name, found.gap / size, max(limit, min(rounding * found.terms / size, USEFUL)), meaning)
+        for name, found, size, meaning in zip(names, balances(whole, scale), sizes, meanings, strict=True)
     ]
 
 
