@@ -77,9 +77,9 @@ class Scales:
 def scales_of(solution: RunSamples) -> Scales:
     """Sizes from the run itself, with floors from gravity, so that a mechanism at rest has scales too."""
     arrays, system, length = solution.arrays, solution.system, solution.compiled.model.length
-    about, spin = solution.about_centre, longest(arrays["v"][..., 3:])
+    about, spin, g = solution.about_centre, longest(arrays["v"][..., 3:]), float(np.linalg.norm(system.gravity))
     speed = max(about.fastest, length * spin, solution.record.speed)  # samples may all be of a machine at rest
-    a = max(longest(arrays["acceleration"][..., :3]), float(np.linalg.norm(system.gravity)), length * spin * spin) or 1.0
+    a = max(longest(arrays["acceleration"][..., :3]), g, length * spin * spin) or 1.0
     mass = system.total_mass() or 1.0
     momentum = mass * max(speed, 1e-3 * np.sqrt(a * length))
     speed = max(speed, np.sqrt(1e-3 * a * length))
