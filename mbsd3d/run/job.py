@@ -270,7 +270,7 @@ class Job:
         """IntegrationError with time, the part to blame, advice and what was computed."""
         t = float(self.memory.now.t)
         solution = self.solution()
-        here = (self.compiled, self.data, self.memory.y, t, float(self.memory.now.step))
+        here = (self.compiled, self.data, self.memory.y, t, float(self.method.dt or self.memory.now.step))
         blamed, clash = blame(*here, self.memory.dy), contradiction(*here)
         part = blamed.part if blamed else None
         what, advice = FAILURES[status]

@@ -80,9 +80,9 @@ def exception_of(compiled: Compiled, k: int, y: np.ndarray, t: float) -> Excepti
         return None
     try:
         with np.errstate(all="ignore"):
-            plain = uncompiled(compiled.system.forces[k].function)
-            plain(t, data.pose, force["bodies"], data.z[own], force["states"], model.number[numbers].copy(),
-                  force["numbers"], data.wrench, data.state_rate[own])  # fmt: skip
+            plain, poses = uncompiled(compiled.system.forces[k].function), data.pose.view(np.recarray)
+            own_states, given = (data.z[own], force["states"]), (model.number[numbers].copy(), force["numbers"])
+            plain(t, poses, force["bodies"], *own_states, *given, data.wrench, data.state_rate[own])
     except Exception as error:  # whatever the user's code raises
         return error
     return None

@@ -55,11 +55,12 @@ def balances(whole: RunSamples, scale: Scales) -> tuple[Balance, Balance, Balanc
     carried = ((about.velocity[0] + 0.5 * push / mass) * push).sum(axis=1) if mass else np.zeros(push.shape[0])
     gained = change(about.kinetic) + change(energy.potential) - change(energy.work) + carried
     moved, turned = mass * change(about.velocity) - push, change(about.angular) - turn
-    arm = scale.speed + scale.acceleration * float(whole.t[-1] - whole.t[0])
+    shaken = scale.rate * whole.compiled.model.length + scale.acceleration * float(whole.t[-1] - whole.t[0])
+    spread = scale.speed * scale.angular_momentum / scale.momentum + shaken * scale.reach  # by places and by velocities
     return (
         Balance(largest(gained), sum(map(largest, (energy.potential, energy.work, carried)))),
         Balance(longest(moved), mass * scale.speed + longest(push)),
-        Balance(longest(turned), mass * arm * (scale.reach + about.farthest)),
+        Balance(longest(turned), mass * spread),
     )
 
 
@@ -83,7 +84,7 @@ def balance_checks(solution: RunSamples, limit: float, equations_met: bool) -> l
     ]
     checks = checks if solution.record.about_centre else checks[:2]
     if equations_met and not all(check.passed for check in checks) and determined(solution):
-        return [replace(check, limit=max(check.limit, QUADRATURE)) for check in checks]
+        return [check if check.passed else replace(check, limit=QUADRATURE) for check in checks]
     return checks
 
 
