@@ -6,6 +6,7 @@ from ..compiler.jit import inner_kernel, kernel
 from ..dynamics.spinning import find_turns
 from ..dynamics.state_rates import FAR, PROJECTED, audit_rates, project_and_evaluate, project_positions, rounding
 from ..dynamics.touching import hides_touch
+from ..dynamics.turning import compare_poses, turns_are_certain
 from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace_body, rotation_matrix
 from ..kernels.vectors import copy, finite, put, rotate, scale
@@ -234,7 +235,7 @@ def step(m, d, s, g, run):
         return NOT_CLOSING
     if solved != SOLVED:
         return NO_SOLUTION
-    if hides_touch(m, d, run, h):
+    if not turns_are_certain(m, d, run, t_new, h) or hides_touch(m, d, run, h):
         return RUNNING
     end_rates(m, run, g, h)
     note_rows(s, run)
@@ -242,6 +243,7 @@ def step(m, d, s, g, run):
     status = outputs(m, d, s, g, run, t_new, h, cubic, along_cubic)
     if status != RUNNING:
         return status
+    compare_poses(m, run, h)
     accept(m, run, g, h)
     go_on(m, d, run, t_new)
     return RUNNING if rows_hold(m, d, s, run) else NEW_TREE

@@ -6,6 +6,7 @@ from ..compiler.jit import inner_kernel, kernel
 from ..dynamics.spinning import find_turns
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate, rounding
 from ..dynamics.touching import hides_touch
+from ..dynamics.turning import compare_poses, turns_are_certain
 from ..kernels.vectors import copy, finite
 from ..saddle.solve import SOLVED
 from .memory import NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING, STEP_TOO_SMALL
@@ -265,13 +266,14 @@ def step(m, d, s, g, run):
         return NOT_CLOSING
     if solved != SOLVED or not finite(run.trial_rate):
         return NO_SOLUTION
-    if hides_touch(m, d, run, h):
+    if not turns_are_certain(m, d, run, t_new, h) or hides_touch(m, d, run, h):
         return RUNNING
     note_rows(s, run)
     find_turns(m, run, h)
     status = outputs(m, d, s, g, run, t_new, h, cubic, along_cubic)
     if status != RUNNING:
         return status
+    compare_poses(m, run, h)
     accept(run, g, h)
     go_on(m, d, run, t_new)
     return RUNNING if rows_hold(m, d, s, run) else NEW_TREE

@@ -6,14 +6,17 @@ from ..compiler.jit import inner_kernel, merged_kernel
 from ..dynamics.spinning import spin_on
 from ..dynamics.state_rates import skipped_residual
 from ..dynamics.touching import go_on_watching
+from ..dynamics.turning import turn_on
 from ..kernels.coordinates import remember
 from ..kernels.kinds import PROJECTION
 from ..kernels.vectors import add_scaled, clear
 from ..saddle.independence import note_independence
+from .auditing import begin_audit, go_on_auditing
 from .memory import DONE, FULL, RUNNING
 
 LEAST = 1e-14  # of the time, the shortest step: 50 units of its last place; of the first step, at t = 0
 ROUNDING = 1e-15  # of a work or an impulse is what a step may always err: less cannot be had
+ON_GRID = 1e-9  # of a fixed step: where a signal turns so close to its end, that is its end
 LOCAL = 0.1  # of rtol is what a single step may err, since errors add up over a run
 
 CLOSE, STUCK = 1e-5, 1e-4  # a share as that below; of the way to a singular position: who passes it goes faster
@@ -36,6 +39,7 @@ def take_steps(m, d, s, own, run, budget, start, step):
             status = start(m, d, s, own, run)
             if status != RUNNING:
                 return status
+            begin_audit(m, d, run)
         if run.now.t >= run.task.t_end:
             return DONE
         if full(run):
@@ -53,36 +57,56 @@ def least_step(run):
 
 
 @inner_kernel
-def end_of_step(run):
-    """(t_new, h): the next step, landing exactly on t_end, and unless steps are fixed where a signal turns.
+def next_turn(run):
+    """The next time at which a signal turns; infinite if none does before the end."""
+    turns, k, least = run.turns, run.now.next_turn, least_step(run)
+    while k < turns.shape[0] and turns[k, 1] <= run.now.t + least:
+        k += 1
+    run.now.next_turn = k
+    return turns[k, 0] if k < turns.shape[0] and turns[k, 1] <= run.task.t_end else np.inf
 
-    h = 0: none is short enough.
-    """
-    task, t = run.task, run.now.t
+
+@inner_kernel
+def on_grid(run):
+    """(time at which the equal step at hand ends, what is no distance from it)."""
+    task, k = run.task, run.now.grid + 1
+    apart = (task.t_end - task.t_start) / task.steps
+    return task.t_end if k >= task.steps else task.t_start + k * apart, ON_GRID * apart
+
+
+@inner_kernel
+def end_of_step(run):
+    """(t_new, h): the next step, landing exactly on t_end and where a signal turns; h = 0: none is short enough."""
+    task, t, turn, least = run.task, run.now.t, next_turn(run), least_step(run)
     if task.steps > 0:
-        k = run.now.steps + 1
-        t_new = task.t_end if k == task.steps else task.t_start + k * (task.t_end - task.t_start) / task.steps
-        return t_new, t_new - t
+        end, close = on_grid(run)
+        t_new = turn if turn <= end + close else end
+        return t_new, max(t_new - t, least)
     h = min(run.now.step, task.max_step, run.now.longest)
-    least = least_step(run)
     if h < least:
         if run.now.forced > 0:
             return t, 0.0
         h, run.now.forced = least, 1
-    turns, k = run.turns, run.now.next_turn
-    while k < turns.shape[0] and turns[k, 1] <= t + least:
-        k += 1
-    run.now.next_turn = k
-    last = turns[k, 0] if k < turns.shape[0] and turns[k, 1] <= task.t_end else task.t_end
+    last = min(turn, task.t_end)
     t_new = last if t + 1.01 * h >= last else t + h
     return t_new, max(t_new - t, min(h, least))  # rounding of t makes no step too short
 
 
 @inner_kernel
+def pass_turn(run):
+    """Go on behind the end of the step where the second derivative of a signal jumps there."""
+    k = run.now.next_turn
+    if k < run.turns.shape[0] and run.turns[k, 0] == run.now.t < run.turns[k, 1]:
+        run.now.t = run.turns[k, 1]
+        run.now.fresh = 2
+
+
+@inner_kernel
 def go_on(m, d, run, t_new):
-    """The end of a step, in d, is the start of the next; behind it where the second derivative of a signal jumps."""
+    """The end of a step, in d, is the start of the next."""
     remember(m, d, t_new)
     update_scales(m, d, run)
+    go_on_auditing(m, d, run, t_new - run.now.t)
     run.now.t = t_new
     run.now.steps += 1
     go_on_watching(run)
@@ -90,10 +114,10 @@ def go_on(m, d, run, t_new):
         run.now.forced, run.now.step = 2, max(run.now.step, least_step(run))
     else:
         run.now.forced = 0
-    k = run.now.next_turn
-    if run.task.steps == 0 and k < run.turns.shape[0] and run.turns[k, 0] == run.now.t < run.turns[k, 1]:
-        run.now.t = run.turns[k, 1]
-        run.now.fresh = 2
+    if run.task.steps > 0:
+        end, close = on_grid(run)
+        run.now.grid += t_new >= end - close
+    pass_turn(run)
 
 
 @inner_kernel
@@ -232,5 +256,7 @@ def interpolate(m, run, h, x, y):
         weight = x if (terms - 1 - i) % 2 == 0 else 1.0 - x
         for j in range(y.shape[0]):
             y[j] = (y[j] + f[j]) * weight
+    if run.now.rotating == 1:
+        turn_on(m, run, y)
     add_scaled(y, 1.0, run.y)
     spin_on(m, run, x * h, y)

@@ -17,7 +17,12 @@ from .checks.check import PASSED, USEFUL, Check, drift_limit
 from .checks.equations import equation_checks, joint_checks, lost, residuals
 from .checks.own_forces import stage_notes
 from .checks.rounding import rounding, rounding_checks, singular_notes
+from .checks.turning import turning_checks
+from .record import Record
 from .run_samples import RunSamples
+
+FAR_TURN = 1.0  # rad in a step: beyond, its error is no small share of the turn
+COARSE_ORDER = 2  # of methods whose steps follow no estimate that sees a turn
 
 
 @dataclass(frozen=True)
@@ -44,6 +49,7 @@ class Certificate:
     error: float | None = None
     order: float | None = None
     doubling: float | None = None
+    turned: str = ""
     notes: tuple[str, ...] = field(default=())
 
     @property
@@ -97,7 +103,7 @@ class Certificate:
     def global_error(self) -> str:
         """What is known of the distance from the true motion."""
         if self.error is None:
-            return "unknown; solution.estimate() finds it"
+            return f"unknown{self.turned}; solution.estimate() finds it"
         order = "" if self.order is None else f", observed order {self.order:.2f}"
         verdict = "ok" if self.error <= USEFUL else f"FAILED, limit {USEFUL:.0e}"
         growth = f"; {self.growth}" if self.growth else ""
@@ -112,7 +118,8 @@ def certify(solution: RunSamples) -> Certificate:
     record, limit, remarks = solution.record, drift_limit(solution.record), notes(solution)
     if solution.t.size:
         missed, opened = residuals(solution), rounding(solution)
-        joints, equations = joint_checks(solution, missed), equation_checks(solution, missed, opened.singular)
+        joints = joint_checks(solution, missed) + turning_checks(solution)
+        equations = equation_checks(solution, missed, opened.singular)
         met = all(check.passed for check in joints + equations)
         checks = [*joints, *balance_checks(solution, limit, met), *equations]
         checks += [] if lost(solution) else rounding_checks(solution, opened)
@@ -131,8 +138,17 @@ def certify(solution: RunSamples) -> Certificate:
         switches=record.switches,
         checks=tuple(checks),
         stopped_by=record.stopped_by,
+        turned=far_turn(record),
         notes=tuple(remarks),
     )
+
+
+def far_turn(record: Record) -> str:
+    """What the global error may be where steps that no error estimate of high order holds turned a body far."""
+    coarse = record.method.dt is not None or 0 < record.method.order <= COARSE_ORDER
+    if not coarse or record.farthest <= FAR_TURN:
+        return ""
+    return f" (body '{record.farthest_by}' turned by {record.farthest:.2g} rad in a step: poses may err as much)"
 
 
 def notes(solution: RunSamples) -> list[str]:
@@ -144,6 +160,9 @@ def notes(solution: RunSamples) -> list[str]:
         found.append(f"the run passes a singular position; it goes on along the tangent of the motion; {inexact}")
     found += [text for joint in solution.system.joints for text in joint.notes(solution)]
     found += stage_notes(solution)
+    if solution.record.never_armed:
+        never = "it just came true at the start, and has not been false since"
+        found.append(f"stop_when: {solution.record.never_armed} was never armed: {never}")
     if not (solution.record.about_centre or solution.record.kinematic):
         found.append("angular momentum not checked: the file is of an older version; run the simulation again")
     return found + [f"Newton-Euler not checked: {name} was saved without its function" for name in lost(solution)]

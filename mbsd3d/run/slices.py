@@ -13,6 +13,7 @@ from ..compiler.announcing import announce_compilation
 from ..compiler.disk import mark_warm
 from ..equations.compiled import Switches, compile_system
 from ..equations.inputs import set_input, starts, with_history, with_own_inputs
+from ..integrators.auditing import AUDITED
 from ..integrators.dop853 import DOP853
 from ..integrators.method import Method
 from ..integrators.step_control import LEAST
@@ -102,8 +103,8 @@ class Slices(Job):
             check_signals(self.compiled, begin, t)
         task["t_end"] = t
         if self.method.dt is not None:
-            steps, done = max(int(np.ceil((t - begin) / self.method.dt - 1e-9)), 1), int(now["steps"])
-            task["steps"], task["t_start"] = done + steps, begin - done * (t - begin) / steps
+            task["steps"] = max(int(np.ceil((t - begin) / self.method.dt - 1e-9)), 1)
+            task["t_start"], now["grid"] = begin, 0
         if not self.keep and now["written"]:
             self.drain()
         run.times[1], now["next_output"] = t, 0 if first else 1
@@ -126,6 +127,8 @@ class Slices(Job):
             speed=float(run.now.fastest),
             inputs={name: tuple(changes) for name, changes in self.history.items()},
         )  # fmt: skip
+        record.open_audit = tuple(float(run.now[x]) for x in AUDITED)
+        record.note_turning(run.now, [body.name for body in self.compiled.system.bodies])
         arrays = {name: array[:count].copy() for name, array in self.samples.arrays.items()}
         arrays["t"] = arrays["t"][:, 0]
         compiled = with_history(self.compiled, self.history)
