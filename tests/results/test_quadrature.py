@@ -10,6 +10,7 @@ from mbsd3d import (
     AngleDriver,
     Body,
     Cylindrical,
+    Gear,
     GeneralizedAlpha,
     PointOnLine,
     Prismatic,
@@ -161,6 +162,54 @@ def test_a_driven_rack_passes_at_any_step(method):
     run = simulate(system, 2.0, method=method, rtol=1e-6)
     assert run.slide(slider) == pytest.approx(0.07 * run.angle(hinge), abs=1e-12)
     assert run.certificate.passed and run.estimate().passed
+
+
+def train(torque):
+    """(system, hinges, angular acceleration): two wheels in gear on skew axes, their centres of mass off their axes."""
+    axes = [SKEW @ v for v in ((0.0, 0.6, 0.8), (1.0, 0.0, 0.0))]
+    bodies = [Body(f"wheel {k}", 1.2 - 0.3 * k, (0.03, 0.03, 0.03), com=0.05 * np.cross(axes[k], (0.3, 0.8, -0.5)),
+                   position=(0.9 * k, 0.2, -0.4 * k)) for k in range(2)]  # fmt: skip
+    hinges = [
+        Revolute(GROUND, b, at=b.position + 0.1 * u, axis=u, name=f"hinge {k}")
+        for k, (b, u) in enumerate(zip(bodies, axes, strict=True))
+    ]
+    gear = Gear(*hinges, ratio=-1.6)
+    about = [0.03 + b.mass * (b.com @ b.com - (b.com @ u) ** 2) for b, u in zip(bodies, axes, strict=True)]
+    load = Torque(bodies[0], torque * axes[0])
+    return System(bodies, [*hinges, gear], [load], (0, 0, 0)), hinges, torque / (about[0] + 1.6**2 * about[1])
+
+
+@pytest.mark.parametrize(
+    ("method", "t_end"),
+    [(GeneralizedAlpha(0.0024), 1.5), (GeneralizedAlpha(0.01), 2.0), (RK4(0.004), 1.5), (RadauIIA(dt=0.01), 1.5)],
+    ids=str,
+)
+@pytest.mark.parametrize("torque", [4.0, -2.5])
+def test_bearings_of_a_gear_train_may_be_badly_integrated(method, t_end, torque):
+    """Its acceleration is constant and any method has it right; the bearings turn with the centres of mass."""
+    system, hinges, alpha = train(torque)
+    run = simulate(system, t_end, method=method)
+    angle = 0.5 * alpha * run.t**2
+    assert run.angle(hinges[0]) == pytest.approx(angle, abs=1e-6 * abs(angle[-1]))
+    assert run.certificate.passed, run.certificate
+    wrong = simulate(system, t_end, method=method, centripetal=False).certificate
+    assert {"momentum balance", "Newton-Euler"} <= {check.name for check in wrong.checks if not check.passed}
+
+
+def test_the_difference_of_the_quadratures_is_the_error_of_the_impulse():
+    """Of a body held on a rod that turns evenly: the impulse of its bearing is m v, known in closed form."""
+    rate, arm = 3.0, np.array([0.7, 0.2, 0.0])
+    body = Body("bob", 1.7, (0.01, 0.02, 0.015), com=arm, orientation=(1, 0, 0, 0))
+    hinge = Revolute(GROUND, body, at=(0, 0, 0), axis=(0, 0, 1), name="hinge")
+    system = System([body], [hinge, AngleDriver(hinge, Ramp(rate))], gravity=(0, 0, 0))
+    for method, most in ((GeneralizedAlpha(0.02), 1.2), (RK4(0.1), 8.0), (RadauIIA(dt=0.2), 40.0)):
+        run = simulate(system, 2.0, method=method)
+        impulse = run.arrays["z"][:, run.compiled.model.z_impulse :][:, :3]
+        v = np.cross((0, 0, rate), run.com("bob"))
+        wrong = np.linalg.norm(impulse - impulse[0] - 1.7 * (v - v[0]), axis=1).max()
+        assert 0.8 * wrong <= run.record.open_audit[1] <= most * wrong, (
+            method
+        )  # the second quadrature is of fifth order
 
 
 def test_a_tolerance_that_cannot_be_reached_is_not_asked_for():

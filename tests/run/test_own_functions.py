@@ -187,6 +187,11 @@ def test_fixed_steps_longer_than_a_force_allows_are_refused():
     assert simulate(system, 1.0, method=RK4(0.01)).certificate.notes == ()
 
 
+def test_steps_of_a_force_that_take_days_are_refused():
+    with pytest.raises(ValueError, match="force 'own' .CustomForce.: max_step = 1e-10 s needs 1e.10 steps"):
+        simulate(sled(blow, (0.5, 0.01, 1.0), max_step=1e-10), 1.0)
+
+
 def test_poses_that_follow_from_drivers_are_not_stepped_over():
     body = Body("sled", 2.0, (0.1, 0.12, 0.13))
     rail = Prismatic(GROUND, body, at=(0, 0, 0), axis=(1, 0, 0))
