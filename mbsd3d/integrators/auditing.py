@@ -1,7 +1,7 @@
 """What the quadrature of fixed steps makes of work and impulse: how far the audit itself may be off.
 
 Nothing bounds the error of a fixed step, so none bounds that of the integrals of power, forces and moments over it. A
-second quadrature, of Adams and Moulton with up to five rates at the ends of steps, shares no stage with the first one.
+second quadrature, of Adams and Moulton with five rates at the ends of steps, shares no stage with the first one.
 """
 
 import numpy as np
@@ -11,14 +11,11 @@ from ..dynamics.state_rates import audit_rates
 from ..kernels.vectors import add, cross, dot, pair, scale, vec
 
 AUDITED = "open_work", "open_push", "open_turn"  # of memory.NOW
-BEGIN, ERROR, RATES, ORDERS = 0, 1, 2, 4  # rows of Run.audit: integrals, errors, from the third on rates, newest first
+BEGIN, ERROR, RATES = 0, 1, 2  # rows of Run.audit: integrals, their errors, and from the third on rates, newest first
+KNOWN = 4  # rates at the ends of steps before this one
 ALIKE = 1e-6  # of a step is what the next one may differ by to count as equally long
-MOULTON = np.array([
-    [1 / 2, 1 / 2, 0, 0, 0],
-    [5 / 12, 8 / 12, -1 / 12, 0, 0],
-    [9 / 24, 19 / 24, -5 / 24, 1 / 24, 0],
-    [251 / 720, 646 / 720, -264 / 720, 106 / 720, -19 / 720],
-])  # fmt: skip
+MOULTON = np.array([646.0, -264.0, 106.0, -19.0]) / 720.0  # weights of these rates, and that of the one at the end
+MOULTON_END = 251.0 / 720.0
 
 
 @inner_kernel
@@ -30,6 +27,16 @@ def velocity_of_centre(m, d):
         total += mass
         momentum = add(momentum, scale(mass, add(vec(body.velocity), cross(vec(body.w), vec(body.s)))))
     return scale(1.0 / total, momentum) if total > 0.0 else momentum
+
+
+@inner_kernel
+def held(m):
+    """True if a joint holds a body to the ground, which then is the frame in which energy is kept."""
+    for k in range(m.row.shape[0]):
+        for slot in range(4):
+            if m.row[k].body[slot] == m.body.shape[0]:
+                return True
+    return False
 
 
 @inner_kernel
@@ -46,7 +53,7 @@ def begin_audit(m, d, run):
 
 @inner_kernel
 def go_on_auditing(m, d, run, h):
-    """Compare the integrals over a step with those of the rates at the ends of this one and those before."""
+    """Compare the integrals over a step with those of the rates at the ends of this one and the four before."""
     if run.task.steps == 0:
         return
     now, audit = run.now, run.audit
@@ -54,25 +61,25 @@ def go_on_auditing(m, d, run, h):
     audit_rates(m, d, run.work_rate)
     first = 13 * m.body.shape[0] + m.z_work
     for j in range(audit.shape[1]):
-        rate = run.work_rate[first + j]
-        total = MOULTON[known - 1, 0] * rate
-        for i in range(known):
-            total += MOULTON[known - 1, i + 1] * audit[RATES + i, j]
-        audit[ERROR, j] += run.y[first + j] - audit[BEGIN, j] - h * total
+        rate, total = run.work_rate[first + j], MOULTON_END * run.work_rate[first + j]
+        for i in range(KNOWN):
+            total += MOULTON[i] * audit[RATES + i, j]
+        if known == KNOWN:
+            audit[ERROR, j] += run.y[first + j] - audit[BEGIN, j] - h * total
         audit[BEGIN, j] = run.y[first + j]
-        for i in range(ORDERS - 1, 0, -1):
+        for i in range(KNOWN - 1, 0, -1):
             audit[RATES + i, j] = audit[RATES + i - 1, j]
         audit[RATES, j] = rate
-    now.rates, now.audited = min(known + 1, ORDERS), h
+    now.rates, now.audited = min(known + 1, KNOWN), h
     note_errors(m, d, run, audit[ERROR])
 
 
 @inner_kernel
 def note_errors(m, d, run, error):
-    """The greatest errors so far of the work about the centre of mass, the impulse and the angular impulse."""
+    """The greatest errors so far of work, impulse and angular impulse; the work as `balances` takes it."""
     now, works = run.now, error.shape[0] - 6
     push, turn = pair(error[works : works + 6])
-    work = -dot(velocity_of_centre(m, d), push)
+    work = 0.0 if held(m) else -dot(velocity_of_centre(m, d), push)
     for j in range(works):
         work += error[j]
     now.open_work = max(now.open_work, abs(work))

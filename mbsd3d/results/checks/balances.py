@@ -45,21 +45,25 @@ class Balance(NamedTuple):
 
 
 def balances(whole: RunSamples, scale: Scales) -> tuple[Balance, Balance, Balance]:
-    """Energy [J] about the centre of mass, momentum, angular momentum about the centre of mass.
+    """Energy, momentum, angular momentum about the centre of mass.
 
-    With P the momentum, I the impulse of the external forces since the start: T' + U less W, and less what these forces
-    did to the motion of the centre of mass, (P_0 + I/2) . I / m; P - I; L' less the angular impulse about it.
+    With P the momentum, I the impulse of the external forces since the start: P less I; L' less the angular impulse
+    about the centre of mass; T + U less W. Where no joint holds a body to the ground the energy is that of the motion
+    about the centre of mass: T' + U less W, and less what external forces did to its motion, (P_0 + I/2) . I / m.
     """
-    about, energy, mass = whole.about_centre, whole.energy(), whole.system.total_mass()
-    impulse = change(whole.arrays["z"][:, whole.compiled.model.z_impulse :])
+    about, energy, model = whole.about_centre, whole.energy(), whole.compiled.model
+    mass = whole.system.total_mass()
+    impulse = change(whole.arrays["z"][:, model.z_impulse :])
     push, turn = impulse[:, :3], impulse[:, 3:]
-    carried = ((about.velocity[0] + 0.5 * push / mass) * push).sum(axis=1) if mass else np.zeros(push.shape[0])
-    gained = change(about.kinetic) + change(energy.potential) - change(energy.work) + carried
+    kinetic, carried = energy.kinetic, np.zeros(push.shape[0])
+    if mass and not (model.row["body"] == model.body.size).any():
+        kinetic, carried = about.kinetic, ((about.velocity[0] + 0.5 * push / mass) * push).sum(axis=1)
+    gained = change(kinetic) + change(energy.potential) - change(energy.work) + carried
     moved, turned = mass * change(about.velocity) - push, change(about.angular) - turn
-    shaken = scale.rate * whole.compiled.model.length + scale.acceleration * float(whole.t[-1] - whole.t[0])
+    shaken = scale.rate * model.length + scale.acceleration * float(whole.t[-1] - whole.t[0])
     spread = scale.speed * scale.angular_momentum / scale.momentum + shaken * scale.reach  # by places and by velocities
     return (
-        Balance(largest(gained), sum(map(largest, (energy.potential, energy.work, carried)))),
+        Balance(largest(gained), sum(map(largest, (kinetic, energy.potential, energy.work, carried)))),
         Balance(longest(moved), mass * scale.speed + longest(push)),
         Balance(longest(turned), mass * spread),
     )
@@ -87,7 +91,7 @@ def balance_checks(solution: RunSamples, limit: float, equations_met: bool) -> l
         checks.append(Check(name, found.gap / size, max(limit, known), meaning))
     checks = checks if record.about_centre else checks[:2]
     if equations_met and not all(check.passed for check in checks) and determined(solution):
-        return [check if check.passed else replace(check, limit=QUADRATURE) for check in checks]
+        return [check if check.passed else replace(check, limit=DETERMINED) for check in checks]
     return checks
 
 
