@@ -22,6 +22,7 @@ STALLED = 0.5  # contraction above which corrections as small as rounding are ro
 FINE = 1e-8  # up to this rtol a step may err LOCAL rtol: less, and what Newton's method leaves would count,
 COARSE = -0.2  # beyond, times the excess to this power, a tenth of it at 1e-3: the many steps err all that they may
 NEWTON = 1e-3  # of rtol is what Newton's method may leave of a velocity, relative to the scales of the error
+GROWN = 10.0  # times the multipliers at the end of a step: these are not forces of stiff elements that ring
 SAME_STEP = 1.3  # growth below which the step, and with it the matrix, is kept
 
 
@@ -204,7 +205,22 @@ def end_rates(m, run, g, h):
 
 
 @inner_kernel
-def accept(m, run, g, h):
+def keep_multipliers(m, d, g):
+    """The multipliers of the step are the next guess; those of the saddle point at its end where the others have grown.
+
+    Rows that repeat others leave a part of lam open. A first iteration, which does not meet J v = b yet, adds to it in
+    every step, until the matrix belongs to forces a thousand times as large as there are.
+    """
+    own, end, w = 0.0, 0.0, g.newton
+    for k in range(m.row.shape[0]):
+        own = max(own, abs(w.lam[k]) / m.row[k].scale)
+        end = max(end, abs(d.row[k].lam) / m.row[k].scale)
+    for k in range(m.row.shape[0]):
+        g.lam[k] = d.row[k].lam if own > GROWN * end else w.lam[k]
+
+
+@inner_kernel
+def accept(m, d, run, g, h):
     """The end of the step becomes the start of the next one."""
     n, w = m.body.shape[0], g.newton
     theta = g.weights.alpha_m - g.weights.alpha_f
@@ -215,7 +231,7 @@ def accept(m, run, g, h):
             g.shift[k] = (g.a[k] - w.rate[k]) / h
     copy(g.jerk, g.jerk_new)
     copy(g.rate, w.rate)
-    copy(g.lam, w.lam)
+    keep_multipliers(m, d, g)
     copy(run.y, run.trial)
     copy(run.dy, run.trial_rate)
     if g.past.first == 1:
@@ -244,7 +260,7 @@ def step(m, d, s, g, run):
     if status != RUNNING:
         return status
     compare_poses(m, run, h)
-    accept(m, run, g, h)
+    accept(m, d, run, g, h)
     go_on(m, d, run, t_new)
     return RUNNING if rows_hold(m, d, s, run) else NEW_TREE
 

@@ -56,7 +56,7 @@ class DOP853(Method):
     Parameters
     ----------
     dt : float or None
-        Fixed step [s], adjusted to land on ``t_end``; None = adaptive.
+        Fixed step [s], adjusted to land on ``t_end``, split where signals turn; None = adaptive.
     max_step : float
         Longest step [s].
     stiff : "stop" or "run"

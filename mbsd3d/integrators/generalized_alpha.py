@@ -89,7 +89,8 @@ class GeneralizedAlpha(Method):
     Parameters
     ----------
     dt : float or None
-        Fixed step [s], adjusted to land on ``t_end``; None = adaptive: the local error is held to ``rtol``.
+        Fixed step [s], adjusted to land on ``t_end``, split where signals turn; None = adaptive: the
+        local error is held to ``rtol``.
     rho : float
         Spectral radius at infinite frequency, 0 (damps at once) ... 1 (no numerical damping).
     max_step : float

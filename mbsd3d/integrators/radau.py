@@ -81,7 +81,8 @@ class RadauIIA(Method):
     Parameters
     ----------
     dt : float or None
-        Fixed step [s], adjusted to land on ``t_end``; None = adaptive: the local error is held to ``rtol``.
+        Fixed step [s], adjusted to land on ``t_end``, split where signals turn; None = adaptive: the
+        local error is held to ``rtol``.
     max_step : float
         Longest step [s].
 

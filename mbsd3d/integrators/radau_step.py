@@ -141,10 +141,11 @@ def collocate(m, d, s, run, g, h):
         if k > 0:
             contraction = moved / before if before > 0.0 else 0.0
             g.past.contraction = contraction
-            if contraction >= 1.0:
+            if contraction >= 1.0 and not (fixed and moved > least):
                 return moved <= least, k + 1
-            eta = contraction / (1.0 - contraction)
-            if moved * contraction ** (ITERATIONS - 1 - k) * eta > max(enough, least):  # it will not get there
+            eta = contraction / (1.0 - contraction) if contraction < 1.0 else 1.0
+            # it will not get there; of fixed steps none is shorter, and positions follow a turn one iteration later
+            if not fixed and moved * contraction ** (ITERATIONS - 1 - k) * eta > max(enough, least):
                 return False, k
         if eta * moved <= allowed or (k > 0 and eta * moved <= least) or moved == 0.0:
             return True, k + 1

@@ -27,7 +27,8 @@ TABLE = Table(
 
 @dataclass(frozen=True)
 class RK4(Method):
-    """Classical Runge-Kutta method of order 4 with fixed steps of ``dt`` [s], adjusted to land on ``t_end``.
+    """Classical Runge-Kutta method of order 4 with fixed steps of ``dt`` [s], adjusted to land on ``t_end``, and split
+    where a pulse or a table turns.
 
     Examples
     --------

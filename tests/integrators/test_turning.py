@@ -90,6 +90,26 @@ def test_racks_and_screws_behind_a_wheel_travel_as_far_as_it_turns(method):
     assert run.certificate.passed
 
 
+def test_a_lead_screw_keeps_to_its_forces_in_fixed_steps():
+    """Four of its rows repeat others; what they leave open of the multipliers grew until Newton's method failed."""
+    body, hinge, forces = wheel(0.5)
+    nut = Body("nut", 0.5, (0.01, 0.02, 0.03), com=(0.1, 0.02, -0.1), position=(0.3, -0.2, 5.0))
+    bed = Prismatic(GROUND, nut, at=(0.7, -0.4, 5.4), axis=AXIS, name="bed")
+    screw = Screw(body, nut, at=(0.7, -0.4, 5.4), axis=AXIS, pitch=0.03)
+    system, lead = System([body, nut], [hinge, bed, screw], forces, gravity=(0, 0, 0)), 0.03 / (2.0 * np.pi)
+    run = simulate(system, 2.0, method=GeneralizedAlpha(dt=0.003))
+    assert run.angle(hinge)[-1] == pytest.approx(0.5 / (0.1 + 0.5 * lead**2) * 2.0, rel=1e-9)
+    assert run.certificate.passed
+
+
+@pytest.mark.parametrize("step", [0.02, 0.05])
+def test_fixed_collocation_turns_by_radians_in_a_step(step):
+    """Newton's method was given up while the way of the reference point had yet to follow the turn."""
+    body, hinge, _ = wheel(spin=40.0)
+    run = simulate(System([body], [hinge]), 2.0, method=RadauIIA(dt=step))
+    assert abs(run.angle(hinge)[-1] - 80.0) < 1e-2 or not run.certificate.passed
+
+
 @pytest.mark.parametrize("method", [GeneralizedAlpha(), RadauIIA(), DOP853()], ids=str)
 def test_a_torsion_spring_takes_up_many_turns(method):
     """A soft spring, wound by 9 rad a step and more: theta = w / s sin(s t)."""

@@ -125,7 +125,8 @@ def test_fixed_steps_are_split_where_a_pulse_turns(method, start, edge, duration
     run = simulate(sled_with(signal), 1.0, method=method)
     # the edges are cubics, which the trapezoidal rule of GeneralizedAlpha integrates exactly only as a whole
     assert run.velocity("sled")[-1, 0] == pytest.approx(1e4 * (duration - edge) / 2.0, rel=1e-3)
-    assert run.certificate.passed or method.order < 4 or edge > 0.1 * method.dt  # a power of ninth degree in a step
+    if isinstance(method, RK4 | DOP853) and edge < 0.1 * method.dt:  # its power is of ninth degree, its work less exact
+        assert run.certificate.passed
     steps = int(np.ceil(1.0 / method.dt - 1e-9))
     assert steps <= run.certificate.steps <= steps + 4
     grid = np.linspace(0.0, 1.0, steps + 1)
