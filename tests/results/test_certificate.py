@@ -609,6 +609,14 @@ def test_work_of_few_poses_is_noted():
     assert few.certificate.passed and many.certificate.notes == ()
 
 
+def test_angular_momentum_of_older_files_is_not_judged():
+    """They hold the angular impulse about the origin."""
+    solution = run(swinging)
+    older = replace(solution, record=replace(solution.record, about_centre=False)).certificate
+    assert older.passed and "angular momentum" not in {check.name for check in older.checks}
+    assert "angular momentum not checked" in str(older)
+
+
 @pytest.mark.parametrize("times", [[39.9, 40.0], [40.0]])
 def test_what_went_wrong_before_the_first_sample_counts(times):
     """Samples at the end alone: the error of a chaotic run, what a damped method loses since the start."""
