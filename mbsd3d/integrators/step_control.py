@@ -3,6 +3,7 @@
 import numpy as np
 
 from ..compiler.jit import inner_kernel, merged_kernel
+from ..dynamics.auditing import begin_audit, go_on_auditing
 from ..dynamics.spinning import spin_on
 from ..dynamics.state_rates import skipped_residual
 from ..dynamics.touching import go_on_watching
@@ -11,7 +12,6 @@ from ..kernels.coordinates import remember
 from ..kernels.kinds import PROJECTION
 from ..kernels.vectors import add_scaled, clear
 from ..saddle.independence import note_independence
-from .auditing import begin_audit, go_on_auditing
 from .memory import DONE, FULL, RUNNING
 
 LEAST = 1e-14  # of the time, the shortest step: 50 units of its last place; of the first step, at t = 0

@@ -16,7 +16,7 @@ from ..mechanism.drivers import AngleDriver, Driver, PositionDriver, SlideDriver
 from ..mechanism.forces.custom import FunctionForce
 from ..mechanism.joints.curve_contact import CurveContact
 from ..mechanism.state import State
-from .own_functions import exception_of
+from .balance import exception_of
 
 NOT_FINITE = "a part returns values that are not finite"
 BEFORE = 1e-6  # of a curve, at its ends

@@ -14,12 +14,12 @@ from ..compiler.second import wait_for_second
 from ..constraints.contradictions import rivals
 from ..constraints.rank import choose_rows, tree_over_rows
 from ..constraints.spins import check_spins, free_spins
+from ..dynamics.auditing import AUDITED
 from ..dynamics.state_rates import FAR, PROJECTED, project_and_evaluate
 from ..equations.at_state import check_quaternions, driven_coordinates, load_rows, load_state, unmet, worst_joint
 from ..equations.compiled import Compiled
 from ..equations.jacobian import scaled_rows
 from ..integrators import memory
-from ..integrators.auditing import AUDITED
 from ..integrators.memory import Run, new_run
 from ..integrators.method import Method
 from ..integrators.outputs import write
@@ -34,11 +34,10 @@ from ..mechanism.state import State
 from ..results.record import MOST_NUMBERS, Record, Samples, buffer_size
 from ..results.run_result import RunResult
 from ..saddle.solve import SOLVED
-from .balance import check_balance
+from .balance import MemoryWatch, check_balance, longest_step, with_jumps
 from .blame import BESIDE, FAILURES, at_end_of_curve, blame, contradiction, driven_to, singular_start, singular_there
 from .divergence import DivergenceWatch
 from .events import armed_at_start, check_digits, rate_of_motion, turns_of_signals
-from .own_functions import MemoryWatch, longest_step, with_jumps
 from .stiffness import check_forces
 from .sunk import check_sunk
 

@@ -18,8 +18,8 @@ from ..mechanism.signals import check_interval
 from ..mechanism.state import State
 from ..results.record import MOST_NUMBERS
 from ..results.run_result import RunResult
+from .balance import own_forces
 from .job import Job
-from .own_functions import own_forces
 
 SHORTEST = 1e-12  # of the time, the shortest run: a hundred of the shortest steps
 MOST_STEPS = 1e9  # of a run: days

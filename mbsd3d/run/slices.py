@@ -11,9 +11,9 @@ from ..base.progress import Progress
 from ..base.rotations import matrix
 from ..compiler.announcing import announce_compilation
 from ..compiler.disk import mark_warm
+from ..dynamics.auditing import AUDITED
 from ..equations.compiled import Switches, compile_system
 from ..equations.inputs import set_input, starts, with_history, with_own_inputs
-from ..integrators.auditing import AUDITED
 from ..integrators.dop853 import DOP853
 from ..integrators.method import Method
 from ..integrators.step_control import LEAST

@@ -18,7 +18,7 @@ from ...kernels.vectors import add, add6, arm, clear, cross, dot, mat, pair, poi
 from ..bodies import GROUND, Body, Ground
 from ..force_element import ForceElement, ForceRecord
 from ..mechanism import Mechanism
-from ..own_functions import RETURNED, callback, reason, uncompiled
+from .own_functions import RETURNED, callback, reason, uncompiled
 
 ARGUMENTS = ("t", "bodies", "z", "parameters", "loads", "z_dot")
 

@@ -97,6 +97,13 @@ def test_steps_end_where_a_force_jumps(method, start, duration, force, mass):
     assert run.estimate().error < 1e-6 * abs(way)
 
 
+@pytest.mark.parametrize("method", [RK4(0.05), GeneralizedAlpha(0.07), RadauIIA(dt=0.3), DOP853(dt=0.4)], ids=str)
+def test_fixed_steps_are_split_where_a_force_jumps(method):
+    run = simulate(sled(blow, (4.321, 0.013, 70.0), times=(4.321, 4.334)), 6.0, method=method)
+    assert run.velocity("sled")[-1, 0] == pytest.approx(0.5 * 0.013 * 70.0, rel=1e-9)
+    assert run.certificate.passed and run.estimate().passed
+
+
 def strict(t, bodies, z, parameters, loads, z_dot):
     """As `blow`, at its ends the other way round."""
     if parameters[0] < t <= parameters[0] + parameters[1]:

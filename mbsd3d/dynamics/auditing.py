@@ -7,10 +7,10 @@ second quadrature, of Adams and Moulton with five rates at the ends of steps, sh
 import numpy as np
 
 from ..compiler.jit import inner_kernel
-from ..dynamics.state_rates import audit_rates
 from ..kernels.vectors import add, cross, dot, pair, scale, vec
+from .state_rates import audit_rates
 
-AUDITED = "open_work", "open_push", "open_turn"  # of memory.NOW
+AUDITED = "open_work", "open_push", "open_turn"  # of integrators.memory.NOW
 BEGIN, ERROR, RATES = 0, 1, 2  # rows of Run.audit: integrals, their errors, and from the third on rates, newest first
 KNOWN = 4  # rates at the ends of steps before this one
 ALIKE = 1e-6  # of a step is what the next one may differ by to count as equally long

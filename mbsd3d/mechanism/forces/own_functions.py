@@ -10,8 +10,8 @@ from numba.core import types
 from numba.core.ccallback import CFunc
 from numba.extending import is_jitted
 
-from ..base.errors import InputError
-from ..kernels.layout import MOST_BODIES, data_records
+from ...base.errors import InputError
+from ...kernels.layout import MOST_BODIES, data_records
 
 RETURNED = 6 * MOST_BODIES  # place in Data.wrench that the wrapper sets to 0 when the function has returned
 
