@@ -4,7 +4,15 @@ import numpy as np
 
 from ..compiler.jit import inner_kernel, kernel
 from ..dynamics.spinning import find_turns
-from ..dynamics.state_rates import FAR, PROJECTED, audit_rates, project_and_evaluate, project_positions, rounding
+from ..dynamics.state_rates import (
+    FAR,
+    PROJECTED,
+    audit_rates,
+    project_and_evaluate,
+    project_positions,
+    project_velocities,
+    rounding,
+)
 from ..dynamics.touching import hides_touch
 from ..dynamics.turning import compare_poses, turns_are_certain
 from ..kernels.kinds import PROJECTION
@@ -93,7 +101,8 @@ def predict(g, c, h, steady):
 def solve_step(m, d, s, run, g, c, t, h):
     """Newton's method for the rates and multipliers at the end of the step from their guess; True if it converges.
 
-    The matrix is kept over steps of the same size and made anew where it contracts by less than SLOW.
+    The matrix is kept over steps of the same size and made anew where it contracts by less than SLOW. It belongs to
+    velocities that meet J v = b: at others, rows that repeat each other differ, and what is open of lam would grow.
     """
     w, n = g.newton, m.body.shape[0]
     size = 6 * n + m.z_work + s.used.shape[0]
@@ -111,6 +120,8 @@ def solve_step(m, d, s, run, g, c, t, h):
         residual(m, d, s, t, run.trial, w.rate, w.lam, h_v, w.x)
         if stale:
             g.past.matrix = 0
+            if m.stabilisation == PROJECTION and project_velocities(m, d, s, run.trial) != PROJECTED:
+                return False
             fill_matrix(m, d, s, w, t, run.trial, h_q, h_v)
             if not lu_factor(w.A, w.pivot, size):
                 return False
