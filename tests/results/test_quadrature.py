@@ -228,6 +228,7 @@ def test_the_difference_of_the_quadratures_is_the_error_of_the_impulse():
         )  # the second quadrature is of fifth order
 
 
+@pytest.mark.slow
 def test_a_tolerance_that_cannot_be_reached_is_not_asked_for():
     """The tighter run of the estimate, at rtol 1e-11 by a method of order 2 over dead centre, found no step."""
     run = simulate(crank(0.2, 0.2, 6.0)[0], 1.0, method=GeneralizedAlpha(), rtol=1e-8)

@@ -13,8 +13,8 @@ from ...kernels.kinds import PROJECTION
 from ..run_samples import RunSamples, world_velocities
 from .check import USEFUL, Check, Scales, largest, longest, rounding_of, scales_of
 
-QUADRATURE = 0.3  # of the momenta of a run is what quadratures of fixed steps may leave open: of bearings at 1.6 rad a step
-DETERMINED = 1.0  # and in all balances where drivers determine the motion: driven Cardan shafts in steps of up to 3 rad
+QUADRATURE = 0.3  # of the momenta is what quadratures of fixed steps may leave open: of gears in steps of 1.6 rad,
+DETERMINED = 1.0  # and of all balances where drivers determine the motion: of Cardan shafts in steps of up to 3 rad
 DIFFERENCES = 3.0  # times the difference of two quadratures is what one may err
 NOTHING = 1e-6  # of the energy: a work that is rounding, of poses near dead centres too
 
