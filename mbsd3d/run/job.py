@@ -14,6 +14,7 @@ from ..compiler.second import wait_for_second
 from ..constraints.contradictions import rivals
 from ..constraints.rank import choose_rows, tree_over_rows
 from ..constraints.spins import check_spins, free_spins
+from ..dynamics.auditing import AUDITED
 from ..dynamics.state_rates import FAR, PROJECTED, project_and_evaluate
 from ..equations.at_state import check_quaternions, driven_coordinates, load_rows, load_state, unmet, worst_joint
 from ..equations.compiled import Compiled
@@ -33,7 +34,7 @@ from ..mechanism.state import State
 from ..results.record import MOST_NUMBERS, Record, Samples, buffer_size
 from ..results.run_result import RunResult
 from ..saddle.solve import SOLVED
-from .balance import check_balance
+from .balance import MemoryWatch, check_balance, longest_step, with_jumps
 from .blame import BESIDE, FAILURES, at_end_of_curve, blame, contradiction, driven_to, singular_start, singular_there
 from .divergence import DivergenceWatch
 from .events import armed_at_start, check_digits, rate_of_motion, turns_of_signals
@@ -59,12 +60,13 @@ class Job:
         self.tolerance = 1e-10 if as_built is None else number(as_built, "as_built", positive=True) / self.model.length
         self.data = compiled.data()
         allowed = 0.0 if as_built is None else self.tolerance
-        self.record = Record(method, rtol, compiled.switches, allowed, method.order == 0)
+        self.record = Record(method, rtol, compiled.switches, allowed, method.order == 0, about_centre=True)
         self.own = method.start(self.model, compiled.data)
         coordinates = driven_coordinates(compiled, start.t) if start.coordinates is None else start.coordinates
         y = load_state(compiled, self.data, State(start.t, start.q, start.v, start.z, coordinates))
         self.tree = None
         self.memory = self.new_run(y, start.t, t_end, times, rtol)
+        self.functions = MemoryWatch(compiled, y, start.t)
         self.last_event = -1
 
     def new_run(self, y: np.ndarray, t: float, t_end: float, times: np.ndarray | None, rtol: float) -> Run:
@@ -77,11 +79,13 @@ class Job:
             y, self.model.body.size, np.zeros(0) if times is None else times, capacity, sum(widths), method.dense_terms,
             turns_of_signals(m, t),
             np.flatnonzero([isinstance(force, Contact) for force in self.compiled.system.forces]),
+            m.state.size - m.z_work,
         )  # fmt: skip
+        run = run._replace(turns=with_jumps(run.turns, self.compiled.system, t))
         task, now = run.task, run.now  # their fields by name: as attributes each takes a microsecond more
         task["t_start"], task["t_end"], task["rtol"], task["tolerance"] = t, t_end, rtol, max(self.tolerance, 1e-9)
         task["steps"] = 0 if method.dt is None else max(int(np.ceil((t_end - t) / method.dt - 1e-9)), 1)
-        task["max_step"] = method.max_step
+        task["max_step"] = longest_step(method, self.compiled.system)
         task["every_step"], task["condition"] = times is None, -1
         if self.stop_when is not None:
             task["condition"], task["stop"], task["direction"] = 0, self.stop_when.value, self.stop_when.direction
@@ -134,8 +138,8 @@ class Job:
             spent = time.perf_counter() - began
             self.record.loop_seconds += spent
             progress.update(run.now.t)
-            if self.diverges():
-                raise self.divergence.error(self.data, float(run.now.t), self.solution())
+            self.divergence.check(run, self.data, self.solution)
+            self.functions.check(float(run.now.t), self.solution)
             if status == memory.RUNNING:
                 budget = int(np.clip(budget * CHUNK / max(spent, 1e-6), budget / 4, 4 * budget)) or 1
             elif status == memory.FULL:
@@ -219,6 +223,7 @@ class Job:
     def check_start(self) -> None:
         """A projected run starts from a consistent state: what the user gave is not moved silently."""
         check_quaternions(self.compiled.system, self.start)
+        self.functions.check_start()
         check_balance(self.compiled, self.memory.y, self.start.t)
         check_sunk(self.compiled, self.memory.y)
         if self.model.stabilisation != PROJECTION:
@@ -245,13 +250,6 @@ class Job:
             found = armed_at_start(self.compiled, self.data, self.tree, run, self.stop_when)
             run.now.armed, run.task.slack, run.now.hop = found
 
-    def diverges(self) -> bool:
-        """True for a motion that grows without end."""
-        if not self.divergence.active:
-            return False
-        run = self.memory
-        return self.divergence.diverges(run.y, int(run.now.steps), float(run.now.t), float(run.now.speed))
-
     def drain(self) -> None:
         """Move the samples of the full buffer away."""
         self.samples.take(self.memory.out[: int(self.memory.now.written)])
@@ -265,6 +263,7 @@ class Job:
         record.steps, record.rejected = int(now["steps"]), int(now["rejected"])
         record.evaluations, record.nearest = int(now["evaluations"]), float(run.rows["lowest"])
         record.speed = float(now["fastest"])
+        record.open_audit = tuple(float(now[x]) for x in AUDITED)
         record.note_turning(now, [body.name for body in self.compiled.system.bodies])
         if self.stop_when is not None and now["armed"] == 0 and record.steps:
             record.never_armed = str(self.stop_when)
@@ -276,8 +275,9 @@ class Job:
         """IntegrationError with time, the part to blame, advice and what was computed."""
         t = float(self.memory.now.t)
         solution = self.solution()
-        here = (self.compiled, self.data, self.memory.y, t, float(self.memory.now.step))
-        part, clash = blame(*here), contradiction(*here)
+        here = (self.compiled, self.data, self.memory.y, t, float(self.method.dt or self.memory.now.step))
+        blamed, clash = blame(*here, self.memory.dy), contradiction(*here)
+        part = blamed.part if blamed else None
         what, advice = FAILURES[status]
         ended = at_end_of_curve(self.compiled, self.data, float(self.memory.now.step))
         if ended:
@@ -293,7 +293,6 @@ class Job:
             what = f"{what}: the pose is {singular}"
         elif part is None and status == memory.NOT_CLOSING and self.method.dt is not None:
             advice = f"the step of {self.method.dt:g} s is too long, or the position singular: take a smaller dt"
-        elif part:
-            what = "a part returns values that are not finite"
-            advice = "correct its parameters or function, or end the run earlier"
+        elif blamed:
+            what, advice = blamed.what, "correct its parameters or function, or end the run earlier"
         raise IntegrationError(what, time=t, part=part, solution=solution, advice=advice)

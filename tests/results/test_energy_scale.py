@@ -8,9 +8,12 @@ from mbsd3d import (
     DOP853,
     GROUND,
     Body,
+    Bushing,
+    Force,
     GeneralizedAlpha,
     RadauIIA,
     Revolute,
+    Sine,
     SpringDamper,
     System,
     TorsionSpring,
@@ -61,3 +64,17 @@ def test_a_machine_that_has_come_to_rest_is_judged_by_how_it_moved(method):
     assert np.abs(late.arrays["v"]).max() < 1e-4 and late.certificate.passed, late.certificate
     first, second = (run.certificate["energy balance"].error for run in (late, whole))
     assert first <= second * (1.0 + 1e-9)
+
+
+@pytest.mark.parametrize("method", [RadauIIA(dt=0.005), GeneralizedAlpha(0.005), RadauIIA()], ids=str)
+def test_a_stiff_bushing_that_is_pushed_holds_more_energy_than_the_motion(method):
+    """A slow push on a seat of 5e6 N/m: its deflection is F/k, so that it stores thousands of times m v^2."""
+    seat = Body("seat", 1.5, (0.02, 0.03, 0.04), com=(0.05, -0.02, 0.1), position=(0.2, 0.1, -0.3))
+    at, sizes, rates = seat.position + seat.com, np.array([700.0, 150.0, -300.0]), np.array([1.1, 0.4, 0.7])
+    mount = Bushing(GROUND, seat, at=at, stiffness=5e6, turning_stiffness=4e5, damping=900.0, turning_damping=60.0)
+    push = Force(seat, tuple(map(Sine, sizes, rates)), at, name="push")
+    run = simulate(System([seat], forces=[mount, push], gravity=(0, 0, 0)), 2.0, method=method, output=41)
+    force = sizes * np.sin(2 * np.pi * rates * run.t[:, None])
+    late = run.t > 0.5  # the start has rung out; inertia and damping add 1e-5 and 1e-3 of the force
+    assert (run.com(seat) - at)[late] == pytest.approx(force[late] / 5e6, abs=2e-3 * 700.0 / 5e6)
+    assert run.certificate.passed, run.certificate

@@ -3,7 +3,21 @@
 import numpy as np
 import pytest
 
-from mbsd3d import GROUND, Body, Revolute, Spherical, System, accelerations
+from mbsd3d import (
+    DOP853,
+    GROUND,
+    RK4,
+    Body,
+    Force,
+    GeneralizedAlpha,
+    Prismatic,
+    RadauIIA,
+    Revolute,
+    Spherical,
+    System,
+    accelerations,
+    simulate,
+)
 from mbsd3d.base.rotations import matrix
 from mbsd3d.results.checks.rounding import units_of
 
@@ -61,3 +75,15 @@ def test_a_light_rod_that_its_joints_move_costs_no_digits():
 
 def test_a_load_is_known_to_its_rounding():
     assert all(certificate.passed for certificate in copies(1.0, hinged=False)[2])
+
+
+@pytest.mark.parametrize("method", [DOP853(), GeneralizedAlpha(), RadauIIA(dt=0.02), RK4(0.01)], ids=str)
+def test_a_rail_that_carries_nothing_has_no_reactions_to_be_unsure_of(method):
+    """Pushed along it through its centre of mass, without gravity: all reactions are rounding, as their changes are."""
+    body = Body("sled", 1.7, (0.02, 0.03, 0.04), com=(0.1, -0.05, 0.07), position=(0.3, 0.2, 0.1))
+    axis = np.array([0.3, 0.9, 0.2])
+    rail = Prismatic(GROUND, body, at=(0, 0, 0), axis=axis, name="rail")
+    push = Force(body, 4.0 * axis, body.position + body.com)
+    run = simulate(System([body], [rail], [push], (0, 0, 0)), 1.0, method=method, output=21)
+    assert run.slide(rail)[-1] == pytest.approx(0.5 * 4.0 * np.linalg.norm(axis) / 1.7, rel=1e-9)
+    assert run.certificate.passed, run.certificate

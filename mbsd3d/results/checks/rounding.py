@@ -13,7 +13,7 @@ from ...constraints.rank import tree_over_rows
 from ...dynamics.batch import refinements
 from ...equations.at_state import load_rows
 from ..run_samples import RunSamples
-from .check import Check, gaping, largest, scales_of
+from .check import Check, gaping, largest, longest, scales_of
 
 KNOWN_MOTION = 1e-4  # of the largest acceleration: rounding of forces beside a light body moves it at random
 KNOWN_FORCES = 1e-6  # of the largest force or moment of a row
@@ -48,16 +48,17 @@ def rounding(solution: RunSamples) -> Rounding:
 def units_of(solution: RunSamples) -> np.ndarray:
     """Largest a_O and alpha of the run, and of each row the largest force or moment of all rows of its kind.
 
-    Those are at least the weight of the whole; without gravity the pull of the spin stands for it, and not
-    accelerations: those of light bodies may be rounding.
+    Those are at least the weight of the whole; without gravity the pull of the spin stands for it, and the force that
+    accelerates a body: not accelerations, which of light bodies may be rounding.
     """
     model, arrays = solution.compiled.model, solution.arrays
     a = scales_of(solution).acceleration
-    alpha = max(largest(arrays["acceleration"][..., 3:]), a / model.length)
-    metres, spin = model.row["metres"] == 1, largest(arrays["v"][..., 3:])
+    alpha = max(longest(arrays["acceleration"][..., 3:]), a / model.length)
+    metres, spin = model.row["metres"] == 1, longest(arrays["v"][..., 3:])
     pull = max(float(np.linalg.norm(model.gravity)), model.length * spin * spin)
     most = np.abs(arrays["lam"]).max(axis=0, initial=0.0)
-    force = max(largest(most[metres]), solution.system.total_mass() * pull) or 1.0
+    moved = max(b.mass * longest(solution.acceleration(b)) for b in solution.system.bodies)
+    force = max(largest(most[metres]), solution.system.total_mass() * pull, moved) or 1.0
     moment = max(largest(most[~metres]), force * model.length)
     return np.concatenate([[a, alpha], np.where(metres, force, moment)])
 
