@@ -18,7 +18,7 @@ from .contradictions import TOLERANCE, find_contradiction
 from .elimination import SAFE, Core
 from .rank import Analysis, orthonormal
 from .remedies import Cure, find_cures
-from .singularity import rows_beside, singularities
+from .singularity import Beside, neighbourhood, singularities
 from .spanning_tree import loop_weights
 from .spins import free_spins
 
@@ -104,9 +104,9 @@ def diagnose(system: Mechanism, as_built: float | None) -> Diagnosis:
     if slip > 0.0:  # from here on rows that play takes up repeat others
         found.tolerance = as_built / length / found.largest
     rank, N, misfit = found.rank, found.redundant(), max(misfit, slip)
-    beside = rows_beside(compiled, pose, found)
+    beside = neighbourhood(compiled, pose, found)
     shares = tuple(joint_shares(compiled, data, rows, N, 10.0 * found.tolerance * found.largest))
-    cures = tuple(find_cures(compiled, pose, rows, N, n - rank)) if N.shape[1] and not stuck else ()
+    cures = () if stuck else tuple(cures_of(compiled, pose, rows, found, beside.general(found)))
     offset = 0.0 if slip else misfit_of_lock(found, length)
     spins = free_spins(compiled, data, rows)
     slack = max(TOLERANCE, 10.0 * as_built / length)
@@ -116,7 +116,7 @@ def diagnose(system: Mechanism, as_built: float | None) -> Diagnosis:
     if clash or loose_ends:
         verdict = f"contradictory: {clash.text}" if clash else f"undetermined: {loose_ends[0].text}"
     notes = [f"freedom: {spin.text}" for spin in spins if not (spin.massless and spin is loose_ends[0] and not clash)]
-    notes += singularities(compiled, data, found, beside)
+    notes += singularities(compiled, data, pose, found, beside)
     return Diagnosis(
         coordinates=7 * len(system.bodies),
         velocities=n,
@@ -130,11 +130,21 @@ def diagnose(system: Mechanism, as_built: float | None) -> Diagnosis:
         verdict=verdict,
         misfit=misfit or offset,
         cures=cures,
-        neighbour_ranks=tuple(rank for rank, _ in beside),
+        neighbour_ranks=tuple(x.rank for x in beside.poses),
         length=length,
         least_singular=found.smallest,
         notes=tuple(notes),
     )
+
+
+def cures_of(
+    compiled: Compiled, pose: State, rows: BlockRows, found: Analysis, general: Beside | None
+) -> list[Cure]:  # fmt: skip
+    """Cures of the redundancies at the pose; of a singular one, of those that are left beside it."""
+    if general is not None:
+        pose, rows, found = general.pose, general.rows, general.found
+    N = found.redundant()
+    return find_cures(compiled, pose, rows, N, 6 * found.n - found.rank) if N.shape[1] else []
 
 
 def holonomic_rank(compiled: Compiled, rows: BlockRows, found: Analysis) -> int:

@@ -11,6 +11,7 @@ import numpy as np
 from ..base.checks import shown
 from ..base.errors import NameMissingError
 from ..base.style import html_text
+from ..constraints.singularity import INFINITESIMAL, what_is_singular
 from ..equations.compiled import Switches
 from .checks.balances import balance_checks, work_note
 from .checks.check import PASSED, USEFUL, Check, drift_limit
@@ -114,6 +115,7 @@ def certify(solution: RunSamples) -> Certificate:
         checks = [*joint_checks(solution, missed), *balance_checks(solution, limit)]
         checks += equation_checks(solution, missed, opened.singular)
         checks += [] if lost(solution) else rounding_checks(solution, opened)
+        remarks += [] if all(check.passed for check in checks) else start_notes(solution)
         remarks += singular_notes(solution, opened) + work_note(solution)
     else:
         checks = [Check("samples", np.inf, 0.0, "there are none to look at; keep some, or run it to a later time")]
@@ -131,6 +133,12 @@ def certify(solution: RunSamples) -> Certificate:
         stopped_by=record.stopped_by,
         notes=tuple(remarks),
     )
+
+
+def start_notes(solution: RunSamples) -> list[str]:
+    """Why a run fails that starts in a pose whose mobility is infinitesimal."""
+    what = what_is_singular(solution.compiled, solution.start)
+    return [f"the mobility at the start is {what}"] if what.startswith(INFINITESIMAL) else []
 
 
 def notes(solution: RunSamples) -> list[str]:
