@@ -16,8 +16,8 @@ from ..mechanism.state import State
 from .assembly import close_pose, gap_size, newton, reference_pose
 from .contradictions import TOLERANCE, find_contradiction
 from .elimination import SAFE, Core
-from .rank import Analysis, orthonormal
-from .remedies import Cure, find_cures
+from .rank import OPEN_TOLERANCE, Analysis, orthonormal, projector
+from .remedies import Cure, direction_text, find_cures
 from .singularity import Beside, neighbourhood, singularities
 from .spanning_tree import loop_weights
 from .spins import free_spins
@@ -27,13 +27,33 @@ AS_BUILT, SHARE = 1e-5, 1e-4  # m; of the model's length, for mechanisms smaller
 
 @dataclass(frozen=True)
 class Share:
-    """Redundancy of one joint: its rows, how many of them take part, and which reactions are determined."""
+    """Redundancy of one joint: its rows, how many of them take part, and which reactions are determined.
+
+    ``force_open`` and ``moment_open`` say in which directions they are not: "", "along (x, y, z)", "across (x, y, z)",
+    or "all".
+    """
 
     joint: str
     rows: int
     involved: int
-    force_unique: bool
-    moment_unique: bool
+    force_open: str
+    moment_open: str
+
+    @property
+    def force_unique(self) -> bool:
+        """True if the constraints determine the force."""
+        return not self.force_open
+
+    @property
+    def moment_unique(self) -> bool:
+        """True if the constraints determine the moment."""
+        return not self.moment_open
+
+    def __str__(self) -> str:
+        kinds = (("forces", self.force_open), ("moments", self.moment_open))
+        what = [kind if where == "all" else f"{kind} {where}" for kind, where in kinds if where]
+        text = f"indeterminate {' and '.join(what)}" if what else "reactions unique"
+        return f"{self.joint}: {self.involved} of {self.rows} rows in redundant sets, {text}"
 
 
 @dataclass(frozen=True)
@@ -78,11 +98,7 @@ class Diagnosis:
             f"  mobility {self.mobility} (configuration freedoms {self.configuration_freedom}), "
             f"Gruebler count {self.gruebler}",
         ]
-        for share in self.shares:
-            what = [] if share.force_unique else ["forces"]
-            what += [] if share.moment_unique else ["moments"]
-            text = f"indeterminate {' and '.join(what)}" if what else "reactions unique"
-            lines.append(f"  {share.joint}: {share.involved} of {share.rows} rows in redundant sets, {text}")
+        lines += [f"  {share}" for share in self.shares]
         lines += [f"  cure: {cure.text}" for cure in self.cures]
         lines += [f"  {text}" for text in self.notes]
         return "\n".join(lines)
@@ -240,9 +256,18 @@ def joint_shares(compiled: Compiled, data: Data, rows: BlockRows, N: np.ndarray,
         arm = (joint_point(compiled, data, joint) - data.body["r"][i]) / compiled.model.length  # from O
         moment = G[3:] - np.cross(arm[:, None], G[:3], axis=0)
         name = f"{type(joint).__name__} '{system.name(joint)}'"
-        force_unique, moment_unique = (np.abs(x).max() < max(1e-7, off) for x in (G[:3], moment))
-        shares.append(Share(name, own.stop - own.start, involved, bool(force_unique), bool(moment_unique)))
+        open_to = (open_directions(x, max(OPEN_TOLERANCE, off)) for x in (G[:3], moment))
+        shares.append(Share(name, own.stop - own.start, involved, *open_to))
     return shares
+
+
+def open_directions(A: np.ndarray, tolerance: float) -> str:
+    """The directions of the columns of A (3, k) in words, as `Share` says them."""
+    size, axes = np.linalg.eigh(projector(A, tolerance))  # 0 for those of A, then 1
+    count = int((size < 0.5).sum())
+    axis = axes[:, 2 if count == 2 else 0].round(9)
+    axis = axis * np.copysign(1.0, axis[np.argmax(np.abs(axis))])
+    return ("", f"along {direction_text(axis, 3)}", f"across {direction_text(axis, 3)}", "all")[count]
 
 
 def verdict_text(

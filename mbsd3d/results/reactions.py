@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..base.style import Sampled
-from ..constraints.rank import Analysis, orthonormal, surely_independent
+from ..constraints.rank import OPEN_TOLERANCE, Analysis, orthonormal, projector, surely_independent
 from ..equations.at_state import rows_at
 from ..equations.compiled import Compiled
 from ..equations.jacobian import RANK_TOLERANCE, BlockRows, displacement_units, islands
@@ -22,14 +22,7 @@ from ..kernels.layout import Data
 from ..mechanism.joints import Joint
 from .record import Record
 
-PROBE_SHARES = (
-    0.5,
-    0.29,
-    0.83,
-)  # [1] of the samples: where a run is looked at first; no period of a motion has them all
-OPEN_TOLERANCE = (
-    1e-7  # [1] of unit combinations N: what rounding leaves of a component that redundant rows do not touch
-)
+PROBE_SHARES = (0.5, 0.29, 0.83)  # [1] of the samples: where a run is looked at first; no period fits them all
 ZERO_SHARE = 1e-9  # [1] of a vector: a determined part below it is none, as of the moment about a hinge's own axis
 REGULAR_MIN = 1e-6  # [1] least singular value over the largest: below it, N is wrong by more than 1e-16 / 1e-6
 
@@ -233,17 +226,6 @@ class Shares(NamedTuple):
 
     lam: np.ndarray  # (samples, rows)
     determined: list[Determined]
-
-
-def projector(A: np.ndarray, tolerance: float) -> np.ndarray:
-    """Return the projector (3, 3) onto the directions that the columns of A (3, k) do not have.
-
-    >>> projector(np.array([[0.0, 0.0], [3.0, -1.0], [4.0, 1e-17]]), 1e-9).round(12).tolist()
-    [[1.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
-    """
-    U, s, _ = np.linalg.svd(A, full_matrices=False)
-    U = U[:, s > tolerance]
-    return np.eye(3) - U @ U.T
 
 
 def regular_samples(count: np.ndarray, least: np.ndarray) -> np.ndarray:
