@@ -16,6 +16,7 @@ from ..mechanism.state import State
 from .assembly import close_pose, gap_size, newton, reference_pose
 from .contradictions import TOLERANCE, find_contradiction
 from .elimination import SAFE, Core
+from .plausibility import doubtful_inertias, loose_bodies
 from .rank import OPEN_TOLERANCE, Analysis, orthonormal, projector
 from .remedies import Cure, direction_text, find_cures
 from .singularity import Beside, neighbourhood, singularities
@@ -62,11 +63,14 @@ class Diagnosis:
 
     ``mobility`` counts the velocities left free by all rows, ``configuration_freedom`` those left by the holonomic rows
     alone (both at the reference pose); ``gruebler`` is velocities - rows, what counting without geometry says.
-    ``neighbour_ranks`` are those of two poses nearby, none where the rows are independent here: they cannot gain.
+    ``neighbour_ranks`` are those of poses nearby, none where the rows are independent here, so that they cannot gain,
+    or where nothing moves.
     ``misfit`` [m] is by how much the parts as built miss their joints. ``least_singular`` is the smallest singular
     value that counts over the largest, 1 where all was decided without: it falls to 0 towards a singular pose.
-    ``notes`` say which body spins without moving another one, and whether the pose is singular or nearly so. The
-    verdict names drivers that contradict each other and bodies whose spin nothing determines.
+    ``notes`` say which body spins without moving another one, whether the pose is singular or nearly so, and which
+    mobility is infinitesimal: lost as soon as the mechanism moves. They name bodies that nothing acts on, and inertias
+    in other units than the lengths. The verdict names drivers that contradict each other and bodies whose spin nothing
+    determines.
     """
 
     coordinates: int
@@ -133,6 +137,7 @@ def diagnose(system: Mechanism, as_built: float | None) -> Diagnosis:
         verdict = f"contradictory: {clash.text}" if clash else f"undetermined: {loose_ends[0].text}"
     notes = [f"freedom: {spin.text}" for spin in spins if not (spin.massless and spin is loose_ends[0] and not clash)]
     notes += singularities(compiled, data, pose, found, beside)
+    notes += doubtful_inertias(system) + loose_bodies(system)
     return Diagnosis(
         coordinates=7 * len(system.bodies),
         velocities=n,

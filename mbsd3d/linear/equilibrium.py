@@ -25,7 +25,7 @@ from ..compiler.disk import mark_warm
 from ..constraints.assembly import moved_report
 from ..constraints.nearby_poses import closed
 from ..equations.at_state import load_rows, load_state, unmet, worst_joint
-from ..equations.compiled import compile_system
+from ..equations.compiled import Compiled, compile_system
 from ..equations.elimination import eliminate
 from ..equations.jacobian import displacement_units
 from ..kernels.coordinates import remember
@@ -166,12 +166,14 @@ def search(field: Field) -> tuple[np.ndarray, Variations, Tangent, Units, float,
             return y, at, space, units, size, step
         growth = min(4.0 * growth, MOST) if size <= 1.01 * last else max(1.0, growth / 4.0)
         before = at
-        if np.abs(y[: 7 * n].reshape(n, 7)[:, :3] - begin).max() > far:
+        shift = np.linalg.norm(y[: 7 * n].reshape(n, 7)[:, :3] - begin, axis=1)
+        if shift.max() > far:
             break  # it falls, or drifts away
         X, dz = direction(at, space, units, model.body.size, growth / units.rate**2)
         y = moved(field, y, X, dz)
+    left = np.where(shift > far, shift, 0.0)
     raise EquilibriumError(
-        f"no equilibrium after {step + 1} steps: {fastest(field, at)}", residual=size, time=field.t,
+        f"no equilibrium after {step + 1} steps: {restless(field.compiled, at, left)}", residual=size, time=field.t,
         advice="hold the mechanism by a joint, spring or contact where it gives way, or start nearer with state=",
     )  # fmt: skip
 
@@ -227,9 +229,14 @@ def moved(field: Field, y: np.ndarray, X: np.ndarray, dz: np.ndarray) -> np.ndar
     )  # fmt: skip
 
 
-def fastest(field: Field, at: Variations) -> str:
-    """The body that accelerates most."""
-    i = int(np.argmax(np.abs(at.acceleration).max(axis=1)))
+def restless(compiled: Compiled, at: Variations, shift: np.ndarray) -> str:
+    """The body that has moved farthest, if one has left (``shift`` (n,) [m]; else 0), or accelerates most.
+
+    Accelerations count in units of the model's length and radians, as in `unrest`.
+    """
+    sizes = np.abs(at.acceleration) / displacement_units(compiled.model.length, 1)
+    i = int(np.argmax(shift if shift.any() else sizes.max(axis=1)))
     linear, angular = (float(np.linalg.norm(x)) for x in (at.acceleration[i, :3], at.acceleration[i, 3:]))
-    name = field.compiled.system.name(field.compiled.system.bodies[i])
-    return f"body '{name}' still accelerates by {linear:.3g} m/s^2 and {angular:.3g} rad/s^2"
+    where = f", {shift[i]:.3g} m from where it was" if shift.any() else ""
+    name = compiled.system.name(compiled.system.bodies[i])
+    return f"body '{name}' still accelerates by {linear:.3g} m/s^2 and {angular:.3g} rad/s^2{where}"

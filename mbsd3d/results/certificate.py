@@ -11,6 +11,7 @@ import numpy as np
 from ..base.checks import shown
 from ..base.errors import NameMissingError
 from ..base.style import html_text
+from ..constraints.plausibility import loose_bodies
 from ..constraints.singularity import INFINITESIMAL, what_is_singular
 from ..equations.compiled import Switches
 from .checks.balances import balance_checks, work_note
@@ -142,11 +143,12 @@ def start_notes(solution: RunSamples) -> list[str]:
 
 
 def notes(solution: RunSamples) -> list[str]:
-    """Singular positions, rank events, and checks that could not be made."""
+    """Singular positions, rank events, bodies that nothing acts on, and checks that could not be made."""
     events = solution.record.rank_events
     found = [f"rank event at t = {t:.6g} s: {rank} rows kept ({why})" for t, rank, why, _ in events]
     if solution.record.nearest < PASSED:
         inexact = ("" if solution.record.kinematic else "accelerations and ") + "reactions there are not exact"
         found.append(f"the run passes a singular position; it goes on along the tangent of the motion; {inexact}")
     found += [text for joint in solution.system.joints for text in joint.notes(solution)]
+    found += loose_bodies(solution.system)
     return found + [f"Newton-Euler not checked: {name} was saved without its function" for name in lost(solution)]
