@@ -6,6 +6,7 @@ from ..mechanism.bodies import GROUND, Body
 from ..mechanism.mechanism import Mechanism
 
 GYRATION_RATIO_MAX = 100.0  # [1] radius of gyration over the size of the mechanism; inertias in kg mm^2 make it 1000
+MASS_SHARE_MIN = 1e-3  # [1] of the whole mass; spinning parts are modelled with less where another body has their mass
 UNBALANCE_MAX = 1e-2  # [m] distance of a centre of mass from a bearing that says nothing about the size of a rotor
 
 
@@ -22,9 +23,9 @@ def loose_bodies(system: Mechanism) -> list[str]:
 
 def doubtful_inertias(system: Mechanism) -> list[str]:
     """Return what to say of bodies whose radius of gyration is many times the size of the mechanism."""
-    size, found = mechanism_size(system), []
+    size, found, least = mechanism_size(system), [], MASS_SHARE_MIN * system.total_mass()
     for body in system.bodies if size > 0.0 else ():
-        radius = radius_of_gyration(body)
+        radius = radius_of_gyration(body) if body.mass > least else 0.0
         if radius > GYRATION_RATIO_MAX * size:
             found.append(
                 f"body '{system.name(body)}': its radius of gyration is {radius:.3g} m, {radius / size:.0f} times the "

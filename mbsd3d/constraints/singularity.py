@@ -106,7 +106,7 @@ def lost_rolling(compiled: Compiled, data: Data, pose: State, found: Analysis, g
     if not wheels:
         return ""
     turn, when = kept(scaled_rows(compiled.model, data), general.rows, found), "beside it"
-    if any(x.rank > found.rank for x in closed_beside(compiled, pose, found, turn)):
+    if any(x.rank > found.rank for x in closed_beside(compiled, pose, found, unit_motion(turn))):
         when = f"as soon as {movers(compiled, data, turn, turning=True)} move"
     here, there = (6 * x.n - x.rank for x in (found, general.found))
     names = listed([f"'{system.name(wheel)}'" for wheel in wheels])

@@ -20,6 +20,7 @@ import scipy.linalg
 from ..base.checks import solvable
 from ..base.concurrency import on_one_thread
 from ..base.errors import AssemblyError, EquilibriumError, InputError
+from ..base.rotations import matrix
 from ..compiler.announcing import announce_compilation
 from ..compiler.disk import mark_warm
 from ..constraints.assembly import moved_report
@@ -166,14 +167,12 @@ def search(field: Field) -> tuple[np.ndarray, Variations, Tangent, Units, float,
             return y, at, space, units, size, step
         growth = min(4.0 * growth, MOST) if size <= 1.01 * last else max(1.0, growth / 4.0)
         before = at
-        shift = np.linalg.norm(y[: 7 * n].reshape(n, 7)[:, :3] - begin, axis=1)
-        if shift.max() > far:
+        if np.abs(y[: 7 * n].reshape(n, 7)[:, :3] - begin).max() > far:
             break  # it falls, or drifts away
         X, dz = direction(at, space, units, model.body.size, growth / units.rate**2)
         y = moved(field, y, X, dz)
-    left = np.where(shift > far, shift, 0.0)
     raise EquilibriumError(
-        f"no equilibrium after {step + 1} steps: {restless(field.compiled, at, left)}", residual=size, time=field.t,
+        f"no equilibrium after {step + 1} steps: {restless(field.compiled, y, at)}", residual=size, time=field.t,
         advice="hold the mechanism by a joint, spring or contact where it gives way, or start nearer with state=",
     )  # fmt: skip
 
@@ -229,14 +228,19 @@ def moved(field: Field, y: np.ndarray, X: np.ndarray, dz: np.ndarray) -> np.ndar
     )  # fmt: skip
 
 
-def restless(compiled: Compiled, at: Variations, shift: np.ndarray) -> str:
-    """The body that has moved farthest, if one has left (``shift`` (n,) [m]; else 0), or accelerates most.
+def restless(compiled: Compiled, y: np.ndarray, at: Variations) -> str:
+    """The body that gives way: the one with the largest share ``m a_G^2 + alpha' I alpha`` of the unbalanced load.
 
-    Accelerations count in units of the model's length and radians, as in `unrest`.
+    A light part may accelerate more, in its own units, than the one that carries it away.
     """
-    sizes = np.abs(at.acceleration) / displacement_units(compiled.model.length, 1)
-    i = int(np.argmax(shift if shift.any() else sizes.max(axis=1)))
-    linear, angular = (float(np.linalg.norm(x)) for x in (at.acceleration[i, :3], at.acceleration[i, 3:]))
-    where = f", {shift[i]:.3g} m from where it was" if shift.any() else ""
-    name = compiled.system.name(compiled.system.bodies[i])
-    return f"body '{name}' still accelerates by {linear:.3g} m/s^2 and {angular:.3g} rad/s^2{where}"
+    bodies, n = compiled.system.bodies, len(compiled.system.bodies)
+    R = matrix(y[: 7 * n].reshape(n, 7)[:, 3:])
+    linear, angular = at.acceleration[:, :3], at.acceleration[:, 3:]
+    centre = linear + np.cross(angular, np.einsum("nij,nj->ni", R, [body.com for body in bodies]))
+    own = np.einsum("nji,nj->ni", R, angular)
+    shares = [x.mass * a @ a + w @ x.inertia @ w for x, a, w in zip(bodies, centre, own, strict=True)]
+    i = int(np.argmax(shares))
+    sizes = np.linalg.norm(linear[i]), np.linalg.norm(angular[i])
+    return (
+        f"body '{compiled.system.name(bodies[i])}' still accelerates by {sizes[0]:.3g} m/s^2 and {sizes[1]:.3g} rad/s^2"
+    )
