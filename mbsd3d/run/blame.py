@@ -57,20 +57,18 @@ def at_end_of_curve(compiled: Compiled, data: Data, h: float) -> str | None:
     return None
 
 
-def singular_start(compiled: Compiled, start: State, t: float = -np.inf, t_end: float = np.inf) -> str:
-    """What is wrong with the pose at the start of a run that has ended at t, if it has not left it; else "".
+def singular_start(
+    compiled: Compiled, start: State, t: float = -np.inf, t_end: float = np.inf
+) -> tuple[str, str] | None:  # fmt: skip
+    """(what is wrong with the pose at the start of a run that has ended at t, advice), if the run has not left it.
 
     What moves infinitesimally there is the reason also for a run that ends later.
     """
     what = what_is_singular(compiled, start)
     if what.startswith(INFINITESIMAL):
-        return f"the mobility at the start is {what}"
-    return f"the pose at the start is {what}" if what and t - start.t <= ON_THE_SPOT * (t_end - start.t) else ""
-
-
-def advice_on(singular: str) -> str:
-    """The remedy for a singular pose at the start; that of an infinitesimal one stands in its text."""
-    return "see system.check()" if INFINITESIMAL in singular else BESIDE
+        return f"the mobility at the start is {what}", "see system.check()"
+    stays = t - start.t <= ON_THE_SPOT * (t_end - start.t)
+    return (f"the pose at the start is {what}", BESIDE) if what and stays else None
 
 
 def singular_there(compiled: Compiled, start: State, y: np.ndarray, t: float) -> str:
