@@ -119,17 +119,6 @@ class Analysis:
             x[core.columns, 0] = free.T @ (free @ weights.normal(size=free.shape[1]))
         return self.left.motion(x)[:, 0]
 
-    def free_motions(self) -> np.ndarray:
-        """Return an orthonormal basis (6 n, k) of the motions that all rows leave free."""
-        own = [Vt[self.core_rank(k) :] for k, (_, _, Vt) in enumerate(self.decompositions)]
-        x = np.zeros((6 * self.n, self.left.free.size + sum(part.shape[0] for part in own)))
-        x[self.left.free, np.arange(self.left.free.size)] = 1.0
-        j = self.left.free.size
-        for core, part in zip(self.cores, own, strict=True):
-            x[core.columns, j : j + part.shape[0]] = part.T
-            j += part.shape[0]
-        return orthonormal(self.left.motion(x))
-
     def least_motion(self) -> np.ndarray:
         """(6 n,) unit motion of a core that breaks the rows least of those that break them."""
         k = min(
@@ -175,6 +164,8 @@ def projector(A: np.ndarray, tolerance: float) -> np.ndarray:
     >>> projector(np.array([[0.0, 0.0], [3.0, -1.0], [4.0, 1e-17]]), 1e-9).round(12).tolist()
     [[1.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
     """
+    if np.abs(A).max(initial=0.0) <= tolerance:
+        return np.eye(3)
     U, s, _ = np.linalg.svd(A, full_matrices=False)
     U = U[:, s > tolerance]
     return np.eye(3) - U @ U.T

@@ -9,6 +9,7 @@ from ..base.style import html_text
 from ..equations.at_state import driven_coordinates, joint_point, load_state, worst_joint
 from ..equations.compiled import Compiled, compile_system
 from ..equations.jacobian import BlockRows, scaled_rows
+from ..equations.plausibility import doubtful_inertias, loose_bodies
 from ..kernels.layout import Data
 from ..mechanism.drivers import Driver
 from ..mechanism.mechanism import Mechanism
@@ -16,10 +17,10 @@ from ..mechanism.state import State
 from .assembly import close_pose, gap_size, newton, reference_pose
 from .contradictions import TOLERANCE, find_contradiction
 from .elimination import SAFE, Core
-from .plausibility import doubtful_inertias, loose_bodies
+from .neighbourhood import Beside, neighbourhood
 from .rank import OPEN_TOLERANCE, Analysis, orthonormal, projector
 from .remedies import Cure, direction_text, find_cures
-from .singularity import Beside, neighbourhood, singularities
+from .singularity import singularities
 from .spanning_tree import loop_weights
 from .spins import free_spins
 

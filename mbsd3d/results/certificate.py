@@ -11,9 +11,9 @@ import numpy as np
 from ..base.checks import shown
 from ..base.errors import NameMissingError
 from ..base.style import html_text
-from ..constraints.plausibility import loose_bodies
 from ..constraints.singularity import INFINITESIMAL, what_is_singular
 from ..equations.compiled import Switches
+from ..equations.plausibility import loose_bodies
 from .checks.balances import balance_checks, work_note
 from .checks.check import PASSED, USEFUL, Check, drift_limit
 from .checks.equations import equation_checks, joint_checks, lost, residuals

@@ -76,13 +76,15 @@ class Determined(NamedTuple):
     force: np.ndarray  # (samples, 3, 3) projector onto those of the force, world axes
     moment: np.ndarray  # (samples, 3, 3) the same of the moment about the joint's point
     regular: np.ndarray  # (samples,) where the rank is that of the run
-    tolerance: float  # of a component of an open direction
+    tolerance: float  # of a component of an open direction; 0 where none is open
 
     def along(self, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return (of the force, of the moment) whether the components along unit directions are determined, (3,) each.
 
         ``directions``: in rows, (3, 3) or (samples, 3, 3), world axes. Only regular samples count.
         """
+        if not self.tolerance:
+            return np.ones(3, bool), np.ones(3, bool)
         d = np.broadcast_to(directions, self.force.shape)[self.regular]
         left = (d - np.einsum("tij,tkj->tki", D[self.regular], d) for D in (self.force, self.moment))
         return tuple(np.abs(x).max(axis=(0, 2), initial=0.0) < self.tolerance for x in left)
@@ -90,14 +92,14 @@ class Determined(NamedTuple):
     def reaction(self, force: np.ndarray, moment: np.ndarray, point: np.ndarray, some: slice | np.ndarray) -> Reaction:
         """Return the reaction at ``some`` of the samples, at which its values are given."""
         masks = self.along(np.eye(3))
-        unique = bool(np.all(masks))
-        return Reaction(force, moment, point, unique, *masks, self.force[some], self.moment[some])
+        D = all_determined(len(force))[:2] if not self.tolerance else (self.force[some], self.moment[some])
+        return Reaction(force, moment, point, bool(np.all(masks)), *masks, *D)
 
 
 def all_determined(samples: int) -> Determined:
     """Return that nothing is open at any sample."""
     one = np.broadcast_to(np.eye(3), (samples, 3, 3))
-    return Determined(one, one, np.ones(samples, bool), OPEN_TOLERANCE)
+    return Determined(one, one, np.ones(samples, bool), 0.0)
 
 
 class Open(NamedTuple):
@@ -145,9 +147,10 @@ class Group(NamedTuple):
         W *= displacement_units(model.length, 1)
         parts = [np.zeros((6, 0))]
         for island in found:
-            _, mine, theirs = np.intersect1d(self.rows, island.rows, return_indices=True)
-            if mine.size:
-                parts.append(W[mine].T @ island.N[theirs])
+            theirs = np.minimum(np.searchsorted(island.rows, self.rows), island.rows.size - 1)  # these are ascending
+            mine = island.rows[theirs] == self.rows
+            if mine.any():
+                parts.append(W[mine].T @ island.N[theirs[mine]])
         return np.hstack(parts)
 
 
