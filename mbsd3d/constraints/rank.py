@@ -161,8 +161,9 @@ def orthonormal(N: np.ndarray) -> np.ndarray:
 def projector(A: np.ndarray, tolerance: float) -> np.ndarray:
     """Return the projector (3, 3) onto the directions that the columns of A (3, k) do not have.
 
-    >>> projector(np.array([[0.0, 0.0], [3.0, -1.0], [4.0, 1e-17]]), 1e-9).round(12).tolist()
-    [[1.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
+    >>> D = projector(np.array([[0.0, 0.0], [3.0, 6.0], [-4.0, -8.0]]), 1e-9)
+    >>> np.abs(D @ (0.0, 3.0, -4.0)).max() < 1e-15, (D @ (1.0, 4.0, 3.0)).round(12).tolist()
+    (True, [1.0, 4.0, 3.0])
     """
     if np.abs(A).max(initial=0.0) <= tolerance:
         return np.eye(3)

@@ -1,5 +1,7 @@
 """Singular poses, where the rows leave one freedom more than beside them, and poses that are all but singular."""
 
+from collections.abc import Collection
+
 import numpy as np
 
 from ..equations.at_state import joint_point, load_state
@@ -74,14 +76,29 @@ def lost_rolling(compiled: Compiled, data: Data, pose: State, found: Analysis, g
     wheels = [wheel for wheel in wheels if not isinstance(wheel, Driver)]
     if not wheels:
         return ""
-    turn, when = unit_motion(kept(scaled_rows(compiled.model, data), general.rows, found)), "beside it"
-    if any(x.rank > found.rank for x in closed_beside(compiled, compiled, pose, found, turn)):
-        when = f"as soon as {movers(compiled, data, turn, turning=True)} move"
     here, there = (6 * x.n - x.rank for x in (found, general.found))
     names = listed([f"'{system.name(wheel)}'" for wheel in wheels])
     remedy = "use Tyre, which slips" if all(isinstance(x, RollingContact) for x in wheels) else "take one of them out"
     less = f"mobility {here} in this pose alone, {there} beside it"
+    when = steered_by(compiled, data, pose, found, general)
     return f"{INFINITESIMAL}: {less}: {names} have no common turning centre {when}; {remedy}"
+
+
+def steered_by(compiled: Compiled, data: Data, pose: State, found: Analysis, general: Beside) -> str:
+    """Which hinges and slides turn wheels away from a common centre, in the motion that is lost beside or that stays.
+
+    The wheels' own axles turn in both.
+    """
+    system, rows = compiled.system, scaled_rows(compiled.model, data)
+    wheels = {id(joint.b) for joint in system.joints if isinstance(joint, RollingContact)}
+    axles = [joint for joint in system.joints if any(id(body) in wheels for body in joint.bodies())]
+    others = [joint for joint in system.joints if joint.angle() is None and joint.slide() is None]
+    but = {system.name(joint) for joint in (*axles, *others)}
+    for motion in (gained(rows, general.rows, found), kept(rows, general.rows, found)):
+        beside = closed_beside(compiled, compiled, pose, found, unit_motion(motion))
+        if any(x.rank > found.rank for x in beside):
+            return f"as soon as {movers(compiled, data, motion, but)} move"
+    return "beside it"
 
 
 def steered_rolling(compiled: Compiled, pose: State) -> list[str]:
@@ -136,12 +153,10 @@ def nearly_singular(compiled: Compiled, data: Data, found: Analysis) -> list[str
     ]
 
 
-def movers(compiled: Compiled, data: Data, motion: np.ndarray, turning: bool = False) -> str:
-    """Names of the joints that move most in a motion; ``turning``: of those with an angle or a slide, if there are."""
+def movers(compiled: Compiled, data: Data, motion: np.ndarray, but: Collection[str] = ()) -> str:
+    """Names of the joints that move most in a motion; ``but``: not these, if there are others."""
     moving = joint_motion(compiled, data, motion)
-    system = compiled.system
-    own = {system.name(x) for x in system.joints if turning and (x.angle() is not None or x.slide() is not None)}
-    moving = {name: size for name, size in moving.items() if name in own} or moving
+    moving = {name: size for name, size in moving.items() if name not in but} or moving
     return listed([f"'{name}'" for name, size in moving.items() if size >= MOVES * max(moving.values())] or ["bodies"])
 
 

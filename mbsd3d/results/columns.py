@@ -163,6 +163,6 @@ def columns_of_states(solution: RunResult, force: ForceElement) -> list[Column]:
 
 def components(values: np.ndarray) -> tuple[str, tuple[str, ...]]:
     """Dimension and labels of the components of a column."""
-    if values.ndim < 2 and values.dtype != bool or values.ndim == 0:
+    if values.ndim == 0 or (values.ndim == 1 and values.dtype != bool):
         return "", ()
     return ("axis", ("x", "y", "z")) if values.shape[-1] == 3 else ("quaternion", ("e0", "e1", "e2", "e3"))

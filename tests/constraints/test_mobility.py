@@ -8,6 +8,7 @@ from mbsd3d import (
     RK4,
     AngleDriver,
     Body,
+    Distance,
     Force,
     GeneralizedAlpha,
     IntegrationError,
@@ -124,7 +125,7 @@ def member(name, x, y, z=RADIUS, mass=3.0):
     return Body(name, mass, inertia, position=place(x, y, z), com=(0.01, 0.02, -0.01), orientation=rotation("z", 0.7))
 
 
-def cart(rear, half=0.37, arm=0.9):
+def cart(rear, half=0.37, arm=0.9, rake=0.0):
     """A frame with front wheels on kingpins, coupled by a tie rod, and rear wheels at ``rear`` [m] from its middle."""
     frame = member("frame", -0.4, 0.05, 0.5, 60.0)
     bodies, joints = [frame], []
@@ -142,17 +143,21 @@ def cart(rear, half=0.37, arm=0.9):
         knuckle = member(f"{name} knuckle", 0.0, half * side)
         knuckles.append(knuckle)
         bodies.append(knuckle)
-        joints.append(Revolute(frame, knuckle, at=place(0.0, half * side), axis=(0, 0, 1), name=f"{name} kingpin"))
+        axis = HEADING @ (np.sin(rake), 0.0, np.cos(rake))
+        joints.append(Revolute(frame, knuckle, at=place(0.0, half * side), axis=axis, name=f"{name} kingpin"))
         wheel(name, 0.0, (half + 0.05) * side, knuckle)
-    rod_ = member("tie rod", -0.15, 0.0, mass=0.5)
     ends = [place(-0.15, side * arm * half) for side in (1, -1)]
+    if rake:  # a rod without mass
+        return System(bodies, [*joints, Distance(*knuckles, at_a=ends[0], at_b=ends[1], name="tie rod")])
+    rod_ = member("tie rod", -0.15, 0.0, mass=0.5)
     joints.append(Spherical(knuckles[0], rod_, at=ends[0], name="left end"))
     joints.append(Universal(knuckles[1], rod_, at=ends[1], axis_a=(0, 0, 1), axis_b=HEADING[:, 0], name="right end"))
     return System([*bodies, rod_], joints)
 
 
 @pytest.mark.parametrize(
-    ("system", "mobility"), [(cart((0.04,)), 2), (cart((0.04,), arm=1.0), 2), (cart((0.45, -0.4)), 2)]
+    ("system", "mobility"),
+    [(cart((0.04,)), 2), (cart((0.04,), arm=1.0), 2), (cart((0.04,), rake=0.2), 2), (cart((0.45, -0.4)), 2)],
 )
 def test_wheels_without_a_common_turning_centre_are_named(system, mobility):
     """Straight ahead it rolls and can be steered, steered it rolls no more: a trapezoid is right at one angle only."""
