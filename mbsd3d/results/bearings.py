@@ -22,8 +22,8 @@ class BearingLoad(Sampled):
     """The load of a bearing at the samples; force and moment in the joint's frame: two axes across, then the axis.
 
     ``unique_force`` and ``unique_moment`` say which of these components the constraints determine; the others, of
-    redundant joints, are NaN, and `axial` or `tilting` made of them raise ValueError. The radial load is determined, but
-    for samples at singular poses, which the certificate names: it is of least norm there.
+    redundant joints, are NaN, and `axial` or `tilting` made of them raise ValueError. The radial load is determined; at
+    singular poses, whose times the certificate names, it is one of least norm.
     """
 
     t: np.ndarray  # (samples,) [s]

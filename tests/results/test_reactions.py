@@ -30,6 +30,8 @@ from mbsd3d import (
 )
 from mbsd3d.base.rotations import matrix
 from mbsd3d.results.bearings import bearing_load, bearing_pair
+from mbsd3d.view.scene.frames import frames_of
+from mbsd3d.view.scene.motion import arrows_of
 
 R = matrix(rotation((0.3, -1.0, 0.7), 0.9))
 ORIGIN, NORMAL = np.array([0.4, -1.2, 2.3]), R[:, 2]
@@ -316,6 +318,14 @@ def test_masks_stand_in_files_and_in_figures(tmp_path):
     force, moment = run.plot("reaction", "main").axes
     assert [t.get_text() for t in force.get_legend().get_texts()] == ["x", "y, not unique", "z"]
     assert [t.get_text() for t in moment.get_legend().get_texts()] == ["x, not unique", "y", "z, not unique"]
+
+
+def test_arrows_and_reports_show_the_determined_part():
+    run = simulate(aligned(), 0.2, output=5)
+    page = run.report(curves=[]).html
+    assert "force determined in part, moment indeterminate" in page and "it is this part" in page
+    force = next(x for x in arrows_of(run, frames_of(run)) if x.kind == "reaction force")
+    assert not any(force.uncertain) and np.abs(force.vectors[:, :, 1]).max() < 1e-9 * force.longest  # in the plane
 
 
 def test_figures_of_a_tilted_plane_show_what_is_determined(slider):
