@@ -20,8 +20,8 @@ THROWN = 10.0
 
 
 DEPTH_RATIO_MAX = 4.0
-"""[1] depth of the lowest point over its height below the centre, of a contact that starts elsewhere than as built:
-twice the size of the surface, half of it more than covered."""
+"""[1] of a contact that starts elsewhere than as built: depth of the lowest point over its distance below the centre;
+4 is twice the diameter of a sphere, so that the plane is a diameter above its top."""
 
 
 class Start(Poses):
