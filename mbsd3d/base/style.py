@@ -152,10 +152,10 @@ class Sampled:
 
     def __repr__(self) -> str:
         shown = []
-        for x in fields(self):
+        for x in (x for x in fields(self) if x.repr):
             value = getattr(self, x.name)
             if isinstance(value, np.ndarray):
-                value = f"{value.shape} up to {np.abs(value).max(initial=0.0):.4g}"
+                value = f"{value.shape} up to {np.abs(value[np.isfinite(value)]).max(initial=0.0):.4g}"
             elif isinstance(value, dict):
                 value = ", ".join(value)
             if value not in (None, ""):

@@ -17,6 +17,7 @@ from .elimination import SAFE, Core, Elimination
 from .least_squares import proven
 
 FEW_ROWS = 150  # of a dense factorisation that is faster than elimination and singular values of what is left
+OPEN_TOLERANCE = 1e-7  # [1] of unit combinations of redundant rows: what rounding leaves of one that is zero
 
 
 class Analysis:
@@ -155,6 +156,20 @@ def redundant_combinations(rows: BlockRows, tolerance: float = RANK_TOLERANCE) -
 def orthonormal(N: np.ndarray) -> np.ndarray:
     """Of the same columns."""
     return scipy.linalg.qr(N, mode="economic")[0] if N.shape[1] else N
+
+
+def projector(A: np.ndarray, tolerance: float) -> np.ndarray:
+    """Return the projector (3, 3) onto the directions that the columns of A (3, k) do not have.
+
+    >>> D = projector(np.array([[0.0, 0.0], [3.0, 6.0], [-4.0, -8.0]]), 1e-9)
+    >>> (D @ (1.0, 4.0, 3.0) + D @ (0.0, 3.0, -4.0)).round(12).tolist()
+    [1.0, 4.0, 3.0]
+    """
+    if np.abs(A).max(initial=0.0) <= tolerance:
+        return np.eye(3)
+    U, s, _ = np.linalg.svd(A, full_matrices=False)
+    U = U[:, s > tolerance]
+    return np.eye(3) - U @ U.T
 
 
 def choose_rows(model: Model, data: Data, tolerance: float = RANK_TOLERANCE) -> np.ndarray:

@@ -9,6 +9,7 @@ from ..base.style import html_text
 from ..equations.at_state import joint_point, load_state, worst_joint
 from ..equations.compiled import Compiled, compile_system
 from ..equations.jacobian import BlockRows, scaled_rows
+from ..equations.plausibility import doubtful_inertias, loose_bodies
 from ..kernels.layout import Data
 from ..mechanism.drivers import Driver
 from ..mechanism.mechanism import Mechanism
@@ -16,11 +17,12 @@ from ..mechanism.state import State
 from .assembly import reference_pose
 from .contradictions import TOLERANCE, find_contradiction
 from .elimination import SAFE, Core
+from .neighbourhood import Beside, neighbourhood
 from .poses.closing import close_pose
 from .poses.pose_equations import gap_size, newton
-from .rank import Analysis, orthonormal
-from .remedies import Cure, find_cures
-from .singularity import rows_beside, singularities
+from .rank import OPEN_TOLERANCE, Analysis, orthonormal, projector
+from .remedies import Cure, direction_text, find_cures
+from .singularity import singularities
 from .spanning_tree import loop_weights
 from .spins import free_spins
 
@@ -29,13 +31,33 @@ AS_BUILT, SHARE = 1e-5, 1e-4  # m; of the model's length, for mechanisms smaller
 
 @dataclass(frozen=True)
 class Share:
-    """Redundancy of one joint: its rows, how many of them take part, and which reactions are determined."""
+    """Redundancy of one joint: its rows, how many of them take part, and which reactions are determined.
+
+    ``force_open`` and ``moment_open`` say in which directions they are not: "", "along (x, y, z)", "across (x, y, z)",
+    or "all".
+    """
 
     joint: str
     rows: int
     involved: int
-    force_unique: bool
-    moment_unique: bool
+    force_open: str
+    moment_open: str
+
+    @property
+    def force_unique(self) -> bool:
+        """True if the constraints determine the force."""
+        return not self.force_open
+
+    @property
+    def moment_unique(self) -> bool:
+        """True if the constraints determine the moment."""
+        return not self.moment_open
+
+    def __str__(self) -> str:
+        kinds = (("forces", self.force_open), ("moments", self.moment_open))
+        what = [kind if where == "all" else f"{kind} {where}" for kind, where in kinds if where]
+        text = f"indeterminate {' and '.join(what)}" if what else "reactions unique"
+        return f"{self.joint}: {self.involved} of {self.rows} rows in redundant sets, {text}"
 
 
 @dataclass(frozen=True)
@@ -44,11 +66,14 @@ class Diagnosis:
 
     ``mobility`` counts the velocities left free by all rows, ``configuration_freedom`` those left by the holonomic rows
     alone (both at the reference pose); ``gruebler`` is velocities - rows, what counting without geometry says.
-    ``neighbour_ranks`` are those of two poses nearby, none where the rows are independent here: they cannot gain.
+    ``neighbour_ranks`` are those of poses nearby, none where the rows are independent here, so that they cannot gain,
+    or where nothing moves.
     ``misfit`` [m] is by how much the parts as built miss their joints. ``least_singular`` is the smallest singular
     value that counts over the largest, 1 where all was decided without: it falls to 0 towards a singular pose.
-    ``notes`` say which body spins without moving another one, and whether the pose is singular or nearly so. The
-    verdict names drivers that contradict each other and bodies whose spin nothing determines.
+    ``notes`` say which body spins without moving another one, whether the pose is singular or nearly so, and which
+    mobility is infinitesimal: lost as soon as the mechanism moves. They name bodies that nothing acts on, and inertias
+    in other units than the lengths. The verdict names drivers that contradict each other and bodies whose spin nothing
+    determines.
     """
 
     coordinates: int
@@ -80,11 +105,7 @@ class Diagnosis:
             f"  mobility {self.mobility} (configuration freedoms {self.configuration_freedom}), "
             f"Gruebler count {self.gruebler}",
         ]
-        for share in self.shares:
-            what = [] if share.force_unique else ["forces"]
-            what += [] if share.moment_unique else ["moments"]
-            text = f"indeterminate {' and '.join(what)}" if what else "reactions unique"
-            lines.append(f"  {share.joint}: {share.involved} of {share.rows} rows in redundant sets, {text}")
+        lines += [f"  {share}" for share in self.shares]
         lines += [f"  cure: {cure.text}" for cure in self.cures]
         lines += [f"  {text}" for text in self.notes]
         return "\n".join(lines)
@@ -106,9 +127,9 @@ def diagnose(system: Mechanism, as_built: float | None) -> Diagnosis:
     if slip > 0.0:  # from here on rows that play takes up repeat others
         found.tolerance = as_built / length / found.largest
     rank, N, misfit = found.rank, found.redundant(), max(misfit, slip)
-    beside = rows_beside(compiled, pose, found)
+    beside = neighbourhood(compiled, pose, found)
     shares = tuple(joint_shares(compiled, data, rows, N, 10.0 * found.tolerance * found.largest))
-    cures = tuple(find_cures(compiled, pose, rows, N, n - rank)) if N.shape[1] and not stuck else ()
+    cures = () if stuck else tuple(cures_of(compiled, pose, rows, found, beside.general(found)))
     offset = 0.0 if slip else misfit_of_lock(found, length)
     spins = free_spins(compiled, data, rows)
     slack = max(TOLERANCE, 10.0 * as_built / length)
@@ -118,7 +139,8 @@ def diagnose(system: Mechanism, as_built: float | None) -> Diagnosis:
     if clash or loose_ends:
         verdict = f"contradictory: {clash.text}" if clash else f"undetermined: {loose_ends[0].text}"
     notes = [f"freedom: {spin.text}" for spin in spins if not (spin.massless and spin is loose_ends[0] and not clash)]
-    notes += singularities(compiled, data, found, beside)
+    notes += singularities(compiled, data, pose, found, beside)
+    notes += doubtful_inertias(system) + loose_bodies(system)
     return Diagnosis(
         coordinates=7 * len(system.bodies),
         velocities=n,
@@ -132,11 +154,21 @@ def diagnose(system: Mechanism, as_built: float | None) -> Diagnosis:
         verdict=verdict,
         misfit=misfit or offset,
         cures=cures,
-        neighbour_ranks=tuple(rank for rank, _ in beside),
+        neighbour_ranks=tuple(x.rank for x in beside.poses),
         length=length,
         least_singular=found.smallest,
         notes=tuple(notes),
     )
+
+
+def cures_of(
+    compiled: Compiled, pose: State, rows: BlockRows, found: Analysis, general: Beside | None
+) -> list[Cure]:  # fmt: skip
+    """Cures of the redundancies at the pose; of a singular one, of those that are left beside it."""
+    if general is not None:
+        pose, rows, found = general.pose, general.rows, general.found
+    N = found.redundant()
+    return find_cures(compiled, pose, rows, N, 6 * found.n - found.rank) if N.shape[1] else []
 
 
 def holonomic_rank(compiled: Compiled, rows: BlockRows, found: Analysis) -> int:
@@ -231,9 +263,18 @@ def joint_shares(compiled: Compiled, data: Data, rows: BlockRows, N: np.ndarray,
         arm = (joint_point(compiled, data, joint) - data.body["r"][i]) / compiled.model.length  # from O
         moment = G[3:] - np.cross(arm[:, None], G[:3], axis=0)
         name = f"{type(joint).__name__} '{system.name(joint)}'"
-        force_unique, moment_unique = (np.abs(x).max() < max(1e-7, off) for x in (G[:3], moment))
-        shares.append(Share(name, own.stop - own.start, involved, bool(force_unique), bool(moment_unique)))
+        open_to = (open_directions(x, max(OPEN_TOLERANCE, off)) for x in (G[:3], moment))
+        shares.append(Share(name, own.stop - own.start, involved, *open_to))
     return shares
+
+
+def open_directions(A: np.ndarray, tolerance: float) -> str:
+    """The directions of the columns of A (3, k) in words, as `Share` says them."""
+    size, axes = np.linalg.eigh(projector(A, tolerance))  # 0 for those of A, then 1
+    count = int((size < 0.5).sum())
+    axis = axes[:, 2 if count == 2 else 0].round(9)
+    axis = axis * np.copysign(1.0, axis[np.argmax(np.abs(axis))])
+    return ("", f"along {direction_text(axis, 3)}", f"across {direction_text(axis, 3)}", "all")[count]
 
 
 def verdict_text(

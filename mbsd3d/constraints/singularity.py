@@ -1,23 +1,33 @@
 """Singular poses, where the rows leave one freedom more than beside them, and poses that are all but singular."""
 
+from collections.abc import Collection
+
 import numpy as np
 
 from ..equations.at_state import joint_point, load_state
 from ..equations.compiled import Compiled
-from ..equations.jacobian import BlockRows, displacement_units, scaled_rows
-from ..kernels.kinematics import displace
+from ..equations.jacobian import BlockRows, scaled_rows
 from ..kernels.layout import Data
+from ..mechanism.contacts import KnifeEdge, RollingContact
 from ..mechanism.drivers import Driver
 from ..mechanism.state import State
-from .least_squares import shortest
-from .poses.pose_equations import gap_size, newton
-from .rank import Analysis
+from .neighbourhood import (
+    Beside,
+    Neighbourhood,
+    closed_beside,
+    forbidden,
+    neighbourhood,
+    unit_motion,
+    without_moving_drivers,
+)
+from .rank import Analysis, orthonormal
 
-BESIDE = (0.05, -0.05)  # radians or lengths of the model
 NEAR = 2e-2  # least singular value over the largest; of the reference mechanisms none is below 0.03
 APART = 0.1  # over the next one: those of long chains fall evenly, one that is being lost falls away from the others
 MOVES = 0.3  # of the joint that moves most: those that are named
 TIMES = 4
+INFINITESIMAL = "infinitesimal"  # the first word on a pose whose mobility is lost beside it
+SHARE_MIN = 1e-2  # [1] of the largest entry of a redundant combination: rows that take part; steps turn it by less
 
 
 def what_is_singular(compiled: Compiled, pose: State) -> str:
@@ -25,42 +35,90 @@ def what_is_singular(compiled: Compiled, pose: State) -> str:
     data = compiled.data()
     load_state(compiled, data, pose)
     found = Analysis(scaled_rows(compiled.model, data))
-    return next(iter(singularities(compiled, data, found, rows_beside(compiled, pose, found))), "")
+    return next(iter(singularities(compiled, data, pose, found, neighbourhood(compiled, pose, found))), "")
 
 
-def singularities(compiled: Compiled, data: Data, found: Analysis, beside: list[tuple[int, BlockRows]]) -> list[str]:
-    """Sentences on the pose at hand, whose rows are ``found``: which joints move in the freedom that is gained there.
+def singularities(
+    compiled: Compiled, data: Data, pose: State, found: Analysis, beside: Neighbourhood
+) -> list[str]:  # fmt: skip
+    """Sentences on the pose in ``data``, with the rows ``found``: what can move there and not beside it.
 
-    Beside it the rows are those of `rows_beside`.
+    ``beside``: its `neighbourhood`.
     """
-    rank, rows = max(beside, key=lambda pair: pair[0], default=(0, None))
-    if rank <= found.rank:
-        return nearly_singular(compiled, data, found)
-    joints = movers(compiled, data, gained(scaled_rows(compiled.model, data), rows, found))
-    return [f"singular (rank {found.rank}, {rank} beside it): {joints} can move while the rest stands"]
+    general = beside.general(found)
+    if general is None:
+        if beside.stuck is not None:
+            return [what_sticks(compiled, data, found, beside)]
+        return steered_rolling(compiled, pose) or nearly_singular(compiled, data, found)
+    if text := lost_rolling(compiled, data, pose, found, general):
+        return [text]
+    joints = movers(compiled, data, gained(scaled_rows(compiled.model, data), general.rows, found))
+    return [f"singular (rank {found.rank}, {general.rank} beside it): {joints} can move while the rest stands"]
 
 
-def rows_beside(compiled: Compiled, pose: State, found: Analysis) -> list[tuple[int, BlockRows]]:
-    """(rank, rows) at two poses moved a little along what the rows leave free; none where the rank cannot be higher."""
-    model, data = compiled.model, compiled.data()
-    if found.rank in (0, found.m, 6 * found.n):
+def what_sticks(compiled: Compiled, data: Data, found: Analysis, beside: Neighbourhood) -> str:
+    """What to say of a free motion that is none."""
+    less = "is more than can move" if beside.poses else "in this pose alone, and nothing can move"
+    what = f"{INFINITESIMAL}: mobility {6 * found.n - found.rank} {less}"
+    joints = movers(compiled, data, beside.stuck)
+    return (
+        f"{what}: {joints} give way to any load, but the joints close nowhere beside this pose; change a length, or "
+        "take out a joint"
+    )
+
+
+def lost_rolling(compiled: Compiled, data: Data, pose: State, found: Analysis, general: Beside) -> str:
+    """What to say of wheels that roll together in this pose alone; "" where holonomic rows become independent."""
+    system, row = compiled.system, compiled.model.row
+    lost = independent_beside(found, general.found)
+    rolling = lost[~row["holonomic"][lost].astype(bool)]
+    wheels = list(dict.fromkeys(system.joints[compiled.row_joint[k]] for k in rolling))
+    wheels = [wheel for wheel in wheels if not isinstance(wheel, Driver)]
+    if not wheels:
+        return ""
+    here, there = (6 * x.n - x.rank for x in (found, general.found))
+    names = listed([f"'{system.name(wheel)}'" for wheel in wheels])
+    remedy = "use Tyre, which slips" if all(isinstance(x, RollingContact) for x in wheels) else "take one of them out"
+    less = f"mobility {here} in this pose alone, {there} beside it"
+    when = steered_by(compiled, data, pose, found, general)
+    return f"{INFINITESIMAL}: {less}: {names} have no common turning centre {when}; {remedy}"
+
+
+def steered_by(compiled: Compiled, data: Data, pose: State, found: Analysis, general: Beside) -> str:
+    """Which hinges and slides turn wheels away from a common centre, in the motion that is lost beside or that stays.
+
+    The wheels' own axles turn in both.
+    """
+    system, rows = compiled.system, scaled_rows(compiled.model, data)
+    wheels = {id(joint.b) for joint in system.joints if isinstance(joint, RollingContact)}
+    axles = [joint for joint in system.joints if any(id(body) in wheels for body in joint.bodies())]
+    others = [joint for joint in system.joints if joint.angle() is None and joint.slide() is None]
+    but = {system.name(joint) for joint in (*axles, *others)}
+    for motion in (gained(rows, general.rows, found), kept(rows, general.rows, found)):
+        beside = closed_beside(compiled, compiled, pose, found, unit_motion(motion))
+        if any(x.rank > found.rank for x in beside):
+            return f"as soon as {movers(compiled, data, motion, but)} move"
+    return "beside it"
+
+
+def steered_rolling(compiled: Compiled, pose: State) -> list[str]:
+    """What `lost_rolling` says of a mechanism without the drivers that will move it: they lead it where it is lost."""
+    if not any(isinstance(x, RollingContact | KnifeEdge) for x in compiled.system.joints):
         return []
-    y = load_state(compiled, data, pose)
-    free = found.free_motion(np.random.default_rng(0))
-    columns = displacement_units(model.length, model.body.size)
-    free = columns * free / max(np.abs(free).max(), 1e-300)
-    beside = []
-    for step in BESIDE:
-        trial = y.copy()
-        data.body["acceleration"][:-1] = (step * free).reshape(-1, 6)
-        displace(model, data, trial)
-        start = State(pose.t, trial[: 7 * model.body.size], pose.v, pose.z, pose.coordinates)
-        moved, residual = newton(compiled, start, [], [], set())
-        if gap_size(compiled, residual) <= 1e-9:
-            load_state(compiled, data, moved)
-            rows = scaled_rows(model, data)
-            beside.append((Analysis(rows, 10.0 * found.tolerance).rank, rows))
-    return beside
+    alone = without_moving_drivers(compiled, pose.t)
+    text = what_is_singular(alone, State(pose.t, pose.q, pose.v)) if alone else ""
+    return [text] if text.startswith(INFINITESIMAL) else []
+
+
+def independent_beside(found: Analysis, there: Analysis) -> np.ndarray:
+    """Rows of the redundant combinations that are none any more at a pose beside.
+
+    Those that stay turn by the size of the step; the others leave the space of those found there.
+    """
+    N, stays = orthonormal(found.redundant()), orthonormal(there.redundant())
+    U, s, _ = np.linalg.svd(N - stays @ (stays.T @ N), full_matrices=False)
+    size = np.linalg.norm(U[:, s > 0.5], axis=1)
+    return np.flatnonzero(size > SHARE_MIN * size.max(initial=0.0))
 
 
 def gained(rows: BlockRows, beside: BlockRows, found: Analysis) -> np.ndarray:
@@ -75,9 +133,13 @@ def gained(rows: BlockRows, beside: BlockRows, found: Analysis) -> np.ndarray:
     return x
 
 
-def forbidden(rows: BlockRows, x: np.ndarray) -> np.ndarray:
-    """The part of a motion (6 n,) that the rows do not leave free, the shortest y with J y = J x."""
-    return shortest(rows, np.ones(rows.body.shape[0]), np.zeros((0, x.size)), np.ones(x.size), rows.times(x))
+def kept(rows: BlockRows, beside: BlockRows, found: Analysis) -> np.ndarray:
+    """(6 n,) a motion that is free here and beside."""
+    x = found.free_motion(np.random.default_rng(0))
+    for _ in range(TIMES):
+        x -= forbidden(beside, x)
+        x -= forbidden(rows, x)
+    return x
 
 
 def nearly_singular(compiled: Compiled, data: Data, found: Analysis) -> list[str]:
@@ -91,10 +153,15 @@ def nearly_singular(compiled: Compiled, data: Data, found: Analysis) -> list[str
     ]
 
 
-def movers(compiled: Compiled, data: Data, motion: np.ndarray) -> str:
-    """Names of the joints that move most in a motion."""
+def movers(compiled: Compiled, data: Data, motion: np.ndarray, but: Collection[str] = ()) -> str:
+    """Names of the joints that move most in a motion; ``but``: not these, if there are others."""
     moving = joint_motion(compiled, data, motion)
-    names = [f"'{name}'" for name, size in moving.items() if size >= MOVES * max(moving.values())] or ["the bodies"]
+    moving = {name: size for name, size in moving.items() if name not in but} or moving
+    return listed([f"'{name}'" for name, size in moving.items() if size >= MOVES * max(moving.values())] or ["bodies"])
+
+
+def listed(names: list[str]) -> str:
+    """Names in a sentence."""
     return f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else names[0]
 
 

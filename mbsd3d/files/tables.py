@@ -45,8 +45,8 @@ def wide(solution: RunResult) -> tuple[list[str], list[np.ndarray]]:
         labels = [f".{label}" for label in components(column.values)[1]] or [""]
         name = ".".join(text for text in (column.part, column.quantity) if text)
         header += [f"{name}{label} [{column.unit}]" for label in labels]
-        values = np.broadcast_to(column.values, solution.t.shape) if column.values.ndim == 0 else column.values
-        table += list(values.reshape(solution.t.size, len(labels)).T)
+        values = column.values.reshape(-1, len(labels))  # one row for all samples, or as many
+        table += list(np.broadcast_to(values, (solution.t.size, len(labels))).T)
     return header, [values.astype(float) for values in table]
 
 
@@ -89,8 +89,8 @@ def variable(kind: str, group: list[Column], names: dict[str, list[str]], sample
     dimension = [name for name in components(values)[:1] if name]
     if not kind:
         return ["time", *dimension], values, attrs
-    if values.ndim == 0:
-        return [kind], np.array([int(column.values) for column in group]), attrs
+    if values.dtype == bool:  # one for all samples
+        return [kind, *dimension], np.array([column.values for column in group], int), attrs
     whole = np.full((samples, len(names[kind]), *values.shape[1:]), np.nan)
     for column in group:
         whole[:, names[kind].index(column.part)] = column.values

@@ -20,12 +20,13 @@ import scipy.linalg
 from ..base.checks import solvable
 from ..base.concurrency import on_one_thread
 from ..base.errors import AssemblyError, EquilibriumError, InputError
+from ..base.rotations import matrix
 from ..compiler.announcing import announce_compilation
 from ..compiler.disk import mark_warm
 from ..constraints.assembly import moved_report
 from ..constraints.nearby_poses import closed
 from ..equations.at_state import load_rows, load_state, unmet, worst_joint
-from ..equations.compiled import compile_system
+from ..equations.compiled import Compiled, compile_system
 from ..equations.elimination import eliminate
 from ..equations.jacobian import displacement_units
 from ..kernels.coordinates import remember
@@ -171,7 +172,7 @@ def search(field: Field) -> tuple[np.ndarray, Variations, Tangent, Units, float,
         X, dz = direction(at, space, units, model.body.size, growth / units.rate**2)
         y = moved(field, y, X, dz)
     raise EquilibriumError(
-        f"no equilibrium after {step + 1} steps: {fastest(field, at)}", residual=size, time=field.t,
+        f"no equilibrium after {step + 1} steps: {restless(field.compiled, y, at)}", residual=size, time=field.t,
         advice="hold the mechanism by a joint, spring or contact where it gives way, or start nearer with state=",
     )  # fmt: skip
 
@@ -227,9 +228,19 @@ def moved(field: Field, y: np.ndarray, X: np.ndarray, dz: np.ndarray) -> np.ndar
     )  # fmt: skip
 
 
-def fastest(field: Field, at: Variations) -> str:
-    """The body that accelerates most."""
-    i = int(np.argmax(np.abs(at.acceleration).max(axis=1)))
-    linear, angular = (float(np.linalg.norm(x)) for x in (at.acceleration[i, :3], at.acceleration[i, 3:]))
-    name = field.compiled.system.name(field.compiled.system.bodies[i])
-    return f"body '{name}' still accelerates by {linear:.3g} m/s^2 and {angular:.3g} rad/s^2"
+def restless(compiled: Compiled, y: np.ndarray, at: Variations) -> str:
+    """The body that gives way: the one with the largest share ``m a_G^2 + alpha' I alpha`` of the unbalanced load.
+
+    A light part may accelerate more, in its own units, than the one that carries it away.
+    """
+    bodies, n = compiled.system.bodies, len(compiled.system.bodies)
+    R = matrix(y[: 7 * n].reshape(n, 7)[:, 3:])
+    linear, angular = at.acceleration[:, :3], at.acceleration[:, 3:]
+    centre = linear + np.cross(angular, np.einsum("nij,nj->ni", R, [body.com for body in bodies]))
+    own = np.einsum("nji,nj->ni", R, angular)
+    shares = [x.mass * a @ a + w @ x.inertia @ w for x, a, w in zip(bodies, centre, own, strict=True)]
+    i = int(np.argmax(shares))
+    sizes = np.linalg.norm(linear[i]), np.linalg.norm(angular[i])
+    return (
+        f"body '{compiled.system.name(bodies[i])}' still accelerates by {sizes[0]:.3g} m/s^2 and {sizes[1]:.3g} rad/s^2"
+    )

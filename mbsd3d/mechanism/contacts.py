@@ -147,6 +147,9 @@ class Rolling(RollingContact):
 class RollingDisc(RollingContact):
     """A disc of body b rolls without slip on a plane of body a (3 rows, 1 holonomic); see `Rolling`.
 
+    Several wheels of one vehicle roll together only while their axles meet at a common turning centre: `System.check`
+    says where they do not. `Tyre` slips instead.
+
     Parameters
     ----------
     axis : (3,) array_like

@@ -16,6 +16,7 @@ from ..mechanism.joints import Joint
 from ..mechanism.measures import Measure
 from ..results.columns import BODY_QUANTITIES, QUANTITIES, Column, columns_of_effort, columns_of_states, loads_of
 from ..results.loads import Load
+from ..results.reactions import Reaction
 from ..results.run_result import RunResult
 
 Part = Body | Joint | ForceElement | str
@@ -125,17 +126,35 @@ def reaction_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...])
     if not joints:
         raise InputError("this system has no joint, so there is no reaction; give another quantity")
     found = {system.name(joint): solution.reaction(joint) for joint in joints}
-    shared = ", ".join(name for name, reaction in found.items() if not reaction.unique)
-    note = "\n".join(textwrap.wrap(f"not unique: {shared}", 26)) if shared else ""
-    panels = []
-    for kind in ("force", "moment"):
-        unit, values = unit_of(f"reaction_{kind}"), {name: getattr(x, kind) for name, x in found.items()}
-        if len(joints) == 1:
-            panels += [p._replace(note=note) for p in vector_panels(f"reaction {kind}", unit, AXIS_NAMES, values)]
-        else:
-            sizes = [(name, np.linalg.norm(x, axis=1)) for name, x in values.items()]
-            panels.append(Panel(f"|reaction {kind}|", unit, sizes, note))
-    return panels
+    make = reaction_components if len(joints) == 1 else reaction_sizes
+    return [panel for kind in ("force", "moment") for panel in make(found, kind, unit_of(f"reaction_{kind}"))]
+
+
+def reaction_components(found: dict[str, Reaction], kind: str, unit: str) -> list[Panel]:
+    """The components of the force or moment of one joint, each open one marked.
+
+    Where open and determined directions are mixed in them, the components of the determined part.
+    """
+    ((name, reaction),) = found.items()
+    values, known = reaction.shown(kind)
+    mask, D = getattr(reaction, f"unique_{kind}"), getattr(reaction, f"{kind}_projector")
+    mixed = known == "part" and np.trace(D, axis1=1, axis2=2).max() > mask.sum() + 0.5  # more directions than axes
+    if known == "part" and not mixed:
+        values = getattr(reaction, kind)
+    axes = AXIS_NAMES if mixed else [x if own else f"{x}, not unique" for x, own in zip(AXIS_NAMES, mask, strict=True)]
+    note = "the determined part" if mixed else ""
+    return [p._replace(note=note) for p in vector_panels(f"reaction {kind}", unit, axes, {name: values})]
+
+
+def reaction_sizes(found: dict[str, Reaction], kind: str, unit: str) -> list[Panel]:
+    """Magnitudes of the forces or moments of several joints, of what the constraints determine of each."""
+    shown = {name: reaction.shown(kind) for name, reaction in found.items()}
+    notes = []
+    for text, wanted in (("determined part", "part"), ("not unique", "none")):
+        names = ", ".join(name for name, (_, known) in shown.items() if known == wanted)
+        notes += textwrap.wrap(f"{text}: {names}", 26) if names else []
+    sizes = [(name, np.linalg.norm(values, axis=1)) for name, (values, _) in shown.items()]
+    return [Panel(f"|reaction {kind}|", unit, sizes, "\n".join(notes))]
 
 
 def force_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:

@@ -17,6 +17,7 @@ from .wording import digits, triple
 MOST = 40  # rows of a table
 OPEN = 1e7  # bodies cubed times samples whose rows are decomposed where they repeat others: some seconds
 LOADS = 3e5  # samples times forces whose loads are computed: some seconds
+KNOWN = {"all": "determined", "part": "determined in part", "none": "indeterminate"}
 BUDGET = 1e7  # bodies times samples times joints whose reactions are computed: some seconds
 
 
@@ -157,15 +158,17 @@ def joint_table(solution: RunResult, few: RunResult, diagnosis: Diagnosis) -> Ta
         share = shares.get(f"{type(joint).__name__} '{name}'")
         n_rows = sum(row.n_rows for row in joint.primitives)
         repeated = f"{share.involved} of {n_rows}" if share else f"0 of {n_rows}"
-        force = largest_load(reaction.force, few.t, scale.force)
-        moment = largest_load(reaction.moment, few.t, scale.moment)
-        known = "determined" if reaction.unique else "indeterminate"
+        (force, of_force), (moment, of_moment) = reaction.shown("force"), reaction.shown("moment")
+        force, moment = largest_load(force, few.t, scale.force), largest_load(moment, few.t, scale.moment)
+        known = KNOWN[of_force] if of_force == of_moment else f"force {KNOWN[of_force]}, moment {KNOWN[of_moment]}"
         between = " – ".join("ground" if body is None else body.name for body in (joint.a, joint.b))
         rows.append((name, type(joint).__name__, between, known, repeated, *force, *moment))
     loads = ("force [N]", "at [s]", "moment [N\u00a0m]", "at [s]")
     head = ("joint", "type", "between", "reaction", "redundant rows", *loads)
     text = "Largest reactions on the second body, at the joint's point."
-    if any(row[3] == "indeterminate" for row in rows):
+    if any("in part" in row[3] for row in rows):
+        text += " Of those determined in part it is this part."
+    if any("indeterminate" in row[3] for row in rows):
         text += " Indeterminate ones are shares of least norm: the stiffness of the parts decides, not the model."
     return Table("Joints and their largest reactions", head, rows, words=4, note=" ".join(filter(None, [text, cut])))
 

@@ -11,7 +11,9 @@ import numpy as np
 from ..base.checks import shown
 from ..base.errors import NameMissingError
 from ..base.style import html_text
+from ..constraints.singularity import INFINITESIMAL, what_is_singular
 from ..equations.compiled import Switches
+from ..equations.plausibility import loose_bodies
 from .checks.balances import balance_checks, work_note
 from .checks.check import PASSED, USEFUL, Check, drift_limit
 from .checks.equations import equation_checks, joint_checks, lost, residuals
@@ -123,6 +125,7 @@ def certify(solution: RunSamples) -> Certificate:
         met = all(check.passed for check in joints + equations)
         checks = [*joints, *balance_checks(solution, limit, met), *equations]
         checks += [] if lost(solution) else rounding_checks(solution, opened)
+        remarks += [] if all(check.passed for check in checks) else start_notes(solution)
         remarks += singular_notes(solution, opened) + work_note(solution)
     else:
         checks = [Check("samples", np.inf, 0.0, "there are none to look at; keep some, or run it to a later time")]
@@ -151,8 +154,14 @@ def far_turn(record: Record) -> str:
     return f" (body '{record.farthest_by}' turned by {record.farthest:.2g} rad in a step: poses may err as much)"
 
 
+def start_notes(solution: RunSamples) -> list[str]:
+    """Why a run fails that starts in a pose whose mobility is infinitesimal."""
+    what = what_is_singular(solution.compiled, solution.start)
+    return [f"the mobility at the start is {what}"] if what.startswith(INFINITESIMAL) else []
+
+
 def notes(solution: RunSamples) -> list[str]:
-    """Choices in the start, singular positions, rank events, and checks that could not be made."""
+    """Choices in the start, singular positions, rank events, bodies that nothing acts on, checks not made."""
     events, start = solution.record.rank_events, solution.start
     found = [f"start: {text}" for text in (() if start is None else start.notes)]
     found += [f"rank event at t = {t:.6g} s: {rank} rows kept ({why})" for t, rank, why, _ in events]
@@ -166,4 +175,5 @@ def notes(solution: RunSamples) -> list[str]:
         found.append(f"stop_when: {solution.record.never_armed} was never armed: {never}")
     if not (solution.record.about_centre or solution.record.kinematic):
         found.append("angular momentum not checked: the file is of an older version; run the simulation again")
+    found += loose_bodies(solution.system)
     return found + [f"Newton-Euler not checked: {name} was saved without its function" for name in lost(solution)]

@@ -37,7 +37,17 @@ QUANTITIES = {
     "reaction_force": Quantity("N", "world", "force of the joint on its body b"),
     "reaction_moment": Quantity("N m", "world", "moment of the joint on its body b about reaction_point"),
     "reaction_point": Quantity("m", "world", "point at which the reaction is given"),
-    "reaction_unique": Quantity("1", "none", "1: determined by the constraints, 0: a least-norm share"),
+    "reaction_unique": Quantity(
+        "1", "none", "1: determined by the constraints, 0: at least in part a least-norm share"
+    ),
+    "reaction_unique_force": Quantity("1", "world", "1: this component of the force is determined by the constraints"),
+    "reaction_unique_moment": Quantity(
+        "1", "world", "1: this component of the moment is determined by the constraints"
+    ),
+    "reaction_determined_force": Quantity("N", "world", "part of reaction_force that is determined; NaN: all of it"),
+    "reaction_determined_moment": Quantity(
+        "N m", "world", "part of reaction_moment that is determined; NaN: all of it"
+    ),
     "effort": Quantity("N m or N", "joint", "torque or force of the driver on b along its motion, see driver_unit"),
     "force": Quantity("N", "world", "force of the element on its body b; on each body of a custom force"),
     "force_moment": Quantity("N m", "world", "moment of the element on that body about force_point"),
@@ -61,10 +71,12 @@ QUANTITIES = {
 
 
 BODY_QUANTITIES = ("position", "orientation", "velocity", "omega", "omega_body", "acceleration", "alpha", "com")
+REACTION_QUANTITIES = ("force", "moment", "point", "unique", "unique_force", "unique_moment")
+DETERMINED_QUANTITIES = ("determined_force", "determined_moment")  # of reactions that are not unique
 
 
 class Column(NamedTuple):
-    """One quantity of one part: (samples,) or (samples, components), or one value for all samples."""
+    """One quantity of one part: (samples,) or (samples, components); of truth values one, or (components,), for all."""
 
     kind: str
     part: str
@@ -91,8 +103,9 @@ def columns(solution: RunResult) -> list[Column]:
                 add("joint", name, quantity, getattr(solution, quantity)(joint))
         if slides and not turns:
             add("joint", name, "slide_rate", solution.rate(joint))
-        for quantity, values in vars(solution.reaction(joint)).items():
-            add("joint", name, f"reaction_{quantity}", values)
+        reaction = solution.reaction(joint)
+        for quantity in REACTION_QUANTITIES + DETERMINED_QUANTITIES * (not reaction.unique):
+            add("joint", name, f"reaction_{quantity}", getattr(reaction, quantity))
     for driver in dict.fromkeys(driver for driver, _ in solution.compiled.drives):
         found += columns_of_effort(solution, driver)
     for force in system.forces:
@@ -150,6 +163,6 @@ def columns_of_states(solution: RunResult, force: ForceElement) -> list[Column]:
 
 def components(values: np.ndarray) -> tuple[str, tuple[str, ...]]:
     """Dimension and labels of the components of a column."""
-    if values.ndim < 2:
+    if values.ndim == 0 or (values.ndim == 1 and values.dtype != bool):
         return "", ()
-    return ("axis", ("x", "y", "z")) if values.shape[1] == 3 else ("quaternion", ("e0", "e1", "e2", "e3"))
+    return ("axis", ("x", "y", "z")) if values.shape[-1] == 3 else ("quaternion", ("e0", "e1", "e2", "e3"))

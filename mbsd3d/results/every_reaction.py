@@ -5,18 +5,17 @@ import numpy as np
 from ..equations.at_state import load_rows
 from ..equations.compiled import Compiled
 from ..mechanism.bodies import GROUND
-from .reactions import Reaction, unique_wrench
+from .reactions import Reaction
 from .run_samples import RunSamples
 
 
 def every_reaction(solution: RunSamples, samples: np.ndarray) -> list[Reaction]:
     """`Solution.reaction` of every joint at the given samples, by one pass over them instead of one per joint."""
     compiled, joints = solution.compiled, solution.system.joints
-    unique = [unique_wrench(compiled, solution._middle, [joint]) for joint in joints]
     lam = solution.arrays["lam"][samples]
-    for joint in (joint for joint, certain in zip(joints, unique, strict=True) if not certain):
+    for joint in (joint for joint in joints if not solution._is_unique([joint])):
         rows = compiled.rows[id(joint)]
-        lam[:, rows] = solution._multipliers[samples, rows]
+        lam[:, rows] = solution._shares[0][samples, rows]
     states, coordinates = solution.arrays["state"][samples], solution.arrays["coordinate"][samples]
     wrenches = wrenches_about_O(compiled, solution.t[samples], states, coordinates, lam)
     found = []
@@ -24,7 +23,8 @@ def every_reaction(solution: RunSamples, samples: np.ndarray) -> list[Reaction]:
         point = joint.reaction_points(solution)[samples]
         origin = 0.0 if joint.b is GROUND else solution.position(joint.b)[samples]
         force = wrenches[:, k, :3]
-        found.append(Reaction(force, wrenches[:, k, 3:] - np.cross(point - origin, force), point, unique[k]))
+        moment = wrenches[:, k, 3:] - np.cross(point - origin, force)
+        found.append(solution._determined([joint]).reaction(force, moment, point, samples))
     return found
 
 

@@ -1,31 +1,105 @@
-"""Reactions: which are determined by the constraints, and the least-norm shares of those that are not.
+"""Reactions: what the constraints determine of them, and least-norm shares of the rest.
 
-With N the left null space of J (scaled), the multipliers are lam + N a for any a. A wrench G lam is unique if and
-only if G N = 0; the share of least norm of the others is lam - N N' lam, which depends on the unit of length. Of parts
-as built, N is that of the rows as the run saw them: what fits within the tolerance repeats other rows.
+With N the left null space of J (scaled), the multipliers are lam + N a for any a, so the wrench W lam of a joint is
+known but for the span of W N. With U an orthonormal basis of the three rows of W N that are the force, the force is
+determined along every direction d with U'd = 0: D = 1 - U U' projects onto these, and D F is the part of it that is
+known. The moment likewise. The share of least norm of what is open is that of lam - N N' lam, which depends on the
+unit of length. Of parts as built, N is that of the rows as the run saw them: what fits within the tolerance repeats
+other rows.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
 from ..base.style import Sampled
-from ..constraints.rank import redundant_combinations, surely_independent
+from ..constraints.rank import OPEN_TOLERANCE, Analysis, orthonormal, projector, surely_independent
 from ..equations.at_state import rows_at
 from ..equations.compiled import Compiled
 from ..equations.jacobian import RANK_TOLERANCE, BlockRows, displacement_units, islands
+from ..kernels.layout import Data
+from ..mechanism.joints import Joint
 from .record import Record
+
+PROBE_SHARES = (0.5, 0.29, 0.83)  # [1] of the samples: where a run is looked at first; no period fits them all
+ZERO_SHARE = 1e-9  # [1] of a vector: a determined part below it is none, as of the moment about a hinge's own axis
+REGULAR_MIN = 1e-6  # [1] least singular value over the largest: below it, N is wrong by more than 1e-16 / 1e-6
 
 
 @dataclass(frozen=True, repr=False)
 class Reaction(Sampled):
-    """Wrench on body b at the joint's point, world axes; all (samples, 3) in N, N m, m."""
+    """Wrench on body b at the joint's point in world axes: force [N], moment [N m] and point [m], (samples, 3).
+
+    ``unique`` is True where the constraints determine all of it, ``unique_force`` and ``unique_moment`` (3,) say so of
+    each component. A mechanism whose plane is not aligned with the axes mixes the determined and the open directions in
+    every component: ``force_projector`` and ``moment_projector`` (samples, 3, 3) are ``D = 1 - U U'`` onto the
+    determined directions, U the open ones, and `determined_force` and `determined_moment` are what is certain.
+
+    At a singular pose less is determined than beside it: the projectors say so, the masks are those of all other poses.
+    """
 
     force: np.ndarray
     moment: np.ndarray
     point: np.ndarray
     unique: bool
+    unique_force: np.ndarray = field(repr=False)
+    unique_moment: np.ndarray = field(repr=False)
+    force_projector: np.ndarray = field(repr=False)
+    moment_projector: np.ndarray = field(repr=False)
+
+    @property
+    def determined_force(self) -> np.ndarray:
+        """Return the part of the force that the constraints determine, D F (samples, 3) [N]."""
+        return self.force if self.unique else np.einsum("tij,tj->ti", self.force_projector, self.force)
+
+    @property
+    def determined_moment(self) -> np.ndarray:
+        """Return the part of the moment that the constraints determine, D M (samples, 3) [N m]."""
+        return self.moment if self.unique else np.einsum("tij,tj->ti", self.moment_projector, self.moment)
+
+    def shown(self, kind: str) -> tuple[np.ndarray, str]:
+        """Return what to draw of the "force" or the "moment" (samples, 3), and how much the constraints determine.
+
+        "all" of it; "part", which is what is returned then; or "none", and it is a share of least norm.
+        """
+        values, part = getattr(self, kind), getattr(self, f"determined_{kind}")
+        if getattr(self, f"unique_{kind}").all():
+            return values, "all"
+        known = np.abs(part).max(initial=0.0) > ZERO_SHARE * np.abs(values).max(initial=0.0)
+        return (part, "part") if known else (values, "none")
+
+
+class Determined(NamedTuple):
+    """Directions in which the constraints determine the wrench of one or more joints on their body b."""
+
+    force: np.ndarray  # (samples, 3, 3) projector onto those of the force, world axes
+    moment: np.ndarray  # (samples, 3, 3) the same of the moment about the joint's point
+    regular: np.ndarray  # (samples,) where the rank is that of the run
+    tolerance: float  # of a component of an open direction; 0 where none is open
+
+    def along(self, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return (of the force, of the moment) whether the components along unit directions are determined, (3,) each.
+
+        ``directions``: in rows, (3, 3) or (samples, 3, 3), world axes. Only regular samples count.
+        """
+        if not self.tolerance:
+            return np.ones(3, bool), np.ones(3, bool)
+        d = np.broadcast_to(directions, self.force.shape)[self.regular]
+        left = (d - np.einsum("tij,tkj->tki", D[self.regular], d) for D in (self.force, self.moment))
+        return tuple(np.abs(x).max(axis=(0, 2), initial=0.0) < self.tolerance for x in left)
+
+    def reaction(self, force: np.ndarray, moment: np.ndarray, point: np.ndarray, some: slice | np.ndarray) -> Reaction:
+        """Return the reaction at ``some`` of the samples, at which its values are given."""
+        masks = self.along(np.eye(3))
+        D = all_determined(len(force))[:2] if not self.tolerance else (self.force[some], self.moment[some])
+        return Reaction(force, moment, point, bool(np.all(masks)), *masks, *D)
+
+
+def all_determined(samples: int) -> Determined:
+    """Return that nothing is open at any sample."""
+    one = np.broadcast_to(np.eye(3), (samples, 3, 3))
+    return Determined(one, one, np.ones(samples, bool), 0.0)
 
 
 class Open(NamedTuple):
@@ -34,64 +108,141 @@ class Open(NamedTuple):
     rows: np.ndarray  # (m,) which
     N: np.ndarray  # (m, k) left null space of their scaled J
     slip: float  # largest entry of J'N: rounding, or what parts as built miss each other by
-
-
-class MiddleRows(NamedTuple):
-    """The rows at the middle sample, where no special start position hides the general rank."""
-
-    open: list[Open]
-    place: np.ndarray  # (rows,) of each row in the list, -1 where nothing is open
-    J: np.ndarray  # (rows, 4, 6) blocks per slot
-    tolerance: float  # of the rank
+    least: float  # singular value that counts, over the largest
 
 
 def open_shares(rows: BlockRows, tolerance: float) -> list[Open]:
     """What scaled rows leave open, island by island: a null space of all rows would grow with the cube of a system."""
     if surely_independent(rows, tolerance):
         return []
-    found = ((own, redundant_combinations(rows.alone(own), tolerance)) for own in islands(rows))
-    return [Open(own, N, np.abs(rows.take(own).sparse().T @ N).max()) for own, N in found if N.shape[1]]
+    found = []
+    for own in islands(rows):
+        alone = rows.alone(own)
+        if surely_independent(alone, tolerance):
+            continue
+        analysis = Analysis(alone, tolerance)
+        if (N := orthonormal(analysis.redundant())).shape[1]:
+            found.append(Open(own, N, float(np.abs(alone.sparse().T @ N).max()), analysis.smallest))
+    return found
 
 
-def middle_rows(
-    compiled: Compiled, t: np.ndarray, states: np.ndarray, coordinates: np.ndarray, record: Record
-) -> MiddleRows:
-    """Rows of a run, for `unique_wrench` and `minimum_norm`; nothing is open where the run left out no row."""
-    data, k, tolerance = compiled.data(), t.size // 2, max(RANK_TOLERANCE, record.tolerance)
-    place = np.full(compiled.model.row.size, -1)
-    if not place.size or not t.size or record.rows_left_out == 0:
-        return MiddleRows([], place, data.row["J"], tolerance)
-    found = open_shares(rows_at(compiled, data, t[k], states[k], coordinates[k]), tolerance)
-    for i, island in enumerate(found):
-        place[island.rows] = i
-    return MiddleRows(found, place, data.row["J"], tolerance)
+def tolerance_of(found: list[Open]) -> float:
+    """Return below what a component of W N is none."""
+    return max(OPEN_TOLERANCE, 10.0 * max((island.slip for island in found), default=0.0))
 
 
-def unique_wrench(compiled: Compiled, middle: MiddleRows, parts: list) -> bool:
-    """True if the summed wrench of the joints' rows on their body b is determined by the constraints."""
-    if not middle.open:
-        return True
-    model, body = compiled.model, compiled.body_index[id(parts[0].b)]
-    rows = np.concatenate([np.arange(model.row.size)[compiled.rows[id(part)]] for part in parts])
-    on_b = model.row["body"][rows] == body
-    G = np.where(on_b[:, :, None], middle.J[rows], 0.0).sum(axis=1) * model.row["scale"][rows, None]
-    G *= displacement_units(model.length, 1)
-    for i in set(middle.place[rows].tolist()) - {-1}:
-        _, mine, theirs = np.intersect1d(rows, middle.open[i].rows, return_indices=True)
-        if np.abs(G[mine].T @ middle.open[i].N[theirs]).max() >= max(1e-7, 10.0 * middle.open[i].slip):
-            return False
-    return True
+class Group(NamedTuple):
+    """Joints of one body b whose net wrench is asked for."""
+
+    rows: np.ndarray  # (m,) of all of them
+    on_b: np.ndarray  # (m, 4) slots of their rows that act on b
+
+    def open_wrench(self, compiled: Compiled, J: np.ndarray, found: list[Open]) -> np.ndarray:
+        """Return W N (6, k): force in units of the model's length and moment about O, of unit combinations of rows.
+
+        ``J`` (rows, 4, 6) blocks of all rows at the pose at which ``found`` was found.
+        """
+        model = compiled.model
+        W = np.where(self.on_b[:, :, None], J[self.rows], 0.0).sum(axis=1) * model.row["scale"][self.rows, None]
+        W *= displacement_units(model.length, 1)
+        parts = [np.zeros((6, 0))]
+        for island in found:
+            theirs = np.minimum(np.searchsorted(island.rows, self.rows), island.rows.size - 1)  # these are ascending
+            mine = island.rows[theirs] == self.rows
+            if mine.any():
+                parts.append(W[mine].T @ island.N[theirs[mine]])
+        return np.hstack(parts)
 
 
-def minimum_norm(
-    compiled: Compiled, middle: MiddleRows, t: np.ndarray, states: np.ndarray, coordinates: np.ndarray, lam: np.ndarray
-) -> np.ndarray:
-    """Multipliers of least norm in the model's own units that give the same forces."""
-    if not middle.open:
-        return lam
-    data, scale, shared = compiled.data(), compiled.model.row["scale"], lam.copy()
-    for k in range(t.size):
-        for own, N, _ in open_shares(rows_at(compiled, data, t[k], states[k], coordinates[k]), middle.tolerance):
-            mu = lam[k, own] / scale[own]
-            shared[k, own] = (mu - N @ (N.T @ mu)) * scale[own]
-    return shared
+def group_of(compiled: Compiled, parts: list[Joint]) -> Group:
+    """Return the rows of joints that act on the body b of the first one."""
+    rows = np.concatenate([np.arange(compiled.model.row.size)[compiled.rows[id(part)]] for part in parts])
+    return Group(rows, compiled.model.row["body"][rows] == compiled.body_index[id(parts[0].b)])
+
+
+class Probe(NamedTuple):
+    """The rows at one sample that leave something open."""
+
+    open: list[Open]
+    J: np.ndarray  # (rows, 4, 6) blocks per slot
+
+
+class RunRows(NamedTuple):
+    """What the rows of a run are taken from."""
+
+    compiled: Compiled
+    t: np.ndarray  # (samples,)
+    states: np.ndarray
+    coordinates: np.ndarray
+    record: Record
+
+    @property
+    def tolerance(self) -> float:
+        """Return the relative tolerance of the rank."""
+        return max(RANK_TOLERANCE, self.record.tolerance)
+
+    def probe(self, k: int, data: Data) -> Probe:
+        """Return what is open at a sample, with the rows loaded in ``data``."""
+        rows = rows_at(self.compiled, data, self.t[k], self.states[k], self.coordinates[k])
+        return Probe(open_shares(rows, self.tolerance), data.row["J"])
+
+    def probes(self) -> list[Probe]:
+        """Return what is open at a few samples; none where the run left out no row, or all are independent at one.
+
+        Rows that are independent at one pose are so at all but singular ones.
+        """
+        count, found = self.t.size, []
+        if not self.compiled.model.row.size or not count or self.record.rows_left_out == 0:
+            return []
+        for k in dict.fromkeys(int(share * count) for share in PROBE_SHARES):
+            found.append(self.probe(k, self.compiled.data()))
+            if not found[-1].open:
+                return []
+        return found
+
+    def share_out(self, lam: np.ndarray, groups: list[Group], arms: list[np.ndarray]) -> "Shares":
+        """Return multipliers of least norm in the model's own units, and what is determined of groups of joints.
+
+        ``lam`` (samples, rows): of the run; ``arms`` (samples, 3): from O of body b to the joint's point, world [m].
+        """
+        samples, scale, length = self.t.size, self.compiled.model.row["scale"], self.compiled.model.length
+        shared, D = lam.copy(), np.empty((len(groups), 2, samples, 3, 3))
+        count, least, limit = np.zeros(samples, int), np.ones(samples), np.full(samples, OPEN_TOLERANCE)
+        data = self.compiled.data()
+        for k in range(samples):
+            found, J = self.probe(k, data)
+            limit[k] = tolerance_of(found)
+            for own, N, _, smallest in found:
+                mu = lam[k, own] / scale[own]
+                shared[k, own] = (mu - N @ (N.T @ mu)) * scale[own]
+                count[k], least[k] = count[k] + N.shape[1], min(least[k], smallest)
+            for g, (group, arm) in enumerate(zip(groups, arms, strict=True)):
+                W = group.open_wrench(self.compiled, J, found)
+                moment = W[3:] - np.cross(arm[k] / length, W[:3], axisb=0, axisc=0)
+                D[g, :, k] = projector(W[:3], limit[k]), projector(moment, limit[k])
+        regular = regular_samples(count, least)
+        return Shares(shared, [Determined(*each, regular, float(limit.max(initial=0.0))) for each in D])
+
+
+class Shares(NamedTuple):
+    """Least-norm shares of a run, and what is determined of each group of joints."""
+
+    lam: np.ndarray  # (samples, rows)
+    determined: list[Determined]
+
+
+def regular_samples(count: np.ndarray, least: np.ndarray) -> np.ndarray:
+    """Return where the rank is the highest of the run, and no singular value is about to vanish; never nowhere.
+
+    ``count`` (samples,): of redundant combinations; ``least`` (samples,): singular value over the largest.
+    """
+    highest = count == count.min(initial=count.max(initial=0))
+    return highest & (least >= min(REGULAR_MIN, least[highest].max(initial=0.0)))
+
+
+def is_unique(compiled: Compiled, probes: list[Probe], group: Group) -> bool:
+    """Return True if the wrench of a group about O is determined at all probes."""
+    worst = (
+        np.abs(group.open_wrench(compiled, J, found)).max(initial=0.0) / tolerance_of(found) for found, J in probes
+    )
+    return all(x < 1.0 for x in worst)

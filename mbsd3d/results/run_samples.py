@@ -21,7 +21,7 @@ from ..mechanism.joints import Joint
 from ..mechanism.state import State
 from .body_motion import RunMotion
 from .loads import Load, load_of
-from .reactions import MiddleRows, Reaction, middle_rows, minimum_norm, unique_wrench
+from .reactions import Determined, Probe, Reaction, RunRows, Shares, all_determined, group_of, is_unique
 from .record import Record
 
 
@@ -90,22 +90,46 @@ class RunSamples(RunMotion):
         end = State(t, unit_quaternions(y[: 7 * n]), v.ravel(), own, data.coordinate["value"].copy())
         return cls(compiled, arrays, record, start, end)
 
-    @cached_property
-    def _middle(self) -> MiddleRows:
-        """Which shares of the rows the constraints leave open."""
-        return middle_rows(self.compiled, self.t, self.arrays["state"], self.arrays["coordinate"], self.record)
+    @property
+    def _rows(self) -> RunRows:
+        """What the rows of the run are taken from."""
+        return RunRows(self.compiled, self.t, self.arrays["state"], self.arrays["coordinate"], self.record)
 
     @cached_property
-    def _multipliers(self) -> np.ndarray:
-        """(samples, rows) multipliers; shares of indeterminate rows by least norm in the model's units."""
-        states, coordinates = self.arrays["state"], self.arrays["coordinate"]
-        return minimum_norm(self.compiled, self._middle, self.t, states, coordinates, self.arrays["lam"])
+    def _probes(self) -> list[Probe]:
+        """What the constraints leave open at a few samples."""
+        return self._rows.probes()
+
+    def _shares_of(self, groups: list[list[Joint]]) -> Shares:
+        """Least-norm shares, and what is determined of the net wrenches of joints."""
+        origins = [0.0 if parts[0].b is GROUND else self.position(parts[0].b) for parts in groups]
+        arms = [parts[0].reaction_points(self) - O for parts, O in zip(groups, origins, strict=True)]
+        return self._rows.share_out(self.arrays["lam"], [group_of(self.compiled, parts) for parts in groups], arms)
+
+    @cached_property
+    def _shares(self) -> tuple[np.ndarray, dict[int, Determined]]:
+        """Multipliers (samples, rows) of least norm, and what is determined of each joint that is not at all probes."""
+        joints = [joint for joint in self.system.joints if not self._is_unique([joint])]
+        lam, determined = self._shares_of([[joint] for joint in joints])
+        return lam, dict(zip(map(id, joints), determined, strict=True))
+
+    def _is_unique(self, parts: list[Joint]) -> bool:
+        """Whether all of the net wrench of joints is determined wherever the run was looked at first."""
+        return not self._probes or is_unique(self.compiled, self._probes, group_of(self.compiled, parts))
+
+    def _determined(self, parts: list[Joint]) -> Determined:
+        """Directions in which the constraints determine the net wrench of joints of one body b."""
+        if self._is_unique(parts):
+            return all_determined(self.t.size)
+        return self._shares[1][id(parts[0])] if len(parts) == 1 else self._shares_of([parts]).determined[0]
 
     def reaction(self, *joints: Joint | str) -> Reaction:
         """Force [N] and moment [N m] of a joint on its body b at the joint's point, world axes.
 
         With several joints of one body b: their net wrench at the first one's point. ``unique`` says whether the
-        constraints determine it; indeterminate shares are the ones of least norm, which depends on the length unit.
+        constraints determine all of it, ``unique_force`` and ``unique_moment`` which components, ``determined_force``
+        and ``determined_moment`` are the part they determine, in any direction; indeterminate shares are the ones of
+        least norm, which depends on the length unit.
         """
         system, compiled = self.system, self.compiled
         parts = [system.part(joint, "joints") for joint in joints]
@@ -118,8 +142,7 @@ class RunSamples(RunMotion):
                     f"solution.reaction: '{system.name(part)}' acts on '{part.b.name}', "
                     f"'{system.name(parts[0])}' on '{body.name}'; net wrenches need one body b"
                 )
-        unique, samples = unique_wrench(compiled, self._middle, parts), self.t.size
-        lam = self.arrays["lam"] if unique else self._multipliers
+        samples, lam = self.t.size, self.arrays["lam"] if self._is_unique(parts) else self._shares[0]
         total, one = np.zeros((samples, 6)), np.zeros((samples, 6))
         index, data, states = compiled.body_index[id(body)], compiled.data(), self.arrays["state"]
         coordinates = np.ascontiguousarray(self.arrays["coordinate"])
@@ -130,7 +153,8 @@ class RunSamples(RunMotion):
         point = parts[0].reaction_points(self)
         origin = np.zeros((samples, 3)) if body is GROUND else self.position(body)
         force = total[:, :3]
-        return Reaction(force, total[:, 3:] - crosses(point - origin, force), point, unique)
+        moment = total[:, 3:] - crosses(point - origin, force)
+        return self._determined(parts).reaction(force, moment, point, slice(None))
 
     def force(self, force: ForceElement | str, on: Body | Ground | str | None = None) -> Load:
         """Force [N] and moment [N m] of a force element on a body at its point, with power, stretch and own states.
@@ -146,8 +170,7 @@ class RunSamples(RunMotion):
         if not isinstance(part, Driver):
             raise InputError(f"'{self.system.name(part)}' ({type(part).__name__}) is not a driver; use reaction")
         rows = self.compiled.rows[id(part)]
-        unique = unique_wrench(self.compiled, self._middle, [part])
-        lam = self.arrays["lam"] if unique else self._multipliers
+        lam = self.arrays["lam"] if self._is_unique([part]) else self._shares[0]
         effort = -lam[:, rows]
         return effort[:, 0] if effort.shape[1] == 1 else effort
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..constraints.contradictions import Contradiction, find_contradiction
-from ..constraints.singularity import what_is_singular
+from ..constraints.singularity import INFINITESIMAL, what_is_singular
 from ..dynamics.loads import loads
 from ..equations.at_state import load_rows
 from ..equations.compiled import Compiled
@@ -61,12 +61,18 @@ def at_end_of_curve(compiled: Compiled, data: Data, h: float) -> str | None:
     return None
 
 
-def singular_start(compiled: Compiled, start: State, t: float = -np.inf, t_end: float = np.inf) -> str:
-    """What is wrong with the pose at the start of a run that has ended at t, if it has not left it; else ""."""
-    if t - start.t > ON_THE_SPOT * (t_end - start.t):
-        return ""
+def singular_start(
+    compiled: Compiled, start: State, t: float = -np.inf, t_end: float = np.inf
+) -> tuple[str, str] | None:  # fmt: skip
+    """(what is wrong with the pose at the start of a run that has ended at t, advice), if the run has not left it.
+
+    What moves infinitesimally there is the reason also for a run that ends later.
+    """
     what = what_is_singular(compiled, start)
-    return f"the pose at the start is {what}" if what else ""
+    if what.startswith(INFINITESIMAL):
+        return f"the mobility at the start is {what}", "see system.check()"
+    stays = t - start.t <= ON_THE_SPOT * (t_end - start.t)
+    return (f"the pose at the start is {what}", BESIDE) if what and stays else None
 
 
 def singular_there(compiled: Compiled, start: State, y: np.ndarray, t: float) -> str:

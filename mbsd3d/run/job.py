@@ -34,8 +34,13 @@ from ..mechanism.state import State
 from ..results.record import MOST_NUMBERS, Record, Samples, buffer_size
 from ..results.run_result import RunResult
 from ..saddle.solve import SOLVED
+<<<<<<< HEAD
 from .balance import MemoryWatch, check_balance, longest_step, with_jumps
 from .blame import BESIDE, FAILURES, at_end_of_curve, blame, contradiction, driven_to, singular_start, singular_there
+=======
+from .balance import check_balance
+from .blame import FAILURES, at_end_of_curve, blame, contradiction, driven_to, singular_start, singular_there
+>>>>>>> part-d
 from .divergence import DivergenceWatch
 from .events import armed_at_start, check_digits, rate_of_motion, turns_of_signals
 from .stiffness import check_forces
@@ -196,7 +201,7 @@ class Job:
             speed = [j for j in self.compiled.system.joints if isinstance(j, SpeedDriver)]
             hint = "replace SpeedDriver by AngleDriver" if speed else "add drivers, or use DOP853()"
             if singular := singular_start(self.compiled, self.start):
-                raise InputError(f"Kinematic: {singular}; {BESIDE}")
+                raise InputError(f"Kinematic: {'; '.join(singular)}")
             spins = free_spins(self.compiled, self.data, scaled_rows(self.model, self.data))
             if spins:
                 hint = f"{spins[0].text}: {spins[0].cure}"
@@ -285,7 +290,7 @@ class Job:
         elif part is None and clash is not None:
             part, what, advice = clash.who, f"contradictory drivers: they {clash.what}", clash.advice
         elif part is None and (singular := singular_start(self.compiled, self.start, t, self.memory.task.t_end)):
-            what, advice = singular, BESIDE
+            what, advice = singular
         elif part is None and self.compiled.drives and (status == memory.NOT_CLOSING or self.memory.rows.pivot < CLOSE):
             part = f"{driven_to(self.compiled, t)}, where the mechanism locks or passes a singular position"
             advice = "drive it less far, or the other way; see system.check()"

@@ -1,7 +1,8 @@
 """What starts deep in the ground, by a size in millimetres or a height forgotten, is found before it flies out.
 
 A tyre must have its hub above the plane in every start. A `Contact` may be as soft as one likes and start from a state
-of a run in which it sank: it is judged as built only, and by what presses it.
+of a run in which it sank: as built it is judged by what presses it, elsewhere where it starts deeper than its surface
+is large, as an end stop does that a hinge has turned behind its plane.
 """
 
 import numpy as np
@@ -18,6 +19,11 @@ THROWN = 10.0
 """Weights by which a contact as built may press its body when it is sunk: a soft one carries it so."""
 
 
+DEPTH_RATIO_MAX = 4.0
+"""[1] of a contact that starts elsewhere than as built: depth of the lowest point over its distance below the centre;
+4 is twice the diameter of a sphere, so that the plane is a diameter above its top."""
+
+
 class Start(Poses):
     """The poses of y, as a motion with one sample."""
 
@@ -27,7 +33,10 @@ class Start(Poses):
 
 
 def check_sunk(compiled: Compiled, y: np.ndarray) -> None:
-    """ValueError for a wheel or surface that starts in the plane up to its centre: any `Tyre`, a `Contact` as built."""
+    """ValueError for a wheel or surface that starts in the plane up to its centre: any `Tyre`, a `Contact` as built.
+
+    Elsewhere a `Contact` may start deep, but not far deeper than its surface is large.
+    """
     start = Start(compiled, y)
     for force in compiled.system.forces:
         if not isinstance(force, Contact | Tyre):
@@ -36,16 +45,26 @@ def check_sunk(compiled: Compiled, y: np.ndarray) -> None:
         n, centre = start.body_axis(force.a, normal)[0], start.body_point(force.b, force.outline.centre)[0]
         height = float(n @ (centre - start.body_point(force.a, at)[0]))
         below = float(n @ (centre - force.outline.moving(start, force.a, force.b, normal)[0]))
-        if height >= (1.0 - SUNK) * below or (isinstance(force, Contact) and carried(force, below - height, centre)):
+        if height >= (1.0 - SUNK) * below or (isinstance(force, Contact) and carried(force, below - height)):
             continue
+        built = isinstance(force, Tyre) or is_as_built(force, centre, below)
+        if not built and below - height <= DEPTH_RATIO_MAX * below:
+            continue
+        advice = "check its size (in m), its position and the plane"
+        if not built:
+            advice = "all behind a plane is solid: start on its open side, or stop it by a CustomForce of its angle"
         raise InputError(
             f"force '{compiled.system.name(force)}' ({type(force).__name__}): '{force.b.name}' starts "
             f"{below - height:.4g} m deep in the plane, its centre at {height:.4g} m and {below:.4g} m above its "
-            "lowest point; check its size (in m), its position and the plane"
+            f"lowest point; {advice}"
         )
 
 
-def carried(contact: Contact, depth: float, centre: np.ndarray) -> bool:
-    """True where the body is not as built, or the contact so soft that it presses with some weights at most."""
-    built = np.linalg.norm(centre - contact.outline.centre) <= 1e-9 * depth
-    return not built or contact.stiffness * depth**contact.exponent <= THROWN * WEIGHT * contact.b.mass
+def carried(contact: Contact, depth: float) -> bool:
+    """True where the contact is so soft that it presses with some weights at most."""
+    return contact.stiffness * depth**contact.exponent <= THROWN * WEIGHT * contact.b.mass
+
+
+def is_as_built(contact: Contact, centre: np.ndarray, depth: float) -> bool:
+    """True where the centre of the surface is at its place of the reference pose."""
+    return bool(np.linalg.norm(centre - contact.outline.centre) <= 1e-9 * depth)

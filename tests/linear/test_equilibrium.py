@@ -28,6 +28,7 @@ from mbsd3d import (
     SpringDamper,
     StateFeedback,
     System,
+    Torque,
     TorsionSpring,
     accelerations,
     measures,
@@ -242,3 +243,27 @@ def test_a_force_that_lost_its_function_is_named():
     arm = pendulum()[0].bodies[0]
     with pytest.raises(ValueError, match="force 'lost': its function was not saved"):
         System([arm], forces=[SavedForce(on=(arm,), name="lost")]).equilibrium()
+
+
+@pytest.mark.parametrize("size", [0.01, 1.0, 100.0])
+def test_what_leaves_is_named_and_not_what_spins_on_it(size):
+    """A pushed trolley: its wheel of a tenth of the size turns faster, in rad/s^2, than the trolley is accelerated."""
+    trolley = Body("trolley", 40.0, size**2 * np.array([3.0, 4.0, 5.0]), position=size * np.array([0.3, 0.1, 0.4]))
+    at = size * np.array([0.8, 0.2, 0.1])
+    wheel = Body("wheel", 1.0, size**2 * np.array([2e-3, 4e-3, 2e-3]), position=at)
+    rail = Prismatic(GROUND, trolley, at=trolley.position, axis=(1, 0, 0), name="rail")
+    axle = Revolute(trolley, wheel, at=at, axis=(0, 1, 0), name="axle")
+    turn = RollingDisc(GROUND, wheel, axis=(0, 1, 0), radius=0.1 * size, name="tread")
+    system = System([wheel, trolley], [rail, axle, turn], [Force(trolley, (30.0, 0, 0))])
+    with pytest.raises(EquilibriumError, match=r"body 'trolley' still accelerates by 0.7.* m/s"):
+        system.equilibrium()
+
+
+def test_what_falls_is_named_and_not_what_swings_beside_it():
+    """A fan turns at hundreds of rad/s^2, a stone falls at g."""
+    stone = Body("stone", 5.0, (0.03, 0.04, 0.05), position=(0.3, 0.2, 5.0), com=(0.1, 0.0, 0.2))
+    fan = Body("fan", 0.1, (1e-5, 2e-5, 1e-5), position=(1, 1, 0))
+    hinge = Revolute(GROUND, fan, at=(1, 1, 0), axis=(0, 1, 0), name="hinge")
+    system = System([fan, stone], [hinge], [Torque(fan, (0, 6e-3, 0))])
+    with pytest.raises(EquilibriumError, match=r"body 'stone' still accelerates by 9.81 m/s"):
+        system.equilibrium()

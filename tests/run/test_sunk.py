@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mbsd3d import GROUND, Body, Contact, System, Tyre, accelerations, shapes, simulate
+from mbsd3d import GROUND, Body, Contact, Revolute, System, Tyre, accelerations, shapes, simulate
 from mbsd3d.base.rotations import matrix, quaternion_from_matrix, rotation
 
 NORMAL = np.array([0.2, -0.1, 1.0]) / np.linalg.norm((0.2, -0.1, 1.0))
@@ -95,3 +95,38 @@ def test_a_soft_contact_may_sink():
     assert simulate(System([deep], forces=[floor]), 0.1).certificate.passed
     with pytest.raises(ValueError, match="'floor' .Contact.: 'stone' starts"):
         accelerations(System([deep], forces=[replace(floor, stiffness=1e3)]))
+
+
+def buffered(radius=0.03, arm=0.6, stiffness=5e4, size=1.0):
+    """A flap with a rubber ball on its end that meets a plane through its hinge after 1.1 rad; off the origin."""
+    turn = rotation((0.2, 1.0, -0.3), 0.6)
+    axes, hub = matrix(turn), size * np.array([0.7, -0.4, 1.3])
+    meets = axes @ (np.cos(1.1), np.sin(1.1), 0.0)
+    normal = -np.cross(axes[:, 2], meets)
+    flap = Body("flap", 3.0, size**2 * np.array([0.03, 0.2, 0.2]), position=hub, com=size * np.array([0.3, 0.02, 0.01]),
+                orientation=turn)  # fmt: skip
+    pin = Revolute(GROUND, flap, at=hub, axis=axes[:, 2], name="pin")
+    ball = shapes.Sphere(size * radius, at=(size * arm, 0, 0))
+    stop = Contact(
+        GROUND, flap, ball, stiffness=stiffness / size, plane=(hub - size * radius * normal, normal), name="stop"
+    )
+    return System([flap], [pin], [stop], gravity=(0, 0, 0))
+
+
+@pytest.mark.parametrize("size", [0.01, 1.0])
+def test_an_end_stop_is_refused_behind_its_plane(size):
+    """A plane bounds a half-space: more than half a turn after the stop the ball is in it from the other side."""
+    system = buffered(size=size)
+    for angle in (0.0, 1.0, 1.12, 1.1 - 3.0, 1.1 + 6.2):  # before it, pressed, or come round without touching
+        assert accelerations(system, system.assemble(angles={"pin": angle})).t.size == 1
+    for angle in (1.1 + 0.5, 1.1 + 2.5, 1.1 - 3.8):
+        deep = size * (0.6 * abs(np.sin(angle - 1.1)))
+        with pytest.raises(
+            ValueError, match=rf"'stop' .Contact.: 'flap' starts {deep:.4g}\d* m deep.*behind a plane is solid"
+        ):
+            accelerations(system, system.assemble(angles={"pin": angle}))
+
+
+def test_a_soft_stop_may_be_pressed_deep():
+    soft = buffered(stiffness=10.0)
+    assert np.abs(accelerations(soft, soft.assemble(angles={"pin": 1.6})).force("stop").force).max() > 0.0

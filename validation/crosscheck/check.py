@@ -225,4 +225,4 @@ def notes(ours: Ours) -> tuple[str, ...]:
     if not ours.open:
         return ()
     names = ", ".join(f"'{name}'" for name in ours.open)
-    return (f"reactions of {names} are not compared: the constraints do not determine them (redundant rows)",)
+    return (f"what the constraints do not determine of the reactions of {names} is not compared (redundant rows)",)

@@ -108,16 +108,17 @@ def worst(difference: Array, scale: float, parts: list[str]) -> tuple[float, str
 def reactions(
     solution: Solution, k: int, there: Reference, size: Sizes, limit: float
 ) -> list[tuple[str, float, str, float]]:
-    """Wrenches about O of body b of the joints whose reaction is unique."""
+    """Wrenches at the joints' points, of joints whose reaction is determined at least in part: what is determined."""
     force, moment, names = [], [], []
     for joint in solution.system.joints:
         reaction = solution.reaction(joint)
-        if id(joint) not in there.wrench or not reaction.unique:
+        D = reaction.force_projector[k], reaction.moment_projector[k]
+        if id(joint) not in there.wrench or not np.trace(D[0] + D[1]) > 0.5:
             continue
+        expected, about_O = np.split(there.wrench[id(joint)], 2)
         arm = reaction.point[k] - solution.position(joint.b)[k]
-        about_O = reaction.moment[k] + np.cross(arm, reaction.force[k])
-        force.append(reaction.force[k] - there.wrench[id(joint)][:3])
-        moment.append(about_O - there.wrench[id(joint)][3:])
+        force.append(D[0] @ (reaction.force[k] - expected))
+        moment.append(D[1] @ (reaction.moment[k] - about_O + np.cross(arm, expected)))
         names.append(solution.system.name(joint))
     if not names:
         return []

@@ -84,7 +84,7 @@ class Runs:
         self.own = dict(ours.found)
         if ours.motion.reactions:
             self.own |= chosen(ours.found, joints)
-        found = [quantities(system, motion, ours.size, joints) for motion in ladder.runs]
+        found = [quantities(system, motion, ours.size, joints, ours.known) for motion in ladder.runs]
         self.values = {name: [run[name].values / run[name].scale for run in found] for name in found[0]}
 
     def limit(self, name: str, span: int | None) -> Limit:

@@ -4,7 +4,7 @@ Of our motion also how wrong it may be, and how fast neighbouring motions part.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,6 +14,7 @@ from mbsd3d.extend import equations
 from validation.twins.base import Array, Load, Motion
 
 POSES = ("position", "rotation", "velocity", "angular velocity")  # Quantities that the others are made of
+Known = tuple[Array, Array]  # projectors (n, 3, 3) onto the determined directions of a force and of a moment
 
 
 class Quantity(NamedTuple):
@@ -103,8 +104,12 @@ def largest(values: Array) -> float:
     return float(np.abs(values).max(initial=0.0))
 
 
-def quantities(system: System, motion: Motion, size: Sizes, joints: tuple[str, ...] = ()) -> Mapping[str, Quantity]:
+def quantities(
+    system: System, motion: Motion, size: Sizes, joints: tuple[str, ...] = (), known: Mapping[str, Known] | None = None
+) -> Mapping[str, Quantity]:
     """All quantities of a motion by name; reactions of ``joints``, with the joint's name as the part.
+
+    ``known``: of joints whose reaction is determined in some directions, the projectors onto these.
 
     Rotations are compared as matrices (9 numbers): the sign of a quaternion and its jumps do not matter.
     """
@@ -123,10 +128,21 @@ def quantities(system: System, motion: Motion, size: Sizes, joints: tuple[str, .
         "energy": Quantity((kinetic + weight)[:, None, None], everything, size.energy),
     }
     if joints:
-        loads = [motion.reactions[name] for name in joints]
+        loads = [projected(motion.reactions[name], (known or {}).get(name)) for name in joints]
         found["reaction force"] = Quantity(np.stack([x.force for x in loads], axis=1), joints, size.force)
         found["reaction moment"] = Quantity(np.stack([x.moment for x in loads], axis=1), joints, size.moment)
     return found
+
+
+def projected(load: Load, known: Known | None) -> Load:
+    """The part of a load in the directions of projectors of its force and moment; all of it for None."""
+    return load if known is None else Load(*(np.einsum("tij,tj->ti", D, x) for D, x in zip(known, load, strict=True)))
+
+
+def known_in_part(solution: Solution) -> dict[str, Known]:
+    """Projectors onto the directions that the constraints determine, of joints whose reaction is not unique."""
+    found = {solution.system.name(joint): solution.reaction(joint) for joint in solution.system.joints}
+    return {name: (x.force_projector, x.moment_projector) for name, x in found.items() if not x.unique}
 
 
 LOOSE, TIGHT = 1e-10, 1e-12
@@ -143,7 +159,7 @@ class Ours:
     ``found``: quantity -> values; momentum and kinetic energy are those of `mbsd3d.Solution`, so that they are tested
     too; ``error``: quantity -> (n,) how wrong it may be up to each sample, relative; ``growth`` (n,): by how much
     neighbouring motions have parted up to each sample, relative to their start; ``open``: joints whose reaction the
-    constraints do not determine.
+    constraints do not determine, or not in all directions; ``known``: projectors onto the others.
     """
 
     motion: Motion
@@ -152,17 +168,19 @@ class Ours:
     error: dict[str, Array]
     growth: Array
     open: tuple[str, ...]
+    known: Mapping[str, Known] = field(default_factory=dict)
 
 
 def motion_of(solution: Solution) -> tuple[Motion, tuple[str, ...]]:
-    """(poses, velocities and unique reactions of a solution, names of joints whose reaction is not unique)."""
+    """(poses, velocities and reactions of a solution as far as they are unique, names of joints where they are not)."""
     system = solution.system
     stack = {
         name: np.stack([getattr(solution, name)(body) for body in system.bodies], axis=1)
         for name in ("position", "orientation", "velocity", "omega")
     }
     found = {system.name(joint): solution.reaction(joint) for joint in system.joints}
-    loads = {name: Load(x.force, x.moment) for name, x in found.items() if x.unique}
+    certain = {name: x for name, x in found.items() if {x.shown("force")[1], x.shown("moment")[1]} != {"none"}}
+    loads = {name: Load(x.determined_force, x.determined_moment) for name, x in certain.items()}
     rest = tuple(name for name, x in found.items() if not x.unique)
     return Motion(t=solution.t, reactions=loads, seconds=solution.record.seconds, **stack), rest
 
@@ -192,20 +210,20 @@ def ours_at(system: System, state: State, times: Array) -> Ours:
     tight, loose = (whole_run(system, t_end, state, rtol, times) for rtol in (TIGHT, LOOSE))
     motion, rest = motion_of(tight)
     size = sizes(system, motion, float(tight.compiled.model.length))
-    joints = tuple(motion.reactions)
-    found = dict(quantities(system, motion, size, joints))
+    joints, known = tuple(motion.reactions), known_in_part(tight)
+    found = dict(quantities(system, motion, size, joints, known))
     p, energy = tight.momentum(), tight.energy()
     for name, values in (("momentum", p.linear), ("angular momentum", p.angular), ("kinetic energy", energy.kinetic)):
         found[name] = found[name]._replace(values=values.reshape(found[name].values.shape))
     less = motion_of(loose)[0]
-    less = quantities(system, less, size, tuple(name for name in joints if name in less.reactions))
+    less = quantities(system, less, size, tuple(name for name in joints if name in less.reactions), known)
     error = {name: parted(x, less[name]) for name, x in found.items() if name in less}
     start = neighbour(system, state, size)
     beside = whole_run(system, t_end, start, LOOSE, times)
     beside = quantities(system, motion_of(beside)[0], size)
     away = np.max([parted(found[name], beside[name]) for name in POSES], axis=0)
     growth = np.maximum(away / NUDGE, 1.0) if start is not state else np.ones(times.size)
-    return Ours(motion, size, found, error, growth, rest)
+    return Ours(motion, size, found, error, growth, rest, known)
 
 
 def ours_at_start(system: System, state: State) -> Ours:

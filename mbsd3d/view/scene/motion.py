@@ -35,7 +35,7 @@ class Arrows(NamedTuple):
     colour: str
     points: np.ndarray  # (frames, k, 3) world [m]
     vectors: np.ndarray  # (frames, k, 3) world [unit]
-    uncertain: tuple[bool, ...]  # True where a reaction is not determined by the constraints
+    uncertain: tuple[bool, ...]  # True where the constraints determine nothing of a reaction; else it is what they do
 
     @property
     def longest(self) -> float:
@@ -97,8 +97,9 @@ def arrows_of(motion: Poses, frames: Frames) -> list[Arrows]:
     for joint, found in zip(motion.system.joints, every_reaction(motion, used), strict=True):
         name = motion.system.name(joint)
         point = carried(motion, frames, used, where, joint.b, found.point)
-        forces.append(Vectors(name, point, found.force, not found.unique))
-        moments.append(Vectors(name, point, found.moment, not found.unique))
+        for vectors, kind in ((forces, "force"), (moments, "moment")):
+            values, known = found.shown(kind)
+            vectors.append(Vectors(name, point, values, known == "none"))
     fastest = max(1.0, *(float(np.abs(spin.values).max()) for spin in spins))
     kinds = (
         ("rad/s", spins, fastest, COLOURS[2]),
