@@ -1,8 +1,12 @@
 """Kernels that are compiled when they are first called, so that a run waits for no code that it does not use.
 
-A caller knows neither the code of such a kernel nor its address, only a cell in memory. Two words stand in it: the
-address of the code, zero at first, and that of a function which compiles the kernel, or finds it on disk, and fills
-the first word. A call costs a load and a comparison more than one by name.
+A caller knows neither the code of such a kernel nor its address, only a cell in memory. Three words stand in it: the
+address of the code, zero at first, and those of a function which has the kernel compiled, or found on disk, and of one
+which waits a moment, until the first word is filled. A call costs a load and a comparison more than one by name.
+
+It is compiled in a thread of its own. No exception can pass the compiled code that waits, so nothing may raise one
+there: neither the compiler nor the handler of a signal, which Python runs in the main thread. All that the main thread
+does meanwhile is written in C. What a signal raises, Ctrl-C or an alarm, is raised once the kernels have returned.
 """
 
 import _thread
@@ -10,7 +14,6 @@ import ctypes
 import hashlib
 import inspect
 import os
-import threading
 import traceback
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -29,8 +32,8 @@ from ..base.errors import InputError
 from .announcing import not_silent
 
 WORD = ir.IntType(64)
-FILL = ir.FunctionType(ir.VoidType(), [])
-SOON = 0.01  # s after a kernel is there, when a Ctrl-C that came before is passed on
+IN_C = ir.FunctionType(ir.VoidType(), [])
+NAP_SECONDS = 1e-4  # [s] between two looks at a cell; a kernel takes some milliseconds from disk
 FAILED = 70  # exit status where a kernel cannot be compiled
 
 RESULTS = {
@@ -45,8 +48,24 @@ LATE: dict[str, tuple[str, str, tuple]] = {}  # symbol of cells -> module, name,
 class Cells(NamedTuple):
     """Those of some kernels for arguments of some types."""
 
-    words: np.ndarray  # (kernels, 2)
+    words: np.ndarray  # (kernels, 3)
     fills: list  # functions of C, kept as long as the cells
+
+
+def in_c(function: Callable, *given: Any) -> Any:
+    """Return a function of C that calls another one; the interpreter, which looks for signals, has no part in it."""
+    return ctypes.CFUNCTYPE(None)(partial(function, *given))
+
+
+def address_of(function: Any) -> int:
+    """Return the address of a function of C."""
+    return ctypes.cast(function, ctypes.c_void_p).value
+
+
+if os.name == "nt":
+    NAP = in_c(ctypes.windll.kernel32.Sleep, 1)  # [ms]
+else:
+    NAP = in_c(ctypes.CDLL(None).usleep, round(1e6 * NAP_SECONDS))
 
 
 class Late(_Intrinsic):
@@ -94,11 +113,17 @@ class Late(_Intrinsic):
 
     def address(self, builder: Any, symbol: str, number: Any) -> Any:
         """Code that reads it from the cell, and has it filled before if nothing is in it."""
-        module, size = builder.module, ir.ArrayType(ir.ArrayType(WORD, 2), len(self.kernels))
+        module, size = builder.module, ir.ArrayType(ir.ArrayType(WORD, 3), len(self.kernels))
         cells = module.globals.get(symbol) or cgutils.add_global_variable(module, size, symbol)
-        code, fill = (builder.gep(cells, [WORD(0), number, WORD(i)]) for i in (0, 1))
+        code, fill, nap = (builder.gep(cells, [WORD(0), number, WORD(i)]) for i in range(3))
         with cgutils.if_unlikely(builder, cgutils.is_null(builder, builder.load(code))):
-            builder.call(builder.inttoptr(builder.load(fill), FILL.as_pointer()), [])
+            builder.call(builder.inttoptr(builder.load(fill), IN_C.as_pointer()), [])
+            waiting, filled = (builder.append_basic_block(name) for name in ("waiting", "filled"))
+            builder.branch(waiting)
+            builder.position_at_end(waiting)
+            builder.call(builder.inttoptr(builder.load(nap), IN_C.as_pointer()), [])
+            builder.cbranch(cgutils.is_null(builder, builder.load(code)), waiting, filled)
+            builder.position_at_end(filled)
         return builder.load(code)
 
     def symbol(self, passed: tuple) -> str:
@@ -106,25 +131,23 @@ class Late(_Intrinsic):
         digest = hashlib.blake2b(repr(passed).encode(), digest_size=8).hexdigest()
         symbol = f"{self.__module__}.{self.__name__}.{digest}"
         if passed not in self.cells:
-            fills = [ctypes.CFUNCTYPE(None)(partial(self.fill, passed, i)) for i in range(len(self.kernels))]
-            words = np.array([[0, ctypes.cast(fill, ctypes.c_void_p).value] for fill in fills], np.uint64)
+            count = len(self.kernels)
+            fills = [in_c(_thread.start_new_thread, self.fill_or_end, (passed, i)) for i in range(count)]
+            words = np.array([[0, *map(address_of, (fill, NAP))] for fill in fills], np.uint64)
             self.cells[passed] = Cells(words, fills)
             LATE[symbol] = self.__module__, self.__name__, passed
             llvm.add_symbol(symbol, words.ctypes.data)
         return symbol
 
     def fill(self, passed: tuple, number: int) -> None:
-        """Compile a kernel and write its address into its cell.
+        """Compile a kernel and write its address into its cell."""
+        with not_silent(self.kernels[number].__name__):
+            self.cells[passed].words[number, 0] = self.compiled(passed, number)
 
-        Compiled code calls it, which no exception can pass: Ctrl-C waits until the kernel is there, and one that
-        cannot be compiled ends the process.
-        """
+    def fill_or_end(self, passed: tuple, number: int) -> None:
+        """The same for a caller that waits for it: if the kernel cannot be compiled, it would for ever."""
         try:
-            with not_silent(self.kernels[number].__name__):
-                self.cells[passed].words[number, 0] = self.compiled(passed, number)
-        except KeyboardInterrupt:
             self.fill(passed, number)
-            threading.Timer(SOON, _thread.interrupt_main).start()
         except BaseException:
             traceback.print_exc()
             os._exit(FAILED)
