@@ -29,7 +29,7 @@ from ..base.errors import InputError
 from ..base.paths import in_its_place
 from .disk import conditions, make_private, weak_folders, weakness
 from .late import LATE, Late
-from .written_code import Unwritable, packed, unpacked
+from .written_code import FormError, packed, unpacked
 
 SUM = 16  # bytes
 
@@ -110,7 +110,7 @@ class CodeFiles(NullCache):
         try:
             needed, parts = unpacked(content[SUM:], self.function, signature)
             find(needed)
-        except (KeyError, AttributeError, TypeError, ValueError):  # a function of a script that is another one today
+        except (LookupError, AttributeError, TypeError, ValueError):  # a function of a script that is another one today
             return None
         made = CompileResult._rebuild(target, *parts)
         if self.apart:
@@ -148,7 +148,7 @@ class CodeFiles(NullCache):
             names_only(compiled)
         try:
             content = packed(called(compiled), compiled) if kept else b""
-        except Unwritable:
+        except FormError:
             kept = False
         if self.apart:
             stand_apart(self.function, compiled)

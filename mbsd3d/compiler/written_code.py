@@ -17,14 +17,15 @@ from numba.core.environment import Environment, lookup_environment
 from numba.core.funcdesc import PythonFunctionDescriptor
 from numba.core.typing import signature as signature_of
 
+from ..base.errors import InputError
 from .by_reference import Reference
 
 SIZE = 8  # bytes of a number in front of each of three blocks
 PLAIN = {str(kind): kind for kind in (*types.number_domain, types.boolean, types.none)}
 
 
-class Unwritable(ValueError):  # noqa: N818  # no error: such a function is compiled at every start
-    """A compiled function holds what cannot be written as JSON."""
+class FormError(InputError):
+    """A function holds what cannot be written so, and is compiled at every start; or a file names what there is not."""
 
 
 def packed(needed: list[tuple], made: CompileResult) -> bytes:
@@ -43,7 +44,7 @@ def packed(needed: list[tuple], made: CompileResult) -> bytes:
     }
     special = made.objectmode, made.reload_init, made.signature.recvr, made.fndesc.kws, made.fndesc.noalias
     if kind != "object" or any(special) or any(one.consts for one in around):
-        raise Unwritable(made.fndesc.qualname)
+        raise FormError(made.fndesc.qualname)
     text = json.dumps(about | {"types": list(known)}).encode()
     return b"".join(len(block).to_bytes(SIZE, "little") + block for block in (text, code, linked))
 
@@ -51,7 +52,7 @@ def packed(needed: list[tuple], made: CompileResult) -> bytes:
 def unpacked(content: bytes, function: Callable, signature: Any) -> tuple[list[tuple], tuple]:
     """Return what `packed` was given: the kernels needed, and the parts for ``CompileResult._rebuild``.
 
-    KeyError, AttributeError, TypeError or ValueError for what names anything that is not there.
+    LookupError, AttributeError, TypeError or ValueError for what names anything that is not there.
     """
     text, code, linked = blocks(content)
     about = json.loads(text)
@@ -59,16 +60,14 @@ def unpacked(content: bytes, function: Callable, signature: Any) -> tuple[list[t
     passed, result = sigutils.normalize_signature(signature)[0], known[about["result"]]
     own, *around = (environment(*names) for names in about["environments"])
     names = function.__code__.co_varnames[: function.__code__.co_argcount]
-    described_function = PythonFunctionDescriptor(
+    descriptor = PythonFunctionDescriptor(
         True, function.__module__, function.__qualname__, about["unique"], function.__doc__ or "", None, result, None,
         names, (), mangler=lambda *_, **__: about["symbol"], argtypes=tuple(passed), inline=about["inline"],
         env_name=own.env_name,
     )  # fmt: skip
     library = about["library"], "object", (code, linked)
     needed = [(*names, tuple(known[k] for k in given)) for *names, given in about["needed"]]
-    return needed, (
-        library, described_function, own, signature_of(result, *passed), False, (), "", [], tuple(around)
-    )  # fmt: skip
+    return needed, (library, descriptor, own, signature_of(result, *passed), False, (), "", [], tuple(around))
 
 
 def blocks(content: bytes) -> list[bytes]:
@@ -92,15 +91,15 @@ def environment(module: str, name: str) -> Environment:
 
 
 def numbered(kind: types.Type, known: dict[str, int]) -> int:
-    """Return the number of a type among those that are known; Unwritable if its text does not lead back to it."""
+    """Return the number of a type among those that are known; FormError if its text does not lead back to it."""
     text = json.dumps(described(kind))
     if restored(text) != kind:
-        raise Unwritable(str(kind))
+        raise FormError(str(kind))
     return known.setdefault(text, len(known))
 
 
 def described(kind: types.Type) -> Any:
-    """Return a type as a list of texts, numbers and lists; Unwritable if it is none that kernels take or return."""
+    """Return a type as a list of texts, numbers and lists; FormError if it is none that kernels take or return."""
     match kind:
         case types.Literal():
             return ["Literal", kind.literal_value]
@@ -119,7 +118,7 @@ def described(kind: types.Type) -> Any:
         case Reference():
             return ["Reference", described(kind.fields)]
     if PLAIN.get(str(kind)) != kind:
-        raise Unwritable(str(kind))
+        raise FormError(str(kind))
     return [str(kind)]
 
 
@@ -136,7 +135,7 @@ def class_of(module: str, name: str, count: int) -> type:
     """Return the class of a named tuple, which a module that is there must hold."""
     cls = attrgetter(name)(sys.modules[module])
     if not (isinstance(cls, type) and issubclass(cls, tuple) and len(cls._fields) == count):
-        raise ValueError(f"{module}.{name} is no named tuple of {count}")
+        raise FormError(f"{module}.{name} is no named tuple of {count}")
     return cls
 
 
