@@ -1,8 +1,8 @@
 """Kernels that are compiled when they are first called, so that a run waits for no code that it does not use.
 
-A caller knows neither the code of such a kernel nor its address, only a cell in memory. Three words stand in it: the
-address of the code, zero at first, and those of a function which has the kernel compiled, or found on disk, and of one
-which waits a moment, until the first word is filled. A call costs a load and a comparison more than one by name.
+A caller knows neither the code of such a kernel nor its address, only a cell in memory. Its first word is the address
+of the code, zero at first; a call costs a load and a comparison more than one by name. The others serve a caller that
+finds zero there: addresses of functions that have the kernel compiled or found on disk, and that wait a moment.
 
 It is compiled in a thread of its own. No exception can pass the compiled code that waits, so nothing may raise one
 there: neither the compiler nor the handler of a signal, which Python runs in the main thread. All that the main thread
@@ -34,6 +34,8 @@ from .announcing import not_silent
 WORD = ir.IntType(64)
 IN_C = ir.FunctionType(ir.VoidType(), [])
 NAP_SECONDS = 1e-4  # [s] between two looks at a cell; a kernel takes some milliseconds from disk
+NAPS_MAX = 20_000  # [1] some seconds in which no thread has begun: Python starts none while it ends
+CODE, START, NAP, BEGUN, FILL = range(WORDS := 5)  # words of a cell
 FAILED = 70  # exit status where a kernel cannot be compiled
 
 RESULTS = {
@@ -48,8 +50,8 @@ LATE: dict[str, tuple[str, str, tuple]] = {}  # symbol of cells -> module, name,
 class Cells(NamedTuple):
     """Those of some kernels for arguments of some types."""
 
-    words: np.ndarray  # (kernels, 3)
-    fills: list  # functions of C, kept as long as the cells
+    words: np.ndarray  # (kernels, WORDS)
+    functions: list  # of C, kept as long as the cells
 
 
 def in_c(function: Callable, *given: Any) -> Any:
@@ -63,9 +65,33 @@ def address_of(function: Any) -> int:
 
 
 if os.name == "nt":
-    NAP = in_c(ctypes.windll.kernel32.Sleep, 1)  # [ms]
+    nap = in_c(ctypes.windll.kernel32.Sleep, 1)  # [ms]
 else:
-    NAP = in_c(ctypes.CDLL(None).usleep, round(1e6 * NAP_SECONDS))
+    nap = in_c(ctypes.CDLL(None).usleep, round(1e6 * NAP_SECONDS))
+
+
+def wait_until_filled(builder: Any, words: list) -> None:
+    """Code that starts the thread which fills a cell, and waits for it; where no thread begins it fills it itself."""
+
+    def call(word: int) -> None:
+        builder.call(builder.inttoptr(builder.load(words[word]), IN_C.as_pointer()), [])
+
+    waiting, without_thread, filled = (builder.append_basic_block(name) for name in ("waiting", "alone", "filled"))
+    naps = cgutils.alloca_once_value(builder, WORD(0))
+    call(START)
+    builder.branch(waiting)
+    builder.position_at_end(waiting)
+    call(NAP)
+    builder.store(builder.add(builder.load(naps), WORD(1)), naps)
+    begun = builder.or_(builder.load(words[BEGUN]), builder.load(words[CODE]))
+    overdue = builder.icmp_unsigned(">", builder.load(naps), WORD(NAPS_MAX))
+    with builder.if_then(builder.and_(overdue, cgutils.is_null(builder, begun)), likely=False):
+        builder.branch(without_thread)
+    builder.cbranch(cgutils.is_null(builder, builder.load(words[CODE])), waiting, filled)
+    builder.position_at_end(without_thread)
+    call(FILL)
+    builder.branch(waiting)
+    builder.position_at_end(filled)
 
 
 class Late(_Intrinsic):
@@ -113,36 +139,35 @@ class Late(_Intrinsic):
 
     def address(self, builder: Any, symbol: str, number: Any) -> Any:
         """Code that reads it from the cell, and has it filled before if nothing is in it."""
-        module, size = builder.module, ir.ArrayType(ir.ArrayType(WORD, 3), len(self.kernels))
+        module, size = builder.module, ir.ArrayType(ir.ArrayType(WORD, WORDS), len(self.kernels))
         cells = module.globals.get(symbol) or cgutils.add_global_variable(module, size, symbol)
-        code, fill, nap = (builder.gep(cells, [WORD(0), number, WORD(i)]) for i in range(3))
-        with cgutils.if_unlikely(builder, cgutils.is_null(builder, builder.load(code))):
-            builder.call(builder.inttoptr(builder.load(fill), IN_C.as_pointer()), [])
-            waiting, filled = (builder.append_basic_block(name) for name in ("waiting", "filled"))
-            builder.branch(waiting)
-            builder.position_at_end(waiting)
-            builder.call(builder.inttoptr(builder.load(nap), IN_C.as_pointer()), [])
-            builder.cbranch(cgutils.is_null(builder, builder.load(code)), waiting, filled)
-            builder.position_at_end(filled)
-        return builder.load(code)
+        words = [builder.gep(cells, [WORD(0), number, WORD(i)]) for i in range(WORDS)]
+        with cgutils.if_unlikely(builder, cgutils.is_null(builder, builder.load(words[CODE]))):
+            wait_until_filled(builder, words)
+        return builder.load(words[CODE])
 
     def symbol(self, passed: tuple) -> str:
         """The name of the cells for arguments of some types, which compiled code can refer to from now on."""
         digest = hashlib.blake2b(repr(passed).encode(), digest_size=8).hexdigest()
         symbol = f"{self.__module__}.{self.__name__}.{digest}"
         if passed not in self.cells:
-            count = len(self.kernels)
-            fills = [in_c(_thread.start_new_thread, self.fill_or_end, (passed, i)) for i in range(count)]
-            words = np.array([[0, *map(address_of, (fill, NAP))] for fill in fills], np.uint64)
-            self.cells[passed] = Cells(words, fills)
+            words, functions = np.zeros((len(self.kernels), WORDS), np.uint64), []
+            for i in range(len(self.kernels)):
+                fill = in_c(self.fill_or_end, passed, i)
+                start = in_c(_thread.start_new_thread, self.fill_or_end, (passed, i))
+                words[i, [START, NAP, FILL]] = [address_of(one) for one in (start, nap, fill)]
+                functions += [start, fill]
+            self.cells[passed] = Cells(words, functions)
             LATE[symbol] = self.__module__, self.__name__, passed
             llvm.add_symbol(symbol, words.ctypes.data)
         return symbol
 
     def fill(self, passed: tuple, number: int) -> None:
         """Compile a kernel and write its address into its cell."""
+        words = self.cells[passed].words[number]
+        words[BEGUN] = 1
         with not_silent(self.kernels[number].__name__):
-            self.cells[passed].words[number, 0] = self.compiled(passed, number)
+            words[CODE] = self.compiled(passed, number)
 
     def fill_or_end(self, passed: tuple, number: int) -> None:
         """The same for a caller that waits for it: if the kernel cannot be compiled, it would for ever."""
@@ -182,5 +207,5 @@ def empty_cells() -> list[tuple[Late, tuple, int]]:
     found = []
     for module, name, passed in LATE.values():
         one = getattr(import_module(module), name)
-        found += [(one, passed, int(number)) for number in np.flatnonzero(one.cells[passed].words[:, 0] == 0)]
+        found += [(one, passed, int(number)) for number in np.flatnonzero(one.cells[passed].words[:, CODE] == 0)]
     return found

@@ -1,5 +1,6 @@
 """Kernels that are compiled when they are first called: none earlier, each once, with the numbers of plain Python."""
 
+import math
 import os
 import signal
 import subprocess
@@ -7,6 +8,7 @@ import sys
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import nullcontext
 
 import numba
 import numpy as np
@@ -142,6 +144,56 @@ def test_what_a_handler_raises_waits_for_the_kernel(slowly, compiled, decorator,
         time.sleep(5.0)
     sender.join()
     assert above(3.0) == 21.0 and compiled == ["slow"]
+
+
+@pytest.mark.parametrize("after", [0.01, 0.05, 0.12])
+def test_what_a_handler_raises_breaks_no_compilation(slowly, after):
+    """Of a function that Python calls: raised at once, and the next call finds the code or waits for it."""
+
+    @kernel
+    def above(x, y):
+        found = x * y
+        for k in range(7):
+            found += math.sin(k * x) * math.atan2(x, y) if k > 9 else 0.0
+        return found
+
+    with pytest.raises(TimeoutError, match="signal"):
+        signal.setitimer(signal.ITIMER_REAL, after)
+        above(2.0, 1.0)
+        time.sleep(5.0)
+    assert above(3.0, -2.0) == -6.0 and len(above.overloads) == 1
+
+
+def test_errors_of_the_compiler_are_the_same_in_a_thread():
+    @kernel
+    def wrong(x):
+        return x.missing
+
+    with pytest.raises(numba.errors.TypingError, match="missing"):
+        wrong(1.0)
+
+
+def test_where_no_thread_can_be_started_the_caller_compiles(monkeypatch, compiled):
+    """As in functions that Python calls when it ends."""
+
+    def refused(*_):
+        raise RuntimeError("can't create new thread at interpreter shutdown")
+
+    monkeypatch.setattr(module._thread, "start_new_thread", refused)
+    monkeypatch.setattr(threading.Thread, "start", refused)
+    monkeypatch.setattr(module, "not_silent", lambda name: nullcontext())
+    monkeypatch.setattr(module, "NAPS_MAX", 50)
+    monkeypatch.setattr(sys, "unraisablehook", lambda _: None)
+
+    @late_kernel
+    def slow(x) -> float:
+        return 7.0 * x
+
+    @kernel
+    def above(x):
+        return slow(x)
+
+    assert above(2.0) == 14.0 and above(3.0) == 21.0 and compiled == ["slow"]
 
 
 def test_signals_in_a_row_leave_the_kernel_whole(slowly, compiled):
