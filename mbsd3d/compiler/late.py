@@ -2,11 +2,12 @@
 
 A caller knows neither the code of such a kernel nor its address, only a cell in memory. Its first word is the address
 of the code, zero at first; a call costs a load and a comparison more than one by name. The others serve a caller that
-finds zero there: addresses of functions that have the kernel compiled or found on disk, and that wait a moment.
+finds zero there: addresses of functions that have the kernel compiled, or found on disk.
 
 It is compiled in a thread of its own. No exception can pass the compiled code that waits, so nothing may raise one
 there: neither the compiler nor the handler of a signal, which Python runs in the main thread. All that the main thread
-does meanwhile is written in C. What a signal raises, Ctrl-C or an alarm, is raised once the kernels have returned.
+does meanwhile is written in C, and without Python's lock, which the compiler needs. What a signal raises, Ctrl-C or an
+alarm, is raised once the kernels have returned.
 """
 
 import _thread
@@ -35,7 +36,7 @@ WORD = ir.IntType(64)
 IN_C = ir.FunctionType(ir.VoidType(), [])
 NAP_SECONDS = 1e-4  # [s] between two looks at a cell; a kernel takes some milliseconds from disk
 NAPS_MAX = 20_000  # [1] some seconds in which no thread has begun: Python starts none while it ends
-CODE, START, NAP, BEGUN, FILL = range(WORDS := 5)  # words of a cell
+CODE, START, BEGUN, FILL = range(WORDS := 4)  # words of a cell
 FAILED = 70  # exit status where a kernel cannot be compiled
 
 RESULTS = {
@@ -64,34 +65,52 @@ def address_of(function: Any) -> int:
     return ctypes.cast(function, ctypes.c_void_p).value
 
 
-if os.name == "nt":
-    nap = in_c(ctypes.windll.kernel32.Sleep, 1)  # [ms]
-else:
-    nap = in_c(ctypes.CDLL(None).usleep, round(1e6 * NAP_SECONDS))
+PAUSE, PAUSED = ("Sleep", 1) if os.name == "nt" else ("usleep", round(1e6 * NAP_SECONDS))
+POINTER, NUMBER = ir.IntType(8).as_pointer(), ir.IntType(32)
+PLAIN_C = {  # functions that compiled code calls by name
+    PAUSE: (getattr(ctypes.windll.kernel32 if os.name == "nt" else ctypes.CDLL(None), PAUSE), ir.VoidType(), [NUMBER]),
+    "PyGILState_Check": (ctypes.pythonapi.PyGILState_Check, NUMBER, []),
+    "PyEval_SaveThread": (ctypes.pythonapi.PyEval_SaveThread, POINTER, []),
+    "PyEval_RestoreThread": (ctypes.pythonapi.PyEval_RestoreThread, ir.VoidType(), [POINTER]),
+}
+for name, (function, *_) in PLAIN_C.items():
+    llvm.add_symbol(name, address_of(function))
 
 
-def wait_until_filled(builder: Any, words: list) -> None:
-    """Code that starts the thread which fills a cell, and waits for it; where no thread begins it fills it itself."""
+def call_c(builder: Any, name: str, *given: Any) -> Any:
+    """Code that calls one of them."""
+    _, result, kinds = PLAIN_C[name]
+    return builder.call(cgutils.get_or_insert_function(builder.module, ir.FunctionType(result, kinds), name), given)
 
-    def call(word: int) -> None:
-        builder.call(builder.inttoptr(builder.load(words[word]), IN_C.as_pointer()), [])
 
-    waiting, without_thread, filled = (builder.append_basic_block(name) for name in ("waiting", "alone", "filled"))
-    naps = cgutils.alloca_once_value(builder, WORD(0))
-    call(START)
+def waiting_function(module: ir.Module) -> ir.Function:
+    """Function that has the cell at an address filled and waits for it; where no thread begins, it fills it itself."""
+    name = "mbsd3d.wait_until_filled"
+    if name in module.globals:
+        return module.globals[name]
+    made = ir.Function(module, ir.FunctionType(ir.VoidType(), [WORD.as_pointer()]), name)
+    made.linkage = "internal"
+    made.attributes.add("noinline")
+    builder = ir.IRBuilder(made.append_basic_block())
+    code, start, begun, fill = (builder.gep(made.args[0], [WORD(i)]) for i in range(WORDS))
+    thread, naps = (cgutils.alloca_once_value(builder, first) for first in (POINTER(None), WORD(0)))
+    with builder.if_then(cgutils.is_not_null(builder, call_c(builder, "PyGILState_Check"))):
+        builder.store(call_c(builder, "PyEval_SaveThread"), thread)
+    builder.call(builder.inttoptr(builder.load(start), IN_C.as_pointer()), [])
+    waiting, filled = (builder.append_basic_block(name) for name in ("waiting", "filled"))
     builder.branch(waiting)
     builder.position_at_end(waiting)
-    call(NAP)
+    call_c(builder, PAUSE, NUMBER(PAUSED))
     builder.store(builder.add(builder.load(naps), WORD(1)), naps)
-    begun = builder.or_(builder.load(words[BEGUN]), builder.load(words[CODE]))
-    overdue = builder.icmp_unsigned(">", builder.load(naps), WORD(NAPS_MAX))
-    with builder.if_then(builder.and_(overdue, cgutils.is_null(builder, begun)), likely=False):
-        builder.branch(without_thread)
-    builder.cbranch(cgutils.is_null(builder, builder.load(words[CODE])), waiting, filled)
-    builder.position_at_end(without_thread)
-    call(FILL)
-    builder.branch(waiting)
+    nobody = cgutils.is_null(builder, builder.or_(builder.load(begun), builder.load(code)))
+    with builder.if_then(builder.and_(nobody, builder.icmp_unsigned(">", builder.load(naps), WORD(NAPS_MAX)))):
+        builder.call(builder.inttoptr(builder.load(fill), IN_C.as_pointer()), [])
+    builder.cbranch(cgutils.is_null(builder, builder.load(code)), waiting, filled)
     builder.position_at_end(filled)
+    with builder.if_then(cgutils.is_not_null(builder, builder.load(thread))):
+        call_c(builder, "PyEval_RestoreThread", builder.load(thread))
+    builder.ret_void()
+    return made
 
 
 class Late(_Intrinsic):
@@ -141,10 +160,10 @@ class Late(_Intrinsic):
         """Code that reads it from the cell, and has it filled before if nothing is in it."""
         module, size = builder.module, ir.ArrayType(ir.ArrayType(WORD, WORDS), len(self.kernels))
         cells = module.globals.get(symbol) or cgutils.add_global_variable(module, size, symbol)
-        words = [builder.gep(cells, [WORD(0), number, WORD(i)]) for i in range(WORDS)]
-        with cgutils.if_unlikely(builder, cgutils.is_null(builder, builder.load(words[CODE]))):
-            wait_until_filled(builder, words)
-        return builder.load(words[CODE])
+        code = builder.gep(cells, [WORD(0), number, WORD(CODE)])
+        with cgutils.if_unlikely(builder, cgutils.is_null(builder, builder.load(code))):
+            builder.call(waiting_function(module), [code])
+        return builder.load(code)
 
     def symbol(self, passed: tuple) -> str:
         """The name of the cells for arguments of some types, which compiled code can refer to from now on."""
@@ -155,7 +174,7 @@ class Late(_Intrinsic):
             for i in range(len(self.kernels)):
                 fill = in_c(self.fill_or_end, passed, i)
                 start = in_c(_thread.start_new_thread, self.fill_or_end, (passed, i))
-                words[i, [START, NAP, FILL]] = [address_of(one) for one in (start, nap, fill)]
+                words[i, [START, FILL]] = address_of(start), address_of(fill)
                 functions += [start, fill]
             self.cells[passed] = Cells(words, functions)
             LATE[symbol] = self.__module__, self.__name__, passed
