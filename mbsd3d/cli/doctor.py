@@ -58,7 +58,7 @@ def kernels() -> list[str]:
     files = (path for folder in (CACHE, EQUATIONS) for path in folder.rglob("*") if path.is_file())
     size = sum(path.stat().st_size for path in files) / 1e6
     state = "compiled" if is_warm() else "not all compiled yet: mbsd3d warmup"
-    if CACHE.exists() and (weak := weak_folders(CACHE.parent, CACHE)):
+    if os.path.lexists(CACHE) and (weak := weak_folders(CACHE.parent, CACHE)):
         state = f"not kept, as a folder {weak}; see SECURITY.md"
     return [f"kernels     {state}; {size:.0f} MB in {CACHE}"]
 
