@@ -49,6 +49,14 @@ def start(folder, *command):
     )
 
 
+def port_of(process):
+    """Port of the address that it prints, among what it says of its progress on a busy machine."""
+    for line in process.stdout:
+        if found := re.match(r"http://127\.0\.0\.1:(\d+)/\?token=", line):
+            return int(found[1])
+    raise AssertionError("it has ended without an address")
+
+
 def killed(process, victim=None):
     """kill -9 it, or a process below it, and wait until nothing of it runs."""
     below = children(process.pid)
@@ -97,7 +105,7 @@ def test_a_killed_view_leaves_its_port_and_nothing_else(tmp_path, name, moment):
         time.sleep(rng.uniform(0.0, 2.0))
         killed(process)
     else:
-        port = int(re.match(r"http://127\.0\.0\.1:(\d+)/\?token=", process.stdout.readline())[1])
+        port = port_of(process)
         visitors = [socket.create_connection(("127.0.0.1", port)) for _ in range(3)]
         time.sleep(rng.uniform(0.0, 0.5))
         killed(process)
@@ -107,6 +115,6 @@ def test_a_killed_view_leaves_its_port_and_nothing_else(tmp_path, name, moment):
             assert probe.connect_ex(("127.0.0.1", port)) != 0
         if name == "play":  # the same port can be had again at once
             again = start(tmp_path, *VIEWS[name], "--port", str(port))
-            assert again.stdout.readline().startswith(f"http://127.0.0.1:{port}/")
+            assert port_of(again) == port
             killed(again)
     assert sorted(path for path in tmp_path.iterdir() if path.name != "__pycache__") == files
