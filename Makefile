@@ -8,7 +8,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check install
 PYTEST := $(BIN)/python -m pytest
 SPREAD := -n auto --dist loadfile
 
-.PHONY: demo gallery test slow timing warm lint pictures precision figures notebooks docs clean
+.PHONY: demo gallery test slow kills timing warm lint pictures precision figures notebooks docs clean
 
 demo: $(READY)
 	@echo "mbsd3d: running the demos; figures, pages and data go to out/"
@@ -22,6 +22,10 @@ test: warm
 
 slow: warm
 	$(PYTEST) $(SPREAD) -m "slow and not timing"
+
+# Everything that is killed in `make slow`, at the count of moments that SECURITY.md states.
+kills: warm
+	MBSD3D_TEST_KILLS=30 $(PYTEST) -m slow tests/slow/test_kills.py tests/slow/test_killed_commands.py
 
 timing: warm
 	$(PYTEST) -m timing

@@ -118,5 +118,6 @@ from .equations.elimination import eliminate as eliminate
 from .linear.variations import STEP as STEP
 from .linear.variations import Field as Field
 from .linear.variations import directions as directions
+from .compiler.code_files import keep_code as keep_code
 from .compiler.disk import CACHE as CACHE
 from .compiler.disk import compiled_sources as compiled_sources

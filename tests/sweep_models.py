@@ -95,7 +95,17 @@ def half_written(folder):
 LOCAL = 1e-6  # the rtol of RUN: steps err by a tenth of it, and there are few
 GRID = {"torque": [1.0, 2.0, 2.4, 3.1], "inertia": [0.2, 0.4, 0.7]}
 LONG = {"torque": np.linspace(1.0, 2.0, 40).tolist(), "inertia": np.linspace(0.2, 0.9, 4).tolist()}  # 160 cells
-KILLED, MOMENTS = ("threads", "processes", "distributed"), 10  # sweeps that are killed, each at so many moments
+EXECUTORS = ("threads", "processes", "distributed")
+KILLED = (*EXECUTORS, "gallery", "play", "live")  # what is killed, each at so many moments
+MOMENTS, ALL_MOMENTS = 5, 30  # in `make slow`, and in `make kills`
+
+
+def noted(arriving, path):
+    """Outcomes as they come in, each written down before it is handed on."""
+    with path.open("a", buffering=1) as file:
+        for cell, outcome in arriving:
+            file.write(f"{cell}\n")
+            yield cell, outcome
 
 
 def cluster():
@@ -110,8 +120,10 @@ def main(ledger, limit=None, executor=None):
     import resource
 
     from mbsd3d.base.errors import SweepError
-    from mbsd3d.sweeps.sweep import sweep
+    from mbsd3d.sweeps import sweep as module
 
+    sweep, outcomes = module.sweep, module.outcomes
+    module.outcomes = lambda *given: noted(outcomes(*given), Path(f"{ledger}.arrived"))
     if limit and int(limit):
         resource.setrlimit(resource.RLIMIT_FSIZE, (int(limit), int(limit)))
     print("ready", flush=True)

@@ -25,7 +25,7 @@ def shown(value: Any) -> str:
 
 
 def check_name(name: Any, what: str) -> None:
-    """ValueError for what is no text, is empty, or would command a terminal."""
+    """ValueError for what is no text, is empty, would command a terminal, or reads as something else than it is."""
     if not isinstance(name, str) or not name:
         raise InputError(f"{what} name {shown(name)}: give a non-empty text")
     if CONTROL.search(name):

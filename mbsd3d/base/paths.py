@@ -1,16 +1,23 @@
 """Files: names with their suffix, whole or not at all, and text from anywhere, limited before it is read."""
 
+import hashlib
 import os
+import re
+import socket
 import stat
+import time
 import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from functools import cache
 from pathlib import Path
 
 from .errors import InputError
 from .version import __version__
 
 LONGEST = 255  # bytes of a file's name
+PIECE = re.compile(r"\.[0-9a-f]{32}(?:-([0-9a-f]{16})-(\d+))?\.part")  # a file that is not whole: machine, process
+PIECE_SECONDS_MAX = 86400.0  # [s] since it was last written, for one whose process cannot be asked for
 
 
 def as_path(path: str | Path, example: str) -> Path:
@@ -63,11 +70,56 @@ def drop_pieces() -> None:
         piece.unlink(missing_ok=True)
 
 
+@cache
+def _machine() -> str:
+    """Return a digest of what numbers processes: this machine since it was started, and the container on it."""
+    text = socket.gethostname()
+    with suppress(OSError):
+        text += Path("/proc/sys/kernel/random/boot_id").read_text() + os.readlink("/proc/self/ns/pid")
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def drop_orphans(folder: Path) -> None:
+    """Remove files that are not whole and never will be: of this user, and of a process that was killed.
+
+    A process of another machine, or of another version of this package, cannot be asked for: what it has begun goes
+    when nothing has been written into it for a day.
+    """
+    with suppress(OSError), os.scandir(folder) as entries:
+        for entry in entries:
+            begun = PIECE.fullmatch(entry.name)
+            with suppress(OSError):  # another process removes it just now
+                if begun and not _may_be_written(entry, *begun.groups()):
+                    os.unlink(entry)
+
+
+def _may_be_written(entry: os.DirEntry, machine: str | None, process: str | None) -> bool:
+    """Whether a file that is not whole may still become it, or is none of this user's."""
+    state = entry.stat(follow_symlinks=False)
+    if not stat.S_ISREG(state.st_mode) or (hasattr(os, "geteuid") and state.st_uid != os.geteuid()):
+        return True
+    if machine == _machine() and os.name == "posix":  # elsewhere to ask for a process may end it
+        return _is_alive(int(process))
+    return time.time() - state.st_mtime < PIECE_SECONDS_MAX
+
+
+def _is_alive(process: int) -> bool:
+    """Whether there is a process of a number."""
+    try:
+        os.kill(process, 0)
+    except (ProcessLookupError, OverflowError):
+        return False
+    except PermissionError:
+        return True
+    return True
+
+
 @contextmanager
 def in_its_place(path: Path) -> Iterator[Path]:
     """A name to write a file under: it takes the place of ``path`` once it is whole, and goes if that fails."""
-    part = path.with_name(f".{uuid.uuid4().hex}.part")  # no longer than any name
+    part = path.with_name(f".{uuid.uuid4().hex}-{_machine()}-{os.getpid()}.part")  # no longer than any name
     _PIECES.add(part)
+    drop_orphans(path.parent)
     try:
         try:
             yield part

@@ -53,18 +53,23 @@ def packages() -> list[str]:
 
 def kernels() -> list[str]:
     """Where compiled kernels are kept, and whether all of them are there."""
-    from ..compiler.disk import CACHE, EQUATIONS, is_warm
+    from ..compiler.disk import CACHE, EQUATIONS, is_warm, weak_folders
 
     files = (path for folder in (CACHE, EQUATIONS) for path in folder.rglob("*") if path.is_file())
     size = sum(path.stat().st_size for path in files) / 1e6
     state = "compiled" if is_warm() else "not all compiled yet: mbsd3d warmup"
+    if os.path.lexists(CACHE) and (weak := weak_folders(CACHE.parent, CACHE)):
+        state = f"not kept, as a folder {weak}; see SECURITY.md"
     return [f"kernels     {state}; {size:.0f} MB in {CACHE}"]
 
 
 def threads() -> list[str]:
     """Cores that this process may use, and the settings that change them."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS", "NUMBA_DISABLE_JIT", "MBSD3D_CACHE")
+    names = (
+        "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS", "NUMBA_DISABLE_JIT", "MBSD3D_CACHE",
+        "XDG_CACHE_HOME",
+    )  # fmt: skip
     settings = [f"{name}={os.environ[name]}" for name in names if name in os.environ]
     return [f"threads     {cores} of {os.cpu_count()} cores{'; ' if settings else ''}{' '.join(settings)}"]
 

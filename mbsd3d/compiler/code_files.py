@@ -2,7 +2,9 @@
 
 numba's own files have numbers, which an index beside them gives to signatures: of two processes that compile at the
 same time one may find the other's code under its number, and a damaged file ends in an error of pickle or in a crash.
-Here a file is whole or is compiled anew, and where none can be written the code is used all the same.
+Here a file is whole or is compiled anew, and where none can be written the code is used all the same. It holds object
+code, and texts and numbers that say how it is called and what it calls; nothing in it is unpickled or imported. It is
+still code that runs: it is read where nobody but this user can have written it, see `disk.weakness`.
 
 numba also puts a copy of all that a function calls into its code, and optimises the copy again: an integrator would
 hold the equations of motion ten times over. Of a kernel that stands *apart* callers hold the name alone; their files
@@ -10,11 +12,10 @@ say whom they call, so that it is there before they are.
 """
 
 import hashlib
-import pickle
+import os
 import sys
 from collections.abc import Callable
 from functools import cache
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,9 @@ from numba.core.serialize import dumps
 
 from ..base.errors import InputError
 from ..base.paths import in_its_place
+from .disk import conditions, make_private, weak_folders, weakness
 from .late import LATE, Late
+from .written_code import FormError, packed, unpacked
 
 SUM = 16  # bytes
 
@@ -64,7 +67,7 @@ def called(made: CompileResult) -> list[tuple]:
 def find(called_ones: list[tuple]) -> None:
     """Have the kernels ready that code from a file calls, under the names it has for them."""
     for symbol, module, name, arguments in called_ones:
-        dispatcher = getattr(import_module(module), name)
+        dispatcher = getattr(sys.modules[module], name)
         if isinstance(dispatcher, Late):
             dispatcher.symbol(arguments)
             continue
@@ -80,6 +83,7 @@ class CodeFiles(NullCache):
 
     def __init__(self, function: Callable, folder: Path, apart: bool) -> None:
         self.function, self.folder, self.apart = function, folder / function.__module__, apart
+        self.folders = folder.parent, folder, self.folder  # from the root of the cache on
 
     @property
     def cache_path(self) -> str:
@@ -90,37 +94,62 @@ class CodeFiles(NullCache):
         """The file for one signature and processor."""
         code = self.function.__code__
         inside = dumps(tuple(cell.cell_contents for cell in self.function.__closure__ or ()))
-        made_of = (signature, target.codegen().magic_tuple(), sys.version_info[:2], code.co_firstlineno, code.co_code)
+        made_of = (signature, conditions(target.codegen().magic_tuple()), code.co_firstlineno, code.co_code)
         key = hashlib.blake2b(repr((made_of, inside)).encode(), digest_size=SUM).hexdigest()
         return self.folder / f"{self.function.__name__}.{key}.code"
 
     def load_overload(self, signature: Any, target: Any) -> CompileResult | None:
-        """The compiled function; None if it is not there or damaged."""
+        """The compiled function; None if it is not there, damaged or not to be trusted."""
         target.refresh()
-        path = self.path(signature, target)
-        try:
-            content = path.read_bytes()
-        except OSError:
+        content = self.read(self.path(signature, target))
+        if content is None:
             return None
         if check_sum(content[SUM:]) != content[:SUM]:
             say_once(f"compiled code in '{self.folder.parent}' is damaged; what is, is compiled anew")
             return None
-        needed, parts = pickle.loads(content[SUM:])
         try:
+            needed, parts = unpacked(content[SUM:], self.function, signature)
             find(needed)
-        except (ImportError, AttributeError):  # a function of a script that is another one today
+        except (LookupError, AttributeError, TypeError, ValueError):  # a function of a script that is another one today
             return None
         made = CompileResult._rebuild(target, *parts)
         if self.apart:
             stand_apart(self.function, made)
         return made
 
+    def read(self, path: Path) -> bytes | None:
+        """Return what a file holds; None if it is not there, or if somebody else can have written it."""
+        try:
+            weak = weakness(path.lstat())
+            if not self.trusted():
+                return None
+            if not weak:
+                return path.read_bytes()
+        except OSError:
+            return None
+        say_once(f"a file of compiled code in '{self.folder.parent}' {weak}: it is not run, but compiled anew")
+        return None
+
+    def trusted(self) -> bool:
+        """Whether nobody else can have written in the folder; said once if it may be."""
+        weak = weak_folders(*self.folders)
+        if weak:
+            say_once(
+                f"no compiled code is read or kept in '{self.folder.parent}', as a folder there {weak}: every start "
+                "compiles again; make them your own and closed to others (chmod -R go-w), or name another folder in "
+                "the environment variable MBSD3D_CACHE"
+            )
+        return not weak
+
     def save_overload(self, signature: Any, compiled: CompileResult) -> None:
-        """Write it, unless it holds addresses of this process."""
+        """Write it, unless it holds addresses of this process or what cannot be written."""
         kept = not (compiled.lifted or compiled.library.has_dynamic_globals)
         if self.apart:
             names_only(compiled)
-        content = dumps((called(compiled), compiled._reduce())) if kept else b""
+        try:
+            content = packed(called(compiled), compiled) if kept else b""
+        except FormError:
+            kept = False
         if self.apart:
             stand_apart(self.function, compiled)
         if kept:
@@ -129,15 +158,21 @@ class CodeFiles(NullCache):
     def write(self, path: Path, content: bytes) -> None:
         """Write a file, or say why not."""
         try:
-            self.folder.mkdir(parents=True, exist_ok=True)
-            with in_its_place(path) as part:
-                part.write_bytes(content)
+            make_private(*self.folders)
+            if self.trusted():
+                with in_its_place(path) as part, open(part, "xb", opener=for_this_user) as file:
+                    file.write(content)
         except (OSError, InputError) as error:
             reason = getattr(error.__cause__ or error, "strerror", None) or error
             say_once(
                 f"compiled code cannot be kept in '{self.folder.parent}' ({reason}), every start compiles again; make "
                 "room, or name a folder that can be written in the environment variable MBSD3D_CACHE"
             )
+
+
+def for_this_user(path: str, flags: int) -> int:
+    """Open a new file that nobody else can write, whatever the user's umask is."""
+    return os.open(path, flags, 0o600)
 
 
 def keep_code(compiled: Callable, folder: Path, apart: bool = False) -> Callable:

@@ -1,14 +1,19 @@
-"""Where compiled code is kept: in a folder named after the digest of what it was made from."""
+"""Where compiled code is kept: in a folder named after the digest of what it was made from.
+
+Code from there is run, so nothing is read where anybody but this user could have written: see `weakness`.
+"""
 
 import hashlib
 import os
 import re
-import tempfile
+import stat
+import sys
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
 import numba
+from numba.core.registry import cpu_target
 
 PACKAGE = Path(__file__).resolve().parent.parent
 A_KERNEL = re.compile(rb"^\s*@\w*kernel\b", re.MULTILINE)
@@ -29,17 +34,63 @@ def _digest(sources: list[Path]) -> str:
     return text.hexdigest()[:16]
 
 
+def _absolute(text: str) -> Path | None:
+    """Return a folder that the environment names, "~" expanded; None for an empty or a relative one."""
+    path = Path(os.path.expanduser(text))
+    return path if path.is_absolute() else None
+
+
 def _cache_root() -> Path:
     """``$MBSD3D_CACHE``, else the user's cache folder, else a folder of the user's own in the temporary directory."""
-    if "MBSD3D_CACHE" in os.environ:
-        return Path(os.environ["MBSD3D_CACHE"])
-    home = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"))
-    root = home / "mbsd3d"
+    given, caches = (_absolute(os.environ.get(name, "")) for name in ("MBSD3D_CACHE", "XDG_CACHE_HOME"))
+    if given is not None:
+        return given
+    caches = caches or _absolute("~/.cache" if os.environ.get("HOME", "~") else "")
+    if caches is not None:
+        with suppress(OSError):
+            make_private(caches / PACKAGE.name)
+            return caches / PACKAGE.name
+    return _temporary_folder() / f"{PACKAGE.name}-{os.geteuid() if hasattr(os, 'geteuid') else 'cache'}"
+
+
+def _temporary_folder() -> Path:
+    """Return the system's folder for temporary files, never the working directory as `tempfile` may do."""
+    named = [_absolute(os.environ.get(name, "")) for name in ("TMPDIR", "TEMP", "TMP")]
+    for folder in (*filter(None, named), Path("/tmp"), Path("/var/tmp")):
+        if folder.is_dir() and os.access(folder, os.W_OK):
+            return folder
+    return Path(os.devnull)  # nothing can be kept below it, which is said when code is written
+
+
+def make_private(*folders: Path) -> None:
+    """Make folders that are missing, from the outermost on, open to this user alone."""
+    for folder in folders:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+
+
+def weakness(*states: os.stat_result) -> str:
+    """Return why someone else may have written folders or files, given as ``lstat`` has them; "" if no one can have.
+
+    Each must belong to this user, be no link, and not be writable by others. What the administrator made is another
+    user's, too: a folder in a place for temporary files may have been made beforehand by anyone.
+    """
+    for state in states:
+        if stat.S_ISLNK(state.st_mode):
+            return "is a link"
+        if hasattr(os, "geteuid"):  # elsewhere folders of a user are closed to others by their place
+            if state.st_uid != os.geteuid():
+                return "belongs to another user"
+            if state.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
+                return "can be written by others"
+    return ""
+
+
+def weak_folders(*folders: Path) -> str:
+    """Return why nothing in a folder, the last of those from the cache's root on, is trusted; "" if it can be."""
     try:
-        root.mkdir(parents=True, exist_ok=True)
+        return weakness(*(folder.lstat() for folder in folders))
     except OSError:
-        root = Path(tempfile.gettempdir()) / f"mbsd3d-{os.getuid() if hasattr(os, 'getuid') else 'cache'}"
-    return root
+        return "is not there"
 
 
 # No other kernel uses the integrators: an edit there leaves the code of all others valid.
@@ -48,14 +99,25 @@ CACHE = _cache_root() / _digest(compiled_sources())
 EQUATIONS = CACHE.parent / _digest([path for path in compiled_sources() if path.parent.name != INTEGRATORS])
 
 
+SETTINGS = ("OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE", "BOUNDSCHECK", "DEBUGINFO_DEFAULT")  # of numba, that change code
+
+
+def conditions(processor: tuple) -> tuple:
+    """Return what code depends on beside its sources: processor, Python, and the settings of both compilers."""
+    settings = (str(getattr(numba.config, name, None)) for name in SETTINGS)
+    return processor, sys.version_info[:2], sys.flags.optimize, *settings
+
+
+@cache
 def marker(part: str) -> Path:
-    """The file that says a part has been compiled."""
-    return CACHE / f"complete-{part.replace(' ', '-')}"
+    """The file that says a part has been compiled, by this Python with these settings for this processor."""
+    made_for = repr(conditions(cpu_target.target_context.codegen().magic_tuple()))
+    return CACHE / f"complete-{part.replace(' ', '-')}-{hashlib.sha256(made_for.encode()).hexdigest()[:16]}"
 
 
 def is_warm(part: str = "kernels") -> bool:
-    """True when a part of the compiled code of exactly this source is on disk, or none is compiled at all."""
-    return bool(numba.config.DISABLE_JIT) or marker(part).exists()
+    """True when a part of the compiled code of exactly this source can be had from disk, or none is compiled at all."""
+    return bool(numba.config.DISABLE_JIT) or (not weak_folders(CACHE.parent, CACHE) and marker(part).exists())
 
 
 @cache
@@ -63,5 +125,6 @@ def mark_warm(part: str = "kernels") -> None:
     """Note on disk that a part has been compiled."""
     if not is_warm(part):
         with suppress(OSError):  # said where the code itself could not be written
-            CACHE.mkdir(parents=True, exist_ok=True)
-            marker(part).touch()
+            make_private(CACHE.parent, CACHE)
+            if not weak_folders(CACHE.parent, CACHE):
+                marker(part).touch()

@@ -1,8 +1,13 @@
 """The ``@kernel`` decorators: numba in nopython mode, with compiled code on disk that cannot go stale."""
 
 from collections.abc import Callable
+from concurrent.futures import Future
+from threading import Thread, current_thread, main_thread
+from typing import Any
 
 import numba
+from numba.core.compiler_lock import global_compiler_lock
+from numba.core.dispatcher import Dispatcher
 
 from .code_files import keep_code
 from .disk import CACHE, EQUATIONS, INTEGRATORS, PACKAGE
@@ -19,8 +24,39 @@ def compiled(
         no_cpython_wrapper=not from_python, fastmath={"contract", "reassoc", "nsz"} if fused else False,
         forceinline=fused, inline="always" if merged else "never",
     )(function)  # fmt: skip
+    if isinstance(made, Dispatcher):
+        compile_in_thread(made)
     below = function.__module__.startswith(PACKAGE.name) and INTEGRATORS not in function.__module__
     return keep_code(made, EQUATIONS if below else CACHE, apart)
+
+
+def compile_in_thread(made: Dispatcher) -> None:
+    """Have a function that the main thread calls compiled in another one, where no handler of a signal can break in.
+
+    What a handler raises within a call that LLVM makes would be lost, and the code half made. Here it is raised at once
+    in the main thread, as anywhere in Python, and the other one finishes the kernel.
+    """
+    compile_here = made.compile
+
+    def compile_(signature: Any) -> Any:
+        if current_thread() is not main_thread() or global_compiler_lock.is_locked():  # within another compilation
+            return compile_here(signature)
+        ended: Future = Future()
+        try:
+            Thread(target=settle, args=(ended, compile_here, signature), name="mbsd3d compiler").start()
+        except RuntimeError:  # Python ends
+            return compile_here(signature)
+        return ended.result()
+
+    made.compile = compile_
+
+
+def settle(ended: Future, function: Callable, *given: Any) -> None:
+    """Let a future hold what a call returns or raises."""
+    try:
+        ended.set_result(function(*given))
+    except BaseException as error:
+        ended.set_exception(error)
 
 
 def kernel(function: Callable) -> Callable:

@@ -1,8 +1,13 @@
 """Kernels that are compiled when they are first called, so that a run waits for no code that it does not use.
 
-A caller knows neither the code of such a kernel nor its address, only a cell in memory. Two words stand in it: the
-address of the code, zero at first, and that of a function which compiles the kernel, or finds it on disk, and fills
-the first word. A call costs a load and a comparison more than one by name.
+A caller knows neither the code of such a kernel nor its address, only a cell in memory. Its first word is the address
+of the code, zero at first; a call costs a load and a comparison more than one by name. The others serve a caller that
+finds zero there: addresses of functions that have the kernel compiled, or found on disk.
+
+It is compiled in a thread of its own. No exception can pass the compiled code that waits, so nothing may raise one
+there: neither the compiler nor the handler of a signal, which Python runs in the main thread. All that the main thread
+does meanwhile is written in C, and without Python's lock, which the compiler needs. What a signal raises, Ctrl-C or an
+alarm, is raised once the kernels have returned.
 """
 
 import _thread
@@ -10,7 +15,6 @@ import ctypes
 import hashlib
 import inspect
 import os
-import threading
 import traceback
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -29,8 +33,10 @@ from ..base.errors import InputError
 from .announcing import not_silent
 
 WORD = ir.IntType(64)
-FILL = ir.FunctionType(ir.VoidType(), [])
-SOON = 0.01  # s after a kernel is there, when a Ctrl-C that came before is passed on
+IN_C = ir.FunctionType(ir.VoidType(), [])
+NAP_SECONDS = 1e-4  # [s] between two looks at a cell; a kernel takes some milliseconds from disk
+NAPS_MAX = 20_000  # [1] some seconds in which no thread has begun: Python starts none while it ends
+CODE, START, BEGUN, FILL = range(WORDS := 4)  # words of a cell
 FAILED = 70  # exit status where a kernel cannot be compiled
 
 RESULTS = {
@@ -45,8 +51,66 @@ LATE: dict[str, tuple[str, str, tuple]] = {}  # symbol of cells -> module, name,
 class Cells(NamedTuple):
     """Those of some kernels for arguments of some types."""
 
-    words: np.ndarray  # (kernels, 2)
-    fills: list  # functions of C, kept as long as the cells
+    words: np.ndarray  # (kernels, WORDS)
+    functions: list  # of C, kept as long as the cells
+
+
+def in_c(function: Callable, *given: Any) -> Any:
+    """Return a function of C that calls another one; the interpreter, which looks for signals, has no part in it."""
+    return ctypes.CFUNCTYPE(None)(partial(function, *given))
+
+
+def address_of(function: Any) -> int:
+    """Return the address of a function of C."""
+    return ctypes.cast(function, ctypes.c_void_p).value
+
+
+PAUSE, PAUSED = ("Sleep", 1) if os.name == "nt" else ("usleep", round(1e6 * NAP_SECONDS))
+POINTER, NUMBER = ir.IntType(8).as_pointer(), ir.IntType(32)
+PLAIN_C = {  # functions that compiled code calls by name
+    PAUSE: (getattr(ctypes.windll.kernel32 if os.name == "nt" else ctypes.CDLL(None), PAUSE), ir.VoidType(), [NUMBER]),
+    "PyGILState_Check": (ctypes.pythonapi.PyGILState_Check, NUMBER, []),
+    "PyEval_SaveThread": (ctypes.pythonapi.PyEval_SaveThread, POINTER, []),
+    "PyEval_RestoreThread": (ctypes.pythonapi.PyEval_RestoreThread, ir.VoidType(), [POINTER]),
+}
+for name, (function, *_) in PLAIN_C.items():
+    llvm.add_symbol(name, address_of(function))
+
+
+def call_c(builder: Any, name: str, *given: Any) -> Any:
+    """Code that calls one of them."""
+    _, result, kinds = PLAIN_C[name]
+    return builder.call(cgutils.get_or_insert_function(builder.module, ir.FunctionType(result, kinds), name), given)
+
+
+def waiting_function(module: ir.Module) -> ir.Function:
+    """Function that has the cell at an address filled and waits for it; where no thread begins, it fills it itself."""
+    name = "mbsd3d.wait_until_filled"
+    if name in module.globals:
+        return module.globals[name]
+    made = ir.Function(module, ir.FunctionType(ir.VoidType(), [WORD.as_pointer()]), name)
+    made.linkage = "internal"
+    made.attributes.add("noinline")
+    builder = ir.IRBuilder(made.append_basic_block())
+    code, start, begun, fill = (builder.gep(made.args[0], [WORD(i)]) for i in range(WORDS))
+    thread, naps = (cgutils.alloca_once_value(builder, first) for first in (POINTER(None), WORD(0)))
+    with builder.if_then(cgutils.is_not_null(builder, call_c(builder, "PyGILState_Check"))):
+        builder.store(call_c(builder, "PyEval_SaveThread"), thread)
+    builder.call(builder.inttoptr(builder.load(start), IN_C.as_pointer()), [])
+    waiting, filled = (builder.append_basic_block(name) for name in ("waiting", "filled"))
+    builder.branch(waiting)
+    builder.position_at_end(waiting)
+    call_c(builder, PAUSE, NUMBER(PAUSED))
+    builder.store(builder.add(builder.load(naps), WORD(1)), naps)
+    nobody = cgutils.is_null(builder, builder.or_(builder.load(begun), builder.load(code)))
+    with builder.if_then(builder.and_(nobody, builder.icmp_unsigned(">", builder.load(naps), WORD(NAPS_MAX)))):
+        builder.call(builder.inttoptr(builder.load(fill), IN_C.as_pointer()), [])
+    builder.cbranch(cgutils.is_null(builder, builder.load(code)), waiting, filled)
+    builder.position_at_end(filled)
+    with builder.if_then(cgutils.is_not_null(builder, builder.load(thread))):
+        call_c(builder, "PyEval_RestoreThread", builder.load(thread))
+    builder.ret_void()
+    return made
 
 
 class Late(_Intrinsic):
@@ -94,11 +158,11 @@ class Late(_Intrinsic):
 
     def address(self, builder: Any, symbol: str, number: Any) -> Any:
         """Code that reads it from the cell, and has it filled before if nothing is in it."""
-        module, size = builder.module, ir.ArrayType(ir.ArrayType(WORD, 2), len(self.kernels))
+        module, size = builder.module, ir.ArrayType(ir.ArrayType(WORD, WORDS), len(self.kernels))
         cells = module.globals.get(symbol) or cgutils.add_global_variable(module, size, symbol)
-        code, fill = (builder.gep(cells, [WORD(0), number, WORD(i)]) for i in (0, 1))
+        code = builder.gep(cells, [WORD(0), number, WORD(CODE)])
         with cgutils.if_unlikely(builder, cgutils.is_null(builder, builder.load(code))):
-            builder.call(builder.inttoptr(builder.load(fill), FILL.as_pointer()), [])
+            builder.call(waiting_function(module), [code])
         return builder.load(code)
 
     def symbol(self, passed: tuple) -> str:
@@ -106,25 +170,28 @@ class Late(_Intrinsic):
         digest = hashlib.blake2b(repr(passed).encode(), digest_size=8).hexdigest()
         symbol = f"{self.__module__}.{self.__name__}.{digest}"
         if passed not in self.cells:
-            fills = [ctypes.CFUNCTYPE(None)(partial(self.fill, passed, i)) for i in range(len(self.kernels))]
-            words = np.array([[0, ctypes.cast(fill, ctypes.c_void_p).value] for fill in fills], np.uint64)
-            self.cells[passed] = Cells(words, fills)
+            words, functions = np.zeros((len(self.kernels), WORDS), np.uint64), []
+            for i in range(len(self.kernels)):
+                fill = in_c(self.fill_or_end, passed, i)
+                start = in_c(_thread.start_new_thread, self.fill_or_end, (passed, i))
+                words[i, [START, FILL]] = address_of(start), address_of(fill)
+                functions += [start, fill]
+            self.cells[passed] = Cells(words, functions)
             LATE[symbol] = self.__module__, self.__name__, passed
             llvm.add_symbol(symbol, words.ctypes.data)
         return symbol
 
     def fill(self, passed: tuple, number: int) -> None:
-        """Compile a kernel and write its address into its cell.
+        """Compile a kernel and write its address into its cell."""
+        words = self.cells[passed].words[number]
+        words[BEGUN] = 1
+        with not_silent(self.kernels[number].__name__):
+            words[CODE] = self.compiled(passed, number)
 
-        Compiled code calls it, which no exception can pass: Ctrl-C waits until the kernel is there, and one that
-        cannot be compiled ends the process.
-        """
+    def fill_or_end(self, passed: tuple, number: int) -> None:
+        """The same for a caller that waits for it: if the kernel cannot be compiled, it would for ever."""
         try:
-            with not_silent(self.kernels[number].__name__):
-                self.cells[passed].words[number, 0] = self.compiled(passed, number)
-        except KeyboardInterrupt:
             self.fill(passed, number)
-            threading.Timer(SOON, _thread.interrupt_main).start()
         except BaseException:
             traceback.print_exc()
             os._exit(FAILED)
@@ -159,5 +226,5 @@ def empty_cells() -> list[tuple[Late, tuple, int]]:
     found = []
     for module, name, passed in LATE.values():
         one = getattr(import_module(module), name)
-        found += [(one, passed, int(number)) for number in np.flatnonzero(one.cells[passed].words[:, 0] == 0)]
+        found += [(one, passed, int(number)) for number in np.flatnonzero(one.cells[passed].words[:, CODE] == 0)]
     return found

@@ -7,6 +7,7 @@ import re
 import shlex
 import sys
 from collections.abc import Iterable, Mapping, Sequence
+from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +28,7 @@ from .parameters import lacking
 from .report import to_json
 
 VIEWER = "viewer.js"
+ENDS = (".html", "_seen.html", "_without.html", ".png", ".gif")  # of the names of a page's files
 PICTURE = 320  # width of a picture on the front page [pixels]
 FPS, SECONDS, WIDTH = 8, 3.0, 480  # of the films there; in narrower ones the notes lie on each other
 FEW = 4  # notes that one reads below a table; more can be unfolded
@@ -43,12 +45,15 @@ STILL = 1e-6  # m or parts of a quaternion that nobody sees
 
 
 def page(name: str, folder: Path) -> bool:
-    """Write the page of one demo with its players, picture and numbers; False if nothing has changed since."""
+    """Write the page of one demo with its players, picture and numbers; False if it is there, and nothing has changed.
+
+    The numbers come last, with a digest of every other file: what an interruption leaves is no page.
+    """
     demos = discover()
     demo, known = demos.find(name), list(demos.values())
     next_one = known[(known.index(demo) + 1) % len(known)]
     stamp, place = digest(demo, next_one), folder / f"{name}.json"
-    if place.exists() and json.loads(place.read_text(encoding="utf-8")).get("digest") == stamp:
+    if whole(folder, place, stamp):
         return False
     outcome = demo.run()
     players = [("the effect", player(outcome, "the effect", folder / f"{name}_seen.html"))]
@@ -57,6 +62,8 @@ def page(name: str, folder: Path) -> bool:
         term, ablated = taken
         file = folder / f"{name}_without.html"
         players.append((lacking(term), player(ablated, lacking(term), file, beside=outcome)))
+    else:
+        (folder / f"{name}_without.html").unlink(missing_ok=True)
     texts = {label: prose(getattr(demo, label)) for label in ("question", "why", "source")}
     notes = [prose(note) for note in outcome.notes]
     html = page_template("demo.html").render(
@@ -69,9 +76,25 @@ def page(name: str, folder: Path) -> bool:
     write_atomically(folder / f"{name}.html", html.encode("utf-8"))
     picture(outcome, folder / f"{name}.png")
     film(outcome, folder / f"{name}.gif")
-    found = {**json.loads(to_json(demo, outcome)), "digest": stamp, "passed": outcome.passed}
+    files = {path.name: sha256(path.read_bytes()).hexdigest() for path in files_of(name, folder)}
+    found = {**json.loads(to_json(demo, outcome)), "digest": stamp, "files": files, "passed": outcome.passed}
     write_atomically(place, json.dumps(found, indent=1).encode("utf-8"))
     return True
+
+
+def files_of(name: str, folder: Path) -> list[Path]:
+    """Return those files of a demo's page that are there, beside its numbers."""
+    return [path for end in ENDS if (path := folder / f"{name}{end}").exists()]
+
+
+def whole(folder: Path, place: Path, stamp: str) -> bool:
+    """Whether the page whose numbers are at a place is there as it was written, from what has the digest ``stamp``."""
+    try:
+        found = json.loads(place.read_bytes())
+        there = {path.name: sha256(path.read_bytes()).hexdigest() for path in files_of(place.stem, folder)}
+        return found["digest"] == stamp and found["files"] == there
+    except (OSError, ValueError, LookupError, TypeError):  # not there, not whole, or not of this kind
+        return False
 
 
 def front(names: Iterable[str], folder: Path) -> Path:
@@ -109,6 +132,7 @@ def player(outcome: Outcome, title: str, path: Path, beside: Outcome | None = No
     It can be compared with that of an outcome ``beside`` it.
     """
     if not outcome.views:
+        path.unlink(missing_ok=True)
         return ""
     solution, options = first_view(outcome)
     if beside is not None:

@@ -83,24 +83,44 @@ class Store:
     reads floats back bit for bit.
 
     ``identity`` is what makes two runs the same, as JSON: settings, versions; ``what`` names the work in messages, e.g.
-    "sweep". If the file holds other work, ``replace`` begins anew; else that is a `LedgerError` that says what differs,
-    as is a file that cannot be used, read or written.
+    "sweep". If the file holds other work or is damaged, ``replace`` begins anew: for what a command keeps for itself.
+    Else that is a `LedgerError` that says what differs, as is a file that cannot be used, read or written.
     """
 
     def __init__(self, path: str | Path, identity: Mapping[str, Any], what: str, *, replace: bool = False) -> None:
-        self.path, self.what = as_path(path, f"{what}.db"), what
+        self.path, self.what, self.replace = as_path(path, f"{what}.db"), what, replace
         try:
-            self.file = sqlite3.connect(self.path, isolation_level=None)
-            self.file.execute("PRAGMA journal_mode=WAL")
-            self.file.execute("PRAGMA synchronous=NORMAL")
-            for table in TABLES:
-                self.file.execute(table)
+            try:
+                self.open()
+            except sqlite3.OperationalError:  # it is in use, say, or may not be written
+                raise
+            except sqlite3.DatabaseError:
+                if not replace:
+                    raise
+                self.forget()
+                self.open()
             self.check(dict(identity), replace)
         except sqlite3.Error as error:
             raise LedgerError(
                 f"{what}: ledger '{self.path}' cannot be used: {error}; give a file that is new or of this {what}, in "
                 "a folder that exists, is yours and has space"
             ) from error
+
+    def open(self) -> None:
+        """Open the file, and make its tables if it is new; sqlite3.DatabaseError if it is damaged."""
+        self.file = sqlite3.connect(self.path, isolation_level=None)
+        self.file.execute("PRAGMA journal_mode=WAL")
+        self.file.execute("PRAGMA synchronous=NORMAL")
+        for table in TABLES:
+            self.file.execute(table)
+        if self.replace and self.file.execute("PRAGMA quick_check").fetchone() != ("ok",):
+            raise sqlite3.DatabaseError("damaged")
+
+    def forget(self) -> None:
+        """Remove a damaged file, with what SQLite has beside it."""
+        self.close()
+        for end in ("", "-wal", "-shm"):
+            Path(f"{self.path}{end}").unlink(missing_ok=True)
 
     def check(self, own: dict[str, Any], replace: bool) -> None:
         """Refuse or forget other work, and say what differs; a new file gets the identity of this work."""

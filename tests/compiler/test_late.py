@@ -1,8 +1,14 @@
 """Kernels that are compiled when they are first called: none earlier, each once, with the numbers of plain Python."""
 
+import math
+import os
+import signal
 import subprocess
 import sys
+import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import nullcontext
 
 import numba
 import numpy as np
@@ -84,8 +90,101 @@ def test_a_number_says_which(compiled):
     assert a[0] == 10.0 and compiled == ["square", "double"]
 
 
-@pytest.mark.slow
-def test_ctrl_c_waits_for_the_kernel(monkeypatch):
+class Mine(Exception):  # noqa: N818
+    """What a handler of the user's raises."""
+
+
+@pytest.fixture
+def slowly(monkeypatch):
+    """Kernels of cells take 0.2 s to compile, longer than a signal to come; the names of the handlers' exceptions."""
+    plain, handlers = module.Late.compiled, {}
+
+    def slow(self, passed, number):
+        time.sleep(0.2)
+        return plain(self, passed, number)
+
+    monkeypatch.setattr(module.Late, "compiled", slow)
+    for number, error in ((signal.SIGALRM, TimeoutError), (signal.SIGINT, KeyboardInterrupt), (signal.SIGUSR1, Mine)):
+
+        def handle(number, frame, error=error):
+            raise error(f"signal {number}")
+
+        handlers[number] = signal.signal(number, handle)
+    yield {TimeoutError: signal.SIGALRM, KeyboardInterrupt: signal.SIGINT, Mine: signal.SIGUSR1}
+    for number, handler in handlers.items():
+        signal.signal(number, handler)
+
+
+@pytest.mark.parametrize(
+    ("decorator", "error", "after"),
+    [
+        (kernel, TimeoutError, 0.0),
+        (kernel, TimeoutError, 0.1),
+        (kernel, KeyboardInterrupt, 0.1),
+        (kernel, Mine, 0.15),
+        (numba.njit(_nrt=False), TimeoutError, 0.1),
+    ],
+)
+def test_what_a_handler_raises_waits_for_the_kernel(slowly, compiled, decorator, error, after):
+    """Before it is compiled and meanwhile; plain functions of numba keep Python's lock, and let go of it here."""
+
+    @late_kernel
+    def slow(x) -> float:
+        return 7.0 * x
+
+    @decorator
+    def above(x):
+        return slow(x)
+
+    above.compile("float64(float64)")
+    sender = threading.Timer(after, os.kill, (os.getpid(), slowly[error]))
+    with pytest.raises(error, match="signal"):
+        sender.start()
+        above(2.0)
+        time.sleep(5.0)
+    sender.join()
+    assert above(3.0) == 21.0 and compiled == ["slow"]
+
+
+@pytest.mark.parametrize("after", [0.01, 0.05, 0.12])
+def test_what_a_handler_raises_breaks_no_compilation(slowly, after):
+    """Of a function that Python calls: raised at once, and the next call finds the code or waits for it."""
+
+    @kernel
+    def above(x, y):
+        found = x * y
+        for k in range(7):
+            found += math.sin(k * x) * math.atan2(x, y) if k > 9 else 0.0
+        return found
+
+    with pytest.raises(TimeoutError, match="signal"):
+        signal.setitimer(signal.ITIMER_REAL, after)
+        above(2.0, 1.0)
+        time.sleep(5.0)
+    assert above(3.0, -2.0) == -6.0 and len(above.overloads) == 1
+
+
+def test_errors_of_the_compiler_are_the_same_in_a_thread():
+    @kernel
+    def wrong(x):
+        return x.missing
+
+    with pytest.raises(numba.errors.TypingError, match="missing"):
+        wrong(1.0)
+
+
+def test_where_no_thread_can_be_started_the_caller_compiles(monkeypatch, compiled):
+    """As in functions that Python calls when it ends."""
+
+    def refused(*_):
+        raise RuntimeError("can't create new thread at interpreter shutdown")
+
+    monkeypatch.setattr(module._thread, "start_new_thread", refused)
+    monkeypatch.setattr(threading.Thread, "start", refused)
+    monkeypatch.setattr(module, "not_silent", lambda name: nullcontext())
+    monkeypatch.setattr(module, "NAPS_MAX", 50)
+    monkeypatch.setattr(sys, "unraisablehook", lambda _: None)
+
     @late_kernel
     def slow(x) -> float:
         return 7.0 * x
@@ -94,20 +193,42 @@ def test_ctrl_c_waits_for_the_kernel(monkeypatch):
     def above(x):
         return slow(x)
 
-    plain, tries = module.Late.compiled, []
+    assert above(2.0) == 14.0 and above(3.0) == 21.0 and compiled == ["slow"]
 
-    def interrupted(self, passed, number):
-        tries.append(number)
-        if len(tries) == 1:
-            raise KeyboardInterrupt
-        return plain(self, passed, number)
 
-    monkeypatch.setattr(module.Late, "compiled", interrupted)
-    found = []
-    with pytest.raises(KeyboardInterrupt):
-        found.append(above(2.0))
-        time.sleep(10.0)
-    assert found == [14.0] and above(3.0) == 21.0 and len(tries) == 2
+def test_signals_in_a_row_leave_the_kernel_whole(slowly, compiled):
+    """A handler every 2 ms, as a sampling profiler has it; every call is counted, and none is lost."""
+
+    @late_kernel
+    def slow(x) -> float:
+        return 7.0 * x
+
+    @kernel
+    def above(x):
+        return slow(x)
+
+    count = []
+    signal.signal(signal.SIGALRM, lambda *_: count.append(1))
+    signal.setitimer(signal.ITIMER_REAL, 2e-3, 2e-3)
+    try:
+        assert above(2.0) == 14.0
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+    assert count and compiled == ["slow"]
+
+
+def test_threads_that_call_it_at_once_wait_for_one_kernel(slowly, compiled):
+    @late_kernel
+    def slow(x) -> float:
+        return 7.0 * x
+
+    @kernel
+    def above(x):
+        return slow(x)
+
+    above.compile("float64(float64)")
+    with ThreadPoolExecutor(4) as pool:
+        assert list(pool.map(above, [1.0, 2.0, 3.0, 4.0])) == [7.0, 14.0, 21.0, 28.0]
 
 
 WRONG = """
@@ -133,3 +254,34 @@ def test_a_long_compilation_is_said(monkeypatch, capsys):
     with announcing.not_silent("spring"):
         pass
     assert capsys.readouterr().err == "mbsd3d: compiling tyre, once after installation ...\n"
+
+
+SECOND = """
+import sys, time
+from mbsd3d.compiler import second
+second.WORK = "from mbsd3d.compiler.second import end_with_parent; end_with_parent(); import time; time.sleep(60)"
+second.os.cpu_count = lambda: 2
+second.start_second()
+print(second.others[0].pid, flush=True)
+time.sleep(60)
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="kill -9")
+@pytest.mark.parametrize("sign", [signal.SIGKILL, signal.SIGTERM])
+def test_the_second_process_ends_with_the_first(sign):
+    environment = {name: value for name, value in os.environ.items() if name != "MBSD3D_SECOND"}
+    first = subprocess.Popen([sys.executable, "-c", SECOND], stdout=subprocess.PIPE, text=True, env=environment)
+    pid = int(first.stdout.readline())
+    time.sleep(0.1)
+    first.send_signal(sign)
+    first.wait()
+    ends = time.monotonic() + 10.0
+    while time.monotonic() < ends:
+        try:
+            os.kill(pid, 0)
+        except ProcessLookupError:
+            return
+        time.sleep(0.02)
+    os.kill(pid, signal.SIGKILL)
+    raise AssertionError("the second process lives on")

@@ -68,6 +68,32 @@ def test_a_page_is_kept_until_something_changes(site):
     assert gallery.page(NAME, site)
 
 
+ENDS = (".json", ".html", "_seen.html", "_without.html", ".png", ".gif")
+
+
+@pytest.mark.parametrize("end", ENDS)
+@pytest.mark.parametrize("left", [None, b"", b"{", "half", b'["not", "numbers"]'])
+def test_a_page_is_kept_only_if_all_its_files_are_whole(site, monkeypatch, end, left):
+    """As an interruption, a full disk or a hand leaves them."""
+
+    def made_again(*_):
+        raise KeyError("it is made again")
+
+    monkeypatch.setattr(gallery.Demo, "run", made_again)
+    assert not gallery.page(NAME, site)
+    file = site / f"{NAME}{end}"
+    before = file.read_bytes()
+    try:
+        file.unlink()
+        if left is not None:
+            file.write_bytes(before[: len(before) // 2] if left == "half" else left)
+        with pytest.raises(KeyError, match="it is made again"):
+            gallery.page(NAME, site)
+    finally:
+        file.write_bytes(before)
+    assert not gallery.page(NAME, site)
+
+
 def test_every_demo_has_a_digest_of_its_own():
     demos = discover()
     assert len({digest.digest(demo, demo) for demo in demos.values()}) == len(demos)

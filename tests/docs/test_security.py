@@ -20,7 +20,9 @@ from validation.nvh.records import RECORD, TABLE
 from validation.nvh.road.measured import LONG, MOST
 
 ROOT = Path(__file__).parents[2]
-README, SECURITY = ((ROOT / name).read_text(encoding="utf-8") for name in ("README.md", "SECURITY.md"))
+README, SECURITY, MAKEFILE = (
+    (ROOT / name).read_text(encoding="utf-8") for name in ("README.md", "SECURITY.md", "Makefile")
+)
 
 
 def number(count):
@@ -45,7 +47,8 @@ def test_sizes_are_those_of_the_code():
 def test_counts_of_models_files_and_kills_are_those_of_the_tests():
     kills = len(sweep_models.KILLED) * sweep_models.MOMENTS
     said = f"{number(hostile.COUNT)} models, {number(hostile_files.COUNT)} files, {kills} kills"
-    assert said in README and f"{kills} sweeps are killed" in SECURITY
+    assert said in README and f"are each killed at {sweep_models.ALL_MOMENTS} moments" in SECURITY
+    assert f"{kills} of them" in SECURITY and f"MBSD3D_TEST_KILLS={sweep_models.ALL_MOMENTS}" in MAKEFILE
     assert f"{number(hostile.COUNT)} random models" in SECURITY
     assert f"{number(hostile_files.COUNT)} broken files" in SECURITY
 

@@ -142,7 +142,7 @@ def test_simulations_are_equal_to_the_last_bit(tmp_path, build):
 @pytest.mark.parametrize("form", FORMS)
 def test_extreme_numbers_and_names_come_back(tmp_path, form):
     numbers = (5e-324, -0.0, 9.999999999999999e59)
-    names = ("q\"uo'te", "ünï😀", "back\\slash", "a.b", 'x"', "\u2028", "\u202e", "#", " ", "[a]", "''")
+    names = ("q\"uo'te", "ünï😀", "می\u200cخواهم", "back\\slash", "a.b", 'x"', "#", " ", "[a]", "''")
     bodies = [Body(name, 1.0, (1, 1, 1), position=numbers) for name in names]
     copy = round_trip(System(bodies, [Revolute(GROUND, bodies[1], at=(0, 0, 0), axis=(0, 0, 1))]), tmp_path, form)
     assert [body.name for body in copy.bodies] == list(names) and copy.joints[0].b is copy.bodies[1]

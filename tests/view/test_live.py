@@ -196,6 +196,15 @@ def test_another_page_gets_no_scene(view):
     assert knock(bare, Cookie=cookie, **socket_headers)[0] == 101
 
 
+def test_two_hosts_are_refused(view):
+    """What is served by viser stands behind the same guard."""
+    host, port = re.fullmatch(r"http://(.+):(\d+)/.*", view.url).groups()
+    for second in (f"{host}:{port}", "evil.example"):
+        with socket.create_connection((host, int(port)), timeout=10) as line:
+            line.sendall(f"GET / HTTP/1.1\r\nHost: {host}:{port}\r\nHost: {second}\r\n\r\n".encode())
+            assert line.recv(4096).startswith(b"HTTP/1.1 400")
+
+
 def connected(view, count=3):
     """Browsers that stay, as far as the server can tell."""
     from viser import __version__

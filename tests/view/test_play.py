@@ -3,6 +3,7 @@
 import asyncio
 import json
 import re
+import socket
 import struct
 import threading
 from contextlib import contextmanager
@@ -83,16 +84,60 @@ def test_only_the_whole_address_opens_it(ride):
     assert status == 200 and "HttpOnly; SameSite=Strict" in head["Set-Cookie"] and head["Cache-Control"] == "no-store"
     assert head["Content-Type"].startswith("text/html")
     cookie = head["Set-Cookie"].partition(";")[0]
-    socket = {
+    upgrade = {
         "Upgrade": "websocket", "Connection": "Upgrade", "Sec_WebSocket_Version": "13",
         "Sec_WebSocket_Key": "eHh4eHh4eHh4eHh4eHh4eA==",
     }  # fmt: skip
     assert knock(bare)[0] == 403 and knock(bare + "?token=x")[0] == 403 and knock(bare, Cookie=cookie)[0] == 200
     assert knock(bare + "nothing", Cookie=cookie)[0] == 404 and knock(bare + "live", Cookie=cookie)[0] == 404
-    assert knock(bare + "live", **socket)[0] == 403
-    assert knock(bare + "live", Cookie=cookie, Origin="http://evil.example", **socket)[0] == 403
-    assert knock(bare + "live", Cookie=cookie, Host=f"evil.example:{port}", **socket)[0] == 403
-    assert knock(bare + "live", Cookie=cookie, Origin=f"http://127.0.0.1:{port}", **socket)[0] == 101
+    assert knock(bare + "live", **upgrade)[0] == 403
+    assert knock(bare + "live", Cookie=cookie, Origin="http://evil.example", **upgrade)[0] == 403
+    assert knock(bare + "live", Cookie=cookie, Host=f"evil.example:{port}", **upgrade)[0] == 403
+    assert knock(bare + "live", Cookie=cookie, Origin=f"http://127.0.0.1:{port}", **upgrade)[0] == 101
+
+
+def asked(url, path, *lines):
+    """Status of a request of whatever bytes."""
+    host, port = re.fullmatch(r"http://(.+):(\d+)/.*", url).groups()
+    own = [f"GET {path} HTTP/1.1".encode(), *(line.replace("PORT", port).encode("latin-1") for line in lines)]
+    with socket.create_connection((host, int(port)), timeout=10) as line:
+        line.sendall(b"\r\n".join([*own, b"Connection: close", b"", b""]))
+        head = line.recv(4096)
+    return int(head.split()[1])
+
+
+HOST = "Host: 127.0.0.1:PORT"
+TURNED_AWAY = {
+    "two hosts": (HOST, HOST),
+    "two names": (HOST, "Host: localhost:PORT"),
+    "a foreign one first": ("Host: evil.example:PORT", HOST),
+    "three": (HOST, HOST, "host: 127.0.0.1:PORT"),
+    "two origins": (HOST, "Origin: http://127.0.0.1:PORT", "Origin: http://127.0.0.1:PORT"),
+    "two cookies": (HOST, "Cookie: a=1", "Cookie: b=2"),
+}
+
+
+@pytest.mark.parametrize("lines", TURNED_AWAY.values(), ids=TURNED_AWAY)
+def test_a_request_that_means_two_things_is_refused(ride, lines):
+    token = ride.url.partition("?")[2]
+    for path in ("/", f"/?{token}", "/live"):
+        assert asked(ride.url, path, *lines) == 400
+    assert asked(ride.url, f"/?{token}", HOST) == 200
+
+
+def test_odd_requests_are_no_error_of_the_server(ride):
+    token = ride.url.partition("?")[2]
+    odd = [
+        ("/", "Cookie: a@b=1; (=2"), ("/", "Cookie: \xe4\xff=\xfe"), ("//[", "A: b"), ("//[?token=%ff%00", "A: b"),
+        ("/?token=%f0%9f", "A: b"), ("/?" + "&" * 2000, "A: b"), ("/?token=%00", "Upgrade: a", "Upgrade: b"),
+        ("/live", "Upgrade: websocket", "Upgrade: websocket"),
+    ]  # fmt: skip
+    for path, *lines in odd:
+        assert 400 <= asked(ride.url, path, HOST, *lines) < 500, (path, lines)
+    port = re.search(r":(\d+)/", ride.url)[1]
+    cookie = f"Cookie: a@b=1; (=2; mbsd3d-{port}={token.partition('=')[2]}"
+    assert asked(ride.url, "//[", HOST, cookie) in (403, 404)
+    assert 400 <= asked(ride.url, "/") < 500  # no host at all
 
 
 def test_frames_hold_the_poses_and_the_curves(ride):

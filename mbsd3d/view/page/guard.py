@@ -8,11 +8,11 @@ import functools
 import secrets
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from http import HTTPStatus
-from http.cookies import SimpleCookie
+from http.cookies import CookieError, SimpleCookie
 from typing import Any
-from urllib.parse import parse_qs, urlsplit
+from urllib.parse import parse_qs
 from weakref import WeakSet
 
 NAMES = ("127.0.0.1", "localhost")
@@ -25,6 +25,15 @@ def new_token() -> str:
     return secrets.token_urlsafe(16)
 
 
+SINGLE = ("Host", "Origin", "Cookie")  # headers that a request has once at most, or it means two things
+
+
+def doubled(headers: Any) -> str | None:
+    """Why a request is no request: a header that decides who may see the view stands in it more than once."""
+    names = [name for name in SINGLE if len(headers.get_all(name)) > 1]
+    return f"a request has one header {names[0]}" if names else None
+
+
 def refusal(headers: Any, path: str, port: int, token: str) -> str | None:
     """Why a request is refused; None = it is not."""
     if headers.get("Host") not in [f"{name}:{port}" for name in NAMES]:
@@ -32,23 +41,28 @@ def refusal(headers: Any, path: str, port: int, token: str) -> str | None:
     origin = headers.get("Origin")
     if origin is not None and origin not in [f"http://{name}:{port}" for name in NAMES]:
         return "another page may not read this view"
-    if not secrets.compare_digest(given_token(headers, path, port).encode(), token.encode()):
+    if not secrets.compare_digest(given_token(headers, path, port).encode("utf-8", "replace"), token.encode()):
         return "open the whole address that was printed, with its token"
     return None
 
 
 def given_token(headers: Any, path: str, port: int) -> str:
     """The token of the query, else that of the cookie."""
-    query = parse_qs(urlsplit(path).query).get("token", [""])[0]
-    cookie = SimpleCookie(headers.get("Cookie", "")).get(f"mbsd3d-{port}")
-    return query or (cookie.value if cookie else "")
+    query = parse_qs(path.partition("?")[2]).get("token", [""])[0]
+    cookie = SimpleCookie()
+    with suppress(CookieError):  # another page on this machine may have set what is none
+        cookie.load(headers.get("Cookie", ""))
+    found = cookie.get(f"mbsd3d-{port}")
+    return query or (found.value if found else "")
 
 
 def guarded(process: Callable | None, token: str) -> Callable:
     """The answer to a request behind the guard."""
 
     def answer(connection: Any, request: Any) -> Any:
-        port = connection.local_address[1]
+        port, why = connection.local_address[1], doubled(request.headers)
+        if why is not None:
+            return connection.respond(HTTPStatus.BAD_REQUEST, f"{why}\n")
         why = refusal(request.headers, request.path, port, token)
         if why is not None:
             return connection.respond(HTTPStatus.FORBIDDEN, f"{why}\n")

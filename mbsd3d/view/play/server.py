@@ -110,7 +110,7 @@ class Server:
     def _answer(self, connection: "ServerConnection", request: "Request") -> "Response | None":
         """A file; None = the socket."""
         path = request.path.partition("?")[0]
-        if path == "/live" and request.headers.get("Upgrade", "").lower() == "websocket":
+        if path == "/live" and "websocket" in map(str.lower, request.headers.get_all("Upgrade")):
             return None
         if path not in self.pages:
             return connection.respond(HTTPStatus.NOT_FOUND, "there is no such page\n")

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
-from mbsd3d.extend import CACHE
+from mbsd3d.extend import CACHE, keep_code
 
 
 def _digest() -> str:
@@ -34,14 +34,8 @@ FOLDER = CACHE.parent / f"planar-{_digest()}"
 
 def _compiled(function: Callable, **options: object) -> Callable:
     """Nopython mode without reference counts: the kernels allocate nothing."""
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(FOLDER)
-    try:
-        return numba.njit(cache=True, error_model="numpy", nogil=True, _nrt=False, no_cfunc_wrapper=True, **options)(
-            function
-        )
-    finally:
-        numba.config.CACHE_DIR = before
+    made = numba.njit(error_model="numpy", nogil=True, _nrt=False, no_cfunc_wrapper=True, **options)(function)
+    return keep_code(made, FOLDER)
 
 
 def kernel(function: Callable) -> Callable:
