@@ -26,12 +26,13 @@ def spring(m, d, p, out, t):
     pa, pb = point(a, sa), point(b, sb)
     gap, rate = sub(pb, pa), sub(point_velocity(b, sb), point_velocity(a, sa))
     length = np.sqrt(dot(gap, gap))
-    if p.value[2] == 0.0 and length.real <= COINCIDENCE_ROUNDING * np.sqrt(dot(pa, pa) + dot(pb, pb)).real:
+    coincide = length.real <= COINCIDENCE_ROUNDING * np.sqrt(dot(pa, pa) + dot(pb, pb)).real
+    if coincide and p.value[2] == 0.0:
         pull = add(scale(p.value[0], gap), scale(p.value[1], rate))  # -k gap is smooth; the gap opens along the rate
         out.potential = 0.5 * p.value[0] * dot(gap, gap)
         out.power = -p.value[1] * dot(rate, rate)
     else:
-        n = scale(1.0 / length, gap)
+        n = scale(np.nan if coincide else 1.0 / length, gap)  # no direction: the run names the spring
         stretch, speed = length - p.value[2], dot(n, rate)
         pull = scale(p.value[0] * stretch + p.value[1] * speed, n)
         out.potential = 0.5 * p.value[0] * stretch * stretch
