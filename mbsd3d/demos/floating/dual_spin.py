@@ -4,7 +4,7 @@ import numpy as np
 
 from mbsd3d import GROUND, Body, Revolute, Spherical, State, System, accelerations, shapes, simulate
 
-from ..form import Ablation, Curve, Demo, Measured, Quantity
+from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 
 
 def mechanism(*, I=(30.0, 50.0, 40.0), w=0.5, J=0.2, Omega=60.0) -> System:
@@ -28,6 +28,7 @@ def square(I, w, J, Omega):
 
 def theory(*, I, w, J, Omega):
     """Growth with the wheel at rest in the body, nutation with the wheel on; zero where there is none."""
+    require(w != 0 and J > 0, f"demo 'dual_spin': w = {w:g}, J = {J:g}: give a turn and a wheel")
     off, on = square(I, w, J, 0.0), square(I, w, J, Omega)
     return {"growth_wheel_off_1_s": np.sqrt(max(off, 0.0)), "nutation_wheel_on_rad_s": np.sqrt(max(-on, 0.0))}
 
