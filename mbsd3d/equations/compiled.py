@@ -86,7 +86,7 @@ class Compiled:
 
     @property
     def own_coordinates(self) -> int:
-        """Return the number of hinge coordinates of the system itself; those that only measures read come after them."""
+        """Return the number of hinge coordinates of the system itself; those that only measures read come after."""
         return len(tables_of(self.system).coordinate_index)
 
     def data(self, dtype: type = float) -> Data:

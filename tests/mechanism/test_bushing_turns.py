@@ -1,4 +1,4 @@
-"""A bushing turned by any angle: its moment and energy against the closed form, half a turn and whole turns included."""
+"""A bushing turned by any angle: its moment and energy against the closed form, at half a turn and beyond."""
 
 import numpy as np
 import pytest

@@ -14,7 +14,6 @@ from ..bodies import Body, Ground
 from ..force_element import ForceElement, ForceRecord, check_pair, hinge_coordinate
 from ..joints import Joint
 
-
 COINCIDENCE_ROUNDING = 1e-15  # [1] of the distances from the origin; 5 roundings: a gap below has no direction
 
 

@@ -46,7 +46,7 @@ def add_load(model: Assembly, load: Any, point: Any, components: tuple, element:
 
 
 def add_spring(model: Assembly, spring: Any, what: str) -> None:
-    """Along the line between two points; without length and damper by components, since Exudyn's line needs a length."""
+    """Along the line between two points; without length and damper by components, as Exudyn's line needs a length."""
     markers = [model.marker(spring.a, spring.at_a), model.marker(spring.b, spring.at_b)]
     if spring.length == 0.0 and spring.damping == 0.0:
         item = model.items.ObjectConnectorCartesianSpringDamper(markerNumbers=markers, stiffness=[spring.stiffness] * 3)
