@@ -326,7 +326,7 @@ def test_a_nose_that_passes_straight_up_stays_beside_its_plane(M, side):
     run, row = found.solutions["jet_pitch_yaw"], found.quantities["nose_sideways_deg"]
     assert run.rotation("jet")[-1][0, 0] < 0.0  # over the top: the nose points back
     assert row.passed and row.computed == pytest.approx(side, rel=1e-9)
-    assert np.abs(np.diff(found.panels[0].drawn.y)).max() < 0.1  # deg a hundredth of a second
+    assert np.abs(np.diff(found.panels[0].drawn.y)).max() < 0.4  # deg a hundredth of a second, at 0.6 rad/s
 
 
 @pytest.mark.parametrize("changes", [{"steer": 0.05}, {"step": 0.05}, {"step": 0}, {"steer": -0.03, "step": 0.02}])
