@@ -1,5 +1,7 @@
 """A spring of no length through its own anchor: closed forms of motion, small motions and laws, and other programs."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -74,6 +76,17 @@ def test_energy_power_length_and_rate_where_the_ends_meet():
     assert load.power[0] == pytest.approx(-DAMPING * SPEED @ SPEED, rel=1e-12)
     assert load.stored[0] == 0.0 and load.length[0] == pytest.approx(0.0, abs=1e-15)
     assert load.rate[0] == pytest.approx(np.linalg.norm(SPEED), rel=1e-12)
+
+
+def test_rounding_of_the_anchor_is_no_direction():
+    """Seen from a far reference point the ends part by 1e-16 m; the damper still pulls against the whole velocity."""
+    for far in ((5.0, -3.0, 2.0), (0.3, 0.1, -0.7), (1e3, 2e3, -1e3)):
+        velocity = SPEED - np.cross(TURN, -np.array(far))
+        body = Body("bob", MASS, INERTIA, com=(0.1, 0, 0), position=far, velocity=velocity, omega=TURN)
+        body = replace(body, orientation=rotation((0.3, 1.0, -0.4), 1.1))
+        spring = anchored(body, (0.0, 0.0, 0.0), DAMPING)
+        force = accelerations(System([body], [], [spring], gravity=(0, 0, 0))).force(spring).force[0]
+        assert force == pytest.approx(-DAMPING * SPEED, rel=1e-10)  # 1e-13 of the speeds of 1e4 m/s that cancel
 
 
 @pytest.mark.parametrize("damping", [0.0, DAMPING])

@@ -14,7 +14,7 @@ from ..bodies import Body, Ground
 from ..force_element import ForceElement, ForceRecord, check_pair, hinge_coordinate
 from ..joints import Joint
 
-COINCIDENCE_ROUNDING = 1e-15  # [1] of the distances from the origin; 5 roundings: a gap below has no direction
+COINCIDENCE_ROUNDING = 1e-15  # [1] of the lengths that make the gap; 5 roundings: one below has no direction
 
 
 @inner_kernel
@@ -25,7 +25,8 @@ def spring(m, d, p, out, t):
     pa, pb = point(a, sa), point(b, sb)
     gap, rate = sub(pb, pa), sub(point_velocity(b, sb), point_velocity(a, sa))
     length = np.sqrt(dot(gap, gap))
-    coincide = length.real <= COINCIDENCE_ROUNDING * np.sqrt(dot(pa, pa) + dot(pb, pb)).real
+    reach = np.sqrt(dot(pa, pa) + dot(pb, pb) + dot(sa, sa) + dot(sb, sb))
+    coincide = length.real <= COINCIDENCE_ROUNDING * reach.real
     if coincide and p.value[2] == 0.0:
         pull = add(scale(p.value[0], gap), scale(p.value[1], rate))  # -k gap is smooth; the gap opens along the rate
         out.potential = 0.5 * p.value[0] * dot(gap, gap)
