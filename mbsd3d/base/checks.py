@@ -39,14 +39,22 @@ def all_within(array: np.ndarray, most: float) -> bool:
     return bool((np.abs(array) <= most).all())
 
 
+def holds_truth(values: Any) -> bool:
+    """Return whether a value is True or False, or lists hold one; numpy and float() would make it 1 or 0."""
+    if isinstance(values, list | tuple):
+        return any(map(holds_truth, values))
+    return isinstance(values, bool | np.bool_)
+
+
 def floats(values: Any, what: str, remedy: str) -> np.ndarray:
-    """An own array of finite floats, or a ValueError that names ``what``; texts are no numbers."""
+    """An own array of finite floats, or a ValueError that names ``what``; texts, True and False are no numbers."""
     try:
         raw = np.asarray(values)
         array = raw.astype(float) if raw.dtype.kind in "fiuO" else None
     except (TypeError, ValueError, OverflowError):
         array = None
-    if array is None or (raw.dtype.kind == "O" and any(isinstance(x, str | bytes | None) for x in raw.flat)):
+    texts = array is not None and raw.dtype.kind == "O" and any(isinstance(x, str | bytes | None) for x in raw.flat)
+    if array is None or texts or holds_truth(values):
         raise InputError(f"{what}: {shown(values)} is not numeric; give {remedy}")
     if not all_within(array, sys.float_info.max):
         text = np.array2string(array, separator=", ", precision=9, threshold=20).replace("\n", "")
@@ -109,7 +117,7 @@ def vector(value: ArrayLike, what: str) -> np.ndarray:
 def number(value: float, what: str, *, minimum: float | None = None, positive: bool = False) -> float:
     """A finite float within its range, or a ValueError that names ``what``."""
     try:
-        x = None if isinstance(value, str | bytes) else float(value)
+        x = None if isinstance(value, str | bytes) or holds_truth(value) else float(value)
     except (TypeError, ValueError, OverflowError):
         x = None
     if x is None:

@@ -69,6 +69,13 @@ class Commands(click.Group):
                 return command_of(entry)
         return None
 
+    def resolve_command(self, ctx: click.Context, args: list[str]) -> tuple[Any, ...]:
+        """Find the command that is called; an option of one value that is given twice is a `Failure`."""
+        name, command, rest = super().resolve_command(ctx, args)
+        if command is not None:
+            check_given_once(command, ctx, rest)
+        return name, command, rest
+
     def invoke(self, ctx: click.Context) -> Any:
         """Run a command; expected errors become a `Failure`, Ctrl-C a quiet end."""
         try:
@@ -89,6 +96,22 @@ class Commands(click.Group):
             raise Failure(f"{where}{error.strerror or error}") from error
         except ValueError as error:
             raise Failure(str(error)) from error
+
+
+def check_given_once(command: click.Command, parent: click.Context, args: list[str]) -> None:
+    """Raise a `Failure` for an option of one value that a command, or one of its own commands, is given twice.
+
+    click takes the last one without a word.
+    """
+    ctx = click.Context(command, parent, command.name, **command.context_settings)
+    _, rest, order = command.make_parser(ctx).parse_args(list(args))
+    for option in order:
+        single = isinstance(option, click.Option) and not (option.is_flag or option.multiple or option.count)
+        if single and order.count(option) > 1:
+            raise Failure(f"{option.opts[0]} is given twice; give it once")
+    inner = command.get_command(ctx, rest[0]) if isinstance(command, click.Group) and rest else None
+    if inner is not None:
+        check_given_once(inner, ctx, rest[1:])
 
 
 def command_of(entry: metadata.EntryPoint) -> click.Command:

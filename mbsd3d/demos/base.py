@@ -40,14 +40,16 @@ class Row:
 
     @property
     def error(self) -> float:
-        """|computed - theory|; infinite if a number is not finite."""
+        """|computed - theory|: 0 if both are the same infinity, infinite if one number is not finite."""
+        if self.computed == self.theory:
+            return 0.0
         error = abs(float(self.computed) - float(self.theory))
         return error if isfinite(error) else inf
 
     @property
     def passed(self) -> bool:
-        """True if the error is within the tolerance."""
-        return self.error <= self.tolerance
+        """True if the error is finite and within the tolerance."""
+        return isfinite(self.error) and self.error <= self.tolerance
 
 
 class Show(NamedTuple):

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from functools import cached_property, partial
+from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
@@ -31,7 +32,7 @@ class Quantity:
 
     def tolerance(self, theory: float) -> float:
         """Largest accepted error beside a theoretical value."""
-        return max(self.absolute, self.relative * abs(theory))
+        return max(self.absolute, self.relative * abs(theory)) if isfinite(theory) else self.absolute
 
 
 class Against(NamedTuple):

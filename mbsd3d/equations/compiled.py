@@ -84,6 +84,11 @@ class Compiled:
         """Index of a hinge coordinate."""
         return self.coordinate_index[key_of(coordinate)]
 
+    @property
+    def own_coordinates(self) -> int:
+        """Return the number of hinge coordinates of the system itself; those that only measures read come after."""
+        return len(tables_of(self.system).coordinate_index)
+
     def data(self, dtype: type = float) -> Data:
         """A fresh work space; the functions of custom forces are compiled for ``dtype`` here."""
         link(self.system, self.model, dtype)

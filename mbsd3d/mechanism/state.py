@@ -25,7 +25,8 @@ class State(metaclass=Explained):
     z : (k,) array
         States owned by force elements, in their order; empty = their declared initial values.
     coordinates : array or None
-        Hinge angles [rad] and slides [m], unwrapped, in the order of the compiled model; None = nearest to zero.
+        Hinge angles [rad] and slides [m], unwrapped, in the order of the compiled model; None = nearest to zero. They
+        are those of the system: of angles that only a condition or a stepper measures a state keeps no count.
     moved : mapping
         What assembling moved: body name -> (distance [m], angle [rad]) from the reference pose.
     notes : tuple of str

@@ -157,6 +157,7 @@ def stretch(solution: RunMotion, part: ForceElement) -> dict[str, np.ndarray]:
         (p_a, v_a), (p_b, v_b) = (
             solution._point_motion(body, at) for body, at in ((part.a, part.at_a), (part.b, part.at_b))
         )
-        length = np.linalg.norm(p_b - p_a, axis=1)
-        return {"length": length, "rate": np.einsum("ti,ti->t", p_b - p_a, v_b - v_a) / length}
+        length, opening = np.linalg.norm(p_b - p_a, axis=1), np.linalg.norm(v_b - v_a, axis=1)  # from no length
+        along = np.einsum("ti,ti->t", p_b - p_a, v_b - v_a)
+        return {"length": length, "rate": np.divide(along, length, out=opening, where=length > 0.0)}
     return {}

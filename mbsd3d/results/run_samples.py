@@ -87,7 +87,8 @@ class RunSamples(RunMotion):
         at_end = len(states) > 0 and np.array_equal(states[-1], y)
         v = arrays["v"][-1] if at_end else world_velocities(y[None], n)[0]
         own = y[13 * n : 13 * n + compiled.model.z_work]
-        end = State(t, unit_quaternions(y[: 7 * n]), v.ravel(), own, data.coordinate["value"].copy())
+        coordinates = data.coordinate["value"][: compiled.own_coordinates].copy()
+        end = State(t, unit_quaternions(y[: 7 * n]), v.ravel(), own, coordinates)
         return cls(compiled, arrays, record, start, end)
 
     @property
@@ -252,7 +253,8 @@ class RunSamples(RunMotion):
             raise InputError(f"solution.state: sample {shown(sample)} is not one of {count}; give 0 ... {count - 1}")
         a = self.arrays
         own, q = a["z"][sample, : self.compiled.model.z_work], unit_quaternions(a["q"][sample].ravel())
-        return State(float(self.t[sample]), q, a["v"][sample].ravel(), own, a["coordinate"][sample])
+        coordinates = a["coordinate"][sample, : self.compiled.own_coordinates]
+        return State(float(self.t[sample]), q, a["v"][sample].ravel(), own, coordinates)
 
 
 def unit_quaternions(q: np.ndarray) -> np.ndarray:

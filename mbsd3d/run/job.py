@@ -68,6 +68,7 @@ class Job:
         self.record = Record(method, rtol, compiled.switches, allowed, method.order == 0, about_centre=True)
         self.own = method.start(self.model, compiled.data)
         coordinates = driven_coordinates(compiled, start.t) if start.coordinates is None else start.coordinates
+        coordinates = coordinates[: compiled.own_coordinates]  # what another run measured besides is not known here
         y = load_state(compiled, self.data, State(start.t, start.q, start.v, start.z, coordinates))
         self.tree = None
         self.memory = self.new_run(y, start.t, t_end, times, rtol)

@@ -147,7 +147,7 @@ class Slices(Job):
         """The state reached."""
         n, y = self.model.body.size, self.memory.y
         own = y[13 * n : 13 * n + self.model.z_work]
-        coordinates = self.data.coordinate["value"].copy()
+        coordinates = self.data.coordinate["value"][: self.compiled.own_coordinates].copy()
         return State(self.t, unit_quaternions(y[: 7 * n]), self.velocities, own, coordinates)
 
     @property

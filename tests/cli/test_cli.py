@@ -359,6 +359,9 @@ def expect_one_line(result, message):
         (("demo", "stewart", "--without", "giroscopic"), "no term 'giroscopic'; did you mean gyroscopic?"),
         (("demo", "--json"), "--json is for one demo; give its name"),
         (("demo", "cardan", "--all"), "exclude each other"),
+        (("demo", "cardan", "--out", "a", "--out=b"), "--out is given twice; give it once"),
+        (("nvh", "inline_4", "--car", "compact", "--car", "saloon"), "--car is given twice; give it once"),
+        (("bicycle", "stability", "--out", "a", "--out", "b"), "--out is given twice; give it once"),
     ],
 )
 def test_bad_arguments_are_one_line(folder, arguments, message):

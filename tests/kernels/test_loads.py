@@ -1,5 +1,7 @@
 """Force elements: power belongs to stored energy, actions equal reactions, and the formulas of their docstrings."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from models import (
@@ -138,6 +140,7 @@ EXAMPLES = {
     "Torque in world axes": lambda rng, a, b: ([], Torque(b, _signals(rng))),
     "Torque in body axes": lambda rng, a, b: ([], Torque(b, _signals(rng), frame="body")),
     "SpringDamper": lambda rng, a, b: ([], _spring(rng, a, b)),
+    "SpringDamper without length": lambda rng, a, b: ([], replace(_spring(rng, a, b), length=0.0)),
     "TorsionSpring on a hinge": lambda rng, a, b: _on(
         _hinge(rng, a, b), TorsionSpring, stiffness=3.0, damping=0.7, angle=0.4
     ),

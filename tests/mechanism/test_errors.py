@@ -253,6 +253,12 @@ FORCES = {
         lambda: Force("rod", (1, 0, 0), name="push"),
         ["force 'push'", "'rod' is not a body", "give a Body"],
     ),
+    "a mass that is True": (lambda: Body("rod", True, (1, 1, 1)), ["body 'rod'", "mass", "a number, got True"]),
+    "an inertia with True": (
+        lambda: Body("rod", 1.0, [[1, 0, 0], [0, True, 0], [0, 0, 1]]),
+        ["body 'rod'", "inertia", "True", "not numeric"],
+    ),
+    "a component that is False": (lambda: Force(ROD, (1, False, 0), name="push"), ["force 'push'", "y", "got False"]),
     "two components": (lambda: Force(ROD, (1, 0), name="push"), ["force 'push'", "force", "three components"]),
     "NaN component": (lambda: Force(ROD, (1, NAN, 0), name="push"), ["force 'push'", "along y", "nan", "give"]),
     "unknown frame": (

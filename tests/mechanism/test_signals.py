@@ -1,6 +1,7 @@
 """Signals: derivatives against differences, algebra, the lowered terms, the compiled twin, and every refusal."""
 
 import doctest
+import pickle
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,6 +12,8 @@ from mbsd3d.kernels import signals as kernels
 from mbsd3d.mechanism.signals import Constant, Sum, as_signal, check_interval, curves
 from mbsd3d.mechanism.signals import signal as bases
 from mbsd3d.mechanism.signals.curves import Polynomial, Pulse, Ramp, Sine, Table
+from mbsd3d.mechanism.signals.input import Input
+from mbsd3d.mechanism.signals.signal import Scaled
 from mbsd3d.mechanism.signals.terms import POLYNOMIAL, SINE, SPLINE, evaluate, turning_times
 
 TIMES = np.array([0.0, 0.4, 0.7, 1.3, 1.9, 2.2])
@@ -138,6 +141,33 @@ def test_a_long_series_is_one_sum():
     series = sum(Sine(1.0 / k, float(k), phase=0.1 * k) for k in orders)
     assert float(series(t)) == pytest.approx((np.sin(2 * np.pi * orders * t + 0.1 * orders) / orders).sum(), abs=1e-11)
     assert all(not isinstance(one, Sum) for one in series.signals)
+
+
+def test_products_and_nestings_made_by_loops_are_no_deeper_than_their_parts():
+    """1200 products ended in a RecursionError. s -> a (s + r) is a geometric sum: r a (1 - a^n) / (1 - a) + a^n s."""
+    damped, negated, folded = Sine(0.7, 1.3, 0.2), Ramp(0.4, 0.1), Ramp(0.4, 0.1)
+    for _ in range(1201):
+        damped, negated = 0.999 * damped, -negated
+    for _ in range(150):
+        folded = Scaled(Sum((folded, Constant(2.0))), 0.9) - 0.3
+    t, a = 0.37, 0.9**150
+    assert float(damped(t)) == pytest.approx(0.999**1201 * float(Sine(0.7, 1.3, 0.2)(t)), rel=1e-12)
+    assert float(negated.derivative(t)) == -0.4 and isinstance(negated.signal, Ramp)
+    assert float(folded(t)) == pytest.approx(a * (0.4 * t + 0.1) + 1.5 * (1 - a) / 0.1, rel=1e-12)
+    assert all(not isinstance(one, Scaled) or isinstance(one.signal, Ramp | Constant) for one in folded.signals)
+    assert eval(repr(folded), vars(curves) | vars(bases)) == folded == pickle.loads(pickle.dumps(folded))
+
+
+def test_a_product_beyond_what_can_be_computed_with_is_refused():
+    signal = Ramp(1.0)
+    with pytest.raises(ValueError, match=r"Scaled: factor: 1.*e\+6\d is outside .* check the units"):
+        for _ in range(1200):
+            signal = 10.0 * signal
+
+
+def test_an_input_in_nested_products_keeps_all_factors():
+    (term,) = (2.0 * (-3.0 * (0.5 * Input("throttle", 4.0)))).terms()
+    assert (term.data.tolist(), term.input, term.factor) == ([-12.0], ("throttle", 4.0), -3.0)
 
 
 def test_interval_is_what_all_tables_share():

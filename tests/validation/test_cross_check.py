@@ -28,6 +28,7 @@ from mbsd3d import (
     Solution,
     SpeedDriver,
     Spherical,
+    SpringDamper,
     StateFeedback,
     System,
     measures,
@@ -659,3 +660,19 @@ def test_a_mechanism_without_mass_is_refused_in_words():
     hinge = Revolute(GROUND, ghost, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")
     with pytest.raises(ValueError, match="cross_check: no body has a mass.*give masses"):
         cross_check(System([ghost], [hinge, AngleDriver(hinge, Ramp(2.0))]), 1.0)
+
+
+# -- a spring of no length, whose direction other engines lose at its anchor --
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.8])
+def test_a_spring_through_its_own_anchor_is_that_of_other_engines(damping):
+    """With a damper MuJoCo is refused: its line has the direction of x there."""
+    pose = {"com": (0.11, -0.07, 0.23), "position": (0.4, -1.3, 0.8)}
+    body = Body("bob", 1.7, (0.3, 0.25, 0.2), **pose, velocity=(0.6, -1.1, 0.4), omega=(2, -3, 1))
+    at = body.position + np.array([0.2, 0.1, -0.3])
+    spring = SpringDamper(GROUND, body, at_a=at, at_b=at, stiffness=37.0, damping=damping, length=0)
+    found = {one.engine: statuses(one) for one in cross_check(System([body], [], [spring]), 0.2).engines}
+    assert found.pop("MuJoCo") == ({SKIPPED} if damping else {AGREES})
+    assert found.pop("definitions") == {AGREES}
+    assert found.pop("Exudyn") <= {AGREES, EXPLAINED}

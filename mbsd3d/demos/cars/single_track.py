@@ -27,19 +27,20 @@ from .car import KINGPIN, G
 R, STIFF = 0.3, 1e6  # m; N/m of the tyres' springs, which carry the weight
 SMALL = 1e-6  # rad of steer
 SOFT = {"longitudinal": 1e-12, "relaxation_x": 1e9}  # the wheels are locked, and what is ahead does not hold them
-VISIBLE, STEER = 0.1, 0.01  # m of relaxation and rad of steer in the run that is shown
+VISIBLE = 0.1  # m of relaxation in the run that is shown
+STRAIGHT = {"steer": 0.0, "step": 0.0}  # the motion that is linearised
 FASTEST = 100.0  # m/s of the curves
 WIDE = 1.5  # m of the cabin that is drawn
 SETTLED = 1e-5  # what is not steady in a run that slows down by that
 
 
 def mechanism(
-    *, m=1600.0, Iz=3600.0, a=1.4, b=1.6, Cf=60e3, Cr=60e3, v=20.0, relaxation=1e-8, steer=0.0, step=0.0
+    *, m=1600.0, Iz=3600.0, a=1.4, b=1.6, Cf=60e3, Cr=60e3, v=20.0, relaxation=1e-8, steer=0.0, step=0.01
 ) -> System:  # fmt: skip
     """Body m [kg], Iz [kg m^2] at v, on two linear tyres, Cf [N/rad] a ahead and Cr b behind.
 
-    ``relaxation`` [m]: the tyres' forces follow their slip after this way; ``steer``, ``step`` [rad]: at the start, and
-    what is added within 0.1 s.
+    ``relaxation`` [m]: the tyres' forces follow their slip after this way; ``steer``, ``step`` [rad]: of the ride that
+    is shown, at the start and what is added within 0.1 s.
     """
     require(v > 0.0, f"demo 'single_track': v = {v:g} m/s; give a speed ahead")
     up, form = (0, 0, 1), drawn(a, b)
@@ -101,7 +102,8 @@ def response(build, v, terms):
     Where nothing changes A x = -B steer; B is what a little steer starts. The deflections of the tyres have large
     eigenvalues, those of the car are the two small ones.
     """
-    A, start = small_motions(build(v=v), v, terms), accelerations(build(v=v, steer=SMALL), **terms)
+    A = small_motions(build(v=v, **STRAIGHT), v, terms)
+    start = accelerations(build(v=v, **STRAIGHT | {"steer": SMALL}), **terms)
     rates = [start.acceleration("car")[0, 1], start.alpha("car")[0, 2]]
     rates += [start.force(name).state_rates["lateral"][0] for name in ("front", "rear")]
     s = np.linalg.eigvals(A)
@@ -123,7 +125,7 @@ def measure(build, terms, *, a, b, v) -> Measured:
         "yaw_gain_1_s": gain,
         "characteristic_m_s": float(brentq(more_steer, 0.9 * guess, 1.1 * guess, xtol=1e-8)),
     }
-    run = simulate(build(relaxation=VISIBLE, step=STEER), 3.0, output=301, **terms)
+    run = simulate(build(relaxation=VISIBLE), 3.0, output=301, **terms)
     return Measured(values, [run], curves(build, terms, values["characteristic_m_s"]))
 
 
@@ -170,5 +172,6 @@ demo = Demo(
     ),
     alone="its closed forms say all of it",
     show={"curves": [("force", "front"), ("force", "rear")], "hidden": ["joints", "joint names"], "follow": "car"},
-    ranges={"a": (1.3, 1.4), "Cf": (50e3, 58e3), "relaxation": None, "steer": None, "step": None},
+    ranges={"a": (1.3, 1.4), "Cf": (50e3, 58e3), "relaxation": None, "steer": None},
+    may_vanish=("step",),
 )  # fmt: skip

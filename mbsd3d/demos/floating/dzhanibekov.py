@@ -16,6 +16,7 @@ UPRIGHT = (rotation("y", -np.pi / 2), rotation("x", np.pi / 2), rotation("z", 0.
 MIDDLE = NAMES[1]
 
 LEAST = 5e-5  # of the spin: errors of a run grow as the rate that starts the flips does
+APART = 1e-5  # [1] share of `excess` in its terms, times off / spin: below it rounding moves the flips by 1e-7 s
 
 
 def spins(axis: int, spin: float, off: float) -> np.ndarray:
@@ -42,6 +43,11 @@ def flip_interval(i: np.ndarray, w: np.ndarray) -> float:
     difference of the two large numbers has no digits left. For D < 0 the least and the greatest axis change roles.
     """
     excess = (i * (i - i[1])) @ w**2
+    require(
+        abs(excess * w[0]) > APART * (i * abs(i - i[1])) @ w**2 * abs(w[1]),
+        "demo 'dzhanibekov': I lies on the separatrix, I1 (I2 - I1) = I3 (I3 - I2), or next to it: the body turns over "
+        "once and for ever later; give another middle moment",
+    )
     if excess < 0:
         i, w = i[::-1], w[::-1]
     wide = (i[2] - i[1]) * (i**2 @ w**2 - i @ w**2 * i[0])

@@ -17,10 +17,10 @@ def mechanism(*, A=8.0, C=10.0, w3=5.0, wt=1.0) -> System:
 
 
 def theory(*, A, C, w3, wt):
-    """Body cone (C - A) w3/A, space cone H/A, tan(half angle) = A wt/(C w3)."""
+    """Body cone (C - A) w3/A, > 0 the way of +z; space cone H/A about H; tan(half angle) = A wt/(C w3)."""
     require(wt != 0, "demo 'satellite_nutation': wt = 0: it does not wobble; give a rate across the axis")
     return {
-        "body_cone_rate_rad_s": abs((C - A) / A * w3),
+        "body_cone_rate_rad_s": (C - A) / A * w3,
         "space_cone_rate_rad_s": np.hypot(A * wt, C * w3) / A,
         "cone_angle_deg": np.degrees(np.arctan2(abs(A * wt), C * w3)),
     }
@@ -38,8 +38,8 @@ def measure(build, terms, *, A, C, w3, wt) -> Measured:
     body_phase = np.unwrap(np.arctan2(w[:, 1], w[:, 0]))
     cosine = np.clip(axis @ L, -1, 1)
     values = {
-        "body_cone_rate_rad_s": abs(np.ptp(body_phase)) / run.t[-1],
-        "space_cone_rate_rad_s": abs(phase[-1] - phase[0]) / run.t[-1],
+        "body_cone_rate_rad_s": (body_phase[-1] - body_phase[0]) / run.t[-1],
+        "space_cone_rate_rad_s": (phase[-1] - phase[0]) / run.t[-1],
         "cone_angle_deg": np.degrees(np.arctan2(np.linalg.norm(np.cross(axis, L), axis=1), cosine)).mean(),
     }
     expected = wt * np.cos((C - A) / A * w3 * run.t)
@@ -58,7 +58,7 @@ demo = Demo(
     equation="body cone: (C - A) w_3 / A; space cone: H / A; tan(half angle) = A w_t / (C w_3)",
     source="Goldstein, Classical Mechanics, 5.6; Landau, Lifshitz, Mechanics, par. 33",
     quantities={
-        "body_cone_rate_rad_s": Quantity("rate on the body cone", "rad/s"),
+        "body_cone_rate_rad_s": Quantity("rate on the body cone, < 0 in a long body", "rad/s"),
         "space_cone_rate_rad_s": Quantity("rate on the space cone", "rad/s"),
         "cone_angle_deg": Quantity("half angle of the cone of the axis", "deg"),
     },

@@ -2,7 +2,20 @@
 
 import numpy as np
 
-from mbsd3d import GROUND, AngleDriver, Body, KnifeEdge, Planar, Revolute, Sine, SpeedDriver, System, shapes, simulate
+from mbsd3d import (
+    GROUND,
+    AngleDriver,
+    Body,
+    KnifeEdge,
+    Planar,
+    Revolute,
+    Sine,
+    SpeedDriver,
+    System,
+    measures,
+    shapes,
+    simulate,
+)
 
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 from ..quadrature import motion
@@ -89,8 +102,8 @@ def measure(build, terms, *, L, steer_deg, way, beats) -> Measured:
 
 def pose(run):
     """(x, y, heading, steering angle) of the car at the end."""
-    R = run.rotation("car")[-1]
-    return np.array([*run.position("car")[-1][:2], np.arctan2(R[1, 0], R[0, 0]), run.angle("kingpin")[-1]])
+    heading = run.measure(measures.heading(run.system.part("car")))[-1]
+    return np.array([*run.position("car")[-1][:2], heading.item(), run.angle("kingpin")[-1]])
 
 
 demo = Demo(

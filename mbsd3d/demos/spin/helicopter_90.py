@@ -20,6 +20,7 @@ from mbsd3d import (
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 
 SAMPLES = 96  # of one turn, or of one swing if that is faster; the flap is a sine: one turn gives its coefficient
+STIRRED = 1e-6  # rad at least that the start is varied by: its rounding is 1e-10, its square 1e-12
 SMALL = 1e-8  # rad of lag, four times what the second order in the flap adds
 SEEN = 0.1  # rad of flap in the run that is shown
 STIFFEST = 1e6  # of a hinge over I W^2: it swings a thousand times a turn
@@ -84,7 +85,7 @@ def measure(build, terms, *, m, L, Omega, M0, c, k) -> Measured:
         state = system.assemble(angles={"flap": angle}, rates={"flap": rate})
         return simulate(system, turn, state=state, method=DOP853(dt=turn / samples), **settings, **terms)
 
-    size = M0 / (c * Omega)
+    size = max(build.theory["flap_rad"], STIRRED)  # that of the answer, in which the map is affine
     starts = np.array([[0, 0], [size, 0], [0, size * Omega]])
     ends = np.array([[run.angle("flap")[-1], run.rate("flap")[-1]] for run in (after(*x, output=2) for x in starts)])
     slope = (ends[1:] - ends[0]).T / np.array([size, size * Omega])
@@ -98,9 +99,8 @@ def measure(build, terms, *, m, L, Omega, M0, c, k) -> Measured:
     azimuth = np.degrees(Omega * run.t)
     wanted = build.theory["flap_rad"] * np.cos(Omega * run.t - np.radians(build.theory["lag_deg"]))
     push = Curve("flap [rad]", azimuth, flap, (azimuth, wanted), "place of the push [deg]", "the push is highest at 0")
-    return Measured(
-        {"lag_deg": np.degrees(np.angle(first)) % 360, "flap_rad": abs(first)}, [large], [push], notes=notes
-    )
+    lag = (np.degrees(np.angle(first)) + 90) % 360 - 90  # between 0 and 180, of which rounding leaves either end
+    return Measured({"lag_deg": lag, "flap_rad": abs(first)}, [large], [push], notes=notes)
 
 
 demo = Demo(

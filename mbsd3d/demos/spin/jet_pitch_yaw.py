@@ -39,35 +39,30 @@ def euler(t, *, I, J, Omega, M):
     return motion(rate, np.array([1.0, 0, 0, 0, 0, 0, 0]), t)
 
 
-def sideways(x, y):
-    """Heading of the nose [deg] by its components ahead and to the right at the start."""
-    return np.degrees(np.unwrap(np.arctan2(y, x)))
+def sideways(x, y, z):
+    """Angle [deg] to the right between the nose and the upright plane it starts in, which has no jump over the top."""
+    return np.degrees(np.arctan2(y, np.hypot(x, z)))
 
 
-def within(heading):
-    """The heading between -180 and 180 degrees: a nose that passes straight up has made no turn more or less."""
-    return 180 - (180 - heading) % 360
-
-
-def known_heading(e):
-    """Heading [deg] for quaternions (samples, 4) from the axes of the start."""
+def known_sideways(e):
+    """The same for quaternions (samples, 4) from the axes of the start."""
     e0, e1, e2, e3 = e.T
-    return sideways(1 - 2 * (e2**2 + e3**2), 2 * (e1 * e2 + e0 * e3))
+    return sideways(1 - 2 * (e2**2 + e3**2), 2 * (e1 * e2 + e0 * e3), 2 * (e1 * e3 - e0 * e2))
 
 
 def theory(*, I, J, Omega, M, t):
     """Euler's equations of a gyrostat; for small angles r = J W theta / I_z."""
     times = np.linspace(0, t, 41)
     y = euler(times, I=I, J=J, Omega=Omega, M=M)
-    return {"yaw_rate_rad_s": y[-1, 6], "nose_sideways_deg": within(known_heading(y[:, :4])[-1])}
+    return {"yaw_rate_rad_s": y[-1, 6], "nose_sideways_deg": known_sideways(y[:, :4])[-1]}
 
 
 def measure(build, terms, *, I, J, Omega, M, t=2.0) -> Measured:
-    """Yaw rate and heading after t."""
+    """Yaw rate and angle of the nose to the side after t."""
     run = simulate(build(), t, rtol=1e-13, output=np.linspace(0, t, 201), **terms)
-    heading, y = sideways(*(run.rotation("jet")[:, :, 0] @ DOWN.T).T[:2]), euler(run.t, I=I, J=J, Omega=Omega, M=M)
-    curve = Curve("nose to the side [deg]", run.t, heading, (run.t, known_heading(y[:, :4])))
-    values = {"yaw_rate_rad_s": run.omega_body("jet")[-1, 2], "nose_sideways_deg": within(heading[-1])}
+    side, y = sideways(*(run.rotation("jet")[:, :, 0] @ DOWN.T).T), euler(run.t, I=I, J=J, Omega=Omega, M=M)
+    curve = Curve("nose to the side [deg]", run.t, side, (run.t, known_sideways(y[:, :4])))
+    values = {"yaw_rate_rad_s": run.omega_body("jet")[-1, 2], "nose_sideways_deg": side[-1]}
     return Measured(values, [run], [curve])
 
 

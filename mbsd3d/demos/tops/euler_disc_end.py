@@ -67,7 +67,7 @@ def theory(*, m, a, rho, tilt_deg, mu, arm, t):
             "most 20 degrees and an edge rho of at most 0.1 a")  # fmt: skip
     require(arm > 0, "without friction against rolling it never ends: give an arm above 0")
     last = end(a, tilt_deg, arm)
-    require(t < 0.9 * last, f"it ends after {last:.3g} s: give an earlier end t than {t} s")
+    require(t < 0.9 * last, f"t = {t:g} s is too near to its end after {last:.3g} s: give less than {0.9 * last:.3g}")
     tilt, energy, needed = own(np.array([0.0, t]), m=m, a=a, rho=rho, tilt_deg=tilt_deg, arm=arm)
     require(mu > needed[-1], f"the coin slips before: it needs friction {needed[-1]:.3f}, not {mu}; give a greater mu "
             "or an earlier end t")  # fmt: skip

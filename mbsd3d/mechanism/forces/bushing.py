@@ -10,7 +10,7 @@ from ...base.errors import InputError
 from ...base.rotations import as_quaternion, matrix
 from ...compiler.jit import inner_kernel
 from ...kernels.force_laws import push, twist
-from ...kernels.vectors import add, arm, columns, cross, dot, point, point_velocity, scale, sub, vec
+from ...kernels.vectors import add, arm, columns, dot, point, point_velocity, scale, sub, vec
 from ..bodies import Body, Ground
 from ..force_element import ForceElement, ForceRecord, check_pair
 
@@ -28,12 +28,21 @@ def out_of(F, a):
 
 
 @inner_kernel
-def relative_quaternion(A, B):
-    """(p0, p) of the rotation A'B as a quaternion, for rotations below half a turn."""
-    p0 = 0.5 * np.sqrt(1.0 + dot(A[0], B[0]) + dot(A[1], B[1]) + dot(A[2], B[2]))
-    k = 0.25 / p0
-    x, y, z = dot(A[2], B[1]) - dot(A[1], B[2]), dot(A[0], B[2]) - dot(A[2], B[0]), dot(A[1], B[0]) - dot(A[0], B[1])
-    return p0, (k * x, k * y, k * z)
+def relative_turn(A, B):
+    """Products of the relative quaternion (p0, p) of A'B: 4 p0 p, 4 (p2 p3, p3 p1, p1 p2) and 4 (p1^2, p2^2, p3^2).
+
+    They are linear in A'B and have neither the sign of the quaternion nor a singularity at half a turn.
+    """
+    xx, yy, zz = dot(A[0], B[0]), dot(A[1], B[1]), dot(A[2], B[2])
+    yz, zx, xy = dot(A[1], B[2]), dot(A[2], B[0]), dot(A[0], B[1])
+    zy, xz, yx = dot(A[2], B[1]), dot(A[0], B[2]), dot(A[1], B[0])
+    away = (zy - yz, xz - zx, yx - xy)
+    rest = 1.0 - xx - yy - zz
+    squares = (rest + 2.0 * xx, rest + 2.0 * yy, rest + 2.0 * zz)
+    if rest.real < 0.0:  # below a third of a turn these are small differences of numbers near 1
+        k = 1.0 / (2.0 - rest)
+        squares = (k * away[0] * away[0], k * away[1] * away[1], k * away[2] * away[2])
+    return away, (yz + zy, zx + xz, xy + yx), squares
 
 
 @inner_kernel
@@ -47,7 +56,8 @@ def bushing(m, d, p, out, t):
     """Linear bushing in the axes F of a: force -(K d + C d_dot), moment from U = 2 p'K_r p and -C_r w.
 
     d is the displacement of the point of b in F; p the vector part of the relative quaternion, so that
-    p_dot = (p0 w + w x p)/2 and the elastic moment on b is -2 (p0 K_r p + p x K_r p) in F.
+    p_dot = (p0 w + w x p)/2 and the elastic moment on b is -2 (p0 K_r p + p x K_r p) in F; the first component of
+    p x K_r p is (K_3 - K_2) p2 p3.
     """
     a, b = d.body[p.body[0]], d.body[p.body[1]]
     A, B = columns(a, p.frame[0]), columns(b, p.frame[1])
@@ -56,15 +66,17 @@ def bushing(m, d, p, out, t):
     x = into(A, sub(reach, arm(a, p.point[0])))
     x_dot = into(A, sub(point_velocity(b, sb), point_velocity(a, reach)))
     w = into(A, sub(vec(b.w), vec(a.w)))
-    p0, e = relative_quaternion(A, B)
-    Kx, Cx, Ke, Cw = scaled(p, 0, x), scaled(p, 6, x_dot), scaled(p, 3, e), scaled(p, 9, w)
+    away, mixed, squares = relative_turn(A, B)
+    Kx, Cx, Ka, Cw = scaled(p, 0, x), scaled(p, 6, x_dot), scaled(p, 3, away), scaled(p, 9, w)
+    k1, k2, k3 = p.value[3], p.value[4], p.value[5]
+    across = ((k3 - k2) * mixed[0], (k1 - k3) * mixed[1], (k2 - k1) * mixed[2])
     force = out_of(A, scale(-1.0, add(Kx, Cx)))
-    moment = out_of(A, sub(scale(-2.0, add(scale(p0, Ke), cross(e, Ke))), Cw))
+    moment = out_of(A, sub(scale(-0.5, add(Ka, across)), Cw))
     push(b, force, sb)
     push(a, scale(-1.0, force), reach)
     twist(b, moment)
     twist(a, scale(-1.0, moment))
-    out.potential = 0.5 * dot(x, Kx) + 2.0 * dot(e, Ke)
+    out.potential = 0.5 * dot(x, Kx) + 0.5 * (k1 * squares[0] + k2 * squares[1] + k3 * squares[2])
     out.power = -dot(x_dot, Cx) - dot(w, Cw)
 
 
@@ -74,7 +86,9 @@ class Bushing(ForceElement):
 
     In the axes F fixed in a, with d the displacement of the point of b, and (p0, p) the relative quaternion:
     force on b ``-(K d + C d_dot)``, moment ``-2 (p0 K_r p + p x K_r p) - C_r w``. Energy ``d'K d / 2 + 2 p'K_r p``
-    (``theta' K_r theta / 2`` for small rotations); valid below half a turn.
+    (``theta' K_r theta / 2`` for small rotations). Turns are not counted: with equal stiffnesses the moment is
+    ``-K_r sin(theta)``, greatest at a quarter turn and 0 again at half a turn, from where it pulls on to the whole one;
+    `TorsionSpring` counts.
 
     Parameters
     ----------

@@ -9,10 +9,12 @@ from ...base.checks import number, vector
 from ...base.errors import InputError
 from ...compiler.jit import inner_kernel
 from ...kernels.force_laws import push, tanh
-from ...kernels.vectors import arm, dot, point, point_velocity, scale, sub
+from ...kernels.vectors import add, arm, dot, point, point_velocity, scale, sub
 from ..bodies import Body, Ground
 from ..force_element import ForceElement, ForceRecord, check_pair, hinge_coordinate
 from ..joints import Joint
+
+COINCIDENCE_ROUNDING = 1e-15  # [1] of the lengths that make the gap; 5 roundings: one below has no direction
 
 
 @inner_kernel
@@ -20,15 +22,23 @@ def spring(m, d, p, out, t):
     """Force -(k (l - l0) + c l_dot) n on b along the line from a to b; value = k, c, l0."""
     a, b = d.body[p.body[0]], d.body[p.body[1]]
     sa, sb = arm(a, p.point[0]), arm(b, p.point[1])
-    gap = sub(point(b, sb), point(a, sa))
+    pa, pb = point(a, sa), point(b, sb)
+    gap, rate = sub(pb, pa), sub(point_velocity(b, sb), point_velocity(a, sa))
     length = np.sqrt(dot(gap, gap))
-    n = scale(1.0 / length, gap)
-    stretch, speed = length - p.value[2], dot(n, sub(point_velocity(b, sb), point_velocity(a, sa)))
-    pull = scale(p.value[0] * stretch + p.value[1] * speed, n)
+    reach = np.sqrt(dot(pa, pa) + dot(pb, pb) + dot(sa, sa) + dot(sb, sb))
+    coincide = length.real <= COINCIDENCE_ROUNDING * reach.real
+    if coincide and p.value[2] == 0.0:
+        pull = add(scale(p.value[0], gap), scale(p.value[1], rate))  # -k gap is smooth; the gap opens along the rate
+        out.potential = 0.5 * p.value[0] * dot(gap, gap)
+        out.power = -p.value[1] * dot(rate, rate)
+    else:
+        n = scale(np.nan if coincide else 1.0 / length, gap)  # no direction: the run names the spring
+        stretch, speed = length - p.value[2], dot(n, rate)
+        pull = scale(p.value[0] * stretch + p.value[1] * speed, n)
+        out.potential = 0.5 * p.value[0] * stretch * stretch
+        out.power = -p.value[1] * speed * speed
     push(a, pull, sa)
     push(b, scale(-1.0, pull), sb)
-    out.potential = 0.5 * p.value[0] * stretch * stretch
-    out.power = -p.value[1] * speed * speed
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,14 +48,22 @@ class SpringDamper(ForceElement):
     The force on ``b`` is ``-(k (l - l0) + c l_dot) n``, with ``n`` from a to b and ``l`` the distance; the
     opposite force acts on ``a``. Energy ``k (l - l0)^2 / 2``; dissipated power ``c l_dot^2``.
 
+    With ``length=0`` the elastic force is ``-k (p_b - p_a)`` in all directions, also where the end points meet. There
+    the line of the damper has no direction, and its force is ``-c (v_b - v_a)``: that of a motion straight through.
+
     Parameters
     ----------
     at_a, at_b : (3,) array_like
-        End points, world at the reference pose [m].
+        End points, world at the reference pose [m]; they may coincide where ``length`` is 0.
     stiffness, damping : float
         k >= 0 [N/m], c >= 0 [N s/m].
     length : float or None
         l0 >= 0 [m]; None = the distance at the reference pose.
+
+    Raises
+    ------
+    ValueError
+        If the end points coincide and the length is not 0: the force has no direction there.
 
     Examples
     --------
@@ -69,14 +87,18 @@ class SpringDamper(ForceElement):
         check_pair(self.a, self.b, what)
         at_a, at_b = vector(self.at_a, f"{what}: at_a"), vector(self.at_b, f"{what}: at_b")
         span = float(np.linalg.norm(at_b - at_a))
-        if span < 1e-12:
-            raise InputError(f"{what}: the end points coincide, so the force has no direction; move one of them")
+        length = span if self.length is None else number(self.length, f"{what}: length", minimum=0.0)
+        if span < 1e-12 and (self.length is None or length > 0.0):
+            raise InputError(
+                f"{what}: at_a and at_b coincide, so a force of length={self.length} has no direction; "
+                f"give length=0 for a pull of stiffness times distance, or move one of them"
+            )
         self.set(
             at_a=at_a,
             at_b=at_b,
             stiffness=number(self.stiffness, f"{what}: stiffness", minimum=0.0),
             damping=number(self.damping, f"{what}: damping", minimum=0.0),
-            length=span if self.length is None else number(self.length, f"{what}: length", minimum=0.0),
+            length=length,
         )
 
     def record(self) -> ForceRecord:

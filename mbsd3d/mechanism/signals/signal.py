@@ -106,7 +106,7 @@ class Constant(Signal):
 
 @dataclass(frozen=True)
 class Sum(Signal):
-    """Sum of signals; ``a + b`` makes it. A sum in a sum is taken apart.
+    """Sum of signals; ``a + b`` makes it. A sum in a sum, or a multiple of one, is taken apart.
 
     Raises ValueError if the intervals of two tables have no time in common.
 
@@ -121,8 +121,7 @@ class Sum(Signal):
         signals = listed(self.signals, "Sum: signals", "a tuple of signals")
         if not signals or not all(isinstance(signal, Signal) for signal in signals):
             raise InputError(f"Sum: signals {shown(self.signals)}; give a tuple of signals")
-        inside = (one.signals if isinstance(one, Sum) else (one,) for one in signals)
-        self._store(signals=tuple(chain.from_iterable(inside)))
+        self._store(signals=tuple(chain.from_iterable(map(_summands, signals))))
         start, end = self.interval
         if not start < end:
             raise InputError(
@@ -143,7 +142,7 @@ class Sum(Signal):
 
 @dataclass(frozen=True)
 class Scaled(Signal):
-    """``factor`` times a signal; ``2 * signal`` and ``-signal`` make it.
+    """``factor`` times a signal; ``2 * signal`` and ``-signal`` make it. A multiple of a multiple is one.
 
     Raises ValueError if ``factor`` is not a finite number.
 
@@ -157,6 +156,9 @@ class Scaled(Signal):
 
     def __post_init__(self) -> None:
         _store_finite(self, "factor")
+        if isinstance(self.signal, Scaled):
+            self._store(signal=self.signal.signal, factor=self.signal.factor * self.factor)
+            _store_finite(self, "factor")
 
     @property
     def interval(self) -> tuple[float, float]:
@@ -166,6 +168,15 @@ class Scaled(Signal):
     def terms(self) -> list[Term]:
         """The terms of the signal with the numbers that are linear in f multiplied."""
         return [scaled(term, self.factor) for term in self.signal.terms()]
+
+
+def _summands(signal: Signal) -> Sequence[Signal]:
+    """Return what a signal is a sum of, so that signals made by loops are no deeper than their parts."""
+    if isinstance(signal, Sum):
+        return signal.signals
+    if isinstance(signal, Scaled) and isinstance(signal.signal, Sum):
+        return [Scaled(one, signal.factor) for one in signal.signal.signals]
+    return (signal,)
 
 
 def as_signal(value: "Signal | float", what: str) -> Signal:

@@ -46,8 +46,12 @@ def add_load(model: Assembly, load: Any, point: Any, components: tuple, element:
 
 
 def add_spring(model: Assembly, spring: Any, what: str) -> None:
-    """Along the line between two points."""
+    """Along the line between two points; without length and damper by components, as Exudyn's line needs a length."""
     markers = [model.marker(spring.a, spring.at_a), model.marker(spring.b, spring.at_b)]
+    if spring.length == 0.0 and spring.damping == 0.0:
+        item = model.items.ObjectConnectorCartesianSpringDamper(markerNumbers=markers, stiffness=[spring.stiffness] * 3)
+        model.connect(spring, item)
+        return
     item = model.items.ObjectConnectorSpringDamper(
         markerNumbers=markers, referenceLength=spring.length, stiffness=spring.stiffness, damping=spring.damping
     )

@@ -9,12 +9,17 @@ from validation.twins.laws.moving import NONE, Law, Moving, Push, follow
 
 
 def spring_law(spring: SpringDamper, what: str) -> Law:
-    """Tension along the line between two points, from the rate of the squared length."""
+    """Tension along the line between two points, from the rate of the squared length.
+
+    Where the points meet the line is that of the motion, along which its limit from either side is the same.
+    """
 
     def push(t: float, a: Moving, b: Moving, z: Array, x: float) -> Push:
         p, q = a.point(spring.at_a), b.point(spring.at_b)
-        square, rate = (q - p) @ (q - p), 2.0 * (q - p) @ (b.velocity(q) - a.velocity(p))
-        length = np.sqrt(square)
+        square, moving = (q - p) @ (q - p), b.velocity(q) - a.velocity(p)
+        if spring.length == 0.0 and square == 0.0:
+            return Push(-spring.damping * moving, q)
+        rate, length = 2.0 * (q - p) @ moving, np.sqrt(square)
         tension = spring.stiffness * (length - spring.length) + spring.damping * rate / (2.0 * length)
         return Push(tension * (p - q) / length, q)  # the line of action passes both points
 

@@ -39,6 +39,9 @@ def load_all(made: Sketch) -> Loads:
 
 def spring(made: Sketch, loads: Loads, force: mbsd3d.SpringDamper, name: str) -> None:
     """A spatial tendon between two sites."""
+    if force.damping and np.array_equal(force.at_a, force.at_b):
+        text = "where the ends meet MuJoCo's damper pulls along x, here along the motion"
+        raise NotExpressible(f"{label(made.system, force)}: {text}")
     tendon = made.spec.add_tendon(name=f"spring {name}", springlength=(force.length,) * 2)
     tendon.stiffness[0], tendon.damping[0] = force.stiffness, force.damping
     for body, at in ((force.a, force.at_a), (force.b, force.at_b)):
