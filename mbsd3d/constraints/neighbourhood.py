@@ -18,9 +18,9 @@ from ..kernels.kinematics import displace
 from ..mechanism.drivers import Driver, SpeedDriver
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
-from .assembly import gap_size, newton
 from .contradictions import LATER
 from .least_squares import shortest
+from .poses.pose_equations import gap_size, newton
 from .rank import Analysis
 
 BESIDE = (0.05, -0.05)  # radians or lengths of the model

@@ -34,13 +34,8 @@ from ..mechanism.state import State
 from ..results.record import MOST_NUMBERS, Record, Samples, buffer_size
 from ..results.run_result import RunResult
 from ..saddle.solve import SOLVED
-<<<<<<< HEAD
 from .balance import MemoryWatch, check_balance, longest_step, with_jumps
-from .blame import BESIDE, FAILURES, at_end_of_curve, blame, contradiction, driven_to, singular_start, singular_there
-=======
-from .balance import check_balance
 from .blame import FAILURES, at_end_of_curve, blame, contradiction, driven_to, singular_start, singular_there
->>>>>>> part-d
 from .divergence import DivergenceWatch
 from .events import armed_at_start, check_digits, rate_of_motion, turns_of_signals
 from .stiffness import check_forces
