@@ -1,0 +1,71 @@
+"""The table of the calibration: how often certificate and estimate were right about runs of each method."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from validation.calibration.judge import Record
+from validation.calibration.problem import METHODS
+from validation.calibration.settings import CLASSES, FIXED_CLASSES
+
+HEAD = (
+    "method", "asked for", "runs", "passed, right", "wrong, warned", "wrong, silent", "right, failed", "failed between",
+    "stopped", "estimate warns", "error over what was asked: median, worst",
+)  # fmt: skip
+KINDS = [text for _, text in (*CLASSES, *FIXED_CLASSES)] + ["poses"]
+
+
+def row(method: str, kind: str, records: Sequence[Record]) -> list[str]:
+    """One line: counts of the outcomes, which add up to the runs."""
+    done = [r for r in records if not r.stopped]
+    warned = sum(r.wrong and not r.silent for r in done)
+    silent, alarms = sum(r.silent for r in done), sum(r.false_alarm for r in done)
+    between = sum(not r.wrong and not r.false_alarm and not r.passed for r in done)
+    counts = [
+        len(records), len(done) - warned - silent - alarms - between, warned, silent, alarms, between,
+        len(records) - len(done), sum(r.estimate == "warns" for r in done),
+    ]  # fmt: skip
+    asked = [r.error if r.fixed or kind == "poses" else r.relative / r.rtol for r in done]
+    found = f"{np.median(asked):.1e}, {max(asked):.1e}" if asked else ""
+    return [method, kind, *map(str, counts), found]
+
+
+def rows(records: Sequence[Record]) -> list[list[str]]:
+    """All lines: method by method, from tight to loose."""
+    lines = []
+    for method in (*METHODS, "Kinematic"):
+        for kind in KINDS:
+            group = [r for r in records if (r.method, r.kind) == (method, kind)]
+            lines += [row(method, kind, group)] if group else []
+    return [*lines, row("all", "", records)[:-1] + [""]] if records else []
+
+
+def markdown(records: Sequence[Record]) -> str:
+    """The table as a page has it."""
+    lines = [HEAD, ["---"] * len(HEAD), *rows(records)]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def text(records: Sequence[Record]) -> str:
+    """The table for a terminal."""
+    lines = [list(HEAD), *rows(records)]
+    widths = [max(len(line[k]) for line in lines) for k in range(len(HEAD))]
+    return "\n".join("  ".join(x.ljust(w) for x, w in zip(line, widths, strict=True)).rstrip() for line in lines)
+
+
+def offenders(records: Sequence[Record]) -> list[str]:
+    """Runs that are silently wrong, and runs that fail although they are right, each with the command that repeats it."""
+    lines = []
+    for what, found in (
+        ("wrong without a word", [r for r in records if r.silent]),
+        ("right and not passed", [r for r in records if r.false_alarm]),
+    ):
+        lines += [f"{len(found)} {what}"] if found else []
+        for r in sorted(found, key=lambda r: (r.family, r.method, r.kind)):
+            said = "; ".join(r.failures) or f"passed; estimate {r.estimate}"
+            guess = "" if r.estimated is None else f" ({r.estimated:.1e})"
+            lines.append(
+                f"  {r.family}: {r.settings}: error {r.error:.1e} of {r.worst}, {said}{guess}\n"
+                f"    python -m validation.calibration --family {r.family} --seed {r.seed} --runs 1"
+            )
+    return lines
