@@ -1,14 +1,14 @@
 """``python -m validation.calibration``: thousands of runs with known truth, and what the certificate says of them."""
 
-import os
 import sys
 from pathlib import Path
 from typing import Any
 
 import click
 
+from mbsd3d import SweepError
 from mbsd3d.errors import InputError
-from mbsd3d.extend import INTERRUPTED, Failure, ready_folder, write_atomically
+from mbsd3d.extend import INTERRUPTED, Failure, Progress, ready_folder, write_atomically
 
 RUNS = 2100
 LINES, TABLE = "calibration.jsonl", "calibration.txt"
@@ -16,9 +16,7 @@ LINES, TABLE = "calibration.jsonl", "calibration.txt"
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
 @click.option("--runs", default=RUNS, show_default=True, type=click.IntRange(1), help="How many; families take turns.")
-@click.option(
-    "--seed", default=0, show_default=True, type=click.IntRange(0), help="Of the first run; the next have the next."
-)
+@click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="First seed; the next runs add one.")
 @click.option("--family", "names", multiple=True, metavar="NAME", help="Only this one, repeatable; --list shows them.")
 @click.option("--list", "listed", is_flag=True, help="Names of the families, and nothing else.")
 @click.option(
@@ -26,24 +24,25 @@ LINES, TABLE = "calibration.jsonl", "calibration.txt"
     help="Folder for the runs, one a line, as they end; runs that are there already are not made again.",
 )  # fmt: skip
 @click.option("--fresh", is_flag=True, help="Make all runs again.")
-@click.option("--jobs", default=os.cpu_count() or 1, show_default=True, type=click.IntRange(1), help="Processes.")
 @click.option("--docs", is_flag=True, help="Write the table into docs/theory/certificate.md.")
-def main(runs: int, seed: int, names: tuple, listed: bool, out: Path, fresh: bool, jobs: int, docs: bool) -> None:
-    """Compare runs with their truth, over all methods, tolerances and steps, and count what certificate and estimate say.
+def main(runs: int, seed: int, names: tuple, listed: bool, out: Path, fresh: bool, docs: bool) -> None:
+    """Compare runs with their truth, over all methods and tolerances, and count what certificate and estimate say.
 
     Nothing is to be wrong by more than a hundredth of its scale without a warning, nothing to fail that is right to ten
     times its tolerance. All runs take some minutes.
     """
     try:
-        calibrate(runs, seed, names, listed, out, fresh, jobs, docs)
-    except ValueError as error:
+        calibrate(runs, seed, names, listed, out, fresh, docs)
+    except (ValueError, SweepError) as error:
         raise Failure(str(error)) from None
 
 
-def calibrate(runs: int, seed: int, names: tuple, listed: bool, out: Path, fresh: bool, jobs: int, docs: bool) -> None:
+def calibrate(runs: int, seed: int, names: tuple, listed: bool, out: Path, fresh: bool, docs: bool) -> None:
     """See `main`."""
     from validation.calibration import table
     from validation.calibration.families import FAMILIES
+    from validation.calibration.judge import cases
+    from validation.calibration.texts import renew
 
     unknown = [name for name in names if name not in FAMILIES]
     if unknown:
@@ -52,45 +51,31 @@ def calibrate(runs: int, seed: int, names: tuple, listed: bool, out: Path, fresh
         click.echo("\n".join(FAMILIES))
         return
     ready_folder(str(out), "--out")
-    records, complete = collect(wanted(runs, seed, names or tuple(FAMILIES)), out / LINES, fresh, jobs)
+    wanted = cases(runs, seed, names or tuple(FAMILIES))
+    records = collect(wanted, out / LINES, fresh)
     lines = [*table.offenders(records), table.text(records)]
     click.echo("\n".join(lines))
     write_atomically(out / TABLE, ("\n".join(lines) + "\n").encode())
-    if not complete:
+    if len(records) < len(wanted):
         click.echo(f"\ninterrupted; {len(records)} runs are in {out / LINES}, the same command goes on", err=True)
         sys.exit(INTERRUPTED)
     if docs:
-        from validation.calibration.texts import renew
-
         renew(records)
 
 
-def wanted(runs: int, seed: int, names: tuple) -> list[tuple[str, int]]:
-    """(family, seed) of every run."""
-    return [(names[k % len(names)], seed + k // len(names)) for k in range(runs)]
-
-
-def collect(cases: list[tuple[str, int]], path: Path, fresh: bool, jobs: int) -> tuple[list[Any], bool]:
-    """(records, whether all are there): those of the file, and the others, appended to it one by one."""
+def collect(wanted: list[Any], path: Path, fresh: bool) -> list[Any]:
+    """Records of the file, and of what is missing there; Ctrl-C leaves those that are done."""
     from validation.calibration.runs import code_digest, examined, stored
 
     if fresh:
         path.unlink(missing_ok=True)
     done = stored(path, code_digest())
-    missing = [case for case in cases if case not in done]
+    missing = [case for case in wanted if case not in done]
     try:
-        for record in examined(missing, path, jobs):
-            done[record.family, record.seed] = record
-            note(len(cases) - len(missing), len(cases), record)
-            missing = missing[1:] if missing else missing
+        with Progress("calibration", len(wanted) - len(missing), len(wanted)) as bar:
+            for count, record in enumerate(examined(missing, path), start=len(wanted) - len(missing) + 1):
+                done[record.family, record.seed] = record
+                bar.update(count)
     except KeyboardInterrupt:
-        return [done[case] for case in cases if case in done], False
-    return [done[case] for case in cases], True
-
-
-def note(k: int, count: int, record: Any) -> None:
-    """What has just been done."""
-    if sys.stderr.isatty():
-        click.echo(f"\r\x1b[2K{k + 1}/{count} {record.family}", nl=False, err=True)
-    elif (k + 1) % 100 == 0:
-        click.echo(f"{k + 1}/{count}", err=True)
+        pass
+    return [done[case] for case in wanted if case in done]

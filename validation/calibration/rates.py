@@ -12,7 +12,7 @@ TIGHT = 1e-13  # [1] relative, of each step; the least scipy takes is 2.2e-14
 
 
 def motion(slope: Callable[[float, Array], ArrayLike], start: ArrayLike, t_end: float) -> Callable[[Array], Array]:
-    """Return y(t), (n,) -> (n, k), of y' = slope(t, y) up to ``t_end`` [s], as exact as scipy's interpolation: 1e-11."""
+    """Return y(t), (n,) -> (n, k), of y' = slope(t, y) up to ``t_end`` [s], to 1e-11 (scipy's interpolation)."""
     start = np.atleast_1d(np.asarray(start, float))
     size = np.maximum(np.abs(start), 1.0)
     course = solve_ivp(slope, (0.0, t_end), start, method="DOP853", rtol=TIGHT, atol=TIGHT * size, dense_output=True)

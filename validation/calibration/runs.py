@@ -2,16 +2,19 @@
 
 import hashlib
 import json
-import multiprocessing
-import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, fields
 from pathlib import Path
+from typing import Any
 
+from mbsd3d import SweepError
+from mbsd3d.extend import on_one_thread, outcomes
 from validation.calibration.judge import Record, examine
 
 ROOT = Path(__file__).parents[2]
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")  # small matrices: one thread a process
+Case = tuple[str, int]
+"""Family and seed."""
+SEVERAL = 8  # cases from which on processes are worth their start
 
 
 def code_digest() -> str:
@@ -20,16 +23,14 @@ def code_digest() -> str:
     return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()[:16]
 
 
-def stored(path: Path, code: str) -> dict[tuple[str, int], Record]:
-    """The records of a file that the same code has made; a last line that is not whole is left out."""
-    if not path.is_file():
-        return {}
-    found = {}
+def stored(path: Path, code: str) -> dict[Case, Record]:
+    """The records of a file that this code has made; lines that are not whole are left out."""
+    found: dict[Case, Record] = {}
     names = {f.name for f in fields(Record)}
-    for line in path.read_text(encoding="utf-8").splitlines():
+    for line in path.read_text(encoding="utf-8").splitlines() if path.is_file() else []:
         try:
             row = json.loads(line)
-        except ValueError:
+        except ValueError:  # the process was killed while it wrote
             continue
         if row.pop("code", None) == code and set(row) == names:
             record = Record(**{**row, "failures": tuple(row["failures"])})
@@ -37,26 +38,28 @@ def stored(path: Path, code: str) -> dict[tuple[str, int], Record]:
     return found
 
 
-def examine_one(case: tuple[str, int]) -> Record:
-    """`examine` of a pair."""
-    return examine(*case)
+@on_one_thread  # many small decompositions
+def examine_cell(cell: Mapping[str, Any]) -> Record:
+    """A run in another process: names travel, mechanisms are built there."""
+    return examine(cell["family"], cell["seed"])
 
 
-def examined(cases: list[tuple[str, int]], path: Path, jobs: int) -> Iterator[Record]:
-    """Records as they come, appended to a file of JSON lines."""
-    code = code_digest()
+def examined(cases: list[Case], path: Path) -> Iterator[Record]:
+    """Records as they come, appended to a file of JSON lines; SweepError for a case that breaks."""
+    code, cells = code_digest(), [{"family": family, "seed": seed} for family, seed in cases]
     with path.open("a", encoding="utf-8") as file:
-        for record in outcomes(cases, min(jobs, len(cases))):
+        for k, record in arriving(cells):
+            if not isinstance(record, Record):
+                family, seed = cases[k]
+                raise SweepError(f"{family} of seed {seed}: {record.error}")
             file.write(json.dumps({**asdict(record), "code": code}) + "\n")
             file.flush()
             yield record
 
 
-def outcomes(cases: list[tuple[str, int]], jobs: int) -> Iterator[Record]:
-    """Records in any order; here, or in processes of their own."""
-    if jobs <= 1:
-        yield from map(examine_one, cases)
-        return
-    os.environ.update(dict.fromkeys(THREADS, "1"))
-    with multiprocessing.get_context("spawn").Pool(jobs) as pool:
-        yield from pool.imap_unordered(examine_one, cases)
+def arriving(cells: list[dict[str, Any]]) -> Iterator[tuple[int, Any]]:
+    """(number of the cell, record): few of them here, many in processes of their own."""
+    if len(cells) < SEVERAL:
+        yield from ((k, examine_cell(cell)) for k, cell in enumerate(cells))
+    else:
+        yield from outcomes(examine_cell, cells, list(range(len(cells))), "processes")

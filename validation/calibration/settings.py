@@ -10,9 +10,10 @@ from mbsd3d import DOP853, RK4, GeneralizedAlpha, Kinematic, RadauIIA
 from validation.calibration.problem import Problem
 
 LOOSEST = -2.0  # log10 of rtol
-TIGHTEST = {"DOP853": -12.0, "RadauIIA": -11.0, "GeneralizedAlpha": -8.0}  # of order 2: 1e5 steps at 1e-9
-STEPS = (0.004, 5.0)  # fixed steps times the fastest rate of the motion [rad]: fine to hopeless
-STEP_COUNT_MAX = 40_000
+TIGHTEST = {"DOP853": -12.0, "RadauIIA": -11.0, "GeneralizedAlpha": -7.0}  # of order 2: 1e5 steps at 1e-9
+FINE, HOPELESS = 0.01, 5.0  # fixed steps times the fastest rate of the motion [rad]
+FINEST = {"DOP853(dt)": 0.05, "RadauIIA(dt)": 0.05}  # of high order: rounding is reached
+STEP_COUNT_MAX = 10_000
 DEFAULT_RTOL = 1e-8  # of simulate; with fixed steps only Newton's method and the limits of the checks read it
 CLASSES = ((1e-4, "rtol 1e-2 to 1e-4"), (1e-8, "rtol 1e-4 to 1e-8"), (0.0, "rtol 1e-8 to 1e-12"))
 FIXED_CLASSES = ((0.1, "step fine"), (1.0, "step coarse"), (np.inf, "step hopeless"))
@@ -44,7 +45,7 @@ def draw(rng: Generator, problem: Problem) -> Settings:
         made = {"DOP853": DOP853, "RadauIIA": RadauIIA, "GeneralizedAlpha": GeneralizedAlpha}[name]()
         kind = next(text for least, text in CLASSES if rtol > least)
         return Settings(name, made, rtol, output, kind, f"{name}() rtol {rtol:g}")
-    turned = float(np.exp(rng.uniform(*np.log(STEPS))))
+    turned = float(np.exp(rng.uniform(np.log(FINEST.get(name, FINE)), np.log(HOPELESS))))
     dt = max(turned / problem.rate, problem.t_end / STEP_COUNT_MAX)
     dt = min(dt, 0.5 * problem.t_end)
     makes = {"RK4": RK4, "DOP853(dt)": lambda h: DOP853(dt=h), "RadauIIA(dt)": lambda h: RadauIIA(dt=h)}

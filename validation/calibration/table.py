@@ -12,6 +12,7 @@ HEAD = (
     "method", "asked for", "runs", "passed, right", "wrong, warned", "wrong, silent", "right, failed", "failed between",
     "stopped", "estimate warns", "error over what was asked: median, worst",
 )  # fmt: skip
+COMMAND = "python -m validation.calibration"
 KINDS = [text for _, text in (*CLASSES, *FIXED_CLASSES)] + ["poses"]
 
 
@@ -40,9 +41,9 @@ def rows(records: Sequence[Record]) -> list[list[str]]:
     return [*lines, row("all", "", records)[:-1] + [""]] if records else []
 
 
-def markdown(records: Sequence[Record]) -> str:
-    """The table as a page has it."""
-    lines = [HEAD, ["---"] * len(HEAD), *rows(records)]
+def markdown(lines: Sequence[Sequence[str]]) -> str:
+    """The table as a page has it, of its `rows`."""
+    lines = [HEAD, ["---"] * len(HEAD), *lines]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
@@ -54,18 +55,24 @@ def text(records: Sequence[Record]) -> str:
 
 
 def offenders(records: Sequence[Record]) -> list[str]:
-    """Runs that are silently wrong, and runs that fail although they are right, each with the command that repeats it."""
+    """Runs that are silently wrong, right ones that fail, and errors, each with the command that repeats it."""
+    groups = {
+        "wrong without a word": [r for r in records if r.silent],
+        "right and not passed": [r for r in records if r.false_alarm],
+        "ended in an error": [r for r in records if r.stopped],
+    }
     lines = []
-    for what, found in (
-        ("wrong without a word", [r for r in records if r.silent]),
-        ("right and not passed", [r for r in records if r.false_alarm]),
-    ):
+    for what, found in groups.items():
         lines += [f"{len(found)} {what}"] if found else []
         for r in sorted(found, key=lambda r: (r.family, r.method, r.kind)):
-            said = "; ".join(r.failures) or f"passed; estimate {r.estimate}"
-            guess = "" if r.estimated is None else f" ({r.estimated:.1e})"
-            lines.append(
-                f"  {r.family}: {r.settings}: error {r.error:.1e} of {r.worst}, {said}{guess}\n"
-                f"    python -m validation.calibration --family {r.family} --seed {r.seed} --runs 1"
-            )
+            lines += [f"  {described(r)}", f"    {COMMAND} --family {r.family} --seed {r.seed} --runs 1"]
     return lines
+
+
+def described(r: Record) -> str:
+    """A run in a line: settings, true error, and what was said of it."""
+    if r.stopped:
+        return f"{r.family}: {r.settings}: {r.stopped}"
+    guess = "" if r.estimated is None else f" ({r.estimated:.1e})"
+    said = "; ".join(r.failures) or "passed"
+    return f"{r.family}: {r.settings}: error {r.error:.1e} of {r.worst}; {said}; estimate {r.estimate}{guess}"

@@ -62,8 +62,8 @@ def bounce(place: Place) -> Problem:
         plane=(place.point(0, 0, 0), place.axis(0, 0, 1)),
     )
 
-    def lands(t: float, y: Array) -> float:
-        return y[0]
+    def lands(t: float, y: Array) -> float:  # or, where it has not left the floor, the damper begins to press again
+        return max(y[0], y[0] + c / k * y[1])
 
     def leaves(t: float, y: Array) -> float:
         return k * y[0] + c * y[1]

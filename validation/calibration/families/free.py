@@ -60,7 +60,7 @@ def top(place: Place) -> Problem:
 
 
 def orbit(place: Place) -> Problem:
-    """An orbit of Kepler, of up to eight rounds; the satellite has the inertia of a ball, so that no moment turns it."""
+    """An orbit of Kepler, of up to eight rounds, of a satellite with the inertia of a ball: no moment turns it."""
     rng = place.rng
     axis, excentric, rate = place.length(1.0, 3.0), float(rng.uniform(0.05, 0.6)), float(rng.uniform(1.0, 5.0))
     rounds, phase, mass = float(rng.uniform(0.5, 8.0)), float(rng.uniform(0.0, 6.0)), float(rng.uniform(0.5, 3.0))

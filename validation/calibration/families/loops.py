@@ -1,4 +1,4 @@
-"""Closed loops of hinges, most of them with redundant rows: four-bars, Bennett, Sarrus, a slider-crank, a parallelogram."""
+"""Closed loops, most of them with redundant rows: four-bars, Bennett, Sarrus, slider-crank, parallelogram."""
 
 from typing import Any
 

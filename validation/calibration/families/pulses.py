@@ -1,4 +1,4 @@
-"""Loads of short duration: pulses whose times are known, and forces by functions whose times only their author knows."""
+"""Loads of short duration: pulses whose times are known, and own functions whose times are not."""
 
 from functools import partial
 from typing import Any

@@ -9,7 +9,7 @@ from validation.calibration.rates import motion
 
 
 def passed_on(angle_in: Array, bend: float) -> Array:
-    """tan out = cos(bend) tan in, counted over all turns; angles from where the arm of the input is across the plane."""
+    """tan out = cos(bend) tan in, counted over turns; zero where the arm of the input is across the plane of both."""
     s, c = np.sin(angle_in), np.cos(angle_in)
     return angle_in + np.arctan2((np.cos(bend) - 1.0) * s * c, c * c + np.cos(bend) * s * s)
 

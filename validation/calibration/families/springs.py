@@ -47,7 +47,7 @@ def spring(place: Place) -> Problem:
 
 
 def stiff_bushing(place: Place) -> Problem:
-    """A body on a stiff bushing at its centre of mass, pushed slowly: the step should follow the push, not the bushing."""
+    """A body on a stiff bushing at its centre of mass, pushed slowly: the push should choose the step."""
     rng = place.rng
     mass, w = float(rng.uniform(0.5, 3.0)), float(np.exp(rng.uniform(5.0, 9.0)))
     zeta, hertz, push = float(rng.uniform(0.02, 0.5)), float(rng.uniform(0.3, 2.0)), place.length(0.1, 0.4)
