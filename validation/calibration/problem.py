@@ -24,13 +24,13 @@ class Reading:
     """A quantity of a run beside its true course.
 
     ``computed``: of a solution, (samples,) or (samples, k); ``truth``: the same of the times of the samples;
-    ``scale``: what an error is divided by: 1 rad of an angle, a length of the mechanism, a speed of it.
+    ``scale``: what an error is divided by, 1 rad of an angle; None = the length of the model.
     """
 
     name: str
     computed: Callable[[Solution], Array]
     truth: Callable[[Array], Array]
-    scale: float = 1.0
+    scale: float | None = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,14 +122,14 @@ def angle(name: str, joint: Any, truth: Callable[[Array], Array]) -> Reading:
     return Reading(name, lambda run: run.angle(joint), truth)
 
 
-def slide(name: str, joint: Any, truth: Callable[[Array], Array], length: float) -> Reading:
+def slide(name: str, joint: Any, truth: Callable[[Array], Array]) -> Reading:
     """The slide of a joint."""
-    return Reading(name, lambda run: run.slide(joint), truth, length)
+    return Reading(name, lambda run: run.slide(joint), truth, None)
 
 
-def centre(body: Any, truth: Callable[[Array], Array], length: float) -> Reading:
+def centre(body: Any, truth: Callable[[Array], Array]) -> Reading:
     """Centre of mass of a body, world."""
-    return Reading(f"centre of {body.name}", lambda run: run.com(body), truth, length)
+    return Reading(f"centre of {body.name}", lambda run: run.com(body), truth, None)
 
 
 def attitude(body: Any, truth: Callable[[Array], Array]) -> Reading:

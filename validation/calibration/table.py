@@ -73,6 +73,7 @@ def described(r: Record) -> str:
     """A run in a line: settings, true error, and what was said of it."""
     if r.stopped:
         return f"{r.family}: {r.settings}: {r.stopped}"
-    guess = "" if r.estimated is None else f" ({r.estimated:.1e})"
     said = "; ".join(r.failures) or "passed"
-    return f"{r.family}: {r.settings}: error {r.error:.1e} of {r.worst}; {said}; estimate {r.estimate}{guess}"
+    return (
+        f"{r.family}: {r.settings}: error {r.error:.1e} of {r.worst}; {said}; estimate {r.estimate} ({r.estimated:.1e})"
+    )

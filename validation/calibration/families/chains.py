@@ -57,12 +57,12 @@ def problem(
     n = len(axes)
     course = truth(link, rates, t_end)
     readings = [
-        slide(j.name, j, lambda t, i=i: course(t)[:, i], place.unit) if slides[i]
+        slide(j.name, j, lambda t, i=i: course(t)[:, i]) if slides[i]
         else angle(j.name, j, lambda t, i=i: course(t)[:, i])
         for i, j in enumerate(joints)
     ]  # fmt: skip
     last = link.centre(n - 1, course)
-    readings.append(centre(bodies[-1], lambda t: place.shift + last(t) @ place.axes.T, place.unit))
+    readings.append(centre(bodies[-1], lambda t: place.shift + last(t) @ place.axes.T))
     sizes = np.where(slides, place.unit, 1.0)
     fast = float((np.abs(course(np.linspace(0.0, t_end, 200))[:, n:]) / sizes).max())
     system = System(bodies, joints, springs, gravity=place.gravity)

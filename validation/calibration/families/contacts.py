@@ -83,7 +83,7 @@ def bounce(place: Place) -> Problem:
         return place.shift + np.stack([at[0] + along * t, at[1] + 0.0 * t, z], axis=-1) @ place.axes.T
 
     system = System([ball], forces=[floor], gravity=place.gravity)
-    return Problem(system, t_end, [centre(ball, path, unit)], w)
+    return Problem(system, t_end, [centre(ball, path)], w)
 
 
 def tyre(place: Place) -> Problem:
@@ -111,7 +111,7 @@ def tyre(place: Place) -> Problem:
     t_end = float(rng.uniform(0.2, 1.0))
     course = motion(slope, (0.0, spin, 0.0), t_end)
     readings = [
-        angle("hub", hub, lambda t: course(t)[:, 0]), slide("rail", rail, lambda t: V * t, unit),
+        angle("hub", hub, lambda t: course(t)[:, 0]), slide("rail", rail, lambda t: V * t),
     ]  # fmt: skip
     system = System([sled, wheel], [rail, hub, SlideDriver(rail, Ramp(V))], [road], gravity=place.gravity)
     return Problem(system, t_end, readings, max(spin, V / relax, h * np.sqrt(load * C / (J * relax / h))))
@@ -145,7 +145,7 @@ def cam(place: Place) -> Problem:
     how = {"face": place.axis(0, 1, 0)} if flat else {"pin": place.axis(0, 0, 1), "radius": roll}
     touch = CurveContact(shaft, valve, np.array([place.point(x) for x in round_]), at=place.point(tip), **how)
     readings = [
-        angle("axle", axle, lambda t: rate * t), slide("guide", guide, lambda t: lift(t) - z0, unit),
+        angle("axle", axle, lambda t: rate * t), slide("guide", guide, lambda t: lift(t) - z0),
     ]  # fmt: skip
     system = System([shaft, valve], [axle, guide, touch, AngleDriver(axle, Ramp(rate))], gravity=place.gravity)
     return Problem(system, t_end, readings, abs(rate), DRIVEN)

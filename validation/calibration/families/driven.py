@@ -49,10 +49,10 @@ def driven_arm(place: Place) -> Problem:
 
     last = link.centre(2, course)
     readings = [
-        slide(j.name, j, c, place.unit) if s else angle(j.name, j, c)
+        slide(j.name, j, c) if s else angle(j.name, j, c)
         for j, s, (_, _, (c, _)) in zip(joints, slides, made, strict=True)
     ]
-    readings.append(centre(bodies[-1], lambda t: place.shift + last(t) @ place.axes.T, place.unit))
+    readings.append(centre(bodies[-1], lambda t: place.shift + last(t) @ place.axes.T))
     most = max(most / (0.3 * place.unit if s else 1.0) for s, (_, most, _) in zip(slides, made, strict=True))
     system = System(bodies, [*joints, *drivers], gravity=place.gravity)
     return Problem(system, float(place.rng.uniform(0.5, 2.0)), readings, most, DRIVEN)
@@ -80,7 +80,7 @@ def driven_gears(place: Place) -> Problem:
     ]
     readings = [
         angle("one", hinge, course), angle("two", other, lambda t: ratio * course(t)),
-        slide("rail", rail, lambda t: ratio * radius * course(t), place.unit),
+        slide("rail", rail, lambda t: ratio * radius * course(t)),
     ]  # fmt: skip
     system = System([one, two, bar], joints, gravity=place.gravity)
     return Problem(system, float(rng.uniform(0.5, 2.0)), readings, most * max(1.0, abs(ratio)), DRIVEN)

@@ -59,7 +59,7 @@ def restarted_ball(place: Place) -> Problem:
 
     system = System([ball], gravity=place.gravity)
     stops = [(lands, t) for t in times]
-    return Problem(system, t_end, [centre(ball, path, unit)], 2.0 * np.pi / first, stops=stops, restart=restart)
+    return Problem(system, t_end, [centre(ball, path)], 2.0 * np.pi / first, stops=stops, restart=restart)
 
 
 def stopped_pendulum(place: Place) -> Problem:

@@ -32,7 +32,7 @@ def free(place: Place) -> Problem:
         return turned(place, free_body(t, moments, omega, REST).rotation)
 
     rate = float(np.linalg.norm(omega))
-    readings = [centre(body, path, place.unit), attitude(body, pose)]
+    readings = [centre(body, path), attitude(body, pose)]
     return Problem(System([body], gravity=place.gravity), t_end, readings, rate)
 
 
@@ -54,7 +54,7 @@ def top(place: Place) -> Problem:
     def path(t: Array) -> Array:
         return place.shift + pose(t) @ place.axis(arm)
 
-    readings = [attitude(body, pose), centre(body, path, float(np.linalg.norm(arm)))]
+    readings = [attitude(body, pose), centre(body, path)]
     rate = float(np.linalg.norm(omega)) + np.sqrt(place.g / np.linalg.norm(arm))
     return Problem(System([body], [tip], gravity=place.gravity), t_end, readings, rate)
 
@@ -86,7 +86,7 @@ def orbit(place: Place) -> Problem:
     system = System([moon], forces=[pull], gravity=(0, 0, 0))
     nearest = rate * (1.0 + excentric) ** 0.5 / (1.0 - excentric) ** 1.5
     return Problem(
-        system, 2.0 * np.pi * rounds / rate, [centre(moon, path, axis)], max(nearest, float(np.linalg.norm(omega)))
+        system, 2.0 * np.pi * rounds / rate, [centre(moon, path)], max(nearest, float(np.linalg.norm(omega)))
     )
 
 

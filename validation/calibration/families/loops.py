@@ -117,7 +117,7 @@ def slider_crank(place: Place) -> Problem:
     slope = lambda phi: np.arcsin((off - r * np.sin(phi)) / l)  # noqa: E731  # of the rod
     readings = [
         angle("main", main, lambda t: rate * t),
-        slide("rail", rail, lambda t: reach(begin + rate * t) - x0, place.unit),
+        slide("rail", rail, lambda t: reach(begin + rate * t) - x0),
         angle("big end", big, lambda t: slope(begin + rate * t) - slope(begin) - rate * t),
     ]
     system = System(parts, [main, big, small, rail, driver], gravity=place.gravity)
@@ -160,7 +160,7 @@ def parallelogram(place: Place) -> Problem:
         moved = long * np.stack([np.cos(phi), 0.0 * phi, -np.sin(phi)], axis=-1) - leg
         return start + moved @ place.axes.T
 
-    readings.append(centre(coupler, path, unit))
+    readings.append(centre(coupler, path))
     system = System([a, b, coupler], joints, [TorsionSpring(joints[2], stiffness=stiff)], gravity=place.gravity)
     fast = np.abs(course(np.linspace(0.0, t_end, 100))[:, 1]).max()
     start_state = system.assemble(rates={joints[0]: rate})

@@ -47,7 +47,7 @@ def pulse(place: Place) -> Problem:
         speed * t + height / mass * (fallen(start, edge, t) - fallen(start + last - edge, edge, t))
     )
     system = System([body], [rail], [Force(body, signals)], gravity=(0, 0, 0))
-    return Problem(system, t_end, [slide("rail", rail, course, place.unit)], 2.0 * np.pi / t_end)
+    return Problem(system, t_end, [slide("rail", rail, course)], 2.0 * np.pi / t_end)
 
 
 def own_force(place: Place) -> Problem:
@@ -66,7 +66,7 @@ def own_force(place: Place) -> Problem:
     kink = partial(np.clip, a_min=0.0, a_max=None)
     course = lambda t: speed * t + 0.5 * gain * (kink(t - start) ** 2 - kink(t - start - last) ** 2)  # noqa: E731
     system = System([body], [rail], [force], gravity=(0, 0, 0))
-    return Problem(system, t_end, [slide("rail", rail, course, place.unit)], 2.0 * np.pi / t_end)
+    return Problem(system, t_end, [slide("rail", rail, course)], 2.0 * np.pi / t_end)
 
 
 FAMILIES = (pulse, own_force)

@@ -38,7 +38,7 @@ def ball(place: Place) -> Problem:
         return start + (np.outer(t, velocity) + 0.5 * np.outer(t * t, gain)) @ place.axes.T
 
     readings = [
-        centre(body, path, place.unit), attitude(body, lambda t: turned(place, course(t).reshape(-1, 3, 3))),
+        centre(body, path), attitude(body, lambda t: turned(place, course(t).reshape(-1, 3, 3))),
     ]  # fmt: skip
     rate = np.linalg.norm(omega) + np.linalg.norm(alpha) * t_end
     return Problem(System([body], [contact], gravity=place.gravity), t_end, readings, float(rate))
@@ -70,7 +70,7 @@ def disc(place: Place) -> Problem:
 
     t_end = float(rng.uniform(0.2, 3.0)) * steady.period
     system = System([body], [contact], gravity=place.gravity)
-    return Problem(system, t_end, [centre(body, path, place.unit), attitude(body, pose)], abs(spin) + W)
+    return Problem(system, t_end, [centre(body, path), attitude(body, pose)], abs(spin) + W)
 
 
 FAMILIES = (ball, disc)

@@ -138,8 +138,8 @@ def rack(place: Place) -> Problem:
     )  # fmt: skip
     start = place.point(at)
     readings = [
-        angle("pinion", hinge, course), slide("rail", rail, lambda t: radius * course(t), place.unit),
-        centre(bar, lambda t: start + radius * np.outer(course(t), place.axis(way)), place.unit),
+        angle("pinion", hinge, course), slide("rail", rail, lambda t: radius * course(t)),
+        centre(bar, lambda t: start + radius * np.outer(course(t), place.axis(way))),
     ]  # fmt: skip
     return Problem(system, t_end, readings, fastest(rate, gain, t_end))
 
@@ -155,7 +155,7 @@ def nut(place: Place) -> Problem:
     body = place.body("nut", mass, tensor, np.zeros(3), rate * p * way, rate * way)
     thread = Screw(GROUND, body, at=place.point(place.unit * way), axis=place.axis(way), pitch=lead, name="thread")
     course = lambda t: rate * t + 0.5 * gain * t**2  # noqa: E731
-    readings = [angle("thread", thread, course), slide("thread", thread, lambda t: p * course(t), place.unit)]
+    readings = [angle("thread", thread, course), slide("thread", thread, lambda t: p * course(t))]
     most = fastest(rate, gain, t_end)
     return Problem(System([body], [thread], gravity=place.gravity), t_end, readings, max(most, 1.0))
 
@@ -176,7 +176,7 @@ def lead_screw(place: Place) -> Problem:
         [spindle, body], [hinge, rail, thread], [Torque(spindle, moment * hinge.axis)], gravity=place.gravity
     )
     readings = [
-        angle("spindle", hinge, course), slide("rail", rail, lambda t: p * course(t), place.unit),
+        angle("spindle", hinge, course), slide("rail", rail, lambda t: p * course(t)),
         angle("thread", thread, lambda t: -course(t)),
     ]  # fmt: skip
     return Problem(system, t_end, readings, fastest(rate, gain, t_end))

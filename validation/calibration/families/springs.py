@@ -42,7 +42,7 @@ def spring(place: Place) -> Problem:
 
     t_end = float(rng.uniform(0.5, 3.0)) * min(2.0 * np.pi / w * 4.0, 3.0)
     course = motion(slope, (0.0, speed), t_end)
-    readings = [slide("rail", rail, lambda t: course(t)[:, 0], place.unit)]
+    readings = [slide("rail", rail, lambda t: course(t)[:, 0])]
     return Problem(System([body], [rail], [damper, pull], gravity=place.gravity), t_end, readings, max(w, 6.3 * hertz))
 
 
@@ -74,7 +74,7 @@ def stiff_bushing(place: Place) -> Problem:
         start, q=start.q + np.append(place.axis(begin), np.zeros(4)), v=np.append(place.axis(speed), np.zeros(3))
     )
     path = lambda t: home + course(t) @ place.axes.T  # noqa: E731
-    readings = [centre(block, path, place.unit)]
+    readings = [centre(block, path)]
     return Problem(system, float(rng.uniform(0.5, 2.0)), readings, nu, IMPLICIT, start=moved)
 
 
