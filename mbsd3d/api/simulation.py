@@ -50,7 +50,8 @@ def simulate(
         A measure compared with a value, e.g. ``measures.angle(hinge) > 1.2``; the run ends where it first comes true,
         at a time as exact as the method. A rise above the value and back within one step is seen if it is the only
         one of that step; ``max_step`` (or ``dt``) of the method bounds how short an event may be. A run may start at
-        the value: the condition can come true once it has been false.
+        the value: a condition that becomes false there by the sign of its rate is armed at once, another one when it
+        has been false; the certificate names one that never was.
     gyroscopic, centripetal, gamma, stabilisation, baumgarte
         Teaching switches: False drops w x I w, m w x (w x s), -J_dot v; stabilisation "none", "baumgarte" (with
         factors a [1/s] and b [1/s^2] of gamma -= a (J v - b) + b c) or "projection".

@@ -14,10 +14,8 @@ from ..compiler.jit import inner_kernel, kernel
 from ..kernels.vectors import add, cross, dot, scale, sub, vec
 
 NOTICED = 0.1  # rad: bodies that turn less in a step are left as they are
-EVEN = 1.0 / 64.0  # of the spin squared: an angular acceleration that leaves a rotation even
 SMALL = 1e-4  # of the spin squared: an acceleration that does not count
 FARTHEST = 40.0  # rad in a step
-OTHERWISE = 2.0  # rad by which it may differ from that spin: hinge angles are counted by it
 
 
 @inner_kernel
@@ -68,18 +66,14 @@ def find_spins(m, run, h):
 
 @inner_kernel
 def find_turns(m, run, h):
-    """The mean angular velocities of a step from run.y to run.trial, of bodies that turn evenly in it.
-
-    With Omega taken out a cubic errs by some (Omega h)^2 dw h / 100, where w changes by dw; else by (Omega h)^4 / 6144.
-    """
+    """The mean angular velocities of a step from run.y to run.trial: what a cubic of the rotation goes beside."""
     n = m.body.shape[0]
     run.now.spinning = 0
     for i in range(n):
         u = 7 * n + 6 * i
         start, end = run.y[u + 3 : u + 6], run.trial[u + 3 : u + 6]
-        spin, change = scale(0.5, add(vec(start), vec(end))), sub(vec(end), vec(start))
-        square = dot(spin, spin)
-        out = square * h * h > NOTICED**2 and dot(change, change) <= (EVEN * square * h) ** 2
+        spin = scale(0.5, add(vec(start), vec(end)))
+        out = dot(spin, spin) * h * h > NOTICED**2
         run.now.spinning += out
         for j in range(3):
             run.spin[i, j] = spin[j] if out else 0.0
@@ -95,17 +89,10 @@ def farthest_turn(run, h):
 
 
 @inner_kernel
-def kept(m, run, h):
-    """True unless a spin has changed so much in the step h that hinge angles would be miscounted."""
-    n = m.body.shape[0]
-    for i in range(n if run.now.spinning > 0 else 0):
-        spin = vec(run.spin[i])
-        if spin != (0.0, 0.0, 0.0):
-            now = spin_of(m.body[i], run.trial, 7 * n + 6 * i)
-            change = sub(now, spin)
-            if not dot(change, change) * h * h <= OTHERWISE**2:
-                return False
-    return True
+def turned_by(w, n, c, s):
+    """w turned about the unit vector n; c, s: cosine and sine of half the angle."""
+    cosine, sine = c * c - s * s, 2.0 * s * c
+    return add(add(scale(cosine, w), scale(sine, cross(n, w))), scale((1.0 - cosine) * dot(n, w), n))
 
 
 @inner_kernel
@@ -116,9 +103,7 @@ def turn_body(x, q, u, spin, tau):
     e0, e = x[q + 3], (x[q + 4], x[q + 5], x[q + 6])
     turned = add(add(scale(c, e), scale(s * e0, n)), scale(s, cross(e, n)))
     x[q + 3] = c * e0 - s * dot(e, n)
-    w = (x[u + 3], x[u + 4], x[u + 5])
-    cosine, sine = c * c - s * s, 2.0 * s * c
-    back = add(add(scale(cosine, w), scale(-sine, cross(n, w))), scale((1.0 - cosine) * dot(n, w), n))
+    back = turned_by((x[u + 3], x[u + 4], x[u + 5]), n, c, -s)
     for j in range(3):
         x[q + 4 + j] = turned[j]
         x[u + 3 + j] = back[j]

@@ -77,7 +77,7 @@ def joint_point(compiled: Compiled, data: Data, joint: Joint) -> np.ndarray:
 def load_rows(compiled: Compiled, data: Data, y: np.ndarray, t: float, coordinates: np.ndarray | None = None) -> None:
     """Kinematics and rows at y; hinge coordinates are near those given, else as the work space remembers them."""
     if coordinates is not None:
-        data.coordinate["value"], data.coordinate["rate"] = coordinates, 0.0
+        data.coordinate["value"], data.coordinate["rate"], data.unwrap_time[0] = coordinates, 0.0, t
     kinematics(compiled.model, data, y)
     rows(compiled.model, data, t)
 

@@ -14,6 +14,7 @@ from .memory import NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING, 
 from .newton import fill_matrix, filtered, lu_factor, lu_solve, residual
 from .outputs import along_cubic, cubic, evaluate_start, outputs
 from .step_control import LOCAL, end_of_step, go_on, good_enough, note_rows, rows_hold, state_error, take_steps
+from .turning import compare_poses, turns_are_certain
 
 ITERATIONS = 12  # of Newton's method in one attempt
 SLOW = 0.2  # contraction above which the matrix is made anew
@@ -234,7 +235,7 @@ def step(m, d, s, g, run):
         return NOT_CLOSING
     if solved != SOLVED:
         return NO_SOLUTION
-    if hides_touch(m, d, run, h):
+    if not turns_are_certain(m, d, run, t_new, h) or hides_touch(m, d, run, h):
         return RUNNING
     end_rates(m, run, g, h)
     note_rows(s, run)
@@ -242,6 +243,7 @@ def step(m, d, s, g, run):
     status = outputs(m, d, s, g, run, t_new, h, cubic, along_cubic)
     if status != RUNNING:
         return status
+    compare_poses(m, run, h)
     accept(m, run, g, h)
     go_on(m, d, run, t_new)
     return RUNNING if rows_hold(m, d, s, run) else NEW_TREE

@@ -8,18 +8,30 @@ import numpy as np
 
 from ..compiler.jit import inner_kernel, kernel, late_kernel
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate
-from ..kernels.coordinates import remember
+from ..kernels.coordinates import miscount, remember
 from ..kernels.kinematics import normalise
 from ..kernels.layout import Data, Model
 from ..kernels.vectors import add_scaled, clear, copy, finite
 from ..saddle.independence import independence
 from ..saddle.solve import SOLVED
+from .dense_output import hermite
 from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING
 from .method import Method, check_max_step
 from .outputs import evaluate_start, first_crossing, halt, land, may_come_true, watch_on, write
-from .step_control import NEARLY_SINGULAR, full, hermite, note_rows, rows_hold, update_scales, way_to_singular
+from .step_control import (
+    NEARLY_SINGULAR,
+    full,
+    next_turn,
+    note_rows,
+    pass_turn,
+    rows_hold,
+    update_scales,
+    way_to_singular,
+)
+from .turning import CERTAIN, compare_poses
 
 TURN_PER_POSE = 0.3  # rad between poses: Newton stays on its branch
+GROWTH = 4.0  # of the distance between poses from one to the next, or up to what was enough for the fastest turn so far
 TOO_FAR = 2.0  # times that is the turn, by the angular velocity found at the new pose, from which on it is not believed
 HALVINGS = 30  # of the distance between poses before a mechanism counts as one that cannot go on
 SINGULAR = 1e-6  # pivot, the square of a small angle: below, velocities and accelerations are those of the poses before
@@ -110,17 +122,20 @@ def advance_to(m, d, s, own, run, t, x, h):
 def farthest(m, run):
     """Time [s] to the next pose at most: in which a body may turn TURN_PER_POSE, or half the way to a singular pose.
 
-    Turns are h w + h^2/2 alpha with the greatest w so far, alpha of now. Two branches nearly meet where a mechanism
-    passes close by a singular pose: longer steps would come out on the other one, which no sample tells.
+    Turns are h w + h^2/2 alpha of now, and no distance is more than GROWTH of the last one: a dead point tells little
+    of what follows. Two branches nearly meet where a mechanism passes close by a singular pose: longer steps would come
+    out on the other one, which no sample tells.
     """
-    n, alpha = m.body.shape[0], 0.0
+    n, w, alpha = m.body.shape[0], 0.0, 0.0
     for i in range(n):
-        for j in range(3):
-            alpha = max(alpha, abs(run.dy[7 * n + 6 * i + 3 + j]))
-    w = run.now.turn
+        u = 7 * n + 6 * i + 3
+        w = max(w, np.sqrt(run.y[u] ** 2 + run.y[u + 1] ** 2 + run.y[u + 2] ** 2))
+        alpha = max(alpha, abs(run.dy[u]), abs(run.dy[u + 1]), abs(run.dy[u + 2]))
     far = TURN_PER_POSE if run.now.steps > 0 else APART  # the first two poses say whether a singular one is ahead
     speed = w + np.sqrt(w * w + 2.0 * alpha * far)
     most = min(run.task.max_step, 2.0 * far / speed if speed > 0.0 else np.inf)
+    if run.now.steps > 0 and run.now.turn > 0.0:
+        most = min(most, max(GROWTH * run.now.step, far / run.now.turn))
     if PASSED_OVER <= run.rows.pivot < NEARLY_SINGULAR and run.now.steps > 0:
         most = min(most, 2.0 * run.now.step)
     return min(most, 0.5 * run.rows.ahead) if run.rows.pivot >= PASSED_OVER else most
@@ -167,7 +182,7 @@ def next_pose(m, d, s, run, t_output):
     t_new = t_output if h >= (1.0 - 1e-9) * (t_output - t) else t + h
     status = advance_to(m, d, s, None, run, t_new, h, h)
     for _ in range(HALVINGS):
-        if status == RUNNING and end_turn(m, run, h) <= TOO_FAR * TURN_PER_POSE:
+        if status == RUNNING and end_turn(m, run, h) <= TOO_FAR * TURN_PER_POSE and miscount(m, d, t_new) <= CERTAIN:
             break
         h *= 0.5
         t_new = t + h
@@ -230,33 +245,38 @@ def step(m, d, s, own, run, t_output):
         status = watch(m, d, s, run, t_new, h)
     if status != RUNNING:
         return status
+    run.now.miscount = max(run.now.miscount, miscount(m, d, t_new))
+    compare_poses(m, run, h)
     remember(m, d, t_new)
     update_scales(m, d, run)
     copy(run.y, run.trial)
     copy(run.dy, run.trial_rate)
     run.now.t = t_new
     run.now.steps += 1
+    pass_turn(run)
     return RUNNING
 
 
 @kernel
 def follow(m, d, s, own, run, budget):
-    """Visit the output times; DONE, RUNNING after `budget` poses, or a reason to come back to Python."""
-    if run.now.fresh == 1:
-        status = evaluate_start(m, d, s, run)
-        if status != RUNNING:
-            return status
+    """Visit the output times, and those at which signals turn; DONE, RUNNING after `budget` poses, or a reason to come
+    back to Python.
+    """
     for _ in range(budget):
+        if run.now.fresh > 0:
+            status = evaluate_start(m, d, s, run)
+            if status != RUNNING:
+                return status
         if run.now.next_output >= run.times.shape[0]:
             return DONE
         if full(run):
             return FULL
         t_output = run.times[run.now.next_output]
         if run.now.t < t_output:
-            status = step(m, d, s, own, run, t_output)
+            status = step(m, d, s, own, run, min(t_output, next_turn(run)))
             if status != RUNNING:
                 return status
-        if run.now.t >= t_output:
+        if run.now.t >= t_output and run.now.fresh == 0:
             write(m, d, run, t_output, run.y)
             run.now.next_output += 1
         if not rows_hold(m, d, s, run):

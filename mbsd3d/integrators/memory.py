@@ -13,7 +13,7 @@ NOT_CONVERGED, STIFF = 8, 9
 TASK = [  # constant during the run
     ("t_start", float),  # s
     ("t_end", float),  # s
-    ("steps", int),  # number of equal steps, 0 = adaptive
+    ("steps", int),  # number of equal steps from t_start to t_end, 0 = adaptive
     ("first_step", float),  # s, the first one tried
     ("max_step", float),  # s
     ("rtol", float),
@@ -30,7 +30,13 @@ NOW = [
     ("speed", float),  # m/s, greatest so far, relative to the mean of all bodies: scale of velocity errors
     ("fastest", float),  # m/s, the greatest that there was; `speed` is never less than the start leads to expect
     ("turn", float),  # rad/s, greatest angular velocity so far
+    ("miscount", float),  # rad, the most that a hinge has turned in a step otherwise than by the mean of its rates
+    ("missed", float),  # rad, the most that a body has turned otherwise than by its angular velocity: turning.py
+    ("farthest", float),  # rad, the farthest that a body has turned in a step
+    ("missed_by", int),  # the body that missed most,
+    ("farthest_by", int),  # and the one that turned farthest
     ("steps", int),  # accepted
+    ("grid", int),  # of the equal steps those that are done: a signal that turns splits one
     ("rejected", int),
     ("evaluations", int),
     ("longest", float),  # s, of the next step, where contacts in the air turn: touching.py
@@ -38,6 +44,7 @@ NOW = [
     ("forced", int),  # 1: the step at hand has the least length, as over a jump of a force; 2: the last one had
     ("retried", int),  # 1: the step at hand has been rejected before: it may not grow
     ("spinning", int),  # bodies whose spin is taken out of the step at hand: spinning.py
+    ("rotating", int),  # 1: the dense output of the step at hand holds rotation vectors: outputs.py
     ("written", int),  # samples in the buffer
     ("inside", int),  # samples of the step at hand, where every step is one
     ("next_output", int),  # index of the next output time
@@ -78,14 +85,16 @@ class Run(NamedTuple):
     work_rate: np.ndarray  # (ny,)
     unit: np.ndarray  # (nz,) what errors of the states z are measured in, at the greatest speed so far
     spin: np.ndarray  # (n, 3) rad/s, of each body, body axes
+    missed: np.ndarray  # (n, 4) rad, by how much each body has turned otherwise than by its angular velocity, world
+    # axes, and what `compare_poses` allowed it in the last step
     F: np.ndarray  # (terms, ny) dense output of the last step
     task: np.record  # TASK
     now: np.record  # NOW
     rows: np.record  # ROWS
     stiffness: np.record  # STIFFNESS
     times: np.ndarray  # (requested,) output times
-    turns: np.ndarray  # (k, 2) where signals turn: the time [s] at which an adaptive step ends, and from which the next
-    # one goes on, a rounding later where a second derivative jumps
+    turns: np.ndarray  # (k, 2) where signals turn: the time [s] at which a step ends, and from which the next one goes
+    # on, a rounding later where a second derivative jumps
     contacts: np.ndarray  # (k,) numbers of the forces that touch and lift off
     gaps: np.ndarray  # (k, 2, 3) at both ends of the step: clearance [m], its rate, angular velocity that counts
     out: np.ndarray  # (capacity, width) samples: t, y, accelerations (6n), lam (m), hinge coordinates, potential and
@@ -100,7 +109,8 @@ def new_run(
     dy, trial, trial_rate, work, work_rate = np.zeros((5, y.size))
     return Run(
         y=y, dy=dy, trial=trial, trial_rate=trial_rate, work=work, work_rate=work_rate,
-        unit=np.zeros(y.size - 13 * bodies), spin=np.zeros((bodies, 3)), F=np.zeros((terms, y.size)),
+        unit=np.zeros(y.size - 13 * bodies), spin=np.zeros((bodies, 3)), missed=np.zeros((bodies, 4)),
+        F=np.zeros((terms, y.size)),
         task=single(TASK), now=single(NOW), rows=single(ROWS), stiffness=single(STIFFNESS),
         times=times, turns=turns, contacts=contacts, gaps=np.zeros((contacts.size, 2, 3)),
         out=np.zeros((capacity, width)),

@@ -15,8 +15,10 @@ from ..kernels.kinematics import kinematics
 from ..kernels.rows import row_speed
 from ..kernels.vectors import add_scaled, copy, finite
 from ..saddle.solve import SOLVED
+from .dense_output import hermite, hermite_of_rotations, interpolate
 from .memory import FULL, NO_SOLUTION, NOT_CLOSING, RUNNING, STOPPED
-from .step_control import hermite, interpolate, note_rows, update_scales
+from .step_control import note_rows, update_scales
+from .turning import compare_poses
 
 LANDINGS = 6  # Newton steps to the time of an event, each a step of the method; the first is good to its dense output
 SCAN = 8  # parts of a step that are searched for an event, or of a radian that a body spins in it
@@ -228,6 +230,7 @@ def land(m, d, s, own, run, h, x, advance_to):
 @late_kernel
 def halt(m, d, s, run, t) -> int:
     """End the run at t, where trial has been accepted as the state at which the condition comes true."""
+    compare_poses(m, run, t - run.now.t)
     evaluate(m, d, s, t, run.trial, run.dy)
     write(m, d, run, t, run.trial)
     remember(m, d, t)
@@ -241,7 +244,7 @@ def halt(m, d, s, run, t) -> int:
 def cubic(m, d, s, own, run, h):
     """The dense output of methods without one of their own: a cubic through both ends of the step and their rates.
 
-    Beside an even rotation (`find_turns`): steps may be long that bodies turn in.
+    That of an orientation is one of rotation vectors beside the mean rotation (`find_turns`): bodies may turn far.
     """
     copy(run.work, run.trial)
     spin_on(m, run, -h, run.work)
@@ -251,6 +254,7 @@ def cubic(m, d, s, own, run, h):
     copy(end_rate, run.trial_rate)
     rate_without_spin(m, run, h, run.trial, end_rate)
     hermite(run, h, run.work, run.work_rate, end_rate)
+    hermite_of_rotations(m, run, h, run.work)
     return True
 
 

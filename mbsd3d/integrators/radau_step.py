@@ -12,6 +12,7 @@ from .memory import NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING, 
 from .newton import lu_factor, lu_solve
 from .outputs import along_cubic, cubic, evaluate_start, outputs
 from .step_control import LOCAL, end_of_step, go_on, good_enough, note_rows, rows_hold, state_error, take_steps
+from .turning import compare_poses, turns_are_certain
 
 ITERATIONS = 10  # of Newton's method in one attempt
 NEWTON = 0.1  # of LOCAL rtol is what Newton's method may leave
@@ -265,13 +266,14 @@ def step(m, d, s, g, run):
         return NOT_CLOSING
     if solved != SOLVED or not finite(run.trial_rate):
         return NO_SOLUTION
-    if hides_touch(m, d, run, h):
+    if not turns_are_certain(m, d, run, t_new, h) or hides_touch(m, d, run, h):
         return RUNNING
     note_rows(s, run)
     find_turns(m, run, h)
     status = outputs(m, d, s, g, run, t_new, h, cubic, along_cubic)
     if status != RUNNING:
         return status
+    compare_poses(m, run, h)
     accept(run, g, h)
     go_on(m, d, run, t_new)
     return RUNNING if rows_hold(m, d, s, run) else NEW_TREE

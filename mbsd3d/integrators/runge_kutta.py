@@ -3,11 +3,12 @@
 import numpy as np
 
 from ..compiler.jit import inner_kernel, kernel, late_kernel
-from ..dynamics.spinning import farthest_turn, find_spins, kept, limit_turn, rate_without_spin, spin_on
+from ..dynamics.spinning import farthest_turn, find_spins, limit_turn, rate_without_spin, spin_on
 from ..dynamics.state_rates import FAR, NEAR, PROJECTED, evaluate, project_and_evaluate, rounding
 from ..dynamics.touching import hides_touch
 from ..kernels.vectors import add_scaled, clear, copy, finite
 from ..saddle.solve import SOLVED
+from .dense_output import hermite
 from .memory import NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING, STEP_TOO_SMALL, STIFF
 from .outputs import evaluate_start, outputs
 from .step_control import (
@@ -15,7 +16,6 @@ from .step_control import (
     end_of_step,
     go_on,
     good_enough,
-    hermite,
     nearly_singular,
     note_rows,
     pass_over_singular,
@@ -25,6 +25,7 @@ from .step_control import (
     take_steps,
     way_to_singular,
 )
+from .turning import compare_poses, turns_are_certain
 
 ALLOWED = 2.0 * LOCAL  # of rtol is what a step of these methods may err: most err a tenth of it,
 AIM = 0.75  # since the next one is this times the step that would err as much; few are then tried in vain
@@ -181,9 +182,7 @@ def attempt(m, d, s, own, run):
         status, result = project_and_evaluate(m, d, s, t_new, run.trial, run.trial_rate, NEAR - run.rows.on_manifold)
         run.now.evaluations += 1
         if status == PROJECTED and result == SOLVED and finite(run.trial_rate) and finite(run.trial):
-            if not kept(m, run, h):
-                retry(run, 0.5 * h)
-            elif not hides_touch(m, d, run, h):
+            if turns_are_certain(m, d, run, t_new, h) and not hides_touch(m, d, run, h):
                 return RUNNING, t_new, h, error
             continue
         if fixed:
@@ -261,6 +260,7 @@ def step(m, d, s, own, run):
     status = outputs(m, d, s, own, run, t_new, h, dense, advance_to)
     if status != RUNNING:
         return status
+    compare_poses(m, run, h)
     accept(own, run, h, error)
     go_on(m, d, run, t_new)
     return verdict(m, d, s, own, run, h)

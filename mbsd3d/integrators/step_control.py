@@ -1,19 +1,18 @@
-"""What all time loops share: steps up to a budget, their length, scales of errors, whether rows hold, dense output."""
+"""What all time loops share: steps up to a budget, their length, scales of errors, whether rows hold."""
 
 import numpy as np
 
 from ..compiler.jit import inner_kernel, merged_kernel
-from ..dynamics.spinning import spin_on
 from ..dynamics.state_rates import skipped_residual
 from ..dynamics.touching import go_on_watching
 from ..kernels.coordinates import remember
 from ..kernels.kinds import PROJECTION
-from ..kernels.vectors import add_scaled, clear
 from ..saddle.independence import note_independence
 from .memory import DONE, FULL, RUNNING
 
 LEAST = 1e-14  # of the time, the shortest step: 50 units of its last place; of the first step, at t = 0
 ROUNDING = 1e-15  # of a work or an impulse is what a step may always err: less cannot be had
+ON_GRID = 1e-9  # of a fixed step: where a signal turns so close to its end, that is its end
 LOCAL = 0.1  # of rtol is what a single step may err, since errors add up over a run
 
 CLOSE, STUCK = 1e-5, 1e-4  # a share as that below; of the way to a singular position: who passes it goes faster
@@ -53,34 +52,53 @@ def least_step(run):
 
 
 @inner_kernel
-def end_of_step(run):
-    """(t_new, h): the next step, landing exactly on t_end, and unless steps are fixed where a signal turns.
+def next_turn(run):
+    """The next time at which a signal turns; infinite if none does before the end."""
+    turns, k, least = run.turns, run.now.next_turn, least_step(run)
+    while k < turns.shape[0] and turns[k, 1] <= run.now.t + least:
+        k += 1
+    run.now.next_turn = k
+    return turns[k, 0] if k < turns.shape[0] and turns[k, 1] <= run.task.t_end else np.inf
 
-    h = 0: none is short enough.
-    """
-    task, t = run.task, run.now.t
+
+@inner_kernel
+def on_grid(run):
+    """(time at which the equal step at hand ends, what is no distance from it)."""
+    task, k = run.task, run.now.grid + 1
+    apart = (task.t_end - task.t_start) / task.steps
+    return task.t_end if k >= task.steps else task.t_start + k * apart, ON_GRID * apart
+
+
+@inner_kernel
+def end_of_step(run):
+    """(t_new, h): the next step, landing exactly on t_end and where a signal turns; h = 0: none is short enough."""
+    task, t, turn, least = run.task, run.now.t, next_turn(run), least_step(run)
     if task.steps > 0:
-        k = run.now.steps + 1
-        t_new = task.t_end if k == task.steps else task.t_start + k * (task.t_end - task.t_start) / task.steps
-        return t_new, t_new - t
+        end, close = on_grid(run)
+        t_new = turn if turn <= end + close else end
+        return t_new, max(t_new - t, least)
     h = min(run.now.step, task.max_step, run.now.longest)
-    least = least_step(run)
     if h < least:
         if run.now.forced > 0:
             return t, 0.0
         h, run.now.forced = least, 1
-    turns, k = run.turns, run.now.next_turn
-    while k < turns.shape[0] and turns[k, 1] <= t + least:
-        k += 1
-    run.now.next_turn = k
-    last = turns[k, 0] if k < turns.shape[0] and turns[k, 1] <= task.t_end else task.t_end
+    last = min(turn, task.t_end)
     t_new = last if t + 1.01 * h >= last else t + h
     return t_new, max(t_new - t, min(h, least))  # rounding of t makes no step too short
 
 
 @inner_kernel
+def pass_turn(run):
+    """Go on behind the end of the step where the second derivative of a signal jumps there."""
+    k = run.now.next_turn
+    if k < run.turns.shape[0] and run.turns[k, 0] == run.now.t < run.turns[k, 1]:
+        run.now.t = run.turns[k, 1]
+        run.now.fresh = 2
+
+
+@inner_kernel
 def go_on(m, d, run, t_new):
-    """The end of a step, in d, is the start of the next; behind it where the second derivative of a signal jumps."""
+    """The end of a step, in d, is the start of the next."""
     remember(m, d, t_new)
     update_scales(m, d, run)
     run.now.t = t_new
@@ -90,10 +108,10 @@ def go_on(m, d, run, t_new):
         run.now.forced, run.now.step = 2, max(run.now.step, least_step(run))
     else:
         run.now.forced = 0
-    k = run.now.next_turn
-    if run.task.steps == 0 and k < run.turns.shape[0] and run.turns[k, 0] == run.now.t < run.turns[k, 1]:
-        run.now.t = run.turns[k, 1]
-        run.now.fresh = 2
+    if run.task.steps > 0:
+        end, close = on_grid(run)
+        run.now.grid += t_new >= end - close
+    pass_turn(run)
 
 
 @inner_kernel
@@ -210,27 +228,3 @@ def rows_hold(m, d, s, run):
         rows.residual = position
         return position <= tolerance and speed <= tolerance * max(run.now.speed, run.now.turn)
     return True
-
-
-@inner_kernel
-def hermite(run, h, end, rate, end_rate):
-    """Coefficients F of the cubic from run.y to the end of the step, with the rates there."""
-    for k in range(run.y.shape[0]):
-        step = end[k] - run.y[k]
-        run.F[0, k] = step
-        run.F[1, k] = h * rate[k] - step
-        run.F[2, k] = 2.0 * step - h * (end_rate[k] + rate[k])
-
-
-@inner_kernel
-def interpolate(m, run, h, x, y):
-    """Dense output of the last step at the fraction x of it (Horner form of Hairer, Norsett, Wanner)."""
-    clear(y)
-    terms = run.F.shape[0]
-    for i in range(terms):
-        f = run.F[terms - 1 - i]
-        weight = x if (terms - 1 - i) % 2 == 0 else 1.0 - x
-        for j in range(y.shape[0]):
-            y[j] = (y[j] + f[j]) * weight
-    add_scaled(y, 1.0, run.y)
-    spin_on(m, run, x * h, y)

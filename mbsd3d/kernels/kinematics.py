@@ -71,22 +71,36 @@ def rates(m, d, dy):
             dy[q + 3 + j] = e_dot[j]
 
 
-@kernel
-def displace_body(y, q, dr, dtheta):
-    """Move the pose at y[q:q+7]: r += dr, e = exp(dtheta) o e with |e| = 1; world axes."""
-    x, a, b = dtheta
-    square = 0.25 * (x * x + a * a + b * b)
+@inner_kernel
+def quaternion_of(turn):
+    """exp(turn / 2): the unit quaternion of a rotation vector [rad]."""
+    x, y, z = turn
+    square = 0.25 * (x * x + y * y + z * z)
     if square.real < TINY:
         p0, k = 1.0 - 0.5 * square, 0.5 - square / 12.0
     else:
         half = np.sqrt(square)
         p0, k = np.cos(half), 0.5 * np.sin(half) / half
-    p1, p2, p3 = k * x, k * a, k * b
-    e0, e1, e2, e3 = y[q + 3], y[q + 4], y[q + 5], y[q + 6]
-    f0 = p0 * e0 - p1 * e1 - p2 * e2 - p3 * e3
-    f1 = p0 * e1 + p1 * e0 + p2 * e3 - p3 * e2
-    f2 = p0 * e2 - p1 * e3 + p2 * e0 + p3 * e1
-    f3 = p0 * e3 + p1 * e2 - p2 * e1 + p3 * e0
+    return p0, k * x, k * y, k * z
+
+
+@inner_kernel
+def product(p, e):
+    """p o e of two quaternions."""
+    p0, p1, p2, p3 = p
+    e0, e1, e2, e3 = e
+    return (
+        p0 * e0 - p1 * e1 - p2 * e2 - p3 * e3,
+        p0 * e1 + p1 * e0 + p2 * e3 - p3 * e2,
+        p0 * e2 - p1 * e3 + p2 * e0 + p3 * e1,
+        p0 * e3 + p1 * e2 - p2 * e1 + p3 * e0,
+    )
+
+
+@kernel
+def displace_body(y, q, dr, dtheta):
+    """Move the pose at y[q:q+7]: r += dr, e = exp(dtheta) o e with |e| = 1; world axes."""
+    f0, f1, f2, f3 = product(quaternion_of(dtheta), (y[q + 3], y[q + 4], y[q + 5], y[q + 6]))
     norm = np.sqrt(f0 * f0 + f1 * f1 + f2 * f2 + f3 * f3)
     y[q + 3], y[q + 4], y[q + 5], y[q + 6] = f0 / norm, f1 / norm, f2 / norm, f3 / norm
     put(y[q : q + 3], add((y[q], y[q + 1], y[q + 2]), dr))

@@ -173,7 +173,7 @@ def search(data, first, e, weight, expected):
 
 @inner_kernel
 def expected(d, i, t):
-    """Where the last accepted state says that coordinate i should be at time t."""
+    """Where the last accepted state and its rate say that coordinate i should be at time t."""
     last = d.coordinate[i]
     return last.value + last.rate * (t - d.unwrap_time[0])
 

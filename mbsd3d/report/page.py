@@ -27,6 +27,8 @@ DECADES = 16.0  # of the certificate's bars, from 1e-16 to 1
 MEANING = {
     "joint gaps": "the joints stay closed",
     "joint velocities": "the joints are not torn apart",
+    "orientations": "bodies turn by their angular velocities",
+    "turns of hinges": "no turn is miscounted",
     "energy balance": "energy changes by the work done",
     "momentum balance": "momentum changes by the impulse",
     "angular momentum": "it changes by the angular impulse",

@@ -10,7 +10,7 @@ from ..base.directions import crosses
 from ..base.errors import InputError
 from ..base.rotations import matrix
 from ..equations.compiled import Compiled, compile_system, new_data, tables_of
-from ..kernels.coordinates import measure, remember
+from ..kernels.coordinates import coordinate_rate, measure, remember
 from ..kernels.kinematics import kinematics
 from ..mechanism.bodies import GROUND, Body, Ground
 from ..mechanism.force_element import ForceElement
@@ -144,7 +144,7 @@ class RunMotion(Poses):
         """(samples,) values of one of `mbsd3d.measures`, (samples, k) of k of them.
 
         Angles of hinges are those of the run. Other angles, e.g. headings, are followed from sample to sample: between
-        two of them the rate at the first must tell the turn to within half a turn.
+        two of them the mean of both rates must tell the turn to within half a turn.
         """
         wanted = tuple(measures) if isinstance(measures, list | tuple) else (measures,)
         for one in wanted:
@@ -154,12 +154,16 @@ class RunMotion(Poses):
         model = compile_system(self.system, wanted).model
         data, known = new_data(model), len(tables_of(self.system).coordinate_index)
         values = np.empty((self.t.size, len(wanted)))
-        for k in range(self.t.size):
-            data.coordinate["value"][:known] = self.arrays["coordinate"][k, :known]  # those of hinges count their turns
-            data.coordinate["rate"][:known] = 0.0  # those of other angles go on from the sample before
+        for k, t in enumerate(self.t):
             kinematics(model, data, self.arrays["state"][k])
-            values[k] = [measure(model, data, i, self.t[k]) for i in range(len(wanted))]
-            remember(model, data, self.t[k])
+            half = 0.5 * (t - self.t[max(k - 1, 0)])
+            for i in range(known, model.coordinate.size):  # other angles go on from the sample before
+                mean = data.coordinate["rate"][i] + coordinate_rate(model, data, i, t)
+                data.coordinate["value"][i] += half * mean
+            data.coordinate["value"][:known] = self.arrays["coordinate"][k, :known]  # those of hinges count their turns
+            data.unwrap_time[0] = t
+            values[k] = [measure(model, data, i, t) for i in range(len(wanted))]
+            remember(model, data, t)
         return values[:, 0] if isinstance(measures, Measure) else values
 
     def state_of(self, force: ForceElement | str) -> np.ndarray:

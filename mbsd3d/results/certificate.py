@@ -16,7 +16,12 @@ from .checks.balances import balance_checks, work_note
 from .checks.check import PASSED, USEFUL, Check, drift_limit
 from .checks.equations import equation_checks, joint_checks, lost, residuals
 from .checks.rounding import rounding, rounding_checks, singular_notes
+from .checks.turning import turning_checks
+from .record import Record
 from .run_samples import RunSamples
+
+FAR_TURN = 1.0  # rad in a step: beyond, its error is no small share of the turn
+COARSE_ORDER = 2  # of methods whose steps follow no estimate that sees a turn
 
 
 @dataclass(frozen=True)
@@ -43,6 +48,7 @@ class Certificate:
     error: float | None = None
     order: float | None = None
     doubling: float | None = None
+    turned: str = ""
     notes: tuple[str, ...] = field(default=())
 
     @property
@@ -96,7 +102,7 @@ class Certificate:
     def global_error(self) -> str:
         """What is known of the distance from the true motion."""
         if self.error is None:
-            return "unknown; solution.estimate() finds it"
+            return f"unknown{self.turned}; solution.estimate() finds it"
         order = "" if self.order is None else f", observed order {self.order:.2f}"
         verdict = "ok" if self.error <= USEFUL else f"FAILED, limit {USEFUL:.0e}"
         growth = f"; {self.growth}" if self.growth else ""
@@ -111,7 +117,7 @@ def certify(solution: RunSamples) -> Certificate:
     record, limit, remarks = solution.record, drift_limit(solution.record), notes(solution)
     if solution.t.size:
         missed, opened = residuals(solution), rounding(solution)
-        checks = [*joint_checks(solution, missed), *balance_checks(solution, limit)]
+        checks = [*joint_checks(solution, missed), *turning_checks(solution), *balance_checks(solution, limit)]
         checks += equation_checks(solution, missed, opened.singular)
         checks += [] if lost(solution) else rounding_checks(solution, opened)
         remarks += singular_notes(solution, opened) + work_note(solution)
@@ -129,8 +135,17 @@ def certify(solution: RunSamples) -> Certificate:
         switches=record.switches,
         checks=tuple(checks),
         stopped_by=record.stopped_by,
+        turned=far_turn(record),
         notes=tuple(remarks),
     )
+
+
+def far_turn(record: Record) -> str:
+    """What the global error may be where steps that no error estimate of high order holds turned a body far."""
+    coarse = record.method.dt is not None or 0 < record.method.order <= COARSE_ORDER
+    if not coarse or record.farthest <= FAR_TURN:
+        return ""
+    return f" (body '{record.farthest_by}' turned by {record.farthest:.2g} rad in a step: poses may err as much)"
 
 
 def notes(solution: RunSamples) -> list[str]:
@@ -141,4 +156,7 @@ def notes(solution: RunSamples) -> list[str]:
         inexact = ("" if solution.record.kinematic else "accelerations and ") + "reactions there are not exact"
         found.append(f"the run passes a singular position; it goes on along the tangent of the motion; {inexact}")
     found += [text for joint in solution.system.joints for text in joint.notes(solution)]
+    if solution.record.never_armed:
+        never = "it just came true at the start, and has not been false since"
+        found.append(f"stop_when: {solution.record.never_armed} was never armed: {never}")
     return found + [f"Newton-Euler not checked: {name} was saved without its function" for name in lost(solution)]

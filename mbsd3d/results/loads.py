@@ -138,7 +138,7 @@ def wrenches_about_O(
     own = slice(int(alone.force["state"][0]), int(alone.force["state"][0] + alone.force["states"][0]))
     rates = np.empty((samples, own.stop - own.start))
     for i in range(samples):
-        data.coordinate["value"] = arrays["coordinate"][i]  # angles count their turns
+        data.coordinate["value"], data.unwrap_time[0] = arrays["coordinate"][i], solution.t[i]  # angles count turns
         kinematics(alone, data, arrays["state"][i])
         loads(alone, data, solution.t[i])
         wrench[i] = data.body["Q"][index]

@@ -27,8 +27,19 @@ class Record:
     rows_left_out: int | None = None  # redundant rows at the last choice; None = not chosen
     nearest: float = 1.0  # least pivot of the loop rows over its largest: how near the run came to a singular position
     speed: float = 0.0  # m/s, greatest of all steps, relative to the mean of all bodies
+    miscount: float | None = None  # rad, the most a hinge turned in a step otherwise than by the mean of its rates
+    missed: float = 0.0  # rad, the most a body turned otherwise than by its angular velocity, over the run
+    missed_by: str = ""  # that body
+    farthest: float = 0.0  # rad, the farthest a body turned in a step
+    farthest_by: str = ""  # that body
     stopped_by: str | None = None
+    never_armed: str | None = None  # the condition to stop that has not been false since the start
     inputs: dict = field(default_factory=dict)  # name -> ((time [s], value), ...): what each was set to, and when
+
+    def note_turning(self, now: np.record, bodies: list[str]) -> None:
+        """Take over how far bodies turned, and how well turns and orientations follow from angular velocities."""
+        self.miscount, self.missed, self.farthest = (float(now[x]) for x in ("miscount", "missed", "farthest"))
+        self.missed_by, self.farthest_by = bodies[int(now["missed_by"])], bodies[int(now["farthest_by"])]
 
 
 MOST_NUMBERS = 2**30  # that the samples of a run may hold: 8 GB

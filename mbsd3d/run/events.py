@@ -4,6 +4,7 @@ motion is at its start."""
 import numpy as np
 
 from ..base.errors import InputError
+from ..equations.compiled import Compiled
 from ..integrators.memory import Run
 from ..kernels.coordinates import measure
 from ..kernels.kinds import SPLINE
@@ -15,7 +16,8 @@ from ..mechanism.signals.terms import turning_times
 ROUNDED = 1e-15  # of its time: nearer than that a stage at the end of a step may fall behind a jump
 SLACK = 1e-9  # of its scale is what a measure may differ from a value that it is said to have
 BLURRED = 1e-2  # rad of the motion at the start, between two times that can be told apart at the end
-SOON = 1e-3  # of the first step: so far the motion is a straight line
+ROUND = 1e-7  # of that is what the measure changes by in the first step where its rate is rounding
+TINY = 1e-40  # of a complex step: its square vanishes
 
 
 def turns_of_signals(model: Model, t_start: float) -> np.ndarray:
@@ -31,11 +33,12 @@ def turns_of_signals(model: Model, t_start: float) -> np.ndarray:
     return np.array(sorted(found), float).reshape(-1, 2)
 
 
-def armed_at_start(model: Model, data: Data, run: Run, stop_when: Condition) -> tuple[int, float]:
+def armed_at_start(compiled: Compiled, data: Data, run: Run, stop_when: Condition) -> tuple[int, float]:
     """(1 if the condition is false at the start or becomes so at once, else 0; slack of the value).
 
-    A run may start where the measure has the value already, as one does that goes on after an event: then the condition
-    is not armed before the measure has left the value to the side where the condition is false.
+    A run may start where the measure has the value already, as one does that goes on after an event: then the sign of
+    its rate says whether the condition becomes false or true there. Where it becomes true, or where nothing moves, the
+    condition is not armed before the measure has left the value to the side where the condition is false.
 
     Raises
     ------
@@ -43,25 +46,26 @@ def armed_at_start(model: Model, data: Data, run: Run, stop_when: Condition) -> 
         If the condition holds already, by more than the slack.
     """
     length, speed = UNITS[stop_when.measure.unit]
+    model, t = compiled.model, float(run.now.t)
     slack = SLACK * max(abs(stop_when.value), model.length**length * float(run.now.speed) ** speed)
-    now, soon = at_start(model, data, run, 0.0), at_start(model, data, run, SOON * float(run.now.step))
+    kinematics(model, data, run.y)
+    now = float(measure(model, data, 0, t))
     gap = stop_when.direction * (now - stop_when.value)
     if gap > slack:
         raise InputError(
             f"simulate: stop_when: {stop_when} holds already at the start ({now:.6g}); "
             "give another value or another start"
         )
-    leaves = stop_when.direction * (soon - now) < -1e-3 * slack
-    return int(gap < -slack or leaves), slack
+    leaves = gap < -slack or stop_when.direction * rate_at_start(compiled, data, run) * run.now.step < -ROUND * slack
+    return int(leaves), slack
 
 
-def at_start(model: Model, data: Data, run: Run, dt: float) -> float:
-    """The measure dt after the start, along the first rates; leaves the work space at the start."""
-    t = float(run.now.t)
-    kinematics(model, data, run.y + dt * run.dy)
-    value = float(np.real(measure(model, data, 0, t + dt)))
-    kinematics(model, data, run.y)
-    return value
+def rate_at_start(compiled: Compiled, data: Data, run: Run) -> float:
+    """Rate of the measure at the start, exact to rounding: by a complex step along the motion."""
+    varied = compiled.data(complex)
+    varied.coordinate[:], varied.unwrap_time[:] = data.coordinate, data.unwrap_time
+    kinematics(compiled.model, varied, run.y + 1j * TINY * run.dy)
+    return float(np.imag(measure(compiled.model, varied, 0, float(run.now.t)))) / TINY
 
 
 def rate_of_motion(v: np.ndarray, a: np.ndarray, length: float) -> float:

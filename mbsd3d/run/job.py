@@ -19,7 +19,7 @@ from ..equations.at_state import check_quaternions, driven_coordinates, load_row
 from ..equations.compiled import Compiled
 from ..equations.jacobian import scaled_rows
 from ..integrators import memory
-from ..integrators.memory import NEVER, Run, new_run
+from ..integrators.memory import Run, new_run
 from ..integrators.method import Method
 from ..integrators.outputs import write
 from ..integrators.step_control import CLOSE
@@ -73,10 +73,9 @@ class Job:
         widths = (1, y.size, 6 * n, m.row.size, m.coordinate.size, m.force.size, m.force.size, 2)
         capacity = buffer_size(CAPACITY if times is None else times.size + 1, sum(widths)) + 2
         self.samples = Samples(widths, capacity if times is None else times.size + 1)
-        adaptive = method.dt is None and not self.record.kinematic  # only these steps end where signals turn
         run = new_run(
             y, self.model.body.size, np.zeros(0) if times is None else times, capacity, sum(widths), method.dense_terms,
-            turns_of_signals(m, t) if adaptive else NEVER,
+            turns_of_signals(m, t),
             np.flatnonzero([isinstance(force, Contact) for force in self.compiled.system.forces]),
         )  # fmt: skip
         task, now = run.task, run.now  # their fields by name: as attributes each takes a microsecond more
@@ -243,7 +242,7 @@ class Job:
         """Arm the condition to stop, unless it just comes true at the start: then it waits until it has been false."""
         if self.stop_when is not None:
             run = self.memory
-            run.now.armed, run.task.slack = armed_at_start(self.model, self.data, run, self.stop_when)
+            run.now.armed, run.task.slack = armed_at_start(self.compiled, self.data, run, self.stop_when)
 
     def diverges(self) -> bool:
         """True for a motion that grows without end."""
@@ -265,6 +264,9 @@ class Job:
         record.steps, record.rejected = int(now["steps"]), int(now["rejected"])
         record.evaluations, record.nearest = int(now["evaluations"]), float(run.rows["lowest"])
         record.speed = float(now["fastest"])
+        record.note_turning(now, [body.name for body in self.compiled.system.bodies])
+        if self.stop_when is not None and now["armed"] == 0 and record.steps:
+            record.never_armed = str(self.stop_when)
         arrays = self.samples.finished()
         arrays["t"] = arrays["t"][:, 0]
         return RunResult.from_run(self.compiled, arrays, record, self.start, run.y.copy(), float(now["t"]), self.data)

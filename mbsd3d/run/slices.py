@@ -102,8 +102,8 @@ class Slices(Job):
             check_signals(self.compiled, begin, t)
         task["t_end"] = t
         if self.method.dt is not None:
-            steps, done = max(int(np.ceil((t - begin) / self.method.dt - 1e-9)), 1), int(now["steps"])
-            task["steps"], task["t_start"] = done + steps, begin - done * (t - begin) / steps
+            task["steps"] = max(int(np.ceil((t - begin) / self.method.dt - 1e-9)), 1)
+            task["t_start"], now["grid"] = begin, 0
         if not self.keep and now["written"]:
             self.drain()
         run.times[1], now["next_output"] = t, 0 if first else 1
@@ -126,6 +126,7 @@ class Slices(Job):
             speed=float(run.now.fastest),
             inputs={name: tuple(changes) for name, changes in self.history.items()},
         )  # fmt: skip
+        record.note_turning(run.now, [body.name for body in self.compiled.system.bodies])
         arrays = {name: array[:count].copy() for name, array in self.samples.arrays.items()}
         arrays["t"] = arrays["t"][:, 0]
         compiled = with_history(self.compiled, self.history)

@@ -1,5 +1,7 @@
 """Times at which conditions come true, against closed forms."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -22,6 +24,7 @@ from mbsd3d import (
     System,
     Torque,
     Universal,
+    load,
     rotation,
     simulate,
 )
@@ -225,6 +228,28 @@ def test_a_condition_that_comes_true_at_the_start_waits_for_the_next_time():
     for condition, turns in ((measures.angle(hinge) < 0.0, 1.0), (measures.angle(hinge) > 0.0, 0.5)):
         again = simulate(system, 9.0, state=lowest.final, rtol=1e-11, stop_when=condition)
         assert again.final.t - lowest.final.t == pytest.approx(turns * period, rel=1e-8)
+
+
+@pytest.mark.parametrize(("method", "height"), [(DOP853(), 0.0), (DOP853(), 10.3), (RK4(0.05), -2.7)], ids=str)
+def test_a_ball_that_bounces_ever_lower_never_falls_through(method, height):
+    """Below a hop of 1e-9 of its size the condition was not armed, and the ball fell on after 55 bounces."""
+    system, z = thrown(0.0, height + 1.3)
+    state, kept, floor, flight = system.state(), 0.7, z < height, np.sqrt(2.0 * 1.3 / G)
+    for k in range(90):
+        run = simulate(system, state.t + 4.0, state=state, method=method, stop_when=floor, output=2)
+        assert run.certificate.stopped_by is not None, k
+        state = replace(run.final, v=run.final.v * [1, 1, -kept, 1, 1, 1])
+    assert state.t == pytest.approx(flight * (1.0 + 2.0 * kept / (1.0 - kept)), rel=1e-9)
+    assert state.q[2] + 0.3 == pytest.approx(height, abs=1e-9)
+
+
+def test_a_certificate_names_a_condition_that_was_never_armed(tmp_path):
+    system, z = thrown(0.0, 10.0)
+    run = simulate(system, 2.0, stop_when=z < 10.0)
+    (note,) = [text for text in run.certificate.notes if "never armed" in text]
+    assert str(z < 10.0) in note and note in str(load(run.save(tmp_path / "fall.npz")).certificate)
+    for other in (simulate(system, 2.0, stop_when=z < 9.0), simulate(system, 2.0, stop_when=z < -99.0)):
+        assert not any("armed" in text for text in other.certificate.notes)
 
 
 def test_a_driven_run_starts_at_the_value_too():

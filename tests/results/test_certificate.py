@@ -52,8 +52,8 @@ from validation.cases.comparison import compare
 from validation.suite.trials.references import allowed
 
 CHECKS = {
-    "joint gaps", "joint velocities", "energy balance", "momentum balance", "angular momentum", "Newton-Euler",
-    "acceleration rows", "accelerations", "reactions",
+    "joint gaps", "joint velocities", "orientations", "turns of hinges", "energy balance", "momentum balance",
+    "angular momentum", "Newton-Euler", "acceleration rows", "accelerations", "reactions",
 }  # fmt: skip
 
 

@@ -1,0 +1,88 @@
+"""What ties poses to velocities in a step h: the turns that hinges count, and the way from one orientation to the next.
+
+With w and alpha in body axes at both ends (' at the second one) a body turns, to fourth order, by the rotation vector
+
+    Omega = h/2 (w + w') + h^2/12 (alpha - alpha' + w x w')            e' = e o exp(Omega / 2)
+
+(Magnus, by the trapezoidal rule with end corrections): exact for any number of turns about a fixed axis under an
+acceleration that changes evenly. Where a method takes an even spin out of the step (spinning.py), so does this.
+"""
+
+import numpy as np
+
+from ..compiler.jit import inner_kernel
+from ..dynamics.spinning import turned_by
+from ..kernels.coordinates import miscount
+from ..kernels.kinematics import product, quaternion_of, rotation_matrix
+from ..kernels.vectors import add, cross, dot, put, rotate, scale, sub, vec
+
+CERTAIN = 1.0  # rad between an angle and the mean of its rates over a step: a third of where turns are miscounted
+RESOLVED = 0.2  # times the squares of the angles by which w turns and swings in a step, times the second term above, is
+# what the formula may err by: six times its error for free bodies, twelve for one that swings about an axis
+FADING = 0.8  # of what a step allowed is allowed in the next: the second term vanishes at moments, its error does not
+UNSEEN = 1e-12  # rad in a step: rounding
+
+
+@inner_kernel
+def turns_are_certain(m, d, run, t_new, h):
+    """False for an adaptive step, whose end is in d, over which hinges may miscount their turns: it is rejected."""
+    apart = miscount(m, d, t_new)
+    if run.task.steps == 0 and not apart <= CERTAIN:
+        run.now.step = 0.5 * h
+        run.now.rejected += 1
+        run.now.retried = 1
+        return False
+    run.now.miscount = max(run.now.miscount, apart)
+    return True
+
+
+@inner_kernel
+def without_spin(y, dy, q, u, spin, tau):
+    """(e, angular velocity, its rate) of a body beside an even spin, tau after the start of the step."""
+    e, w = (y[q + 3], y[q + 4], y[q + 5], y[q + 6]), (y[u + 3], y[u + 4], y[u + 5])
+    alpha = (dy[u + 3], dy[u + 4], dy[u + 5])
+    if spin == (0.0, 0.0, 0.0):
+        return e, w, alpha
+    rate = np.sqrt(dot(spin, spin))
+    n, c, s = scale(1.0 / rate, spin), np.cos(0.5 * rate * tau), np.sin(0.5 * rate * tau)
+    back = (c, -s * n[0], -s * n[1], -s * n[2])
+    return product(e, back), turned_by(sub(w, spin), n, c, s), turned_by(add(alpha, cross(spin, w)), n, c, s)
+
+
+@inner_kernel
+def note_miss(run, i, e, missed, allowed):
+    """Add what a body has turned otherwise than by its angular velocity, beyond what is allowed, in world axes."""
+    x = (missed[1], missed[2], missed[3])
+    sine = np.sqrt(dot(x, x))
+    angle = max(2.0 * np.arctan2(sine, abs(missed[0])) - allowed, 0.0)
+    along = scale((angle if missed[0] >= 0.0 else -angle) / sine, x)
+    total = add(vec(run.missed[i]), rotate(rotation_matrix(e[0], e[1], e[2], e[3]), along))
+    put(run.missed[i], total)
+    size = np.sqrt(dot(total, total))
+    if size > run.now.missed:
+        run.now.missed, run.now.missed_by = size, i
+
+
+@inner_kernel
+def compare_poses(m, run, h):
+    """Note how far bodies turn in the step h from run.y to run.trial, and by how much otherwise than by their Omega."""
+    n = m.body.shape[0]
+    for i in range(n):
+        q, u = 7 * i, 7 * n + 6 * i
+        spin = vec(run.spin[i]) if run.now.spinning > 0 else (0.0, 0.0, 0.0)
+        e, w, alpha = without_spin(run.y, run.dy, q, u, spin, 0.0)
+        e_end, w_end, alpha_end = without_spin(run.trial, run.trial_rate, q, u, spin, h)
+        turn, change, jerk = scale(0.5 * h, add(w, w_end)), sub(w_end, w), sub(alpha, alpha_end)
+        term = scale(h * h / 12.0, add(jerk, cross(w, w_end)))
+        whole = add(turn, scale(h, spin))
+        if dot(whole, whole) > run.now.farthest**2:
+            run.now.farthest, run.now.farthest_by = np.sqrt(dot(whole, whole)), i
+        swing = h * h * dot(jerk, jerk) / max(dot(change, change), 1e-300)
+        error = RESOLVED * np.sqrt(dot(term, term)) * (dot(turn, turn) + swing)
+        run.missed[i, 3] = max(min(error, CERTAIN), FADING * run.missed[i, 3])
+        allowed = run.missed[i, 3] + UNSEEN * (1.0 + run.now.farthest)
+        back, e_back = quaternion_of(scale(-1.0, add(turn, term))), (e[0], -e[1], -e[2], -e[3])
+        missed = product(back, product(e_back, e_end))
+        x = (missed[1], missed[2], missed[3])
+        if 4.0 * dot(x, x) > (allowed * missed[0]) ** 2:
+            note_miss(run, i, e_end, missed, allowed)

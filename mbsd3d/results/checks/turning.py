@@ -1,0 +1,18 @@
+"""Orientations against angular velocities, and angles of hinges against their rates, step by step."""
+
+from ...integrators.turning import CERTAIN
+from ..run_samples import RunSamples
+from .check import USEFUL, Check
+
+
+def turning_checks(solution: RunSamples) -> list[Check]:
+    """Whether bodies turned as their angular velocities say, and hinges counted their turns; none of older files."""
+    record = solution.record
+    if record.miscount is None or not record.steps:
+        return []
+    meaning = f"body '{record.missed_by}' turned otherwise than by its angular velocity; shorten the step"
+    checks = [Check("orientations", record.missed, USEFUL, meaning)]
+    if solution.compiled.model.coordinate.size:
+        meaning = "hinges turned so unevenly in a step that their turns cannot be counted; shorten the step"
+        checks.append(Check("turns of hinges", record.miscount, CERTAIN, meaning))
+    return checks
