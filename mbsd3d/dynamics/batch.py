@@ -69,11 +69,20 @@ def acceleration_defect(m, d, k, acceleration):
 
 @inner_kernel
 def row_defects(m, d, acceleration, out):
-    """out (3,) = largest |c|, |J v - b|, |J v_dot - gamma| of all rows, scaled by the model's length."""
+    """out (3,) = largest c, J v - b, J v_dot - gamma of all primitives, scaled by the model's length.
+
+    Of the rows of a primitive the Euclidean norm: the three of a point are along axes that say nothing of it.
+    """
     clear(out)
-    for k in range(m.row.shape[0]):
-        for j, missed in enumerate((d.row[k].c, row_speed(m, d, k), acceleration_defect(m, d, k, acceleration))):
-            size = abs(missed) * m.row[k].scale
+    for p in range(m.primitive.shape[0]):
+        first = m.primitive[p].row
+        position, speed, defect = 0.0, 0.0, 0.0
+        for k in range(first, first + m.primitive[p].rows):
+            position += (d.row[k].c * m.row[k].scale) ** 2
+            speed += (row_speed(m, d, k) * m.row[k].scale) ** 2
+            defect += (acceleration_defect(m, d, k, acceleration) * m.row[k].scale) ** 2
+        for j, square in enumerate((position, speed, defect)):
+            size = square**0.5
             if out[j] == out[j] and not size <= out[j]:  # NaN counts, and stays
                 out[j] = size
 

@@ -24,8 +24,19 @@ FAR, NEAR = np.int64(0), np.int64(1)  # where the factor at hand belongs; plain 
 
 
 @inner_kernel
+def centre_of_mass(m, d):
+    """Centre of mass of all bodies; the origin if none has a mass."""
+    total, centre = 0.0, (0.0, 0.0, 0.0)
+    for i in range(m.body.shape[0]):
+        mass, body = m.body[i].mass, d.body[i]
+        total += mass
+        centre = add(centre, scale(mass, add(vec(body.r), vec(body.s))))
+    return scale(1.0 / total, centre) if total > 0.0 else centre
+
+
+@inner_kernel
 def audit_rates(m, d, dy):
-    """Rates of the audit states: work of forces and drivers, impulse and angular impulse about the origin.
+    """Rates of the audit states: work of forces and drivers, impulse, angular impulse about the centre of mass.
 
     Joints between bodies cannot change the momentum of the whole: only applied loads and reactions of the ground count.
     """
@@ -37,18 +48,20 @@ def audit_rates(m, d, dy):
     for k in range(m.row.shape[0]):
         if m.row[k].drive >= 0:
             dy[z + m.z_drive + m.row[k].drive] = -d.row[k].lam * d.row[k].b
-    impulse = dy[z + m.z_impulse : z + m.z_impulse + 6]
+    impulse, centre = dy[z + m.z_impulse : z + m.z_impulse + 6], centre_of_mass(m, d)
     for j in range(6):
         impulse[j] = 0.0
     ground = m.body.shape[0]
-    for i in range(ground):
-        force, moment = pair(d.body[i].Q)
-        add6(impulse, force, add(moment, cross(vec(d.body[i].r), force)))
     for k in range(m.row.shape[0]):
         for slot in range(4):
             if m.row[k].body[slot] == ground:
                 for j in range(6):
                     impulse[j] += d.row[k].J[slot, j] * d.row[k].lam
+    force, moment = pair(impulse)
+    put6(impulse, force, sub(moment, cross(centre, force)))
+    for i in range(ground):
+        force, moment = pair(d.body[i].Q)
+        add6(impulse, force, add(moment, cross(sub(vec(d.body[i].r), centre), force)))
 
 
 @inner_kernel

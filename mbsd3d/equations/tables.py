@@ -219,14 +219,14 @@ def measure_table(
 def state_layout(system: Mechanism, records: list[ForceRecord], n_driven: int, length: float) -> dict[str, Any]:
     """Layout of z and the units its errors are measured in.
 
-    Angular impulse is about the origin: of mechanisms far from it a tenth of the distance counts, so that their steps
-    are as long as near it.
+    Angular impulse is about the centre of mass: of bodies far from it a tenth of the distance counts.
     """
     scales = [scale for r in records for scale in r.scales]
     own, n_forces = len(scales), len(system.forces)
     mass = system.total_mass() or 1.0
     works = n_forces + n_driven
-    arm = max(length, 0.1 * float(np.linalg.norm([body.position for body in system.bodies], axis=1).max()))
+    places = np.array([body.position for body in system.bodies])
+    arm = max(length, 0.1 * float(np.linalg.norm(places - places.mean(axis=0), axis=1).max()))
     out = table(STATE, own + works + 6)
     out["unit"] = [unit * length**k for unit, k, _ in scales] + [mass] * works + [mass] * 3 + [mass * arm] * 3
     out["power"] = [j for _, _, j in scales] + [2.0] * works + [1.0] * 6

@@ -15,6 +15,7 @@ from ..equations.compiled import Switches
 from .checks.balances import balance_checks, work_note
 from .checks.check import PASSED, USEFUL, Check, drift_limit
 from .checks.equations import equation_checks, joint_checks, lost, residuals
+from .checks.own_forces import stage_notes
 from .checks.rounding import rounding, rounding_checks, singular_notes
 from .checks.turning import turning_checks
 from .record import Record
@@ -117,8 +118,9 @@ def certify(solution: RunSamples) -> Certificate:
     record, limit, remarks = solution.record, drift_limit(solution.record), notes(solution)
     if solution.t.size:
         missed, opened = residuals(solution), rounding(solution)
-        checks = [*joint_checks(solution, missed), *turning_checks(solution), *balance_checks(solution, limit)]
-        checks += equation_checks(solution, missed, opened.singular)
+        joints, equations = joint_checks(solution, missed), equation_checks(solution, missed, opened.singular)
+        met = all(check.passed for check in joints + equations)
+        checks = [*joints, *turning_checks(solution), *balance_checks(solution, limit, met), *equations]
         checks += [] if lost(solution) else rounding_checks(solution, opened)
         remarks += singular_notes(solution, opened) + work_note(solution)
     else:
@@ -159,4 +161,7 @@ def notes(solution: RunSamples) -> list[str]:
     if solution.record.never_armed:
         never = "it just came true at the start, and has not been false since"
         found.append(f"stop_when: {solution.record.never_armed} was never armed: {never}")
+    found += stage_notes(solution)
+    if not (solution.record.about_centre or solution.record.kinematic):
+        found.append("angular momentum not checked: the file is of an older version; run the simulation again")
     return found + [f"Newton-Euler not checked: {name} was saved without its function" for name in lost(solution)]

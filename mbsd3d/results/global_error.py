@@ -4,19 +4,26 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..base.errors import InputError
+from ..base.errors import InputError, IntegrationError
 from .certificate import Certificate
+from .checks.own_forces import unwatched
 from .run_result import RunResult
 
 FEWEST = 8  # samples from which growth is read
+FACTORS = 32.0, 4.0  # of tolerances; some methods and positions do not let the first be reached
+PROBES, FINER = 2000, 4  # steps of the run that looks for what lies between stages, and times those of the run
+GOLDEN = 0.5 * (1.0 + np.sqrt(5.0))  # the factor that is farthest from all ratios of small numbers
+SEEN, ROUNDING = 10.0, 1e-9  # times the error otherwise found, and the least, which tell that it met something new
 
 
 def estimate(solution: RunResult) -> Certificate:
     """The certificate with a global error estimate: the same run at tighter settings, compared at the samples.
 
-    Adaptive: rtol/32 and rtol/1024; fixed steps: dt/2 and dt/4; driven poses: half and a quarter apart. The error is
-    the largest difference of positions (model lengths) and angles [rad] from the tightest run; the order is log2 of the
-    ratio of successive differences for fixed steps, and the exponent of rtol for adaptive ones.
+    Adaptive: rtol/32 and rtol/1024 (rtol/4 and rtol/16 where these cannot be reached); fixed steps: dt/2 and dt/4;
+    driven poses: half and a quarter apart. The error is the largest difference of positions (model lengths) and angles
+    [rad] from the tightest run; the order is log2 of the ratio of successive differences for fixed steps, and the
+    exponent of rtol for adaptive ones. Where a `CustomForce` was not looked for between the stages of steps, one more
+    run looks at other times, several times as many (`probed`).
     """
     record = solution.record
     if not record.steps or not solution.t.size:
@@ -25,25 +32,48 @@ def estimate(solution: RunResult) -> Certificate:
         raise InputError(
             f"estimate: rtol {record.rtol:g} leaves no room for a tighter run; estimate at 1e-11 or looser"
         )
-    finer, finest = refined(solution, 1), refined(solution, 2)
+    finer, finest, factor = tighter(solution)
     last = distances(finer, finest)
     error, first, second = (
         float(x.max(initial=0.0)) for x in (distances(solution, finest), distances(solution, finer), last)
     )
-    factor = 32.0 if record.method.dt is None else 2.0
     order = float(np.log(first / second) / np.log(factor)) if 0.0 < second < first else None
-    return replace(solution.certificate, error=error, order=order, doubling=doubling_time(solution.t, last))
+    known = replace(solution.certificate, error=error, order=order, doubling=doubling_time(solution.t, last))
+    forces = [solution.system.name(force) for force in unwatched(solution)]
+    missed = float(distances(solution, probed(solution)).max(initial=0.0)) if forces else 0.0
+    if not missed > max(SEEN * error, ROUNDING):
+        return known
+    note = f"stages at other times find another motion, {missed:.2g} away: {' or '.join(map(repr, forces))} acts there"
+    return replace(known, error=max(error, missed), order=None, notes=(*known.notes, note))
 
 
-def refined(solution: RunResult, level: int) -> RunResult:
-    """The run again, ``level`` times refined."""
+def tighter(solution: RunResult) -> tuple[RunResult, RunResult, float]:
+    """(the run refined once, twice, factor of the refinement)."""
+    fixed = solution.record.kinematic or solution.record.method.dt is not None
+    for factor in (2.0,) if fixed else FACTORS:
+        try:
+            return refined(solution, factor), refined(solution, factor**2), factor
+        except IntegrationError as error:
+            failed = error
+    raise failed
+
+
+def refined(solution: RunResult, factor: float) -> RunResult:
+    """The run again with a tolerance, or a step, smaller by a factor."""
     record, method = solution.record, solution.record.method
     if record.kinematic:
         apart = (solution.final.t - solution.start.t) / record.steps
-        return solution.again(method=replace(method, max_step=min(method.max_step, apart) / 2**level))
+        return solution.again(method=replace(method, max_step=min(method.max_step, apart) / factor))
     if method.dt is None:
-        return solution.again(rtol=max(record.rtol / 32**level, 1e-13))
-    return solution.again(method=replace(method, dt=method.dt / 2**level))
+        return solution.again(rtol=max(record.rtol / factor, 1e-13))
+    return solution.again(method=replace(method, dt=method.dt / factor))
+
+
+def probed(solution: RunResult) -> RunResult:
+    """The run again with stages elsewhere: steps shorter by an irrational factor, and many of them."""
+    method, span = solution.record.method, solution.final.t - solution.start.t
+    step = span / (GOLDEN * max(FINER * solution.record.steps, PROBES))
+    return solution.again(method=replace(method, **{"max_step" if method.dt is None else "dt": step}))
 
 
 def distances(one: RunResult, other: RunResult) -> np.ndarray:

@@ -3,11 +3,9 @@
 import numpy as np
 
 from ..base.errors import InputError
-from ..dynamics.loads import loads
-from ..equations.compiled import Compiled, new_data
-from ..kernels.kinematics import kinematics
+from ..equations.compiled import Compiled
 from ..mechanism.bodies import GROUND
-from ..mechanism.forces.custom import FunctionForce
+from .own_functions import alone, own_forces
 
 SMALL = 1e-9  # of the loads themselves: more than their sums round to
 
@@ -17,15 +15,12 @@ def check_balance(compiled: Compiled, y: np.ndarray, t: float) -> None:
 
     Sum F = 0 and sum (M + r x F) = 0 over its bodies, r the reference points, at the state and time given.
     """
-    for k, force in enumerate(compiled.system.forces):
-        if not isinstance(force, FunctionForce) or force.external or len(set(map(id, force.on))) < 2:
+    for k, force in own_forces(compiled.system):
+        if force.external or len(set(map(id, force.on))) < 2:
             continue
         if any(body is GROUND for body in force.on):
             continue
-        alone = compiled.model._replace(force=compiled.model.force[k : k + 1], gravity=np.zeros(3))
-        data = new_data(alone)
-        kinematics(alone, data, y)
-        loads(alone, data, t)
+        _, data = alone(compiled, k, y, t)
         push, turn = data.body["Q"][:-1, :3], data.body["Q"][:-1, 3:]
         lever = np.cross(data.body["r"][:-1], push)
         left, most = np.abs(push.sum(0)).max(), np.abs(push).max()

@@ -1,6 +1,7 @@
 """Why a run fails: the part whose numbers are not finite, the drivers and where they have come to, the pose."""
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,9 +13,12 @@ from ..equations.compiled import Compiled
 from ..integrators import memory
 from ..kernels.layout import Data
 from ..mechanism.drivers import AngleDriver, Driver, PositionDriver, SlideDriver
+from ..mechanism.forces.custom import FunctionForce
 from ..mechanism.joints.curve_contact import CurveContact
 from ..mechanism.state import State
+from .own_functions import exception_of
 
+NOT_FINITE = "a part returns values that are not finite"
 BEFORE = 1e-6  # of a curve, at its ends
 ON_THE_SPOT = 1e-4  # of its time: a run that ends before has not left its start
 BESIDE = "nothing says along which branch it moves on: start in a pose beside it, the drivers too; see system.check()"
@@ -87,16 +91,40 @@ def contradiction(compiled: Compiled, data: Data, y: np.ndarray, t: float, h: fl
     return None
 
 
-def blame(compiled: Compiled, data: Data, y: np.ndarray, t: float, h: float) -> str | None:
-    """Name of the joint or force whose numbers are not finite at t or just after it, if any."""
+class Blamed(NamedTuple):
+    """The part whose numbers are not finite, and what of it is not."""
+
+    part: str
+    what: str
+
+
+def blame(compiled: Compiled, data: Data, y: np.ndarray, t: float, h: float, dy: np.ndarray) -> Blamed | None:
+    """The joint or force whose numbers are not finite at t, or just after it along the rates dy, if any."""
     for later in just_after(t, h):
-        load_rows(compiled, data, y, later)
+        moved = y + (later - t) * dy if np.isfinite(dy).all() else y
+        load_rows(compiled, data, moved, later)
         loads(compiled.model, data, later)
         for joint in compiled.system.joints:
             rows = compiled.rows[id(joint)]
             if not np.isfinite(data.row["gamma"][rows]).all() or not np.isfinite(data.row["c"][rows]).all():
-                return f"joint '{compiled.system.name(joint)}'"
+                return Blamed(f"joint '{compiled.system.name(joint)}'", NOT_FINITE)
         for k, force in enumerate(compiled.system.forces):
-            if not np.isfinite(data.force["power"][k]) or not np.isfinite(data.force["potential"][k]):
-                return f"force '{compiled.system.name(force)}'"
+            own = compiled.model.force[k]
+            rates = data.state_rate[own["state"] : own["state"] + own["states"]]
+            known = data.force["power"][k], data.force["potential"][k], *rates
+            if not np.isfinite(known).all():
+                return Blamed(f"force '{compiled.system.name(force)}'", what_fails(compiled, k, moved, later, rates))
     return None
+
+
+def what_fails(compiled: Compiled, k: int, y: np.ndarray, t: float, rates: np.ndarray) -> str:
+    """The exception that the function of a force raises, or which of its numbers are not finite."""
+    force = compiled.system.forces[k]
+    if isinstance(force, FunctionForce) and (error := exception_of(compiled, k, y, t)):
+        return f"its function raises {type(error).__name__}{f': {error}' if str(error) else ''}"
+    if not np.isfinite(rates).all():
+        names = ", ".join(
+            f"'{name}'" for name, rate in zip(force.state_names(), rates, strict=True) if rate * 0.0 != 0.0
+        )
+        return f"{NOT_FINITE}: the rate of its state {names}"
+    return NOT_FINITE

@@ -1,9 +1,12 @@
 """Motions that grow without end, fed by feedback or custom forces: stopped before they take for ever."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ..base.errors import IntegrationError
 from ..equations.compiled import Compiled
+from ..integrators.memory import Run
 from ..kernels.layout import Data
 from ..mechanism.forces.custom import FunctionForce
 from ..mechanism.forces.feedback import StateFeedback
@@ -47,6 +50,12 @@ class DivergenceWatch:
         )
         lately = t - t_half <= LATELY * (t - self.t_start)
         return steps > ENOUGH and lately and speed > 1.8 * speed_half
+
+    def check(self, run: Run, data: Data, solution: Callable[[], RunResult]) -> None:
+        """IntegrationError for a motion that grows without end."""
+        now = run.now
+        if self.active and self.diverges(run.y, int(now.steps), float(now.t), float(now.speed)):
+            raise self.error(data, float(now.t), solution())
 
     def error(self, data: Data, t: float, solution: RunResult) -> IntegrationError:
         """The error that names the active force of greatest power."""

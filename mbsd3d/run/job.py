@@ -37,6 +37,7 @@ from .balance import check_balance
 from .blame import BESIDE, FAILURES, at_end_of_curve, blame, contradiction, driven_to, singular_start, singular_there
 from .divergence import DivergenceWatch
 from .events import armed_at_start, check_digits, rate_of_motion, turns_of_signals
+from .own_functions import MemoryWatch, longest_step, with_jumps
 from .stiffness import check_forces
 from .sunk import check_sunk
 
@@ -59,12 +60,13 @@ class Job:
         self.tolerance = 1e-10 if as_built is None else number(as_built, "as_built", positive=True) / self.model.length
         self.data = compiled.data()
         allowed = 0.0 if as_built is None else self.tolerance
-        self.record = Record(method, rtol, compiled.switches, allowed, method.order == 0)
+        self.record = Record(method, rtol, compiled.switches, allowed, method.order == 0, about_centre=True)
         self.own = method.start(self.model, compiled.data)
         coordinates = driven_coordinates(compiled, start.t) if start.coordinates is None else start.coordinates
         y = load_state(compiled, self.data, State(start.t, start.q, start.v, start.z, coordinates))
         self.tree = None
         self.memory = self.new_run(y, start.t, t_end, times, rtol)
+        self.functions = MemoryWatch(compiled, y, start.t)
         self.last_event = -1
 
     def new_run(self, y: np.ndarray, t: float, t_end: float, times: np.ndarray | None, rtol: float) -> Run:
@@ -78,10 +80,11 @@ class Job:
             turns_of_signals(m, t),
             np.flatnonzero([isinstance(force, Contact) for force in self.compiled.system.forces]),
         )  # fmt: skip
+        run = run._replace(turns=with_jumps(run.turns, self.compiled.system, t))
         task, now = run.task, run.now  # their fields by name: as attributes each takes a microsecond more
         task["t_start"], task["t_end"], task["rtol"], task["tolerance"] = t, t_end, rtol, max(self.tolerance, 1e-9)
         task["steps"] = 0 if method.dt is None else max(int(np.ceil((t_end - t) / method.dt - 1e-9)), 1)
-        task["max_step"] = method.max_step
+        task["max_step"] = longest_step(method, self.compiled.system)
         task["every_step"], task["condition"] = times is None, -1
         if self.stop_when is not None:
             task["condition"], task["stop"], task["direction"] = 0, self.stop_when.value, self.stop_when.direction
@@ -134,8 +137,8 @@ class Job:
             spent = time.perf_counter() - began
             self.record.loop_seconds += spent
             progress.update(run.now.t)
-            if self.diverges():
-                raise self.divergence.error(self.data, float(run.now.t), self.solution())
+            self.divergence.check(run, self.data, self.solution)
+            self.functions.check(float(run.now.t), self.solution)
             if status == memory.RUNNING:
                 budget = int(np.clip(budget * CHUNK / max(spent, 1e-6), budget / 4, 4 * budget)) or 1
             elif status == memory.FULL:
@@ -219,6 +222,7 @@ class Job:
     def check_start(self) -> None:
         """A projected run starts from a consistent state: what the user gave is not moved silently."""
         check_quaternions(self.compiled.system, self.start)
+        self.functions.check_start()
         check_balance(self.compiled, self.memory.y, self.start.t)
         check_sunk(self.compiled, self.memory.y)
         if self.model.stabilisation != PROJECTION:
@@ -243,13 +247,6 @@ class Job:
         if self.stop_when is not None:
             run = self.memory
             run.now.armed, run.task.slack = armed_at_start(self.compiled, self.data, run, self.stop_when)
-
-    def diverges(self) -> bool:
-        """True for a motion that grows without end."""
-        if not self.divergence.active:
-            return False
-        run = self.memory
-        return self.divergence.diverges(run.y, int(run.now.steps), float(run.now.t), float(run.now.speed))
 
     def drain(self) -> None:
         """Move the samples of the full buffer away."""
@@ -276,7 +273,8 @@ class Job:
         t = float(self.memory.now.t)
         solution = self.solution()
         here = (self.compiled, self.data, self.memory.y, t, float(self.memory.now.step))
-        part, clash = blame(*here), contradiction(*here)
+        blamed, clash = blame(*here, self.memory.dy), contradiction(*here)
+        part = blamed.part if blamed else None
         what, advice = FAILURES[status]
         ended = at_end_of_curve(self.compiled, self.data, float(self.memory.now.step))
         if ended:
@@ -292,7 +290,6 @@ class Job:
             what = f"{what}: the pose is {singular}"
         elif part is None and status == memory.NOT_CLOSING and self.method.dt is not None:
             advice = f"the step of {self.method.dt:g} s is too long, or the position singular: take a smaller dt"
-        elif part:
-            what = "a part returns values that are not finite"
-            advice = "correct its parameters or function, or end the run earlier"
+        elif blamed:
+            what, advice = blamed.what, "correct its parameters or function, or end the run earlier"
         raise IntegrationError(what, time=t, part=part, solution=solution, advice=advice)

@@ -1,30 +1,25 @@
 """Forces by a function of the user's, compiled once and called from the compiled time loop through its address."""
 
-import functools
 import inspect
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numba
 import numpy as np
-from numba.core import types
-from numba.core.ccallback import CFunc
-from numba.extending import is_jitted
 from numpy.typing import ArrayLike
 
-from ...base.checks import listed, sequence, shown, vector
+from ...base.checks import listed, number, sequence, shown, vector
 from ...base.errors import InputError
 from ...compiler.jit import inner_kernel
 from ...compiler.pointer_call import call
-from ...kernels.layout import MOST_BODIES, data_records
+from ...kernels.layout import MOST_BODIES
 from ...kernels.vectors import add, add6, arm, clear, cross, dot, mat, pair, point, point_velocity, put, sub, vec
 from ..bodies import GROUND, Body, Ground
 from ..force_element import ForceElement, ForceRecord
 from ..mechanism import Mechanism
+from ..own_functions import RETURNED, callback, reason, uncompiled
 
-RETURNED = 6 * MOST_BODIES  # place in Data.wrench that the wrapper sets to 0 when the function has returned
 ARGUMENTS = ("t", "bodies", "z", "parameters", "loads", "z_dot")
 
 
@@ -61,62 +56,6 @@ def custom(m, d, p, out, t):
         add6(body.Q, force, add(moment, cross(sub(vec(pose.r), vec(body.r)), force)))
 
 
-def wrapped(function: Callable) -> Callable:
-    """The function behind pointers and counts; an exception leaves the mark of RETURNED as it is."""
-    array = numba.carray
-
-    def called(t, poses, k, z, states, numbers, n, wrench, z_dot):
-        loads = array(wrench, (RETURNED + 1,))
-        try:
-            function(
-                t, array(poses, (k,)), array(z, (states,)), array(numbers, (n,)), loads[: 6 * k].reshape((k, 6)),
-                array(z_dot, (states,)),
-            )  # fmt: skip
-            loads[RETURNED] = 0.0
-        except Exception:  # numba knows no narrower one
-            loads[RETURNED] = np.nan
-
-    return called
-
-
-def uncompiled(function: Callable) -> Callable:
-    """The same for a process without the compiler, where the arrays arrive as they are and exceptions go up."""
-    plain = getattr(function, "py_func", function)
-
-    def called(t, poses, k, z, states, numbers, n, wrench, z_dot):
-        plain(t, poses[:k], z, numbers, wrench[: 6 * k].reshape(k, 6), z_dot)
-        wrench[RETURNED] = 0.0
-
-    return called
-
-
-@functools.lru_cache(maxsize=256)
-def callback(function: Callable, dtype: type) -> CFunc:
-    """The C function for real or complex numbers; ``.address`` is where it is."""
-    real = types.complex128 if dtype is complex else types.float64
-    pose = numba.from_dtype(np.dtype(data_records(dtype)["pose"]))
-    compiled = function if is_jitted(function) else numba.njit(error_model="numpy", boundscheck=True)(function)
-    pointer, size = types.CPointer, types.intp
-    signature = types.void(
-        types.float64, pointer(pose), size, pointer(real), size, pointer(types.float64), size, pointer(real),
-        pointer(real),
-    )  # fmt: skip
-    found = numba.cfunc(signature)(wrapped(compiled))
-    returned = compiled.nopython_signatures[-1].return_type
-    if returned is not types.none:
-        raise InputError(f"it returns {returned}, which nobody reads; fill loads and z_dot and return nothing")
-    return found
-
-
-def reason(error: Exception) -> str:
-    """First line of numba's message that says something."""
-    if isinstance(error, KeyError):  # all that numba says of a field that a record does not have
-        return f"bodies have no {error}, they have r, R, velocity, w"
-    lines = [re.sub(r"\x1b\[[0-9;]*m", "", line).strip() for line in str(error).splitlines()]
-    telling = [line for line in lines if line and not line.startswith("Failed in nopython mode")]
-    return (telling or [type(error).__name__])[0]
-
-
 @dataclass(frozen=True, eq=False)
 class FunctionForce(ForceElement):
     """What a force by a function is besides its function; see `CustomForce`."""
@@ -130,6 +69,8 @@ class FunctionForce(ForceElement):
     scales: Sequence[float] | None = field(default=None, kw_only=True)
     labels: Sequence[str] | None = field(default=None, kw_only=True)
     external: bool = field(default=False, kw_only=True)
+    times: Sequence[float] = field(default=(), kw_only=True)
+    max_step: float = field(default=np.inf, kw_only=True)
 
     def check(self, what: str) -> None:
         if not isinstance(self.on, Body | Ground | list | tuple):
@@ -157,7 +98,11 @@ class FunctionForce(ForceElement):
         parameters = sequence(self.parameters, f"{what}: parameters")
         if not isinstance(self.external, bool):
             raise InputError(f"{what}: external {shown(self.external)}; give True or False")
+        times = tuple(sorted(set(sequence(self.times, f"{what}: times"))))
+        unbound = isinstance(self.max_step, float) and self.max_step == np.inf
+        longest = np.inf if unbound else number(self.max_step, f"{what}: max_step", positive=True)
         self.set(on=on, points=points, parameters=parameters, states=states, scales=scales, labels=labels)
+        self.set(times=times, max_step=longest)
 
     def record(self) -> ForceRecord:
         scales = tuple((scale, 0.0, 0.0) for scale in self.scales)
@@ -183,6 +128,10 @@ class SavedForce(FunctionForce):
 class CustomForce(FunctionForce):
     """Loads of a function of your own, plain or jitted by numba; the time loop calls it without being recompiled.
 
+    A run asks for the loads at the stages of its steps only, which grow as long as the motion allows: a blow of 10 ms,
+    or one within a centimetre, is stepped over and nobody knows of it. Give ``times`` at which it begins and ends, or
+    ``max_step``, the shortest time that it acts.
+
     The function has the fixed signature ``function(t, bodies, z, parameters, loads, z_dot)``:
 
     ========== ================= ===================================================================================
@@ -195,8 +144,10 @@ class CustomForce(FunctionForce):
     z_dot      (n,)              to be filled: rates of the own states [1/s]; zero before
     ========== ================= ===================================================================================
 
-    It returns nothing. A place beyond the end of an array stops the run with an error, unless the function is jitted
-    already: numba then checks it only if told so (``boundscheck=True``).
+    It returns nothing, and fills the same for the same arguments: a run stops where it remembers something from one
+    call to the next, or draws random numbers; memory belongs into ``z``.
+    A place beyond the end of an array stops the run with an error, unless the function is jitted already: numba then
+    checks it only if told so (``boundscheck=True``).
     Forces between bodies must be given for each of them, with opposite signs, or a run does not start, unless they are
     ``external``. Nothing is stored (potential 0): the power ``sum(force . velocity + moment . w)`` is integrated as
     its work, so the energy balance stays exact.
@@ -221,11 +172,15 @@ class CustomForce(FunctionForce):
         Names of the own states, where ``states`` does not give them; None = "0", "1", ...
     external : bool
         True for a load from outside on several bodies, or on one that depends on others: it need not balance.
+    times : sequence of float
+        Times [s] at which its loads jump: steps end there, and the next ones begin behind the jump.
+    max_step : float
+        Longest step [s] of a run with this force: a stage of every method meets what lasts as long.
 
     Raises
     ------
     ValueError
-        For a function that does not compile or takes other arguments, and for wrong bodies, points or numbers.
+        For a function that does not compile or takes other arguments, and for wrong bodies, points, numbers or times.
 
     Examples
     --------
@@ -284,7 +239,7 @@ class CustomForce(FunctionForce):
         """What of it a file can hold: all but the function."""
         return SavedForce(
             on=self.on, points=self.points, parameters=self.parameters, states=self.states, scales=self.scales,
-            labels=self.labels, external=self.external, name=self.name,
+            labels=self.labels, external=self.external, times=self.times, max_step=self.max_step, name=self.name,
         )  # fmt: skip
 
 

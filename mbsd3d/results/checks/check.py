@@ -16,7 +16,7 @@ PASSED, MAY_GAPE, MAY_TEAR, MAY_MISS = 1e-4, 1e-10, 1e-8, 1e-5
 # What rounding leaves in the balances, at any rtol: over the least pivot of a run, and at most, however near it came to
 # singular positions; three times the worst of 420 runs of four-bars with windows, each over some twenty of them.
 ROUNDED, MOST_ROUNDED, REGULAR = 3e-12, 5e-7, 1e-9
-TRAVEL = 1e-6  # of the energy of a machine that flies on as a whole is a size too: it is known to rounding only
+UNITS = 4.0  # of the last place of numbers, times the root of the steps: what rounding leaves of their difference
 LOCAL = 10.0  # times rtol a step: a hundred times what it may err
 
 
@@ -44,6 +44,11 @@ def drift_limit(record: Record) -> float:
     return min(USEFUL, max(min(ADDED * record.rtol, explained), rounding))
 
 
+def rounding_of(record: Record) -> float:
+    """What rounding leaves of a difference of numbers that steps add up, over these numbers: it walks at random."""
+    return UNITS * np.finfo(float).eps * np.sqrt(max(record.steps, 1))
+
+
 def gaping(record: Record) -> float:
     """How far joints may gape that the integration holds, by Baumgarte's terms; 0 where projection closes them."""
     return drift_limit(record) if record.switches.stabilisation == "baumgarte" else 0.0
@@ -51,7 +56,12 @@ def gaping(record: Record) -> float:
 
 @dataclass(frozen=True)
 class Scales:
-    """Characteristic sizes of a run that the absolute errors are divided by; never zero."""
+    """Characteristic sizes of a run that the absolute errors are divided by; never zero.
+
+    They are the same for every observer: velocities count relative to each other and to their mean, places from the
+    centre of mass, and vectors by their Euclidean norm. ``reach`` and ``speed`` are those that this observer sees; they
+    say how far rounding goes.
+    """
 
     rate: float  # 1/s
     acceleration: float
@@ -60,32 +70,37 @@ class Scales:
     momentum: float
     angular_momentum: float
     energy: float
+    reach: float  # m, from the origin
+    speed: float  # m/s, absolute
 
 
 def scales_of(solution: RunSamples) -> Scales:
     """Sizes from the run itself, with floors from gravity, so that a mechanism at rest has scales too."""
     arrays, system, length = solution.arrays, solution.system, solution.compiled.model.length
-    spin = largest(arrays["v"][..., 3:])
-    speed = largest(arrays["v"][..., :3] - arrays["v"][..., :3].mean(axis=1, keepdims=True))
-    speed = max(speed, length * spin, solution.record.speed)  # samples may all be of a machine at rest
-    a = largest(arrays["acceleration"][..., :3])
-    a = max(a, float(np.linalg.norm(system.gravity)), length * spin * spin) or 1.0
+    about, spin, g = solution.about_centre, longest(arrays["v"][..., 3:]), float(np.linalg.norm(system.gravity))
+    speed = max(about.fastest, length * spin, solution.record.speed)  # samples may all be of a machine at rest
+    a = max(longest(arrays["acceleration"][..., :3]), g, length * spin * spin) or 1.0
     mass = system.total_mass() or 1.0
-    reach = largest(arrays["q"][..., :3]) + length
-    absolute = max(largest(arrays["v"][..., :3]) + length * spin, speed)
-    momentum = mass * max(absolute, 1e-3 * np.sqrt(a * length))
+    momentum = mass * max(speed, 1e-3 * np.sqrt(a * length))
     speed = max(speed, np.sqrt(1e-3 * a * length))
     return Scales(
-        rate=max(speed, absolute) / length,
+        rate=speed / length,
         acceleration=a,
         force=mass * a,
         moment=mass * a * length,
         momentum=momentum,
-        angular_momentum=momentum * reach,
-        energy=mass * max(speed * max(speed, absolute), TRAVEL * absolute * absolute),  # a speed v errs by dv: m v dv
+        angular_momentum=momentum * (length + about.farthest),
+        energy=mass * speed * speed,
+        reach=longest(arrays["q"][..., :3]) + length,
+        speed=longest(arrays["v"][..., :3]) + length * spin,
     )
 
 
 def largest(values: np.ndarray) -> float:
     """Largest absolute value, 0 for none."""
     return float(np.abs(values).max(initial=0.0))
+
+
+def longest(vectors: np.ndarray) -> float:
+    """Largest length of vectors (..., 3), 0 for none."""
+    return float(np.sqrt((vectors**2).sum(axis=-1).max(initial=0.0)))

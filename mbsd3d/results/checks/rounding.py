@@ -13,7 +13,7 @@ from ...constraints.rank import tree_over_rows
 from ...dynamics.batch import refinements
 from ...equations.at_state import load_rows
 from ..run_samples import RunSamples
-from .check import Check, gaping, largest, scales_of
+from .check import Check, gaping, largest, longest, scales_of
 
 KNOWN_MOTION = 1e-4  # of the largest acceleration: rounding of forces beside a light body moves it at random
 KNOWN_FORCES = 1e-6  # of the largest force or moment of a row
@@ -53,8 +53,8 @@ def units_of(solution: RunSamples) -> np.ndarray:
     """
     model, arrays = solution.compiled.model, solution.arrays
     a = scales_of(solution).acceleration
-    alpha = max(largest(arrays["acceleration"][..., 3:]), a / model.length)
-    metres, spin = model.row["metres"] == 1, largest(arrays["v"][..., 3:])
+    alpha = max(longest(arrays["acceleration"][..., 3:]), a / model.length)
+    metres, spin = model.row["metres"] == 1, longest(arrays["v"][..., 3:])
     pull = max(float(np.linalg.norm(model.gravity)), model.length * spin * spin)
     most = np.abs(arrays["lam"]).max(axis=0, initial=0.0)
     force = max(largest(most[metres]), solution.system.total_mass() * pull) or 1.0

@@ -1,0 +1,129 @@
+"""What a run asks of forces by functions of the user's: when they jump, how long steps may be, what they remember."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ..base.checks import shown
+from ..base.errors import InputError, IntegrationError
+from ..dynamics.loads import loads
+from ..equations.compiled import Compiled, new_data
+from ..integrators.method import Method
+from ..kernels.kinematics import kinematics
+from ..kernels.layout import Data, Model
+from ..mechanism.forces.custom import FunctionForce
+from ..mechanism.mechanism import Mechanism
+from ..mechanism.own_functions import RETURNED, uncompiled
+from ..results.run_result import RunResult
+from .events import ROUNDED
+
+ADVICE = "keep what it remembers in states=, with its rate in z_dot, and give random numbers as a signals.Table"
+
+
+def own_forces(system: Mechanism) -> list[tuple[int, FunctionForce]]:
+    """The forces by functions, with their numbers."""
+    return [(k, force) for k, force in enumerate(system.forces) if isinstance(force, FunctionForce)]
+
+
+def with_jumps(turns: np.ndarray, system: Mechanism, t_start: float) -> np.ndarray:
+    """(k, 2) times [s] at which steps end and the next ones begin: those given, and a rounding beside each jump."""
+    jumps = np.array([t for _, force in own_forces(system) for t in force.times], float)
+    beside = ROUNDED * np.maximum(np.abs(jumps), abs(t_start))
+    return np.array(sorted([*map(tuple, turns), *zip(jumps - beside, jumps + beside, strict=True)]), float).reshape(
+        -1, 2
+    )
+
+
+def longest_step(method: Method, system: Mechanism) -> float:
+    """Longest step [s] that the method and all forces allow; ValueError for fixed steps longer than a force allows."""
+    longest = method.max_step
+    for k, force in own_forces(system):
+        if method.dt is not None and method.dt > force.max_step:
+            raise InputError(
+                f"force '{system.name(system.forces[k])}' (CustomForce): its max_step = {force.max_step:g} s is "
+                f"shorter than the fixed steps of {method.dt:g} s; give a dt as short, or a method with adaptive steps"
+            )
+        longest = min(longest, force.max_step)
+    return longest
+
+
+def alone(compiled: Compiled, k: int, y: np.ndarray, t: float) -> tuple[Model, Data]:
+    """(model, work space) with the loads of force k and nothing else."""
+    model = compiled.model._replace(force=compiled.model.force[k : k + 1], gravity=np.zeros(3))
+    data = new_data(model)
+    kinematics(model, data, y)
+    loads(model, data, t)
+    return model, data
+
+
+def places(force: np.record) -> tuple[slice, slice]:
+    """Where own states and parameters of a force stand."""
+    return tuple(
+        slice(int(force[x]), int(force[x] + force[n])) for x, n in (("state", "states"), ("number", "numbers"))
+    )
+
+
+def what_it_fills(compiled: Compiled, k: int, y: np.ndarray, t: float) -> np.ndarray:
+    """Loads and rates of own states by the function of force k, and the parameters that it leaves."""
+    model, data = alone(compiled, k, y, t)
+    (force,) = model.force
+    own, numbers = places(force)
+    return np.concatenate([data.body["Q"].ravel(), data.state_rate[own], model.number[numbers]])
+
+
+def exception_of(compiled: Compiled, k: int, y: np.ndarray, t: float) -> Exception | None:
+    """What the function of force k raises at a state, if it does: run once more as Python, which tells it."""
+    model, data = alone(compiled, k, y, t)
+    (force,) = model.force
+    own, numbers = places(force)
+    if data.wrench[RETURNED] == 0.0:
+        return None
+    try:
+        with np.errstate(all="ignore"):
+            plain = uncompiled(compiled.system.forces[k].function)
+            plain(t, data.pose, force["bodies"], data.z[own], force["states"], model.number[numbers].copy(),
+                  force["numbers"], data.wrench, data.state_rate[own])  # fmt: skip
+    except Exception as error:  # whatever the user's code raises
+        return error
+    return None
+
+
+class MemoryWatch:
+    """Asks the functions now and then for what they fill at the start: it must never change.
+
+    One that remembers or draws random numbers leaves no step whose error could be estimated.
+    """
+
+    def __init__(self, compiled: Compiled, y: np.ndarray, t: float) -> None:
+        self.compiled, self.y, self.t = compiled, y.copy(), t
+        self.forces = [k for k, _ in own_forces(compiled.system)]
+        self.first: dict[int, np.ndarray] = {}
+
+    def what_changed(self) -> tuple[str, str] | None:
+        """(force, what it gives at the start and gave there before) of the first whose function has a memory."""
+        for k in self.forces:
+            found = what_it_fills(self.compiled, k, self.y, self.t)
+            first = self.first.setdefault(k, found)
+            if not np.array_equal(first, found, equal_nan=True):
+                at = int(np.argmax(first != found))
+                name = f"force '{self.compiled.system.name(self.compiled.system.forces[k])}' (CustomForce)"
+                return (
+                    name,
+                    f"at one and the same state it gives {shown(float(first[at]))} and {shown(float(found[at]))}",
+                )
+        return None
+
+    def check_start(self) -> None:
+        """ValueError for a force that gives different loads when asked twice."""
+        self.what_changed()
+        if changed := self.what_changed():
+            part, what = changed
+            raise InputError(f"{part}: the force is not a function of state: {what}; {ADVICE}")
+
+    def check(self, t: float, solution: Callable[[], RunResult]) -> None:
+        """IntegrationError for a force that now gives other loads at the start than it did."""
+        if changed := self.what_changed():
+            part, what = changed
+            raise IntegrationError(
+                f"the force is not a function of state: {what}", time=t, part=part, solution=solution(), advice=ADVICE
+            )
