@@ -39,7 +39,8 @@ class Problem:
 
     ``rate``: of its fastest motion [rad/s], from which fixed steps are chosen; ``methods``: those that make sense;
     ``stops``: conditions with the true times [s] at which they come true, each run restarts there by ``restart``;
-    ``chaotic``: errors grow so fast that a run may well be refused; ``start``: of the run; None = as the bodies give.
+    ``unsure``: a run may well be refused, for chaos or for a force that jumps unannounced; ``start``: of the run; None
+    = as the bodies give.
     """
 
     system: System
@@ -49,7 +50,7 @@ class Problem:
     methods: tuple[str, ...] = METHODS
     stops: Sequence[tuple[Any, float]] = ()
     restart: Callable[[State], State] = lambda state: state
-    chaotic: bool = False
+    unsure: bool = False
     start: State | None = None
 
 

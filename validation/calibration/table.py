@@ -9,26 +9,28 @@ from validation.calibration.problem import METHODS
 from validation.calibration.settings import CLASSES, FIXED_CLASSES
 
 HEAD = (
-    "method", "asked for", "runs", "passed, right", "wrong, warned", "wrong, silent", "right, failed", "failed between",
-    "stopped", "estimate warns", "error over what was asked: median, worst",
+    "method", "asked for", "runs", "passed, not wrong", "wrong: failed", "wrong: estimate warns", "wrong: a note warns",
+    "wrong, silent", "right, failed", "failed between", "stopped", "error over what was asked: median, worst",
 )  # fmt: skip
 COMMAND = "python -m validation.calibration"
 KINDS = [text for _, text in (*CLASSES, *FIXED_CLASSES)] + ["poses"]
 
 
+def outcome(r: Record) -> int:
+    """Which of the columns from "passed, not wrong" to "stopped" a run belongs to."""
+    if r.stopped:
+        return 7
+    if r.wrong:
+        return 1 if not r.passed else 2 if r.estimate == "warns" else 3 if r.warned else 4
+    return 5 if r.false_alarm else 0 if r.passed else 6
+
+
 def row(method: str, kind: str, records: Sequence[Record]) -> list[str]:
     """One line: counts of the outcomes, which add up to the runs."""
-    done = [r for r in records if not r.stopped]
-    warned = sum(r.wrong and not r.silent for r in done)
-    silent, alarms = sum(r.silent for r in done), sum(r.false_alarm for r in done)
-    between = sum(not r.wrong and not r.false_alarm and not r.passed for r in done)
-    counts = [
-        len(records), len(done) - warned - silent - alarms - between, warned, silent, alarms, between,
-        len(records) - len(done), sum(r.estimate == "warns" for r in done),
-    ]  # fmt: skip
-    asked = [r.error if r.fixed or kind == "poses" else r.relative / r.rtol for r in done]
+    counts = np.bincount([outcome(r) for r in records], minlength=8)
+    asked = [r.error if r.fixed or kind == "poses" else r.relative / r.rtol for r in records if not r.stopped]
     found = f"{np.median(asked):.1e}, {max(asked):.1e}" if asked else ""
-    return [method, kind, *map(str, counts), found]
+    return [method, kind, str(len(records)), *map(str, counts), found]
 
 
 def rows(records: Sequence[Record]) -> list[list[str]]:

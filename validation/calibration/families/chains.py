@@ -49,7 +49,7 @@ def least(link: Chain, rates: Array, t_end: float) -> Callable[[Array], Array]:
 
 
 def problem(
-    place: Place, axes: list, slides: list, rates: Array, t_end: float, truth: Truth = least, chaotic: bool = False,
+    place: Place, axes: list, slides: list, rates: Array, t_end: float, truth: Truth = least, unsure: bool = False,
     **law: float,
 ) -> Problem:  # fmt: skip
     """A chain on its joints, with its truth (q, v)(t) from the reference pose."""
@@ -66,7 +66,7 @@ def problem(
     sizes = np.where(slides, place.unit, 1.0)
     fast = float((np.abs(course(np.linspace(0.0, t_end, 200))[:, n:]) / sizes).max())
     system = System(bodies, joints, springs, gravity=place.gravity)
-    return Problem(system, t_end, readings, max(fast, np.sqrt(9.81 + law.get("stiff", 0.0))), chaotic=chaotic)
+    return Problem(system, t_end, readings, max(fast, np.sqrt(9.81 + law.get("stiff", 0.0))), unsure=unsure)
 
 
 def across(link: Chain) -> tuple[float, Callable[[Array], tuple[float, float]]]:
@@ -153,7 +153,7 @@ def chaos(place: Place) -> Problem:
     rng, axis = place.rng, np.cross(direction(place), (0.0, 0.0, 1.0))
     axis /= np.linalg.norm(axis)
     t_end, rates = float(rng.uniform(2.0, 5.0)), rng.uniform(5.0, 8.0, 2)
-    return problem(place, [axis, axis], [False, False], rates, t_end, doubled, chaotic=True)
+    return problem(place, [axis, axis], [False, False], rates, t_end, doubled, unsure=True)
 
 
 FAMILIES = (pendulum, double_pendulum, arm, crane, chaos)

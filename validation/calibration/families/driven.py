@@ -7,6 +7,7 @@ import numpy as np
 from mbsd3d import (
     GROUND,
     AngleDriver,
+    Constant,
     Gear,
     Prismatic,
     RackPinion,
@@ -59,30 +60,26 @@ def driven_arm(place: Place) -> Problem:
 
 
 def driven_gears(place: Place) -> Problem:
-    """A driven wheel, a gear on any axis behind it, and a rack behind that."""
-    rng, (made, most, (course, first)) = place.rng, signal(place, 1.0)
+    """A driven wheel, a gear on any axis behind it, and a rack behind that; the driver may begin some turns away."""
+    rng, (made, most, (way_of, _)) = place.rng, signal(place, 1.0)
+    begin = float(rng.choice([0.0, rng.uniform(-30.0, 30.0)]))
+    course = lambda t: begin + way_of(t)  # noqa: E731
     ratio = float(rng.uniform(0.3, 10.0) * rng.choice([-1.0, 1.0]))
     radius, way = place.length(0.02, 0.2) * float(rng.choice([-1.0, 1.0])), direction(place)
-    one, hinge, _ = rotor(place, "one", np.zeros(3), direction(place), first, place.length(0.0, 0.2))
+    one, hinge, _ = rotor(place, "one", np.zeros(3), direction(place), None, place.length(0.0, 0.2))
     two, other, _ = rotor(
-        place, "two", place.unit * np.array([0.6, 0.3, 0.2]), direction(place), first * ratio, 0.1 * place.unit
+        place, "two", place.unit * np.array([0.6, 0.3, 0.2]), direction(place), None, 0.1 * place.unit
     )
     at = place.unit * np.array([0.1, 0.9, -0.3])
-    bar = place.body("bar", 1.3, place.inertia(1.3, 0.2 * place.unit), at, first * ratio * radius * way, np.zeros(3))
+    bar = place.body("bar", 1.3, place.inertia(1.3, 0.2 * place.unit), at)
     rail = Prismatic(GROUND, bar, at=place.point(at), axis=place.axis(way), name="rail")
-    joints = [
-        hinge,
-        other,
-        rail,
-        Gear(hinge, other, ratio=ratio),
-        RackPinion(other, rail, radius=radius),
-        AngleDriver(hinge, made),
-    ]
+    couplings = [Gear(hinge, other, ratio=ratio), RackPinion(other, rail, radius=radius)]
     readings = [
         angle("one", hinge, course), angle("two", other, lambda t: ratio * course(t)),
         slide("rail", rail, lambda t: ratio * radius * course(t)),
     ]  # fmt: skip
-    system = System([one, two, bar], joints, gravity=place.gravity)
+    driver = AngleDriver(hinge, Constant(begin) + made)
+    system = System([one, two, bar], [hinge, other, rail, *couplings, driver], gravity=place.gravity)
     return Problem(system, float(rng.uniform(0.5, 2.0)), readings, most * max(1.0, abs(ratio)), DRIVEN)
 
 

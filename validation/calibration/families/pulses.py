@@ -51,22 +51,22 @@ def pulse(place: Place) -> Problem:
 
 
 def own_force(place: Place) -> Problem:
-    """A force by a function pushes for a hundredth of the run up to a third of it."""
+    """A force by a function pushes for a hundredth of the run up to a third of it; its times are given, or not."""
     body, rail, way, mass, speed = block(place)
     rng, t_end = place.rng, float(place.rng.uniform(0.5, 2.0))
     last = t_end * float(np.exp(rng.uniform(np.log(0.005), np.log(0.3))))
     start = t_end * float(rng.uniform(0.05, 0.6))
     gain = place.length(0.5, 2.0) / last
+    told = rng.random() < 0.5
+    numbers = (*(mass * gain * place.axis(way)), start, start + last)
     force = CustomForce(
-        push_for_a_while,
-        on=body,
-        points=[body.centre],
-        parameters=(*(mass * gain * place.axis(way)), start, start + last),
-    )
+        push_for_a_while, on=body, points=[body.centre], parameters=numbers,
+        times=(start, start + last) if told else (),
+    )  # fmt: skip
     kink = partial(np.clip, a_min=0.0, a_max=None)
     course = lambda t: speed * t + 0.5 * gain * (kink(t - start) ** 2 - kink(t - start - last) ** 2)  # noqa: E731
     system = System([body], [rail], [force], gravity=(0, 0, 0))
-    return Problem(system, t_end, [slide("rail", rail, course)], 2.0 * np.pi / t_end)
+    return Problem(system, t_end, [slide("rail", rail, course)], 2.0 * np.pi / t_end, unsure=not told)
 
 
 FAMILIES = (pulse, own_force)

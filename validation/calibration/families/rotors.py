@@ -1,57 +1,78 @@
 """Wheels and what couples them, over many turns: closed forms with a constant acceleration or a drag."""
 
-from collections.abc import Callable
 from functools import reduce
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d import GROUND, Gear, GearMesh, Prismatic, RackPinion, Revolute, Screw, System, Torque, TorsionSpring
+from mbsd3d import GROUND, Gear, GearMesh, Prismatic, RackPinion, Revolute, Screw, State, System, Torque, TorsionSpring
 from validation.calibration.problem import Array, Place, Problem, angle, centre, slide
-
-Course = Callable[[Array], Array]
-
-
-def turning(place: Place) -> tuple[float, float, float, Course]:
-    """(first rate, acceleration, time, angle over time) of a machine that turns by 3 to 300 rad."""
-    rng = place.rng
-    t_end = float(rng.uniform(0.5, 3.0))
-    turned = float(np.exp(rng.uniform(np.log(3.0), np.log(300.0)))) * float(rng.choice([-1.0, 1.0]))
-    share = float(rng.choice([0.0, 1.0, rng.uniform()]))  # of the turning that is there at the start
-    rate = share * turned / t_end
-    gain = 2.0 * (1.0 - share) * turned / t_end**2
-    return rate, gain, t_end, lambda t: rate * t + 0.5 * gain * t**2
-
-
-def fastest(rate: float, gain: float, t_end: float) -> float:
-    """Return the greatest rate [rad/s] of `turning`."""
-    return max(abs(rate), abs(rate + gain * t_end))
-
-
-def rotor(place: Place, name: str, at: Array, axis: Array, rate: float, off: float = 0.0) -> tuple:
-    """(body, hinge on the ground, moment of inertia about its axis): centre of mass ``off`` beside the axis."""
-    mass = float(place.rng.uniform(0.5, 3.0))
-    tensor = place.inertia(mass, place.length(0.1, 0.3))
-    across = np.cross(axis, (0.3, -0.5, 0.8))
-    arm = off * across / np.linalg.norm(across)
-    body = place.body(name, mass, tensor, at + arm, rate * np.cross(axis, arm), rate * axis)
-    hinge = Revolute(GROUND, body, at=place.point(at), axis=place.axis(axis), name=f"{name} hinge")
-    return body, hinge, axis @ tensor @ axis + mass * off**2
-
 
 UP = np.array([0.0, 0.0, 1.0])
 
 
+class Turning(NamedTuple):
+    """An angle over time: begin + rate t + gain t^2 / 2 [rad]."""
+
+    rate: float
+    gain: float
+    t_end: float
+    begin: float = 0.0
+
+    def course(self, t: Array) -> Array:
+        """The angle [rad]."""
+        return self.begin + self.rate * t + 0.5 * self.gain * t**2
+
+    @property
+    def fastest(self) -> float:
+        """The greatest rate [rad/s]."""
+        return max(abs(self.rate), abs(self.rate + self.gain * self.t_end))
+
+    def start(self, system: System, hinge: Any) -> State | None:
+        """A start some turns from the reference pose; None at it, with the velocities of the bodies."""
+        if not self.begin:
+            return None
+        return system.assemble(angles={hinge: self.begin}, rates={hinge: self.rate})
+
+
+def turning(place: Place) -> Turning:
+    """A machine turns by 3 to 300 rad; one in four starts some turns from its reference pose."""
+    rng = place.rng
+    t_end = float(rng.uniform(0.5, 3.0))
+    turned = float(np.exp(rng.uniform(np.log(3.0), np.log(300.0)))) * float(rng.choice([-1.0, 1.0]))
+    share = float(rng.choice([0.0, 1.0, rng.uniform()]))  # of the turning that is there at the start
+    begin = float(rng.uniform(-30.0, 30.0)) if rng.random() < 0.25 else 0.0
+    return Turning(share * turned / t_end, 2.0 * (1.0 - share) * turned / t_end**2, t_end, begin)
+
+
+def rotor(place: Place, name: str, at: Array, axis: Array, rate: float | None, off: float = 0.0) -> tuple:
+    """(body, hinge on the ground, moment of inertia about its axis): centre of mass ``off`` beside the axis.
+
+    Without a rate its velocities are left to the drivers.
+    """
+    mass = float(place.rng.uniform(0.5, 3.0))
+    tensor = place.inertia(mass, place.length(0.1, 0.3))
+    across = np.cross(axis, (0.3, -0.5, 0.8))
+    arm = off * across / np.linalg.norm(across)
+    motion = () if rate is None else (rate * np.cross(axis, arm), rate * axis)
+    body = place.body(name, mass, tensor, at + arm, *motion)
+    hinge = Revolute(GROUND, body, at=place.point(at), axis=place.axis(axis), name=f"{name} hinge")
+    return body, hinge, axis @ tensor @ axis + mass * off**2
+
+
 def wheel(place: Place) -> Problem:
     """A wheel with its centre beside an upright axis, under a torque or a drag."""
-    rate, gain, t_end, course = turning(place)
+    turn = turning(place)
+    rate, gain, course = turn.rate, turn.gain, turn.course
     body, hinge, inertia = rotor(place, "wheel", place.length(-1, 1) * np.ones(3), UP, rate, place.length(0.05, 0.3))
     loads: list = [Torque(body, place.axis(inertia * gain * UP))]
     if gain == 0.0:
-        drag = float(place.rng.uniform(0.1, 2.0)) / t_end
+        drag = float(place.rng.uniform(0.1, 2.0)) / turn.t_end
         loads = [TorsionSpring(hinge, stiffness=0.0, damping=drag * inertia)]
-        course = lambda t: -rate / drag * np.expm1(-drag * t)  # noqa: E731
+        course = lambda t: turn.begin - rate / drag * np.expm1(-drag * t)  # noqa: E731
     system = System([body], [hinge], loads, gravity=place.gravity)
-    return Problem(system, t_end, [angle("wheel", hinge, course)], fastest(rate, gain, t_end))
+    start = turn.start(system, hinge)
+    return Problem(system, turn.t_end, [angle("wheel", hinge, course)], turn.fastest, start=start)
 
 
 def direction(place: Place) -> Array:
@@ -62,7 +83,8 @@ def direction(place: Place) -> Array:
 
 def belt(place: Place) -> Problem:
     """Two to five wheels on axes of any direction, each geared to the one before."""
-    rate, gain, t_end, course = turning(place)
+    turn = turning(place)
+    rate, gain, course = turn.rate, turn.gain, turn.course
     count = int(place.rng.integers(2, 6))
     ratios = [float(place.rng.uniform(0.3, 2.5) * place.rng.choice([-1.0, 1.0])) for _ in range(count - 1)]
     total = [reduce(lambda x, y: x * y, ratios[:k], 1.0) for k in range(count)]
@@ -75,13 +97,15 @@ def belt(place: Place) -> Problem:
     moment = gain * sum(J * i**2 for J, i in zip(inertias, total, strict=True))
     drive = Torque(bodies[0], moment * hinges[0].axis)
     readings = [angle(h.name, h, lambda t, i=i: i * course(t)) for h, i in zip(hinges, total, strict=True)]
-    most = fastest(rate, gain, t_end) * max(abs(i) for i in total)
-    return Problem(System(bodies, [*hinges, *gears], [drive], gravity=place.gravity), t_end, readings, most)
+    most = turn.fastest * max(abs(i) for i in total)
+    system = System(bodies, [*hinges, *gears], [drive], gravity=place.gravity)
+    return Problem(system, turn.t_end, readings, most, start=turn.start(system, hinges[0]))
 
 
 def mesh(place: Place) -> Problem:
     """Two helical gears in mesh on parallel axes, outside each other."""
-    rate, gain, t_end, course = turning(place)
+    turn = turning(place)
+    rate, gain, course = turn.rate, turn.gain, turn.course
     axis, (r_a, r_b) = direction(place), (place.length(0.05, 0.3), place.length(0.05, 0.3))
     out = np.cross(axis, (0.2, 0.9, -0.4))
     out /= np.linalg.norm(out)
@@ -91,13 +115,15 @@ def mesh(place: Place) -> Problem:
     teeth = GearMesh(hinge_a, hinge_b, at=place.point(r_a * out), helix_angle=float(place.rng.uniform(-0.5, 0.5)))
     drive = Torque(a, gain * (J_a + J_b * ratio**2) * hinge_a.axis)
     readings = [angle("a", hinge_a, course), angle("b", hinge_b, lambda t: ratio * course(t))]
-    most = fastest(rate, gain, t_end) * max(1.0, -ratio)
-    return Problem(System([a, b], [hinge_a, hinge_b, teeth], [drive], gravity=place.gravity), t_end, readings, most)
+    system = System([a, b], [hinge_a, hinge_b, teeth], [drive], gravity=place.gravity)
+    start = turn.start(system, hinge_a)
+    return Problem(system, turn.t_end, readings, turn.fastest * max(1.0, -ratio), start=start)
 
 
 def planetary(place: Place) -> Problem:
     """Sun, planet on a carrier, ring at rest (Willis), upright."""
-    rate, gain, t_end, course = turning(place)  # of the sun
+    turn = turning(place)  # of the sun
+    rate, gain, course = turn.rate, turn.gain, turn.course
     r_s, r_p = place.length(0.1, 0.3), place.length(0.05, 0.2)
     arm, ring = r_s + r_p, r_s + 2.0 * r_p
     i_c = 1.0 / (1.0 + ring / r_s)
@@ -120,12 +146,14 @@ def planetary(place: Place) -> Problem:
         angle("sun", hinge_s, course), angle("carrier", hinge_c, lambda t: i_c * course(t)),
         angle("planet", hinge_p, lambda t: i_rel * course(t)),
     ]  # fmt: skip
-    return Problem(system, t_end, readings, fastest(rate, gain, t_end) * max(1.0, abs(i_p), abs(i_rel)))
+    most = turn.fastest * max(1.0, abs(i_p), abs(i_rel))
+    return Problem(system, turn.t_end, readings, most, start=turn.start(system, hinge_s))
 
 
 def rack(place: Place) -> Problem:
     """A pinion drives a rack up or down a slope, against its weight."""
-    rate, gain, t_end, course = turning(place)
+    turn = turning(place)
+    rate, gain, course = turn.rate, turn.gain, turn.course
     radius, way = place.length(0.02, 0.2) * float(place.rng.choice([-1.0, 1.0])), direction(place)
     pinion, hinge, J = rotor(place, "pinion", np.zeros(3), direction(place), rate)
     mass, at = float(place.rng.uniform(0.5, 5.0)), place.unit * np.array([0.4, 0.3, -0.2])
@@ -141,7 +169,7 @@ def rack(place: Place) -> Problem:
         angle("pinion", hinge, course), slide("rail", rail, lambda t: radius * course(t)),
         centre(bar, lambda t: start + radius * np.outer(course(t), place.axis(way))),
     ]  # fmt: skip
-    return Problem(system, t_end, readings, fastest(rate, gain, t_end))
+    return Problem(system, turn.t_end, readings, turn.fastest, start=turn.start(system, hinge))
 
 
 def nut(place: Place) -> Problem:
@@ -154,15 +182,15 @@ def nut(place: Place) -> Problem:
     t_end, rate = float(rng.uniform(0.5, 4.0)), float(rng.normal() * 10.0)
     body = place.body("nut", mass, tensor, np.zeros(3), rate * p * way, rate * way)
     thread = Screw(GROUND, body, at=place.point(place.unit * way), axis=place.axis(way), pitch=lead, name="thread")
-    course = lambda t: rate * t + 0.5 * gain * t**2  # noqa: E731
-    readings = [angle("thread", thread, course), slide("thread", thread, lambda t: p * course(t))]
-    most = fastest(rate, gain, t_end)
-    return Problem(System([body], [thread], gravity=place.gravity), t_end, readings, max(most, 1.0))
+    turn = Turning(rate, gain, t_end)
+    readings = [angle("thread", thread, turn.course), slide("thread", thread, lambda t: p * turn.course(t))]
+    return Problem(System([body], [thread], gravity=place.gravity), t_end, readings, max(turn.fastest, 1.0))
 
 
 def lead_screw(place: Place) -> Problem:
     """A spindle turns on the ground and moves a nut that slides."""
-    rate, gain, t_end, course = turning(place)
+    turn = turning(place)
+    rate, gain, course = turn.rate, turn.gain, turn.course
     way = direction(place)
     lead = place.length(0.005, 0.1) * float(place.rng.choice([-1.0, 1.0]))
     p, mass = -lead / (2.0 * np.pi), float(place.rng.uniform(0.2, 3.0))
@@ -179,7 +207,7 @@ def lead_screw(place: Place) -> Problem:
         angle("spindle", hinge, course), slide("rail", rail, lambda t: p * course(t)),
         angle("thread", thread, lambda t: -course(t)),
     ]  # fmt: skip
-    return Problem(system, t_end, readings, fastest(rate, gain, t_end))
+    return Problem(system, turn.t_end, readings, turn.fastest, start=turn.start(system, hinge))
 
 
 FAMILIES = (wheel, belt, mesh, planetary, rack, nut, lead_screw)

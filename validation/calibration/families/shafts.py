@@ -3,7 +3,7 @@
 import numpy as np
 
 from mbsd3d import GROUND, AngleDriver, ConstantVelocity, Ramp, Revolute, SpeedDriver, System, Torque, Universal
-from validation.calibration.families.rotors import direction, fastest, turning
+from validation.calibration.families.rotors import direction, turning
 from validation.calibration.problem import DRIVEN, METHODS, Array, Place, Problem, angle
 from validation.calibration.rates import motion
 
@@ -94,7 +94,8 @@ def crossed(place: Place, rate: float) -> tuple:
 
 def constant_velocity(place: Place) -> Problem:
     """Two shafts with a constant-velocity joint."""
-    rate, gain, t_end, course = turning(place)
+    turn = turning(place)._replace(begin=0.0)
+    rate, gain, course = turn.rate, turn.gain, turn.course
     a, b, n, bend = bent(place, 0.8)
     one, hinge, J_a = shaft(place, "input", a, -0.5 * place.unit * a, rate)
     two, other, J_b = shaft(place, "output", b, 0.4 * place.unit * b, rate)
@@ -102,12 +103,12 @@ def constant_velocity(place: Place) -> Problem:
     drive = Torque(one, gain * (J_a + J_b) * hinge.axis)
     system = System([one, two], [hinge, other, joint], [drive], gravity=place.gravity)
     readings = [angle("input", hinge, course), angle("output", other, course)]
-    return Problem(system, t_end, readings, fastest(rate, gain, t_end))
+    return Problem(system, turn.t_end, readings, turn.fastest)
 
 
 def two_cardans(place: Place) -> Problem:
     """Two universal joints in phase, the middle shaft carried by them alone: input and output turn alike."""
-    rate, gain, t_end, course = turning(place)
+    rate, gain, t_end, _ = turning(place)
     a, m, n, bend = bent(place, 0.7)
     begin, long = float(place.rng.uniform(-3.0, 3.0)), place.length(0.4, 0.8)
     first = ratio(begin, bend)[0]
