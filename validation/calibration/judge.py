@@ -106,7 +106,7 @@ def examine(family: str, seed: int) -> Record:
 
 def march(problem: Problem, method: Any, rtol: float, output: Any = None) -> list[Solution]:
     """The runs from stop to stop, and on to the end."""
-    state, runs, begin = problem.start, [], 0.0
+    state, runs, begin = problem.start(), [], 0.0
     for condition, _ in (*problem.stops, (None, None)):
         if begin >= problem.t_end:
             break

@@ -39,8 +39,8 @@ class Problem:
 
     ``rate``: of its fastest motion [rad/s], from which fixed steps are chosen; ``methods``: those that make sense;
     ``stops``: conditions with the true times [s] at which they come true, each run restarts there by ``restart``;
-    ``unsure``: a run may well be refused, for chaos or for a force that jumps unannounced; ``start``: of the run; None
-    = as the bodies give.
+    ``unsure``: a run may well be refused, for chaos or for a force that jumps unannounced; ``start``: makes the
+    first state; None = as the bodies give.
     """
 
     system: System
@@ -51,7 +51,7 @@ class Problem:
     stops: Sequence[tuple[Any, float]] = ()
     restart: Callable[[State], State] = lambda state: state
     unsure: bool = False
-    start: State | None = None
+    start: Callable[[], State | None] = lambda: None
 
 
 class Place:
@@ -66,6 +66,7 @@ class Place:
         self.axes = rotation_matrix(random_orientation(rng)).astype(float)
         self.shift = self.unit * float(rng.choice([0.3, 3.0, 30.0])) * rng.normal(size=3)
         self.g = 9.81 * self.unit
+        self.moving = True  # whether bodies are given velocities: those of the reference pose
 
     @property
     def gravity(self) -> Array:
@@ -106,7 +107,7 @@ class Place:
         turned = R.T @ self.axes
         moments = turned @ inertia @ turned.T
         motion: dict[str, Array] = {}
-        if omega is not None:
+        if omega is not None and self.moving:
             w = self.axis(omega)
             motion = {
                 "omega": w,

@@ -64,12 +64,11 @@ def driven_gears(place: Place) -> Problem:
     rng, (made, most, (way_of, _)) = place.rng, signal(place, 1.0)
     begin = float(rng.choice([0.0, rng.uniform(-30.0, 30.0)]))
     course = lambda t: begin + way_of(t)  # noqa: E731
+    place.moving = False  # drivers say all
     ratio = float(rng.uniform(0.3, 10.0) * rng.choice([-1.0, 1.0]))
     radius, way = place.length(0.02, 0.2) * float(rng.choice([-1.0, 1.0])), direction(place)
-    one, hinge, _ = rotor(place, "one", np.zeros(3), direction(place), None, place.length(0.0, 0.2))
-    two, other, _ = rotor(
-        place, "two", place.unit * np.array([0.6, 0.3, 0.2]), direction(place), None, 0.1 * place.unit
-    )
+    one, hinge, _ = rotor(place, "one", np.zeros(3), direction(place), 0.0, place.length(0.0, 0.2))
+    two, other, _ = rotor(place, "two", place.unit * np.array([0.6, 0.3, 0.2]), direction(place), 0.0, 0.1 * place.unit)
     at = place.unit * np.array([0.1, 0.9, -0.3])
     bar = place.body("bar", 1.3, place.inertia(1.3, 0.2 * place.unit), at)
     rail = Prismatic(GROUND, bar, at=place.point(at), axis=place.axis(way), name="rail")

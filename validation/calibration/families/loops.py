@@ -33,8 +33,9 @@ def loop(place: Place, points: Array, axes: Array, rate: float, t_end: float) ->
     course = make_interp_spline(grid, truth.motion(rate, grid), k=9)
     size = np.abs(course.derivative()(grid)).max()
     readings = [angle(h.name, h, lambda t, k=k: course(t)[:, k]) for k, h in enumerate(hinges)]
-    start = system.assemble(rates={hinges[0]: rate})
-    return Problem(system, t_end, readings, max(float(size), np.sqrt(9.81)), start=start)
+    return Problem(
+        system, t_end, readings, max(float(size), np.sqrt(9.81)), start=lambda: system.assemble(rates={hinges[0]: rate})
+    )
 
 
 def four_bar(place: Place) -> Problem:
@@ -163,8 +164,13 @@ def parallelogram(place: Place) -> Problem:
     readings.append(centre(coupler, path))
     system = System([a, b, coupler], joints, [TorsionSpring(joints[2], stiffness=stiff)], gravity=place.gravity)
     fast = np.abs(course(np.linspace(0.0, t_end, 100))[:, 1]).max()
-    start_state = system.assemble(rates={joints[0]: rate})
-    return Problem(system, t_end, readings, max(float(fast), np.sqrt(weight / J)), start=start_state)
+    return Problem(
+        system,
+        t_end,
+        readings,
+        max(float(fast), np.sqrt(weight / J)),
+        start=lambda: system.assemble(rates={joints[0]: rate}),
+    )
 
 
 FAMILIES = (four_bar, bennett, sarrus, slider_crank, parallelogram)

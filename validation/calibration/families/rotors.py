@@ -1,5 +1,6 @@
 """Wheels and what couples them, over many turns: closed forms with a constant acceleration or a drag."""
 
+from collections.abc import Callable
 from functools import reduce
 from typing import Any, NamedTuple
 
@@ -28,11 +29,11 @@ class Turning(NamedTuple):
         """The greatest rate [rad/s]."""
         return max(abs(self.rate), abs(self.rate + self.gain * self.t_end))
 
-    def start(self, system: System, hinge: Any) -> State | None:
-        """A start some turns from the reference pose; None at it, with the velocities of the bodies."""
+    def start(self, system: System, hinge: Any) -> Callable[[], State | None]:
+        """What makes a start some turns from the reference pose; at it the bodies have their velocities."""
         if not self.begin:
-            return None
-        return system.assemble(angles={hinge: self.begin}, rates={hinge: self.rate})
+            return lambda: None
+        return lambda: system.assemble(angles={hinge: self.begin}, rates={hinge: self.rate})
 
 
 def turning(place: Place) -> Turning:
@@ -42,20 +43,17 @@ def turning(place: Place) -> Turning:
     turned = float(np.exp(rng.uniform(np.log(3.0), np.log(300.0)))) * float(rng.choice([-1.0, 1.0]))
     share = float(rng.choice([0.0, 1.0, rng.uniform()]))  # of the turning that is there at the start
     begin = float(rng.uniform(-30.0, 30.0)) if rng.random() < 0.25 else 0.0
+    place.moving = begin == 0.0
     return Turning(share * turned / t_end, 2.0 * (1.0 - share) * turned / t_end**2, t_end, begin)
 
 
-def rotor(place: Place, name: str, at: Array, axis: Array, rate: float | None, off: float = 0.0) -> tuple:
-    """(body, hinge on the ground, moment of inertia about its axis): centre of mass ``off`` beside the axis.
-
-    Without a rate its velocities are left to the drivers.
-    """
+def rotor(place: Place, name: str, at: Array, axis: Array, rate: float, off: float = 0.0) -> tuple:
+    """(body, hinge on the ground, moment of inertia about its axis): centre of mass ``off`` beside the axis."""
     mass = float(place.rng.uniform(0.5, 3.0))
     tensor = place.inertia(mass, place.length(0.1, 0.3))
     across = np.cross(axis, (0.3, -0.5, 0.8))
     arm = off * across / np.linalg.norm(across)
-    motion = () if rate is None else (rate * np.cross(axis, arm), rate * axis)
-    body = place.body(name, mass, tensor, at + arm, *motion)
+    body = place.body(name, mass, tensor, at + arm, rate * np.cross(axis, arm), rate * axis)
     hinge = Revolute(GROUND, body, at=place.point(at), axis=place.axis(axis), name=f"{name} hinge")
     return body, hinge, axis @ tensor @ axis + mass * off**2
 

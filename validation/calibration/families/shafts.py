@@ -3,9 +3,16 @@
 import numpy as np
 
 from mbsd3d import GROUND, AngleDriver, ConstantVelocity, Ramp, Revolute, SpeedDriver, System, Torque, Universal
-from validation.calibration.families.rotors import direction, turning
+from validation.calibration.families.rotors import Turning, direction, turning
 from validation.calibration.problem import DRIVEN, METHODS, Array, Place, Problem, angle
 from validation.calibration.rates import motion
+
+
+def at_reference(place: Place) -> Turning:
+    """A turning that begins at the reference pose."""
+    turn = turning(place)
+    place.moving = True
+    return turn._replace(begin=0.0)
 
 
 def passed_on(angle_in: Array, bend: float) -> Array:
@@ -43,7 +50,7 @@ def bent(place: Place, most: float) -> tuple[Array, Array, Array, float]:
 
 def cardan(place: Place) -> Problem:
     """Two shafts with a universal joint, coasting or pulled: three redundant rows, an output that is not even."""
-    rate, gain, t_end, _ = turning(place)
+    rate, gain, t_end, _ = at_reference(place)
     bodies, joints, (J_a, J_b), bend, begin = crossed(place, rate)
     start = passed_on(np.array(begin), bend)
     pull = gain * (J_a + J_b)
@@ -94,7 +101,7 @@ def crossed(place: Place, rate: float) -> tuple:
 
 def constant_velocity(place: Place) -> Problem:
     """Two shafts with a constant-velocity joint."""
-    turn = turning(place)._replace(begin=0.0)
+    turn = at_reference(place)
     rate, gain, course = turn.rate, turn.gain, turn.course
     a, b, n, bend = bent(place, 0.8)
     one, hinge, J_a = shaft(place, "input", a, -0.5 * place.unit * a, rate)
@@ -108,7 +115,7 @@ def constant_velocity(place: Place) -> Problem:
 
 def two_cardans(place: Place) -> Problem:
     """Two universal joints in phase, the middle shaft carried by them alone: input and output turn alike."""
-    rate, gain, t_end, _ = turning(place)
+    rate, gain, t_end, _ = at_reference(place)
     a, m, n, bend = bent(place, 0.7)
     begin, long = float(place.rng.uniform(-3.0, 3.0)), place.length(0.4, 0.8)
     first = ratio(begin, bend)[0]

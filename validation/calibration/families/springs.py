@@ -75,7 +75,7 @@ def stiff_bushing(place: Place) -> Problem:
     )
     path = lambda t: home + course(t) @ place.axes.T  # noqa: E731
     readings = [centre(block, path)]
-    return Problem(system, float(rng.uniform(0.5, 2.0)), readings, nu, IMPLICIT, start=moved)
+    return Problem(system, float(rng.uniform(0.5, 2.0)), readings, nu, IMPLICIT, start=lambda: moved)
 
 
 def filtered(place: Place) -> Problem:
