@@ -79,7 +79,8 @@ def driven_gears(place: Place) -> Problem:
     ]  # fmt: skip
     driver = AngleDriver(hinge, Constant(begin) + made)
     system = System([one, two, bar], [hinge, other, rail, *couplings, driver], gravity=place.gravity)
-    return Problem(system, float(rng.uniform(0.5, 2.0)), readings, most * max(1.0, abs(ratio)), DRIVEN)
+    most *= max(1.0, abs(ratio))
+    return Problem(system, float(rng.uniform(0.5, 2.0)), readings, most, DRIVEN, start=system.assemble)
 
 
 FAMILIES = (driven_arm, driven_gears)
