@@ -8,19 +8,20 @@ import numpy as np
 
 from ..compiler.jit import inner_kernel, kernel, late_kernel
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate
+from ..dynamics.turning import CERTAIN, compare_poses
 from ..kernels.coordinates import miscount, remember
 from ..kernels.kinematics import normalise
 from ..kernels.layout import Data, Model
 from ..kernels.vectors import add_scaled, clear, copy, finite
 from ..saddle.independence import independence
 from ..saddle.solve import SOLVED
-from .dense_output import hermite
 from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING
 from .method import Method, check_max_step
 from .outputs import evaluate_start, first_crossing, halt, land, may_come_true, watch_on, write
 from .step_control import (
     NEARLY_SINGULAR,
     full,
+    hermite,
     next_turn,
     note_rows,
     pass_turn,
@@ -28,7 +29,6 @@ from .step_control import (
     update_scales,
     way_to_singular,
 )
-from .turning import CERTAIN, compare_poses
 
 TURN_PER_POSE = 0.3  # rad between poses: Newton stays on its branch
 GROWTH = 4.0  # of the distance between poses from one to the next, or up to what was enough for the fastest turn so far

@@ -49,6 +49,7 @@ NOW = [
     ("inside", int),  # samples of the step at hand, where every step is one
     ("next_output", int),  # index of the next output time
     ("next_turn", int),  # index of the next time at which a signal turns
+    ("hop", float),  # s, after which the condition comes true that a run starts from, if the measure does not show it
     ("armed", int),  # 1: the condition has been false since the start, so that it can come true
 ]
 ROWS = [

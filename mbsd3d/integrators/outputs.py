@@ -10,18 +10,18 @@ from ..compiler.jit import inner_kernel, kernel, late_kernel, merged_kernel
 from ..dynamics.spinning import farthest_turn, rate_without_spin, spin_on
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..dynamics.touching import start_watching
+from ..dynamics.turning import compare_poses, hermite_of_rotations
 from ..kernels.coordinates import coordinate, measure, remember
 from ..kernels.kinematics import kinematics
 from ..kernels.rows import row_speed
 from ..kernels.vectors import add_scaled, copy, finite
 from ..saddle.solve import SOLVED
-from .dense_output import hermite, hermite_of_rotations, interpolate
 from .memory import FULL, NO_SOLUTION, NOT_CLOSING, RUNNING, STOPPED
-from .step_control import note_rows, update_scales
-from .turning import compare_poses
+from .step_control import hermite, interpolate, note_rows, update_scales
 
 LANDINGS = 6  # Newton steps to the time of an event, each a step of the method; the first is good to its dense output
 SCAN = 8  # parts of a step that are searched for an event, or of a radian that a body spins in it
+ONCE = 1.0  # rad in a step, up to which a measure is taken to rise and fall once at most
 GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 
 
@@ -135,7 +135,8 @@ def slope(m, d, run, t, y, dy, h):
 @late_kernel
 def may_come_true(m, d, run, h, t_new) -> bool:
     """True if the condition holds at the end of the step, rises and falls, or is not armed; or may, once in a turn."""
-    if run.now.armed == 0 or run.now.spinning > 0 or condition(m, d, run, t_new, run.trial) >= 0.0:
+    unsure = run.now.armed == 0 or run.now.hop > 0.0 or farthest_turn(run, h) > ONCE
+    if unsure or condition(m, d, run, t_new, run.trial) >= 0.0:
         return True
     rises = slope(m, d, run, run.now.t, run.y, run.dy, h) > 0.0
     return rises and slope(m, d, run, t_new, run.trial, run.trial_rate, h) < 0.0
@@ -166,9 +167,10 @@ def locate(m, d, run, h, low, high):
 def first_crossing(m, d, run, h, t_new) -> float:
     """Fraction of the step at which the condition first comes true, by dense output; -1 if it does not.
 
-    Looked for at many points and at the peak between them: two peaks less than h/SCAN apart may pass for one. A run
-    that starts where the condition just comes true is not armed until it has been false.
+    Looked for at many points and at the peak between them: two peaks less than h/SCAN apart may pass for one.
     """
+    if run.now.hop > 0.0:
+        return run.now.hop / h if run.now.hop <= h else -1.0
     parts = SCAN * (1 + int(farthest_turn(run, h)))
     place, greatest, first = 0.0, -np.inf, 0.0 if run.now.armed == 1 else 2.0
     for k in range(1, parts + 1):
@@ -197,7 +199,8 @@ def first_crossing(m, d, run, h, t_new) -> float:
 
 @late_kernel
 def watch_on(m, d, run, t_new):
-    """Arm the condition at the end of a step where it is false."""
+    """Arm the condition at the end of a step where it is false; the rest of a hop begins there."""
+    run.now.hop = max(run.now.hop - (t_new - run.now.t), 0.0)
     if run.now.armed == 0 and condition(m, d, run, t_new, run.trial) < -run.task.slack:
         run.now.armed = 1
 
@@ -221,7 +224,7 @@ def land(m, d, s, own, run, h, x, advance_to):
         if status != RUNNING:
             return status, t
         dt = missing_time(m, d, run, h, t + x)
-        if left == 1 or abs(dt) <= 1e-16 * h:
+        if left == 1 or run.now.hop > 0.0 or abs(dt) <= 1e-16 * h:
             break
         x = min(max(x + dt, 0.0), h)
     return RUNNING, t + x

@@ -6,9 +6,9 @@ from ..compiler.jit import inner_kernel, kernel, late_kernel
 from ..dynamics.spinning import farthest_turn, find_spins, limit_turn, rate_without_spin, spin_on
 from ..dynamics.state_rates import FAR, NEAR, PROJECTED, evaluate, project_and_evaluate, rounding
 from ..dynamics.touching import hides_touch
+from ..dynamics.turning import compare_poses, turns_are_certain
 from ..kernels.vectors import add_scaled, clear, copy, finite
 from ..saddle.solve import SOLVED
-from .dense_output import hermite
 from .memory import NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING, STEP_TOO_SMALL, STIFF
 from .outputs import evaluate_start, outputs
 from .step_control import (
@@ -16,6 +16,7 @@ from .step_control import (
     end_of_step,
     go_on,
     good_enough,
+    hermite,
     nearly_singular,
     note_rows,
     pass_over_singular,
@@ -25,7 +26,6 @@ from .step_control import (
     take_steps,
     way_to_singular,
 )
-from .turning import compare_poses, turns_are_certain
 
 ALLOWED = 2.0 * LOCAL  # of rtol is what a step of these methods may err: most err a tenth of it,
 AIM = 0.75  # since the next one is this times the step that would err as much; few are then tried in vain

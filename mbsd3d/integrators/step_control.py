@@ -1,12 +1,15 @@
-"""What all time loops share: steps up to a budget, their length, scales of errors, whether rows hold."""
+"""What all time loops share: steps up to a budget, their length, scales of errors, whether rows hold, dense output."""
 
 import numpy as np
 
 from ..compiler.jit import inner_kernel, merged_kernel
+from ..dynamics.spinning import spin_on
 from ..dynamics.state_rates import skipped_residual
 from ..dynamics.touching import go_on_watching
+from ..dynamics.turning import turn_on
 from ..kernels.coordinates import remember
 from ..kernels.kinds import PROJECTION
+from ..kernels.vectors import add_scaled, clear
 from ..saddle.independence import note_independence
 from .memory import DONE, FULL, RUNNING
 
@@ -228,3 +231,29 @@ def rows_hold(m, d, s, run):
         rows.residual = position
         return position <= tolerance and speed <= tolerance * max(run.now.speed, run.now.turn)
     return True
+
+
+@inner_kernel
+def hermite(run, h, end, rate, end_rate):
+    """Coefficients F of the cubic from run.y to the end of the step, with the rates there."""
+    for k in range(run.y.shape[0]):
+        step = end[k] - run.y[k]
+        run.F[0, k] = step
+        run.F[1, k] = h * rate[k] - step
+        run.F[2, k] = 2.0 * step - h * (end_rate[k] + rate[k])
+
+
+@inner_kernel
+def interpolate(m, run, h, x, y):
+    """Dense output of the last step at the fraction x of it (Horner form of Hairer, Norsett, Wanner)."""
+    clear(y)
+    terms = run.F.shape[0]
+    for i in range(terms):
+        f = run.F[terms - 1 - i]
+        weight = x if (terms - 1 - i) % 2 == 0 else 1.0 - x
+        for j in range(y.shape[0]):
+            y[j] = (y[j] + f[j]) * weight
+    if run.now.rotating == 1:
+        turn_on(m, run, y)
+    add_scaled(y, 1.0, run.y)
+    spin_on(m, run, x * h, y)

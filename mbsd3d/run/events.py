@@ -4,19 +4,21 @@ motion is at its start."""
 import numpy as np
 
 from ..base.errors import InputError
+from ..dynamics.state_rates import FAR, project_and_evaluate
 from ..equations.compiled import Compiled
 from ..integrators.memory import Run
 from ..kernels.coordinates import measure
 from ..kernels.kinds import SPLINE
 from ..kernels.kinematics import kinematics
-from ..kernels.layout import Data, Model
+from ..kernels.layout import Data, Model, Tree
 from ..mechanism.measures import UNITS, Condition
 from ..mechanism.signals.terms import turning_times
 
 ROUNDED = 1e-15  # of its time: nearer than that a stage at the end of a step may fall behind a jump
 SLACK = 1e-9  # of its scale is what a measure may differ from a value that it is said to have
 BLURRED = 1e-2  # rad of the motion at the start, between two times that can be told apart at the end
-ROUND = 1e-7  # of that is what the measure changes by in the first step where its rate is rounding
+LOW = 1e-3  # of that is a hop whose time is taken from its rates; it errs less so than by the digits of the measure
+SOON = 1e-3  # of the first step: so far the rate changes evenly
 TINY = 1e-40  # of a complex step: its square vanishes
 
 
@@ -33,12 +35,15 @@ def turns_of_signals(model: Model, t_start: float) -> np.ndarray:
     return np.array(sorted(found), float).reshape(-1, 2)
 
 
-def armed_at_start(compiled: Compiled, data: Data, run: Run, stop_when: Condition) -> tuple[int, float]:
-    """(1 if the condition is false at the start or becomes so at once, else 0; slack of the value).
+def armed_at_start(
+    compiled: Compiled, data: Data, tree: Tree, run: Run, stop_when: Condition
+) -> tuple[int, float, float]:
+    """(1 if the condition is false at the start or becomes so at once, else 0; slack of the value; time of a hop).
 
     A run may start where the measure has the value already, as one does that goes on after an event: then the sign of
     its rate says whether the condition becomes false or true there. Where it becomes true, or where nothing moves, the
-    condition is not armed before the measure has left the value to the side where the condition is false.
+    condition is not armed before the measure has left the value to the side where the condition is false. A hop away
+    and back, as of a ball that bounces ever lower, may be less than the digits of the measure: its rates tell its time.
 
     Raises
     ------
@@ -56,16 +61,22 @@ def armed_at_start(compiled: Compiled, data: Data, run: Run, stop_when: Conditio
             f"simulate: stop_when: {stop_when} holds already at the start ({now:.6g}); "
             "give another value or another start"
         )
-    leaves = gap < -slack or stop_when.direction * rate_at_start(compiled, data, run) * run.now.step < -ROUND * slack
-    return int(leaves), slack
+    if gap < -slack:
+        return 1, slack, 0.0
+    rate = stop_when.direction * rate_of_measure(compiled, data, t, run.y, run.dy)
+    soon, y, dy = SOON * float(run.now.step), run.y + SOON * run.now.step * run.dy, run.dy.copy()
+    project_and_evaluate(model, data, tree, t + soon, y, dy, FAR)
+    back = (stop_when.direction * rate_of_measure(compiled, data, t + soon, y, dy) - rate) / soon
+    low = rate < 0.0 < back and 0.5 * rate * rate < LOW * slack * back
+    return int(rate < 0.0), slack, -2.0 * rate / back if low else 0.0
 
 
-def rate_at_start(compiled: Compiled, data: Data, run: Run) -> float:
-    """Rate of the measure at the start, exact to rounding: by a complex step along the motion."""
+def rate_of_measure(compiled: Compiled, data: Data, t: float, y: np.ndarray, dy: np.ndarray) -> float:
+    """Rate of the measure at a state with its rate, exact to rounding: by a complex step along the motion."""
     varied = compiled.data(complex)
     varied.coordinate[:], varied.unwrap_time[:] = data.coordinate, data.unwrap_time
-    kinematics(compiled.model, varied, run.y + 1j * TINY * run.dy)
-    return float(np.imag(measure(compiled.model, varied, 0, float(run.now.t)))) / TINY
+    kinematics(compiled.model, varied, y + 1j * TINY * dy)
+    return float(np.imag(measure(compiled.model, varied, 0, t))) / TINY
 
 
 def rate_of_motion(v: np.ndarray, a: np.ndarray, length: float) -> float:

@@ -246,7 +246,8 @@ class Job:
         """Arm the condition to stop, unless it just comes true at the start: then it waits until it has been false."""
         if self.stop_when is not None:
             run = self.memory
-            run.now.armed, run.task.slack = armed_at_start(self.compiled, self.data, run, self.stop_when)
+            found = armed_at_start(self.compiled, self.data, self.tree, run, self.stop_when)
+            run.now.armed, run.task.slack, run.now.hop = found
 
     def drain(self) -> None:
         """Move the samples of the full buffer away."""

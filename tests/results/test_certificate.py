@@ -116,7 +116,9 @@ def test_clean_runs_pass(mechanism, options):
 
 @pytest.mark.parametrize("mechanism", HELD)
 def test_every_check_is_made(mechanism):
-    assert {check.name for check in run(mechanism).certificate.checks} == CHECKS
+    made = run(mechanism)
+    expected = CHECKS if made.compiled.model.coordinate.size else CHECKS - {"turns of hinges"}  # where there are some
+    assert {check.name for check in made.certificate.checks} == expected
 
 
 def still(kind):

@@ -1,6 +1,6 @@
 """Orientations against angular velocities, and angles of hinges against their rates, step by step."""
 
-from ...integrators.turning import CERTAIN
+from ...dynamics.turning import CERTAIN
 from ..run_samples import RunSamples
 from .check import USEFUL, Check
 

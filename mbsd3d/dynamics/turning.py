@@ -1,4 +1,4 @@
-"""What ties poses to velocities in a step h: the turns that hinges count, and the way from one orientation to the next.
+"""Rotations over a step h: the turns that hinges count, the way from one orientation to the next, and places on it.
 
 With w and alpha in body axes at both ends (' at the second one) a body turns, to fourth order, by the rotation vector
 
@@ -11,16 +11,16 @@ acceleration that changes evenly. Where a method takes an even spin out of the s
 import numpy as np
 
 from ..compiler.jit import inner_kernel
-from ..dynamics.spinning import turned_by
 from ..kernels.coordinates import miscount
 from ..kernels.kinematics import product, quaternion_of, rotation_matrix
 from ..kernels.vectors import add, cross, dot, put, rotate, scale, sub, vec
+from .spinning import turned_by
 
 CERTAIN = 1.0  # rad between an angle and the mean of its rates over a step: a third of where turns are miscounted
 RESOLVED = 0.2  # times the squares of the angles by which w turns and swings in a step, times the second term above, is
 # what the formula may err by: six times its error for free bodies, twelve for one that swings about an axis
 FADING = 0.8  # of what a step allowed is allowed in the next: the second term vanishes at moments, its error does not
-UNSEEN = 1e-12  # rad in a step: rounding
+ROUNDING, UNSEEN = 1e-12, 1e-12  # of a turn, by which it may change; rad in a step
 
 
 @inner_kernel
@@ -77,7 +77,8 @@ def compare_poses(m, run, h):
         whole = add(turn, scale(h, spin))
         if dot(whole, whole) > run.now.farthest**2:
             run.now.farthest, run.now.farthest_by = np.sqrt(dot(whole, whole)), i
-        swing = h * h * dot(jerk, jerk) / max(dot(change, change), 1e-300)
+        moved = h * h * dot(change, change) + ROUNDING**2 * dot(whole, whole) + 1e-300
+        swing = h**4 * dot(jerk, jerk) / moved
         error = RESOLVED * np.sqrt(dot(term, term)) * (dot(turn, turn) + swing)
         run.missed[i, 3] = max(min(error, CERTAIN), FADING * run.missed[i, 3])
         allowed = run.missed[i, 3] + UNSEEN * (1.0 + run.now.farthest)
@@ -86,3 +87,42 @@ def compare_poses(m, run, h):
         x = (missed[1], missed[2], missed[3])
         if 4.0 * dot(x, x) > (allowed * missed[0]) ** 2:
             note_miss(run, i, e_end, missed, allowed)
+
+
+@inner_kernel
+def turn_back(rho, w):
+    """Rate of the rotation vector rho [rad] of a body that turns with w, body axes; exact to order 4 in rho."""
+    swept = cross(rho, w)
+    return add(add(w, scale(0.5, swept)), scale(1.0 / 12.0, cross(rho, swept)))
+
+
+@inner_kernel
+def hermite_of_rotations(m, run, h, end):
+    """Coefficients F of orientations: cubics of rotation vectors from run.y to the end, beside the spins taken out."""
+    n = m.body.shape[0]
+    for i in range(n):
+        q, u = 7 * i + 3, 7 * n + 6 * i + 3
+        back, e = (run.y[q], -run.y[q + 1], -run.y[q + 2], -run.y[q + 3]), (end[q], end[q + 1], end[q + 2], end[q + 3])
+        c, x, y, z = product(back, e)
+        sine = np.sqrt(x * x + y * y + z * z)
+        k = 2.0 * np.arctan2(sine if c >= 0.0 else -sine, abs(c)) / sine if sine > 0.0 else 0.0
+        rho, spin = (k * x, k * y, k * z), vec(run.spin[i]) if run.now.spinning > 0 else (0.0, 0.0, 0.0)
+        rate = scale(h, sub((run.y[u], run.y[u + 1], run.y[u + 2]), spin))
+        end_rate = scale(h, turn_back(rho, sub((end[u], end[u + 1], end[u + 2]), spin)))
+        for j in range(3):
+            run.F[0, q + j] = rho[j]
+            run.F[1, q + j] = rate[j] - rho[j]
+            run.F[2, q + j] = 2.0 * rho[j] - end_rate[j] - rate[j]
+            run.F[j, q + 3] = 0.0
+    run.now.rotating = 1
+
+
+@inner_kernel
+def turn_on(m, run, y):
+    """Rotation vectors in the place of orientations in y -> what is to be added to those of run.y."""
+    for i in range(m.body.shape[0]):
+        q = 7 * i + 3
+        e = (run.y[q], run.y[q + 1], run.y[q + 2], run.y[q + 3])
+        turned = product(e, quaternion_of((y[q], y[q + 1], y[q + 2])))
+        for j in range(4):
+            y[q + j] = turned[j] - e[j]
