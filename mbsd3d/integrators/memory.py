@@ -51,6 +51,11 @@ NOW = [
     ("next_turn", int),  # index of the next time at which a signal turns
     ("hop", float),  # s, after which the condition comes true that a run starts from, if the measure does not show it
     ("armed", int),  # 1: the condition has been false since the start, so that it can come true
+    ("rates", int),  # at the ends of equal steps that are known: auditing.py,
+    ("audited", float),  # s, their length
+    ("open_work", float),  # J, the most by which two quadratures of fixed steps differ,
+    ("open_push", float),  # N s, of the impulse of external forces,
+    ("open_turn", float),  # N m s, of their angular impulse about the centre of mass
 ]
 ROWS = [
     ("pivot", float),  # smallest pivot of the loop rows over the largest it has been, at the end of the last step
@@ -100,11 +105,12 @@ class Run(NamedTuple):
     gaps: np.ndarray  # (k, 2, 3) at both ends of the step: clearance [m], its rate, angular velocity that counts
     out: np.ndarray  # (capacity, width) samples: t, y, accelerations (6n), lam (m), hinge coordinates, potential and
     # power of the forces, largest |c| and |J v - b| over all rows
+    audit: np.ndarray  # (6, audit states) of fixed steps: integrals, errors of theirs, last rates: auditing.py
 
 
 def new_run(
     y: np.ndarray, bodies: int, times: np.ndarray, capacity: int, width: int, terms: int, turns: np.ndarray = NEVER,
-    contacts: np.ndarray = NONE,
+    contacts: np.ndarray = NONE, audits: int = 6,
 ) -> Run:  # fmt: skip
     """Memory for a start at y; the fields of its records are zero."""
     dy, trial, trial_rate, work, work_rate = np.zeros((5, y.size))
@@ -114,7 +120,7 @@ def new_run(
         F=np.zeros((terms, y.size)),
         task=single(TASK), now=single(NOW), rows=single(ROWS), stiffness=single(STIFFNESS),
         times=times, turns=turns, contacts=contacts, gaps=np.zeros((contacts.size, 2, 3)),
-        out=np.zeros((capacity, width)),
+        out=np.zeros((capacity, width)), audit=np.zeros((6, audits)),
     )  # fmt: skip
 
 

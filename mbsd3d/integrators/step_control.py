@@ -11,6 +11,7 @@ from ..kernels.coordinates import remember
 from ..kernels.kinds import PROJECTION
 from ..kernels.vectors import add_scaled, clear
 from ..saddle.independence import note_independence
+from .auditing import begin_audit, go_on_auditing
 from .memory import DONE, FULL, RUNNING
 
 LEAST = 1e-14  # of the time, the shortest step: 50 units of its last place; of the first step, at t = 0
@@ -38,6 +39,7 @@ def take_steps(m, d, s, own, run, budget, start, step):
             status = start(m, d, s, own, run)
             if status != RUNNING:
                 return status
+            begin_audit(m, d, run)
         if run.now.t >= run.task.t_end:
             return DONE
         if full(run):
@@ -104,6 +106,7 @@ def go_on(m, d, run, t_new):
     """The end of a step, in d, is the start of the next."""
     remember(m, d, t_new)
     update_scales(m, d, run)
+    go_on_auditing(m, d, run, t_new - run.now.t)
     run.now.t = t_new
     run.now.steps += 1
     go_on_watching(run)

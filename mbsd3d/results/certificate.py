@@ -118,9 +118,10 @@ def certify(solution: RunSamples) -> Certificate:
     record, limit, remarks = solution.record, drift_limit(solution.record), notes(solution)
     if solution.t.size:
         missed, opened = residuals(solution), rounding(solution)
-        joints, equations = joint_checks(solution, missed), equation_checks(solution, missed, opened.singular)
+        joints = joint_checks(solution, missed) + turning_checks(solution)
+        equations = equation_checks(solution, missed, opened.singular)
         met = all(check.passed for check in joints + equations)
-        checks = [*joints, *turning_checks(solution), *balance_checks(solution, limit, met), *equations]
+        checks = [*joints, *balance_checks(solution, limit, met), *equations]
         checks += [] if lost(solution) else rounding_checks(solution, opened)
         remarks += singular_notes(solution, opened) + work_note(solution)
     else:
@@ -158,10 +159,10 @@ def notes(solution: RunSamples) -> list[str]:
         inexact = ("" if solution.record.kinematic else "accelerations and ") + "reactions there are not exact"
         found.append(f"the run passes a singular position; it goes on along the tangent of the motion; {inexact}")
     found += [text for joint in solution.system.joints for text in joint.notes(solution)]
+    found += stage_notes(solution)
     if solution.record.never_armed:
         never = "it just came true at the start, and has not been false since"
         found.append(f"stop_when: {solution.record.never_armed} was never armed: {never}")
-    found += stage_notes(solution)
     if not (solution.record.about_centre or solution.record.kinematic):
         found.append("angular momentum not checked: the file is of an older version; run the simulation again")
     return found + [f"Newton-Euler not checked: {name} was saved without its function" for name in lost(solution)]

@@ -26,6 +26,7 @@ class Record:
     loop_seconds: float = 0.0  # of these, in the compiled time loop
     rows_left_out: int | None = None  # redundant rows at the last choice; None = not chosen
     nearest: float = 1.0  # least pivot of the loop rows over its largest: how near the run came to a singular position
+    open_audit: tuple[float, ...] = (0.0, 0.0, 0.0)  # J, N s, N m s by which two quadratures of fixed steps differ
     about_centre: bool = False  # the angular impulse is about the centre of mass, not the origin as in older files
     speed: float = 0.0  # m/s, greatest of all steps, relative to the mean of all bodies
     miscount: float | None = None  # rad, the most a hinge turned in a step otherwise than by the mean of its rates

@@ -196,14 +196,15 @@ class RunSamples(RunMotion):
         1e5 m/s the energy of the whole would leave no digits of what goes on in it.
         """
         mass = self.system.total_mass()
-        middle, mean = self.arrays["q"][..., :3].mean(axis=1), self.arrays["v"][..., :3].mean(axis=(0, 1))
+        middle, v = self.arrays["q"][..., :3].mean(axis=1), self.arrays["v"][..., :3]
+        mean = v.mean(axis=(0, 1)) if self.t.size else np.zeros(3)
         place, velocity, angular = np.zeros((3, self.t.size, 3))
         kinetic, farthest, fastest = np.zeros(self.t.size), 0.0, 0.0
         for body in self.system.bodies:
             centre, v_com = self._carried(body, body.com)
             s, v, w = centre - middle, v_com - mean, self.omega_body(body)
-            farthest = max(farthest, float(np.linalg.norm(s, axis=1).max()))
-            fastest = max(fastest, float(np.linalg.norm(v, axis=1).max()))
+            farthest = max(farthest, float(np.linalg.norm(s, axis=1).max(initial=0.0)))
+            fastest = max(fastest, float(np.linalg.norm(v, axis=1).max(initial=0.0)))
             place += body.mass * s
             velocity += body.mass * v
             kinetic += 0.5 * body.mass * (v**2).sum(axis=1) + 0.5 * np.einsum("ti,ij,tj->t", w, body.inertia, w)

@@ -5,7 +5,7 @@ import numpy as np
 from ..base.errors import InputError
 from ..equations.compiled import Compiled
 from ..mechanism.bodies import GROUND
-from .own_functions import alone, own_forces
+from .own_functions import alone, ask, own_forces
 
 SMALL = 1e-9  # of the loads themselves: more than their sums round to
 
@@ -20,7 +20,8 @@ def check_balance(compiled: Compiled, y: np.ndarray, t: float) -> None:
             continue
         if any(body is GROUND for body in force.on):
             continue
-        _, data = alone(compiled, k, y, t)
+        model, data = alone(compiled, k)
+        ask(model, data, y, t)
         push, turn = data.body["Q"][:-1, :3], data.body["Q"][:-1, 3:]
         lever = np.cross(data.body["r"][:-1], push)
         left, most = np.abs(push.sum(0)).max(), np.abs(push).max()

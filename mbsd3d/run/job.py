@@ -19,6 +19,7 @@ from ..equations.at_state import check_quaternions, driven_coordinates, load_row
 from ..equations.compiled import Compiled
 from ..equations.jacobian import scaled_rows
 from ..integrators import memory
+from ..integrators.auditing import AUDITED
 from ..integrators.memory import Run, new_run
 from ..integrators.method import Method
 from ..integrators.outputs import write
@@ -79,6 +80,7 @@ class Job:
             y, self.model.body.size, np.zeros(0) if times is None else times, capacity, sum(widths), method.dense_terms,
             turns_of_signals(m, t),
             np.flatnonzero([isinstance(force, Contact) for force in self.compiled.system.forces]),
+            m.state.size - m.z_work,
         )  # fmt: skip
         run = run._replace(turns=with_jumps(run.turns, self.compiled.system, t))
         task, now = run.task, run.now  # their fields by name: as attributes each takes a microsecond more
@@ -262,6 +264,7 @@ class Job:
         record.steps, record.rejected = int(now["steps"]), int(now["rejected"])
         record.evaluations, record.nearest = int(now["evaluations"]), float(run.rows["lowest"])
         record.speed = float(now["fastest"])
+        record.open_audit = tuple(float(now[x]) for x in AUDITED)
         record.note_turning(now, [body.name for body in self.compiled.system.bodies])
         if self.stop_when is not None and now["armed"] == 0 and record.steps:
             record.never_armed = str(self.stop_when)
@@ -273,7 +276,7 @@ class Job:
         """IntegrationError with time, the part to blame, advice and what was computed."""
         t = float(self.memory.now.t)
         solution = self.solution()
-        here = (self.compiled, self.data, self.memory.y, t, float(self.memory.now.step))
+        here = (self.compiled, self.data, self.memory.y, t, float(self.method.dt or self.memory.now.step))
         blamed, clash = blame(*here, self.memory.dy), contradiction(*here)
         part = blamed.part if blamed else None
         what, advice = FAILURES[status]

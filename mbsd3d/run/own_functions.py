@@ -47,42 +47,36 @@ def longest_step(method: Method, system: Mechanism) -> float:
     return longest
 
 
-def alone(compiled: Compiled, k: int, y: np.ndarray, t: float) -> tuple[Model, Data]:
-    """(model, work space) with the loads of force k and nothing else."""
+def alone(compiled: Compiled, k: int) -> tuple[Model, Data]:
+    """(model, work space) in which force k and nothing else acts."""
     model = compiled.model._replace(force=compiled.model.force[k : k + 1], gravity=np.zeros(3))
-    data = new_data(model)
+    return model, new_data(model)
+
+
+def ask(model: Model, data: Data, y: np.ndarray, t: float) -> None:
+    """Evaluate the loads at a state."""
     kinematics(model, data, y)
     loads(model, data, t)
-    return model, data
 
 
-def places(force: np.record) -> tuple[slice, slice]:
-    """Where own states and parameters of a force stand."""
-    return tuple(
-        slice(int(force[x]), int(force[x] + force[n])) for x, n in (("state", "states"), ("number", "numbers"))
-    )
-
-
-def what_it_fills(compiled: Compiled, k: int, y: np.ndarray, t: float) -> np.ndarray:
-    """Loads and rates of own states by the function of force k, and the parameters that it leaves."""
-    model, data = alone(compiled, k, y, t)
-    (force,) = model.force
-    own, numbers = places(force)
-    return np.concatenate([data.body["Q"].ravel(), data.state_rate[own], model.number[numbers]])
+def places(model: Model) -> tuple[slice, slice]:
+    """Where own states and parameters of the only force stand."""
+    (x,) = model.force
+    return slice(x["state"], x["state"] + x["states"]), slice(x["number"], x["number"] + x["numbers"])
 
 
 def exception_of(compiled: Compiled, k: int, y: np.ndarray, t: float) -> Exception | None:
     """What the function of force k raises at a state, if it does: run once more as Python, which tells it."""
-    model, data = alone(compiled, k, y, t)
-    (force,) = model.force
-    own, numbers = places(force)
+    model, data = alone(compiled, k)
+    ask(model, data, y, t)
     if data.wrench[RETURNED] == 0.0:
         return None
     try:
         with np.errstate(all="ignore"):
-            plain = uncompiled(compiled.system.forces[k].function)
-            plain(t, data.pose, force["bodies"], data.z[own], force["states"], model.number[numbers].copy(),
-                  force["numbers"], data.wrench, data.state_rate[own])  # fmt: skip
+            plain, poses = uncompiled(compiled.system.forces[k].function), data.pose.view(np.recarray)
+            own, numbers = places(model)
+            z, given = data.z[own], model.number[numbers].copy()
+            plain(t, poses, model.force["bodies"][0], z, z.size, given, given.size, data.wrench, data.state_rate[own])
     except Exception as error:  # whatever the user's code raises
         return error
     return None
@@ -95,18 +89,22 @@ class MemoryWatch:
     """
 
     def __init__(self, compiled: Compiled, y: np.ndarray, t: float) -> None:
-        self.compiled, self.y, self.t = compiled, y.copy(), t
-        self.forces = [k for k, _ in own_forces(compiled.system)]
-        self.first: dict[int, np.ndarray] = {}
+        self.y, self.t = y.copy(), t
+        own = own_forces(compiled.system)
+        self.forces = [
+            (f"force '{compiled.system.name(force)}' (CustomForce)", *alone(compiled, k)) for k, force in own
+        ]
+        self.first: dict[str, np.ndarray] = {}
 
     def what_changed(self) -> tuple[str, str] | None:
         """(force, what it gives at the start and gave there before) of the first whose function has a memory."""
-        for k in self.forces:
-            found = what_it_fills(self.compiled, k, self.y, self.t)
-            first = self.first.setdefault(k, found)
+        for name, model, data in self.forces:
+            ask(model, data, self.y, self.t)
+            own, numbers = places(model)
+            found = np.concatenate([data.body["Q"].ravel(), data.state_rate[own], model.number[numbers]])
+            first = self.first.setdefault(name, found)
             if not np.array_equal(first, found, equal_nan=True):
                 at = int(np.argmax(first != found))
-                name = f"force '{self.compiled.system.name(self.compiled.system.forces[k])}' (CustomForce)"
                 return (
                     name,
                     f"at one and the same state it gives {shown(float(first[at]))} and {shown(float(found[at]))}",

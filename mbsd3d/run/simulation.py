@@ -19,6 +19,7 @@ from ..mechanism.state import State
 from ..results.record import MOST_NUMBERS
 from ..results.run_result import RunResult
 from .job import Job
+from .own_functions import own_forces
 
 SHORTEST = 1e-12  # of the time, the shortest run: a hundred of the shortest steps
 MOST_STEPS = 1e9  # of a run: days
@@ -42,6 +43,7 @@ def run_to(
     check_kinds(method, rtol, stop_when)
     t_end = number(t_end, "simulate: t_end")
     check_steps(method, t_end - start.t, "simulate")
+    check_own_steps(system, t_end - start.t)
     check_end(t_end, start.t)
     if stop_when is not None:
         check_members(system, stop_when.measure, "simulate: stop_when")
@@ -67,6 +69,16 @@ def check_steps(method: Method, span: float, what: str) -> None:
     name, longest = ("max_step", method.max_step) if method.dt is None else ("dt", method.dt)
     if (steps := span / longest) > MOST_STEPS:
         raise InputError(f"{what}: {name} = {longest:g} s needs {steps:.2g} steps; give a longer one")
+
+
+def check_own_steps(system: Mechanism, span: float) -> None:
+    """ValueError for a custom force that asks for steps so short that a time span [s] takes days."""
+    for _, force in own_forces(system):
+        if (steps := span / force.max_step) > MOST_STEPS:
+            raise InputError(
+                f"force '{system.name(force)}' (CustomForce): max_step = {force.max_step:g} s needs {steps:.2g} steps; "
+                "give a longer one, or the times at which the force jumps"
+            )
 
 
 def check_kinds(method: Any, rtol: float, stop_when: Any) -> None:

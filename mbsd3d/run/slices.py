@@ -13,6 +13,7 @@ from ..compiler.announcing import announce_compilation
 from ..compiler.disk import mark_warm
 from ..equations.compiled import Switches, compile_system
 from ..equations.inputs import set_input, starts, with_history, with_own_inputs
+from ..integrators.auditing import AUDITED
 from ..integrators.dop853 import DOP853
 from ..integrators.method import Method
 from ..integrators.step_control import LEAST
@@ -126,6 +127,7 @@ class Slices(Job):
             speed=float(run.now.fastest),
             inputs={name: tuple(changes) for name, changes in self.history.items()},
         )  # fmt: skip
+        record.open_audit = tuple(float(run.now[x]) for x in AUDITED)
         record.note_turning(run.now, [body.name for body in self.compiled.system.bodies])
         arrays = {name: array[:count].copy() for name, array in self.samples.arrays.items()}
         arrays["t"] = arrays["t"][:, 0]

@@ -354,7 +354,7 @@ def test_bad_input_is_named(make, message):
 @pytest.mark.filterwarnings("ignore:invalid value encountered in sqrt")
 def test_a_function_that_fails_is_named(function):
     system = System([BALL], [], [CustomForce(function, on=BALL, name="lift")])
-    with pytest.raises(IntegrationError, match="not finite.*force 'lift'") as caught:
+    with pytest.raises(IntegrationError, match="(not finite|raises ValueError: too late).*'lift'") as caught:
         simulate(system, 1.0)
     assert 0.2 < caught.value.time <= 0.3 + 1e-9
     assert caught.value.solution.t.size > 1

@@ -83,6 +83,9 @@ def scales_of(solution: RunSamples) -> Scales:
     mass = system.total_mass() or 1.0
     momentum = mass * max(speed, 1e-3 * np.sqrt(a * length))
     speed = max(speed, np.sqrt(1e-3 * a * length))
+    stored = (
+        float(np.ptp(arrays["potential"].sum(axis=1))) if solution.t.size else 0.0
+    )  # of springs: stiff ones hold more
     return Scales(
         rate=speed / length,
         acceleration=a,
@@ -90,7 +93,7 @@ def scales_of(solution: RunSamples) -> Scales:
         moment=mass * a * length,
         momentum=momentum,
         angular_momentum=momentum * (length + about.farthest),
-        energy=mass * speed * speed,
+        energy=max(mass * speed * speed, stored),
         reach=longest(arrays["q"][..., :3]) + length,
         speed=longest(arrays["v"][..., :3]) + length * spin,
     )

@@ -48,8 +48,8 @@ def rounding(solution: RunSamples) -> Rounding:
 def units_of(solution: RunSamples) -> np.ndarray:
     """Largest a_O and alpha of the run, and of each row the largest force or moment of all rows of its kind.
 
-    Those are at least the weight of the whole; without gravity the pull of the spin stands for it, and not
-    accelerations: those of light bodies may be rounding.
+    Those are at least the weight of the whole; without gravity the pull of the spin stands for it, and the force that
+    accelerates a body: not accelerations, which of light bodies may be rounding.
     """
     model, arrays = solution.compiled.model, solution.arrays
     a = scales_of(solution).acceleration
@@ -57,7 +57,8 @@ def units_of(solution: RunSamples) -> np.ndarray:
     metres, spin = model.row["metres"] == 1, longest(arrays["v"][..., 3:])
     pull = max(float(np.linalg.norm(model.gravity)), model.length * spin * spin)
     most = np.abs(arrays["lam"]).max(axis=0, initial=0.0)
-    force = max(largest(most[metres]), solution.system.total_mass() * pull) or 1.0
+    moved = max(b.mass * longest(solution.acceleration(b)) for b in solution.system.bodies)
+    force = max(largest(most[metres]), solution.system.total_mass() * pull, moved) or 1.0
     moment = max(largest(most[~metres]), force * model.length)
     return np.concatenate([[a, alpha], np.where(metres, force, moment)])
 
