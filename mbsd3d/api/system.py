@@ -107,6 +107,8 @@ class System(Mechanism, Drawable):
     def state(self, *, as_built: float | None = None) -> State:
         """The initial state at the reference pose; velocities that are None are solved from the constraints.
 
+        Drivers that start elsewhere need `assemble`; one that starts whole turns on is fine where all bodies come back.
+
         as_built : float or None
             Tolerance [m] within which redundant rows may be violated, for parts built slightly out of line.
         """
@@ -125,20 +127,38 @@ class System(Mechanism, Drawable):
         *,
         t: float = 0.0,
     ) -> State:
-        """A state that closes all joints and meets the given values.
+        """Return a state that closes all joints and meets the given values and what drivers prescribe at ``t``.
+
+        The mechanism moves there from its start, all values in proportion, so that angles count their turns in every
+        loop, of gears and of links. Of several motions the one in which joints move least is taken, and
+        ``state.notes`` says so; where a turn more or less depends on it, the error asks for another angle.
 
         Parameters
         ----------
         angles, slides, rates : mapping of a joint (or its name) to rad, m, rad/s (m/s for a slide)
         measures : mapping of a measure to its value
         pinned : bodies that do not move from their reference pose (or their pose in ``near``)
-        near : State to start from; None = the reference pose, with tree joints moved forward to the given values
+        near : State to start from; None = the reference pose, at rest
+            Its motion goes on: joints keep their rates, changed as little as joints, drivers and ``rates`` require, in
+            the sense of kinetic energy. A velocity that a body was given is met or refused as long as ``near`` has it.
         t : time at which drivers are read [s]
 
         Raises
         ------
         AssemblyError
-            Naming the joint with the largest gap.
+            Naming the joint with the largest gap, the value that is out of reach, or the hinge whose turns are not
+            determined.
+
+        Examples
+        --------
+        >>> from mbsd3d import GROUND, Body, Prismatic, Revolute, Screw, System, accelerations
+        >>> spindle, nut = (Body(name, mass=1.0, inertia=(0.1, 0.1, 0.2)) for name in ("spindle", "nut"))
+        >>> hinge = Revolute(GROUND, spindle, at=(0, 0, 0), axis=(0, 0, 1))
+        >>> rail = Prismatic(GROUND, nut, at=(0, 0, 0), axis=(0, 0, 1))
+        >>> screw = Screw(spindle, nut, at=(0, 0, 0), axis=(0, 0, 1), pitch=0.01)
+        >>> system = System([spindle, nut], [hinge, rail, screw])
+        >>> round(float(accelerations(system, system.assemble(angles={hinge: 10.0})).slide(rail)[0]), 7)
+        -0.0159155
         """
         from ..constraints.assembly import assemble
         from ..run.simulation import check_state

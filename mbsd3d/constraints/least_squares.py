@@ -11,12 +11,14 @@ with b - d p in the place of b take that away.
 from collections.abc import Callable
 
 import numpy as np
-import scipy.linalg
+from scipy.linalg.lapack import dgelsy as gelsy
+from scipy.linalg.lapack import dgelsy_lwork as gelsy_size
 from scipy.linalg.lapack import dgeqrf as geqrf
 from scipy.linalg.lapack import dgetrf as getrf
 from scipy.linalg.lapack import dgetrs as getrs
 from scipy.linalg.lapack import dtrtri as trtri
-from scipy.sparse import coo_array, csc_array, csr_array, eye_array, vstack
+from scipy.linalg.lapack import dtrtrs as trtrs
+from scipy.sparse import coo_array, csc_array, csr_array, diags_array, eye_array, vstack
 from scipy.sparse.linalg import splu
 
 from ..base.errors import AssemblyError
@@ -90,6 +92,18 @@ def sparse_factor(D: csr_array, A: csr_array) -> Callable[[np.ndarray], np.ndarr
     return splu(csc_array((data, (i, j)), shape=(n + m, n + m))).solve
 
 
+def deficient(A: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, int]:
+    """x (n,) of least length with least |A x - b|, and the rank of A (m, n)."""
+    m, n = A.shape
+    if not m:
+        return np.zeros(n), 0
+    right = np.zeros(max(m, n))
+    right[:m] = b
+    size = int(gelsy_size(m, n, 1, DAMPING**0.5)[0])
+    _, x, _, rank, _ = gelsy(A, right, np.zeros(n, np.int32), DAMPING**0.5, size)
+    return x[:n], int(rank)
+
+
 def shortest(J: BlockRows, rows: np.ndarray, more: np.ndarray, columns: np.ndarray, b: np.ndarray) -> np.ndarray:
     """x (n,) of least length that meets A x = b in the sense of least squares; A = J times ``rows``, ``more``.
 
@@ -97,11 +111,30 @@ def shortest(J: BlockRows, rows: np.ndarray, more: np.ndarray, columns: np.ndarr
     takes longer there than to solve.
     """
     if J.n < FEW_BODIES:
-        A = np.vstack([J.dense() * rows[:, None], more]) * columns
-        return (
-            scipy.linalg.lstsq(A, b, cond=DAMPING**0.5, lapack_driver="gelsy")[0] if b.size else np.zeros(columns.size)
-        )
+        return deficient(np.vstack([J.dense() * rows[:, None], more]) * columns, b)[0]
     A = scaled(J.sparse(), rows, columns)
     if more.shape[0]:
         A = vstack([A, csr_array(more * columns)], format="csr")
     return least(eye_array(columns.size), A, b)
+
+
+def least_motion(
+    J: BlockRows, rows: np.ndarray, more: np.ndarray, columns: np.ndarray, b: np.ndarray, B: BlockRows
+) -> tuple[np.ndarray, int]:
+    """x (n,) of least |B x| that meets A x = b as in `shortest`, and the rank of A; 0 where it is not computed.
+
+    Entries of x whose column is 0 stay 0; B leaves none of the others free.
+    """
+    held = columns == 0.0
+    if J.n < FEW_BODIES:
+        A, W = np.vstack([J.dense() * rows[:, None], more]) * columns, B.dense()
+        D = W.T @ W
+        if held.any():
+            D[held], D[:, held], D[held, held] = 0.0, 0.0, 1.0
+        L = np.linalg.cholesky(D)
+        y, rank = deficient(trtrs(L, A.T, lower=1)[0].T, b)
+        return trtrs(L, y, lower=1, trans=1)[0], rank
+    A, W = scaled(J.sparse(), rows, columns), scaled(B.sparse(), np.ones(B.body.shape[0]), (~held).astype(float))
+    if more.shape[0]:
+        A = vstack([A, csr_array(more * columns)], format="csr")
+    return least(W.T @ W + diags_array(held.astype(float)), A, b), 0

@@ -6,16 +6,18 @@ import numpy as np
 import scipy.linalg
 
 from ..base.style import html_text
-from ..equations.at_state import driven_coordinates, joint_point, load_state, worst_joint
+from ..equations.at_state import joint_point, load_state, worst_joint
 from ..equations.compiled import Compiled, compile_system
 from ..equations.jacobian import BlockRows, scaled_rows
 from ..kernels.layout import Data
 from ..mechanism.drivers import Driver
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
-from .assembly import close_pose, gap_size, newton, reference_pose
+from .assembly import reference_pose
 from .contradictions import TOLERANCE, find_contradiction
 from .elimination import SAFE, Core
+from .poses.closing import close_pose
+from .poses.pose_equations import gap_size, newton
 from .rank import Analysis, orthonormal
 from .remedies import Cure, find_cures
 from .singularity import rows_beside, singularities
@@ -191,14 +193,13 @@ def misfit_of_lock(found: Analysis, length: float) -> float:
 def closed_pose(compiled: Compiled, as_built: float) -> tuple[State, float, str | None]:
     """(pose, misfit [m] left in rows that could be spared, verdict if the mechanism does not close)."""
     start = reference_pose(compiled.system)
-    start = State(start.t, start.q, start.v, start.z, driven_coordinates(compiled, start.t))
     data = compiled.data()
     load_state(compiled, data, start)
     if gap_size(compiled, data.row["c"]) <= 1e-9:
         return start, 0.0, None
-    pose, residual = close_pose(compiled, start, [], [], set())
-    if gap_size(compiled, residual) <= 1e-9:
-        return pose, 0.0, None
+    found = close_pose(compiled, start, [], [], set())
+    if found.gap <= 1e-9:
+        return found.state, 0.0, None
     # joints that close loops get little weight, so that the gap appears there and not in every joint
     pose, residual = newton(compiled, start, [], [], set(), loop_weights(compiled))
     part, gap = worst_joint(compiled, residual)

@@ -9,8 +9,8 @@ from ..kernels.kinematics import displace
 from ..kernels.layout import Data
 from ..mechanism.drivers import Driver
 from ..mechanism.state import State
-from .assembly import gap_size, newton
 from .least_squares import shortest
+from .poses.pose_equations import gap_size, newton
 from .rank import Analysis
 
 BESIDE = (0.05, -0.05)  # radians or lengths of the model

@@ -1,4 +1,7 @@
-"""Consistent velocities of least kinetic energy: min v'M v / 2 subject to J v = b and to what the user gave."""
+"""Consistent velocities: min (v - v_0)'M (v - v_0) / 2 subject to J v = b and to what the user gave.
+
+v_0 is zero, or the motion of a known state, carried over to another pose.
+"""
 
 from collections.abc import Mapping
 
@@ -9,7 +12,7 @@ from scipy.sparse import csr_array, vstack
 from ..base.checks import number, solvable
 from ..base.concurrency import one_thread
 from ..base.errors import AssemblyError, InputError
-from ..equations.at_state import coordinate_row
+from ..equations.at_state import coordinate_row, load_state
 from ..equations.compiled import Compiled
 from ..equations.jacobian import block_rows, displacement_units, largest_in_rows, scaled
 from ..equations.mass_matrix import mass_matrix_of
@@ -18,6 +21,7 @@ from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .contradictions import find_contradiction
 from .least_squares import FEW_BODIES, Matrix, least
+from .poses.joint_motion import joint_graph
 from .spins import check_spins
 
 
@@ -32,8 +36,32 @@ def given_velocities(system: Mechanism) -> np.ndarray:
     return v.ravel()
 
 
-def with_velocities(compiled: Compiled, data: Data, pose: State, rates: Mapping, tolerance: float = 1e-8) -> State:
-    """The pose, loaded in ``data``, with velocities of least kinetic energy: J v = b, the given ones and ``rates``."""
+def carried_velocities(compiled: Compiled, near: State, pose: State) -> np.ndarray:
+    """Return velocities (6 n,) at a pose with which all joints move as they do in the state ``near``.
+
+    Twists at the joints are those of ``near`` in the axes of bodies a; in closed loops in the sense of least squares.
+    """
+    if np.array_equal(near.q, pose.q):
+        return near.v
+    graph, length = joint_graph(compiled, set()), compiled.model.length
+    rows = []
+    for state in (near, pose):
+        data = compiled.data()
+        load_state(compiled, data, state)
+        rows.append(graph.twist_rows(data, length))
+    units = displacement_units(length, graph.parent.size)
+    B = rows[1].dense() if graph.parent.size < FEW_BODIES else rows[1].sparse()
+    return units * least(B.T @ B, B[:0], np.zeros(0), B.T @ rows[0].times(near.v / units))
+
+
+def with_velocities(
+    compiled: Compiled, data: Data, pose: State, rates: Mapping, tolerance: float = 1e-8, near: State | None = None
+) -> State:
+    """The pose, loaded in ``data``, with velocities that meet J v = b, the given ones and ``rates``.
+
+    They change the motion of ``near`` least, in the sense of kinetic energy; None = rest. A velocity that a body was
+    given counts as long as ``near`` has it.
+    """
     system, model = compiled.system, compiled.model
     if model.singular:
         check_spins(compiled, data)
@@ -51,9 +79,13 @@ def with_velocities(compiled: Compiled, data: Data, pose: State, rates: Mapping,
         asked.append(f"rate of '{system.name(joint)}'")
     if len(J) > 1:
         J = [np.vstack(J) if few else vstack(J, format="csr")]
+    given, start = given_velocities(system), np.zeros(6 * model.body.size)
+    if near is not None:
+        kept = np.repeat((given == near.v).reshape(-1, 3).all(axis=1), 3)
+        given, start = np.where(kept, given, np.nan), carried_velocities(compiled, near, pose)
     with one_thread(), solvable("velocities at the start"):
         try:
-            v = least_energy(compiled, pose, J[0], b, given_velocities(system), asked, tolerance)
+            v = least_energy(compiled, pose, J[0], b, given, start, asked, tolerance)
         except AssemblyError as error:
             clash = find_contradiction(compiled, data, pose.t, pose.t)
             raise (clash.error() if clash else error) from None
@@ -61,16 +93,16 @@ def with_velocities(compiled: Compiled, data: Data, pose: State, rates: Mapping,
 
 
 def least_energy(
-    compiled: Compiled, pose: State, J: Matrix, b: np.ndarray, given: np.ndarray, asked: list[str],
-    tolerance: float,
+    compiled: Compiled, pose: State, J: Matrix, b: np.ndarray, given: np.ndarray, start: np.ndarray,
+    asked: list[str], tolerance: float,
 ) -> np.ndarray:  # fmt: skip
-    """min v'M v / 2 subject to J v = b and the given entries of v; errors name the joint or the massless body.
+    """min (v - start)'M (v - start) / 2 subject to J v = b and the given entries of v.
 
-    ``asked``: what the rows beyond those of the joints are.
+    Errors name the joint or the massless body. ``asked``: what the rows beyond those of the joints are.
     """
     model = compiled.model
     known = ~np.isnan(given)
-    v = np.where(known, given, 0.0)
+    v = np.where(known, given, start)
     scale = displacement_units(model.length, model.body.size)
     A = scaled(J, np.ones(J.shape[0]), scale)
     unit_rows = 1.0 / np.maximum(largest_in_rows(A), 1e-300)
@@ -82,7 +114,7 @@ def least_energy(
         check_determined(compiled.system, A, M, np.arange(known.size))  # accelerations need what given values may hide
         check_determined(compiled.system, A, M, free)
     if free.size:
-        f, rest = -(M @ (v / scale))[free], (b - J @ v) * unit_rows
+        f, rest = -(M @ ((v - start) / scale))[free], (b - J @ v) * unit_rows
         if free.size < known.size:
             M, A = M[free][:, free], A[:, free]
         v[free] += scale[free] * least(M, A, rest, f, passes=3)

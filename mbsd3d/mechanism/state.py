@@ -28,6 +28,8 @@ class State(metaclass=Explained):
         Hinge angles [rad] and slides [m], unwrapped, in the order of the compiled model; None = nearest to zero.
     moved : mapping
         What assembling moved: body name -> (distance [m], angle [rad]) from the reference pose.
+    notes : tuple of str
+        Sentences on what assembling chose where what was asked for does not determine the pose or the way to it.
 
     Raises
     ------
@@ -54,6 +56,7 @@ class State(metaclass=Explained):
     z: np.ndarray = field(default_factory=lambda: np.zeros(0))
     coordinates: np.ndarray | None = None
     moved: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "t", number(self.t, "State: t"))

@@ -152,9 +152,10 @@ def far_turn(record: Record) -> str:
 
 
 def notes(solution: RunSamples) -> list[str]:
-    """Singular positions, rank events, and checks that could not be made."""
-    events = solution.record.rank_events
-    found = [f"rank event at t = {t:.6g} s: {rank} rows kept ({why})" for t, rank, why, _ in events]
+    """Choices in the start, singular positions, rank events, and checks that could not be made."""
+    events, start = solution.record.rank_events, solution.start
+    found = [f"start: {text}" for text in (() if start is None else start.notes)]
+    found += [f"rank event at t = {t:.6g} s: {rank} rows kept ({why})" for t, rank, why, _ in events]
     if solution.record.nearest < PASSED:
         inexact = ("" if solution.record.kinematic else "accelerations and ") + "reactions there are not exact"
         found.append(f"the run passes a singular position; it goes on along the tangent of the motion; {inexact}")

@@ -1,0 +1,173 @@
+"""Joints and asked-for values as equations F(q) = 0 of a pose, and Newton's method on them."""
+
+import numpy as np
+
+from ...equations.at_state import coordinate_row, load_state
+from ...equations.compiled import Compiled
+from ...equations.jacobian import block_rows, displacement_units
+from ...kernels.coordinates import coordinate, measure, remember
+from ...kernels.kinds import ANGLE
+from ...kernels.kinematics import displace, kinematics
+from ...kernels.rows import rows
+from ...mechanism.state import State
+from ..least_squares import least_motion, shortest
+from ..nearby_poses import nudged
+from .joint_motion import JointGraph
+
+CLOSED_GAP_MAX = 1e-9  # [1] residual in lengths of the model and radians of a pose that counts as closed
+CORRECTION_MAX = 1e-6  # [1] residual from which Newton's method goes straight to the one pose nearby
+ITERATIONS_MAX = 200  # of Newton's method; a chain that is drawn far off takes some fifty
+
+
+class PoseEquations:
+    """F(q): residuals of the holonomic rows, then of hinge coordinates and measures with values asked for.
+
+    Of order one: rows and slides in lengths of the model, angles in radians, measures as they are.
+    """
+
+    def __init__(
+        self, compiled: Compiled, pose: State, targets: list[tuple[int, float]], goals: list[float], pinned: set[int],
+        weights: np.ndarray | None = None,
+    ) -> None:  # fmt: skip
+        model = compiled.model
+        self.compiled, self.model, self.pose, self.t = compiled, model, pose, pose.t
+        self.targets, self.goals, self.data = targets, goals, compiled.data()
+        self.holonomic = model.row["holonomic"].astype(bool)
+        self.scale = (model.row["scale"] * (1.0 if weights is None else weights))[self.holonomic]
+        turns = [model.coordinate["kind"][i] == ANGLE for i, _ in targets]
+        self.asked_scale = np.where([*turns, *(True for _ in goals)], 1.0, 1.0 / model.length)
+        self.free = np.repeat([i not in pinned for i in range(model.body.size)], 6)
+        self.columns = displacement_units(model.length, model.body.size) * self.free
+        self.rank, self.B = 0, None  # of the last `motion` by a graph: rank, of few bodies, and twists of the joints
+        self.y = load_state(compiled, self.data, pose)
+
+    @property
+    def q(self) -> np.ndarray:
+        """(7 n,) the pose, a view."""
+        return self.y[: 7 * self.model.body.size]
+
+    def residual(self) -> np.ndarray:
+        """F at the present pose."""
+        return np.concatenate([self.data.row["c"][self.holonomic] * self.scale, self.misses() * self.asked_scale])
+
+    def misses(self) -> np.ndarray:
+        """What the asked-for values are off, hinge coordinates first [rad, m]."""
+        model, data, t = self.model, self.data, self.t
+        off = [coordinate(model, data, i, t)[0] - value for i, value in self.targets]
+        return np.array(off + [measure(model, data, i, t) - value for i, value in enumerate(self.goals)], float)
+
+    def asked_rows(self) -> np.ndarray:
+        """Gradients of the asked-for values with respect to displacements (6 n), one a row."""
+        more = [coordinate_row(self.compiled, self.data, i, self.t)[1] for i, _ in self.targets]
+        more += [self.measure_gradient(i) for i in range(len(self.goals))]
+        return self.asked_scale[:, None] * np.array(more).reshape(-1, self.columns.size)
+
+    def measure_gradient(self, i: int) -> np.ndarray:
+        """Gradient of measure i by central differences; Newton needs no better."""
+        model, data = self.model, self.data
+        gradient, step = np.zeros((model.body.size, 6)), 1e-6
+        probe = model.measure[i]
+        on = probe["body"] if probe["coordinate"] < 0 else model.coordinate[probe["coordinate"]]["body"]
+        for body in sorted({int(b) for b in on} - {model.body.size}):
+            for j in range(6):
+                values = []
+                for sign in (1.0, -1.0):
+                    kinematics(model, data, nudged(self.y, body, j, sign * step))
+                    values.append(measure(model, data, i, self.t))
+                gradient[body, j] = (values[0] - values[1]) / (2 * step)
+        kinematics(model, data, self.y)
+        return gradient.ravel()
+
+    def motion(self, F: np.ndarray, graph: JointGraph | None = None) -> np.ndarray:
+        """(6 n,) the least displacement [m, rad] that changes the residual by F, in the sense of least squares.
+
+        With a graph it is the one that moves the joints least, so that what nobody asks for rests in its carrier.
+        """
+        J, more = block_rows(self.model, self.data).take(self.holonomic), self.asked_rows()
+        if graph is None:
+            return self.columns * shortest(J, self.scale, more, self.columns, F)
+        self.B = graph.twist_rows(self.data, self.model.length)
+        x, self.rank = least_motion(J, self.scale, more, self.columns, F, self.B)
+        return self.columns * x
+
+    def change(self, motion: np.ndarray) -> np.ndarray:
+        """The change of F in a small motion (6 n,) [m, rad]."""
+        J = block_rows(self.model, self.data).take(self.holonomic)
+        return np.concatenate([self.scale * J.times(motion), self.asked_rows() @ motion])
+
+    def rates(self, motion: np.ndarray) -> np.ndarray:
+        """Rates of the hinge coordinates in a motion (6 n,) [m, rad]."""
+        data = self.data
+        data.body["velocity"][:-1], data.body["w"][:-1] = motion.reshape(-1, 2, 3).transpose(1, 0, 2)
+        remember(self.model, data, self.t)
+        return data.coordinate["rate"].copy()
+
+    def displace(self, dx: np.ndarray) -> None:
+        """Move the bodies by dx (6 n,) [m, rad], counting turns on the way."""
+        model, data = self.model, self.data
+        data.body["acceleration"][:-1] = dx.reshape(-1, 6)
+        displace(model, data, self.y)
+        kinematics(model, data, self.y)
+        remember(model, data, self.t)
+        rows(model, data, self.t)
+
+    def counted(self) -> np.ndarray:
+        """Hinge coordinates as they were counted last, a copy."""
+        return self.data.coordinate["value"].copy()
+
+    def put(self, q: np.ndarray, coordinates: np.ndarray) -> None:
+        """Take the poses q, with turns counted near the given hinge coordinates."""
+        self.q[:] = q
+        self.data.coordinate["value"] = coordinates
+        kinematics(self.model, self.data, self.y)
+        remember(self.model, self.data, self.t)
+        rows(self.model, self.data, self.t)
+
+    def close(
+        self, rest: np.ndarray | float = 0.0, graph: JointGraph | None = None, *, enough: float = 1e-15,
+        most: int = ITERATIONS_MAX,
+    ) -> float:  # fmt: skip
+        """Newton's method on F = rest; returns the largest residual left, of the best pose, which is taken.
+
+        Where the rows cannot all be met, the sum of squares of the weighted residuals is least.
+        """
+        best, taken, stalled = np.inf, (self.q.copy(), self.counted()), 0
+        for _ in range(most):
+            c = self.residual() - rest
+            size = float(np.abs(c).max()) if c.size else 0.0
+            stalled = 0 if size < 0.9 * best else stalled + 1
+            if size < best:
+                best, taken = size, (self.q.copy(), self.counted())
+            if size < enough or stalled > (8 if best > 1e-12 else 1):
+                break
+            dx = self.motion(-c, graph if size > CORRECTION_MAX else None)
+            turn = np.abs(dx.reshape(-1, 6)[:, 3:]).max(initial=0.0)
+            shift = np.abs(dx.reshape(-1, 6)[:, :3]).max(initial=0.0) / self.model.length
+            self.displace(dx * min(1.0, 0.5 / max(turn, shift, 1e-300)))  # half a radian, half a length
+        if stalled:
+            self.put(*taken)
+        return best
+
+    def state(self) -> State:
+        """The pose with its hinge coordinates; velocities as at the start."""
+        values = [coordinate(self.model, self.data, i, self.t)[0] for i in range(self.model.coordinate.size)]
+        return State(self.t, self.q, self.pose.v, self.pose.z, np.array(values, float))
+
+    def row_residual(self) -> np.ndarray:
+        """(m,) residual of all rows [m, rad], 0 of those without one."""
+        return np.where(self.holonomic, self.data.row["c"], 0.0)
+
+
+def newton(
+    compiled: Compiled, pose: State, targets: list[tuple[int, float]], goals: list[float], pinned: set[int],
+    weights: np.ndarray | None = None,
+) -> tuple[State, np.ndarray]:  # fmt: skip
+    """Least-displacement Newton onto c = 0 and what is asked for; (closest state, residual left in the rows)."""
+    equations = PoseEquations(compiled, pose, targets, goals, pinned, weights)
+    equations.close()
+    return equations.state(), equations.row_residual()
+
+
+def gap_size(compiled: Compiled, residual: np.ndarray) -> float:
+    """Largest residual in units of the model (lengths, radians)."""
+    return float(np.abs(residual * compiled.model.row["scale"]).max(initial=0.0))
