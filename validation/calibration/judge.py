@@ -107,7 +107,7 @@ def examine(family: str, seed: int) -> Record:
 def march(problem: Problem, method: Any, rtol: float, output: Any = None) -> list[Solution]:
     """The runs from stop to stop, and on to the end."""
     state, runs, begin = problem.start(), [], 0.0
-    for condition, _ in (*problem.stops, (None, None)):
+    for condition, *_ in (*problem.stops, (None,)):
         if begin >= problem.t_end:
             break
         times = output[output > begin] if isinstance(output, np.ndarray) else output
@@ -134,9 +134,9 @@ def compare(problem: Problem, runs: Sequence[Solution]) -> tuple[float, float, s
             size = max(scale, float(np.abs(true).max(initial=0.0)))
             worst = float(np.max(off, initial=0.0)) if np.isfinite(off).all() else np.inf
             found.append((worst / scale, worst / size, reading.name))
-    for run, (_, true) in zip(runs, problem.stops, strict=False):
+    for run, (_, true, rate) in zip(runs, problem.stops, strict=False):
         late = abs(run.final.t - true)
-        found.append((late * problem.rate, late / problem.t_end, f"stop at {true:.4g} s"))
+        found.append((late * rate, late / problem.t_end, f"stop at {true:.4g} s"))
     error, _, name = max(found, key=lambda x: x[0])
     return error, max(x[1] for x in found), name
 

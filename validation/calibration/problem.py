@@ -38,7 +38,8 @@ class Problem:
     """A mechanism, how it is run, and its truth.
 
     ``rate``: of its fastest motion [rad/s], from which fixed steps are chosen; ``methods``: those that make sense;
-    ``stops``: conditions with the true times [s] at which they come true, each run restarts there by ``restart``;
+    ``stops``: conditions with the true times [s] at which they come true and the rates [rad/s] of the motion there, by
+    which a late stop is judged; each run restarts there by ``restart``;
     ``unsure``: a run may well be refused, for chaos or for a force that jumps unannounced; ``start``: makes the
     first state; None = as the bodies give.
     """
@@ -48,7 +49,7 @@ class Problem:
     readings: Sequence[Reading]
     rate: float
     methods: tuple[str, ...] = METHODS
-    stops: Sequence[tuple[Any, float]] = ()
+    stops: Sequence[tuple[Any, float, float]] = ()
     restart: Callable[[State], State] = lambda state: state
     unsure: bool = False
     start: Callable[[], State | None] = lambda: None

@@ -18,7 +18,8 @@ def stopped_wheel(place: Place) -> Problem:
     gain = 2.0 * turned / t_end**2
     body, hinge, J = rotor(place, "wheel", np.zeros(3), UP, 0.0, place.length(0.05, 0.3))
     marks = np.sort(rng.uniform(0.1, 0.95, 3)) * turned
-    stops = [(measures.angle(hinge) > float(x), float(np.sqrt(2.0 * x / gain))) for x in marks]
+    times = [float(np.sqrt(2.0 * x / gain)) for x in marks]
+    stops = [(measures.angle(hinge) > float(x), t, gain * t) for x, t in zip(marks, times, strict=True)]
     system = System([body], [hinge], [Torque(body, place.axis(J * gain * UP))], gravity=place.gravity)
     readings = [angle("wheel", hinge, lambda t: 0.5 * gain * t * t)]
     return Problem(system, t_end, readings, gain * t_end, stops=stops)
@@ -58,7 +59,7 @@ def restarted_ball(place: Place) -> Problem:
         return home + np.outer(z - high, up)
 
     system = System([ball], gravity=place.gravity)
-    stops = [(lands, t) for t in times]
+    stops = [(lands, t, v / unit) for t, v in zip(times, speeds, strict=True)]
     return Problem(system, t_end, [centre(ball, path)], 2.0 * np.pi / first, stops=stops, restart=restart)
 
 
@@ -80,7 +81,8 @@ def stopped_pendulum(place: Place) -> Problem:
         mid = 0.5 * (low + high)
         low, high = (mid, high) if course(np.array([mid]))[0, 0] < mark else (low, mid)
     readings = [angle("hinge", joints[0], lambda t: course(t)[:, 0])]
-    stops = [(measures.angle(joints[0]) > mark, 0.5 * (low + high))]
+    when = 0.5 * (low + high)
+    stops = [(measures.angle(joints[0]) > mark, when, float(course(np.array([when]))[0, 1]))]
     system = System(bodies, joints, gravity=place.gravity)
     fast = float(np.abs(course(grid)[:, 1]).max())
     return Problem(system, t_end, readings, fast, stops=stops)
