@@ -28,6 +28,8 @@ def test_outcomes_are_what_the_page_says():
     assert not replace(failed, relative=1.1e-7).false_alarm and replace(failed, relative=0.9e-7).false_alarm
     assert not replace(failed, unsure=True).false_alarm
     assert replace(RIGHT, estimate="raises").false_alarm and not RIGHT.false_alarm
+    loose = replace(RIGHT, rtol=5e-3, fixed=False, estimate="warns", error=2e-3, relative=1e-4)
+    assert not loose.false_alarm and replace(loose, error=9e-4).false_alarm
 
 
 def test_a_lost_turn_is_an_error_however_far_a_hinge_has_turned():

@@ -65,8 +65,12 @@ class Record:
 
     @property
     def false_alarm(self) -> bool:
-        """Failed by certificate or estimate, although it is right."""
-        return self.right and not self.unsure and (not self.passed or self.estimate in ("warns", "raises"))
+        """Failed by certificate or estimate, although it is right; an estimate may see ten times the true error.
+
+        Its poses are those of the reference points, which may be farther out than what is read.
+        """
+        warned = self.estimate == "raises" or (self.estimate == "warns" and self.error <= 0.1 * WRONG)
+        return self.right and not self.unsure and (not self.passed or warned)
 
 
 def cases(runs: int, seed: int, names: Sequence[str]) -> list[tuple[str, int]]:
