@@ -44,8 +44,6 @@ from .sunk import check_sunk
 
 CHUNK = 0.05  # seconds of kernel time between visits to Python: progress, Ctrl-C
 CAPACITY = 1024  # samples between visits to Python where every step is one
-TOO_LONG = {memory.NOT_CLOSING: "the position singular", memory.NO_SOLUTION: "forces and masses are not as meant"}
-"""What else than the length of a fixed step may have ended a run."""
 SHORT = memory.STEP_TOO_SMALL, memory.NOT_CONVERGED  # ends of runs that a singular pose may be the reason for
 
 
@@ -294,8 +292,8 @@ class Job:
             advice = "drive it less far, or the other way; see system.check()"
         elif status in SHORT and (singular := singular_there(self.compiled, self.start, here[2], t)):
             what = f"{what}: the pose is {singular}"
-        elif part is None and status in TOO_LONG and self.method.dt is not None:
-            advice = f"the step of {self.method.dt:g} s is too long, or {TOO_LONG[status]}: take a smaller dt"
+        elif part is None and status == memory.NOT_CLOSING and self.method.dt is not None:
+            advice = f"the step of {self.method.dt:g} s is too long, or the position singular: take a smaller dt"
         elif blamed:
             what, advice = blamed.what, "correct its parameters or function, or end the run earlier"
         raise IntegrationError(what, time=t, part=part, solution=solution, advice=advice)

@@ -47,5 +47,5 @@ def test_a_fixed_step_that_is_too_long_is_said_to_be():
     wheel = Body("wheel", 1.3, (0.11, 0.23, 0.17), velocity=(0, 0, 0), omega=(8.0, 16.0, 24.0))
     hinge = Revolute(GROUND, wheel, at=(0, 0, 0), axis=(1.0, 2.0, 3.0))
     brake = JointFriction(hinge, viscous=500.0)
-    with pytest.raises(IntegrationError, match="no finite solution.*step of 0.2 s is too long.*smaller dt"):
+    with pytest.raises(IntegrationError, match="no finite solution.*fixed length, take a smaller dt"):
         simulate(System([wheel], [hinge], [brake]), 40.0, method=RK4(0.2))

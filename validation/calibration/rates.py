@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 
+from mbsd3d.errors import InputError
+
 Array = np.ndarray
 TIGHT = 1e-13  # [1] relative, of each step; the least scipy takes is 2.2e-14
 
@@ -17,7 +19,7 @@ def motion(slope: Callable[[float, Array], ArrayLike], start: ArrayLike, t_end: 
     size = np.maximum(np.abs(start), 1.0)
     course = solve_ivp(slope, (0.0, t_end), start, method="DOP853", rtol=TIGHT, atol=TIGHT * size, dense_output=True)
     if not course.success:
-        raise ValueError(f"truth: {course.message}")
+        raise InputError(f"truth: {course.message}; draw a shorter motion")
 
     def at(t: Array) -> Array:
         return course.sol(np.clip(np.asarray(t, float), 0.0, t_end)).T
