@@ -8,7 +8,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check install
 PYTEST := $(BIN)/python -m pytest
 SPREAD := -n auto --dist loadfile
 
-.PHONY: demo gallery test slow kills timing warm lint pictures precision figures notebooks docs clean
+.PHONY: demo gallery test slow kills timing warm lint pictures precision calibrate figures notebooks docs clean
 
 demo: $(READY)
 	@echo "mbsd3d: running the demos; figures, pages and data go to out/"
@@ -68,6 +68,10 @@ docs: $(READY)
 
 precision: $(READY)
 	$(BIN)/python -m validation.benchmark --part precision --out out/benchmark --pictures docs/pictures
+
+# Thousands of runs with known truth against what the certificate says of them; the table of docs/theory/certificate.md.
+calibrate: warm
+	$(BIN)/python -m validation.calibration --out out/calibration --docs
 
 # Every picture and table of README.md and docs/ from measurement, on an idle machine: ten minutes.
 figures: pictures precision

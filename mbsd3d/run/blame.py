@@ -28,7 +28,10 @@ FAILURES = {
         "a force jumps or the motion has a singularity here: smooth the force, or end the run earlier",
     ),
     memory.NOT_CLOSING: ("the joints cannot be closed any more", "a singular or locked position; see system.check()"),
-    memory.NO_SOLUTION: ("the equations have no finite solution", "check the forces and masses"),
+    memory.NO_SOLUTION: (
+        "the equations have no finite solution",
+        "check the forces and masses; where the steps are of fixed length, take a smaller dt",
+    ),
     memory.FULL: ("every step is a sample, and memory holds no more", "give output=, a number of samples or times"),
     memory.NOT_CONVERGED: (
         "Newton's method finds no end of the step", "take a smaller dt, or dt=None for adaptive steps",

@@ -12,7 +12,7 @@ from ..mechanism.forces.custom import FunctionForce
 from ..mechanism.forces.feedback import StateFeedback
 from ..results.run_result import RunResult
 
-FASTEST = 1e4  # m/s; no machine comes to that speed
+FASTEST = 1e5  # [1/s] times the length of the model, in any unit: a rim at 1e5 rad/s, thrice the fastest of turbines
 GROWN = 100.0  # times the speed of the start: planets are that fast from the beginning
 ENOUGH = 2000  # steps before it is judged
 LATELY = 0.1  # of the time so far
@@ -43,7 +43,7 @@ class DivergenceWatch:
         speed = max(speed, float(np.abs(y[7 * n : 13 * n].reshape(n, 2, 3)[:, 0]).max()))
         if not self.seen or steps > APART * self.seen[-1][0]:
             self.seen.append((steps, t, speed))
-        if speed > max(FASTEST, GROWN * self.seen[0][2]):
+        if speed > max(FASTEST * self.compiled.model.length, GROWN * self.seen[0][2]):
             return True
         _, t_half, speed_half = next(
             entry for entry in reversed(self.seen) if entry[0] <= steps / 2 or entry is self.seen[0]

@@ -1,0 +1,1 @@
+"""Runs whose true motion is known, against what the certificate says of them."""

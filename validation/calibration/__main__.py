@@ -1,0 +1,5 @@
+"""``python -m validation.calibration``."""
+
+from validation.calibration.cli import main
+
+main()
