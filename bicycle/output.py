@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from mbsd3d.extend import Progress, Theme, dress, house, theme, with_suffix, write_atomically
+from mbsd3d.extend import Progress, Theme, dress, new_figure, with_suffix, write_atomically
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -44,16 +44,6 @@ def collected(title: str, results: Iterable[T], count: int, progress: bool | Non
         except KeyboardInterrupt:
             pass
     return found
-
-
-@contextmanager
-def new_figure(width: float, height: float, dark: bool = False) -> Iterator[tuple["Figure", Theme]]:
-    """An empty figure [inch] and its colours, to be filled within the block."""
-    from matplotlib.figure import Figure  # takes half a second to load: only who draws waits for it
-
-    look = theme(dark)
-    with house(look):
-        yield Figure(figsize=(width, height), layout="constrained"), look
 
 
 @contextmanager

@@ -5,9 +5,9 @@ from . import measures as measures
 from . import rotations as rotations
 from . import shapes as shapes
 from . import signals as signals
-from .api.reading import load as load
-from .api.reading import read_mjcf as read_mjcf
-from .api.reading import read_urdf as read_urdf
+from .api.load import load as load
+from .api.load import read_mjcf as read_mjcf
+from .api.load import read_urdf as read_urdf
 from .api.simulation import accelerations as accelerations
 from .api.simulation import simulate as simulate
 from .api.small_motions import Linearization as Linearization
@@ -42,6 +42,9 @@ from .mechanism.drivers import Driver as Driver
 from .mechanism.drivers import PositionDriver as PositionDriver
 from .mechanism.drivers import SlideDriver as SlideDriver
 from .mechanism.drivers import SpeedDriver as SpeedDriver
+from .mechanism.forces.applied import AeroDrag as AeroDrag
+from .mechanism.forces.applied import Force as Force
+from .mechanism.forces.applied import Torque as Torque
 from .mechanism.forces.brake import Brake as Brake
 from .mechanism.forces.bushing import Bushing as Bushing
 from .mechanism.forces.contact import Contact as Contact
@@ -49,9 +52,6 @@ from .mechanism.forces.custom import CustomForce as CustomForce
 from .mechanism.forces.feedback import StateFeedback as StateFeedback
 from .mechanism.forces.gravitation import CentralGravity as CentralGravity
 from .mechanism.forces.gravitation import Weight as Weight
-from .mechanism.forces.loads import AeroDrag as AeroDrag
-from .mechanism.forces.loads import Force as Force
-from .mechanism.forces.loads import Torque as Torque
 from .mechanism.forces.springs import JointFriction as JointFriction
 from .mechanism.forces.springs import SpringDamper as SpringDamper
 from .mechanism.forces.springs import TorsionSpring as TorsionSpring

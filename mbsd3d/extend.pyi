@@ -18,7 +18,7 @@ from .equations.at_state import worst_joint as worst_joint
 from .run.simulation import check_signals as check_signals
 from .run.simulation import check_state as check_state
 from .run.simulation import check_system as check_system
-from .run.rates import Rates as Rates
+from .run.accelerations import Rates as Rates
 
 # rotations and directions
 from .base.directions import cross as cross
@@ -45,7 +45,7 @@ from .base.concurrency import on_one_thread as on_one_thread
 from .base.concurrency import one_thread as one_thread
 from .sweeps.executors import closing as closing
 from .sweeps.executors import outcomes as outcomes
-from .sweeps.ledger import Store as Store
+from .sweeps.store import Store as Store
 
 # figures and pages in the house style
 from .base.style import DARK as DARK
@@ -54,8 +54,10 @@ from .base.style import LINE as LINE
 from .base.style import RAISED as RAISED
 from .base.style import THIN as THIN
 from .base.style import Theme as Theme
+from .base.style import aligned as aligned
 from .base.style import dress as dress
 from .base.style import house as house
+from .base.style import new_figure as new_figure
 from .base.style import theme as theme
 from .base.templates import HtmlPage as HtmlPage
 from .base.templates import page_template as page_template
@@ -97,11 +99,11 @@ from .mechanism.signals import as_signal as as_signal
 # a model that is played: `play_model` takes a `Playable`
 from .api.playing import Play as Play
 from .api.playing import play_model as play_model
-from .run.playable import Built as Built
-from .run.playable import Control as Control
-from .run.playable import Panel as Panel
-from .run.playable import Playable as Playable
-from .run.playable import Seen as Seen
+from .run.live_model import Built as Built
+from .run.live_model import Control as Control
+from .run.live_model import Panel as Panel
+from .run.live_model import Playable as Playable
+from .run.live_model import Seen as Seen
 from .mechanism.signals.terms import POLYNOMIAL as POLYNOMIAL
 from .mechanism.signals.terms import SINE as SINE
 from .mechanism.signals.terms import evaluate as evaluate
@@ -114,10 +116,10 @@ from .equations.dense_solvers import equations as equations
 from .equations.dense_solvers import mass_matrix as mass_matrix
 from .equations.dense_solvers import saddle_matrix as saddle_matrix
 from .equations.tables import key_of as key_of
-from .equations.elimination import eliminate as eliminate
+from .equations.tree import eliminate as eliminate
 from .linear.variations import STEP as STEP
 from .linear.variations import Field as Field
 from .linear.variations import directions as directions
-from .compiler.code_files import keep_code as keep_code
-from .compiler.disk import CACHE as CACHE
-from .compiler.disk import compiled_sources as compiled_sources
+from .compiler.object_files import keep_code as keep_code
+from .compiler.cache_folder import CACHE as CACHE
+from .compiler.cache_folder import compiled_sources as compiled_sources

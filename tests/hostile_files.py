@@ -13,15 +13,15 @@ import numpy as np
 
 import mbsd3d
 from bicycle.parameters import read_values
+from engines.nvh.cabin.table import HEADER, read_modes
+from engines.nvh.excitation.presets import preset
+from engines.nvh.mounts.mounts import car, mounts
+from engines.nvh.records import data
+from engines.nvh.road.measured import read_road
 from mbsd3d import GROUND, Body, Prismatic, Ramp, Revolute, Sine, SpeedDriver, SpringDamper, System, Table, shapes
 from mbsd3d.sweeps.experiment import Experiment, Outcome
 from mbsd3d.sweeps.grids import make_grid
-from mbsd3d.sweeps.ledger import Ledger, identity
-from validation.nvh.cabin.table import HEADER, read_modes
-from validation.nvh.engine.presets import preset
-from validation.nvh.held.mounts import car, mounts
-from validation.nvh.records import data
-from validation.nvh.road.measured import read_road
+from mbsd3d.sweeps.store import Ledger, identity
 
 COUNT = 10_000  # files that are tried
 NUMBERS = ("1e400", "-1e400", "nan", "inf", "1e308", "5e-324", "-0.0", "1e60", "9" * 400, "0x10", "1_000", "1,5", "")

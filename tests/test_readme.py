@@ -17,7 +17,7 @@ ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 TEXTS = [README, *((ROOT / name).read_text(encoding="utf-8") for name in ("CONTRIBUTING.md", "ARCHITECTURE.md"))]
 TEXTS += [page.read_text(encoding="utf-8") for page in sorted((ROOT / "docs").rglob("*.md"))]
-PATHS = sorted(set(re.findall(r"`((?:mbsd3d|tests|validation|bicycle|docs)/[\w./]+)`", "".join(TEXTS))))
+PATHS = sorted(set(re.findall(r"`((?:mbsd3d|tests|validation|bicycle|engines|docs)/[\w./]+)`", "".join(TEXTS))))
 SHELL = "".join(block for text in TEXTS for block in re.findall(r"```sh\n(.*?)```", text, re.DOTALL))
 COMMANDS = sorted(set(re.findall(r"^mbsd3d (\w+)", SHELL, re.MULTILINE)))
 MODULES = ["mbsd3d", *(module.name for module in pkgutil.walk_packages(mbsd3d.__path__, "mbsd3d."))]

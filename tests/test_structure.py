@@ -13,8 +13,9 @@ import validation
 from mbsd3d import errors, extend
 
 ROOT = Path(__file__).parent.parent
+TOPS = ("mbsd3d", "bicycle", "engines", "validation")  # each may import those before it; engines know no bicycle
 STACK = (
-    "base", "compiler", "kernels", "saddle", "mechanism", "dynamics", "integrators", "equations", "constraints",
+    "base", "compiler", "kernels", "solver", "mechanism", "dynamics", "integrators", "equations", "constraints",
     "results", "run", "linear", "files", "plotting", "view", "report", "api", "linkages", "sweeps", "demos", "cli",
 )  # fmt: skip
 PUBLIC_MODULES = ("errors", "inertia", "linkages", "measures", "rotations", "shapes", "signals")
@@ -28,7 +29,7 @@ def name_of(path: Path) -> str:
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
-SOURCES = {name_of(path): path for top in ("mbsd3d", "bicycle", "validation") for path in (ROOT / top).rglob("*.py")}
+SOURCES = {name_of(path): path for top in TOPS for path in (ROOT / top).rglob("*.py")}
 
 
 def imports(name: str) -> list[tuple[str, bool]]:
@@ -45,7 +46,7 @@ def imports(name: str) -> list[tuple[str, bool]]:
             for alias in node.names:
                 whole = f"{base}.{alias.name}"
                 target = whole if whole in SOURCES else base
-                if target.split(".")[0] in ("mbsd3d", "bicycle", "validation") and target != name:
+                if target.split(".")[0] in TOPS and target != name:
                     found.append((target, id(node) in inner))
         elif isinstance(node, ast.Import):
             found += [(alias.name, id(node) in inner) for alias in node.names if alias.name in SOURCES]
@@ -86,7 +87,8 @@ def test_imports_go_down():
 def test_nothing_below_knows_the_packages_beside():
     wrong = [f"{name} -> {target}" for name, targets in graph().items() for target, _ in targets
              if (name.startswith("mbsd3d") and not target.startswith("mbsd3d"))
-             or (name.startswith("bicycle") and target.startswith("validation"))]  # fmt: skip
+             or (name.startswith("bicycle") and target.startswith(("engines", "validation")))
+             or (name.startswith("engines") and target.startswith(("bicycle", "validation")))]  # fmt: skip
     assert not wrong
 
 
@@ -131,7 +133,7 @@ def test_no_circles():
     assert [name for name in edges if name in below(name)] == []
 
 
-@pytest.mark.parametrize("package", ["bicycle", "validation"])
+@pytest.mark.parametrize("package", ["bicycle", "engines", "validation"])
 def test_packages_beside_use_public_names_only(package):
     allowed = {"mbsd3d", "mbsd3d.extend", *(f"mbsd3d.{module}" for module in PUBLIC_MODULES)}
     wrong = [f"{name} -> {target}" for name, targets in graph().items() for target, _ in targets
@@ -140,8 +142,9 @@ def test_packages_beside_use_public_names_only(package):
 
 
 def test_theory_shares_nothing():
-    assert not [name for name, targets in graph().items() if name.startswith("validation.theory")
-                for target, _ in targets if not target.startswith("validation.theory")]  # fmt: skip
+    for package in ("validation.theory", "engines.closed_forms"):
+        assert not [name for name, targets in graph().items() if name.startswith(package)
+                    for target, _ in targets if not target.startswith(package)]  # fmt: skip
 
 
 def test_files_and_folders_are_small():
@@ -171,7 +174,7 @@ def test_public_names_are_listed_where_editors_look():
         assert all(getattr(package, name) is not None for name in package.__all__)
         with pytest.raises(AttributeError, match=rf"module '{package.__name__}' has no attribute 'nothing'"):
             _ = package.nothing
-    assert all((ROOT / package / "py.typed").exists() for package in ("mbsd3d", "bicycle", "validation"))
+    assert all((ROOT / package / "py.typed").exists() for package in TOPS)
 
 
 @pytest.mark.parametrize("public", LISTS)
@@ -195,7 +198,11 @@ def test_completion_offers_public_names_alone(module):
     assert {name for name in dir(module) if not name.startswith("__")} == own - {"__version__"}
 
 
-OWN_ERRORS = ("mbsd3d.integrators", "validation.theory")  # compiled with the kernels; shares nothing with mbsd3d
+OWN_ERRORS = (
+    "mbsd3d.integrators",
+    "validation.theory",
+    "engines.closed_forms",
+)  # compiled with the kernels; shares nothing with mbsd3d
 
 
 def test_what_is_refused_is_refused_by_one_base_class():

@@ -18,11 +18,11 @@ from numpy.typing import ArrayLike
 
 from mbsd3d import System, Torque, accelerations, linearize
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, RAISED, THIN, Measure, Theme, dress
+from mbsd3d.extend import LINE, RAISED, THIN, Measure, Theme, dress, new_figure
 
 from ..model.mechanism import outputs, whipple
 from ..model.tyres import Tyres
-from ..output import new_figure, write_table
+from ..output import write_table
 from ..parameters import Parameters
 from .equations import canonical, checked_list, checked_speeds
 from .general import Build

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import Theme, dress
+from mbsd3d.extend import Theme, dress, new_figure
 
-from ..output import collected, new_figure, write_table
+from ..output import collected, write_table
 from ..parameters import MEANING, SYMBOL, TYRES, UNIT, Parameters, check_set
 from . import critical
 from .equations import checked_list

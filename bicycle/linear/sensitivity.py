@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import dress
+from mbsd3d.extend import dress, new_figure
 
-from ..output import new_figure, write_table
+from ..output import write_table
 from ..parameters import MEANING, SYMBOL, SYMBOLS, TYRES, UNIT, Parameters, check_set
 from . import critical
 from .critical import Quartic, double_roots, value

@@ -15,10 +15,10 @@ import numpy as np
 import scipy
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, dress, number, whole
+from mbsd3d.extend import LINE, dress, new_figure, number, whole
 
 from .. import parameters as published
-from ..output import new_figure, write_table
+from ..output import write_table
 from ..parameters import NOT_NEGATIVE, POSITIVE, SYMBOL, SYMBOLS, Parameters, check_set
 from . import critical
 

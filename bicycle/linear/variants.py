@@ -10,9 +10,9 @@ import numpy as np
 
 from mbsd3d import AngleDriver, Constant, System
 from mbsd3d.errors import InputError
-from mbsd3d.extend import Theme, dress
+from mbsd3d.extend import Theme, dress, new_figure
 
-from ..output import new_figure, write_table
+from ..output import write_table
 from ..parameters import Parameters
 from . import critical
 from .critical import Range

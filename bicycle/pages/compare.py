@@ -17,7 +17,7 @@ import numpy as np
 from markupsafe import Markup
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, THIN, Progress, digits, dress, inline_svg, page_template, write_atomically
+from mbsd3d.extend import LINE, THIN, Progress, digits, dress, inline_svg, new_figure, page_template, write_atomically
 
 from ..linear import critical, stability
 from ..linear.critical import CriticalSpeeds, Range, critical_speeds
@@ -25,7 +25,7 @@ from ..linear.general import eigenvalues
 from ..linear.tyre_equations import Affine, required_equations
 from ..linear.variants import NOWHERE, plot_ranges
 from ..model.mechanism import whipple
-from ..output import collected, new_figure, write_table
+from ..output import collected, write_table
 from ..parameters import Meijaard2007, Parameters, entry_of, find, machines, named, names
 from . import ideal_or_tyres
 from .side_view import side_view

@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, THIN, Theme, dress, number
+from mbsd3d.extend import LINE, THIN, Theme, dress, new_figure, number
 
 from ..linear import frequency
 from ..linear.frequency import decades
 from ..linear.general import eigenvalues
 from ..linear.tyre_equations import Affine, SpeedBySpeed, equations
 from ..model.mechanism import whipple
-from ..output import new_figure
 from ..parameters import Parameters
 from ..turns import on_tyres
 from ..turns.circles import held_if_possible

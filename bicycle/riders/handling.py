@@ -16,10 +16,10 @@ from numpy.typing import ArrayLike
 from scipy.optimize import minimize_scalar
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, THIN, dress
+from mbsd3d.extend import LINE, THIN, dress, new_figure
 
 from ..linear.equations import checked_speeds
-from ..output import collected, new_figure, write_table
+from ..output import collected, write_table
 from ..parameters import Parameters
 from .rider import Gains, by_rule, checked_gains, closed_loops, eigenvalues, gains_of, spans
 

@@ -8,12 +8,12 @@ import numpy as np
 
 from mbsd3d import CustomForce
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, dress, number
+from mbsd3d.extend import LINE, dress, new_figure, number
 
 from ..model.kinematics import steer_axis
 from ..model.mechanism import Bicycle, whipple
 from ..model.tyres import Tyres
-from ..output import new_figure, write_table
+from ..output import write_table
 from ..parameters import Parameters
 from ..riders.rider import MUSCLES, Gains, checked_gains, gains_of
 from .manoeuvres import FALLEN

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from mbsd3d import Solution, System
-from mbsd3d.extend import LINE, Theme, dress
+from mbsd3d.extend import LINE, Theme, dress, new_figure
 
 from ..model.kinematics import X, Y, Z
-from ..output import new_figure, write_table
+from ..output import write_table
 from ..parameters import Parameters
 
 if TYPE_CHECKING:

@@ -15,9 +15,9 @@ from ..linear.tyre_equations import Affine, SpeedBySpeed, Table, equations
 from ..model.mechanism import Bicycle
 from ..model.tyres import TYPICAL
 from ..parameters import Parameters, check_set
-from .carried import carried, faster
 from .manoeuvres import FALLEN
 from .ride import elevation, ridden
+from .rider_mass import carried, faster
 
 PEDAL, BRAKE = 40.0, 60.0  # [N m] at the rear and the front hub
 FASTEST = 50.0  # [m/s]

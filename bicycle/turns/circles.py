@@ -9,10 +9,10 @@ from scipy.interpolate import Akima1DInterpolator
 from scipy.optimize import brentq
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, Progress, Theme, dress, number
+from mbsd3d.extend import LINE, Progress, Theme, dress, new_figure, number
 
 from ..linear.equations import checked_list
-from ..output import new_figure, write_table
+from ..output import write_table
 from ..parameters import Parameters
 from ..rides.motion import legend_above
 from .families import SECTIONS, Family, Search, follow_all, special_points

@@ -11,12 +11,12 @@ from scipy.optimize import root
 
 from mbsd3d import AssemblyError, Input, Signal, Solution, State, accelerations
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, Rates, as_signal, cross, dress, number
+from mbsd3d.extend import LINE, Rates, as_signal, cross, dress, new_figure, number
 
 from ..model.kinematics import Pose, Y, Z, placed, steer_axis
 from ..model.mechanism import Bicycle, steer_torque, whipple
 from ..model.tyres import Tyres
-from ..output import new_figure, write_table
+from ..output import write_table
 from ..parameters import Parameters
 from ..rides.motion import WHEELS
 from ..rides.ride import axle_torque

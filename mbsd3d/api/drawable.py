@@ -158,7 +158,7 @@ class Drawable:
         ...     play.open()
         ...     play.wait()
         """
-        from ..run.playable import plain
+        from ..run.live_model import plain
         from ..run.simulation import check_state
         from .playing import play_model
 

@@ -9,8 +9,8 @@ from types import ModuleType
 from typing import Any
 
 from ..base.errors import InputError
+from .load import read_mjcf, read_urdf
 from .model_parameters import given_parameters, parameter_lines
-from .reading import read_mjcf, read_urdf
 from .system import System
 
 

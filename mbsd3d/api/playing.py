@@ -6,8 +6,8 @@ from ..base.checks import shown as shown_text
 from ..base.errors import InputError
 from ..integrators.method import Method
 from ..mechanism.bodies import Body
-from ..run.playable import Playable
-from ..run.playing import Playing
+from ..run.live_model import Playable
+from ..run.live_run import Playing
 from ..view.page.recorder import import_viser
 from ..view.page.show import check_options, number_of, page_layers
 from ..view.play import play

@@ -15,8 +15,8 @@ from ..integrators.method import Method
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from ..results.run_result import RunResult
+from ..run.segments import Slices
 from ..run.simulation import check_end, output_times
-from ..run.slices import Slices
 from .solution import Solution
 
 SWITCHES = tuple(x.name for x in fields(Switches))

@@ -14,7 +14,7 @@ from ..mechanism.measures import Measure
 from ..mechanism.signals.input import Input
 from ..mechanism.state import State
 from ..results.run_result import RunResult
-from ..run.slices import Slices
+from ..run.segments import Slices
 from .replay import replay
 from .simulation import simulate, start_of
 from .solution import Solution

@@ -17,6 +17,7 @@ from .checks import check_choice
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 FONT = "DejaVu Sans"  # comes with matplotlib, so it is the same on every machine
 LINE, THIN = 1.5, 0.6  # [pt] of data, and of grid and frame
@@ -173,3 +174,20 @@ def html_table(caption: str, head: Sequence[str], rows: Iterable[Sequence[str]])
     lines = [f"<tr>{''.join(f'<th>{html.escape(x)}</th>' for x in head)}</tr>"]
     lines += [f"<tr>{''.join(f'<td>{html.escape(x)}</td>' for x in row)}</tr>" for row in rows]
     return f"<table><caption>{html.escape(caption)}</caption>{''.join(lines)}</table>"
+
+
+@contextmanager
+def new_figure(width: float, height: float, dark: bool = False) -> Iterator[tuple["Figure", Theme]]:
+    """An empty figure [inch] and its colours, to be filled within the block."""
+    from matplotlib.figure import Figure  # takes half a second to load: only who draws waits for it
+
+    look = theme(dark)
+    with house(look):
+        yield Figure(figsize=(width, height), layout="constrained"), look
+
+
+def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Columns side by side: two of words, then numbers."""
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    sides = [str.ljust, str.ljust, *[str.rjust] * (len(widths) - 2)]
+    return ["  ".join(side(x, n) for side, x, n in zip(sides, row, widths, strict=True)).rstrip() for row in rows]

@@ -53,7 +53,7 @@ def packages() -> list[str]:
 
 def kernels() -> list[str]:
     """Where compiled kernels are kept, and whether all of them are there."""
-    from ..compiler.disk import CACHE, EQUATIONS, is_warm, weak_folders
+    from ..compiler.cache_folder import CACHE, EQUATIONS, is_warm, weak_folders
 
     files = (path for folder in (CACHE, EQUATIONS) for path in folder.rglob("*") if path.is_file())
     size = sum(path.stat().st_size for path in files) / 1e6

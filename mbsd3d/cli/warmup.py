@@ -9,7 +9,7 @@ import click
 
 def compile_all() -> None:
     """Every kernel, by two processes where there are two cores: what one has compiled the other finds on disk."""
-    from ..compiler.disk import is_warm
+    from ..compiler.cache_folder import is_warm
     from .workers import working
 
     parts = (compile_explicit, compile_implicit)

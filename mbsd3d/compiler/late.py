@@ -30,7 +30,7 @@ from numba.core.dispatcher import Dispatcher
 from numba.core.extending import _Intrinsic
 
 from ..base.errors import InputError
-from .announcing import not_silent
+from .first_run import not_silent
 
 WORD = ir.IntType(64)
 IN_C = ir.FunctionType(ir.VoidType(), [])

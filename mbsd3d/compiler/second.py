@@ -20,7 +20,7 @@ WORK = "\n".join(
     (
         "from mbsd3d.compiler.second import end_with_parent",
         "end_with_parent()",
-        "from mbsd3d.run.ahead import compile_loop",
+        "from mbsd3d.run.precompile import compile_loop",
         "compile_loop()",
     )
 )

@@ -19,7 +19,7 @@ from ..mechanism.joints.pairs import Cylindrical
 from ..mechanism.measures import OF_POSES, Measure, check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
-from .contradictions import find_contradiction, rivals
+from .conflicting_drivers import find_contradiction, rivals
 from .poses.closing import Found, ambiguities, close_pose
 from .poses.pose_equations import CLOSED_GAP_MAX, gap_size, newton
 from .spanning_tree import loop_weights

@@ -18,7 +18,7 @@ from ..kernels.kinematics import displace
 from ..mechanism.drivers import Driver, SpeedDriver
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
-from .contradictions import LATER
+from .conflicting_drivers import LATER
 from .least_squares import shortest
 from .poses.pose_equations import gap_size, newton
 from .rank import Analysis

@@ -10,8 +10,8 @@ import numpy as np
 import scipy.linalg
 
 from ..base.concurrency import one_thread
-from ..equations.elimination import eliminate
 from ..equations.jacobian import RANK_TOLERANCE, BlockRows, scaled_rows
+from ..equations.tree import eliminate
 from ..kernels.layout import Data, Model, Tree
 from .elimination import SAFE, Core, Elimination
 from .least_squares import proven

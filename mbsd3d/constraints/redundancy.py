@@ -15,8 +15,9 @@ from ..mechanism.drivers import Driver
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .assembly import reference_pose
-from .contradictions import TOLERANCE, find_contradiction
+from .conflicting_drivers import TOLERANCE, find_contradiction
 from .elimination import SAFE, Core
+from .idle_rotations import free_spins
 from .neighbourhood import Beside, neighbourhood
 from .poses.closing import close_pose
 from .poses.pose_equations import gap_size, newton
@@ -24,7 +25,6 @@ from .rank import OPEN_TOLERANCE, Analysis, orthonormal, projector
 from .remedies import Cure, direction_text, find_cures
 from .singularity import singularities
 from .spanning_tree import loop_weights
-from .spins import free_spins
 
 AS_BUILT, SHARE = 1e-5, 1e-4  # m; of the model's length, for mechanisms smaller than a hand
 

@@ -19,10 +19,10 @@ from ..equations.mass_matrix import mass_matrix_of
 from ..kernels.layout import Data
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
-from .contradictions import find_contradiction
+from .conflicting_drivers import find_contradiction
+from .idle_rotations import check_spins
 from .least_squares import FEW_BODIES, Matrix, least
 from .poses.joint_motion import joint_graph
-from .spins import check_spins
 
 
 def given_velocities(system: Mechanism) -> np.ndarray:

@@ -6,7 +6,7 @@ second quadrature, of Adams and Moulton with five rates at the ends of steps, sh
 
 import numpy as np
 
-from ..compiler.jit import inner_kernel
+from ..compiler.decorators import inner_kernel
 from ..kernels.vectors import add, cross, dot, pair, scale, vec
 from .state_rates import audit_rates
 

@@ -1,11 +1,11 @@
 """Post-processing over all samples of a run: wrenches of rows on a body, and the equations checked once more."""
 
-from ..compiler.jit import inner_kernel, kernel
+from ..compiler.decorators import inner_kernel, kernel
 from ..kernels.kinematics import kinematics
 from ..kernels.rows import row_speed, rows
 from ..kernels.vectors import add, clear, cross, dot, mat, pair, rotate, rotate_back, scale, sub, turning, vec
-from ..saddle.solve import factor, solve, subtract_known
-from .loads import loads
+from ..solver.saddle_point import factor, solve, subtract_known
+from .applied_forces import loads
 from .state_rates import right_sides
 
 

@@ -10,7 +10,7 @@ This holds for any Omega. What it takes out is what a wheel or a top only turns 
 
 import numpy as np
 
-from ..compiler.jit import inner_kernel, kernel
+from ..compiler.decorators import inner_kernel, kernel
 from ..kernels.vectors import add, cross, dot, scale, sub, vec
 
 NOTICED = 0.1  # rad: bodies that turn less in a step are left as they are

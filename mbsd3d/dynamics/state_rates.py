@@ -9,14 +9,14 @@ the metric of M.
 
 import numpy as np
 
-from ..compiler.jit import inner_kernel, kernel
+from ..compiler.decorators import inner_kernel, kernel
 from ..compiler.late import late
 from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace, kinematics, normalise, push_velocities, rates
 from ..kernels.rows import row_speed, rows
 from ..kernels.vectors import add, add6, cross, pair, put, put6, scale, sub, vec
-from ..saddle.solve import SOLVED, factor, refine, solve
-from .loads import loads
+from ..solver.saddle_point import SOLVED, factor, refine, solve
+from .applied_forces import loads
 
 PROJECTED, NOT_CLOSED, UNSOLVED = 0, 1, 2
 SINGULAR, LET_GO = 1e-4, 1e-10  # pivots below which rows are let go, and by how much they may then gape

@@ -10,7 +10,7 @@ acceleration that changes evenly. Where a method takes an even spin out of the s
 
 import numpy as np
 
-from ..compiler.jit import inner_kernel
+from ..compiler.decorators import inner_kernel
 from ..kernels.coordinates import miscount
 from ..kernels.kinematics import product, quaternion_of, rotation_matrix
 from ..kernels.vectors import add, cross, dot, put, rotate, scale, sub, vec

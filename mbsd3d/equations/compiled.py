@@ -8,7 +8,7 @@ import numpy as np
 
 from ..base.checks import floats, shown
 from ..base.errors import InputError
-from ..compiler.announcing import announce_compilation
+from ..compiler.first_run import announce_compilation
 from ..kernels import kinds
 from ..kernels.layout import MOST_BODIES, Data, Model, data_records, table
 from ..mechanism.drivers import Driver

@@ -12,7 +12,7 @@ import numpy as np
 import scipy.linalg
 
 from ..base.rotations import matrix
-from ..dynamics.loads import loads
+from ..dynamics.applied_forces import loads
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .at_state import load_state

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..base.directions import cross, matched_perpendiculars, perpendiculars
 from ..base.errors import InputError
-from ..dynamics.loads import number_of_law
+from ..dynamics.applied_forces import number_of_law
 from ..kernels.layout import BODY, COORDINATE, FORCE, MEASURE, SIGNAL, STATE, TERM, table
 from ..mechanism.bodies import GROUND
 from ..mechanism.force_element import ForceRecord

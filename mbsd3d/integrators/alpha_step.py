@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from ..compiler.jit import inner_kernel, kernel
+from ..compiler.decorators import inner_kernel, kernel
+from ..dynamics.contact_steps import hides_touch
 from ..dynamics.spinning import find_turns
 from ..dynamics.state_rates import (
     FAR,
@@ -13,12 +14,11 @@ from ..dynamics.state_rates import (
     project_velocities,
     rounding,
 )
-from ..dynamics.touching import hides_touch
 from ..dynamics.turning import compare_poses, turns_are_certain
 from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace_body, rotation_matrix
 from ..kernels.vectors import copy, finite, put, rotate, scale
-from ..saddle.solve import SOLVED
+from ..solver.saddle_point import SOLVED
 from .memory import NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING, STEP_TOO_SMALL
 from .newton import fill_matrix, filtered, lu_factor, lu_solve, residual
 from .outputs import along_cubic, cubic, evaluate_start, outputs

@@ -6,15 +6,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..compiler.jit import inner_kernel, kernel, late_kernel
+from ..compiler.decorators import inner_kernel, kernel, late_kernel
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..dynamics.turning import CERTAIN, compare_poses
 from ..kernels.coordinates import miscount, remember
 from ..kernels.kinematics import normalise
 from ..kernels.layout import Data, Model
 from ..kernels.vectors import add_scaled, clear, copy, finite
-from ..saddle.independence import independence
-from ..saddle.solve import SOLVED
+from ..solver.row_rank import independence
+from ..solver.saddle_point import SOLVED
 from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING
 from .method import Method, check_max_step
 from .outputs import evaluate_start, first_crossing, halt, land, may_come_true, watch_on, write

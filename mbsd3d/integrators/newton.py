@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..compiler.by_reference import by_reference
-from ..compiler.jit import inner_kernel, kernel
-from ..dynamics.loads import loads
+from ..compiler.decorators import inner_kernel, kernel
+from ..dynamics.applied_forces import loads
 from ..dynamics.state_rates import correction
 from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import kinematics, quaternion_rate

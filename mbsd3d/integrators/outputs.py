@@ -6,16 +6,16 @@ output, ``advance_to(m, d, s, own, run, t, x, h)`` brings trial and its rate to 
 
 import numpy as np
 
-from ..compiler.jit import inner_kernel, kernel, late_kernel, merged_kernel
+from ..compiler.decorators import inner_kernel, kernel, late_kernel, merged_kernel
+from ..dynamics.contact_steps import start_watching
 from ..dynamics.spinning import farthest_turn, rate_without_spin, spin_on
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate
-from ..dynamics.touching import start_watching
 from ..dynamics.turning import compare_poses, hermite_of_rotations
 from ..kernels.coordinates import coordinate, measure, remember
 from ..kernels.kinematics import kinematics
 from ..kernels.rows import row_speed
 from ..kernels.vectors import add_scaled, copy, finite
-from ..saddle.solve import SOLVED
+from ..solver.saddle_point import SOLVED
 from .memory import FULL, NO_SOLUTION, NOT_CLOSING, RUNNING, STOPPED
 from .step_control import hermite, interpolate, note_rows, update_scales
 

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from ..compiler.jit import inner_kernel, kernel
+from ..compiler.decorators import inner_kernel, kernel
+from ..dynamics.contact_steps import hides_touch
 from ..dynamics.spinning import find_turns
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate, rounding
-from ..dynamics.touching import hides_touch
 from ..dynamics.turning import compare_poses, turns_are_certain
 from ..kernels.vectors import copy, finite
-from ..saddle.solve import SOLVED
+from ..solver.saddle_point import SOLVED
 from .memory import NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING, STEP_TOO_SMALL
 from .newton import lu_factor, lu_solve
 from .outputs import along_cubic, cubic, evaluate_start, outputs

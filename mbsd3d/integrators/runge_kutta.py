@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from ..compiler.jit import inner_kernel, kernel, late_kernel
+from ..compiler.decorators import inner_kernel, kernel, late_kernel
+from ..dynamics.contact_steps import hides_touch
 from ..dynamics.spinning import farthest_turn, find_spins, limit_turn, rate_without_spin, spin_on
 from ..dynamics.state_rates import FAR, NEAR, PROJECTED, evaluate, project_and_evaluate, rounding
-from ..dynamics.touching import hides_touch
 from ..dynamics.turning import compare_poses, turns_are_certain
 from ..kernels.vectors import add_scaled, clear, copy, finite
-from ..saddle.solve import SOLVED
+from ..solver.saddle_point import SOLVED
 from .memory import NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING, STEP_TOO_SMALL, STIFF
 from .outputs import evaluate_start, outputs
 from .step_control import (

@@ -2,16 +2,16 @@
 
 import numpy as np
 
-from ..compiler.jit import inner_kernel, merged_kernel
+from ..compiler.decorators import inner_kernel, merged_kernel
 from ..dynamics.auditing import begin_audit, go_on_auditing
+from ..dynamics.contact_steps import go_on_watching
 from ..dynamics.spinning import spin_on
 from ..dynamics.state_rates import skipped_residual
-from ..dynamics.touching import go_on_watching
 from ..dynamics.turning import turn_on
 from ..kernels.coordinates import remember
 from ..kernels.kinds import PROJECTION
 from ..kernels.vectors import add_scaled, clear
-from ..saddle.independence import note_independence
+from ..solver.row_rank import note_independence
 from .memory import DONE, FULL, RUNNING
 
 LEAST = 1e-14  # of the time, the shortest step: 50 units of its last place; of the first step, at t = 0

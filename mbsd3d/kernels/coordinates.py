@@ -12,7 +12,7 @@ import numpy as np
 from numba.core import types
 
 from ..compiler.by_reference import Reference
-from ..compiler.jit import inner_kernel, kernel, late_kernel
+from ..compiler.decorators import inner_kernel, kernel, late_kernel
 from ..compiler.late import late
 from .kinds import (
     ANGLE,

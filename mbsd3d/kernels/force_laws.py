@@ -7,7 +7,7 @@ hinge coordinate it reads the value ``out.x`` and ``out.rate`` and gives ``out.l
 
 import numpy as np
 
-from ..compiler.jit import inner_kernel
+from ..compiler.decorators import inner_kernel
 from .signals import signal
 from .vectors import add6, cross, scale
 

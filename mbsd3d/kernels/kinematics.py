@@ -5,7 +5,7 @@
 
 import numpy as np
 
-from ..compiler.jit import inner_kernel, kernel
+from ..compiler.decorators import inner_kernel, kernel
 from .vectors import add, pair, put, rotate, vec
 
 TINY = 1e-9  # square of half an angle below which two terms of sine and cosine are exact to rounding

@@ -8,7 +8,7 @@ A new primitive is one function here and one line in `rows`.
 
 import numpy as np
 
-from ..compiler.jit import inner_kernel, kernel, late_kernel
+from ..compiler.decorators import inner_kernel, kernel, late_kernel
 from .coordinates import coordinate, slide_along
 from .kinds import (
     BAUMGARTE,

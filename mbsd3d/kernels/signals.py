@@ -2,7 +2,7 @@
 
 import math
 
-from ..compiler.jit import kernel
+from ..compiler.decorators import kernel
 from .kinds import POLYNOMIAL, SINE
 
 

@@ -18,7 +18,7 @@ import math
 
 import numpy as np
 
-from ..compiler.jit import inner_kernel
+from ..compiler.decorators import inner_kernel
 from .vectors import add, arm, columns, cross, dot, mat, point, point_velocity, put6, rotate_back, scale, sub, vec
 
 FLAT = 1e-300  # m^2 added to n'A n: a flat disc that lies on the plane touches it in its centre, and nothing is NaN

@@ -4,7 +4,7 @@ Matrices are 9-tuples in row order. Nothing here takes a norm or an absolute val
 for complex arguments (complex-step derivatives); products are transposes, never conjugates.
 """
 
-from ..compiler.jit import inner_kernel
+from ..compiler.decorators import inner_kernel
 
 
 @inner_kernel

@@ -21,14 +21,14 @@ from ..base.checks import solvable
 from ..base.concurrency import on_one_thread
 from ..base.errors import AssemblyError, EquilibriumError, InputError
 from ..base.rotations import matrix
-from ..compiler.announcing import announce_compilation
-from ..compiler.disk import mark_warm
+from ..compiler.cache_folder import mark_warm
+from ..compiler.first_run import announce_compilation
 from ..constraints.assembly import moved_report
 from ..constraints.nearby_poses import closed
 from ..equations.at_state import load_rows, load_state, unmet, worst_joint
 from ..equations.compiled import Compiled, compile_system
-from ..equations.elimination import eliminate
 from ..equations.jacobian import displacement_units
+from ..equations.tree import eliminate
 from ..kernels.coordinates import remember
 from ..mechanism.forces.custom import check_runnable
 from ..mechanism.mechanism import Mechanism

@@ -10,12 +10,12 @@ import scipy.linalg
 from ..base.checks import number, shown, solvable
 from ..base.concurrency import on_one_thread
 from ..base.errors import InputError
-from ..compiler.announcing import announce_compilation
-from ..compiler.disk import mark_warm
+from ..compiler.cache_folder import mark_warm
+from ..compiler.first_run import announce_compilation
 from ..constraints.nearby_poses import closed
 from ..equations.compiled import Compiled, Switches, compile_system
-from ..equations.elimination import eliminate
 from ..equations.jacobian import RANK_TOLERANCE, displacement_units
+from ..equations.tree import eliminate
 from ..mechanism.measures import Measure, check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State

@@ -12,7 +12,7 @@ from ..base.errors import AssemblyError, InputError
 from ..constraints.nearby_poses import closed
 from ..equations.at_state import coordinate_row, load_state
 from ..equations.compiled import Compiled
-from ..equations.elimination import eliminate
+from ..equations.tree import eliminate
 from ..mechanism.bodies import Body
 from ..mechanism.joints import Joint
 from ..results.body_motion import Poses

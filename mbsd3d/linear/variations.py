@@ -24,15 +24,15 @@ from ..constraints.rank import choose_rows
 from ..dynamics.state_rates import accelerate
 from ..equations.at_state import load_rows, load_state, worst_joint
 from ..equations.compiled import Compiled
-from ..equations.elimination import eliminate
 from ..equations.jacobian import RANK_TOLERANCE, displacement_units
+from ..equations.tree import eliminate
 from ..kernels.coordinates import measure, remember
 from ..kernels.kinematics import kinematics
 from ..kernels.layout import Data, Model, Tree
 from ..kernels.rows import rows
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
-from ..saddle.solve import SOLVED, factor
+from ..solver.saddle_point import SOLVED, factor
 
 COMPONENTS = ("x", "y", "z", "theta_x", "theta_y", "theta_z", "v_x", "v_y", "v_z", "w_x", "w_y", "w_z")
 UNITS = ("m", "rad", "m/s", "rad/s")

@@ -11,7 +11,7 @@ from ..base.checks import Frozen, check_name, number, vector
 from ..base.errors import explaining_methods
 from ..base.mass_properties import check_inertia
 from ..base.rotations import as_quaternion, matrix
-from .shapes.guesses import as_shape
+from .shapes.homogeneous import as_shape
 
 
 class Ground:

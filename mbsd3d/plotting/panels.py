@@ -15,7 +15,7 @@ from ..mechanism.forces.custom import SavedForce
 from ..mechanism.joints import Joint
 from ..mechanism.measures import Measure
 from ..results.columns import BODY_QUANTITIES, QUANTITIES, Column, columns_of_effort, columns_of_states, loads_of
-from ..results.loads import Load
+from ..results.element_loads import Load
 from ..results.reactions import Reaction
 from ..results.run_result import RunResult
 

@@ -9,7 +9,7 @@ from ..mechanism.drivers import Driver, PositionDriver
 from ..mechanism.force_element import ForceElement
 from ..mechanism.forces.custom import FunctionForce, SavedForce
 from ..mechanism.measures import state
-from .loads import Load
+from .element_loads import Load
 from .run_result import RunResult
 
 

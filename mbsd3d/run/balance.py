@@ -8,7 +8,7 @@ import numpy as np
 
 from ..base.checks import shown
 from ..base.errors import InputError, IntegrationError
-from ..dynamics.loads import loads
+from ..dynamics.applied_forces import loads
 from ..equations.compiled import Compiled, new_data
 from ..integrators.method import Method
 from ..kernels.kinematics import kinematics

@@ -8,12 +8,12 @@ from ..base.checks import number
 from ..base.concurrency import turn_passed_on
 from ..base.errors import AssemblyError, InputError, IntegrationError
 from ..base.progress import Progress
-from ..compiler.announcing import announce_compilation
-from ..compiler.disk import mark_warm
+from ..compiler.cache_folder import mark_warm
+from ..compiler.first_run import announce_compilation
 from ..compiler.second import wait_for_second
-from ..constraints.contradictions import rivals
+from ..constraints.conflicting_drivers import rivals
+from ..constraints.idle_rotations import check_spins, free_spins
 from ..constraints.rank import choose_rows, tree_over_rows
-from ..constraints.spins import check_spins, free_spins
 from ..dynamics.auditing import AUDITED
 from ..dynamics.state_rates import FAR, PROJECTED, project_and_evaluate
 from ..equations.at_state import check_quaternions, driven_coordinates, load_rows, load_state, unmet, worst_joint
@@ -33,13 +33,13 @@ from ..mechanism.measures import Condition
 from ..mechanism.state import State
 from ..results.record import MOST_NUMBERS, Record, Samples, buffer_size
 from ..results.run_result import RunResult
-from ..saddle.solve import SOLVED
+from ..solver.saddle_point import SOLVED
 from .balance import MemoryWatch, check_balance, longest_step, with_jumps
-from .blame import FAILURES, at_end_of_curve, blame, contradiction, driven_to, singular_start, singular_there
 from .divergence import DivergenceWatch
 from .events import armed_at_start, check_digits, rate_of_motion, turns_of_signals
+from .failure_causes import FAILURES, at_end_of_curve, blame, contradiction, driven_to, singular_start, singular_there
+from .initial_checks import check_sunk
 from .stiffness import check_forces
-from .sunk import check_sunk
 
 CHUNK = 0.05  # seconds of kernel time between visits to Python: progress, Ctrl-C
 CAPACITY = 1024  # samples between visits to Python where every step is one

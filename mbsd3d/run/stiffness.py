@@ -9,7 +9,7 @@ import scipy.linalg
 from ..base.errors import IntegrationError
 from ..base.rotations import matrix
 from ..constraints.nearby_poses import nudged
-from ..dynamics.loads import loads
+from ..dynamics.applied_forces import loads
 from ..equations.at_state import load_rows
 from ..equations.compiled import Compiled
 from ..equations.mass_matrix import inertia_about_origin

@@ -16,7 +16,7 @@ from ..base.progress import Progress
 from .executors import check_executor, outcomes
 from .experiment import Experiment, MisuseError, Outcome, check_parameters, check_settings
 from .grids import Grid, Samples, make_grid
-from .ledger import Ledger, LedgerError, identity
+from .store import Ledger, LedgerError, identity
 
 if TYPE_CHECKING:
     from xarray import Dataset

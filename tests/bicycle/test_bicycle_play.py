@@ -10,11 +10,11 @@ from test_live import until
 
 from bicycle import Meijaard2007, named, on_tyres, play, whipple
 from bicycle.model.kinematics import steer_axis
-from bicycle.rides.carried import carried, faster, lowest
+from bicycle.rides.rider_mass import carried, faster, lowest
 from mbsd3d import Stepper, accelerations
 from mbsd3d.api.replay import played
 from mbsd3d.cli import main
-from mbsd3d.run.playing import PERIOD, Playing
+from mbsd3d.run.live_run import PERIOD, Playing
 
 P = Meijaard2007()
 ROUND = replace(P, tR=0.02, tF=0.03)

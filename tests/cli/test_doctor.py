@@ -6,8 +6,8 @@ from click.testing import CliRunner
 
 from mbsd3d import __version__
 from mbsd3d.cli import doctor, main
-from mbsd3d.compiler import disk
-from mbsd3d.compiler.disk import CACHE
+from mbsd3d.compiler import cache_folder
+from mbsd3d.compiler.cache_folder import CACHE
 
 
 def said():
@@ -25,7 +25,7 @@ def test_doctor_says_versions_kernels_and_threads():
 def test_doctor_says_why_kernels_are_not_kept(tmp_path, monkeypatch):
     (tmp_path / "root" / "digest").mkdir(parents=True)
     (tmp_path / "root").chmod(0o777)
-    monkeypatch.setattr(disk, "CACHE", tmp_path / "root" / "digest")
+    monkeypatch.setattr(cache_folder, "CACHE", tmp_path / "root" / "digest")
     assert "not kept, as a folder can be written by others; see SECURITY.md" in said()["kernels"]
 
 

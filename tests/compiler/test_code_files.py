@@ -7,8 +7,8 @@ import numba
 import numpy as np
 import pytest
 
-from mbsd3d.compiler import code_files
-from mbsd3d.compiler.code_files import CodeFiles, keep_code
+from mbsd3d.compiler import object_files
+from mbsd3d.compiler.object_files import CodeFiles, keep_code
 from mbsd3d.errors import InputError
 
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
@@ -20,7 +20,7 @@ def area(a, b):
 
 def fresh(folder):
     """The function as a new process finds it."""
-    code_files.say_once.cache_clear()
+    object_files.say_once.cache_clear()
     return keep_code(numba.njit(area), folder)
 
 
@@ -91,7 +91,7 @@ def test_without_room_it_is_said_once_and_used_all_the_same(tmp_path, monkeypatc
     def full(path):
         raise InputError(f"'{path}' cannot be written") from OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(code_files, "in_its_place", full)
+    monkeypatch.setattr(object_files, "in_its_place", full)
     function = fresh(tmp_path)
     assert function(3.0, 4.0) == 6.0 and function(3, 4) == 6.0
     said = capsys.readouterr().err

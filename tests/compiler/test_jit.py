@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 import mbsd3d
-from mbsd3d.compiler import disk
-from mbsd3d.compiler.disk import INTEGRATORS, compiled_sources
+from mbsd3d.compiler import cache_folder
+from mbsd3d.compiler.cache_folder import INTEGRATORS, compiled_sources
 
 PACKAGE = Path(mbsd3d.__file__).parent
 SOURCES = compiled_sources()
@@ -50,9 +50,9 @@ def test_every_file_with_a_kernel_is_covered():
 
 
 def test_another_numba_compiles_anew(monkeypatch):
-    before = disk._digest(SOURCES)
-    monkeypatch.setattr(disk.numba, "__version__", "0.0")
-    assert disk._digest(SOURCES) != before
+    before = cache_folder._digest(SOURCES)
+    monkeypatch.setattr(cache_folder.numba, "__version__", "0.0")
+    assert cache_folder._digest(SOURCES) != before
 
 
 def test_every_compiled_function_is_a_decorated_one():

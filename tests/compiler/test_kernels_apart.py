@@ -16,7 +16,7 @@ KERNELS = """
 import sys
 from pathlib import Path
 import numba
-from mbsd3d.compiler.code_files import keep_code
+from mbsd3d.compiler.object_files import keep_code
 
 def one_more(count): return [numba.njit(lambda x, k=k: x + k)(1.0) for k in range(count)]
 one_more(int(sys.argv[2]))  # so that numba numbers what follows otherwise

@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 from numba.core import types
 
-from mbsd3d.compiler import announcing
+from mbsd3d.compiler import first_run
 from mbsd3d.compiler import late as module
-from mbsd3d.compiler.jit import inner_kernel, kernel, late_kernel
+from mbsd3d.compiler.decorators import inner_kernel, kernel, late_kernel
 from mbsd3d.compiler.late import FAILED, late_choice
 
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
@@ -232,7 +232,7 @@ def test_threads_that_call_it_at_once_wait_for_one_kernel(slowly, compiled):
 
 
 WRONG = """
-from mbsd3d.compiler.jit import kernel, late_kernel
+from mbsd3d.compiler.decorators import kernel, late_kernel
 @late_kernel
 def wrong(x) -> int: return 0.5 * x
 @kernel
@@ -248,10 +248,10 @@ def test_one_that_cannot_be_compiled_ends_the_process(tmp_path):
 
 
 def test_a_long_compilation_is_said(monkeypatch, capsys):
-    monkeypatch.setattr(announcing, "SILENT", 0.05)
-    with announcing.not_silent("tyre"):
+    monkeypatch.setattr(first_run, "SILENT", 0.05)
+    with first_run.not_silent("tyre"):
         time.sleep(0.2)
-    with announcing.not_silent("spring"):
+    with first_run.not_silent("spring"):
         pass
     assert capsys.readouterr().err == "mbsd3d: compiling tyre, once after installation ...\n"
 

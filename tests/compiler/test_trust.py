@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from test_code_files import area, fresh, hits
 
-from mbsd3d.compiler import code_files, disk
-from mbsd3d.compiler.code_files import check_sum, keep_code
+from mbsd3d.compiler import cache_folder, object_files
+from mbsd3d.compiler.object_files import check_sum, keep_code
 
 pytestmark = [
     pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled"),
@@ -63,14 +63,14 @@ def test_the_folder_is_never_in_the_working_directory(surroundings, monkeypatch,
     for name, value in given.items():
         monkeypatch.setenv(name, value)
     if given.get("HOME") == "" and "XDG_CACHE_HOME" in given:  # expands to the top folder, where root may write
-        assert surroundings / "downloaded" not in disk._cache_root().parents
+        assert surroundings / "downloaded" not in cache_folder._cache_root().parents
         return
-    assert disk._cache_root() == surroundings / folder
+    assert cache_folder._cache_root() == surroundings / folder
 
 
 def test_a_named_folder_is_taken_as_it_is(surroundings, monkeypatch):
     monkeypatch.setenv("MBSD3D_CACHE", str(surroundings / "kernels"))
-    assert disk._cache_root() == surroundings / "kernels" and not (surroundings / "kernels").exists()
+    assert cache_folder._cache_root() == surroundings / "kernels" and not (surroundings / "kernels").exists()
 
 
 def test_without_home_and_user_nobody_is_asked_for_it(surroundings, monkeypatch):
@@ -81,9 +81,9 @@ def test_without_home_and_user_nobody_is_asked_for_it(surroundings, monkeypatch)
 
     monkeypatch.delenv("HOME")
     monkeypatch.setattr("pwd.getpwuid", unknown)
-    assert disk._cache_root() == surroundings / FALLBACK
+    assert cache_folder._cache_root() == surroundings / FALLBACK
     monkeypatch.setenv("XDG_CACHE_HOME", str(surroundings / "caches"))
-    assert disk._cache_root() == surroundings / "caches" / "mbsd3d"
+    assert cache_folder._cache_root() == surroundings / "caches" / "mbsd3d"
 
 
 @pytest.mark.parametrize("name", ["", ".", "downloaded"])
@@ -91,12 +91,12 @@ def test_temporary_files_do_not_go_to_the_working_directory(surroundings, monkey
     """`tempfile` takes it where there is no other folder, and for a relative name."""
     monkeypatch.setenv("TMPDIR", name)
     monkeypatch.setenv("HOME", "")
-    assert disk._cache_root().parent in (Path("/tmp"), Path("/var/tmp"), Path(os.devnull))
+    assert cache_folder._cache_root().parent in (Path("/tmp"), Path("/var/tmp"), Path(os.devnull))
 
 
 def test_a_folder_that_is_made_is_open_to_this_user_alone(surroundings, monkeypatch):
     monkeypatch.setenv("HOME", "/dev/null")
-    root, before = disk._cache_root(), os.umask(0o002)  # the umask of many systems, by which groups may write
+    root, before = cache_folder._cache_root(), os.umask(0o002)  # the umask of many systems, by which groups may write
     try:
         assert fresh(root / "digest")(3.0, 4.0) == 6.0
     finally:
@@ -149,7 +149,7 @@ def test_links_are_not_followed(kept, tmp_path, capsys, depth):
 def test_another_users_folder_is_not_used(kept, monkeypatch, capsys):
     """Made beforehand under the name that is known: neither read nor written."""
     before = kept[1].read_bytes()
-    monkeypatch.setattr(disk.os, "geteuid", lambda: os.getuid() + 1)
+    monkeypatch.setattr(cache_folder.os, "geteuid", lambda: os.getuid() + 1)
     again = fresh(kept[0])
     assert again(3.0, 4.0) == 6.0 and again(3, 4) == 6 and hits(again) == 0
     said = capsys.readouterr().err
@@ -189,7 +189,7 @@ def test_a_file_brings_no_module_in(kept, tmp_path, monkeypatch):
     """Names lead to what is there already: code found on disk has nothing imported."""
     (tmp_path / "foreign.py").write_text("raise SystemExit('imported')")
     monkeypatch.syspath_prepend(tmp_path)
-    content = kept[1].read_bytes()[code_files.SUM :]
+    content = kept[1].read_bytes()[object_files.SUM :]
     size = int.from_bytes(content[:8], "little")
     text = content[8 : 8 + size].replace(b'"needed": []', b'"needed": [["s", "foreign", "f", []]]')
     content = len(text).to_bytes(8, "little") + text + content[8 + size :]
@@ -222,39 +222,39 @@ def test_what_cannot_be_written_is_compiled_at_every_start(tmp_path, capsys):
     assert not list(tmp_path.rglob("*.code")) and capsys.readouterr().err == ""
 
 
-@pytest.mark.parametrize("name", disk.SETTINGS)
+@pytest.mark.parametrize("name", cache_folder.SETTINGS)
 def test_other_settings_are_other_code_and_another_marker(monkeypatch, tmp_path, name):
-    monkeypatch.setattr(disk, "CACHE", tmp_path / "digest")
+    monkeypatch.setattr(cache_folder, "CACHE", tmp_path / "digest")
     folder, names = tmp_path / "code", []
     for value in ("1", "2"):
         monkeypatch.setattr(numba.config, name, getattr(numba.config, name) if value == "1" else 7)
-        disk.marker.cache_clear()
-        names.append(disk.marker("kernels").name)
-    disk.marker.cache_clear()
+        cache_folder.marker.cache_clear()
+        names.append(cache_folder.marker("kernels").name)
+    cache_folder.marker.cache_clear()
     assert len(set(names)) == 2 and folder not in tmp_path.iterdir()
 
 
 def test_another_python_is_not_warm(monkeypatch, tmp_path):
     """Whose code is under other names: it would compile for minutes without a word."""
-    monkeypatch.setattr(disk, "CACHE", tmp_path / "root" / "digest")
-    disk.marker.cache_clear()
-    disk.mark_warm.cache_clear()
-    disk.mark_warm("loop")
-    assert disk.is_warm("loop") and not disk.is_warm("another loop")
+    monkeypatch.setattr(cache_folder, "CACHE", tmp_path / "root" / "digest")
+    cache_folder.marker.cache_clear()
+    cache_folder.mark_warm.cache_clear()
+    cache_folder.mark_warm("loop")
+    assert cache_folder.is_warm("loop") and not cache_folder.is_warm("another loop")
     for other in ((3, 99, 0), (4, 0, 0)):
-        disk.marker.cache_clear()
+        cache_folder.marker.cache_clear()
         with monkeypatch.context() as patch:
-            patch.setattr(disk.sys, "version_info", other)
-            assert not disk.is_warm("loop")
-    disk.marker.cache_clear()
-    assert disk.is_warm("loop")
+            patch.setattr(cache_folder.sys, "version_info", other)
+            assert not cache_folder.is_warm("loop")
+    cache_folder.marker.cache_clear()
+    assert cache_folder.is_warm("loop")
     (tmp_path / "root").chmod(0o777)
-    assert not disk.is_warm("loop")
-    disk.marker.cache_clear()
-    disk.mark_warm.cache_clear()
+    assert not cache_folder.is_warm("loop")
+    cache_folder.marker.cache_clear()
+    cache_folder.mark_warm.cache_clear()
 
 
-WHERE = "from mbsd3d.compiler.disk import CACHE; print(CACHE)"
+WHERE = "from mbsd3d.compiler.cache_folder import CACHE; print(CACHE)"
 
 
 @pytest.mark.slow
@@ -265,7 +265,7 @@ def test_a_container_run_by_number(tmp_path):
     if unshare is None or subprocess.run([*given, "true"], capture_output=True).returncode:
         pytest.skip("user namespaces cannot be made here")
     command = [*given, sys.executable, "-c", WHERE]
-    environment = {"TMPDIR": str(tmp_path), "PYTHONPATH": str(Path(disk.PACKAGE).parent)}
+    environment = {"TMPDIR": str(tmp_path), "PYTHONPATH": str(Path(cache_folder.PACKAGE).parent)}
     done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert Path(done.stdout.strip()).parent == tmp_path / "mbsd3d-54321"

@@ -14,8 +14,8 @@ from mbsd3d.base.quaternions import conjugate, logarithm, multiply
 from mbsd3d.constraints.elimination import Elimination
 from mbsd3d.constraints.rank import choose_rows
 from mbsd3d.equations.compiled import compile_system
-from mbsd3d.equations.elimination import eliminate
 from mbsd3d.equations.jacobian import RANK_TOLERANCE, scaled_rows
+from mbsd3d.equations.tree import eliminate
 from mbsd3d.results import record
 from mbsd3d.results.record import QUANTITIES, Samples
 from validation.cases.mechanisms import ladder

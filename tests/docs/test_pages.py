@@ -35,7 +35,7 @@ PEERS = {  # pages whose ``py`` blocks need a package that the tests do without
 }  # fmt: skip
 NEVER_RUN = {"coming_from/chrono.md"}  # no package index has PyChrono
 THEORY = sorted((DOCS / "theory").glob("*.md"))
-NAME = r"`((?:mbsd3d|validation|bicycle)\.[\w.]+)`"
+NAME = r"`((?:mbsd3d|validation|bicycle|engines)\.[\w.]+)`"
 
 
 @pytest.fixture(autouse=True)

@@ -11,13 +11,13 @@ import sweep_models
 import watchdog
 
 from bicycle.parameters.files import LARGEST
+from engines.balance.layouts import CYLINDERS
+from engines.nvh.records import RECORD, TABLE
+from engines.nvh.road.measured import LONG, MOST
 from mbsd3d.files.description import MOST_PARTS
 from mbsd3d.files.importing import worker, xml_scan
 from mbsd3d.files.model_files import FORMS
 from mbsd3d.mechanism.shapes import surfaces
-from validation.engine_balance.layouts import CYLINDERS
-from validation.nvh.records import RECORD, TABLE
-from validation.nvh.road.measured import LONG, MOST
 
 ROOT = Path(__file__).parents[2]
 README, SECURITY, MAKEFILE = (

@@ -7,8 +7,8 @@ from models import across, all_joints_mechanism, consistent_state, direction, ra
 from mbsd3d import GROUND, PointOnPlane, System, accelerations, simulate
 from mbsd3d.equations.at_state import load_state
 from mbsd3d.equations.compiled import Switches, compile_system
-from mbsd3d.equations.elimination import eliminate
-from mbsd3d.saddle.solve import factor
+from mbsd3d.equations.tree import eliminate
+from mbsd3d.solver.saddle_point import factor
 
 
 def factored(system, state, blocks=True):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from mbsd3d import GROUND, Body, Joint, Kinematic, Revolute, System, simulate
-from mbsd3d.equations import elimination, row_tables
+from mbsd3d.equations import row_tables, tree
 from mbsd3d.errors import InputError
 from mbsd3d.mechanism.primitives import coincide
 from validation.cases.examples import mechanism
@@ -12,7 +12,7 @@ from validation.cases.inline_four import RATE, block_force, inline_four
 from validation.cases.loops import FAMILIES
 
 PLANS = [row_tables.row_plan, row_tables.places]
-PLANS += [elimination.spanning_tree, elimination.loop_plan, elimination.planned_tables]
+PLANS += [tree.spanning_tree, tree.loop_plan, tree.planned_tables]
 ROUNDING = 4e-16  # of the largest term of R'(p - r)
 
 

@@ -13,7 +13,7 @@ from bicycle.parameters.files import read_values
 from mbsd3d import Body, System
 from mbsd3d.sweeps.experiment import Experiment, Outcome
 from mbsd3d.sweeps.grids import make_grid
-from mbsd3d.sweeps.ledger import Ledger, LedgerError, identity
+from mbsd3d.sweeps.store import Ledger, LedgerError, identity
 
 STONE = System([Body("stone", 1.0, (0.1, 0.1, 0.1))])
 YAML = {

@@ -43,7 +43,7 @@ from mbsd3d import (
 )
 from mbsd3d.base.quaternions import exponential, multiply
 from mbsd3d.base.rotations import matrix
-from mbsd3d.dynamics.loads import loads
+from mbsd3d.dynamics.applied_forces import loads
 from mbsd3d.equations.compiled import compile_system
 from mbsd3d.kernels.coordinates import coordinate, coordinate_rate
 from mbsd3d.kernels.kinematics import kinematics

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from engines.closed_forms import cams
 from mbsd3d import (
     GROUND,
     AngleDriver,
@@ -17,7 +18,6 @@ from mbsd3d import (
     simulate,
 )
 from mbsd3d.base.rotations import matrix
-from validation.theory import cams
 
 LIFT, HALF, PITCH, ROLLER = 0.0083, np.radians(72.0), 0.0285, 0.009
 MASS, RATE, PRELOAD, OMEGA = 0.13, 31e3, 270.0, 190.0

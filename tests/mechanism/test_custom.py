@@ -29,7 +29,7 @@ from mbsd3d import (
     load,
     simulate,
 )
-from mbsd3d.dynamics.loads import loads
+from mbsd3d.dynamics.applied_forces import loads
 from mbsd3d.files.description import describe
 from mbsd3d.integrators.runge_kutta import advance
 from mbsd3d.kernels.kinematics import kinematics

@@ -8,7 +8,7 @@ from models import random_body, random_inertia, random_orientation
 from mbsd3d import Body, rotation
 from mbsd3d.base import inertia
 from mbsd3d.base.rotations import matrix
-from mbsd3d.mechanism.shapes.guesses import THIN, shapes_of
+from mbsd3d.mechanism.shapes.homogeneous import THIN, shapes_of
 from mbsd3d.mechanism.shapes.kinds import Box, Capsule, Cylinder, Disc, Ellipsoid, Hull, Lines, MeshFile, Sphere, Torus
 from mbsd3d.mechanism.shapes.surfaces import BANDS, ROUND, TURNS, normals
 

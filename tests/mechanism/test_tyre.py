@@ -23,7 +23,7 @@ from mbsd3d import (
     measures,
     simulate,
 )
-from mbsd3d.dynamics.loads import loads
+from mbsd3d.dynamics.applied_forces import loads
 from mbsd3d.kernels.kinematics import kinematics
 
 RADIUS, HUB, K = 0.32, 0.31, 1e5

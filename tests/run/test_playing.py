@@ -9,9 +9,9 @@ from models import crane
 from mbsd3d import GROUND, AngleDriver, Body, Input, Revolute, Stepper, System, Torque, measures
 from mbsd3d.api.replay import played
 from mbsd3d.errors import MbsError
-from mbsd3d.run import playing as module
-from mbsd3d.run.playable import Built, Control, Panel, Seen, plain
-from mbsd3d.run.playing import PERIOD, Playing
+from mbsd3d.run import live_run as module
+from mbsd3d.run.live_model import Built, Control, Panel, Seen, plain
+from mbsd3d.run.live_run import PERIOD, Playing
 
 
 def playing(system=None, ranges=None, **options):

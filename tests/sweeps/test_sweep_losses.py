@@ -33,7 +33,7 @@ from mbsd3d.base.errors import SweepError
 from mbsd3d.extend import Store
 from mbsd3d.sweeps import executors as workers
 from mbsd3d.sweeps.experiment import Outcome
-from mbsd3d.sweeps.ledger import Ledger, LedgerError, stamp
+from mbsd3d.sweeps.store import Ledger, LedgerError, stamp
 from mbsd3d.sweeps.sweep import sweep
 
 ROOT = Path(__file__).parents[2]
@@ -191,7 +191,7 @@ def test_conditions_are_compared_by_all_that_they_say():
 
 def test_the_ledger_of_another_version_is_refused(tmp_path, monkeypatch):
     sweep(wheel, GRID, speed, run=RUN, ledger=tmp_path / "sweep.db")
-    monkeypatch.setattr("mbsd3d.sweeps.ledger.package_version", lambda: "0.0.1")
+    monkeypatch.setattr("mbsd3d.sweeps.store.package_version", lambda: "0.0.1")
     with pytest.raises(ValueError, match="belongs to another sweep, it differs in mbsd3d; give another file"):
         sweep(wheel, GRID, speed, run=RUN, ledger=tmp_path / "sweep.db")
 

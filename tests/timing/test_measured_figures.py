@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from mbsd3d.compiler.disk import CACHE
+from mbsd3d.compiler.cache_folder import CACHE
 from validation.benchmark.texts import MEASURED, ROOT
 
 pytestmark = pytest.mark.timing

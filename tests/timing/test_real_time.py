@@ -8,7 +8,7 @@ from browser import launch, visit
 from models import crane
 
 from bicycle import Meijaard2007, play
-from mbsd3d.run.playing import PERIOD, Playing
+from mbsd3d.run.live_run import PERIOD, Playing
 
 pytestmark = pytest.mark.timing
 

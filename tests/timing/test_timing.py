@@ -115,7 +115,8 @@ def building(build, cells):
 def test_900_engines():
     """An engine is solved in 6 to 7 times the time of describing it, 10 with two threads that take turns.
 
-    The figure in seconds depends on the machine (5 to 15 s on two cores): ``python -m validation.tax`` prints it.
+    The figure in seconds depends on the machine (5 to 15 s on two cores):
+    ``python -m validation.benchmark.planar_cost`` prints it.
     """
     grid = {"radius": np.linspace(0.5, 1.0, 30), "rod_length": np.linspace(1.5, 4.0, 30)}
     run = {"t_end": 2 * np.pi / RATE, "method": Kinematic(), "output": SAMPLES + 1}

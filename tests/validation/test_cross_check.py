@@ -37,13 +37,13 @@ from mbsd3d import (
 from mbsd3d.cli import main
 from mbsd3d.results.run_samples import Momentum
 from validation import cross_check
+from validation.benchmark import planar_pairs as twins
 from validation.cases.mechanisms import chain
 from validation.crosscheck import check as checking
-from validation.crosscheck import formulation, judge, ladder
-from validation.crosscheck import ours as own
-from validation.crosscheck.ours import momenta, motion_of, ours_at, rotation_matrices
+from validation.crosscheck import formulation, judge, step_refinement
+from validation.crosscheck import mbsd3d_runs as own
+from validation.crosscheck.mbsd3d_runs import momenta, motion_of, ours_at, rotation_matrices
 from validation.crosscheck.result import AGREES, DIFFERS, EXPLAINED, SKIPPED, Compared, CrossCheck, Finding
-from validation.tax import pairs as twins
 from validation.twins.base import EngineFailed, EngineMissing
 
 LOOP = twins.four_bar()
@@ -74,7 +74,7 @@ def sequence(order, runs=6, noise=0.0, limit=0.7):
 @pytest.mark.parametrize("order", [1, 2, 4, 6])
 def test_limit_and_order_of_a_sequence(order):
     runs = sequence(order)
-    found = ladder.limit_of(runs, order)
+    found = step_refinement.limit_of(runs, order)
     away = np.abs(found.values - 0.7).max()
     assert found.order == pytest.approx(order, abs=0.1)  # the next power still counts some per cent
     assert away <= 3.0 * found.error[-1]  # the estimate holds
@@ -84,22 +84,22 @@ def test_limit_and_order_of_a_sequence(order):
 
 def test_an_order_fitted_to_two_gaps_does_not_make_a_limit_certain():
     one = [np.full((2, 1, 1), x) for x in (1.0, 0.5, 0.28)]  # gaps 0.5 and 0.22: of no power, and fitted exactly
-    assert ladder.limit_of(one, 2.0).error[-1] > 0.05  # with order 2 the limit is 0.1 away
+    assert step_refinement.limit_of(one, 2.0).error[-1] > 0.05  # with order 2 the limit is 0.1 away
 
 
 def test_runs_that_only_add_rounding_are_left_out():
     runs = sequence(4, runs=10, noise=1e-9)
-    best, last = ladder.best_limit(runs, 4.0), ladder.limit_of(runs, 4.0)
+    best, last = step_refinement.best_limit(runs, 4.0), step_refinement.limit_of(runs, 4.0)
     assert best.error[-1] < 0.3 * last.error[-1]  # the noise of the last run is 16 times that of run 6
     assert np.abs(best.values - 0.7).max() <= 3.0 * best.error[-1]
 
 
 def test_runs_that_do_not_converge_have_an_error_as_large_as_they_scatter():
     runs = [np.full((3, 1, 1), x) for x in (1.0, 1.3, 0.9, 1.2)]
-    found = ladder.limit_of(runs, 2.0)
-    assert found.order < ladder.LEAST_ORDER and found.error[-1] == pytest.approx(0.7)  # 0.3 and 0.4
+    found = step_refinement.limit_of(runs, 2.0)
+    assert found.order < step_refinement.LEAST_ORDER and found.error[-1] == pytest.approx(0.7)  # 0.3 and 0.4
     with pytest.raises(ValueError, match="three or more"):
-        ladder.limit_of(runs[:2], 2.0)
+        step_refinement.limit_of(runs[:2], 2.0)
 
 
 # -- quantities --

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from bicycle.parameters import fittings
+from engines.balance.layouts import names
 from mbsd3d.demos.discovery import discover
 from validation import cases
-from validation.engine_balance.layouts import names
 from validation.suite import findings as words
 from validation.suite import trials as listing
 from validation.suite.findings import (

@@ -16,7 +16,7 @@ from pages import SETTLED
 from test_live import knock, listens, until
 
 from mbsd3d import GROUND, Body, Input, Revolute, Solution, System, Torque
-from mbsd3d.run.playing import PERIOD
+from mbsd3d.run.live_run import PERIOD
 from mbsd3d.view.page.stage import FOV, swing
 from mbsd3d.view.play.page import pivot_of
 from mbsd3d.view.play.play import Play, parsed, ride_so_far

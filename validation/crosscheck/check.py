@@ -13,9 +13,9 @@ from mbsd3d.extend import Progress, check_state, check_system, explaining, numbe
 from validation.crosscheck.formulation import ENGINE as DEFINITIONS
 from validation.crosscheck.formulation import compare_definitions, skipped
 from validation.crosscheck.judge import Runs, curves, explained, judge_motion, judge_start, own_error
-from validation.crosscheck.ladder import INTERVALS, climb, fastest_rate, first_steps
-from validation.crosscheck.ours import Ours, ours_at, ours_at_start
+from validation.crosscheck.mbsd3d_runs import Ours, ours_at, ours_at_start
 from validation.crosscheck.result import DIFFERS, SKIPPED, Compared, CrossCheck, Finding
+from validation.crosscheck.step_refinement import INTERVALS, climb, fastest_rate, first_steps
 from validation.twins.base import EngineMissing, NotComparable, Twin
 
 MODULES = {"mujoco": "validation.twins.mujoco", "exudyn": "validation.twins.exudyn"}

@@ -10,7 +10,7 @@ import numpy as np
 
 from mbsd3d import Solution, State, System, accelerations
 from validation.crosscheck.judge import LOOSEST
-from validation.crosscheck.ours import TIGHT, Sizes, largest, whole_run
+from validation.crosscheck.mbsd3d_runs import TIGHT, Sizes, largest, whole_run
 from validation.crosscheck.result import AGREES, DIFFERS, SKIPPED, Compared, Finding
 from validation.twins.base import Array, NotExpressible
 from validation.twins.definitions.equations import Reference, solve

@@ -11,9 +11,9 @@ import numpy as np
 
 from mbsd3d import State, System, accelerations
 from mbsd3d.extend import mass_matrix
-from validation.crosscheck.ladder import Ladder, Limit, best_limit
-from validation.crosscheck.ours import POSES, Ours, Quantity, largest, quantities
+from validation.crosscheck.mbsd3d_runs import POSES, Ours, Quantity, largest, quantities
 from validation.crosscheck.result import AGREES, DIFFERS, EXPLAINED, SKIPPED, SURE, Attribution, Curve, Finding
+from validation.crosscheck.step_refinement import Ladder, Limit, best_limit
 from validation.twins.base import Array, NotComparable, Twin
 
 MASS = 1e-10

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
+from mbsd3d.extend import aligned
 from validation.crosscheck.result import AGREES, DIFFERS, EXPLAINED
 from validation.crosscheck.result import SKIPPED as NOT_COMPARED
 
@@ -188,13 +189,6 @@ def lines_of(records: Sequence[Record], judges: Sequence[str]) -> list[list[str]
             own = failed(own)
         rows += [line(record, judges) for record in own]
     return rows
-
-
-def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
-    """Columns side by side: two of words, then numbers."""
-    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-    sides = [str.ljust, str.ljust, *[str.rjust] * (len(widths) - 2)]
-    return ["  ".join(side(x, n) for side, x, n in zip(sides, row, widths, strict=True)).rstrip() for row in rows]
 
 
 def differences(records: Iterable[Record]) -> list[str]:

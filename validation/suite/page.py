@@ -23,9 +23,9 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from engines.balance.pages.drawings import stroke, svg, text
 from mbsd3d.extend import digits, house, package_version, page_template
 from validation.crosscheck import Compared, CrossCheck, Curve
-from validation.engine_balance.pages.drawings import stroke, svg, text
 from validation.machine import machine
 from validation.suite.findings import (
     AGREES,

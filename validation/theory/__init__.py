@@ -9,7 +9,6 @@ body axes, ``L`` angular momentum, ``T`` kinetic energy, ``m`` the parameter of 
 digits of the period with it.
 """
 
-from validation.theory import cams
 from validation.theory.common import (
     EXTENDED,
     GRAVITY,
@@ -22,10 +21,7 @@ from validation.theory.common import (
 )
 from validation.theory.five_links import poses as five_link_poses
 from validation.theory.five_links import twist as five_link_twist
-from validation.theory.free_beam import bending_roots, bending_shape, torsion_shape
-from validation.theory.free_plate import free_plate
 from validation.theory.hinge_loop import HingeLoop
-from validation.theory.mounts import bounce_and_pitch, quarter_car, three_coupled, transmissibility
 from validation.theory.one_freedom import (
     arm_slider,
     arm_slider_torque,

@@ -13,7 +13,7 @@ from ...base.errors import InputError
 from ...base.quaternions import multiply
 from ...base.rotations import matrix
 from ...equations.compiled import Switches
-from ...run.rates import Rates
+from ...run.accelerations import Rates
 from .car import UP, WHEELS, Car, car
 
 SIZES = np.array([0.01, 0.001, 0.01, 0.1, 0.01, *[0.01] * 4, *[1.0] * 4, 100.0, *[0.01] * 8, 1.0])

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 from ...base.checks import number
 from ...base.errors import InputError
-from ...compiler.jit import inner_kernel
+from ...compiler.decorators import inner_kernel
 from ...kernels.signals import signal
 from ..force_element import ForceElement, ForceRecord, hinge_coordinate
 from ..joints import Joint

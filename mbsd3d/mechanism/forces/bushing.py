@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from ...base.checks import vector
 from ...base.errors import InputError
 from ...base.rotations import as_quaternion, matrix
-from ...compiler.jit import inner_kernel
+from ...compiler.decorators import inner_kernel
 from ...kernels.force_laws import push, twist
 from ...kernels.vectors import add, arm, columns, dot, point, point_velocity, scale, sub, vec
 from ..bodies import Body, Ground

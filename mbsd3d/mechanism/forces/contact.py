@@ -9,7 +9,7 @@ import numpy as np
 from ...base.checks import number
 from ...base.directions import perpendiculars
 from ...base.errors import InputError
-from ...compiler.jit import inner_kernel
+from ...compiler.decorators import inner_kernel
 from ...kernels.force_laws import push, twist
 from ...kernels.surfaces import meeting, pressure
 from ...kernels.vectors import add, dot, scale, sub, vec

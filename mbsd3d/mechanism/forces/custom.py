@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ...base.checks import listed, number, sequence, shown, vector
 from ...base.errors import InputError
-from ...compiler.jit import inner_kernel
+from ...compiler.decorators import inner_kernel
 from ...compiler.pointer_call import call
 from ...kernels.layout import MOST_BODIES
 from ...kernels.vectors import add, add6, arm, clear, cross, dot, mat, pair, point, point_velocity, put, sub, vec

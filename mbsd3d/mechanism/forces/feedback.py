@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from ...base.checks import number, sequence
 from ...base.errors import InputError
-from ...compiler.jit import inner_kernel
+from ...compiler.decorators import inner_kernel
 from ...kernels.coordinates import measure
 from ..force_element import ForceElement, ForceRecord, hinge_coordinate
 from ..joints import Joint

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from ...base.checks import number, vector
 from ...base.errors import InputError
-from ...compiler.jit import inner_kernel
+from ...compiler.decorators import inner_kernel
 from ...kernels.force_laws import push, tanh
 from ...kernels.vectors import add, arm, dot, point, point_velocity, scale, sub
 from ..bodies import Body, Ground

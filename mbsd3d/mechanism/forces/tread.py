@@ -1,6 +1,6 @@
 """Curves of a tyre: force and trail over the deflection, stiffness and grip over the load."""
 
-from ...compiler.jit import inner_kernel
+from ...compiler.decorators import inner_kernel
 
 LEAST = 0.1
 """Share of grip and stiffness that no load takes away."""

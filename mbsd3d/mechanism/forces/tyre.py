@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from ...base.checks import number, vector
 from ...base.directions import unit
 from ...base.errors import InputError
-from ...compiler.jit import inner_kernel
+from ...compiler.decorators import inner_kernel
 from ...kernels.force_laws import push, tanh, twist
 from ...kernels.signals import signal
 from ...kernels.vectors import add, arm, cross, dot, mat, point, point_velocity, put, rotate, scale, sub, vec

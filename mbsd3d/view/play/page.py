@@ -12,7 +12,7 @@ from ...kernels import kinds
 from ...mechanism.bodies import GROUND
 from ...mechanism.joints import PointJoint
 from ...mechanism.mechanism import Mechanism
-from ...run.playable import Built, Control, Playable
+from ...run.live_model import Built, Control, Playable
 from ..page.content import Content, player_data
 from ..page.html import as_script, asset
 from ..page.recorder import Recording, client_head, printable

@@ -14,7 +14,7 @@ from ...mechanism.mechanism import Mechanism
 from ...plotting.panels import Wanted
 from ...results.body_motion import Poses
 from ...results.run_result import RunResult
-from ...run.playing import PERIOD, Frame, Playing
+from ...run.live_run import PERIOD, Frame, Playing
 from ..page.served import Served
 from ..page.show import animate
 from ..scene.drawing import USUAL

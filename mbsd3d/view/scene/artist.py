@@ -11,7 +11,7 @@ from ...mechanism.contacts import Rolling, RollingDisc
 from ...mechanism.forces.contact import Contact
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes import Shape
-from ...mechanism.shapes.guesses import shapes_of
+from ...mechanism.shapes.homogeneous import shapes_of
 from ...mechanism.shapes.kinds import Ellipsoid, Lines
 from ...mechanism.shapes.surfaces import ball, block, joined, moved
 from .drawing import Drawing, Link, Piece, Tag, Wire, bounds, corners, poses_of

@@ -10,17 +10,17 @@ from typing import Any
 
 import numpy as np
 
+from engines import planar
+from engines.balance import balance, spatial
+from engines.balance.layouts import Engine, names
 from mbsd3d import GROUND, Constant, Joint, Kinematic, Prismatic, Revolute, SpeedDriver, SpringDamper, System, Torque
 from mbsd3d.errors import InputError
 from mbsd3d.extend import perpendiculars
 from validation import reduce_to_planes
+from validation.benchmark import planar_pairs as twins
 from validation.cases.inline_four import RATE, block_force, inline_four
-from validation.engine_balance import balance, spatial
-from validation.engine_balance.layouts import Engine, names
 from validation.suite.findings import PLANE, THEORY, Finding, judged, not_compared
 from validation.suite.trials.trial import Run, Trial, run
-from validation.tax import pairs as twins
-from validation.twins import planar
 
 EXACT = 1e-12  # Of directions and distances: beyond rounding a mechanism is not planar
 LEAST_ORDER = 3.5  # Runge-Kutta of order 4 shows at least this one as long as its error is larger than ours
@@ -192,7 +192,7 @@ def trials(quick: bool) -> list[Trial]:
 
 
 def layout(name: str) -> Trial:
-    """An engine of `validation.engine_balance`."""
+    """An engine of `engines.balance`."""
     alone = "" if name in PEERED else f"{' and '.join(PEERED)} represent the layouts, which have the same parts"
     judges = {THEORY: partial(balanced, "phasor", THEORY), PLANE: partial(balanced, "planar", PLANE)}
     return Trial(f"engine_{name}", "engines", Engine(name).layout.title, partial(turning, name), judges, alone=alone)

@@ -12,7 +12,7 @@ from mbsd3d.extend import Demo, discover
 from validation.benchmark.counts import Count, counted_by_exudyn
 from validation.cases.examples import mechanism, moving
 from validation.cases.mechanisms import four_bars
-from validation.crosscheck.ours import LOOSE, TIGHT
+from validation.crosscheck.mbsd3d_runs import LOOSE, TIGHT
 from validation.suite.findings import FREEDOMS, THEORY, Finding, judged
 from validation.suite.trials import closed_forms
 from validation.suite.trials.references import counts, theory_of

@@ -5,23 +5,23 @@ from functools import partial
 
 import numpy as np
 
+from engines import planar
+from engines.balance import planar_sum
+from engines.nvh.cabin import checks as cabin_checks
+from engines.nvh.control import skyhook
+from engines.nvh.control.cancel import Cancel
+from engines.nvh.excitation import balance_shafts, presets
+from engines.nvh.excitation.loads import Source
+from engines.nvh.excitation.main_bearings import cut_engine, cycle_run
+from engines.nvh.mounts import checks, mounts
+from engines.nvh.road.guide import guide
+from engines.nvh.road.report import quarter_car, ride_of
+from engines.nvh.road.ride import rms
+from engines.nvh.study import AGREES, Study
 from validation import theory
-from validation.engine_balance import planar_sum
-from validation.nvh.active import skyhook
-from validation.nvh.active.cancel import Cancel
-from validation.nvh.cabin import checks as cabin_checks
-from validation.nvh.engine import balance_shafts, presets
-from validation.nvh.engine.loads import Source
-from validation.nvh.engine.main_bearings import cut_engine, cycle_run
-from validation.nvh.held import checks, mounts
-from validation.nvh.road.guide import guide
-from validation.nvh.road.report import quarter_car, ride_of
-from validation.nvh.road.ride import rms
-from validation.nvh.study import AGREES, Study
 from validation.suite.findings import PLANE, THEORY, Finding, judged
 from validation.suite.trials import valves
 from validation.suite.trials.trial import Run, Trial
-from validation.twins import planar
 
 IN_CARS = (("inline_4", "compact", 3000.0), ("v8_cross", "saloon", 2500.0), ("twin_270", "motorcycle", 4000.0))
 GUIDES, TRACK = ("double wishbone", "multilink"), 1.55

@@ -5,9 +5,9 @@ from functools import partial
 
 import numpy as np
 
+from engines import closed_forms
+from engines.nvh.valvetrain.report import HALF, LIFT, Valve
 from mbsd3d import SlideDriver, System, linearize
-from validation import theory
-from validation.nvh.valve.report import HALF, LIFT, Valve
 from validation.suite.findings import THEORY, Finding, judged
 from validation.suite.trials.trial import Run, Trial
 
@@ -41,8 +41,8 @@ def valve() -> Run:
 def speed_of_float(made: Valve) -> Finding:
     """Speed from which on the multiplier pulls, by the law of the cam."""
     train = made.train
-    s, _, dds = getattr(theory.cams, made.law)(np.linspace(-np.pi, np.pi, 20001), LIFT, HALF)
-    known = 30 / np.pi * theory.cams.float_rate(train.mass, train.rate, train.preload, s, dds)
+    s, _, dds = getattr(closed_forms.cams, made.law)(np.linspace(-np.pi, np.pi, 20001), LIFT, HALF)
+    known = 30 / np.pi * closed_forms.cams.float_rate(train.mass, train.rate, train.preload, s, dds)
     return judged(THEORY, "speed of float", abs(made.floats / known - 1), 1e-4, "lift by a spline of half degrees")
 
 
@@ -51,7 +51,7 @@ def on_the_cam(made: Run) -> Iterable[Finding]:
     train = made.source.train
     yield speed_of_float(made.source)
     angle = (train.turn * made.solution.t) % (2 * np.pi) - np.pi
-    s, _, dds = theory.cams.cycloidal(angle, LIFT, HALF)
+    s, _, dds = closed_forms.cams.cycloidal(angle, LIFT, HALF)
     force = train.mass * dds * train.turn**2 + train.preload + train.rate * s
     off = np.abs(made.solution.force("contact").force[:, 2] - force).max() / force.max()
     yield judged(THEORY, "force of the contact", float(off), 0.03, "relative to the largest; the valve swings on it")
@@ -65,7 +65,7 @@ def held(law: str, follower: str) -> Run:
 
 def pushed(made: Run) -> Iterable[Finding]:
     """Speed of float, multiplier, side force and torque by the law of the cam."""
-    train, law, run = made.source.train, getattr(theory.cams, made.source.law), made.solution
+    train, law, run = made.source.train, getattr(closed_forms.cams, made.source.law), made.solution
     yield speed_of_float(made.source)
     angle = (train.turn * run.t) % (2 * np.pi) - np.pi
     s, ds, dds = law(angle, LIFT, HALF)
@@ -94,10 +94,10 @@ def bounced(made: Run) -> Iterable[Finding]:
     train, run = made.source.train, made.solution
 
     def law(angle: np.ndarray) -> tuple:
-        return getattr(theory.cams, made.source.law)(angle, LIFT, HALF)
+        return getattr(closed_forms.cams, made.source.law)(angle, LIFT, HALF)
 
     numbers = (train.rate, train.preload), (train.contact, train.damping)
-    known = theory.cams.bounce(law, train.turn, train.mass, *numbers, run.t)
+    known = closed_forms.cams.bounce(law, train.turn, train.mass, *numbers, run.t)
     off = np.abs(run.position("valve")[:, 2] - train.cam.height - known).max() / train.gap(run).max()
     yield judged(THEORY, "height over two turns", float(off), 1e-4, "of the largest gap; lift by a spline, and blows")
 
@@ -114,5 +114,5 @@ def surged(made: Run) -> Iterable[Finding]:
     train = Valve("cycloidal", FOLLOWS).surging_train
     values = np.abs(linearize(made.system).eigenvalues)
     found = np.unique(values[values > 1.0].round(6))
-    known = theory.cams.surge(train.coils, train.rate, train.pieces)
+    known = closed_forms.cams.surge(train.coils, train.rate, train.pieces)
     yield judged(THEORY, "frequencies of surge", float(np.abs(found / known - 1).max()), 1e-8, "relative")

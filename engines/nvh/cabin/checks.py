@@ -1,0 +1,73 @@
+"""Shells that theory or the general model knows; quantity -> (computed, exact), as `held.checks`."""
+
+from functools import cached_property
+
+import numpy as np
+
+from engines import closed_forms
+from engines.nvh.cabin.plate import plate_modes
+from engines.nvh.cabin.seat import Cabin
+from engines.nvh.cabin.shell import ModalShell
+from engines.nvh.excitation import presets
+from engines.nvh.excitation.loads import Source
+from engines.nvh.mounts import mounts
+from engines.nvh.mounts.checks import Pairs
+from engines.nvh.mounts.powertrain import equivalent
+from engines.nvh.mounts.response import Map, OnMounts, shift, six_freedoms
+from mbsd3d import Body, Bushing, System, linearize
+
+
+def free_plate(ratio: float = 2.3) -> Pairs:
+    """A plate with Poisson's ratio 0 bends as a beam."""
+    found, known = plate_modes(ratio, 1.0, 0.0)[0] * ratio**2, closed_forms.bending_roots(2) ** 2
+    return {"bending of a free plate": (np.array([found[np.abs(found - x).argmin()] for x in known]), known)}
+
+
+def held_in(car: str, engine: str) -> OnMounts:
+    """An engine on the mounts of a car, not rolled by a mean torque."""
+    body = equivalent(presets.preset(engine))
+    return OnMounts(body, mounts.mounts(mounts.car(car), presets.preset(engine), body.mass))
+
+
+class Rigid(Cabin):
+    """A cabin whose shell has no elastic modes."""
+
+    @cached_property
+    def shell(self) -> ModalShell:
+        """Its rigid motions."""
+        shell = super().shell
+        shapes = [shape for rate, shape in zip(shell.rates, shell.shapes, strict=True) if rate == 0.0]
+        return ModalShell(np.zeros(len(shapes)), np.zeros(len(shapes)), shapes)
+
+
+def rigid_shell(car: str, engine: str, rpm: float = 1700.0) -> Pairs:
+    """A shell without elastic modes is a body of the general model."""
+    held = held_in(car, engine)
+    cabin = Rigid(mounts.car(car), held)
+    answer = held.answer(Source(presets.preset(engine), 0.7), [rpm])
+    return {"seat of a rigid shell": (cabin.seat(answer)[0], of_bodies(cabin, answer))}
+
+
+def of_bodies(cabin: Cabin, answer: Map) -> np.ndarray:
+    """(n, 3) phasors of the seat's acceleration: shell, powertrain and spinning rotor as bodies on bushings."""
+    r, R, held = cabin.car.shell, cabin.axes, cabin.held
+    m, rate = r["mass"], 2 * np.pi * answer.rpm[0] / 60
+    bent = m * r["length"] ** 2 / 12
+    shell = Body("shell", m, R.T @ np.diag([r["roll_inertia"], bent, bent]) @ R, com=-R.T @ r["engine"])
+    apart = held.body.system(lambda body: [], rate)
+    powertrain, rotor = apart.bodies
+    forces = [
+        Bushing(shell, powertrain, at=x.at, stiffness=x.rates, damping=x.damping, axes=x.axes) for x in held.placed
+    ]
+    both = System([powertrain, rotor, shell], apart.joints, [*forces, *apart.forces], gravity=(0, 0, 0))
+    A = linearize(both, outputs=six_freedoms(powertrain) + six_freedoms(shell)).A
+    order = np.r_[0:6, 12:18, 6:12, 18:24]  # displacements of both, then rates of both
+    A, B = A[np.ix_(order, order)], np.zeros((24, 6))
+    B[12:18] = np.linalg.inv(held.mass)
+    to_seat = shift(np.array(R.T @ (np.array(r["seat"]) - r["engine"])))[:3]
+    found = np.zeros((answer.orders.size, 3), dtype=complex)
+    for k, W in enumerate(answer.orders * rate):
+        if k:
+            x = np.linalg.solve(1j * W * np.eye(24) - A, B @ answer.load[0, k])
+            found[k] = -(W**2) * R @ to_seat @ x[6:12]
+    return found

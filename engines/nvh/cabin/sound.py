@@ -1,0 +1,35 @@
+"""The orders at the seat rail as a sound: a run-up from idle to redline."""
+
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.io import wavfile
+
+from engines.nvh.mounts.response import Map
+from mbsd3d.extend import write_atomically
+
+RATE, SECONDS = 22050, 8.0  # samples a second; of the run-up
+LOUD = 0.9  # of full scale
+
+
+def run_up(found: Map, seat: np.ndarray) -> np.ndarray:
+    """(samples,) vertical acceleration over a run-up at even angular acceleration, its largest value 1.
+
+    Phasors (s, n, 3) of the map are splines over the speed; the crank angle is the integral of the speed.
+    """
+    t = np.arange(int(SECONDS * RATE)) / RATE
+    first, last = found.rpm[[0, -1]]
+    rpm = first + (last - first) * t / SECONDS
+    angle = 2 * np.pi / 60 * (first * t + (last - first) * t**2 / (2 * SECONDS))
+    felt = CubicSpline(found.rpm, seat[:, :, 2])(rpm)
+    value = sum((felt[:, k] * np.exp(1j * order * angle)).real for k, order in enumerate(found.orders))
+    return value / np.abs(value).max()
+
+
+def write_sound(found: Map, seat: np.ndarray, path: str | Path) -> Path:
+    """Write the run-up as a WAV file of 16 bits, one channel; where it is."""
+    file = BytesIO()
+    wavfile.write(file, RATE, np.round(LOUD * 32767 * run_up(found, seat)).astype(np.int16))
+    return write_atomically(Path(path), file.getvalue())

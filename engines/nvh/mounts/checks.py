@@ -1,0 +1,101 @@
+"""Powertrains so simple that theory knows their small motions; the general model must find the same.
+
+Each returns quantity -> (computed, exact), or with a limit of their difference; what is exact comes from
+`engines.closed_forms`, fed with numbers alone.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from engines import closed_forms
+from engines.nvh.mounts.mounts import Mount, bushings
+from engines.nvh.mounts.powertrain import Equivalent
+from engines.nvh.mounts.response import OnMounts
+from engines.nvh.mounts.rigid_modes import rigid_modes
+from mbsd3d import Body, System, linearize
+
+Pairs = dict[str, tuple[Any, ...]]
+MASS, INERTIA = 187.0, np.diag([6.3, 11.9, 13.1])  # kg, kg m^2
+
+
+def mount(at: tuple[float, float, float], rates: tuple[float, float, float], damping: float = 0.0) -> Mount:
+    """A mount with axes of the car and dampers in proportion to the rates [s]."""
+    return Mount(f"mount at {at}", at, rates, tuple(damping * k for k in rates))
+
+
+def one_freedom(frequencies: np.ndarray) -> Pairs:
+    """Vertical force at the centre of mass of a powertrain on four alike mounts: one freedom is moved."""
+    share = 0.011  # damping over rate [s]
+    placed = [mount((x, y, -0.2), (1.1e5, 1.4e5, 2.3e5), share) for x in (-0.31, 0.31) for y in (-0.22, 0.22)]
+    rate = np.sqrt(4 * 2.3e5 / MASS)
+    found = OnMounts(Equivalent(MASS, np.zeros(3), INERTIA, 0.12), placed)
+    A, M = found.matrix(0.0), found.mass
+    B = np.vstack([np.zeros((6, 6)), np.linalg.inv(M)])
+    W, computed = 2 * np.pi * frequencies, []
+    for w in W:
+        x = np.linalg.solve(1j * w * np.eye(12) - A, B @ np.array([0, 0, 1.0, 0, 0, 0]))
+        computed.append(sum(found.handed_on(part, x[None, :6], np.array([w]))[0, 2] for part in placed))
+    return {"transmissibility": (np.array(computed), closed_forms.transmissibility(W, rate, share * rate / 2))}
+
+
+def bounce_and_pitch() -> Pairs:
+    """Two pairs of mounts before and behind the centre of mass, at its height: bounce and pitch about y."""
+    rates, arms = (1.7e5, 2.9e5), (0.41, -0.27)
+    placed = [mount((x, y, 0.0), (9e4, 7e4, k / 2)) for k, x in zip(rates, arms, strict=True) for y in (-0.2, 0.2)]
+    squares, centres = closed_forms.bounce_and_pitch(MASS, np.sqrt(INERTIA[1, 1] / MASS), rates, arms)
+    body = Body("powertrain", MASS, INERTIA)
+    mine = [mode for mode in rigid_modes(body, placed) if mode.shares[2] + mode.shares[4] > 0.99]
+    nodes = [mode.shape[2] / mode.shape[4] for mode in mine]  # a rotation about y moves x > 0 down
+    return {
+        "bounce and pitch": (2 * np.pi * np.array([mode.frequency for mode in mine]), squares),
+        "centres of bounce and pitch": (np.array(nodes), centres),
+    }
+
+
+def three_coupled() -> Pairs:
+    """Mounts below the centre of mass, unlike in front and behind: sway, roll and yaw are coupled."""
+    spots = [((0.35, 0.2, -0.15), 1.3e5), ((0.35, -0.2, -0.15), 1.3e5), ((-0.28, 0.24, -0.21), 0.8e5),
+             ((-0.28, -0.24, -0.21), 0.8e5)]  # fmt: skip
+    along, across, up = 0.9, 0.7, 1.6
+    placed = [mount(at, (along * k, across * k, up * k)) for at, k in spots]
+    rates = dict.fromkeys(("yy", "yx", "yz", "xx", "xz", "zz"), 0.0)
+    for (x, y, z), k in spots:  # a point moves across by y - z theta_x + x theta_z
+        ky, kx, kz = across * k, along * k, up * k
+        rates["yy"] += ky
+        rates["yx"] += -ky * z
+        rates["yz"] += ky * x
+        rates["xx"] += ky * z**2 + kz * y**2
+        rates["xz"] += -ky * x * z
+        rates["zz"] += ky * x**2 + kx * y**2
+    body = Body("powertrain", MASS, INERTIA)
+    mine = [m for m in rigid_modes(body, placed) if m.shares[1] + m.shares[3] + m.shares[5] > 0.99]
+    known = closed_forms.three_coupled(MASS, (INERTIA[0, 0], INERTIA[2, 2]), rates)
+    return {"sway, roll and yaw": (2 * np.pi * np.array([mode.frequency for mode in mine]), known)}
+
+
+def mounted(placed: list[Mount]) -> System:
+    """The body of the checks on its mounts."""
+    body = Body("powertrain", MASS, INERTIA)
+    return System([body], forces=bushings(placed, body), gravity=(0, 0, 0))
+
+
+def spinning_rotor(rate: float) -> Pairs:
+    """Pitch and yaw of a powertrain with one stiffness about both, coupled by the spin of its crank: H = J w.
+
+    ``I_y a'' + k a + H b' = 0, I_z b'' + k b - H a' = 0``:  I_y I_z s^4 + (k (I_y + I_z) + H^2) s^2 + k^2 = 0.
+    """
+    k, J = 4.1e4, 0.31
+    half = np.sqrt(k / (4 * 1.5e5))
+    placed = [mount((x, 0.0, 0.0), (1e5, 1.5e5, 1.5e5)) for x in (-half, half)]
+    placed += [mount((0.0, y, z), (1e-3, 5e4, 5e4)) for y, z in ((0.2, 0.0), (-0.2, 0.0), (0.0, 0.2), (0.0, -0.2))]
+    body = Equivalent(MASS, np.zeros(3), INERTIA, J)
+    stiff = 2 * 1.5e5 * half**2
+    system = body.system(lambda part: bushings(placed, part), rate)
+    values = np.abs(linearize(system).eigenvalues.imag)
+    H, (_, B, C) = J * rate, np.diag(INERTIA)
+    squares = np.roots([B * C, stiff * (B + C) + H**2, stiff**2])
+    known = np.sort(np.sqrt(-squares.real))
+    return {
+        "pitch and yaw of a spinning crank": (np.array([values[np.argmin(np.abs(values - w))] for w in known]), known)
+    }

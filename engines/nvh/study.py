@@ -1,0 +1,203 @@
+"""An engine in a car at a speed: what is computed of it, each part when it is asked for."""
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from engines.nvh.cabin.seat import BEAM, Cabin, known
+from engines.nvh.excitation import balance_shafts
+from engines.nvh.excitation.loads import Source
+from engines.nvh.excitation.main_bearings import Bearing, main_bearings
+from engines.nvh.excitation.presets import Preset
+from engines.nvh.mounts import mounts as cars
+from engines.nvh.mounts.mounts import Car, Mount
+from engines.nvh.mounts.powertrain import Equivalent, equivalent
+from engines.nvh.mounts.response import Map, OnMounts, run_orders, whole_run
+from engines.nvh.mounts.rigid_modes import RigidMode, rigid_modes, sag
+from engines.nvh.mounts.roll_axis import Decoupled, decouple, roll_share
+from mbsd3d import Solution
+from mbsd3d.errors import InputError
+from mbsd3d.extend import closing, number
+
+SPEEDS = 60  # of the map, from idle to redline
+AGREES = 0.01  # difference of linear map and full run, over the largest order
+IDLE = 0.3  # load at idle: the share of the inlet pressure that turns it over and drives what hangs on it
+SLOWEST = 0.1  # of the idle speed: a starter turns faster
+COARSE = 48  # samples of a turn in a sweep: orders from 40 on fold back
+MOST = 1000  # speeds of a sweep, and cycles at each
+THREADS = 2  # of a sweep: the compiled time loop leaves the others running
+SETTLE = 0.5  # s: the run starts from the state of the linear answer
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """Linear ``map`` and ``full`` (s, n, mounts, 3) motion at the same speeds, phasors of the forces on the car [N],
+    from so many ``cycles``.
+    """
+
+    map: Map
+    full: np.ndarray
+    cycles: int
+
+    @property
+    def off(self) -> np.ndarray:
+        """(s,) largest difference of any mount and order, over the largest force at that speed."""
+        size = np.abs(self.map.force[:, 1:]).max(axis=(1, 2, 3))
+        return np.abs(self.full - self.map.force)[:, 1:].max(axis=(1, 2, 3)) / size
+
+
+@dataclass(frozen=True)
+class Study:
+    """``preset`` in ``car`` at ``rpm`` [1/min] under ``load``, a share of full load; 0 is motored, without gas;
+    ``shafts``: balance shafts, one of `balance_shafts.KINDS`, or None; ``shell``: what the car's shell is taken for,
+    see `Cabin`.
+
+    ValueError for a speed that is not positive, below a tenth of the idle speed or beyond the redline, or a load
+    outside 0 ... 1.
+    """
+
+    preset: Preset
+    car: Car
+    rpm: float
+    load: float = 1.0
+    shafts: str | None = None
+    shell: str = BEAM
+
+    def __post_init__(self) -> None:
+        rpm, least = number(self.rpm, "nvh: rpm", positive=True), SLOWEST * self.preset.idle
+        if rpm > self.preset.redline:
+            most = f"redline of '{self.preset.name}'; give {self.preset.redline:g} or less"
+            raise InputError(f"nvh: rpm {rpm:g} is beyond the {most}")
+        if rpm < least:
+            raise InputError(f"nvh: rpm {rpm:g}: '{self.preset.name}' idles at {self.preset.idle:g}; give {least:g} up")
+        self.source.cycle  # noqa: B018  # refuses a load
+
+    @cached_property
+    def source(self) -> Source:
+        """The engine that shakes."""
+        fitted = () if self.shafts is None else balance_shafts.fitted(self.preset, self.shafts)
+        return Source(self.preset, self.load, tuple(fitted))
+
+    @cached_property
+    def body(self) -> Equivalent:
+        """Rigid body and rotor of the powertrain."""
+        return equivalent(self.preset, self.source.fitted)
+
+    @cached_property
+    def placed(self) -> list[Mount]:
+        """The mounts of the car for this powertrain."""
+        return cars.mounts(self.car, self.preset, self.body.mass)
+
+    @cached_property
+    def modes(self) -> list[RigidMode]:
+        """Modes of the powertrain at rest."""
+        return rigid_modes(self.body.rigid, self.placed)
+
+    @cached_property
+    def sag(self) -> tuple[np.ndarray, np.ndarray]:
+        """Displacement [m] and rotation [rad] under the weight."""
+        return sag(self.body.rigid, self.placed)
+
+    @cached_property
+    def decoupled(self) -> Decoupled:
+        """The mounts moved until the powertrain rolls about its torque-roll axis."""
+        return decouple(self.body.rigid, self.placed)
+
+    @cached_property
+    def roll_shares(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """(share of energy, frequency [Hz]) of the roll, as built and decoupled."""
+        return roll_share(self.body.rigid, self.placed), roll_share(self.body.rigid, self.decoupled.mounts)
+
+    @cached_property
+    def on_mounts(self) -> OnMounts:
+        """About the position under the mean torque."""
+        return OnMounts(self.body, self.placed, self.source.mean_torque)
+
+    @cached_property
+    def map(self) -> Map:
+        """Linear map from idle to redline."""
+        return self.over(SPEEDS)
+
+    def over(self, count: int) -> Map:
+        """Linear map at ``count`` speeds from idle to redline."""
+        return self.on_mounts.answer(self.source, np.linspace(self.preset.idle, self.preset.redline, count))
+
+    @cached_property
+    def spin(self) -> float:
+        """Largest change of a mount's force if the spin of the crank is left out, over the largest force."""
+        still = replace(self.on_mounts, gyroscopic=False).answer(self.source, self.map.rpm)
+        return float(np.abs(still.force - self.map.force).max() / np.abs(self.map.force).max())
+
+    @cached_property
+    def here(self) -> Map:
+        """The map at the speed of the study."""
+        return self.on_mounts.answer(self.source, [self.rpm])
+
+    @cached_property
+    def run(self) -> Solution:
+        """The full motion at this speed, settled: four cycles."""
+        return whole_run(self.source, self.on_mounts, self.rpm, settle=SETTLE)
+
+    @cached_property
+    def run_force(self) -> np.ndarray:
+        """(n, mounts, 3) phasors on the car in the full run, turned to the crank angle of the map."""
+        return run_orders(self.run, self.placed, self.preset.engine(self.rpm).rate, self.here.orders)
+
+    @cached_property
+    def differences(self) -> tuple[np.ndarray, np.ndarray]:
+        """(n,) largest force of a mount in the linear map [N], and how far the full run is from it, order by order."""
+        linear, full = self.here.force[0, 1:], self.run_force[1:]
+        return np.abs(linear).max(axis=(1, 2)), np.abs(full - linear).max(axis=(1, 2))
+
+    @property
+    def difference(self) -> float:
+        """Largest difference of full run and map in any order, over the largest order."""
+        size, off = self.differences
+        return float(off.max() / size.max())
+
+    @property
+    def nearest(self) -> tuple[float, float, float]:
+        """(order that full run and map differ most in, frequency of the mode it is nearest to [Hz], share of the
+        amplitude that this mode would have at resonance, ``|2 z / (1 - r^2 + 2 i z r)|``).
+        """
+        rate, (_, off) = self.preset.engine(self.rpm).rate, self.differences
+        order = float(self.here.orders[1:][off.argmax()])
+        values = np.linalg.eigvals(self.on_mounts.turning(rate))
+        values = values[values.imag > 0.0]
+        w, z = np.abs(values), -values.real / np.abs(values)
+        r = order * rate / w
+        share = np.abs(2 * z / (1 - r**2 + 2j * z * r))
+        return order, float(w[share.argmax()] / (2 * np.pi)), float(share.max())
+
+    def sweep(self, count: int, cycles: int = 4) -> Sweep:
+        """Full motions at ``count`` speeds from idle to redline, each over ``cycles``, on two threads.
+
+        ValueError for a count below 2, no cycle, or more than `MOST` of either.
+        """
+        if not (2 <= count <= MOST and 1 <= cycles <= MOST):
+            raise InputError(f"nvh: a sweep of {count} speeds, {cycles} cycles each; give 2 ... {MOST}, 1 ... {MOST}")
+        found = self.over(count)
+
+        def full(rpm: float) -> np.ndarray:
+            run = whole_run(self.source, self.on_mounts, rpm, settle=SETTLE, kept=cycles, count=COARSE)
+            return run_orders(run, self.placed, self.preset.engine(rpm).rate, found.orders)
+
+        with closing(ThreadPoolExecutor(THREADS)) as pool:  # Ctrl-C waits for none of them
+            return Sweep(found, np.array(list(pool.map(full, found.rpm))), cycles)
+
+    @cached_property
+    def cabin(self) -> Cabin | None:
+        """The car around it; None if its shell is not known."""
+        return Cabin(self.car, self.on_mounts, self.shell) if known(self.car, self.shell) else None
+
+    @property
+    def idling(self) -> "Study":
+        """The same engine at idle."""
+        return replace(self, rpm=self.preset.idle, load=IDLE)
+
+    @cached_property
+    def bearings(self) -> list[Bearing]:
+        """Main bearings at this speed and load."""
+        return main_bearings(self.source, self.rpm)

@@ -1,0 +1,234 @@
+"""Planar joints: data that lowers to rows of four kinds (coincide, in line, angle, distance)."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from engines.planar import rows as kinds
+from engines.planar.bodies import NONE, Ground, Motion, Part, Row, check_bodies, direction, ends, pair
+from mbsd3d.errors import InputError
+from mbsd3d.extend import number
+
+
+@dataclass(frozen=True, eq=False)
+class Joint(Part):
+    """What joints and drivers share; reactions are given on body b at `point`."""
+
+    def rows(self) -> list[Row]:
+        """The rows of the joint."""
+        raise NotImplementedError
+
+    def point(self) -> np.ndarray:
+        """Point of b at which the reaction is given, world at the reference pose [m]."""
+        raise NotImplementedError
+
+    def partners(self) -> tuple["Joint", ...]:
+        """Joints it acts through."""
+        return ()
+
+
+@dataclass(frozen=True, eq=False)
+class PointJoint(Joint):
+    """A joint of body a and body b at a point."""
+
+    a: Any
+    b: Any
+    at: Any = field(kw_only=True)
+
+    def check(self, what: str) -> None:
+        check_bodies(self, what)
+        self.set(at=pair(self.at, f"{what}: at"))
+
+    def point(self) -> np.ndarray:
+        return self.at
+
+    def ends(self) -> tuple[np.ndarray, np.ndarray]:
+        """The point in both bodies."""
+        return self.a.local_point(self.at), self.b.local_point(self.at)
+
+    def coincide(self) -> Row:
+        """p_b = p_a (2 rows)."""
+        a, b = self.ends()
+        return Row(kinds.COINCIDE, (self.a, self.b), (*a, *b))
+
+
+def turn(factors: tuple, bodies: tuple, motion: Motion = NONE) -> Row:
+    """sum f_k (theta_k - theta_k at the reference pose) = f(t)."""
+    offset = -sum(f * body.angle for f, body in zip(factors, bodies, strict=True))
+    return Row(kinds.ANGLE, bodies, (*factors, *(0.0,) * (4 - len(factors)), offset), motion)
+
+
+class Revolute(PointJoint):
+    """A hinge (2 rows)."""
+
+    def rows(self) -> list[Row]:
+        return [self.coincide()]
+
+
+class Fixed(PointJoint):
+    """No relative motion (3 rows)."""
+
+    def rows(self) -> list[Row]:
+        return [self.coincide(), turn((-1.0, 1.0), (self.a, self.b))]
+
+
+@dataclass(frozen=True, eq=False)
+class Slider(PointJoint):
+    """b slides along an axis of a without turning (2 rows)."""
+
+    axis: Any = field(kw_only=True)
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        self.set(axis=direction(self.axis, f"{what}: axis"))
+
+    def along(self, axis: np.ndarray, motion: Motion = NONE) -> Row:
+        """axis_a . (p_b - p_a) = f(t)."""
+        a, b = self.ends()
+        return Row(kinds.IN_LINE, (self.a, self.b), (*a, *b, *self.a.local(axis), 0.0, 0.0), motion)
+
+    def rows(self) -> list[Row]:
+        across = np.array([-self.axis[1], self.axis[0]])
+        return [self.along(across), turn((-1.0, 1.0), (self.a, self.b))]
+
+
+@dataclass(frozen=True, eq=False)
+class Distance(Joint):
+    """A massless rod between two points (1 row); ``length`` None = as at the reference pose [m]."""
+
+    a: Any
+    b: Any
+    at_a: Any = field(kw_only=True)
+    at_b: Any = field(kw_only=True)
+    length: float | None = field(default=None, kw_only=True)
+
+    def check(self, what: str) -> None:
+        check_bodies(self, what)
+        span = ends(self, what, "the rod has no direction; use Revolute or move one")
+        length = span if self.length is None else number(self.length, f"{what}: length", positive=True)
+        self.set(length=float(length))
+
+    def point(self) -> np.ndarray:
+        return self.at_b
+
+    def rows(self) -> list[Row]:
+        a, b = self.a.local_point(self.at_a), self.b.local_point(self.at_b)
+        return [Row(kinds.DISTANCE, (self.a, self.b), (*a, *b, self.length))]
+
+
+@dataclass(frozen=True, eq=False)
+class Rolling(PointJoint):
+    """A disc of b rolls without slip on the line of a through ``at`` along ``along`` (2 rows).
+
+    With n the normal towards the disc and t = (n_y, -n_x): n . (C - P) = radius and t . (C - P) + radius theta is
+    constant, where theta is the angle of b relative to a.
+
+    ``at, along`` (2,): a point of the line and its direction, world [m], [-]; ``radius``: [m] > 0, the distance of the
+    centre from the line at the reference pose; ``centre`` (2,): of the disc, world [m]; None = centre of mass.
+    ValueError if the disc does not touch the line at the reference pose.
+    """
+
+    along: Any = field(kw_only=True)
+    radius: float = field(kw_only=True)
+    centre: Any = field(default=None, kw_only=True)
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        if isinstance(self.b, Ground):
+            raise InputError(f"{what}: the ground cannot roll; give (ground, body)")
+        along, radius = direction(self.along, f"{what}: along"), number(self.radius, f"{what}: radius", positive=True)
+        local = self.b.com if self.centre is None else self.b.local_point(pair(self.centre, f"{what}: centre"))
+        world = self.b.position + self.b.local(np.eye(2)).T @ local
+        gap = along[0] * (world - self.at)[1] - along[1] * (world - self.at)[0]
+        if abs(abs(gap) - radius) > 1e-9 * radius:
+            raise InputError(
+                f"{what}: radius {radius:.12g} m, but the centre is {abs(gap):.12g} m from the line; make them equal"
+            )
+        self.set(along=along if gap > 0 else -along, radius=radius, centre=world)
+
+    def normal(self) -> np.ndarray:
+        """Normal of the line, towards the disc, world at the reference pose."""
+        return np.array([-self.along[1], self.along[0]])
+
+    def point(self) -> np.ndarray:
+        return self.centre - self.radius * self.normal()
+
+    def rows(self) -> list[Row]:
+        ends = (*self.a.local_point(self.at), *self.b.local_point(self.centre))
+        n, t = self.a.local(self.normal()), self.a.local(self.along)
+        turned = self.along @ (self.centre - self.at) + self.radius * (self.b.angle - self.a.angle)
+        touch = Row(kinds.IN_LINE, (self.a, self.b), (*ends, *n, 0.0, -self.radius))
+        return [touch, Row(kinds.IN_LINE, (self.a, self.b), (*ends, *t, self.radius, -turned))]
+
+
+def check_kind(joint: Any, kind: type, what: str) -> None:
+    """A joint of the kind, or a ValueError."""
+    if not isinstance(joint, kind):
+        have = f"'{joint.name}' ({type(joint).__name__})" if isinstance(joint, Joint) else repr(joint)
+        raise InputError(f"{what}: {have} is not a {kind.__name__}; give one")
+
+
+@dataclass(frozen=True, eq=False)
+class Gear(Joint):
+    """Two hinges turn in a fixed ratio = angle_b / angle_a (1 row); ratio < 0 for an external mesh."""
+
+    hinge_a: Any
+    hinge_b: Any
+    ratio: float = field(kw_only=True)
+
+    def check(self, what: str) -> None:
+        check_kind(self.hinge_a, Revolute, what)
+        check_kind(self.hinge_b, Revolute, what)
+        if self.hinge_a is self.hinge_b:
+            raise InputError(f"{what}: both hinges are '{self.hinge_a.name}'; give two")
+        self.set(ratio=number(self.ratio, f"{what}: ratio"))
+        if self.ratio == 0.0:
+            raise InputError(f"{what}: ratio is 0; give angle_b / angle_a")
+
+    def point(self) -> np.ndarray:
+        return self.hinge_b.at
+
+    def partners(self) -> tuple[Joint, ...]:
+        return self.hinge_a, self.hinge_b
+
+    def rows(self) -> list[Row]:
+        a, b = self.hinge_a, self.hinge_b
+        return [turn((-1.0, 1.0, self.ratio, -self.ratio), (b.a, b.b, a.a, a.b))]
+
+
+@dataclass(frozen=True, eq=False)
+class Driver(Joint):
+    """A prescribed motion of a joint, counted from the reference pose; `Solution.effort` is what it takes."""
+
+    through: Any
+    motion: Motion
+
+    kind = Revolute
+
+    def check(self, what: str) -> None:
+        check_kind(self.through, self.kind, what)
+        if not isinstance(self.motion, Motion):
+            raise InputError(f"{what}: {self.motion!r} is not a motion; give rate(w), Sine or Polynomial")
+
+    def point(self) -> np.ndarray:
+        return self.through.at
+
+    def partners(self) -> tuple[Joint, ...]:
+        return (self.through,)
+
+
+class AngleDriver(Driver):
+    """The angle of a hinge follows a motion [rad] (1 row)."""
+
+    def rows(self) -> list[Row]:
+        return [turn((-1.0, 1.0), (self.through.a, self.through.b), self.motion)]
+
+
+class SlideDriver(Driver):
+    """The displacement of a slider follows a motion [m] (1 row)."""
+
+    kind = Slider
+
+    def rows(self) -> list[Row]:
+        return [self.through.along(self.through.axis, self.motion)]

@@ -1,0 +1,189 @@
+"""Compiled code on disk: one file a kernel and signature, named after what is in it, with a check sum.
+
+numba's own files have numbers, which an index beside them gives to signatures: of two processes that compile at the
+same time one may find the other's code under its number, and a damaged file ends in an error of pickle or in a crash.
+Here a file is whole or is compiled anew, and where none can be written the code is used all the same. It holds object
+code, and texts and numbers that say how it is called and what it calls; nothing in it is unpickled or imported. It is
+still code that runs: it is read where nobody but this user can have written it, see `disk.weakness`.
+
+numba also puts a copy of all that a function calls into its code, and optimises the copy again: an integrator would
+hold the equations of motion ten times over. Of a kernel that stands *apart* callers hold the name alone; their files
+say whom they call, so that it is there before they are.
+"""
+
+import hashlib
+import os
+import sys
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from llvmlite import binding as llvm
+from numba.core.caching import NullCache
+from numba.core.compiler import CompileResult
+from numba.core.dispatcher import Dispatcher
+from numba.core.serialize import dumps
+
+from ..base.errors import InputError
+from ..base.paths import in_its_place
+from .cache_folder import conditions, make_private, weak_folders, weakness
+from .late import LATE, Late
+from .written_code import FormError, packed, unpacked
+
+SUM = 16  # bytes
+
+APART: dict[str, tuple[str, str, tuple]] = {}  # symbol in compiled code -> module, function, types of arguments
+
+
+def check_sum(content: bytes) -> bytes:
+    """What stands in front of it."""
+    return hashlib.blake2b(content, digest_size=SUM).digest()
+
+
+def stand_apart(function: Callable, made: CompileResult) -> None:
+    """Let callers find it by name: what numba links into them is empty."""
+    APART[made.fndesc.llvm_func_name] = (function.__module__, function.__name__, made.signature.args)
+    made.library._shared_module = llvm.parse_assembly("")
+
+
+def names_only(made: CompileResult) -> None:
+    """Keep the names that it defines, without their code, for numba to look up when it is loaded."""
+    defined = [function for function in made.library._final_module.functions if not function.is_declaration]
+    names = [function.name for function in defined if function.linkage == llvm.Linkage.external]
+    made.library._shared_module = llvm.parse_assembly(
+        "\n".join(f'define void @"{name}"() {{\n  unreachable\n}}' for name in names)
+    )
+
+
+def called(made: CompileResult) -> list[tuple]:
+    """The kernels apart that a compiled function calls."""
+    module = made.library._final_module
+    names = [found.name for found in (*module.functions, *module.global_variables) if found.is_declaration]
+    known = APART | LATE
+    return [(name, *known[name]) for name in names if name in known]
+
+
+def find(called_ones: list[tuple]) -> None:
+    """Have the kernels ready that code from a file calls, under the names it has for them."""
+    for symbol, module, name, arguments in called_ones:
+        dispatcher = getattr(sys.modules[module], name)
+        if isinstance(dispatcher, Late):
+            dispatcher.symbol(arguments)
+            continue
+        dispatcher.compile(arguments)
+        made = dispatcher.overloads[arguments]
+        APART[symbol] = (module, name, arguments)
+        address = made.library.get_pointer_to_function(made.fndesc.llvm_func_name)
+        llvm.add_symbol(symbol, address)  # another process may have compiled the caller, under another name
+
+
+class CodeFiles(NullCache):
+    """What numba asks for the compiled forms of one function."""
+
+    def __init__(self, function: Callable, folder: Path, apart: bool) -> None:
+        self.function, self.folder, self.apart = function, folder / function.__module__, apart
+        self.folders = folder.parent, folder, self.folder  # from the root of the cache on
+
+    @property
+    def cache_path(self) -> str:
+        """The folder of the files."""
+        return str(self.folder)
+
+    def path(self, signature: Any, target: Any) -> Path:
+        """The file for one signature and processor."""
+        code = self.function.__code__
+        inside = dumps(tuple(cell.cell_contents for cell in self.function.__closure__ or ()))
+        made_of = (signature, conditions(target.codegen().magic_tuple()), code.co_firstlineno, code.co_code)
+        key = hashlib.blake2b(repr((made_of, inside)).encode(), digest_size=SUM).hexdigest()
+        return self.folder / f"{self.function.__name__}.{key}.code"
+
+    def load_overload(self, signature: Any, target: Any) -> CompileResult | None:
+        """The compiled function; None if it is not there, damaged or not to be trusted."""
+        target.refresh()
+        content = self.read(self.path(signature, target))
+        if content is None:
+            return None
+        if check_sum(content[SUM:]) != content[:SUM]:
+            say_once(f"compiled code in '{self.folder.parent}' is damaged; what is, is compiled anew")
+            return None
+        try:
+            needed, parts = unpacked(content[SUM:], self.function, signature)
+            find(needed)
+        except (LookupError, AttributeError, TypeError, ValueError):  # a function of a script that is another one today
+            return None
+        made = CompileResult._rebuild(target, *parts)
+        if self.apart:
+            stand_apart(self.function, made)
+        return made
+
+    def read(self, path: Path) -> bytes | None:
+        """Return what a file holds; None if it is not there, or if somebody else can have written it."""
+        try:
+            weak = weakness(path.lstat())
+            if not self.trusted():
+                return None
+            if not weak:
+                return path.read_bytes()
+        except OSError:
+            return None
+        say_once(f"a file of compiled code in '{self.folder.parent}' {weak}: it is not run, but compiled anew")
+        return None
+
+    def trusted(self) -> bool:
+        """Whether nobody else can have written in the folder; said once if it may be."""
+        weak = weak_folders(*self.folders)
+        if weak:
+            say_once(
+                f"no compiled code is read or kept in '{self.folder.parent}', as a folder there {weak}: every start "
+                "compiles again; make them your own and closed to others (chmod -R go-w), or name another folder in "
+                "the environment variable MBSD3D_CACHE"
+            )
+        return not weak
+
+    def save_overload(self, signature: Any, compiled: CompileResult) -> None:
+        """Write it, unless it holds addresses of this process or what cannot be written."""
+        kept = not (compiled.lifted or compiled.library.has_dynamic_globals)
+        if self.apart:
+            names_only(compiled)
+        try:
+            content = packed(called(compiled), compiled) if kept else b""
+        except FormError:
+            kept = False
+        if self.apart:
+            stand_apart(self.function, compiled)
+        if kept:
+            self.write(self.path(signature, compiled.target_context), check_sum(content) + content)
+
+    def write(self, path: Path, content: bytes) -> None:
+        """Write a file, or say why not."""
+        try:
+            make_private(*self.folders)
+            if self.trusted():
+                with in_its_place(path) as part, open(part, "xb", opener=for_this_user) as file:
+                    file.write(content)
+        except (OSError, InputError) as error:
+            reason = getattr(error.__cause__ or error, "strerror", None) or error
+            say_once(
+                f"compiled code cannot be kept in '{self.folder.parent}' ({reason}), every start compiles again; make "
+                "room, or name a folder that can be written in the environment variable MBSD3D_CACHE"
+            )
+
+
+def for_this_user(path: str, flags: int) -> int:
+    """Open a new file that nobody else can write, whatever the user's umask is."""
+    return os.open(path, flags, 0o600)
+
+
+def keep_code(compiled: Callable, folder: Path, apart: bool = False) -> Callable:
+    """The same function with its code kept in a folder; one that is not to be compiled stays as it is."""
+    if isinstance(compiled, Dispatcher):
+        compiled._cache = CodeFiles(compiled.py_func, folder, apart and "<locals>" not in compiled.py_func.__qualname__)
+    return compiled
+
+
+@cache
+def say_once(text: str) -> None:
+    """A line on stderr, once a process."""
+    sys.stderr.write(f"mbsd3d: {text}\n")
+    sys.stderr.flush()

@@ -1,0 +1,102 @@
+"""Applied forces Q, the velocity-quadratic term h, stored energy and power of every body and force element.
+
+``h = (0, w x I_G w) + (m w x (w x s), m s x (w x (w x s)))`` on the left side of the equations: gyroscopic and
+centripetal part. Q holds gravity and the force elements, reduced to O. The law of a force is next to its class, in a
+file of `mechanism.forces`; this module finds them all.
+"""
+
+import pkgutil
+from collections.abc import Callable
+from importlib import import_module
+
+from ..base.errors import InputError
+from ..compiler.decorators import inner_kernel, kernel
+from ..compiler.late import late_choice
+from ..kernels.coordinates import coordinate
+from ..kernels.vectors import add, add6, cross, dot, mat, put, put6, rotate, scale, turning, vec
+from ..mechanism import forces
+from ..mechanism.force_element import ForceElement
+
+
+def laws_of_all_forces() -> tuple[Callable, ...]:
+    """The law of every class in the files of `mechanism.forces`, each once, in the order of their names."""
+    found = {}
+    for module in pkgutil.iter_modules(forces.__path__, f"{forces.__name__}."):
+        for cls in vars(import_module(module.name)).values():
+            if isinstance(cls, type) and issubclass(cls, ForceElement) and cls.law is not None:
+                found[cls.__qualname__] = cls.law
+    return tuple({id(law): law for _, law in sorted(found.items())}.values())
+
+
+LAWS = laws_of_all_forces()
+
+
+def number_of_law(force: ForceElement, name: str) -> int:
+    """Place of the law of a force in LAWS, which is the ``kind`` of its record.
+
+    Raises
+    ------
+    ValueError
+        If its class has no law, or stands where it is not looked for.
+    """
+    law = type(force).law
+    for number, known in enumerate(LAWS):
+        if known is law:
+            return number
+    raise InputError(
+        f"force '{name}' ({type(force).__name__}): its class has no compiled law; give it a kernel `law` in a file of "
+        f"{forces.__name__}, or use CustomForce"
+    )
+
+
+apply_law = late_choice(__name__, "apply_law", LAWS)
+
+
+@inner_kernel
+def inertial(m, d):
+    """Gravity in Q and the velocity-quadratic term h of all bodies."""
+    g = vec(m.gravity)
+    put6(d.body[m.body.shape[0]].Q, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))  # what acts on the ground adds up there
+    for i in range(m.body.shape[0]):
+        body, mass = d.body[i], m.body[i].mass
+        R, w, s, w_body = mat(body.R), vec(body.w), vec(body.s), vec(body.w_body)
+        spin = scale(m.gyroscopic, cross(w_body, rotate(mat(m.body[i].inertia), w_body)))
+        pull = scale(m.centripetal * mass, turning(w, s))
+        weight = scale(mass, g)
+        put6(body.Q, weight, cross(s, weight))
+        put(body.spin, spin)
+        put6(body.h, pull, add(rotate(R, spin), cross(s, pull)))
+
+
+@inner_kernel
+def see(m, d, p, out, t):
+    """Value, rate and gradient of the hinge coordinate that an element acts along."""
+    a, b = d.body[m.coordinate[p.coordinate].body[0]], d.body[m.coordinate[p.coordinate].body[1]]
+    x, _, la, ta, lb, tb = coordinate(m, d, p.coordinate, t)
+    out.x = x
+    out.rate = dot(la, vec(a.velocity)) + dot(ta, vec(a.w)) + dot(lb, vec(b.velocity)) + dot(tb, vec(b.w))
+    put(out.gradient[0], la)
+    put(out.gradient[1], ta)
+    put(out.gradient[2], lb)
+    put(out.gradient[3], tb)
+
+
+@inner_kernel
+def act(m, d, p, out):
+    """Q of the load of an element along its hinge coordinate."""
+    a, b = d.body[m.coordinate[p.coordinate].body[0]], d.body[m.coordinate[p.coordinate].body[1]]
+    add6(a.Q, scale(out.load, vec(out.gradient[0])), scale(out.load, vec(out.gradient[1])))
+    add6(b.Q, scale(out.load, vec(out.gradient[2])), scale(out.load, vec(out.gradient[3])))
+
+
+@kernel
+def loads(m, d, t):
+    """Fill Q, h, potential, power, state_rate; needs kinematics."""
+    inertial(m, d)
+    for i in range(m.force.shape[0]):
+        p, out = m.force[i], d.force[i]
+        if p.coordinate >= 0:
+            see(m, d, p, out, t)
+        apply_law(p.kind, m, d, p, out, t)
+        if p.coordinate >= 0:
+            act(m, d, p, out)

@@ -1,0 +1,116 @@
+"""Touches that a step could hide: bodies are in the air at both of its ends, and touch in between.
+
+The stages of a step see none of it if they lie before and after. So a step between two moments in the air may not turn
+a surface by more than a radian, unless it looks the same all the time; and where the clearance falls and rises again so
+that it may vanish, the step is tried anew up to where it is least.
+"""
+
+import numpy as np
+
+from ..compiler.decorators import inner_kernel, late_kernel
+from ..kernels.surfaces import meeting
+from ..kernels.vectors import arm, columns, cross, dot, sub, vec
+
+TURN = 1.0  # rad in a step
+UNSEEN = 1e-6  # of what turns, by rounding; it changes nothing
+DOUBT = 0.25  # of the depth of a dip: a cubic errs by a twelfth of it where a surface turns by a radian
+
+
+@inner_kernel
+def largest(a):
+    """Largest component of a vector."""
+    return max(abs(a[0]), abs(a[1]), abs(a[2]))
+
+
+@inner_kernel
+def changing_turn(m, d, p, normal):
+    """Angular velocity [rad/s] by which a contact sees its surface or its plane turn; 0 where they look the same."""
+    a, b = d.body[p.body[0]], d.body[p.body[1]]
+    w_a, w_b = vec(a.w), vec(b.w)
+    rate_a, rate_b = np.sqrt(dot(w_a, w_a)), np.sqrt(dot(w_b, w_b))
+    u, r, size = columns(b, p.frame[1]), vec(p.value), p.value[11]
+    w = (dot(u[0], w_b), dot(u[1], w_b), dot(u[2], w_b))
+    squares = (r[0] * r[0], r[1] * r[1], r[2] * r[2])
+    shape = (w[0] * (squares[1] - squares[2]), w[1] * (squares[2] - squares[0]), w[2] * (squares[0] - squares[1]))
+    centre = sub(arm(b, p.point[1]), vec(b.s))
+    round_ = largest(shape) <= UNSEEN * rate_b * size * size
+    centred = largest(cross(w_b, centre)) <= UNSEEN * rate_b * size
+    level = largest(cross(w_a, normal)) <= UNSEEN * rate_a
+    return max(0.0 if round_ and centred else rate_b, 0.0 if level else rate_a)
+
+
+@inner_kernel
+def watch_contacts(m, d, run, end):
+    """Clearance, its rate and `changing_turn` of the contacts at the state in d: the start or the end of a step."""
+    for k in range(run.contacts.shape[0]):
+        p = m.force[run.contacts[k]]
+        plane, _, _, gap, velocity = meeting(p, d.body[p.body[0]], d.body[p.body[1]])
+        seen = run.gaps[k, end]
+        seen[0], seen[1], seen[2] = gap, dot(plane[2], velocity), changing_turn(m, d, p, plane[2])
+
+
+@inner_kernel
+def begin_step(run):
+    """The longest next step, as bodies in the air turn at its start."""
+    run.now.longest = np.inf
+    for k in range(run.contacts.shape[0]):
+        seen = run.gaps[k, 0]
+        if seen[0] > 0.0 and seen[2] > 0.0:
+            run.now.longest = min(run.now.longest, TURN / seen[2])
+
+
+@inner_kernel
+def start_watching(m, d, run):
+    """At a start, whose state is in d."""
+    watch_contacts(m, d, run, 0)
+    begin_step(run)
+
+
+@inner_kernel
+def go_on_watching(run):
+    """The end of a step becomes the start of the next one."""
+    for k in range(run.contacts.shape[0]):
+        for j in range(3):
+            run.gaps[k, 0, j] = run.gaps[k, 1, j]
+    begin_step(run)
+
+
+@inner_kernel
+def least_of_cubic(start, end, h):
+    """(fraction of a step, value) where a cubic that falls at its start and rises at its end is least."""
+    a, rise = start[1] * h, end[0] - start[0]
+    b = 3.0 * rise - h * (2.0 * start[1] + end[1])
+    c = h * (start[1] + end[1]) - 2.0 * rise
+    x = -a / (b + np.sqrt(b * b - 3.0 * a * c))
+    return x, start[0] + x * (a + x * (b + x * c))
+
+
+@late_kernel
+def part_to_try(m, d, run, h) -> float:
+    """Fraction of the step h, whose end is in d, that is to be tried instead; 1 if it hides no touch."""
+    watch_contacts(m, d, run, 1)
+    part, shallow = 1.0, run.task.rtol * m.length
+    for k in range(run.contacts.shape[0]):
+        start, end = run.gaps[k, 0], run.gaps[k, 1]
+        if start[0] > 0.0 and end[0] > 0.0:
+            turn = h * end[2]
+            if turn > 2.0 * TURN:
+                part = min(part, TURN / turn)
+            if start[1] < 0.0 and end[1] > 0.0:
+                x, least = least_of_cubic(start, end, h)
+                if least < DOUBT * (min(start[0], end[0]) - least) - shallow:
+                    part = min(part, x)
+    return part
+
+
+@inner_kernel
+def hides_touch(m, d, run, h):
+    """True for an adaptive step h, whose end is in d, that could hide a touch: it is rejected."""
+    if run.contacts.shape[0] == 0 or run.task.steps > 0:
+        return False
+    part = part_to_try(m, d, run, h)
+    if part < 1.0:
+        run.now.step = part * h
+        run.now.rejected += 1
+        run.now.retried = 1
+    return part < 1.0

@@ -1,0 +1,282 @@
+"""The order in which `saddle` eliminates bodies and rows: a spanning tree, and the loop rows that each link feels.
+
+Joints with the most rows come into the tree first, so that few rows are left to close loops; of equal ones those near
+the ground, so that few bodies feel a loop. Joints of bodies far lighter than others come before all: a light body at
+the end of a branch would yield to loop rows by its own small inertia, and S would be graded by it.
+"""
+
+import heapq
+from functools import lru_cache
+
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+from ..kernels.kinds import COINCIDE, ROWS_OF
+from ..kernels.layout import TREE_STATE, Data, Model, Tree, single, table, tree_records
+from ..solver.joint_basis import choose_blocks, choose_joint_rows
+from ..solver.loop_rows import PROXIMAL
+from ..solver.row_rank import UNKNOWN
+
+LIGHT = 1e-3  # of the heaviest inertia: bodies below it, and below each further power of it, are lighter by a class
+CLASSES = 8
+
+
+def eliminate(model: Model, data: Data, rows: np.ndarray | None = None, dtype: type = float) -> Tree:
+    """Index tables and work space for the rows in use (all if None) at the state in ``data``.
+
+    Rows of one link that depend on each other at this state become loop rows; ``state.worn`` asks for a new tree.
+    """
+    used = np.arange(model.row.size) if rows is None else np.asarray(rows, np.int64)
+    on = np.full_like(model.row["body"], -1)
+    on[used] = model.row["body"][used]
+    inertias = inertias_about_points(model)
+    bodies, light = on.tobytes(), lightness(inertias).tobytes()
+    *_, first, joint = spanning_tree(bodies, light)
+    chosen = np.zeros(joint.size, np.int64)
+    if joint.size:
+        choose_joint_rows(model, data, joint, first, np.zeros((6, 6)), chosen)
+    made = bodies, light, chosen.tobytes()
+    planned = planned_tables(*made, model.primitive["kind"].tobytes(), model.row["metres"].tobytes(), dtype).items()
+    tables = {name: np.frombuffer(bytearray(lines), kind) for name, (lines, kind) in planned}
+    loop, state, plan = tables["loop"], single(TREE_STATE), loop_plan(*made)
+    state.mu = PROXIMAL / (inertias.max(initial=0.0) or 1.0)
+    state.soft = UNKNOWN
+    if loop.size:
+        loop["mu"] = PROXIMAL / heaviest_in_loops(plan, inertias) / model.row["scale"][loop["row"]] ** 2
+    ready = model.body["inv_mass"][tables["link"]["body"]] > 0.0
+    tables["link"]["alone"] = np.where(ready, tables["link"]["alone"], 0)
+    size = int((np.arange(loop.size) - loop["first"] + 1).sum())
+    tree = Tree(
+        link=tables["link"], joint=tables["joint"], loop=loop, entry=tables["entry"],
+        skyline=np.zeros((2, size), dtype), vector=np.zeros((5, loop.size), dtype), shares=np.zeros(48, np.int64),
+        state=state, used=used, skipped=used[:0] if rows is None else np.delete(np.arange(model.row.size), used),
+    )  # fmt: skip
+    choose_blocks(data, tree)
+    return tree
+
+
+@lru_cache(maxsize=32)
+def planned_tables(
+    bodies: bytes, light: bytes, chosen: bytes, kinds: bytes, metres: bytes, dtype: type
+) -> dict[str, tuple[bytes, np.dtype]]:
+    """The tables of a tree as its plan fills them, as bytes: numpy copies records field by field.
+
+    ``kinds``: of the primitives; ``metres``: which rows are measured in them.
+    """
+    plan, fields, tables = loop_plan(bodies, light, chosen), tree_records(dtype), {}
+    for name in ("link", "joint", "loop", "entry"):
+        tables[name] = table(fields[name], plan[name].size)
+        for key, value in plan.items():
+            if key.startswith(name + "."):
+                tables[name][key.partition(".")[2]] = value
+    tables["joint"] = turns_last(
+        tables["link"], tables["joint"], np.frombuffer(kinds, np.int64), np.frombuffer(metres, np.int64) == 0
+    )
+    return {name: (lines.tobytes(), lines.dtype) for name, lines in tables.items()}
+
+
+def turns_last(link: np.ndarray, joint: np.ndarray, kinds: np.ndarray, turns: np.ndarray) -> np.ndarray:
+    """The rows of each link, those last that only turn its body; sets how many others there are, if three at most."""
+    owner, turns = np.repeat(np.arange(link.size), link["rows"]), turns[joint["row"]]
+    order = np.lexsort((turns, owner))
+    count = np.bincount(owner, turns, link.size).astype(np.int64)
+    part = np.repeat(np.arange(kinds.size), np.array(ROWS_OF)[kinds])[joint["row"]][order]
+    lines = link["rows"] - count
+    link["lines"] = np.where((lines <= 3) & (count <= 3), lines, -1)
+    three = np.flatnonzero(link["lines"] == 3)
+    first, last = part[link["joint"][three]], part[link["joint"][three] + 2]
+    link["point"][three] = (first == last) & (kinds[first] == COINCIDE)
+    return joint[order]
+
+
+def inertias_about_points(model: Model) -> np.ndarray:
+    """(n,) of each body [kg m^2], m L^2 included: what J M^-1 J' of scaled rows is the inverse of."""
+    body = model.body
+    arms = (body["com"] ** 2).sum(axis=1)
+    turning = np.abs(body["inertia"]).max(axis=1, initial=0.0) + body["mass"] * arms
+    return np.maximum(body["mass"] * model.length**2, turning)
+
+
+def lightness(inertias: np.ndarray) -> np.ndarray:
+    """(n,) class of each body: 0 for ordinary ones, 1 for those below `LIGHT` of the heaviest, ..."""
+    share = inertias / (inertias.max(initial=0.0) or 1.0)
+    least = LIGHT**CLASSES
+    return np.trunc(np.log(np.maximum(share, least)) / np.log(LIGHT) + 1e-9).astype(np.int64)
+
+
+def heaviest_in_loops(plan: dict[str, np.ndarray], inertias: np.ndarray) -> np.ndarray:
+    """Per loop row the largest inertia [kg m^2] of a body that its loop moves: of its links, and of all they carry."""
+    carried = inertias[plan["link.body"]]
+    for i, up in enumerate(plan["link.up"].tolist()):
+        if up >= 0:
+            carried[up] = max(carried[up], carried[i])
+    owner = np.repeat(np.arange(carried.size), plan["link.entries"])
+    heaviest = np.zeros(plan["loop"].size)
+    inner = plan["inner"]
+    np.maximum.at(heaviest, plan["entry.place"][inner], carried[owner[inner]])
+    return np.where(heaviest > 0.0, heaviest, inertias.max(initial=0.0) or 1.0)
+
+
+def pairs_of(on: np.ndarray, n: int) -> np.ndarray:
+    """(m, 2) the two bodies of rows on one or two moving bodies, the ground (n) last; -1 for all other rows."""
+    moving = np.where((on >= 0) & (on < n), on, -1)
+    high = moving.max(axis=1, initial=-1)
+    low = np.where(moving >= 0, moving, n).min(axis=1, initial=n)
+    others = (moving >= 0) & (moving != high[:, None]) & (moving != low[:, None])
+    two = np.where(low == high, n, high)
+    pair = np.stack([low, two], axis=1)
+    pair[(high < 0) | others.any(axis=1)] = -1
+    # two moving bodies and the ground besides: not the row of one joint
+    ground = ((on == n).any(axis=1)) & (low != high)
+    pair[ground] = -1
+    return pair
+
+
+@lru_cache(maxsize=32)
+def spanning_tree(rows: bytes, light: bytes) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """(bodies, children first; their parents, n = the ground; first candidate row of each; the candidates)."""
+    on, lightness = np.frombuffer(rows, np.int64).reshape(-1, 4), np.frombuffer(light, np.int64).tolist()
+    n = len(lightness)
+    lightness.append(0)  # the ground
+    pair = pairs_of(on, n)
+    known = np.flatnonzero(pair[:, 0] >= 0)
+    edges: dict[tuple[int, int], list[int]] = {}
+    for k, (a, b) in zip(known.tolist(), pair[known].tolist(), strict=True):
+        edges.setdefault((a, b), []).append(k)
+    near: list[list[tuple[int, tuple[int, int]]]] = [[] for _ in range(n + 1)]
+    for (a, b), held in edges.items():
+        last = (-max(lightness[a], lightness[b]), -min(6, len(held)))
+        near[a].append((b, last))
+        near[b].append((a, last))
+    parent, order = np.full(n, -1), []
+    for root in [n, *sorted(range(n), key=lambda i: -len(near[i]))]:
+        if root < n and parent[root] >= 0:
+            continue
+        queue = [(last, 1, other, root) for other, last in near[root]]
+        if root < n:
+            parent[root] = n
+            order.append(root)
+        heapq.heapify(queue)
+        while queue:
+            _, depth, body, before = heapq.heappop(queue)
+            if body == n or parent[body] >= 0:
+                continue
+            parent[body] = before
+            order.append(body)
+            for other, last in near[body]:
+                if other < n and parent[other] < 0:
+                    heapq.heappush(queue, (last, depth + 1, other, body))
+    bodies = np.array(order[::-1], np.int64)
+    held = [edges.get((min(b, parent[b]), max(b, parent[b])), []) for b in bodies]
+    first = np.cumsum([0, *map(len, held)]).astype(np.int64)
+    found = np.array([k for group in held for k in group], np.int64)
+    joint = table(tree_records(float)["joint"], found.size)
+    joint["row"] = found
+    joint["slot"], joint["twin"] = slots_on(on[found], np.repeat(bodies, np.diff(first)))
+    return bodies, parent[bodies], first, joint
+
+
+def slots_on(on: np.ndarray, body: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(slot, second slot) of each row that is on its body; -1 for none."""
+    hit = on == body[:, None]
+    count = hit.sum(axis=1)
+    slot = np.where(count > 0, hit.argmax(axis=1), -1)
+    twin = np.where(count == 2, 3 - hit[:, ::-1].argmax(axis=1), -1)
+    return slot, twin
+
+
+@lru_cache(maxsize=32)
+def loop_plan(rows: bytes, light: bytes, chosen: bytes) -> dict[str, np.ndarray]:
+    """Columns of the tables of `Tree`, and their lengths, when the links take the chosen candidates."""
+    on = np.frombuffer(rows, np.int64).reshape(-1, 4)
+    bodies, parent, first, joint = spanning_tree(rows, light)
+    n = bodies.size
+    take = np.frombuffer(chosen, np.int64) == 1
+    counts = np.add.reduceat(np.append(take, 0), first[:-1]) if n else np.zeros(0, np.int64)
+    counts = np.where(np.diff(first) > 0, counts, 0)
+    place = np.full(n + 1, -1)
+    place[bodies] = np.arange(n)
+    up = place[parent]
+    in_use = np.flatnonzero((on >= 0).any(axis=1))
+    loops = np.setdiff1d(in_use, joint["row"][take])
+    felt = paths(on, loops, place, up, n)
+    line, group = narrow_order(on[loops], felt, n)
+    loops, felt = loops[line], [felt[k] for k in line]
+    entries: list[list[int]] = [[] for _ in range(n)]  # places of the loop rows that each link feels, ascending
+    for k, links in enumerate(felt):
+        for i in links:
+            entries[i].append(k)
+    # links between the bodies of a row and their common ancestor
+    inner = [felt[k][i] for i, places in enumerate(entries) for k in places]
+    lengths = np.array([len(places) for places in entries], np.int64)
+    starts = np.cumsum([0, *lengths])
+    at = {(i, k): int(starts[i]) + j for i, places in enumerate(entries) for j, k in enumerate(places)}
+    owner = np.repeat(np.arange(n), lengths)
+    entry_place = np.array([k for places in entries for k in places], np.int64)
+    end, first_column, last_line, start_of_line = skyline(group, entries)
+    slot, twin = slots_on(on[loops[entry_place]], bodies[owner])
+    return {
+        "link": np.empty(n), "link.body": bodies, "link.up": up, "link.rows": counts,
+        "link.joint": np.cumsum(counts) - counts, "link.entry": starts[:-1], "link.entries": lengths,
+        "link.alone": (counts == 0) & (lengths == 0) & (up < 0) & ~np.isin(np.arange(n), up),
+        "joint": joint[take], **{f"joint.{key}": joint[key][take] for key in ("row", "slot", "twin")},
+        "loop": loops, "loop.row": loops, "loop.end": end, "loop.first": first_column, "loop.last": last_line,
+        "loop.line": start_of_line,
+        "entry": entry_place, "entry.place": entry_place, "entry.line": start_of_line[entry_place],
+        "entry.next": np.array([at.get((i, k), -1) for i, k in np.stack([up[owner], entry_place], 1).tolist()], int),
+        "entry.slot": slot, "entry.twin": twin, "inner": np.array(inner, bool),
+    }  # fmt: skip
+
+
+def skyline(group: np.ndarray, entries: list[list[int]]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """(end of its group, first column, last line that reaches its column, start of its line) of each loop row in S.
+
+    Rows that one link feels meet in S, and so do all rows of their groups.
+    """
+    begin, end = np.searchsorted(group, group), np.searchsorted(group, group, "right")
+    first = begin.copy()
+    for places in entries:
+        if places:
+            first[places] = np.minimum(first[places], begin[places[0]])
+    first = np.array([first[b:e].min() for b, e in zip(begin, end, strict=True)], np.int64)
+    width = np.arange(group.size) - first + 1
+    last = np.zeros(group.size, np.int64)
+    np.maximum.at(last, first, np.arange(group.size))
+    return end, first, np.maximum.accumulate(last), np.cumsum(width) - width - first
+
+
+def paths(on: np.ndarray, loops: np.ndarray, place: np.ndarray, up: np.ndarray, n: int) -> list[dict[int, bool]]:
+    """Links that each loop row is felt by, from its bodies down to the ground; True where not all its bodies are.
+
+    Those that carry all its bodies cannot close its gap.
+    """
+    found = []
+    for k in loops.tolist():
+        count: dict[int, int] = {}
+        ends = [b for b in on[k].tolist() if b >= 0]
+        for b in ends:
+            i = int(place[b]) if b < n else -1
+            while i >= 0:
+                count[i] = count.get(i, 0) + 1
+                i = int(up[i])
+        found.append({i: count[i] < len(ends) for i in sorted(count)})
+    return found
+
+
+def narrow_order(on: np.ndarray, felt: list[dict[int, bool]], n: int) -> tuple[np.ndarray, np.ndarray]:
+    """(order of the loop rows, the group of each then): rows between the same bodies are a group, side by side.
+
+    Reverse Cuthill-McKee: groups that share a link lie side by side.
+    """
+    _, group = np.unique(np.sort(on, axis=1), axis=0, return_inverse=True)
+    group = group.ravel()
+    if group.max(initial=0) > 0:
+        owner = np.repeat(group, [len(links) for links in felt])
+        link = np.array([i for links in felt for i in links], np.int64)
+        shared = csr_array((np.ones(owner.size), (owner, link)), shape=(group.max() + 1, n))
+        rank = np.empty(group.max() + 1, np.int64)
+        rank[reverse_cuthill_mckee(csr_array(shared @ shared.T), symmetric_mode=True)] = np.arange(rank.size)
+        group = rank[group]
+    order = np.argsort(group, kind="stable")
+    return order, group[order]

@@ -1,0 +1,163 @@
+"""What a force element does to one body: wrench, power, stored energy and stretch at every sample.
+
+The kernel of all loads is called with a table that holds this element alone, without gravity: what it leaves in Q of a
+body is the wrench of the element about O. No law is written a second time.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..base.checks import shown
+from ..base.errors import InputError
+from ..base.style import Sampled
+from ..dynamics.applied_forces import loads
+from ..equations.compiled import new_data
+from ..kernels.kinematics import kinematics
+from ..mechanism.bodies import GROUND, Body, Ground
+from ..mechanism.force_element import ForceElement
+from ..mechanism.forces.contact import Contact
+from ..mechanism.forces.custom import SavedForce
+from ..mechanism.forces.springs import SpringDamper
+from ..mechanism.forces.tyre import Tyre
+from .body_motion import RunMotion
+
+
+@dataclass(frozen=True, repr=False)
+class Load(Sampled):
+    """Wrench of a force element on a body at its point there, world axes; all (samples, 3) in N, N m, m.
+
+    ``power`` [W] is what the element gives to all its bodies, ``stored`` [J] the energy in it. ``length`` [m] or
+    ``angle`` [rad] is the distance or the hinge coordinate along which it acts and ``rate`` how fast that changes;
+    None where there is none. ``states``, ``state_rates``: own states by name and their rates, (samples,) each.
+    """
+
+    force: np.ndarray
+    moment: np.ndarray
+    point: np.ndarray
+    power: np.ndarray
+    stored: np.ndarray
+    length: np.ndarray | None = None
+    angle: np.ndarray | None = None
+    rate: np.ndarray | None = None
+    states: dict[str, np.ndarray] = field(default_factory=dict)
+    state_rates: dict[str, np.ndarray] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, repr=False, kw_only=True)
+class TyreLoad(Load):
+    """What a tyre does to its wheel, (samples,) each; the point is the contact point, which travels.
+
+    ``normal``, ``longitudinal`` (ahead), ``lateral`` (to the left) [N] and ``aligning`` moment [N m]; velocities of the
+    tread ``slip_x``, ``slip_y`` and |speed| of the hub [m/s]; ``camber`` [rad] to the right; ``saturation``: the part
+    of the grip that is used, 0 ... 1 (0 where it has no limit).
+    """
+
+    normal: np.ndarray
+    longitudinal: np.ndarray
+    lateral: np.ndarray
+    aligning: np.ndarray
+    slip_x: np.ndarray
+    slip_y: np.ndarray
+    speed: np.ndarray
+    camber: np.ndarray
+    saturation: np.ndarray
+
+    @property
+    def slip_angle(self) -> np.ndarray:
+        """Angle from the way the wheel rolls to the way it points [rad], > 0 where the force is to the left."""
+        return -np.arctan2(self.slip_y, self.speed)
+
+    @property
+    def slip_ratio(self) -> np.ndarray:
+        """Slip over the speed of the hub, > 0 where the force is ahead (driven, or braked on the way back); infinite or
+        NaN at rest."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return -self.slip_x / self.speed
+
+
+def load_of(solution: RunMotion, force: ForceElement | str, on: Body | Ground | str | None) -> Load:
+    """See `Solution.force`."""
+    system = solution.system
+    part = system.part(force, "forces")
+    if isinstance(part, SavedForce):
+        raise InputError(
+            f"solution.force: the function of '{system.name(part)}' was not saved with the solution, so its force is "
+            "not known; read it before saving, or run the model again"
+        )
+    body = acted_body(solution, part, on)
+    wrench, power, rates, shown = wrenches_about_O(solution, part, body)
+    point = shown[:, :3] if part.shows else acting_points(solution, part, body)
+    origin = 0.0 if body is GROUND else solution.position(body)
+    push = wrench[:, :3]
+    stored = solution.arrays["potential"][:, system.forces.index(part)]
+    own, own_rates = (dict(zip(part.state_names(), x.T, strict=True)) for x in (solution.state_of(part), rates))
+    turn = wrench[:, 3:] - np.cross(point - origin, push)
+    found = {"force": push, "moment": turn, "point": point, "power": power, "stored": stored}
+    found |= {**stretch(solution, part), "states": own, "state_rates": own_rates}
+    if not isinstance(part, Tyre):
+        return Load(**found)
+    seen = dict(zip(part.shows, shown[:, 3:].T, strict=True))
+    return TyreLoad(**found, **(seen | {"camber": np.arcsin(seen["camber"])}))
+
+
+def acted_body(solution: RunMotion, part: ForceElement, on: Body | Ground | str | None) -> Body | Ground:
+    """The body meant: None = body b of two, the last one of a `CustomForce`."""
+    bodies = list({id(body): body for body in part.record().bodies}.values())
+    if on is None:
+        return bodies[-1]
+    for body in bodies:
+        if on is body or (isinstance(on, str) and on == body.name):
+            return body
+    names = ", ".join(f"'{body.name}'" for body in bodies)
+    what = f"solution.force: '{solution.system.name(part)}'"
+    raise InputError(f"{what} does not act on {shown(getattr(on, 'name', on))}; it acts on {names}")
+
+
+def acting_points(solution: RunMotion, part: ForceElement, body: Body | Ground) -> np.ndarray:
+    """(samples, 3) points of `ForceElement.acts_at`; along a hinge coordinate, where the joint gives its reaction."""
+    if part.record().coordinate is not None:
+        return part.partners()[0].reaction_points(solution)
+    if isinstance(part, Contact):
+        return part.acting_points(solution)
+    return solution.body_point(*part.acts_at(body))
+
+
+def wrenches_about_O(
+    solution: RunMotion, part: ForceElement, body: Body | Ground
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """(force and moment about O on the body (samples, 6), power given to all bodies (samples,), rates of the own states
+    (samples, k), what the law shows (samples, 12)).
+    """
+    compiled, arrays, samples = solution.compiled, solution.arrays, solution.t.size
+    compiled.data()  # a custom function is compiled and its address in the table
+    k = solution.system.forces.index(part)
+    alone = compiled.model._replace(force=compiled.model.force[k : k + 1], gravity=np.zeros(3))
+    data, index = new_data(alone), compiled.body_index[id(body)]
+    wrench, power, shown = np.empty((samples, 6)), np.empty(samples), np.empty((samples, 12))
+    own = slice(int(alone.force["state"][0]), int(alone.force["state"][0] + alone.force["states"][0]))
+    rates = np.empty((samples, own.stop - own.start))
+    for i in range(samples):
+        data.coordinate["value"], data.unwrap_time[0] = arrays["coordinate"][i], solution.t[i]  # angles count turns
+        kinematics(alone, data, arrays["state"][i])
+        loads(alone, data, solution.t[i])
+        wrench[i] = data.body["Q"][index]
+        power[i] = np.sum(data.body["Q"][:-1] * arrays["v"][i])
+        rates[i], shown[i] = data.state_rate[own], data.force["shown"][0]
+    return wrench, power, rates, shown
+
+
+def stretch(solution: RunMotion, part: ForceElement) -> dict[str, np.ndarray]:
+    """Length or angle along which an element acts, and its rate."""
+    x = part.record().coordinate
+    if x is not None:
+        values = solution.arrays["coordinate"][:, solution.compiled.coordinate(x)]
+        return {"angle" if x.kind == "angle" else "length": values, "rate": solution._coordinate_rate(x)}
+    if isinstance(part, SpringDamper):
+        (p_a, v_a), (p_b, v_b) = (
+            solution._point_motion(body, at) for body, at in ((part.a, part.at_a), (part.b, part.at_b))
+        )
+        length, opening = np.linalg.norm(p_b - p_a, axis=1), np.linalg.norm(v_b - v_a, axis=1)  # from no length
+        along = np.einsum("ti,ti->t", p_b - p_a, v_b - v_a)
+        return {"length": length, "rate": np.divide(along, length, out=opening, where=length > 0.0)}
+    return {}

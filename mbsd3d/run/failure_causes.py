@@ -1,0 +1,139 @@
+"""Why a run fails: the part whose numbers are not finite, the drivers and where they have come to, the pose."""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ..constraints.conflicting_drivers import Contradiction, find_contradiction
+from ..constraints.singularity import INFINITESIMAL, what_is_singular
+from ..dynamics.applied_forces import loads
+from ..equations.at_state import load_rows
+from ..equations.compiled import Compiled
+from ..integrators import memory
+from ..kernels.layout import Data
+from ..mechanism.drivers import AngleDriver, Driver, PositionDriver, SlideDriver
+from ..mechanism.forces.custom import FunctionForce
+from ..mechanism.joints.curve_contact import CurveContact
+from ..mechanism.state import State
+from .balance import exception_of
+
+NOT_FINITE = "a part returns values that are not finite"
+BEFORE = 1e-6  # of a curve, at its ends
+ON_THE_SPOT = 1e-4  # of its time: a run that ends before has not left its start
+BESIDE = "nothing says along which branch it moves on: start in a pose beside it, the drivers too; see system.check()"
+FAILURES = {
+    memory.STEP_TOO_SMALL: (
+        "no step is small enough",
+        "a force jumps or the motion has a singularity here: smooth the force, or end the run earlier",
+    ),
+    memory.NOT_CLOSING: ("the joints cannot be closed any more", "a singular or locked position; see system.check()"),
+    memory.NO_SOLUTION: (
+        "the equations have no finite solution",
+        "check the forces and masses; where the steps are of fixed length, take a smaller dt",
+    ),
+    memory.FULL: ("every step is a sample, and memory holds no more", "give output=, a number of samples or times"),
+    memory.NOT_CONVERGED: (
+        "Newton's method finds no end of the step", "take a smaller dt, or dt=None for adaptive steps",
+    ),
+}  # fmt: skip
+UNITS = {AngleDriver: "rad", SlideDriver: "m", PositionDriver: "m"}
+
+
+def driven_to(compiled: Compiled, t: float) -> str:
+    """The drivers, with the positions that they prescribe at t."""
+    drivers = list({id(driver): driver for driver, _ in compiled.drives}.values())
+    return " and ".join(f"driver '{compiled.system.name(x)}' ({type(x).__name__}){reached(x, t)}" for x in drivers)
+
+
+def reached(driver: Driver, t: float) -> str:
+    """The position that a driver prescribes; nothing for one that prescribes a speed."""
+    unit = UNITS.get(type(driver))
+    values = [float(row.signal(t)) for row in driver.primitives if row.signal is not None]
+    return f" at {', '.join(f'{value:.6g}' for value in values)} {unit}" if unit and values else ""
+
+
+def at_end_of_curve(compiled: Compiled, data: Data, h: float) -> str | None:
+    """Name of a joint whose point comes to the end of an open curve within a time step h, if any."""
+    for joint in compiled.system.joints:
+        if isinstance(joint, CurveContact) and not joint.closed:
+            last = data.coordinate[compiled.coordinate(joint.way)]
+            near = joint.start + last["value"] + last["rate"] * h
+            if not BEFORE * joint.line.length < near < (1.0 - BEFORE) * joint.line.length:
+                return f"joint '{compiled.system.name(joint)}'"
+    return None
+
+
+def singular_start(
+    compiled: Compiled, start: State, t: float = -np.inf, t_end: float = np.inf
+) -> tuple[str, str] | None:  # fmt: skip
+    """(what is wrong with the pose at the start of a run that has ended at t, advice), if the run has not left it.
+
+    What moves infinitesimally there is the reason also for a run that ends later.
+    """
+    what = what_is_singular(compiled, start)
+    if what.startswith(INFINITESIMAL):
+        return f"the mobility at the start is {what}", "see system.check()"
+    stays = t - start.t <= ON_THE_SPOT * (t_end - start.t)
+    return (f"the pose at the start is {what}", BESIDE) if what and stays else None
+
+
+def singular_there(compiled: Compiled, start: State, y: np.ndarray, t: float) -> str:
+    """What is singular about the pose that a run has come to; "" for a regular one."""
+    return what_is_singular(compiled, replace(start, t=t, q=y[: start.q.size]))
+
+
+def just_after(t: float, h: float) -> tuple[float, ...]:
+    """Times at which what ends a run shows: t, where it ended, and after a step h or a small share of t."""
+    return (t, t + 1e-9 * max(abs(t), 1.0), t + max(h, 0.0), t + 1e-3 * max(abs(t), 1.0))
+
+
+def contradiction(compiled: Compiled, data: Data, y: np.ndarray, t: float, h: float) -> Contradiction | None:
+    """Drivers that prescribe two motions for one freedom from t on, if any: their signals part long after the start."""
+    for later in just_after(t, h) if len(compiled.drives) > 1 else ():
+        load_rows(compiled, data, y, later)
+        if not np.isfinite(data.row["J"]).all():
+            return None
+        clash = find_contradiction(compiled, data, later, later)
+        if clash is not None and len(clash.drivers) > 1:
+            return clash
+    return None
+
+
+class Blamed(NamedTuple):
+    """The part whose numbers are not finite, and what of it is not."""
+
+    part: str
+    what: str
+
+
+def blame(compiled: Compiled, data: Data, y: np.ndarray, t: float, h: float, dy: np.ndarray) -> Blamed | None:
+    """The joint or force whose numbers are not finite at t, or just after it along the rates dy, if any."""
+    for later in just_after(t, h):
+        moved = y + (later - t) * dy if np.isfinite(dy).all() else y
+        load_rows(compiled, data, moved, later)
+        loads(compiled.model, data, later)
+        for joint in compiled.system.joints:
+            rows = compiled.rows[id(joint)]
+            if not np.isfinite(data.row["gamma"][rows]).all() or not np.isfinite(data.row["c"][rows]).all():
+                return Blamed(f"joint '{compiled.system.name(joint)}'", NOT_FINITE)
+        for k, force in enumerate(compiled.system.forces):
+            own = compiled.model.force[k]
+            rates = data.state_rate[own["state"] : own["state"] + own["states"]]
+            known = data.force["power"][k], data.force["potential"][k], *rates
+            if not np.isfinite(known).all():
+                return Blamed(f"force '{compiled.system.name(force)}'", what_fails(compiled, k, moved, later, rates))
+    return None
+
+
+def what_fails(compiled: Compiled, k: int, y: np.ndarray, t: float, rates: np.ndarray) -> str:
+    """The exception that the function of a force raises, or which of its numbers are not finite."""
+    force = compiled.system.forces[k]
+    if isinstance(force, FunctionForce) and (error := exception_of(compiled, k, y, t)):
+        return f"its function raises {type(error).__name__}{f': {error}' if str(error) else ''}"
+    if not np.isfinite(rates).all():
+        names = ", ".join(
+            f"'{name}'" for name, rate in zip(force.state_names(), rates, strict=True) if rate * 0.0 != 0.0
+        )
+        return f"{NOT_FINITE}: the rate of its state {names}"
+    return NOT_FINITE

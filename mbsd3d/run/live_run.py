@@ -1,0 +1,223 @@
+"""A model that moves in real time, in a thread of its own, while its numbers are changed."""
+
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import Future
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+
+from ..base.errors import MbsError
+from ..base.progress import Progress
+from ..equations.compiled import Switches
+from ..integrators.method import Method
+from ..results.run_result import RunResult
+from ..results.run_samples import unit_quaternions
+from .live_model import Built, Playable, Seen
+from .segments import Slices
+
+T = TypeVar("T")
+PERIOD = 1.0 / 60.0  # [s] from one frame to the next
+LONGEST = 10 * 60 * 60  # frames that are kept: ten minutes; then a new ride begins
+WINDOW = 60  # frames over which it is seen whether the model keeps up
+
+
+class Frame(NamedTuple):
+    """What moves, at one moment."""
+
+    t: float  # [s]
+    late: int  # frames that came after the next one was due
+    share: float  # of the pace asked for that is reached
+    seen: Seen
+    poses: np.ndarray  # (n, 7) r [m], e
+
+
+class GivenUpError(Exception):
+    """A slice was left unfinished."""
+
+
+class Patience(Progress):
+    """Leaves a slice that nobody waits for any more."""
+
+    def __init__(self) -> None:
+        super().__init__("", 0.0, 1.0, False)
+        self.over = threading.Event()
+
+    def update(self, now: float) -> None:
+        """GivenUpError if it is over."""
+        if self.over.is_set():
+            raise GivenUpError
+
+
+class Playing:
+    """A model at its start; `start` lets it move: a slice of ``pace / 60`` s of it every 1/60 s.
+
+    A frame that is ready after the next one was due is late: the clock of the model then waits for it.
+
+    ``values`` are those of the controls, ``held`` those of pressed keys, which go first. Methods are called in the
+    thread, by `do`.
+
+    Raises
+    ------
+    MbsError
+        What the model, its state or its first slice give reason for.
+    """
+
+    def __init__(self, model: Playable, method: Method | None, rtol: float, as_built: float | None) -> None:
+        self.model, self.method, self.rtol, self.as_built = model, method, rtol, as_built
+        self.values = {control.name: control.value for control in model.controls}
+        self.held: dict[str, float] = {}
+        self.running, self.pace, self.late, self.note = True, 1.0, 0, ""
+        self.watched, self.over, self.patience = False, False, Patience()
+        self.wishes: deque[tuple[Future, Callable]] = deque()
+        self.reached: deque[tuple[float, float]] = deque(maxlen=WINDOW)  # clock, time of the model
+        self.builds = [control.name for control in model.controls if control.builds]
+        trial = self.slices_of(model.built(self.values, None))  # compiles, and finds what cannot run
+        trial.advance(trial.t + PERIOD)
+        self.begin(model.built(self.values, None))
+        self._ended, self._thread = threading.Event(), None
+
+    def start(self, publish: Callable[[Frame], None]) -> None:
+        """Let it move; ``publish`` gets every frame, in the thread."""
+        self._thread = threading.Thread(target=self._run, args=(publish,), name="mbsd3d play", daemon=True)
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End the thread, within the work of 0.05 s."""
+        self._ended.set()
+        self.patience.over.set()
+        if self._thread is not None:
+            self._thread.join()
+        self.grant()
+
+    def do(self, what: Callable[..., T], *arguments: object) -> "Future[T]":
+        """Call one of the methods between two slices; the future has what it returns or raises."""
+        future: Future[T] = Future()
+        self.wishes.append((future, lambda: what(*arguments)))
+        if self._thread is not None and not self._thread.is_alive():
+            self.grant()
+        return future
+
+    def _run(self, publish: Callable[[Frame], None]) -> None:
+        """Frame by frame until it is stopped."""
+        due = time.perf_counter()
+        while not self._ended.wait(max(due - time.perf_counter(), 0.0)):
+            publish(self.frame())
+            due += PERIOD
+            if (now := time.perf_counter()) > due:
+                self.late, due = self.late + self.moving, now
+
+    def frame(self) -> Frame:
+        """Grant wishes, go on by a slice, and look."""
+        self.grant()
+        if self.moving:
+            self.advance()
+        slices = self.slices
+        seen = self.model.seen(self.now, slices.measured)
+        for name, value in seen.values.items():
+            self.values[name] = self.built_with[name] = value
+        if seen.over and self.running:
+            self.end(seen.over)
+        poses = unit_quaternions(slices.memory.y[: 7 * slices.model.body.size]).reshape(-1, 7)
+        return Frame(slices.t, self.late, self.share(), seen, poses)
+
+    @property
+    def moving(self) -> bool:
+        """Whether time passes: it runs, and somebody looks."""
+        return self.running and self.watched
+
+    @property
+    def now(self) -> dict[str, float]:
+        """Value of every control."""
+        return self.values | self.held
+
+    def share(self) -> float:
+        """Share of the pace that is reached, over the last frames."""
+        if not self.moving or len(self.reached) < self.reached.maxlen:
+            return 1.0
+        (clock, t), (last, now) = self.reached[0], self.reached[-1]
+        return min((now - t) / (self.pace * (last - clock)), 1.0)
+
+    def advance(self) -> None:
+        """One slice."""
+        slices = self.slices
+        try:
+            for name, value in self.model.inputs(self.now, slices.measured).items():
+                slices.set(name, value)
+            slices.advance(slices.t + self.pace * PERIOD)
+        except GivenUpError:
+            self.patience.over.clear()
+        except MbsError as error:
+            self.end(str(error))
+        self.reached.append((time.perf_counter(), slices.t))
+        if slices.samples.count + int(slices.memory.now["written"]) > LONGEST:
+            self.begin(self.built._replace(state=slices.state))
+
+    def slices_of(self, built: Built) -> Slices:
+        """A run of a model."""
+        return Slices(built.system, built.state, Switches(), self.method, self.rtol, self.as_built, built.measures)
+
+    def begin(self, built: Built) -> None:
+        """Go on with a model: a new ride begins."""
+        slices = self.slices_of(built)
+        slices.progress, self.built = self.patience, built
+        self.slices, self.since, self.built_with = slices, slices.t, {name: self.now[name] for name in self.builds}
+        self.reached.clear()
+
+    def grant(self) -> None:
+        """Do what was wished since the last slice."""
+        while self.wishes:
+            future, what = self.wishes.popleft()
+            try:
+                future.set_result(what())
+            except Exception as error:
+                self.note = str(error)
+                future.set_exception(error)
+        changed = [name for name in self.builds if self.now[name] != self.built_with[name]]
+        if changed and not self.over:
+            try:
+                self.begin(self.model.built(self.now, self.slices.state))
+            except MbsError as error:  # it stays as it was
+                self.note = str(error)
+                self.values |= self.built_with
+                self.held = {name: value for name, value in self.held.items() if name not in changed}
+
+    def set(self, name: str, value: float) -> None:
+        """Give a control a value."""
+        self.values[name] = value
+
+    def hold(self, name: str, value: float | None) -> None:
+        """Give a control a value as long as a key is pressed; None = it is released."""
+        self.held.pop(name, None)
+        if value is not None:
+            self.held[name] = value
+
+    def run(self, on: bool) -> None:
+        """Go on or pause."""
+        self.running = on and not self.over
+        self.reached.clear()
+
+    def watch(self, on: bool) -> None:
+        """Somebody looks, or nobody: then it waits."""
+        self.watched = on
+        self.reached.clear()
+
+    def slow(self, pace: float) -> None:
+        """Seconds of the model per second."""
+        self.pace = pace
+        self.reached.clear()
+
+    def reset(self) -> None:
+        """Back to the start, with the controls as they are."""
+        self.begin(self.model.built(self.now, None))
+        self.running, self.over, self.note, self.late = True, False, "", 0
+
+    def end(self, why: str) -> None:
+        """It does not go on until it is reset."""
+        self.running, self.over, self.note = False, True, why
+
+    def result(self) -> RunResult:
+        """The ride since `since`: since the start, or since the model was made anew."""
+        return self.slices.solution()

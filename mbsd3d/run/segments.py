@@ -1,0 +1,172 @@
+"""A run in slices: it goes on where it is, with numbers that are set from outside between two slices."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..base.checks import SMALLEST, listed, number, shown
+from ..base.errors import InputError
+from ..base.progress import Progress
+from ..base.rotations import matrix
+from ..compiler.cache_folder import mark_warm
+from ..compiler.first_run import announce_compilation
+from ..dynamics.auditing import AUDITED
+from ..equations.compiled import Switches, compile_system
+from ..equations.inputs import set_input, starts, with_history, with_own_inputs
+from ..integrators.dop853 import DOP853
+from ..integrators.method import Method
+from ..integrators.step_control import LEAST
+from ..kernels.coordinates import measure
+from ..mechanism.measures import Measure, check_members
+from ..mechanism.mechanism import Mechanism
+from ..mechanism.signals.input import Input
+from ..mechanism.state import State
+from ..results.run_result import RunResult
+from ..results.run_samples import unit_quaternions
+from .job import Job
+from .simulation import check_kinds, check_signals, check_steps
+
+SILENT = Progress("", 0.0, 1.0, False)
+
+
+class Slices(Job):
+    """A job whose end is moved on from slice to slice; rows, steps and factors of the method stay what they are.
+
+    ``keep`` says whether the end of each slice is a sample, taken before an input changes there; ``progress`` is asked
+    every 0.05 s of work.
+    """
+
+    def __init__(
+        self, system: Mechanism, start: State, switches: Switches, method: Method | None, rtol: float,
+        as_built: float | None, measures: Sequence[Measure],
+    ) -> None:  # fmt: skip
+        method = DOP853() if method is None else method
+        check_kinds(method, rtol, None)
+        measures = listed(measures, "Stepper: measures", "a list of mbsd3d.measures")
+        for x in measures:
+            if not isinstance(x, Measure):
+                raise InputError(f"Stepper: measures: {shown(x)} is not a measure; build one with mbsd3d.measures")
+            check_members(system, x, "Stepper: measures")
+        compiled = with_own_inputs(compile_system(system, tuple(measures), switches))
+        self.inputs, self.keep, self.progress = starts(compiled), True, SILENT
+        self.history = {name: [(start.t, value)] for name, value in self.inputs.items()}
+        self.driving = {name: driver_of(system, name) for name in self.inputs}
+        super().__init__(compiled, start, start.t, None, method, rtol, None, as_built)
+        self.measures = range(len(measures))
+        self.last_signal = last_time(system)
+        task = self.memory.task
+        self.memory = self.memory._replace(times=np.array([start.t, start.t]))
+        task.every_step, task.t_end = 0, np.inf  # no horizon: the first step follows from the accelerations alone
+        announce_compilation(f"time loop {method.loop.__name__}")
+        self.check_start()
+        self.eliminate()
+        self.check_driven()
+        self.first_step()
+
+    @property
+    def t(self) -> float:
+        """Time reached [s]."""
+        return float(self.memory.now["t"])
+
+    def set(self, key: Input | str, value: float) -> None:
+        """Give an input a value from now on."""
+        name = key.name if isinstance(key, Input) else key
+        if not isinstance(name, str) or name not in self.inputs:
+            have = ", ".join(f"'{x}'" for x in self.inputs) or "none"
+            raise InputError(f"Stepper: {shown(key)} is not one of the inputs of this system; there are {have}")
+        value = number(value, f"Stepper: input '{name}'")
+        if value == self.inputs[name]:
+            return
+        if self.driving[name] is not None:
+            raise InputError(
+                f"Stepper: input '{name}' prescribes the motion of driver '{self.driving[name]}', and a jump would "
+                "tear the joints apart; let it set a force, or a reference of a controller"
+            )
+        self.inputs[name] = value
+        changes, t = self.history[name], self.t
+        if changes[-1][0] == t:
+            changes.pop()
+        changes.append((t, value))
+        set_input(self.compiled, name, value)
+        self.memory.now.fresh = 1
+
+    def advance(self, t: float) -> None:
+        """Integrate to t [s], hit exactly."""
+        t, run = number(t, "Stepper: t"), self.memory
+        now, task = run.now, run.task  # their fields by name: as attributes each takes a microsecond more
+        begin, step, rejected, first = float(now["t"]), now["step"], now["rejected"], now["evaluations"] == 0
+        if not t - begin > max(LEAST * abs(t), SMALLEST):  # what rounding adds is no slice
+            raise InputError(f"Stepper: t = {t:.9g} s does not lie after {begin:.9g} s; give a later time")
+        check_steps(self.method, t - begin, "Stepper")
+        if t > self.last_signal:
+            check_signals(self.compiled, begin, t)
+        task["t_end"] = t
+        if self.method.dt is not None:
+            task["steps"] = max(int(np.ceil((t - begin) / self.method.dt - 1e-9)), 1)
+            task["t_start"], now["grid"] = begin, 0
+        if not self.keep and now["written"]:
+            self.drain()
+        run.times[1], now["next_output"] = t, 0 if first else 1
+        self.loop(self.progress)
+        if first:
+            mark_warm(f"time loop {self.method.loop.__name__}")
+            mark_warm()
+        if now["rejected"] == rejected:
+            now["step"] = max(now["step"], step)  # a slice that ends in a short step says nothing about the next one
+        if not self.keep:
+            now["written"] = 0
+
+    def solution(self) -> RunResult:
+        """The samples kept so far."""
+        self.drain()
+        run, count = self.memory, self.samples.count
+        record = replace(
+            self.record, rank_events=list(self.record.rank_events), steps=int(run.now.steps),
+            rejected=int(run.now.rejected), evaluations=int(run.now.evaluations), seconds=self.record.loop_seconds,
+            speed=float(run.now.fastest),
+            inputs={name: tuple(changes) for name, changes in self.history.items()},
+        )  # fmt: skip
+        record.open_audit = tuple(float(run.now[x]) for x in AUDITED)
+        record.note_turning(run.now, [body.name for body in self.compiled.system.bodies])
+        arrays = {name: array[:count].copy() for name, array in self.samples.arrays.items()}
+        arrays["t"] = arrays["t"][:, 0]
+        compiled = with_history(self.compiled, self.history)
+        return RunResult.from_run(compiled, arrays, record, self.start, run.y.copy(), self.t, self.data)
+
+    @property
+    def velocities(self) -> np.ndarray:
+        """(6 n,) world velocities (r_dot, w)."""
+        n, y = self.model.body.size, self.memory.y
+        v = y[7 * n : 13 * n].reshape(n, 6).copy()
+        v[:, 3:] = np.einsum("bij,bj->bi", matrix(y[: 7 * n].reshape(n, 7)[:, 3:]), v[:, 3:])
+        return v.ravel()
+
+    @property
+    def state(self) -> State:
+        """The state reached."""
+        n, y = self.model.body.size, self.memory.y
+        own = y[13 * n : 13 * n + self.model.z_work]
+        coordinates = self.data.coordinate["value"][: self.compiled.own_coordinates].copy()
+        return State(self.t, unit_quaternions(y[: 7 * n]), self.velocities, own, coordinates)
+
+    @property
+    def measured(self) -> np.ndarray:
+        """(measures,) their values."""
+        return np.array([measure(self.model, self.data, i, self.t) for i in self.measures])
+
+
+def driver_of(system: Mechanism, name: str) -> str | None:
+    """The driver whose motion follows an input."""
+    for joint in system.joints:
+        for signal in (row.signal for row in joint.primitives if row.signal is not None):
+            if any(term.input and term.input[0] == name for term in signal.terms()):
+                return system.name(joint)
+    return None
+
+
+def last_time(system: Mechanism) -> float:
+    """Until when all signals are defined [s]."""
+    signals = [row.signal for joint in system.joints for row in joint.primitives]
+    signals += [signal for force in system.forces for signal in force.record().signals]
+    return min((signal.interval[1] for signal in signals if signal is not None), default=np.inf)

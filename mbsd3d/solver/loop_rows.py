@@ -1,0 +1,234 @@
+"""Rows that close loops, and rows on more than two bodies: S lam = rhs on what the tree leaves of them.
+
+    S = sum over links of G N D^-1 N'G',   (S + mu) lam_k+1 = rhs + mu lam_k
+
+Rows may repeat each other: mu keeps the factor regular, the sweeps take it away again where S resists. Off c = 0 such
+rows contradict each other by as little as the state is off, and a direction in which S has only that little would
+answer with a large multiplier: so where rows are nearly dependent, the right side is first replaced by what S reaches.
+"""
+
+import numpy as np
+
+from ..compiler.decorators import fused_kernel, inner_kernel, late_kernel
+from ..kernels.vectors import add_scaled, clear, copy
+from .row_rank import FELT, UNKNOWN, independence, note_independence
+
+PROXIMAL = (
+    1e-8  # times the compliance of the heaviest body of the loop, mu: J's singular values below its root are let go
+)
+WEAK = 1e-2  # pivots below this share of the largest that they have been: the right side is filtered
+UNFELT = 1e-4  # times mu: diagonals below it belong to rows that nothing in the tree yields to, as out of a plane
+SWEEPS, MORE_SWEEPS = 1, 40  # as a rule; at most, near a singular position or where rows are soft
+SETTLED = 1e-15  # of the right side: change of the residual that ends the sweeps
+PIVOT_RATIO_MAX = 3e5  # [1] largest diagonal over least pivot: beyond, S leaves 1e-16 times it of the digits of J
+GRADED = 1e6  # largest diagonal over least pivot: S alone has too few digits then,
+REGULAR = 1e7  # times mu: pivots below it are judged as if they were this
+FLOOR = 1e-14  # of the diagonal: what rounding leaves of a pivot
+
+
+@inner_kernel
+def assemble_loops(s):
+    """The lower triangle of S from the factored links."""
+    S = s.skyline[0]
+    clear(S)
+    for i in range(s.link.shape[0]):
+        link = s.link[i]
+        first = link.entry
+        for e in range(first, first + link.entries):
+            line = s.entry[e].line
+            for k in range(link.rows, 6):
+                share = s.entry[e].e[k] * link.inverse[k]
+                for f in range(first, e + 1):
+                    S[line + s.entry[f].place] += share * s.entry[f].e[k]
+
+
+@inner_kernel
+def start_group(s, begin, end):
+    """Lines of a group of rows: factor in the columns of the groups before, what these leave of S in its own."""
+    S, L, loop = s.skyline[0], s.skyline[1], s.loop
+    first = loop[begin].first
+    for i in range(begin, end):
+        line = loop[i].line
+        loop[i].at = i
+        for k in range(first, begin):
+            other, total = loop[k].line, S[line + loop[k].at]
+            for j in range(max(first, loop[k].first), k if L[other + k] != 0.0 else 0):  # 0: row k is left out
+                total -= L[line + j] * L[other + j]
+            L[line + k] = total * L[other + k]
+        for k in range(begin, i + 1):
+            other, total = loop[k].line, S[line + k]
+            for j in range(first, begin):
+                total -= L[line + j] * L[other + j]
+            L[line + k] = total
+
+
+@inner_kernel
+def exchange(s, i, k, end):
+    """Rows i < k of a group change places."""
+    L, loop = s.skyline[1], s.loop
+    line_i, line_k = loop[i].line, loop[k].line
+    loop[i].at, loop[k].at = loop[k].at, loop[i].at
+    for j in range(loop[i].first, i):
+        L[line_i + j], L[line_k + j] = L[line_k + j], L[line_i + j]
+    for j in range(i + 1, k):
+        line = loop[j].line
+        L[line + i], L[line_k + j] = L[line_k + j], L[line + i]
+    for j in range(k + 1, end):
+        line = loop[j].line
+        L[line + i], L[line + k] = L[line + k], L[line + i]
+    L[line_i + i], L[line_k + k] = L[line_k + k], L[line_i + i]
+
+
+@inner_kernel
+def pivot_of(s, i):
+    """Pivot in units of the row's mu, zero for a row that nothing yields to; sets L_ii.
+
+    Rows known to repeat others are left out: off c = 0 they contradict them.
+    """
+    L, row = s.skyline[1], s.loop[i]
+    at = s.loop[row.at]
+    diagonal, place = s.skyline[0][at.line + row.at].real, row.line + i
+    if diagonal < UNFELT * at.mu:
+        L[place] *= 0.0  # so its multiplier is zero, and it is not seen by the rows after it
+        return 0.0
+    pivot, floor = L[place] + at.mu, at.mu + FLOOR * diagonal
+    if not pivot.real >= floor:  # rounding: the row repeats others
+        pivot = pivot * 0.0 + floor
+    share = pivot.real / at.mu
+    repeats = s.state.soft == 0 and 0.0 < row.most < FELT and share < FELT
+    L[place] = 0.0 * pivot if repeats else 1.0 / np.sqrt(pivot)
+    return share
+
+
+@inner_kernel
+def factor_group(s, begin, end):
+    """Cholesky factor of what is left of S + mu in a group, the largest pivot first: those that repeat come last."""
+    L, loop = s.skyline[1], s.loop
+    for i in range(begin, end):
+        best, most = i, -np.inf
+        for k in range(i, end):
+            size = L[loop[k].line + k].real / loop[loop[k].at].mu
+            if size > most:
+                best, most = k, size
+        if best > i:
+            exchange(s, i, best, end)
+        loop[i].pivot = pivot_of(s, i)
+        inverse = L[loop[i].line + i]
+        for k in range(i + 1, end):
+            line = loop[k].line
+            L[line + i] *= inverse
+            for j in range(i + 1, k + 1 if inverse != 0.0 else 0):
+                L[line + j] -= L[line + i] * L[loop[j].line + i]
+
+
+@inner_kernel
+def substitute(s, x):
+    """x := (S + mu)^-1 x by the factor."""
+    L, loop, z = s.skyline[1], s.loop, s.vector[4]
+    for i in range(loop.shape[0]):
+        line, total = loop[i].line, x[loop[i].at]
+        for k in range(loop[i].first, i if L[line + i] != 0.0 else 0):
+            total -= L[line + k] * z[k]
+        z[i] = total * L[line + i]
+    for i in range(loop.shape[0] - 1, -1, -1):
+        line = loop[i].line
+        value = z[i] * L[line + i]
+        for k in range(loop[i].first, i if value != 0.0 else 0):
+            z[k] -= L[line + k] * value
+        x[loop[i].at] = value
+
+
+@inner_kernel
+def least_independent(s):
+    """Return the least pivot of the rows that repeat no others, times mu."""
+    least = np.inf
+    for i in range(s.loop.shape[0]):
+        row = s.loop[i]
+        used = s.skyline[1][row.line + i] != 0.0
+        if used and (s.state.soft == 1 or max(row.most, row.pivot) > FELT):
+            least = min(least, row.pivot)
+    return least
+
+
+@late_kernel
+def factor_loops(s):
+    """Factor of S + mu, group after group (symmetric also for complex steps), and how independent its rows are."""
+    assemble_loops(s)
+    loop, begin = s.loop, 0
+    while begin < loop.shape[0]:
+        start_group(s, begin, loop[begin].end)
+        factor_group(s, begin, loop[begin].end)
+        begin = loop[begin].end
+    s.state.weak, softest, least = 0, 0.0, np.inf
+    for i in range(loop.shape[0]):
+        row = loop[i]
+        if row.pivot == 0.0:
+            if row.most > FELT:  # at a singular pose of a mechanism built along the axes
+                s.state.weak = 1
+            continue
+        softest, least = max(softest, s.skyline[0][row.line + i].real / row.mu), min(least, row.pivot)
+        if row.pivot < WEAK * row.most or (max(row.most, row.pivot) < FELT and s.skyline[1][row.line + i] != 0.0):
+            s.state.weak = 1
+    if s.state.soft == UNKNOWN:
+        note_independence(s)
+    s.state.pivot = independence(s) if s.state.weak == 1 or s.state.soft == 1 else 1.0
+    if softest > GRADED * max(least, REGULAR):
+        s.state.dense, s.state.pivot = 1, 1.0
+    elif s.state.pivot > WEAK and softest > PIVOT_RATIO_MAX * least_independent(s):  # else rows are let go instead
+        s.state.graded = 1
+
+
+@fused_kernel
+def subtract_product(s, x, y):
+    """y -= S x"""
+    S = s.skyline[0]
+    for i in range(s.loop.shape[0]):
+        line, value = s.loop[i].line, x[i]
+        total = S[line + i] * value
+        for k in range(s.loop[i].first, i):
+            total += S[line + k] * x[k]
+            y[k] -= S[line + k] * value
+        y[i] -= total
+
+
+@inner_kernel
+def settled(rhs, residual, step):
+    """True where ``step``, the new residual, is that of the sweep before, which it replaces."""
+    real, imag, change_real, change_imag = 0.0, 0.0, 0.0, 0.0
+    for i in range(rhs.shape[0]):
+        change = step[i] - residual[i]
+        change_real, change_imag = max(change_real, abs(change.real)), max(change_imag, abs(change.imag))
+        real, imag = max(real, abs(rhs[i].real)), max(imag, abs(rhs[i].imag))
+        residual[i] = step[i]
+    return change_real <= SETTLED * real and change_imag <= SETTLED * imag
+
+
+@inner_kernel
+def sweeps(s, count):
+    """lam := S^-1 rhs by proximal sweeps, until what they leave no longer changes."""
+    rhs, lam, residual, step = s.vector[0], s.vector[1], s.vector[2], s.vector[3]
+    copy(lam, rhs)
+    copy(residual, rhs)
+    substitute(s, lam)
+    for _ in range(count):
+        copy(step, rhs)
+        subtract_product(s, lam, step)
+        if count > SWEEPS and settled(rhs, residual, step):
+            break
+        substitute(s, step)
+        add_scaled(lam, 1.0, step)
+
+
+@late_kernel
+def solve_loops(s):
+    """rhs := multipliers of the loop rows."""
+    rhs, lam, step = s.vector[0], s.vector[1], s.vector[3]
+    count = MORE_SWEEPS if s.state.soft == 1 or s.state.pivot < WEAK else SWEEPS
+    sweeps(s, count)
+    if s.state.weak == 1:
+        clear(step)
+        subtract_product(s, lam, step)
+        for i in range(step.shape[0]):
+            rhs[i] = -step[i]  # S lam, the part that S can reach
+        sweeps(s, count)
+    copy(rhs, lam)

@@ -1,1 +1,0 @@
-"""What planar mechanisms cost in space: ``python -m validation.tax``."""
