@@ -1,4 +1,4 @@
-"""The order in which `saddle` eliminates bodies and rows: a spanning tree, and the loop rows that each link feels.
+"""The order in which `solver` eliminates bodies and rows: a spanning tree, and the loop rows that each link feels.
 
 Joints with the most rows come into the tree first, so that few rows are left to close loops; of equal ones those near
 the ground, so that few bodies feel a loop. Joints of bodies far lighter than others come before all: a light body at

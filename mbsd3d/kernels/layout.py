@@ -226,7 +226,7 @@ def tree_records(dtype: type) -> dict[str, list]:
             ("B", dtype, 9),  # after the factorisation without what its own freedoms take up
             ("C", dtype, 9),
             ("basis", dtype, (6, 6)),  # r directions that move one row each, then 6 - r that move none
-            ("u", dtype, (6, 6)),  # inertia times each free direction; before that, scratch of `basis`
+            ("u", dtype, (6, 6)),  # inertia times each free direction; before that, scratch of `joint_basis`
             ("inverse", dtype, 6),  # of each pivot
             ("e", dtype, 6),  # acceleration along each free direction as far as the load gives it
             ("p", dtype, 6),  # load of the body and of all beyond it

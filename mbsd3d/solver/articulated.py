@@ -1,6 +1,6 @@
 """Bodies and the joints of a spanning tree eliminated from the leaves to the roots, by what each joint leaves free.
 
-The rows J of a link have directions Z with J Z = 1, and leave others free, J N = 0 (`basis`). A body moves as its
+The rows J of a link have directions Z with J Z = 1, and leave others free, J N = 0 (`joint_basis`). A body moves as its
 parent does and in its joint, a = X a_p + y + N x, y = Z b with b the right side of the rows, and its equation
 I a + J' lam + G' mu = p, G the loop rows it feels, loses lam along N:
 

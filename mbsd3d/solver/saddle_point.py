@@ -1,8 +1,8 @@
 """The saddle point ``[M J'; J 0] [x; lam] = [top; bottom]`` over all rows in use.
 
-Bodies and the joints of a spanning tree are eliminated from the leaves to the roots (`links`), rows that close loops
-by what the tree leaves of them (`loops`). Rows may be redundant. Where a pivot of the tree vanishes (bodies without
-inertia that only a loop holds), the whole is solved as one dense matrix. A free body needs neither.
+Bodies and the joints of a spanning tree are eliminated from the leaves to the roots (`articulated`), rows that close
+loops by what the tree leaves of them (`loop_rows`). Rows may be redundant. Where a pivot of the tree vanishes (bodies
+without inertia that only a loop holds), the whole is solved as one dense matrix. A free body needs neither.
 """
 
 import numpy as np

@@ -3,7 +3,7 @@
 "lanchester": two shafts of order 2 that turn opposite ways on both sides of the crank, at its height; "raised": the
 same, one higher and one lower such that they also take the 2x torque of the inertia; "first": one shaft of order 1 that
 turns against the crank, and weights on the crank for what its counterweights leave. Unbalances follow from the closed
-form of the engine (`engine_balance.shafts.balance`). What a fault of fitting leaves is known in closed form: a pair
+form of the engine (`engines.balance.shafts.balance`). What a fault of fitting leaves is known in closed form: a pair
 that is late by phi ``2 sin(phi / 2)`` of the force that it should cancel, one that is d off its place the force times
 d, as a couple (along the crank) or as a torque (aside). `left_in_space` is the same by the reaction of the whole engine
 with its geared shafts.

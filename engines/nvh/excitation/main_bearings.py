@@ -61,7 +61,7 @@ class Bearing:
 def cut_engine(source: Source, rpm: float) -> tuple[System, np.ndarray]:
     """The engine with a throw of the crank for cylinders side by side, and the places of its main bearings [m].
 
-    Joints "front k", "rear k" of throw k, "bore i"; axes of `engine_balance`: the crank along z.
+    Joints "front k", "rear k" of throw k, "bore i"; axes of `engines.balance`: the crank along z.
     """
     engine = source.preset.engine(rpm)
     places = [spatial.place(engine, i) for i in range(len(engine.layout.pins))]

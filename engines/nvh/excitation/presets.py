@@ -1,4 +1,4 @@
-"""Engines with the dimensions of real ones, as `engine_balance.Engine` and with what else a powertrain needs.
+"""Engines with the dimensions of real ones, as `engines.balance.Engine` and with what else a powertrain needs.
 
 The rod is known by mass and length; its centre of mass lies at `FRACTION` of the length from the crankpin and its
 inertia is that of two masses at the ends over `TWO_MASSES`, the average of measured rods. Counterweights carry all that

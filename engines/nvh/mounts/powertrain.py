@@ -1,6 +1,6 @@
 """An engine whose block is free: the moving crank train in space, and the rigid body and rotor that stand for it.
 
-The moving engine is that of `engine_balance.spatial`, turned into car axes (x along the crank, z up the middle of the
+The moving engine is that of `engines.balance.spatial`, turned into car axes (x along the crank, z up the middle of the
 bores), with a dyno on the ground that turns the crank evenly and bears torque alone. Of its mass matrix about the
 middle of the crank, for motions of the block with the dyno turning on,
 

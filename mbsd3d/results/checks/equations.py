@@ -53,7 +53,7 @@ def equation_checks(solution: RunSamples, found: Residuals, singular: np.ndarray
     relative = np.where(singular[:, None], 0.0, np.maximum(lost_force / force, lost_moment / moment))
     worst = int(np.argmax(relative.max(axis=0)))
     meaning = f"the equations of body '{system.name(system.bodies[worst])}' are not met"
-    gap = gaping(solution.record)  # Baumgarte's terms correct accelerations by it; `saddle` takes joints as closed
+    gap = gaping(solution.record)  # Baumgarte's terms correct accelerations by it; `solver` takes joints as closed
     checks = [] if lost(solution) else [Check("Newton-Euler", largest(relative), max(1e-8, gap), meaning)]
     if model.row.size:
         near = MAY_MISS if solution.record.nearest < PASSED else 0.0

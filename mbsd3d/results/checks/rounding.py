@@ -69,7 +69,7 @@ def rounding_checks(solution: RunSamples, found: Rounding) -> list[Check]:
     motion, forces = (np.where(found.singular, 0.0, x) for x in (found.motion, found.forces))
     body = system.name(system.bodies[found.body[np.argmax(motion)]])
     meaning = f"rounding of the forces on body '{body}' moves it; it is too light for them"
-    gap = gaping(solution.record)  # `saddle` takes joints as closed
+    gap = gaping(solution.record)  # `solver` takes joints as closed
     checks = [Check("accelerations", largest(motion), max(KNOWN_MOTION, gap), meaning)]
     if joint_of.size:
         joint = system.name(system.joints[joint_of[found.row[np.argmax(forces)]]])
