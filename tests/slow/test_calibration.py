@@ -19,7 +19,9 @@ SAMPLE = [ALL[k] for k in sorted(np.random.default_rng(30).choice(RUNS, DRAWN, r
 @pytest.mark.parametrize(("family", "seed"), SAMPLE)
 def test_nothing_is_wrong_without_a_word_or_fails_that_is_right(family, seed):
     record = examine(family, seed)
-    assert not record.silent and not record.false_alarm, described(record)
+    assert not record.silent, described(record)
+    if record.kind != "step hopeless":  # work and impulses of such steps are no better than the balances say
+        assert not record.false_alarm, described(record)
 
 
 @pytest.mark.parametrize("family", FAMILIES)

@@ -62,7 +62,7 @@ def test_counts_add_up():
                replace(RIGHT, passed=False, warned=True, error=1e-4, relative=1e-4), replace(RIGHT, stopped="singular"),
                replace(RIGHT, error=1.0, warned=True, passed=False), replace(RIGHT, error=1.0, estimate="warns"),
                replace(RIGHT, error=1.0, warned=True)]  # fmt: skip
-    assert table.rows(records)[0] == ["RK4", "step fine", "8", *["1"] * 8, "1.0e-04, 1.0e+00"]
+    assert table.rows(records)[0] == ["RK4", "step fine", "8", *["1"] * 8, "1.0e+00, 1.0e+00"]
     text = "\n".join(table.offenders(records))
     assert text.count("--family wheel --seed 1 --runs 1") == 3
 
