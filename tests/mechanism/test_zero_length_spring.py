@@ -52,7 +52,7 @@ def test_it_swings_straight_through_its_anchor(damping, far):
     decay = damping / (2 * MASS)
     rate = np.sqrt(STIFFNESS / MASS - decay**2)
     known = body.centre + np.outer(np.exp(-decay * run.t) * np.sin(rate * run.t) / rate, SPEED)
-    # a hundred times the tolerance of the run, of a swing of 0.3 m; 1e-13 m of rounding far away times 1e4 steps is less
+    # a hundred times the tolerance of the run, of a swing of 0.3 m; rounding far away, 1e-13 m times 1e4 steps, is less
     assert np.abs(run.com(body) - known).max() < 3e-7
     assert run.certificate.passed
 
