@@ -7,6 +7,7 @@ from .linear import general as general
 from .linear import on_tyres as on_tyres
 from .linear import sensitivity as sensitivity
 from .linear import stability as stability
+from .linear import why as why
 from .model import kinematics as kinematics
 from .model import tyres as tyres
 from .model.mechanism import whipple as whipple

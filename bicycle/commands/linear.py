@@ -165,7 +165,7 @@ def why(parameters: "Parameters", closed_form: bool, fittings: dict[str, Any], d
     (.csv). On tyres also what camber, trail, relaxation and stiffness of the tyres do, beside ideal wheels. The exit
     code is 1 if the general model does not confirm a range. Next: mbsd3d bicycle sensitivity
     """
-    from ..linear.sensitivity_causes import ablations, plot_ablations, to_csv
+    from ..linear.why import ablations, plot_ablations, to_csv
     from ..model.mechanism import whipple
 
     folder = ready_folder(out)

@@ -15,8 +15,8 @@ from scipy.optimize import brentq
 from bicycle import TYPICAL, Meijaard2007, compare, critical, frequency, general, named, ride, sensitivity, whipple, why
 from bicycle.linear.critical import double_roots
 from bicycle.linear.equations import canonical
-from bicycle.linear.sensitivity_causes import CHANGES, two_mass_skate
 from bicycle.linear.tyre_equations import eigenvalues
+from bicycle.linear.why import CHANGES, two_mass_skate
 from bicycle.pages import ideal_or_tyres
 from bicycle.pages.compare import write_page
 from bicycle.pages.side_view import semi_axes, side_view

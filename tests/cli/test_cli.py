@@ -105,7 +105,7 @@ def test_help_needs_click_only():
     help_text, _, modules = done.stdout.rstrip().rpartition("\n")
     loaded = {name.partition(".")[0] for name in modules.split()}
     assert "Usage: " in help_text
-    assert loaded - sys.stdlib_module_names <= {"click", "mbsd3d", "bicycle", "validation", "__main__"}
+    assert loaded - sys.stdlib_module_names <= {"click", "mbsd3d", "bicycle", "engines", "validation", "__main__"}
 
 
 def test_version_and_warmup():

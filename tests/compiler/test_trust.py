@@ -10,7 +10,7 @@ from pathlib import Path
 import numba
 import numpy as np
 import pytest
-from test_code_files import area, fresh, hits
+from test_object_files import area, fresh, hits
 
 from mbsd3d.compiler import cache_folder, object_files
 from mbsd3d.compiler.object_files import check_sum, keep_code

@@ -30,6 +30,7 @@ from mbsd3d.demos.tops import heavy_top
 from validation import theory
 
 REFERENCES = Path(__file__).parents[2] / "validation" / "references"
+ENGINE = Path(__file__).parents[2] / "engines" / "references" / "engine.json"
 
 
 @cache
@@ -124,7 +125,7 @@ def test_theory_of_the_door_agrees_with_the_case():
 
 
 def test_theory_of_the_crank_agrees_with_the_engine_data():
-    known = json.loads((REFERENCES / "engine.json").read_text())["single_cylinder_closed_form_N"]
+    known = json.loads(ENGINE.read_text())["single_cylinder_closed_form_N"]
     _, found = defaults("crank")
     names = ("1x_true", "2x", "4x", "6x")
     assert [found[f"along_{k}x_N"] for k in crank.ORDERS] == pytest.approx([abs(known[k]) for k in names], rel=1e-12)

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -32,7 +33,6 @@ from mbsd3d.base.quaternions import exponential
 from mbsd3d.base.rotations import matrix
 from validation import theory
 from validation.cases import read
-from validation.cases import reference as cases
 from validation.cases.robot import hinge_accelerations, robot_poses
 
 RATE = 10.0
@@ -176,7 +176,7 @@ def test_double_cardan_of_unequal_bends_follows_its_ratio():
     assert np.ptp(expected) > 0.1
 
 
-ENGINE = json.loads((cases.REFERENCES / "engine.json").read_text(encoding="utf-8"))
+ENGINE = json.loads((Path(__file__).parents[2] / "engines" / "references" / "engine.json").read_text(encoding="utf-8"))
 TOY = ENGINE["toy_set_1"]
 CRANK_RATE = TOY["omega"]
 

@@ -17,7 +17,7 @@ from mbsd3d.sweeps.sweep import sweep
 from validation.cases.inline_four import RATE, SAMPLES, inline_four, orders
 
 ROOT = Path(__file__).parents[2]
-ENGINE = json.loads((ROOT / "validation" / "references" / "engine.json").read_text())
+ENGINE = json.loads((ROOT / "engines" / "references" / "engine.json").read_text())
 
 
 def test_every_cell_has_the_closed_form():

@@ -28,7 +28,7 @@ from validation.cases.mechanisms import ladder
 pytestmark = pytest.mark.timing
 
 ROOT = Path(__file__).parents[2]
-FORCE_2X = json.loads((ROOT / "validation" / "references" / "engine.json").read_text())["sweep_RL_I4_2x"]["L=1.5"]
+FORCE_2X = json.loads((ROOT / "engines" / "references" / "engine.json").read_text())["sweep_RL_I4_2x"]["L=1.5"]
 BRIEF = 5.0  # s in which a file that cannot be read is refused
 
 
