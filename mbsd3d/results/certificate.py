@@ -15,9 +15,9 @@ from ..constraints.singularity import INFINITESIMAL, what_is_singular
 from ..equations.compiled import Switches
 from ..equations.plausibility import loose_bodies
 from .checks.balances import balance_checks, work_note
+from .checks.between_stages import signal_checks, stage_notes
 from .checks.check import PASSED, USEFUL, Check, drift_limit
 from .checks.equations import equation_checks, joint_checks, lost, residuals
-from .checks.own_forces import stage_notes
 from .checks.rounding import rounding, rounding_checks, singular_notes
 from .checks.turning import turning_checks
 from .record import Record
@@ -120,7 +120,7 @@ def certify(solution: RunSamples) -> Certificate:
     record, limit, remarks = solution.record, drift_limit(solution.record), notes(solution)
     if solution.t.size:
         missed, opened = residuals(solution), rounding(solution)
-        joints = joint_checks(solution, missed) + turning_checks(solution)
+        joints = joint_checks(solution, missed) + turning_checks(solution) + signal_checks(solution)
         equations = equation_checks(solution, missed, opened.singular)
         met = all(check.passed for check in joints + equations)
         checks = [*joints, *balance_checks(solution, limit, met), *equations]

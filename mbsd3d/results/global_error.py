@@ -6,7 +6,7 @@ import numpy as np
 
 from ..base.errors import InputError, IntegrationError
 from .certificate import Certificate
-from .checks.own_forces import unwatched
+from .checks.between_stages import unseen_parts
 from .run_result import RunResult
 
 FEWEST = 8  # samples from which growth is read
@@ -22,8 +22,8 @@ def estimate(solution: RunResult) -> Certificate:
     Adaptive: rtol/32 and rtol/1024 (rtol/4 and rtol/16 where these cannot be reached); fixed steps: dt/2 and dt/4;
     driven poses: half and a quarter apart. The error is the largest difference of positions (model lengths) and angles
     [rad] from the tightest run; the order is log2 of the ratio of successive differences for fixed steps, and the
-    exponent of rtol for adaptive ones. Where a `CustomForce` was not looked for between the stages of steps, one more
-    run looks at other times, several times as many (`probed`).
+    exponent of rtol for adaptive ones. Where a `CustomForce` was not looked for between the stages of steps, or a
+    `Sine` is faster than fixed steps, one more run looks at other times, several times as many (`probed`).
     """
     record = solution.record
     if not record.steps or not solution.t.size:
@@ -39,11 +39,11 @@ def estimate(solution: RunResult) -> Certificate:
     )
     order = float(np.log(first / second) / np.log(factor)) if 0.0 < second < first else None
     known = replace(solution.certificate, error=error, order=order, doubling=doubling_time(solution.t, last))
-    forces = [solution.system.name(force) for force in unwatched(solution)]
-    missed = float(distances(solution, probed(solution)).max(initial=0.0)) if forces else 0.0
+    unseen = unseen_parts(solution)
+    missed = float(distances(solution, probed(solution)).max(initial=0.0)) if unseen else 0.0
     if not missed > max(SEEN * error, ROUNDING):
         return known
-    note = f"stages at other times find another motion, {missed:.2g} away: {' or '.join(map(repr, forces))} acts there"
+    note = f"stages at other times find another motion, {missed:.2g} away: {' or '.join(map(repr, unseen))} acts there"
     return replace(known, error=max(error, missed), order=None, notes=(*known.notes, note))
 
 

@@ -25,7 +25,8 @@ BESIDE = "nothing says along which branch it moves on: start in a pose beside it
 FAILURES = {
     memory.STEP_TOO_SMALL: (
         "no step is small enough",
-        "a force jumps or the motion has a singularity here: smooth the force, or end the run earlier",
+        "a force jumps or the motion has a singularity here: give a CustomForce times= at which it jumps, smooth the "
+        "force, or end the run earlier",
     ),
     memory.NOT_CLOSING: ("the joints cannot be closed any more", "a singular or locked position; see system.check()"),
     memory.NO_SOLUTION: (

@@ -290,6 +290,8 @@ class Job:
         elif part is None and self.compiled.drives and (status == memory.NOT_CLOSING or self.memory.rows.pivot < CLOSE):
             part = f"{driven_to(self.compiled, t)}, where the mechanism locks or passes a singular position"
             advice = "drive it less far, or the other way; see system.check()"
+            if self.method.dt is not None:
+                advice = f"take a smaller dt than {self.method.dt:g} s, {advice}"
         elif status in SHORT and (singular := singular_there(self.compiled, self.start, here[2], t)):
             what = f"{what}: the pose is {singular}"
         elif part is None and status == memory.NOT_CLOSING and self.method.dt is not None:

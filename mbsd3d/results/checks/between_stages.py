@@ -1,0 +1,73 @@
+"""What acts between the stages of steps without being seen: own forces that jump, and sines faster than fixed steps."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...equations.tables import signals_of
+from ...mechanism.forces.custom import FunctionForce
+from ...mechanism.signals.terms import SINE
+from ..run_samples import RunSamples
+from .check import Check
+
+STEPS_PER_PERIOD_MIN = 10  # [1] fixed steps in a period of a sine, for a resolved one
+PERIODS_PER_STEP_MAX = 0.5  # [1] of a sine in a fixed step: beyond, the stages may all see one phase (Nyquist)
+
+
+class FastSine(NamedTuple):
+    """A sine of a force or driver that fixed steps hardly resolve."""
+
+    part: str
+    period: float  # s
+
+
+def unwatched(solution: RunSamples) -> list[FunctionForce]:
+    """Those for which nobody has bounded the length of steps."""
+    if solution.record.kinematic or solution.record.method.max_step < np.inf:
+        return []  # poses follow from drivers
+    forces = [force for force in solution.system.forces if isinstance(force, FunctionForce)]
+    return [force for force in forces if force.max_step == np.inf]
+
+
+def fast_sines(solution: RunSamples) -> list[FastSine]:
+    """Return the sines of which a period has fewer than STEPS_PER_PERIOD_MIN fixed steps."""
+    dt = solution.record.method.dt
+    if dt is None or solution.record.kinematic:
+        return []  # adaptive steps follow them
+    found = []
+    for part, signal in signals_of(solution.system):
+        for term in signal.terms():
+            amplitude, rate = term.data[:2] if term.kind == SINE else (0.0, 0.0)
+            if amplitude != 0.0 and abs(rate) * dt * STEPS_PER_PERIOD_MIN > 2.0 * np.pi:
+                found.append(FastSine(solution.system.name(part), 2.0 * np.pi / abs(rate)))
+    return list(dict.fromkeys(found))
+
+
+def signal_checks(solution: RunSamples) -> list[Check]:
+    """Return the check of sines that fixed steps cannot follow; none where all are resolved."""
+    sines = fast_sines(solution)
+    if not sines:
+        return []
+    fastest = min(sines, key=lambda sine: sine.period)
+    periods = solution.record.method.dt / fastest.period
+    return [Check("signals", periods, PERIODS_PER_STEP_MAX, f"'{fastest.part}' swings within a step; shorten dt")]
+
+
+def unseen_parts(solution: RunSamples) -> list[str]:
+    """Return the names of the parts that the stages of steps may not see as they act."""
+    forces = [solution.system.name(force) for force in unwatched(solution)]
+    return [*forces, *(sine.part for sine in fast_sines(solution))]
+
+
+def stage_notes(solution: RunSamples) -> list[str]:
+    """Which forces and signals were not looked for between stages, and what to do about it."""
+    return [
+        f"force '{solution.system.name(force)}' was not looked for between the stages of steps"
+        f"{', but at its times' if force.times else ''}: what it does for a shorter time is stepped over; give it "
+        "max_step=, the shortest time it acts, or times= at which it jumps"
+        for force in unwatched(solution)
+    ] + [
+        f"'{sine.part}' swings faster than the steps: its Sine has a period of {sine.period:.3g} s, and a step is "
+        f"{solution.record.method.dt:.3g} s long; give dt={sine.period / STEPS_PER_PERIOD_MIN:.2g} or less"
+        for sine in fast_sines(solution)
+    ]
