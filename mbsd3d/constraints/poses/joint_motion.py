@@ -82,7 +82,7 @@ def with_ground(x: np.ndarray) -> np.ndarray:
 
 
 def rotated(e: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Turn (n, 3) vectors by unit quaternions: x + 2 e_0 e_v x x + 2 e_v x (e_v x x)."""
+    """Return (n, 3) vectors turned by unit quaternions: x + 2 e_0 e_v x x + 2 e_v x (e_v x x)."""
     across = 2.0 * crosses(e[:, 1:], x)
     return x + e[:, :1] * across + crosses(e[:, 1:], across)
 
@@ -115,7 +115,7 @@ def joint_graph(compiled: Compiled, pinned: set[int]) -> JointGraph:
 
 
 def new_joint_graph(compiled: Compiled, pinned: set[int]) -> JointGraph:
-    """See `joint_graph`."""
+    """Return a `joint_graph` that is made anew."""
     system, index, n = compiled.system, compiled.body_index, len(compiled.system.bodies)
     joints = [joint for joint in system.joints if carrying_rows(joint) >= CARRYING_ROWS_MIN]
     joints.sort(key=carrying_rows, reverse=True)
