@@ -40,10 +40,10 @@ def all_within(array: np.ndarray, most: float) -> bool:
 
 
 def holds_truth(values: Any) -> bool:
-    """Return whether a value is True or False, or lists hold one; numpy and float() would make it 1 or 0."""
+    """Return whether a value is True or False, or a list or array of some; numpy and float() make them 1 and 0."""
     if isinstance(values, list | tuple):
         return any(map(holds_truth, values))
-    return isinstance(values, bool | np.bool_)
+    return isinstance(values, bool | np.bool_) or (isinstance(values, np.ndarray) and values.dtype.kind == "b")
 
 
 def floats(values: Any, what: str, remedy: str) -> np.ndarray:

@@ -87,14 +87,15 @@ def drop_orphans(folder: Path) -> None:
     """
     with suppress(OSError), os.scandir(folder) as entries:
         for entry in entries:
-            begun = PIECE.fullmatch(entry.name)
-            with suppress(OSError):  # another process removes it just now
-                if begun and not _may_be_written(entry, *begun.groups()):
-                    os.unlink(entry)
+            begun = PIECE.fullmatch(entry.name) if entry.name.endswith(".part") else None  # few of many files are
+            if begun:
+                with suppress(OSError):  # another process removes it just now
+                    if not _may_be_written(entry, *begun.groups()):
+                        os.unlink(entry)
 
 
 def _may_be_written(entry: os.DirEntry, machine: str | None, process: str | None) -> bool:
-    """Whether a file that is not whole may still become it, or is none of this user's."""
+    """Return whether a file that is not whole may still become whole, or belongs to another user."""
     state = entry.stat(follow_symlinks=False)
     if not stat.S_ISREG(state.st_mode) or (hasattr(os, "geteuid") and state.st_uid != os.geteuid()):
         return True
@@ -104,7 +105,7 @@ def _may_be_written(entry: os.DirEntry, machine: str | None, process: str | None
 
 
 def _is_alive(process: int) -> bool:
-    """Whether there is a process of a number."""
+    """Return whether a process of this number runs."""
     try:
         os.kill(process, 0)
     except (ProcessLookupError, OverflowError):

@@ -93,7 +93,7 @@ def sparse_factor(D: csr_array, A: csr_array) -> Callable[[np.ndarray], np.ndarr
 
 
 def deficient(A: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, int]:
-    """x (n,) of least length with least |A x - b|, and the rank of A (m, n)."""
+    """Return x (n,) of least length with least |A x - b|, and the rank of A (m, n)."""
     m, n = A.shape
     if not m:
         return np.zeros(n), 0
@@ -121,7 +121,7 @@ def shortest(J: BlockRows, rows: np.ndarray, more: np.ndarray, columns: np.ndarr
 def least_motion(
     J: BlockRows, rows: np.ndarray, more: np.ndarray, columns: np.ndarray, b: np.ndarray, B: BlockRows
 ) -> tuple[np.ndarray, int]:
-    """x (n,) of least |B x| that meets A x = b as in `shortest`, and the rank of A; 0 where it is not computed.
+    """Return x (n,) of least |B x| that meets A x = b as in `shortest`, and the rank of A, 0 where it is not computed.
 
     Entries of x whose column is 0 stay 0; B leaves none of the others free.
     """

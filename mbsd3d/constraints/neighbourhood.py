@@ -40,7 +40,7 @@ class Beside(NamedTuple):
 
     @property
     def rank(self) -> int:
-        """Rank of the rows there."""
+        """Return the rank of the rows at this pose."""
         return self.found.rank
 
 
@@ -51,15 +51,15 @@ class Neighbourhood(NamedTuple):
     stuck: np.ndarray | None  # (6 n,) free motion after which the joints close at the pose itself: it is infinitesimal
 
     def general(self, found: Analysis) -> Beside | None:
-        """The pose of highest rank; None if that is the one at hand, with the rows ``found``."""
+        """Return the pose of highest rank; None if that is the one at hand, with the rows ``found``."""
         highest = max(self.poses, key=lambda x: x.rank, default=None)
         return highest if highest is not None and highest.rank > found.rank else None
 
 
 def neighbourhood(compiled: Compiled, pose: State, found: Analysis) -> Neighbourhood:
-    """Poses moved a little along what the rows ``found`` leave free, and a free motion that leads nowhere, if any.
+    """Return poses moved a little along what the rows ``found`` leave free, and a free motion that leads nowhere.
 
-    What sticks may do so only because a driver holds it, which is about to move: then those it leads to are looked at.
+    A motion may stick only because a driver that is about to move holds it: then the poses without it are looked at.
     """
     if found.rank in (0, found.m, 6 * found.n):
         return Neighbourhood([], None)
@@ -77,10 +77,10 @@ def neighbourhood(compiled: Compiled, pose: State, found: Analysis) -> Neighbour
 def look_beside(
     compiled: Compiled, seen: Compiled, pose: State, rows: BlockRows, found: Analysis
 ) -> Neighbourhood:  # fmt: skip
-    """The `neighbourhood` of a pose with these ``rows``; ``seen``: the mechanism whose rows are taken there.
+    """Return the `neighbourhood` of a pose with these ``rows``; ``seen``: the mechanism whose rows are taken there.
 
-    Along a random motion first: if it leads on, so do all, for the poses that can be reached have the rank of a random
-    one. If a part of it is taken back when the joints close, the two parts each on their own.
+    A random motion is tried first: if it leads on, so do all, for the poses that can be reached have the rank of a
+    random one. If a part of it is taken back when the joints close, the two parts are tried each on their own.
     """
     free = unit_motion(found.free_motion(np.random.default_rng(0)))
     first = closed_beside(compiled, seen, pose, found, free)
@@ -99,7 +99,7 @@ def look_beside(
 
 
 def without_moving_drivers(compiled: Compiled, t: float) -> Compiled | None:
-    """The bodies and joints without the drivers that will move them after the time t; None if there are none."""
+    """Return the bodies and joints without the drivers that will move them after the time t; None if none will."""
     joints = [x for x in compiled.system.joints if not (isinstance(x, Driver) and will_move(x, t))]
     if len(joints) == len(compiled.system.joints):
         return None
@@ -107,21 +107,21 @@ def without_moving_drivers(compiled: Compiled, t: float) -> Compiled | None:
 
 
 def will_move(driver: Driver, t: float) -> bool:
-    """True for a driver whose position varies after the time t, or whose speed is not zero."""
+    """Return True for a driver whose position varies after the time t, or whose speed is not zero."""
     signals = [row.signal for row in driver.primitives if row.signal is not None]
     values = [[float(signal(x)) for x in t + LATER if x <= signal.interval[1]] for signal in signals]
     return any(np.any(x) if isinstance(driver, SpeedDriver) else np.ptp(x or [0.0]) > 0.0 for x in values)
 
 
 def unit_motion(motion: np.ndarray) -> np.ndarray:
-    """The motion with a largest entry of one."""
+    """Return the motion scaled to a largest entry of one."""
     return motion / max(np.abs(motion).max(), 1e-300)
 
 
 def closed_beside(
     compiled: Compiled, seen: Compiled, pose: State, found: Analysis, free: np.ndarray
 ) -> list[Beside]:  # fmt: skip
-    """The poses a step ahead and behind along a unit motion (6 n,) at which the joints close; rows of ``seen``."""
+    """Return the poses a step ahead and behind along a unit motion (6 n,) that close, with the rows of ``seen``."""
     model, data, beside = compiled.model, compiled.data(), []
     y, columns = load_state(compiled, data, pose), displacement_units(model.length, found.n)
     tolerance = max(10.0 * found.tolerance, min(LOST_MIN, 0.1 * found.smallest))
@@ -141,12 +141,12 @@ def closed_beside(
 
 
 def moved_by(before: State, after: State, length: float) -> np.ndarray:
-    """(6 n,) displacement of all bodies between two poses, in lengths of the model and radians."""
+    """Return the displacement (6 n,) of all bodies between two poses, in lengths of the model and radians."""
     one, two = (state.q.reshape(-1, 7) for state in (before, after))
     turn = logarithm(multiply(two[:, 3:], conjugate(one[:, 3:])))
     return np.hstack([(two[:, :3] - one[:, :3]) / length, turn]).ravel()
 
 
 def forbidden(rows: BlockRows, x: np.ndarray) -> np.ndarray:
-    """The part of a motion (6 n,) that the rows do not leave free, the shortest y with J y = J x."""
+    """Return the part of a motion (6 n,) that the rows do not leave free, the shortest y with J y = J x."""
     return shortest(rows, np.ones(rows.body.shape[0]), np.zeros((0, x.size)), np.ones(x.size), rows.times(x))

@@ -164,7 +164,7 @@ def diagnose(system: Mechanism, as_built: float | None) -> Diagnosis:
 def cures_of(
     compiled: Compiled, pose: State, rows: BlockRows, found: Analysis, general: Beside | None
 ) -> list[Cure]:  # fmt: skip
-    """Cures of the redundancies at the pose; of a singular one, of those that are left beside it."""
+    """Return cures of the redundancies at the pose; of a singular one, of those that are left beside it."""
     if general is not None:
         pose, rows, found = general.pose, general.rows, general.found
     N = found.redundant()
@@ -269,7 +269,7 @@ def joint_shares(compiled: Compiled, data: Data, rows: BlockRows, N: np.ndarray,
 
 
 def open_directions(A: np.ndarray, tolerance: float) -> str:
-    """The directions of the columns of A (3, k) in words, as `Share` says them."""
+    """Return the directions of the columns of A (3, k) in words, as `Share` says them."""
     size, axes = np.linalg.eigh(projector(A, tolerance))  # 0 for those of A, then 1
     count = int((size < 0.5).sum())
     axis = axes[:, 2 if count == 2 else 0].round(9)

@@ -57,7 +57,7 @@ def singularities(
 
 
 def what_sticks(compiled: Compiled, data: Data, found: Analysis, beside: Neighbourhood) -> str:
-    """What to say of a free motion that is none."""
+    """Return what to say of a free motion along which the joints do not close."""
     less = "is more than can move" if beside.poses else "in this pose alone, and nothing can move"
     what = f"{INFINITESIMAL}: mobility {6 * found.n - found.rank} {less}"
     joints = movers(compiled, data, beside.stuck)
@@ -68,7 +68,7 @@ def what_sticks(compiled: Compiled, data: Data, found: Analysis, beside: Neighbo
 
 
 def lost_rolling(compiled: Compiled, data: Data, pose: State, found: Analysis, general: Beside) -> str:
-    """What to say of wheels that roll together in this pose alone; "" where holonomic rows become independent."""
+    """Return what to say of wheels that roll together in this pose alone; "" where holonomic rows are lost."""
     system, row = compiled.system, compiled.model.row
     lost = independent_beside(found, general.found)
     rolling = lost[~row["holonomic"][lost].astype(bool)]
@@ -111,7 +111,7 @@ def steered_rolling(compiled: Compiled, pose: State) -> list[str]:
 
 
 def independent_beside(found: Analysis, there: Analysis) -> np.ndarray:
-    """Rows of the redundant combinations that are none any more at a pose beside.
+    """Return the redundant rows that are independent at a pose beside.
 
     Those that stay turn by the size of the step; the others leave the space of those found there.
     """
@@ -134,7 +134,7 @@ def gained(rows: BlockRows, beside: BlockRows, found: Analysis) -> np.ndarray:
 
 
 def kept(rows: BlockRows, beside: BlockRows, found: Analysis) -> np.ndarray:
-    """(6 n,) a motion that is free here and beside."""
+    """Return a motion (6 n,) that is free here and beside."""
     x = found.free_motion(np.random.default_rng(0))
     for _ in range(TIMES):
         x -= forbidden(beside, x)
@@ -161,7 +161,7 @@ def movers(compiled: Compiled, data: Data, motion: np.ndarray, but: Collection[s
 
 
 def listed(names: list[str]) -> str:
-    """Names in a sentence."""
+    """Return names joined as in a sentence."""
     return f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else names[0]
 
 

@@ -7,7 +7,7 @@ from ..dynamics.contact_steps import hides_touch
 from ..dynamics.spinning import farthest_turn, find_spins, limit_turn, rate_without_spin, spin_on
 from ..dynamics.state_rates import FAR, NEAR, PROJECTED, evaluate, project_and_evaluate, rounding
 from ..dynamics.turning import compare_poses, turns_are_certain
-from ..kernels.vectors import add_scaled, clear, copy, finite
+from ..kernels.vectors import add_scaled, clear, copy, dot, finite, vec
 from ..solver.saddle_point import SOLVED
 from .memory import NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING, STEP_TOO_SMALL, STIFF
 from .outputs import evaluate_start, outputs
@@ -157,6 +157,23 @@ def retry(run, step):
 
 
 @inner_kernel
+def starts_to_turn(m, run, h, most):
+    """True if a body turns farther than ``most`` [rad] by its poses at both ends, or its angular velocity at the end.
+
+    The greatest angular velocity so far says nothing of a fixed step in which the motion begins.
+    """
+    n = m.body.shape[0]
+    for i in range(n):
+        q, w = 7 * i + 3, vec(run.trial[7 * n + 6 * i + 3 : 7 * n + 6 * i + 6])
+        cosine = 0.0  # of half the turn
+        for j in range(4):
+            cosine += run.y[q + j] * run.trial[q + j]
+        if max(4.0 * (1.0 - cosine * cosine), h * h * dot(w, w)) > most * most:
+            return True
+    return False
+
+
+@inner_kernel
 def attempt(m, d, s, own, run):
     """(RUNNING, t_new, h, error) after a step within the tolerance, projected and evaluated, or why there is none."""
     fixed = run.task.steps > 0
@@ -186,7 +203,7 @@ def attempt(m, d, s, own, run):
         status, result = project_and_evaluate(m, d, s, t_new, run.trial, run.trial_rate, NEAR - run.rows.on_manifold)
         run.now.evaluations += 1
         if status == PROJECTED and result == SOLVED and finite(run.trial_rate) and finite(run.trial):
-            few = h * run.now.fastest < FEW * m.length  # no hinge turns as far as it would have to
+            few = h * run.now.fastest < FEW * m.length and not (fixed and starts_to_turn(m, run, h, FEW))
             if (few or turns_are_certain(m, d, run, t_new, h)) and not hides_touch(m, d, run, h):
                 return RUNNING, t_new, h, error
             continue
@@ -254,6 +271,14 @@ def verdict(m, d, s, own, run, h):
 
 
 @inner_kernel
+def is_compared(m, run, h):
+    """True for a step whose poses are compared with angular velocities."""
+    if h * run.now.turn <= SLIGHT:
+        return run.task.steps > 0 and starts_to_turn(m, run, h, SLIGHT)
+    return run.task.steps > 0 or run.task.rtol > HELD or run.now.steps % ONE_IN == 0
+
+
+@inner_kernel
 def step(m, d, s, own, run):
     """One accepted step with its outputs; RUNNING or a reason to come back to Python."""
     status, t_new, h, error = attempt(m, d, s, own, run)
@@ -265,8 +290,7 @@ def step(m, d, s, own, run):
     status = outputs(m, d, s, own, run, t_new, h, dense, advance_to)
     if status != RUNNING:
         return status
-    held = run.task.steps == 0 and run.task.rtol <= HELD
-    if h * run.now.turn > SLIGHT and (not held or run.now.steps % ONE_IN == 0):
+    if is_compared(m, run, h):
         compare_poses(m, run, h)
     accept(own, run, h, error)
     go_on(m, d, run, t_new)

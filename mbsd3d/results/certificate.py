@@ -162,8 +162,8 @@ def start_notes(solution: RunSamples) -> list[str]:
 
 def notes(solution: RunSamples) -> list[str]:
     """Choices in the start, singular positions, rank events, bodies that nothing acts on, checks not made."""
-    events, start = solution.record.rank_events, solution.start
-    found = [f"start: {text}" for text in (() if start is None else start.notes)]
+    found = [f"start: {text}" for text in solution.start.notes]
+    events = solution.record.rank_events
     found += [f"rank event at t = {t:.6g} s: {rank} rows kept ({why})" for t, rank, why, _ in events]
     if solution.record.nearest < PASSED:
         inexact = ("" if solution.record.kinematic else "accelerations and ") + "reactions there are not exact"

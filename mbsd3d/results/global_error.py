@@ -48,7 +48,7 @@ def estimate(solution: RunResult) -> Certificate:
 
 
 def tighter(solution: RunResult) -> tuple[RunResult, RunResult, float]:
-    """(the run refined once, twice, factor of the refinement)."""
+    """Return the run refined once and twice, and the factor of the refinement."""
     fixed = solution.record.kinematic or solution.record.method.dt is not None
     for factor in (2.0,) if fixed else FACTORS:
         try:
@@ -59,7 +59,7 @@ def tighter(solution: RunResult) -> tuple[RunResult, RunResult, float]:
 
 
 def refined(solution: RunResult, factor: float) -> RunResult:
-    """The run again with a tolerance, or a step, smaller by a factor."""
+    """Return the run made again with a tolerance, or a step, smaller by a factor."""
     record, method = solution.record, solution.record.method
     if record.kinematic:
         apart = (solution.final.t - solution.start.t) / record.steps
@@ -70,7 +70,7 @@ def refined(solution: RunResult, factor: float) -> RunResult:
 
 
 def probed(solution: RunResult) -> RunResult:
-    """The run again with stages elsewhere: steps shorter by an irrational factor, and many of them."""
+    """Return the run made again with stages elsewhere: steps shorter by an irrational factor, and many of them."""
     method, span = solution.record.method, solution.final.t - solution.start.t
     step = span / (GOLDEN * max(FINER * solution.record.steps, PROBES))
     return solution.again(method=replace(method, **{"max_step" if method.dt is None else "dt": step}))

@@ -25,12 +25,12 @@ ADVICE = "keep what it remembers in states=, with its rate in z_dot, and give ra
 
 
 def own_forces(system: Mechanism) -> list[tuple[int, FunctionForce]]:
-    """The forces by functions, with their numbers."""
+    """Return the forces by functions, with their numbers."""
     return [(k, force) for k, force in enumerate(system.forces) if isinstance(force, FunctionForce)]
 
 
 def with_jumps(turns: np.ndarray, system: Mechanism, t_start: float) -> np.ndarray:
-    """(k, 2) times [s] at which steps end and the next ones begin: those given, and a rounding beside each jump."""
+    """Return times [s] (k, 2) at which steps end and the next ones begin: those given, and beside each jump."""
     jumps = np.array([t for _, force in own_forces(system) for t in force.times], float)
     beside = ROUNDED * np.maximum(np.abs(jumps), abs(t_start))
     found = [*map(tuple, turns), *zip(jumps - beside, jumps + beside, strict=True)]
@@ -38,12 +38,12 @@ def with_jumps(turns: np.ndarray, system: Mechanism, t_start: float) -> np.ndarr
 
 
 def longest_step(method: Method, system: Mechanism) -> float:
-    """Longest step [s] that the method and all forces allow; ValueError for fixed steps longer than a force allows."""
+    """Return the longest step [s] that the method and all forces allow; ValueError for fixed steps beyond that."""
     longest = method.max_step
-    for k, force in own_forces(system):
+    for _, force in own_forces(system):
         if method.dt is not None and method.dt > force.max_step:
             raise InputError(
-                f"force '{system.name(system.forces[k])}' (CustomForce): its max_step = {force.max_step:g} s is "
+                f"force '{system.name(force)}' (CustomForce): its max_step = {force.max_step:g} s is "
                 f"shorter than the fixed steps of {method.dt:g} s; give a dt as short, or a method with adaptive steps"
             )
         longest = min(longest, force.max_step)
@@ -51,7 +51,7 @@ def longest_step(method: Method, system: Mechanism) -> float:
 
 
 def alone(compiled: Compiled, k: int) -> tuple[Model, Data]:
-    """(model, work space) in which force k and nothing else acts."""
+    """Return (model, work space) in which force k and nothing else acts."""
     model = compiled.model._replace(force=compiled.model.force[k : k + 1], gravity=np.zeros(3))
     return model, new_data(model)
 
@@ -63,13 +63,13 @@ def ask(model: Model, data: Data, y: np.ndarray, t: float) -> None:
 
 
 def places(model: Model) -> tuple[slice, slice]:
-    """Where own states and parameters of the only force stand."""
+    """Return where the own states and the parameters of the only force stand."""
     (x,) = model.force
     return slice(x["state"], x["state"] + x["states"]), slice(x["number"], x["number"] + x["numbers"])
 
 
 def exception_of(compiled: Compiled, k: int, y: np.ndarray, t: float) -> Exception | None:
-    """What the function of force k raises at a state, if it does: run once more as Python, which tells it."""
+    """Return what the function of force k raises at a state, if it does; it is run once more as Python to tell."""
     model, data = alone(compiled, k)
     ask(model, data, y, t)
     if data.wrench[RETURNED] == 0.0:
@@ -125,7 +125,7 @@ class MemoryWatch:
         self.first: dict[str, np.ndarray] = {}
 
     def what_changed(self) -> tuple[str, str] | None:
-        """(force, what it gives at the start and gave there before) of the first whose function has a memory."""
+        """Return (force, what it gives at the start now and before) of the first whose function has a memory."""
         for name, model, data in self.forces:
             ask(model, data, self.y, self.t)
             own, numbers = places(model)
@@ -140,14 +140,14 @@ class MemoryWatch:
         return None
 
     def check_start(self) -> None:
-        """ValueError for a force that gives different loads when asked twice."""
+        """Raise a ValueError for a force that gives different loads when asked twice."""
         self.what_changed()
         if changed := self.what_changed():
             part, what = changed
             raise InputError(f"{part}: the force is not a function of state: {what}; {ADVICE}")
 
     def check(self, t: float, solution: Callable[[], RunResult]) -> None:
-        """IntegrationError for a force that now gives other loads at the start than it did."""
+        """Raise an IntegrationError for a force that now gives other loads at the start than it did."""
         if changed := self.what_changed():
             part, what = changed
             raise IntegrationError(

@@ -226,3 +226,17 @@ def test_angles_that_are_no_coordinate_of_the_run_are_followed_by_both_rates():
     joint = Spherical(GROUND, body, at=(0.3, -0.2, 5.0))
     run = simulate(System([body], [joint], [Torque(body, (0, 0, 5.0))]), 2.0, output=3)
     assert run.measure(measures.heading(body)) == pytest.approx(25.0 * np.array([0.0, 1.0, 4.0]), rel=1e-7)
+
+
+@pytest.mark.parametrize(("power", "turned"), [(2, 4.1), (3, 2.7), (3, -3.3)])
+def test_a_fixed_step_in_which_a_motion_begins_is_checked_too(power, turned):
+    """theta = turned (t / dt)^(power + 2): at the start of the step nothing says that the wheel will turn."""
+    body, hinge, _ = wheel()
+    dt, terms = 0.3, (power + 1) * (power + 2)
+    moment = Polynomial([0.0] * power + [0.1 * turned * terms / dt ** (power + 2)])
+    system = System([body], [hinge], [Torque(body, [float(x) * moment for x in AXIS])], gravity=(0, 0, 0))
+    run = simulate(system, dt, method=DOP853(dt=dt))
+    assert abs(run.angle(hinge)[-1] - turned) > 6.0  # the mean of its rates tells another turn
+    assert "turns of hinges" in {c.name for c in run.certificate.checks if not c.passed}
+    shorter = simulate(system, dt, method=DOP853(dt=dt / 8))
+    assert shorter.angle(hinge)[-1] == pytest.approx(turned, rel=1e-6) and shorter.certificate.passed

@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from scipy.cluster.hierarchy import DisjointSet
 
+from ...base.directions import crosses
 from ...base.quaternions import exponential, multiply, skew
 from ...equations.compiled import Compiled
 from ...equations.jacobian import BlockRows
@@ -53,7 +54,7 @@ class JointGraph:
         """Return motions (6 n,) of bodies relative to their parents at their reference points, body axes [m, rad]."""
         r, moved = data.body["r"], with_ground(motion.reshape(-1, 6))
         own, carrier = moved[:-1].copy(), moved[self.parent]
-        own[:, :3] -= carrier[:, :3] + cross(carrier[:, 3:], r[:-1] - r[self.parent])
+        own[:, :3] -= carrier[:, :3] + crosses(carrier[:, 3:], r[:-1] - r[self.parent])
         own[:, 3:] -= carrier[:, 3:]
         R = data.body["R"][:-1].reshape(-1, 3, 3)
         return (own.reshape(-1, 2, 3) @ R).ravel()
@@ -80,16 +81,10 @@ def with_ground(x: np.ndarray) -> np.ndarray:
     return np.vstack([x, np.zeros(x.shape[1])])
 
 
-def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Return cross products of (n, 3) vectors, in a third of the time of numpy's."""
-    (a0, a1, a2), (b0, b1, b2) = a.T, b.T
-    return np.stack([a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0], axis=1)
-
-
 def rotated(e: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Turn (n, 3) vectors by unit quaternions: x + 2 e_0 e_v x x + 2 e_v x (e_v x x)."""
-    across = 2.0 * cross(e[:, 1:], x)
-    return x + e[:, :1] * across + cross(e[:, 1:], across)
+    """Return (n, 3) vectors turned by unit quaternions: x + 2 e_0 e_v x x + 2 e_v x (e_v x x)."""
+    across = 2.0 * crosses(e[:, 1:], x)
+    return x + e[:, :1] * across + crosses(e[:, 1:], across)
 
 
 def advance(shift: np.ndarray, turn: np.ndarray) -> np.ndarray:
@@ -98,9 +93,9 @@ def advance(shift: np.ndarray, turn: np.ndarray) -> np.ndarray:
     s + (1 - cos a) / a^2 t x s + (a - sin a) / a^3 t x (t x s), a = |t|.
     """
     angle = np.maximum(np.linalg.norm(turn, axis=1), 1e-4)[:, None]  # below, a^2 / 20 is less than rounding of turns
-    across = cross(turn, shift)
+    across = crosses(turn, shift)
     first, second = (1.0 - np.cos(angle)) / angle**2, (angle - np.sin(angle)) / angle**3
-    return shift + first * across + second * cross(turn, across)
+    return shift + first * across + second * crosses(turn, across)
 
 
 def carrying_rows(joint: Joint) -> int:
@@ -120,7 +115,7 @@ def joint_graph(compiled: Compiled, pinned: set[int]) -> JointGraph:
 
 
 def new_joint_graph(compiled: Compiled, pinned: set[int]) -> JointGraph:
-    """See `joint_graph`."""
+    """Return a `joint_graph` that is made anew."""
     system, index, n = compiled.system, compiled.body_index, len(compiled.system.bodies)
     joints = [joint for joint in system.joints if carrying_rows(joint) >= CARRYING_ROWS_MIN]
     joints.sort(key=carrying_rows, reverse=True)

@@ -162,12 +162,12 @@ def newton(
     compiled: Compiled, pose: State, targets: list[tuple[int, float]], goals: list[float], pinned: set[int],
     weights: np.ndarray | None = None,
 ) -> tuple[State, np.ndarray]:  # fmt: skip
-    """Least-displacement Newton onto c = 0 and what is asked for; (closest state, residual left in the rows)."""
+    """Return (closest state, residual left in the rows) of Newton's method with least displacements onto F = 0."""
     equations = PoseEquations(compiled, pose, targets, goals, pinned, weights)
     equations.close()
     return equations.state(), equations.row_residual()
 
 
 def gap_size(compiled: Compiled, residual: np.ndarray) -> float:
-    """Largest residual in units of the model (lengths, radians)."""
+    """Return the largest residual in units of the model (lengths, radians)."""
     return float(np.abs(residual * compiled.model.row["scale"]).max(initial=0.0))

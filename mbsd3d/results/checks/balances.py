@@ -7,7 +7,7 @@ import numpy as np
 
 from ...constraints.rank import choose_rows, tree_over_rows
 from ...dynamics.state_rates import FAR, project_and_evaluate
-from ...equations.at_state import load_rows, load_state
+from ...equations.at_state import load_state
 from ...integrators.method import Method
 from ...kernels.kinds import PROJECTION
 from ..run_samples import RunSamples, world_velocities
@@ -96,12 +96,11 @@ def balance_checks(solution: RunSamples, limit: float, equations_met: bool) -> l
 
 def determined(solution: RunSamples) -> bool:
     """True if joints and drivers leave no freedom, and steps are projected onto them."""
-    compiled, start = solution.compiled, solution.start
-    model, rows = compiled.model, compiled.model.row
+    compiled, model, rows = solution.compiled, solution.compiled.model, solution.compiled.model.row
     if not compiled.drives or model.stabilisation != PROJECTION or rows["holonomic"].sum() < 6 * model.body.size:
         return False
     data = compiled.data()
-    load_rows(compiled, data, load_state(compiled, data, start), start.t)
+    load_state(compiled, data, solution.start)
     return int(rows["holonomic"][choose_rows(model, data)].sum()) == 6 * model.body.size
 
 

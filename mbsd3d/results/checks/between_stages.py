@@ -22,7 +22,7 @@ class FastSine(NamedTuple):
 
 
 def unwatched(solution: RunSamples) -> list[FunctionForce]:
-    """Those for which nobody has bounded the length of steps."""
+    """Return the forces by functions for which nobody has bounded the length of steps."""
     if solution.record.kinematic or solution.record.method.max_step < np.inf:
         return []  # poses follow from drivers
     forces = [force for force in solution.system.forces if isinstance(force, FunctionForce)]
