@@ -409,7 +409,7 @@ def test_disc_rolling_in_a_circle():
         theory.rolling_circle(1.0, 0.05, 1e-4, 2e-4, 0.5, -0.1)
 
 
-ENGINE = read("engine")
+ENGINE = json.loads((REFERENCES.parents[1] / "engines" / "references" / "engine.json").read_text(encoding="utf-8"))
 TOY = ENGINE["toy_set_1"]
 RATE = TOY["omega"]
 
