@@ -41,7 +41,7 @@ NOW = [
     ("evaluations", int),
     ("longest", float),  # s, of the next step, where contacts in the air turn: touching.py
     ("fresh", int),  # nothing has been evaluated since: 1, the tree is new; 2, a signal has jumped
-    ("forced", int),  # least steps in a row, as over a jump of a force, twice; odd: the step at hand is the next one
+    ("forced", int),  # 1: the step at hand has the least length, as over a jump of a force; 2: the last one had
     ("retried", int),  # 1: the step at hand has been rejected before: it may not grow
     ("spinning", int),  # bodies whose spin is taken out of the step at hand: spinning.py
     ("rotating", int),  # 1: the dense output of the step at hand holds rotation vectors: outputs.py

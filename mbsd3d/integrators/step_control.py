@@ -17,7 +17,6 @@ from .memory import DONE, FULL, RUNNING
 LEAST = 1e-14  # of the time, the shortest step: 50 units of its last place; of the first step, at t = 0
 ROUNDING = 1e-15  # of a work or an impulse is what a step may always err: less cannot be had
 ON_GRID = 1e-9  # of a fixed step: where a signal turns so close to its end, that is its end
-FORCED_COUNT_MAX = 6  # [1] least steps in a row: the step rejected before, of five of them at most, held the jump
 LOCAL = 0.1  # of rtol is what a single step may err, since errors add up over a run
 
 CLOSE, STUCK = 1e-5, 1e-4  # a share as that below; of the way to a singular position: who passes it goes faster
@@ -49,12 +48,6 @@ def take_steps(m, d, s, own, run, budget, start, step):
         if status != RUNNING:
             return status
     return RUNNING if run.now.t < run.task.t_end or run.now.fresh > 0 else DONE
-
-
-@inner_kernel
-def is_forced(run):
-    """Return whether the step at hand has the least length."""
-    return run.now.forced % 2 == 1
 
 
 @inner_kernel
@@ -91,9 +84,9 @@ def end_of_step(run):
         return t_new, max(t_new - t, least)
     h = min(run.now.step, task.max_step, run.now.longest)
     if h < least:
-        if is_forced(run) or run.now.forced >= 2 * FORCED_COUNT_MAX:
+        if run.now.forced > 0:
             return t, 0.0
-        h, run.now.forced = least, run.now.forced + 1
+        h, run.now.forced = least, 1
     last = min(turn, task.t_end)
     t_new = last if t + 1.01 * h >= last else t + h
     return t_new, max(t_new - t, min(h, least))  # rounding of t makes no step too short
@@ -117,8 +110,8 @@ def go_on(m, d, run, t_new):
     run.now.t = t_new
     run.now.steps += 1
     go_on_watching(run)
-    if is_forced(run):
-        run.now.forced, run.now.step = run.now.forced + 1, max(run.now.step, least_step(run))
+    if run.now.forced == 1:
+        run.now.forced, run.now.step = 2, max(run.now.step, least_step(run))
     else:
         run.now.forced = 0
     if run.task.steps > 0:
@@ -221,7 +214,7 @@ def good_enough(run, h, error):
 
     Their stages lie nearer to it, so rounding counts for more: by shortening on and on the run would end there.
     """
-    allowed = JUMP if is_forced(run) else 1.0
+    allowed = JUMP if run.now.forced == 1 else 1.0
     if error <= allowed or run.rows.on_manifold == 0 or run.rows.ahead >= h:
         return error <= allowed
     before = run.rows.missed
