@@ -8,7 +8,6 @@ import numpy as np
 from ..base.checks import number, shown
 from ..base.concurrency import on_one_thread
 from ..base.errors import AssemblyError, InputError
-from ..base.quaternions import conjugate, logarithm, multiply
 from ..equations.at_state import coordinate_row, driven_coordinates, load_state, worst_joint
 from ..equations.compiled import Compiled, compile_system, initial_states, tables_of
 from ..kernels.layout import Data
@@ -21,7 +20,7 @@ from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .conflicting_drivers import find_contradiction, rivals
 from .poses.closing import Found, ambiguities, close_pose
-from .poses.pose_equations import CLOSED_GAP_MAX, gap_size, newton
+from .poses.pose_equations import CLOSED_GAP_MAX, displacements, gap_size, newton
 from .spanning_tree import loop_weights
 from .velocities import with_velocities
 
@@ -192,8 +191,6 @@ def reached(found: Found) -> str:
 
 def moved_report(system: Mechanism, start: State, end: State) -> dict[str, tuple[float, float]]:
     """How far each body moved: distance of O [m] and angle [rad]."""
-    a, b = start.q.reshape(-1, 7), end.q.reshape(-1, 7)
-    shifts = np.linalg.norm(b[:, :3] - a[:, :3], axis=1)
-    turns = np.linalg.norm(logarithm(multiply(b[:, 3:], conjugate(a[:, 3:]))), axis=1)
+    shifts, turns = np.linalg.norm(displacements(start, end).reshape(-1, 2, 3), axis=2).T
     names = [system.name(body) for body in system.bodies]
     return dict(zip(names, zip(shifts.tolist(), turns.tolist(), strict=True), strict=True))

@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..base.quaternions import conjugate, logarithm, multiply
 from ..equations.at_state import load_state
 from ..equations.compiled import Compiled, compile_system
 from ..equations.jacobian import BlockRows, displacement_units, scaled_rows
@@ -20,7 +19,7 @@ from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .conflicting_drivers import LATER
 from .least_squares import shortest
-from .poses.pose_equations import gap_size, newton
+from .poses.pose_equations import displacements, gap_size, newton
 from .rank import Analysis
 
 BESIDE = (0.05, -0.05)  # radians or lengths of the model
@@ -132,19 +131,12 @@ def closed_beside(
         start = State(pose.t, trial[: 7 * model.body.size], pose.v, pose.z, pose.coordinates)
         moved, residual = newton(compiled, start, [], [], set())
         if gap_size(compiled, residual) <= 1e-9:
-            motion = moved_by(pose, moved, model.length) / step
+            motion = displacements(pose, moved).ravel() / displacement_units(model.length, model.body.size) / step
             there = seen.data()
             load_state(seen, there, moved if seen is compiled else replace(moved, coordinates=None))
             rows = scaled_rows(seen.model, there)
             beside.append(Beside(Analysis(rows, tolerance), rows, moved, motion, float(free @ motion / (free @ free))))
     return beside
-
-
-def moved_by(before: State, after: State, length: float) -> np.ndarray:
-    """Return the displacement (6 n,) of all bodies between two poses, in lengths of the model and radians."""
-    one, two = (state.q.reshape(-1, 7) for state in (before, after))
-    turn = logarithm(multiply(two[:, 3:], conjugate(one[:, 3:])))
-    return np.hstack([(two[:, :3] - one[:, :3]) / length, turn]).ravel()
 
 
 def forbidden(rows: BlockRows, x: np.ndarray) -> np.ndarray:

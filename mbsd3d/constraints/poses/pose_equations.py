@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ...base.quaternions import conjugate, logarithm, multiply
 from ...equations.at_state import coordinate_row, load_state
 from ...equations.compiled import Compiled
 from ...equations.jacobian import block_rows, displacement_units
@@ -171,3 +172,9 @@ def newton(
 def gap_size(compiled: Compiled, residual: np.ndarray) -> float:
     """Return the largest residual in units of the model (lengths, radians)."""
     return float(np.abs(residual * compiled.model.row["scale"]).max(initial=0.0))
+
+
+def displacements(before: State, after: State) -> np.ndarray:
+    """Return the displacements (n, 6) of all bodies between two poses: of O [m] and rotation vectors [rad], world."""
+    a, b = before.q.reshape(-1, 7), after.q.reshape(-1, 7)
+    return np.hstack([b[:, :3] - a[:, :3], logarithm(multiply(b[:, 3:], conjugate(a[:, 3:])))])

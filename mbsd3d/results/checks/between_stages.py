@@ -68,6 +68,6 @@ def stage_notes(solution: RunSamples) -> list[str]:
         for force in unwatched(solution)
     ] + [
         f"'{sine.part}' swings faster than the steps: its Sine has a period of {sine.period:.3g} s, and a step is "
-        f"{solution.record.method.dt:.3g} s long; give dt={sine.period / STEPS_PER_PERIOD_MIN:.2g} or less"
+        f"{solution.record.method.dt:.3g} s long; shorten dt to 1/{STEPS_PER_PERIOD_MIN} of the period"
         for sine in fast_sines(solution)
     ]
