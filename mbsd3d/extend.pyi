@@ -116,8 +116,8 @@ from .equations.dense_solvers import equations as equations
 from .equations.dense_solvers import mass_matrix as mass_matrix
 from .equations.dense_solvers import saddle_matrix as saddle_matrix
 from .equations.tables import key_of as key_of
-from .equations.tree import eliminate as eliminate
-from .linear.variations import STEP as STEP
+from .equations.tree import build_spanning_tree as build_spanning_tree
+from .linear.variations import COMPLEX_STEP as COMPLEX_STEP
 from .linear.variations import Field as Field
 from .linear.variations import directions as directions
 from .compiler.object_files import keep_code as keep_code

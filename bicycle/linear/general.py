@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 
 from mbsd3d import AssemblyError, Linearization, System, linearize
 from mbsd3d.errors import InputError
-from mbsd3d.extend import STEP, Field, compile_system, directions, eliminate, number, on_one_thread
+from mbsd3d.extend import COMPLEX_STEP, Field, build_spanning_tree, compile_system, directions, number, on_one_thread
 
 from ..model.kinematics import placed, rolling
 from ..model.mechanism import NAMES, outputs
@@ -101,7 +101,7 @@ def deviations(p: Parameters, centres: np.ndarray, speed: float) -> np.ndarray:
     ``centres`` (4, 3) are the centres of mass of rear wheel, frame, fork, front wheel from their O at the hubs [m].
     """
     columns = []
-    for lean, steer, lean_rate, steer_rate in 1j * STEP * np.eye(4):
+    for lean, steer, lean_rate, steer_rate in 1j * COMPLEX_STEP * np.eye(4):
         at = placed(p, lean, steer, 0.0)
         motion, _ = rolling(p, at, speed, lean_rate, steer_rate)
         R = np.array([at.frame, at.frame, at.fork, at.fork])
@@ -110,7 +110,7 @@ def deviations(p: Parameters, centres: np.ndarray, speed: float) -> np.ndarray:
         theta = np.stack([R[:, 2, 1], R[:, 0, 2], R[:, 1, 0]], axis=-1)  # R = 1 + [theta]x
         v, w = motion[:, :3], motion[:, 3:]
         v_G = v + np.cross(w, s)
-        columns.append(np.concatenate([np.hstack([r_G, theta]).ravel(), np.hstack([v_G, w]).ravel()]).imag / STEP)
+        columns.append(np.concatenate([np.hstack([r_G, theta]).ravel(), np.hstack([v_G, w]).ravel()]).imag / COMPLEX_STEP)
     return np.array(columns).T
 
 
@@ -124,7 +124,7 @@ def output_matrices(system: System, p: Parameters, speed: float) -> tuple[np.nda
     field = Field(compiled, start, len(seen))
     if compiled.model.z_work or compiled.model.row.size != ROWS:
         return None
-    tree = eliminate(compiled.model, field.real, None, complex)
+    tree = build_spanning_tree(compiled.model, field.real, None, complex)
     X = deviations(p, compiled.model.body["com"], speed)
     found = []
     for share in (0.0, 1.0):  # of the speed: all velocities of a straight run, and those that lean and steer add to it

@@ -12,10 +12,14 @@ from ..kernels.rows import rows
 from ..mechanism.drivers import AngleDriver, SlideDriver, SpeedDriver
 from .rank import redundant_combinations
 
-OF_HINGES = (AngleDriver, SlideDriver, SpeedDriver)
+COORDINATE_DRIVERS = (AngleDriver, SlideDriver, SpeedDriver)
 TOLERANCE = 1e-9  # of the prescribed values, in model lengths and radians
-INVOLVED = 1e-3  # share of the drivers in a dependency: near a singular pose rounding puts 1e-5 of them into all others
-LATER = np.concatenate([[0.0], np.logspace(-3.0, 3.0, 25)])  # s after the start, at which signals are compared
+DRIVER_PARTICIPATION_MIN = (
+    1e-3  # share of the drivers in a dependency: near a singular pose rounding puts 1e-5 of them into all others
+)
+SIGNAL_COMPARISON_TIMES = np.concatenate(
+    [[0.0], np.logspace(-3.0, 3.0, 25)]
+)  # s after the start, at which signals are compared
 
 
 @dataclass(frozen=True)
@@ -87,7 +91,7 @@ def rivals(compiled: Compiled, data: Data, t: float, last: float) -> Contradicti
     """
     row, pairs = compiled.model.row, {}
     for joint, k in compiled.drives:
-        if isinstance(joint, OF_HINGES):
+        if isinstance(joint, COORDINATE_DRIVERS):
             pairs.setdefault(frozenset(map(id, joint.bodies())), []).append(k)
     for group in (np.array(rows_of_pair) for rows_of_pair in pairs.values() if len(rows_of_pair) > 1):
         N = redundant_combinations(scaled_rows(compiled.model, data).take(group))
@@ -109,7 +113,7 @@ def judged(
 ) -> Contradiction | None:  # fmt: skip
     """The contradiction in the prescribed values of the rows ``where``: their part N N' values (N orthonormal)."""
     share, mix = np.linalg.svd(N[compiled.model.row["drive"][where] >= 0], full_matrices=False)[1:]
-    N = N @ mix[share > INVOLVED].T
+    N = N @ mix[share > DRIVER_PARTICIPATION_MIN].T
     gap = np.abs(N @ (N.T @ values))
     if gap.max() <= slack * max(1.0, np.abs(values).max()):
         return None
@@ -123,4 +127,4 @@ def times(compiled: Compiled, t: float, last: float) -> list[float]:
     """Times at which drivers are compared: the start, and later ones at which all of their signals are defined."""
     signals = [row.signal for joint, _ in compiled.drives for row in joint.primitives if row.signal is not None]
     last = min([last, *(signal.interval[1] for signal in signals)])
-    return [x for x in t + LATER if x <= last]
+    return [x for x in t + SIGNAL_COMPARISON_TIMES if x <= last]

@@ -21,8 +21,8 @@ import scipy.linalg
 from ..base.errors import InputError
 from ..equations.jacobian import BlockRows
 
-SAFE = 1e-3  # smallest part of a picked row on its body, relative to the row: bounds the growth of the rest
-CORE_ROWS = 64  # what is left is analysed as a whole: a dense decomposition of this size takes a millisecond
+PIVOT_SHARE_MIN = 1e-3  # smallest part of a picked row on its body, relative to the row: bounds the growth of the rest
+DENSE_CORE_ROWS = 64  # what is left is analysed as a whole: a dense decomposition of this size takes a millisecond
 
 
 class Part(NamedTuple):
@@ -65,7 +65,9 @@ class Core:
 class Elimination:
     """Bodies eliminated one by one; ``changes``, ``cores`` and ``redundant`` rows are the outcome."""
 
-    def __init__(self, rows: BlockRows, tolerance: float, safe: float = SAFE, core_rows: int = CORE_ROWS) -> None:
+    def __init__(
+        self, rows: BlockRows, tolerance: float, safe: float = PIVOT_SHARE_MIN, core_rows: int = DENSE_CORE_ROWS
+    ) -> None:
         self.n, self.m = rows.n, rows.body.shape[0]
         self.size = np.sqrt((rows.J.real**2).sum(axis=(1, 2)))
         if not np.isfinite(self.size).all():

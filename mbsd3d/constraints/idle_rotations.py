@@ -13,8 +13,8 @@ from ..mechanism.bodies import GROUND, Body
 from ..mechanism.joints import Joint
 from ..mechanism.joints.pairs import Spherical
 
-NO_INERTIA = 1e-12  # of the largest moment of a body is none: a thin rod tilted in its body has rounding there
-THROUGH = 1e-9  # model lengths within which an axis goes through a point
+ZERO_INERTIA_RATIO = 1e-12  # of the largest moment of a body is none: a thin rod tilted in its body has rounding there
+AXIS_POINT_TOLERANCE = 1e-9  # model lengths within which an axis goes through a point
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,9 @@ class Spin:
         return f"'{self.body}' spins freely about {self.about}, and nothing else moves with it"
 
 
-def free_spins(compiled: Compiled, data: Data, rows: BlockRows, members: list[Body] | None = None) -> list[Spin]:
+def find_idle_rotations(
+    compiled: Compiled, data: Data, rows: BlockRows, members: list[Body] | None = None
+) -> list[Spin]:
     """The spins that scaled rows leave free, of bodies with joints to more than one neighbour.
 
     With one neighbour, a wheel or a pendulum, turning is what the joint is there for. The own columns J_b of a body
@@ -74,7 +76,7 @@ def spin_of(compiled: Compiled, data: Data, body: Body, joints: list[Joint], twi
     """The spin of a body whose twist (velocity of O, omega) the rows leave free; None if it is no pure rotation."""
     velocity, omega = twist[:3], twist[3:]
     length, rate = compiled.model.length, np.linalg.norm(omega)
-    if rate * length < 1e-6 * np.linalg.norm(twist) or abs(velocity @ omega) > THROUGH * length * rate**2:
+    if rate * length < 1e-6 * np.linalg.norm(twist) or abs(velocity @ omega) > AXIS_POINT_TOLERANCE * length * rate**2:
         return None
     axis = omega / rate * np.copysign(1.0, omega[np.argmax(np.abs(omega))])
     state = data.body[compiled.body_index[id(body)]]
@@ -84,17 +86,17 @@ def spin_of(compiled: Compiled, data: Data, body: Body, joints: list[Joint], twi
     turned = R.T @ axis
     inertia = float(turned @ body.inertia @ turned) + body.mass * centre**2
     largest = float(np.linalg.eigvalsh(body.inertia)[-1]) + body.mass * (
-        centre**2 if centre > THROUGH * length else 0.0
+        centre**2 if centre > AXIS_POINT_TOLERANCE * length else 0.0
     )
     through = [joint for joint in joints if near_axis(compiled, data, joint, point, axis)]
     balls = [joint for joint in through if isinstance(joint, Spherical)]
     name = compiled.system.name
-    massless = inertia <= NO_INERTIA * largest
+    massless = inertia <= ZERO_INERTIA_RATIO * largest
     cures = [f"make Spherical '{name(ball)}' a Universal with both axes across it" for ball in balls[:1]] + massless * [
         "give the body a radius"
     ]
     return Spin(
-        body=name(body), axis=axis, joints=tuple(name(joint) for joint in through), own=centre <= THROUGH * length,
+        body=name(body), axis=axis, joints=tuple(name(joint) for joint in through), own=centre <= AXIS_POINT_TOLERANCE * length,
         inertia=inertia, massless=massless, cure=", or ".join(cures) or "hold or drive it",
     )  # fmt: skip
 
@@ -108,7 +110,9 @@ def near_axis(compiled: Compiled, data: Data, joint: Joint, point: np.ndarray, a
     """True if the joint's point lies on the line, at the pose in ``data``."""
     if type(joint).point is Joint.point:
         return False
-    return distance(joint_point(compiled, data, joint), point, axis) <= 1e3 * THROUGH * compiled.model.length
+    return (
+        distance(joint_point(compiled, data, joint), point, axis) <= 1e3 * AXIS_POINT_TOLERANCE * compiled.model.length
+    )
 
 
 def check_spins(compiled: Compiled, data: Data) -> None:
@@ -117,7 +121,7 @@ def check_spins(compiled: Compiled, data: Data) -> None:
     ``data`` holds the pose. Only bodies with a singular inertia are looked at.
     """
     thin = [body for body in compiled.system.bodies if is_thin(body)]
-    for spin in free_spins(compiled, data, scaled_rows(compiled.model, data), thin) if thin else ():
+    for spin in find_idle_rotations(compiled, data, scaled_rows(compiled.model, data), thin) if thin else ():
         if spin.massless:
             raise AssemblyError(
                 f"the velocity of body '{spin.body}' is not determined: it spins freely about {spin.about} and has no "
@@ -129,4 +133,4 @@ def check_spins(compiled: Compiled, data: Data) -> None:
 def is_thin(body: Body) -> bool:
     """True for a body with mass whose smallest moment is none, compared with its largest."""
     moments = np.linalg.eigvalsh(body.inertia)
-    return body.mass > 0.0 and moments[0] <= NO_INERTIA * moments[-1]
+    return body.mass > 0.0 and moments[0] <= ZERO_INERTIA_RATIO * moments[-1]

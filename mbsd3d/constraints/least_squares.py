@@ -25,9 +25,13 @@ from ..base.errors import AssemblyError
 from ..equations.jacobian import BlockRows, scaled
 
 FEW_BODIES = 20
-PROVEN = 1e-6  # relative size of a singular value that rounding of an inverse (1e-15 / PROVEN) cannot feign
+SINGULAR_VALUE_RESOLUTION = (
+    1e-6  # relative size of a singular value that rounding of an inverse (1e-15 / PROVEN) cannot feign
+)
 Matrix = np.ndarray | csr_array
-DAMPING = 1e-14  # between rounding (1e-16 times the growth of a factorisation) and the squares of small pivots
+LEAST_SQUARES_DAMPING = (
+    1e-14  # between rounding (1e-16 times the growth of a factorisation) and the squares of small pivots
+)
 
 
 def least(D: Matrix, A: Matrix, b: np.ndarray, f: np.ndarray | None = None, passes: int = 1) -> np.ndarray:
@@ -54,7 +58,7 @@ def least(D: Matrix, A: Matrix, b: np.ndarray, f: np.ndarray | None = None, pass
         ) from error
     p = np.zeros(m)
     for _ in range(passes):
-        x, p = np.split(solve(np.concatenate([f, b - DAMPING * p])), [n])
+        x, p = np.split(solve(np.concatenate([f, b - LEAST_SQUARES_DAMPING * p])), [n])
     return x
 
 
@@ -67,7 +71,9 @@ def proven(A: np.ndarray, tolerance: float = 0.0) -> bool:
     if not m:
         return True
     inverse, zero = trtri(geqrf(A.T)[0][:m]) if m <= n else (A, 1)
-    return zero == 0 and 1.0 > max(tolerance, PROVEN) * np.linalg.norm(np.triu(inverse)) * np.linalg.norm(A)
+    return zero == 0 and 1.0 > max(tolerance, SINGULAR_VALUE_RESOLUTION) * np.linalg.norm(
+        np.triu(inverse)
+    ) * np.linalg.norm(A)
 
 
 def dense_factor(D: np.ndarray, A: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
@@ -75,7 +81,7 @@ def dense_factor(D: np.ndarray, A: np.ndarray) -> Callable[[np.ndarray], np.ndar
     n, m = D.shape[0], A.shape[0]
     whole = np.zeros((n + m, n + m), order="F")
     whole[:n, :n], whole[:n, n:], whole[n:, :n] = D, A.T, A
-    np.fill_diagonal(whole[n:, n:], -DAMPING)
+    np.fill_diagonal(whole[n:, n:], -LEAST_SQUARES_DAMPING)
     factor, pivots, zero = getrf(whole, overwrite_a=True)
     if zero > 0:
         raise np.linalg.LinAlgError
@@ -86,7 +92,7 @@ def sparse_factor(D: csr_array, A: csr_array) -> Callable[[np.ndarray], np.ndarr
     """Solves with the matrix above; RuntimeError if it is singular."""
     n, m = D.shape[0], A.shape[0]
     D, A, own = coo_array(D), coo_array(A), np.arange(n, n + m)
-    data = np.concatenate([D.data, A.data, A.data, np.full(m, -DAMPING)])
+    data = np.concatenate([D.data, A.data, A.data, np.full(m, -LEAST_SQUARES_DAMPING)])
     i = np.concatenate([D.row, A.row + n, A.col, own])
     j = np.concatenate([D.col, A.col, A.row + n, own])
     return splu(csc_array((data, (i, j)), shape=(n + m, n + m))).solve
@@ -99,8 +105,8 @@ def deficient(A: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, int]:
         return np.zeros(n), 0
     right = np.zeros(max(m, n))
     right[:m] = b
-    size = int(gelsy_size(m, n, 1, DAMPING**0.5)[0])
-    _, x, _, rank, _ = gelsy(A, right, np.zeros(n, np.int32), DAMPING**0.5, size)
+    size = int(gelsy_size(m, n, 1, LEAST_SQUARES_DAMPING**0.5)[0])
+    _, x, _, rank, _ = gelsy(A, right, np.zeros(n, np.int32), LEAST_SQUARES_DAMPING**0.5, size)
     return x[:n], int(rank)
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..base.rotations import matrix
-from ..dynamics.state_rates import FAR, PROJECTED, project_positions
+from ..dynamics.state_rates import FACTOR_FROM_OTHER_POSE, PROJECTED, project_positions
 from ..kernels.kinematics import displace_body
 from ..kernels.layout import Data, Model, Tree
 
@@ -30,4 +30,4 @@ def displaced(model: Model, y: np.ndarray, X: np.ndarray) -> np.ndarray:
 def closed(model: Model, data: Data, tree: Tree, t: float, y: np.ndarray, X: np.ndarray) -> np.ndarray | None:
     """`displaced`, projected onto c = 0 in the metric of M; None if the joints do not close there."""
     moved = displaced(model, y, X)
-    return moved if project_positions(model, data, tree, t, moved, FAR) == PROJECTED else None
+    return moved if project_positions(model, data, tree, t, moved, FACTOR_FROM_OTHER_POSE) == PROJECTED else None

@@ -17,7 +17,7 @@ from ..kernels.kinematics import displace
 from ..mechanism.drivers import Driver, SpeedDriver
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
-from .conflicting_drivers import LATER
+from .conflicting_drivers import SIGNAL_COMPARISON_TIMES
 from .least_squares import shortest
 from .poses.pose_equations import displacements, gap_size, newton
 from .rank import Analysis
@@ -108,7 +108,7 @@ def without_moving_drivers(compiled: Compiled, t: float) -> Compiled | None:
 def will_move(driver: Driver, t: float) -> bool:
     """Return True for a driver whose position varies after the time t, or whose speed is not zero."""
     signals = [row.signal for row in driver.primitives if row.signal is not None]
-    values = [[float(signal(x)) for x in t + LATER if x <= signal.interval[1]] for signal in signals]
+    values = [[float(signal(x)) for x in t + SIGNAL_COMPARISON_TIMES if x <= signal.interval[1]] for signal in signals]
     return any(np.any(x) if isinstance(driver, SpeedDriver) else np.ptp(x or [0.0]) > 0.0 for x in values)
 
 

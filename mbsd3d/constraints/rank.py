@@ -11,9 +11,9 @@ import scipy.linalg
 
 from ..base.concurrency import one_thread
 from ..equations.jacobian import RANK_TOLERANCE, BlockRows, scaled_rows
-from ..equations.tree import eliminate
+from ..equations.tree import build_spanning_tree
 from ..kernels.layout import Data, Model, Tree
-from .elimination import SAFE, Core, Elimination
+from .elimination import PIVOT_SHARE_MIN, Core, Elimination
 from .least_squares import proven
 
 FEW_ROWS = 150  # of a dense factorisation that is faster than elimination and singular values of what is left
@@ -47,7 +47,9 @@ class Analysis:
     (2, [0.707, 0.707, 0.0])
     """
 
-    def __init__(self, rows: BlockRows, tolerance: float = RANK_TOLERANCE, safe: float = SAFE, **options: int) -> None:
+    def __init__(
+        self, rows: BlockRows, tolerance: float = RANK_TOLERANCE, safe: float = PIVOT_SHARE_MIN, **options: int
+    ) -> None:
         self.n, self.m, self.tolerance = rows.n, rows.body.shape[0], tolerance
         with one_thread():
             self.left = Elimination(rows, tolerance, max(safe, 10.0 * tolerance), **options)
@@ -188,4 +190,6 @@ def tree_over_rows(model: Model, data: Data, tolerance: float) -> Tree:
 
     ``tolerance``: within which these may miss each other, in model lengths; 0 = they do not.
     """
-    return eliminate(model, data, choose_rows(model, data, max(tolerance, RANK_TOLERANCE)) if tolerance else None)
+    return build_spanning_tree(
+        model, data, choose_rows(model, data, max(tolerance, RANK_TOLERANCE)) if tolerance else None
+    )

@@ -16,8 +16,8 @@ from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .assembly import reference_pose
 from .conflicting_drivers import TOLERANCE, find_contradiction
-from .elimination import SAFE, Core
-from .idle_rotations import free_spins
+from .elimination import PIVOT_SHARE_MIN, Core
+from .idle_rotations import find_idle_rotations
 from .neighbourhood import Beside, neighbourhood
 from .poses.closing import close_pose
 from .poses.pose_equations import gap_size, newton
@@ -26,7 +26,7 @@ from .remedies import Cure, direction_text, find_cures
 from .singularity import singularities
 from .spanning_tree import loop_weights
 
-AS_BUILT, SHARE = 1e-5, 1e-4  # m; of the model's length, for mechanisms smaller than a hand
+FIT_TOLERANCE_DEFAULT, FIT_TOLERANCE_RATIO = 1e-5, 1e-4  # m; of the model's length, for mechanisms smaller than a hand
 
 
 @dataclass(frozen=True)
@@ -118,11 +118,11 @@ def diagnose(system: Mechanism, as_built: float | None) -> Diagnosis:
     """See `System.check`."""
     compiled = compile_system(system)
     data, length, n = compiled.data(), compiled.model.length, 6 * len(system.bodies)
-    as_built = min(AS_BUILT, SHARE * length) if as_built is None else as_built
+    as_built = min(FIT_TOLERANCE_DEFAULT, FIT_TOLERANCE_RATIO * length) if as_built is None else as_built
     pose, misfit, stuck = closed_pose(compiled, as_built)
     load_state(compiled, data, pose)
     rows = scaled_rows(compiled.model, data)
-    found = Analysis(rows, safe=max(SAFE, 10.0 * as_built / length))
+    found = Analysis(rows, safe=max(PIVOT_SHARE_MIN, 10.0 * as_built / length))
     slip = misfit_as_built(found, length, as_built)
     if slip > 0.0:  # from here on rows that play takes up repeat others
         found.tolerance = as_built / length / found.largest
@@ -131,7 +131,7 @@ def diagnose(system: Mechanism, as_built: float | None) -> Diagnosis:
     shares = tuple(joint_shares(compiled, data, rows, N, 10.0 * found.tolerance * found.largest))
     cures = () if stuck else tuple(cures_of(compiled, pose, rows, found, beside.general(found)))
     offset = 0.0 if slip else misfit_of_lock(found, length)
-    spins = free_spins(compiled, data, rows)
+    spins = find_idle_rotations(compiled, data, rows)
     slack = max(TOLERANCE, 10.0 * as_built / length)
     clash = find_contradiction(compiled, data, pose.t, N=orthonormal(N), slack=slack)
     verdict = stuck or verdict_text(compiled, found.m, rank, n, misfit, as_built, offset)

@@ -24,9 +24,9 @@ from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .rank import Analysis, without_rounding
 
-LIMIT = 12  # cures reported
-SEARCHED = 40  # joints among which single ones and pairs are searched; beyond, a set is built up greedily
-UNCOMMON = {Cylindrical: 1, Universal: 2, Planar: 3, PointOnPlane: 3}  # harder to build than Spherical or PointOnLine
+REMEDIES_REPORTED_MAX = 12  # cures reported
+EXHAUSTIVE_JOINTS_MAX = 40  # joints among which single ones and pairs are searched; beyond, a set is built up greedily
+JOINT_COST = {Cylindrical: 1, Universal: 2, Planar: 3, PointOnPlane: 3}  # harder to build than Spherical or PointOnLine
 
 
 @dataclass(frozen=True)
@@ -171,7 +171,7 @@ def find_cures(compiled: Compiled, pose: State, rows: BlockRows, N: np.ndarray, 
     search = Search(compiled, pose, rows, N)
     involved = [j for j in compiled.system.joints if np.abs(N[compiled.rows[id(j)]]).max(initial=0.0) > 1e-8]
     involved = [j for j in involved if not isinstance(j, Driver)]
-    candidates = [search.candidates(joint) for joint in involved[:SEARCHED]]
+    candidates = [search.candidates(joint) for joint in involved[:EXHAUSTIVE_JOINTS_MAX]]
     sets = [[c] for group in candidates for c in group if search.cured([c])]
     if len(candidates) <= 20:
         sets += [
@@ -185,8 +185,8 @@ def find_cures(compiled: Compiled, pose: State, rows: BlockRows, N: np.ndarray, 
         greedy = search.greedy(involved)
         sets = [greedy] if greedy else []
     cures = []
-    for chosen in sorted(sets, key=lambda s: (len(s), sum(UNCOMMON.get(type(option), 0) for _, option in s))):
-        if len(cures) == LIMIT:
+    for chosen in sorted(sets, key=lambda s: (len(s), sum(JOINT_COST.get(type(option), 0) for _, option in s))):
+        if len(cures) == REMEDIES_REPORTED_MAX:
             break
         if verified(compiled, pose, rows, chosen, mobility):
             cures.append(describe(compiled, chosen, search.lost(chosen)))

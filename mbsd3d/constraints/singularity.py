@@ -22,15 +22,17 @@ from .neighbourhood import (
 )
 from .rank import Analysis, orthonormal
 
-NEAR = 2e-2  # least singular value over the largest; of the reference mechanisms none is below 0.03
-APART = 0.1  # over the next one: those of long chains fall evenly, one that is being lost falls away from the others
-MOVES = 0.3  # of the joint that moves most: those that are named
+NEAR_SINGULAR_RATIO = 2e-2  # least singular value over the largest; of the reference mechanisms none is below 0.03
+SINGULAR_VALUE_GAP = (
+    0.1  # over the next one: those of long chains fall evenly, one that is being lost falls away from the others
+)
+JOINT_PARTICIPATION_MIN = 0.3  # of the joint that moves most: those that are named
 TIMES = 4
 INFINITESIMAL = "infinitesimal"  # the first word on a pose whose mobility is lost beside it
 SHARE_MIN = 1e-2  # [1] of the largest entry of a redundant combination: rows that take part; steps turn it by less
 
 
-def what_is_singular(compiled: Compiled, pose: State) -> str:
+def describe_singularity(compiled: Compiled, pose: State) -> str:
     """What is singular, or nearly so, about a pose; "" for a regular one."""
     data = compiled.data()
     load_state(compiled, data, pose)
@@ -106,7 +108,7 @@ def steered_rolling(compiled: Compiled, pose: State) -> list[str]:
     if not any(isinstance(x, RollingContact | KnifeEdge) for x in compiled.system.joints):
         return []
     alone = without_moving_drivers(compiled, pose.t)
-    text = what_is_singular(alone, State(pose.t, pose.q, pose.v)) if alone else ""
+    text = describe_singularity(alone, State(pose.t, pose.q, pose.v)) if alone else ""
     return [text] if text.startswith(INFINITESIMAL) else []
 
 
@@ -144,7 +146,11 @@ def kept(rows: BlockRows, beside: BlockRows, found: Analysis) -> np.ndarray:
 
 def nearly_singular(compiled: Compiled, data: Data, found: Analysis) -> list[str]:
     """What to say of a pose where one singular value is about to vanish: which joints could move then."""
-    if found.counted.size < 2 or found.smallest >= NEAR or found.least >= APART * found.counted[-2]:
+    if (
+        found.counted.size < 2
+        or found.smallest >= NEAR_SINGULAR_RATIO
+        or found.least >= SINGULAR_VALUE_GAP * found.counted[-2]
+    ):
         return []
     joints = movers(compiled, data, found.least_motion())
     return [
@@ -157,7 +163,10 @@ def movers(compiled: Compiled, data: Data, motion: np.ndarray, but: Collection[s
     """Names of the joints that move most in a motion; ``but``: not these, if there are others."""
     moving = joint_motion(compiled, data, motion)
     moving = {name: size for name, size in moving.items() if name not in but} or moving
-    return listed([f"'{name}'" for name, size in moving.items() if size >= MOVES * max(moving.values())] or ["bodies"])
+    return listed(
+        [f"'{name}'" for name, size in moving.items() if size >= JOINT_PARTICIPATION_MIN * max(moving.values())]
+        or ["bodies"]
+    )
 
 
 def listed(names: list[str]) -> str:

@@ -53,7 +53,7 @@ apply_law = late_choice(__name__, "apply_law", LAWS)
 
 
 @inner_kernel
-def inertial(m, d):
+def gravity_and_gyroscopic_terms(m, d):
     """Gravity in Q and the velocity-quadratic term h of all bodies."""
     g = vec(m.gravity)
     put6(d.body[m.body.shape[0]].Q, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))  # what acts on the ground adds up there
@@ -69,7 +69,7 @@ def inertial(m, d):
 
 
 @inner_kernel
-def see(m, d, p, out, t):
+def evaluate_coordinate(m, d, p, out, t):
     """Value, rate and gradient of the hinge coordinate that an element acts along."""
     a, b = d.body[m.coordinate[p.coordinate].body[0]], d.body[m.coordinate[p.coordinate].body[1]]
     x, _, la, ta, lb, tb = coordinate(m, d, p.coordinate, t)
@@ -82,7 +82,7 @@ def see(m, d, p, out, t):
 
 
 @inner_kernel
-def act(m, d, p, out):
+def apply_coordinate_load(m, d, p, out):
     """Q of the load of an element along its hinge coordinate."""
     a, b = d.body[m.coordinate[p.coordinate].body[0]], d.body[m.coordinate[p.coordinate].body[1]]
     add6(a.Q, scale(out.load, vec(out.gradient[0])), scale(out.load, vec(out.gradient[1])))
@@ -92,11 +92,11 @@ def act(m, d, p, out):
 @kernel
 def loads(m, d, t):
     """Fill Q, h, potential, power, state_rate; needs kinematics."""
-    inertial(m, d)
+    gravity_and_gyroscopic_terms(m, d)
     for i in range(m.force.shape[0]):
         p, out = m.force[i], d.force[i]
         if p.coordinate >= 0:
-            see(m, d, p, out, t)
+            evaluate_coordinate(m, d, p, out, t)
         apply_law(p.kind, m, d, p, out, t)
         if p.coordinate >= 0:
-            act(m, d, p, out)
+            apply_coordinate_load(m, d, p, out)

@@ -11,9 +11,9 @@ from ..compiler.decorators import inner_kernel, late_kernel
 from ..kernels.surfaces import meeting
 from ..kernels.vectors import arm, columns, cross, dot, sub, vec
 
-TURN = 1.0  # rad in a step
-UNSEEN = 1e-6  # of what turns, by rounding; it changes nothing
-DOUBT = 0.25  # of the depth of a dip: a cubic errs by a twelfth of it where a surface turns by a radian
+TURN_PER_STEP_MAX = 1.0  # rad in a step
+TURN_ROUNDING = 1e-6  # of what turns, by rounding; it changes nothing
+CLEARANCE_DIP_SHARE = 0.25  # of the depth of a dip: a cubic errs by a twelfth of it where a surface turns by a radian
 
 
 @inner_kernel
@@ -33,9 +33,9 @@ def changing_turn(m, d, p, normal):
     squares = (r[0] * r[0], r[1] * r[1], r[2] * r[2])
     shape = (w[0] * (squares[1] - squares[2]), w[1] * (squares[2] - squares[0]), w[2] * (squares[0] - squares[1]))
     centre = sub(arm(b, p.point[1]), vec(b.s))
-    round_ = largest(shape) <= UNSEEN * rate_b * size * size
-    centred = largest(cross(w_b, centre)) <= UNSEEN * rate_b * size
-    level = largest(cross(w_a, normal)) <= UNSEEN * rate_a
+    round_ = largest(shape) <= TURN_ROUNDING * rate_b * size * size
+    centred = largest(cross(w_b, centre)) <= TURN_ROUNDING * rate_b * size
+    level = largest(cross(w_a, normal)) <= TURN_ROUNDING * rate_a
     return max(0.0 if round_ and centred else rate_b, 0.0 if level else rate_a)
 
 
@@ -56,7 +56,7 @@ def begin_step(run):
     for k in range(run.contacts.shape[0]):
         seen = run.gaps[k, 0]
         if seen[0] > 0.0 and seen[2] > 0.0:
-            run.now.longest = min(run.now.longest, TURN / seen[2])
+            run.now.longest = min(run.now.longest, TURN_PER_STEP_MAX / seen[2])
 
 
 @inner_kernel
@@ -67,7 +67,7 @@ def start_watching(m, d, run):
 
 
 @inner_kernel
-def go_on_watching(run):
+def advance_contact_watch(run):
     """The end of a step becomes the start of the next one."""
     for k in range(run.contacts.shape[0]):
         for j in range(3):
@@ -86,7 +86,7 @@ def least_of_cubic(start, end, h):
 
 
 @late_kernel
-def part_to_try(m, d, run, h) -> float:
+def step_fraction_to_retry(m, d, run, h) -> float:
     """Fraction of the step h, whose end is in d, that is to be tried instead; 1 if it hides no touch."""
     watch_contacts(m, d, run, 1)
     part, shallow = 1.0, run.task.rtol * m.length
@@ -94,21 +94,21 @@ def part_to_try(m, d, run, h) -> float:
         start, end = run.gaps[k, 0], run.gaps[k, 1]
         if start[0] > 0.0 and end[0] > 0.0:
             turn = h * end[2]
-            if turn > 2.0 * TURN:
-                part = min(part, TURN / turn)
+            if turn > 2.0 * TURN_PER_STEP_MAX:
+                part = min(part, TURN_PER_STEP_MAX / turn)
             if start[1] < 0.0 and end[1] > 0.0:
                 x, least = least_of_cubic(start, end, h)
-                if least < DOUBT * (min(start[0], end[0]) - least) - shallow:
+                if least < CLEARANCE_DIP_SHARE * (min(start[0], end[0]) - least) - shallow:
                     part = min(part, x)
     return part
 
 
 @inner_kernel
-def hides_touch(m, d, run, h):
+def may_hide_contact(m, d, run, h):
     """True for an adaptive step h, whose end is in d, that could hide a touch: it is rejected."""
     if run.contacts.shape[0] == 0 or run.task.steps > 0:
         return False
-    part = part_to_try(m, d, run, h)
+    part = step_fraction_to_retry(m, d, run, h)
     if part < 1.0:
         run.now.step = part * h
         run.now.rejected += 1

@@ -13,9 +13,9 @@ import numpy as np
 from ..compiler.decorators import inner_kernel, kernel
 from ..kernels.vectors import add, cross, dot, scale, sub, vec
 
-NOTICED = 0.1  # rad: bodies that turn less in a step are left as they are
-SMALL = 1e-4  # of the spin squared: an acceleration that does not count
-FARTHEST = 40.0  # rad in a step
+SPIN_ANGLE_MIN = 0.1  # rad: bodies that turn less in a step are left as they are
+ACCELERATION_ROUNDING = 1e-4  # of the spin squared: an acceleration that does not count
+SPIN_ANGLE_MAX = 40.0  # rad in a step
 
 
 @inner_kernel
@@ -32,7 +32,7 @@ def limit_turn(m, run):
     for i in range(n):
         if m.body[i].symmetry > 0:
             spin = spin_of(m.body[i], run.y, 7 * n + 6 * i)
-            run.now.step = min(run.now.step, FARTHEST / max(np.sqrt(dot(spin, spin)), 1e-300))
+            run.now.step = min(run.now.step, SPIN_ANGLE_MAX / max(np.sqrt(dot(spin, spin)), 1e-300))
 
 
 @inner_kernel
@@ -46,7 +46,7 @@ def steadier_without(fixed, y, dy, u, spin):
     rate = (dy[u + 3], dy[u + 4], dy[u + 5])
     rate = sub(rate, scale(dot(rate, vec(fixed.axis)), vec(fixed.axis)))
     without = add(rate, cross(spin, across))
-    return dot(without, without) ** 0.5 <= dot(rate, rate) ** 0.5 + SMALL * dot(spin, spin)
+    return dot(without, without) ** 0.5 <= dot(rate, rate) ** 0.5 + ACCELERATION_ROUNDING * dot(spin, spin)
 
 
 @inner_kernel
@@ -58,7 +58,7 @@ def find_spins(m, run, h):
         if m.body[i].symmetry > 0:
             u = 7 * n + 6 * i
             spin = spin_of(m.body[i], run.y, u)
-            out = dot(spin, spin) * h * h > NOTICED**2 and steadier_without(m.body[i], run.y, run.dy, u, spin)
+            out = dot(spin, spin) * h * h > SPIN_ANGLE_MIN**2 and steadier_without(m.body[i], run.y, run.dy, u, spin)
             run.now.spinning += out
             for j in range(3):
                 run.spin[i, j] = spin[j] if out else 0.0
@@ -73,7 +73,7 @@ def find_turns(m, run, h):
         u = 7 * n + 6 * i
         start, end = run.y[u + 3 : u + 6], run.trial[u + 3 : u + 6]
         spin = scale(0.5, add(vec(start), vec(end)))
-        out = dot(spin, spin) * h * h > NOTICED**2
+        out = dot(spin, spin) * h * h > SPIN_ANGLE_MIN**2
         run.now.spinning += out
         for j in range(3):
             run.spin[i, j] = spin[j] if out else 0.0
@@ -96,7 +96,7 @@ def turned_by(w, n, c, s):
 
 
 @inner_kernel
-def turn_body(x, q, u, spin, tau):
+def rotate_body_state(x, q, u, spin, tau):
     """e := e o exp(spin tau / 2), w := R(-spin tau) w in x, whose pose starts at q and velocities at u."""
     rate = np.sqrt(dot(spin, spin))
     n, c, s = scale(1.0 / rate, spin), np.cos(0.5 * rate * tau), np.sin(0.5 * rate * tau)
@@ -110,13 +110,13 @@ def turn_body(x, q, u, spin, tau):
 
 
 @kernel
-def spin_on(m, run, tau, x):
+def restore_spin(m, run, tau, x):
     """x' -> x, a state or a small part of one, tau after the start of the step; -tau: x -> x'."""
     n = m.body.shape[0]
     for i in range(n if run.now.spinning > 0 else 0):
         spin = vec(run.spin[i])
         if spin != (0.0, 0.0, 0.0):
-            turn_body(x, 7 * i, 7 * n + 6 * i, spin, tau)
+            rotate_body_state(x, 7 * i, 7 * n + 6 * i, spin, tau)
 
 
 @kernel
@@ -134,4 +134,4 @@ def rate_without_spin(m, run, tau, y, dy):
             for j in range(3):
                 dy[q + 4 + j] -= 0.5 * own[j]
                 dy[u + 3 + j] += gained[j]
-            turn_body(dy, q, u, spin, -tau)
+            rotate_body_state(dy, q, u, spin, -tau)

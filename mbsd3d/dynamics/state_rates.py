@@ -19,8 +19,11 @@ from ..solver.saddle_point import SOLVED, factor, refine, solve
 from .applied_forces import loads
 
 PROJECTED, NOT_CLOSED, UNSOLVED = 0, 1, 2
-SINGULAR, LET_GO = 1e-4, 1e-10  # pivots below which rows are let go, and by how much they may then gape
-FAR, NEAR = np.int64(0), np.int64(1)  # where the factor at hand belongs; plain ints would be compiled a second time
+SINGULAR_PIVOT, RELEASED_ROW_GAP = 1e-4, 1e-10  # pivots below which rows are let go, and by how much they may then gape
+FACTOR_FROM_OTHER_POSE, FACTOR_FROM_THIS_POSE = (
+    np.int64(0),
+    np.int64(1),
+)  # where the factor at hand belongs; plain ints would be compiled a second time
 
 
 @inner_kernel
@@ -164,7 +167,7 @@ def project_positions(m, d, s, t, y, near):
     rows(m, d, t)
     floor = rounding(m, y)
     residual, fresh = largest_residual(m, d, s), False
-    if near == NEAR and residual > floor:
+    if near == FACTOR_FROM_THIS_POSE and residual > floor:
         if not newton_step(m, d, s, t, y):
             return UNSOLVED
         residual = largest_residual(m, d, s)
@@ -181,7 +184,7 @@ def project_positions(m, d, s, t, y, near):
             break
     if not fresh:
         factor(m, d, s)
-    enough = 1e3 * floor if s.state.pivot > SINGULAR else max(1e3 * floor, LET_GO)
+    enough = 1e3 * floor if s.state.pivot > SINGULAR_PIVOT else max(1e3 * floor, RELEASED_ROW_GAP)
     return PROJECTED if residual <= enough else NOT_CLOSED
 
 

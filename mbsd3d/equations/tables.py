@@ -16,7 +16,7 @@ from ..mechanism.primitives import COORDINATES, Coordinate
 from ..mechanism.signals import Signal
 from .frames import Frames
 
-SYMMETRIC = 1e-6  # of the largest moment: moments that differ by less are equal
+EQUAL_MOMENT_TOLERANCE = 1e-6  # of the largest moment: moments that differ by less are equal
 
 
 def key_of(x: Coordinate) -> tuple:
@@ -127,7 +127,7 @@ def symmetry(moments: np.ndarray, C: np.ndarray, arm: np.ndarray) -> tuple[int, 
     What is taken for symmetric decides on the length of steps only.
     """
     low, middle, high = moments
-    equal = SYMMETRIC * high
+    equal = EQUAL_MOMENT_TOLERANCE * high
     if middle - low < equal and high - middle < equal:
         return (2, np.zeros(3)) if arm @ arm < equal else (1, arm / np.sqrt(arm @ arm))
     if min(middle - low, high - middle) >= equal:

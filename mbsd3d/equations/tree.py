@@ -18,11 +18,13 @@ from ..solver.joint_basis import choose_blocks, choose_joint_rows
 from ..solver.loop_rows import PROXIMAL
 from ..solver.row_rank import UNKNOWN
 
-LIGHT = 1e-3  # of the heaviest inertia: bodies below it, and below each further power of it, are lighter by a class
-CLASSES = 8
+INERTIA_CLASS_RATIO = (
+    1e-3  # of the heaviest inertia: bodies below it, and below each further power of it, are lighter by a class
+)
+INERTIA_CLASSES = 8
 
 
-def eliminate(model: Model, data: Data, rows: np.ndarray | None = None, dtype: type = float) -> Tree:
+def build_spanning_tree(model: Model, data: Data, rows: np.ndarray | None = None, dtype: type = float) -> Tree:
     """Index tables and work space for the rows in use (all if None) at the state in ``data``.
 
     Rows of one link that depend on each other at this state become loop rows; ``state.worn`` asks for a new tree.
@@ -101,8 +103,8 @@ def inertias_about_points(model: Model) -> np.ndarray:
 def lightness(inertias: np.ndarray) -> np.ndarray:
     """(n,) class of each body: 0 for ordinary ones, 1 for those below `LIGHT` of the heaviest, ..."""
     share = inertias / (inertias.max(initial=0.0) or 1.0)
-    least = LIGHT**CLASSES
-    return np.trunc(np.log(np.maximum(share, least)) / np.log(LIGHT) + 1e-9).astype(np.int64)
+    least = INERTIA_CLASS_RATIO**INERTIA_CLASSES
+    return np.trunc(np.log(np.maximum(share, least)) / np.log(INERTIA_CLASS_RATIO) + 1e-9).astype(np.int64)
 
 
 def heaviest_in_loops(plan: dict[str, np.ndarray], inertias: np.ndarray) -> np.ndarray:

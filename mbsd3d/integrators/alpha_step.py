@@ -3,10 +3,10 @@
 import numpy as np
 
 from ..compiler.decorators import inner_kernel, kernel
-from ..dynamics.contact_steps import hides_touch
+from ..dynamics.contact_steps import may_hide_contact
 from ..dynamics.spinning import find_turns
 from ..dynamics.state_rates import (
-    FAR,
+    FACTOR_FROM_OTHER_POSE,
     PROJECTED,
     audit_rates,
     project_and_evaluate,
@@ -22,16 +22,27 @@ from ..solver.saddle_point import SOLVED
 from .memory import NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING, STEP_TOO_SMALL
 from .newton import fill_matrix, filtered, lu_factor, lu_solve, residual
 from .outputs import along_cubic, cubic, evaluate_start, outputs
-from .step_control import LOCAL, end_of_step, go_on, good_enough, note_rows, rows_hold, state_error, take_steps
+from .step_control import (
+    LOCAL_ERROR_SHARE,
+    end_of_step,
+    go_on,
+    good_enough,
+    note_rows,
+    rows_hold,
+    state_error,
+    take_steps,
+)
 
 ITERATIONS = 12  # of Newton's method in one attempt
-SLOW = 0.2  # contraction above which the matrix is made anew
-STALLED = 0.5  # contraction above which corrections as small as rounding are rounding
-FINE = 1e-8  # up to this rtol a step may err LOCAL rtol: less, and what Newton's method leaves would count,
-COARSE = -0.2  # beyond, times the excess to this power, a tenth of it at 1e-3: the many steps err all that they may
+REFACTOR_CONTRACTION = 0.2  # contraction above which the matrix is made anew
+ROUNDING_CONTRACTION = 0.5  # contraction above which corrections as small as rounding are rounding
+FINE_RTOL_MAX = 1e-8  # up to this rtol a step may err LOCAL rtol: less, and what Newton's method leaves would count,
+COARSE_RTOL_EXPONENT = (
+    -0.2
+)  # beyond, times the excess to this power, a tenth of it at 1e-3: the many steps err all that they may
 NEWTON = 1e-3  # of rtol is what Newton's method may leave of a velocity, relative to the scales of the error
 GROWN = 10.0  # times the multipliers at the end of a step: these are not forces of stiff elements that ring
-SAME_STEP = 1.3  # growth below which the step, and with it the matrix, is kept
+STEP_GROWTH_MIN = 1.3  # growth below which the step, and with it the matrix, is kept
 
 
 @inner_kernel
@@ -60,7 +71,9 @@ def trial_state(m, d, s, run, g, c, t, h):
         put(g.newton.move[i], turn)
         displace_body(run.trial, q, scale(h, (g.mean[u], g.mean[u + 1], g.mean[u + 2])), rotate(R, turn))
     run.now.evaluations += 1
-    return m.stabilisation != PROJECTION or project_positions(m, d, s, t, run.trial, FAR) == PROJECTED
+    return (
+        m.stabilisation != PROJECTION or project_positions(m, d, s, t, run.trial, FACTOR_FROM_OTHER_POSE) == PROJECTED
+    )
 
 
 @inner_kernel
@@ -134,10 +147,10 @@ def solve_step(m, d, s, run, g, c, t, h):
         left = moved * contraction / (1.0 - contraction) if contraction < 0.9 else moved
         done = min(moved, left) <= tolerance
         if fixed:  # what is left has the same sign in every step and adds up: on to where rounding ends the contraction
-            done = left <= held or (moved <= tolerance and (contraction > STALLED or k == ITERATIONS - 1))
+            done = left <= held or (moved <= tolerance and (contraction > ROUNDING_CONTRACTION or k == ITERATIONS - 1))
         if done:
             return converged(m, d, s, run, g, c, t, h, h_v)
-        stale = k > 0 and contraction > SLOW
+        stale = k > 0 and contraction > REFACTOR_CONTRACTION
         before = moved
     return False
 
@@ -173,7 +186,9 @@ def local_error(m, d, s, run, g, c, h):
         second = g.jerk_new[k] if g.past.first == 1 else 2.0 * h * (g.jerk_new[k] - g.jerk[k]) / (h + g.past.step)
         e[k] = c.error_v * h**2 * second
     filtered(m, d, s, g.newton, e)
-    return np.sqrt(state_error(m, run)) / (LOCAL * run.task.rtol * max(run.task.rtol / FINE, 1.0) ** COARSE)
+    return np.sqrt(state_error(m, run)) / (
+        LOCAL_ERROR_SHARE * run.task.rtol * max(run.task.rtol / FINE_RTOL_MAX, 1.0) ** COARSE_RTOL_EXPONENT
+    )
 
 
 @inner_kernel
@@ -199,7 +214,7 @@ def attempt(m, d, s, run, g, c):
             factor = min(3.0, max(0.2, 0.9 * max(error, 1e-9) ** (-1.0 / 3.0)))
         if good_enough(run, h, error):
             factor = min(factor, 1.0) if rejected else factor
-            run.now.step = h if 0.95 < factor < SAME_STEP else h * factor
+            run.now.step = h if 0.95 < factor < STEP_GROWTH_MIN else h * factor
             return RUNNING, t_new, h
         run.now.step = h * min(factor, 0.8)
         run.now.rejected += 1
@@ -257,12 +272,12 @@ def step(m, d, s, g, run):
     status, t_new, h = attempt(m, d, s, run, g, c)
     if status != RUNNING:
         return status
-    projected, solved = project_and_evaluate(m, d, s, t_new, run.trial, run.trial_rate, FAR)
+    projected, solved = project_and_evaluate(m, d, s, t_new, run.trial, run.trial_rate, FACTOR_FROM_OTHER_POSE)
     if projected != PROJECTED:
         return NOT_CLOSING
     if solved != SOLVED:
         return NO_SOLUTION
-    if not turns_are_certain(m, d, run, t_new, h) or hides_touch(m, d, run, h):
+    if not turns_are_certain(m, d, run, t_new, h) or may_hide_contact(m, d, run, h):
         return RUNNING
     end_rates(m, run, g, h)
     note_rows(s, run)

@@ -12,7 +12,7 @@ from .memory import Stages, Table, new_stages, widest_gap
 from .method import Method, check_max_step
 from .runge_kutta import advance
 
-PATIENCE = 2e5  # steps times bodies, some three seconds: what a stiff run may still take before it is stopped
+STIFF_WORK_MAX = 2e5  # steps times bodies, some three seconds: what a stiff run may still take before it is stopped
 
 N = SCIPY.n_stages
 NODES = [0, 6, 7, 8, 9, 10]  # of all choices with small weights that where a kink hides least
@@ -89,7 +89,7 @@ class DOP853(Method):
     @property
     def patience(self) -> float:
         """Of a run with adaptive steps; steps that are fixed are not judged."""
-        return PATIENCE if self.stiff == "stop" else np.inf
+        return STIFF_WORK_MAX if self.stiff == "stop" else np.inf
 
     def start(self, model: Model, data: Callable[[type], Data]) -> Stages:
         return new_stages(TABLE, 13 * model.body.size + model.state.size)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..compiler.decorators import inner_kernel, kernel, late_kernel
-from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate
+from ..dynamics.state_rates import FACTOR_FROM_OTHER_POSE, PROJECTED, evaluate, project_and_evaluate
 from ..dynamics.turning import CERTAIN, compare_poses
 from ..kernels.coordinates import miscount, remember
 from ..kernels.kinematics import normalise
@@ -32,10 +32,12 @@ from .step_control import (
 
 TURN_PER_POSE = 0.3  # rad between poses: Newton stays on its branch
 GROWTH = 4.0  # of the distance between poses from one to the next, or up to what was enough for the fastest turn so far
-TOO_FAR = 2.0  # times that is the turn, by the angular velocity found at the new pose, from which on it is not believed
-HALVINGS = 30  # of the distance between poses before a mechanism counts as one that cannot go on
+TURN_RATIO_MAX = (
+    2.0  # times that is the turn, by the angular velocity found at the new pose, from which on it is not believed
+)
+STEP_HALVINGS_MAX = 30  # of the distance between poses before a mechanism counts as one that cannot go on
 SINGULAR = 1e-6  # pivot, the square of a small angle: below, velocities and accelerations are those of the poses before
-PASSED_OVER = 1e-7  # pivot below which the next pose may lie behind the singular one
+SKIPPED_PIVOT_MAX = 1e-7  # pivot below which the next pose may lie behind the singular one
 APART = 1e-2  # rad between these poses: their squares are far above rounding, their sixth power is not
 BINOMIAL = np.array([6.0, -15.0, 20.0, -15.0, 6.0, -1.0])  # f(0) = 6 f(-h) - 15 f(-2 h) + ...: exact to h^5
 
@@ -105,7 +107,7 @@ def advance_to(m, d, s, own, run, t, x, h):
     Work and own states, predicted by the rate at the last pose, are corrected by the mean of both rates.
     """
     predict(m, run, x)
-    status, result = project_and_evaluate(m, d, s, t, run.trial, run.trial_rate, FAR)
+    status, result = project_and_evaluate(m, d, s, t, run.trial, run.trial_rate, FACTOR_FROM_OTHER_POSE)
     run.now.evaluations += 1
     if status != PROJECTED:
         return NOT_CLOSING
@@ -136,9 +138,9 @@ def farthest(m, run):
     most = min(run.task.max_step, 2.0 * far / speed if speed > 0.0 else np.inf)
     if run.now.steps > 0 and run.now.turn > 0.0:
         most = min(most, max(GROWTH * run.now.step, far / run.now.turn))
-    if PASSED_OVER <= run.rows.pivot < NEARLY_SINGULAR and run.now.steps > 0:
+    if SKIPPED_PIVOT_MAX <= run.rows.pivot < NEARLY_SINGULAR and run.now.steps > 0:
         most = min(most, 2.0 * run.now.step)
-    return min(most, 0.5 * run.rows.ahead) if run.rows.pivot >= PASSED_OVER else most
+    return min(most, 0.5 * run.rows.ahead) if run.rows.pivot >= SKIPPED_PIVOT_MAX else most
 
 
 @inner_kernel
@@ -181,8 +183,12 @@ def next_pose(m, d, s, run, t_output):
     h = (t_output - t) / poses_to(m, run, t_output)
     t_new = t_output if h >= (1.0 - 1e-9) * (t_output - t) else t + h
     status = advance_to(m, d, s, None, run, t_new, h, h)
-    for _ in range(HALVINGS):
-        if status == RUNNING and end_turn(m, run, h) <= TOO_FAR * TURN_PER_POSE and miscount(m, d, t_new) <= CERTAIN:
+    for _ in range(STEP_HALVINGS_MAX):
+        if (
+            status == RUNNING
+            and end_turn(m, run, h) <= TURN_RATIO_MAX * TURN_PER_POSE
+            and miscount(m, d, t_new) <= CERTAIN
+        ):
             break
         h *= 0.5
         t_new = t + h

@@ -75,7 +75,7 @@ STIFFNESS = [
 ]
 
 
-NEVER = np.zeros((0, 2))
+NO_SIGNAL_KNOTS = np.zeros((0, 2))
 NONE = np.zeros(0, np.int64)
 
 
@@ -108,8 +108,8 @@ class Run(NamedTuple):
     audit: np.ndarray  # (6, audit states) of fixed steps: integrals, errors of theirs, last rates: auditing.py
 
 
-def new_run(
-    y: np.ndarray, bodies: int, times: np.ndarray, capacity: int, width: int, terms: int, turns: np.ndarray = NEVER,
+def allocate_run(
+    y: np.ndarray, bodies: int, times: np.ndarray, capacity: int, width: int, terms: int, turns: np.ndarray = NO_SIGNAL_KNOTS,
     contacts: np.ndarray = NONE, audits: int = 6,
 ) -> Run:  # fmt: skip
     """Memory for a start at y; the fields of its records are zero."""

@@ -23,7 +23,7 @@ from ..kernels.layout import Data, Model
 from ..kernels.rows import row_speed, rows
 from ..kernels.vectors import add, cross, dot, mat, pair, put6, rotate, scale, sub, vec
 
-TINY = 1e-40  # of a complex step: its square vanishes, so the derivative is exact to rounding
+COMPLEX_STEP = 1e-40  # of a complex step: its square vanishes, so the derivative is exact to rounding
 
 
 @by_reference
@@ -132,9 +132,9 @@ def push_pose(m, d, s, w, j, h_q):
             linear, angular = add(linear, dr), add(angular, turn)
         q, e_dot = 7 * i, quaternion_rate(d.body[i].e, angular)
         for k in range(3):
-            w.y_c[q + k] += 1j * TINY * linear[k]
+            w.y_c[q + k] += 1j * COMPLEX_STEP * linear[k]
         for k in range(4):
-            w.y_c[q + 3 + k] += 1j * TINY * e_dot[k]
+            w.y_c[q + 3 + k] += 1j * COMPLEX_STEP * e_dot[k]
 
 
 @inner_kernel
@@ -161,11 +161,11 @@ def fill_matrix(m, d, s, w, t, y, h_q, h_v):
             w.rate_c[k] = w.rate[k]
         if j < 6 * n:
             push_pose(m, d, s, w, j, h_q)
-        w.y_c[7 * n + j] += 1j * TINY * h_v
-        w.rate_c[7 * n + j] += 1j * TINY
+        w.y_c[7 * n + j] += 1j * COMPLEX_STEP * h_v
+        w.rate_c[7 * n + j] += 1j * COMPLEX_STEP
         residual(m, w.data, s, t, w.y_c, w.rate_c, w.lam, h_v, w.x_c)
         for i in range(size):
-            w.A[i, j] = w.x_c[i].imag / TINY
+            w.A[i, j] = w.x_c[i].imag / COMPLEX_STEP
     for i in range(s.used.shape[0]):
         column, k = 6 * n + nz + i, s.used[i]
         for j in range(size):

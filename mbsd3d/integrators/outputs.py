@@ -8,8 +8,8 @@ import numpy as np
 
 from ..compiler.decorators import inner_kernel, kernel, late_kernel, merged_kernel
 from ..dynamics.contact_steps import start_watching
-from ..dynamics.spinning import farthest_turn, rate_without_spin, spin_on
-from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate
+from ..dynamics.spinning import farthest_turn, rate_without_spin, restore_spin
+from ..dynamics.state_rates import FACTOR_FROM_OTHER_POSE, PROJECTED, evaluate, project_and_evaluate
 from ..dynamics.turning import compare_poses, hermite_of_rotations
 from ..kernels.coordinates import coordinate, measure, remember
 from ..kernels.kinematics import kinematics
@@ -19,8 +19,10 @@ from ..solver.saddle_point import SOLVED
 from .memory import FULL, NO_SOLUTION, NOT_CLOSING, RUNNING, STOPPED
 from .step_control import hermite, interpolate, note_rows, update_scales
 
-LANDINGS = 6  # Newton steps to the time of an event, each a step of the method; the first is good to its dense output
-SCAN = 8  # parts of a step that are searched for an event, or of a radian that a body spins in it
+EVENT_NEWTON_STEPS = (
+    6  # Newton steps to the time of an event, each a step of the method; the first is good to its dense output
+)
+EVENT_SCAN_INTERVALS = 8  # parts of a step that are searched for an event, or of a radian that a body spins in it
 ONCE = 1.0  # rad in a step, up to which a measure is taken to rise and fall once at most
 GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 
@@ -65,7 +67,7 @@ def output_until(run, t):
 def evaluate_start(m, d, s, run):
     """Evaluate at the present state after a start, a jump of a signal or a new tree; RUNNING or a reason to stop."""
     now = run.now
-    status, result = project_and_evaluate(m, d, s, now.t, run.y, run.dy, FAR)
+    status, result = project_and_evaluate(m, d, s, now.t, run.y, run.dy, FACTOR_FROM_OTHER_POSE)
     now.evaluations += 1
     if status != PROJECTED:
         return NOT_CLOSING
@@ -101,7 +103,7 @@ def samples_before(m, d, s, run, h, t_last):
         if run.now.written == run.out.shape[0] - 2:
             return FULL
         interpolate(m, run, h, (t - run.now.t) / h, run.work)
-        status, result = project_and_evaluate(m, d, s, t, run.work, run.work_rate, FAR)
+        status, result = project_and_evaluate(m, d, s, t, run.work, run.work_rate, FACTOR_FROM_OTHER_POSE)
         if status != PROJECTED or result != SOLVED:
             return NO_SOLUTION
         run.rows.lowest = min(run.rows.lowest, s.state.pivot)  # samples may lie nearer to singular positions than steps
@@ -171,7 +173,7 @@ def first_crossing(m, d, run, h, t_new) -> float:
     """
     if run.now.hop > 0.0:
         return run.now.hop / h if run.now.hop <= h else -1.0
-    parts = SCAN * (1 + int(farthest_turn(run, h)))
+    parts = EVENT_SCAN_INTERVALS * (1 + int(farthest_turn(run, h)))
     place, greatest, first = 0.0, -np.inf, 0.0 if run.now.armed == 1 else 2.0
     for k in range(1, parts + 1):
         x = k / parts
@@ -219,7 +221,7 @@ def land(m, d, s, own, run, h, x, advance_to):
     Newton on the time, each with a step of the method itself where its dense output would be less exact.
     """
     t = run.now.t
-    for left in range(LANDINGS, 0, -1):
+    for left in range(EVENT_NEWTON_STEPS, 0, -1):
         status = advance_to(m, d, s, own, run, t + x, x, h)
         if status != RUNNING:
             return status, t
@@ -250,7 +252,7 @@ def cubic(m, d, s, own, run, h):
     That of an orientation is one of rotation vectors beside the mean rotation (`find_turns`): bodies may turn far.
     """
     copy(run.work, run.trial)
-    spin_on(m, run, -h, run.work)
+    restore_spin(m, run, -h, run.work)
     copy(run.work_rate, run.dy)
     rate_without_spin(m, run, 0.0, run.y, run.work_rate)
     end_rate = run.F[2]
@@ -265,7 +267,7 @@ def cubic(m, d, s, own, run, h):
 def along_cubic(m, d, s, own, run, t, x, h):
     """The trial state at t by that cubic, x after the start of the step, projected, with its rate."""
     interpolate(m, run, h, x / h, run.trial)
-    status, result = project_and_evaluate(m, d, s, t, run.trial, run.trial_rate, FAR)
+    status, result = project_and_evaluate(m, d, s, t, run.trial, run.trial_rate, FACTOR_FROM_OTHER_POSE)
     run.now.evaluations += 1
     return RUNNING if status == PROJECTED and result == SOLVED and finite(run.trial_rate) else NO_SOLUTION
 

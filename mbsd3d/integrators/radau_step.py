@@ -3,20 +3,29 @@
 import numpy as np
 
 from ..compiler.decorators import inner_kernel, kernel
-from ..dynamics.contact_steps import hides_touch
+from ..dynamics.contact_steps import may_hide_contact
 from ..dynamics.spinning import find_turns
-from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate, rounding
+from ..dynamics.state_rates import FACTOR_FROM_OTHER_POSE, PROJECTED, evaluate, project_and_evaluate, rounding
 from ..dynamics.turning import compare_poses, turns_are_certain
 from ..kernels.vectors import copy, finite
 from ..solver.saddle_point import SOLVED
 from .memory import NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING, STEP_TOO_SMALL
 from .newton import lu_factor, lu_solve
 from .outputs import along_cubic, cubic, evaluate_start, outputs
-from .step_control import LOCAL, end_of_step, go_on, good_enough, note_rows, rows_hold, state_error, take_steps
+from .step_control import (
+    LOCAL_ERROR_SHARE,
+    end_of_step,
+    go_on,
+    good_enough,
+    note_rows,
+    rows_hold,
+    state_error,
+    take_steps,
+)
 
 ITERATIONS = 10  # of Newton's method in one attempt
 NEWTON = 0.1  # of LOCAL rtol is what Newton's method may leave
-KEEP = 0.1  # contraction up to which J is kept for the next step
+JACOBIAN_REUSE_CONTRACTION = 0.1  # contraction up to which J is kept for the next step
 SAME_STEP = 1.2  # growth below which the step, and with it the factors, is kept
 DIFFERENCE = 1.5e-8  # of its unit by which a coordinate is changed for J
 
@@ -24,7 +33,7 @@ DIFFERENCE = 1.5e-8  # of its unit by which a coordinate is changed for J
 @inner_kernel
 def tolerance(run):
     """What a step may err by its estimate of order 3, for one of order 5 within LOCAL rtol (ratio 2/3)."""
-    return LOCAL * run.task.rtol ** (2.0 / 3.0)
+    return LOCAL_ERROR_SHARE * run.task.rtol ** (2.0 / 3.0)
 
 
 @inner_kernel
@@ -128,7 +137,7 @@ def correct(m, run, g, h):
 def collocate(m, d, s, run, g, h):
     """(True, iterations) when the stages of a step are found."""
     fixed = run.task.steps > 0  # dt alone sets the error, and what is left adds up
-    enough = NEWTON * LOCAL * (min(run.task.rtol, 1e-8) if fixed else run.task.rtol)
+    enough = NEWTON * LOCAL_ERROR_SHARE * (min(run.task.rtol, 1e-8) if fixed else run.task.rtol)
     allowed = enough / run.task.steps if fixed else enough
     least = 20.0 * rounding(m, run.y)
     eta, before = 1.0, 0.0  # the contraction of an earlier step says nothing of what a first correction leaves
@@ -253,7 +262,7 @@ def accept(run, g, h):
     copy(run.y, run.trial)
     copy(run.dy, run.trial_rate)
     g.past.step = h
-    g.past.jacobian = 0 if g.past.contraction < KEEP else -1
+    g.past.jacobian = 0 if g.past.contraction < JACOBIAN_REUSE_CONTRACTION else -1
 
 
 @inner_kernel
@@ -262,12 +271,12 @@ def step(m, d, s, g, run):
     status, t_new, h = attempt(m, d, s, run, g)
     if status != RUNNING:
         return status
-    projected, solved = project_and_evaluate(m, d, s, t_new, run.trial, run.trial_rate, FAR)
+    projected, solved = project_and_evaluate(m, d, s, t_new, run.trial, run.trial_rate, FACTOR_FROM_OTHER_POSE)
     if projected != PROJECTED:
         return NOT_CLOSING
     if solved != SOLVED or not finite(run.trial_rate):
         return NO_SOLUTION
-    if not turns_are_certain(m, d, run, t_new, h) or hides_touch(m, d, run, h):
+    if not turns_are_certain(m, d, run, t_new, h) or may_hide_contact(m, d, run, h):
         return RUNNING
     note_rows(s, run)
     find_turns(m, run, h)

@@ -3,16 +3,23 @@
 import numpy as np
 
 from ..compiler.decorators import inner_kernel, kernel, late_kernel
-from ..dynamics.contact_steps import hides_touch
-from ..dynamics.spinning import farthest_turn, find_spins, limit_turn, rate_without_spin, spin_on
-from ..dynamics.state_rates import FAR, NEAR, PROJECTED, evaluate, project_and_evaluate, rounding
+from ..dynamics.contact_steps import may_hide_contact
+from ..dynamics.spinning import farthest_turn, find_spins, limit_turn, rate_without_spin, restore_spin
+from ..dynamics.state_rates import (
+    FACTOR_FROM_OTHER_POSE,
+    FACTOR_FROM_THIS_POSE,
+    PROJECTED,
+    evaluate,
+    project_and_evaluate,
+    rounding,
+)
 from ..dynamics.turning import compare_poses, turns_are_certain
 from ..kernels.vectors import add_scaled, clear, copy, dot, finite, vec
 from ..solver.saddle_point import SOLVED
 from .memory import NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING, STEP_TOO_SMALL, STIFF
 from .outputs import evaluate_start, outputs
 from .step_control import (
-    LOCAL,
+    LOCAL_ERROR_SHARE,
     end_of_step,
     go_on,
     good_enough,
@@ -27,8 +34,10 @@ from .step_control import (
     way_to_singular,
 )
 
-ALLOWED = 2.0 * LOCAL  # of rtol is what a step of these methods may err: most err a tenth of it,
-AIM = 0.75  # since the next one is this times the step that would err as much; few are then tried in vain
+STEP_ERROR_SHARE = 2.0 * LOCAL_ERROR_SHARE  # of rtol is what a step of these methods may err: most err a tenth of it,
+STEP_SAFETY_FACTOR = (
+    0.75  # since the next one is this times the step that would err as much; few are then tried in vain
+)
 
 # What rounding of a pose makes of accelerations near a singular position: over the smallest pivot of a step; at most.
 AMPLIFIED, MOST_AMPLIFIED = 0.3, 1e-8
@@ -37,9 +46,11 @@ FEW = 0.5  # rad: two bodies that turn by less in a step miscount no turn of a h
 SLIGHT = 0.02  # rad: a step in which no body turns farther errs by less than 1e-11 rad, whatever the method
 HELD, ONE_IN = 1e-5, 4  # rtol up to which steps are held by estimates of high order: one in so many is compared then
 
-FAST = 3.4  # h |lambda| above which a motion passes unseen only below some hundred tolerances; stability ends at 6.1
+STIFFNESS_PRODUCT_MIN = (
+    3.4  # h |lambda| above which a motion passes unseen only below some hundred tolerances; stability ends at 6.1
+)
 TEST_EVERY = 32  # steps are tested for stiffness; each one from the first suspicion until CALM tests in a row pass
-SUSPICIOUS, CALM = 15, 6
+STIFF_TESTS_TO_STOP, NONSTIFF_TESTS_TO_RESET = 15, 6
 
 
 @inner_kernel
@@ -59,10 +70,10 @@ def stages(m, d, s, own, run, h):
         for j in range(i):
             if table.A[i, j] != 0.0:
                 add_scaled(run.work, h * table.A[i, j], K[j])
-        spin_on(m, run, table.c[i] * h, run.work)
+        restore_spin(m, run, table.c[i] * h, run.work)
         run.now.evaluations += 1
         if run.rows.on_manifold == 1:
-            status, result = project_and_evaluate(m, d, s, t + table.c[i] * h, run.work, K[i], FAR)
+            status, result = project_and_evaluate(m, d, s, t + table.c[i] * h, run.work, K[i], FACTOR_FROM_OTHER_POSE)
             if status != PROJECTED or result != SOLVED:
                 return False
         elif evaluate(m, d, s, t + table.c[i] * h, run.work, K[i]) != SOLVED:
@@ -75,8 +86,8 @@ def stages(m, d, s, own, run, h):
     for k in range(run.y.shape[0]):  # compensated sum: what rounding cuts off is added in the next step
         run.trial[k] = run.y[k] + run.work[k]
         own.trial_carry[k] = run.work[k] - (run.trial[k] - run.y[k])
-    spin_on(m, run, h, run.trial)
-    spin_on(m, run, h, own.trial_carry)
+    restore_spin(m, run, h, run.trial)
+    restore_spin(m, run, h, own.trial_carry)
     return True
 
 
@@ -100,7 +111,7 @@ def error_norm(m, own, run, h):
     if not np.isfinite(e5 + e3):
         return np.inf
     unknown = min(MOST_AMPLIFIED, AMPLIFIED * rounding(m, run.y) / run.rows.least_pivot)
-    return e5 / np.sqrt(e5 + 0.01 * e3) / max(ALLOWED * run.task.rtol, unknown)
+    return e5 / np.sqrt(e5 + 0.01 * e3) / max(STEP_ERROR_SHARE * run.task.rtol, unknown)
 
 
 @inner_kernel
@@ -109,7 +120,7 @@ def dense(m, d, s, own, run, h):
     table, K = own.table, own.K
     n = table.c.shape[0]
     copy(run.work, run.trial)
-    spin_on(m, run, -h, run.work)
+    restore_spin(m, run, -h, run.work)
     copy(K[n], run.trial_rate)
     rate_without_spin(m, run, h, run.trial, K[n])
     hermite(run, h, run.work, K[0], K[n])
@@ -119,7 +130,7 @@ def dense(m, d, s, own, run, h):
         for j in range(stage):
             if table.A_dense[i, j] != 0.0:
                 add_scaled(run.work, h * table.A_dense[i, j], K[j])
-        spin_on(m, run, table.c_dense[i] * h, run.work)
+        restore_spin(m, run, table.c_dense[i] * h, run.work)
         run.now.evaluations += 1
         if evaluate(m, d, s, run.now.t + table.c_dense[i] * h, run.work, K[stage]) != SOLVED:
             return False
@@ -137,7 +148,7 @@ def advance_to(m, d, s, own, run, t, x, h):
     """The trial state at t by one step of length x, projected, with its rate."""
     if not stages(m, d, s, own, run, x):
         return NO_SOLUTION
-    status, result = project_and_evaluate(m, d, s, t, run.trial, run.trial_rate, FAR)
+    status, result = project_and_evaluate(m, d, s, t, run.trial, run.trial_rate, FACTOR_FROM_OTHER_POSE)
     run.now.evaluations += 1
     return RUNNING if status == PROJECTED and result == SOLVED and finite(run.trial_rate) else NO_SOLUTION
 
@@ -145,7 +156,7 @@ def advance_to(m, d, s, own, run, t, x, h):
 @inner_kernel
 def step_factor(table, error, most):
     """Factor to the next step, within 0.2 ... most."""
-    return most if error == 0.0 else min(most, max(0.2, AIM * error ** (-1.0 / table.order)))
+    return most if error == 0.0 else min(most, max(0.2, STEP_SAFETY_FACTOR * error ** (-1.0 / table.order)))
 
 
 @inner_kernel
@@ -200,11 +211,13 @@ def attempt(m, d, s, own, run):
             else:
                 retry(run, h * step_factor(own.table, error, 10.0) if judged else 0.2 * h)
             continue
-        status, result = project_and_evaluate(m, d, s, t_new, run.trial, run.trial_rate, NEAR - run.rows.on_manifold)
+        status, result = project_and_evaluate(
+            m, d, s, t_new, run.trial, run.trial_rate, FACTOR_FROM_THIS_POSE - run.rows.on_manifold
+        )
         run.now.evaluations += 1
         if status == PROJECTED and result == SOLVED and finite(run.trial_rate) and finite(run.trial):
             few = h * run.now.fastest < FEW * m.length and not (fixed and starts_to_turn(m, run, h, FEW))
-            if (few or turns_are_certain(m, d, run, t_new, h)) and not hides_touch(m, d, run, h):
+            if (few or turns_are_certain(m, d, run, t_new, h)) and not may_hide_contact(m, d, run, h):
                 return RUNNING, t_new, h, error
             continue
         if fixed:
@@ -248,16 +261,18 @@ def is_stiff(m, own, run, h) -> bool:
     found = run.stiffness
     if found.suspicious == 0 and run.now.steps % TEST_EVERY > 0:
         return False
-    if fastest_rate(m, own, run, h) > FAST + 2.0 * farthest_turn(run, h):  # nutation is no faster than twice a spin
+    if fastest_rate(m, own, run, h) > STIFFNESS_PRODUCT_MIN + 2.0 * farthest_turn(
+        run, h
+    ):  # nutation is no faster than twice a spin
         found.suspicious += 1
         found.calm = 0
     else:
         found.calm += 1
-        if found.calm == CALM:
+        if found.calm == NONSTIFF_TESTS_TO_RESET:
             found.suspicious = 0
             found.calm = 0
     left = (run.task.t_end - run.now.t) / max(h, run.now.step) * m.body.shape[0]  # one short step alone says little
-    return found.suspicious >= SUSPICIOUS and left > found.patience
+    return found.suspicious >= STIFF_TESTS_TO_STOP and left > found.patience
 
 
 @inner_kernel

@@ -4,8 +4,8 @@ import numpy as np
 
 from ..compiler.decorators import inner_kernel, merged_kernel
 from ..dynamics.auditing import begin_audit, go_on_auditing
-from ..dynamics.contact_steps import go_on_watching
-from ..dynamics.spinning import spin_on
+from ..dynamics.contact_steps import advance_contact_watch
+from ..dynamics.spinning import restore_spin
 from ..dynamics.state_rates import skipped_residual
 from ..dynamics.turning import turn_on
 from ..kernels.coordinates import remember
@@ -14,15 +14,21 @@ from ..kernels.vectors import add_scaled, clear
 from ..solver.row_rank import note_independence
 from .memory import DONE, FULL, RUNNING
 
-LEAST = 1e-14  # of the time, the shortest step: 50 units of its last place; of the first step, at t = 0
+STEP_TIME_RATIO_MIN = 1e-14  # of the time, the shortest step: 50 units of its last place; of the first step, at t = 0
 ROUNDING = 1e-15  # of a work or an impulse is what a step may always err: less cannot be had
 ON_GRID = 1e-9  # of a fixed step: where a signal turns so close to its end, that is its end
-LOCAL = 0.1  # of rtol is what a single step may err, since errors add up over a run
+LOCAL_ERROR_SHARE = 0.1  # of rtol is what a single step may err, since errors add up over a run
 
-CLOSE, STUCK = 1e-5, 1e-4  # a share as that below; of the way to a singular position: who passes it goes faster
+PROJECTION_TOLERANCE, SINGULAR_PROGRESS_MIN = (
+    1e-5,
+    1e-4,
+)  # a share as that below; of the way to a singular position: who passes it goes faster
 NEARLY_SINGULAR = 0.1  # share of the largest it has been to which a pivot of the loop rows has fallen
-BETTERED, LOST = 0.25, 1e3  # what a shorter step leaves of an error, unless rounding is its cause; more is no step
-JUMP = 1e2  # what a step of the least length may err: it takes a jump of a force, and none can be shorter
+ERROR_DROP_EXPECTED, ERROR_RATIO_MAX = (
+    0.25,
+    1e3,
+)  # what a shorter step leaves of an error, unless rounding is its cause; more is no step
+JUMP_ERROR_MAX = 1e2  # what a step of the least length may err: it takes a jump of a force, and none can be shorter
 
 
 @inner_kernel
@@ -53,7 +59,7 @@ def take_steps(m, d, s, own, run, budget, start, step):
 @inner_kernel
 def least_step(run):
     """The shortest step [s]."""
-    return LEAST * max(abs(run.now.t), run.task.first_step)
+    return STEP_TIME_RATIO_MIN * max(abs(run.now.t), run.task.first_step)
 
 
 @inner_kernel
@@ -109,7 +115,7 @@ def go_on(m, d, run, t_new):
     go_on_auditing(m, d, run, t_new - run.now.t)
     run.now.t = t_new
     run.now.steps += 1
-    go_on_watching(run)
+    advance_contact_watch(run)
     if run.now.forced == 1:
         run.now.forced, run.now.step = 2, max(run.now.step, least_step(run))
     else:
@@ -154,7 +160,7 @@ def state_error(m, run):
         worst = max(worst, shift, angle, linear, angular)
         total += shift + angle + linear + angular
     for j in range(m.state.shape[0]):
-        least = 1.0 if j < m.z_work else ROUNDING / (LOCAL * run.task.rtol)  # own states come in any size
+        least = 1.0 if j < m.z_work else ROUNDING / (LOCAL_ERROR_SHARE * run.task.rtol)  # own states come in any size
         error = (x[13 * n + j] / max(run.unit[j], least * abs(run.y[13 * n + j]))) ** 2
         worst = max(worst, error)
         total += error
@@ -170,7 +176,7 @@ def nearly_singular(run):
 @inner_kernel
 def stuck(run, h):
     """True close to a singular position where motion ends, as at a dead centre: rounding holds steps far from it."""
-    return run.rows.pivot < CLOSE and h < STUCK * run.rows.ahead < np.inf
+    return run.rows.pivot < PROJECTION_TOLERANCE and h < SINGULAR_PROGRESS_MIN * run.rows.ahead < np.inf
 
 
 @inner_kernel
@@ -214,12 +220,12 @@ def good_enough(run, h, error):
 
     Their stages lie nearer to it, so rounding counts for more: by shortening on and on the run would end there.
     """
-    allowed = JUMP if run.now.forced == 1 else 1.0
+    allowed = JUMP_ERROR_MAX if run.now.forced == 1 else 1.0
     if error <= allowed or run.rows.on_manifold == 0 or run.rows.ahead >= h:
         return error <= allowed
     before = run.rows.missed
     run.rows.missed = error
-    return before > 0.0 and BETTERED * before < error < LOST
+    return before > 0.0 and ERROR_DROP_EXPECTED * before < error < ERROR_RATIO_MAX
 
 
 @inner_kernel
@@ -259,4 +265,4 @@ def interpolate(m, run, h, x, y):
     if run.now.rotating == 1:
         turn_on(m, run, y)
     add_scaled(y, 1.0, run.y)
-    spin_on(m, run, x * h, y)
+    restore_spin(m, run, x * h, y)

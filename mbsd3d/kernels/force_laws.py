@@ -11,28 +11,28 @@ from ..compiler.decorators import inner_kernel
 from .signals import signal
 from .vectors import add6, cross, scale
 
-SURE = 20.0  # where tanh is 1 to rounding
+TANH_SATURATION = 20.0  # where tanh is 1 to rounding
 
 
 @inner_kernel
 def tanh(x):
     """That of a real or complex number; numpy's of a complex one is not a number from 355 on, where e^2x overflows."""
     way = 1.0 + 0.0 * x
-    if x.real < -SURE:
+    if x.real < -TANH_SATURATION:
         way = -way
-    elif x.real < SURE:
+    elif x.real < TANH_SATURATION:
         way = np.tanh(x)
     return way
 
 
 @inner_kernel
-def push(body, force, s):
+def add_force(body, force, s):
     """Add a force acting at O + s to a body."""
     add6(body.Q, force, cross(s, force))
 
 
 @inner_kernel
-def twist(body, moment):
+def add_moment(body, moment):
     """Add a moment to a body."""
     add6(body.Q, scale(0.0, moment), moment)
 

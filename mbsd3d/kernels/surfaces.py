@@ -21,10 +21,12 @@ import numpy as np
 from ..compiler.decorators import inner_kernel
 from .vectors import add, arm, columns, cross, dot, mat, point, point_velocity, put6, rotate_back, scale, sub, vec
 
-FLAT = 1e-300  # m^2 added to n'A n: a flat disc that lies on the plane touches it in its centre, and nothing is NaN
+DISC_REGULARISATION = (
+    1e-300  # m^2 added to n'A n: a flat disc that lies on the plane touches it in its centre, and nothing is NaN
+)
 GROUP = 18  # numbers of a group of a piece
-CLOSE = 1e-8  # of a piece: from there one more step of Newton's method is exact
-BEYOND = 1e-6  # of a piece: so far past the end of an open curve is the end, by rounding
+LAST_NEWTON_STEP = 1e-8  # of a piece: from there one more step of Newton's method is exact
+CURVE_END_MARGIN = 1e-6  # of a piece: so far past the end of an open curve is the end, by rounding
 
 
 @inner_kernel
@@ -38,7 +40,7 @@ def spread(r, u, n):
 def lowest(r, rho, u, n):
     """(l, h, A n): the lowest point from the centre, and what its rate needs."""
     q = spread(r, u, n)
-    h = np.sqrt(dot(n, q) + FLAT)
+    h = np.sqrt(dot(n, q) + DISC_REGULARISATION)
     return sub(scale(-1.0 / h, q), scale(rho, n)), h, q
 
 
@@ -149,8 +151,8 @@ def search(data, first, e, weight, expected):
         else:
             break
     at, start, width = pieces + size * j, data[breaks + j], data[breaks + j + 1] - data[breaks + j]
-    low = -BEYOND * width if period == 0.0 and j == 0 else 0.0
-    high = (1.0 + BEYOND) * width if period == 0.0 and j == n - 1 else width
+    low = -CURVE_END_MARGIN * width if period == 0.0 and j == 0 else 0.0
+    high = (1.0 + CURVE_END_MARGIN) * width if period == 0.0 and j == n - 1 else width
     left = slope(data, at, low, real, weight)[0] < 0.0 or slope(data, at, high, real, weight)[0] > 0.0
     u = min(max(expected - turns - start, low), high)
     for _ in range(60):
@@ -162,7 +164,7 @@ def search(data, first, e, weight, expected):
         step = u - f / rate
         if not low <= step <= high:  # equal where u is the place already
             step = 0.5 * (low + high)
-        done = abs(step - u) <= CLOSE * width
+        done = abs(step - u) <= LAST_NEWTON_STEP * width
         u = step
         if done:
             break

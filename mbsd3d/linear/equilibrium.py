@@ -28,7 +28,7 @@ from ..constraints.nearby_poses import closed
 from ..equations.at_state import load_rows, load_state, unmet, worst_joint
 from ..equations.compiled import Compiled, compile_system
 from ..equations.jacobian import displacement_units
-from ..equations.tree import eliminate
+from ..equations.tree import build_spanning_tree
 from ..kernels.coordinates import remember
 from ..mechanism.forces.custom import check_runnable
 from ..mechanism.mechanism import Mechanism
@@ -39,12 +39,14 @@ from .steady_motion import Units, natural_units, varies
 from .variations import Field, Tangent, Variations, tangent_space
 
 STEPS = 200
-AWAY = 8.0  # sizes of the mechanism that a body may move by; what goes on farther does not come to rest
-REST = 1e-10  # accelerations, in units of length rate^2, at which a pose is an equilibrium; Newton mostly reaches 1e-15
-MOST = 1e8  # growth of the steps: more would count as rounding what falls freely
-SHORT = 0.2  # rad, or model lengths, that nothing moves by more in one step
+TRAVEL_MAX = 8.0  # sizes of the mechanism that a body may move by; what goes on farther does not come to rest
+EQUILIBRIUM_TOLERANCE = (
+    1e-10  # accelerations, in units of length rate^2, at which a pose is an equilibrium; Newton mostly reaches 1e-15
+)
+STEP_GROWTH_MAX = 1e8  # growth of the steps: more would count as rounding what falls freely
+STEP_TURN_MAX = 0.2  # rad, or model lengths, that nothing moves by more in one step
 ROUNDING = 1e-12  # m or rad that print as nothing
-CALM = 1e-6  # rates of growth, in units of the fastest rate, that are rounding of undamped modes
+GROWTH_RATE_ROUNDING = 1e-6  # rates of growth, in units of the fastest rate, that are rounding of undamped modes
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +85,7 @@ class Equilibrium:
             return "held", "joints and drivers leave no freedom"
         if isinstance(found, ValueError):
             return "unknown", str(found)
-        values, calm = found.eigenvalues, CALM * found.units.rate
+        values, calm = found.eigenvalues, GROWTH_RATE_ROUNDING * found.units.rate
         k = int(np.argmax(values.real))
         if values.size and values[k].real > calm:
             return "unstable", f"{label_of(found, values[k])} grows with {values[k].real:.4g} 1/s"
@@ -156,16 +158,16 @@ def search(field: Field) -> tuple[np.ndarray, Variations, Tangent, Units, float,
     model, y = field.compiled.model, field.y.copy()
     before, growth, n = None, 1.0, model.body.size
     begin = y[: 7 * n].reshape(n, 7)[:, :3].copy()
-    far = AWAY * (model.length + np.ptp(begin, axis=0).max())
+    far = TRAVEL_MAX * (model.length + np.ptp(begin, axis=0).max())
     for step in range(STEPS):
         at = field.at(field.t, y)
         space = tangent_space(field.compiled, at)
         units = natural_units(model, at, space, damped=False)
         size = unrest(at, units, model.length)
         last = unrest(before, units, model.length) if before else np.inf
-        if size <= 1e-14 or (size <= REST and size > 0.1 * last):
+        if size <= 1e-14 or (size <= EQUILIBRIUM_TOLERANCE and size > 0.1 * last):
             return y, at, space, units, size, step
-        growth = min(4.0 * growth, MOST) if size <= 1.01 * last else max(1.0, growth / 4.0)
+        growth = min(4.0 * growth, STEP_GROWTH_MAX) if size <= 1.01 * last else max(1.0, growth / 4.0)
         before = at
         if np.abs(y[: 7 * n].reshape(n, 7)[:, :3] - begin).max() > far:
             break  # it falls, or drifts away
@@ -204,7 +206,7 @@ def direction(at: Variations, space: Tangent, units: Units, n: int, d: float) ->
     step = scipy.linalg.lstsq(matrix, a, cond=1e-12)[0]
     X = N @ (step[:k] * x[:k])
     one = units.x[: 6 * n]
-    factor = min(1.0, SHORT / max(np.abs(X / one).max(initial=0.0), 1e-300))
+    factor = min(1.0, STEP_TURN_MAX / max(np.abs(X / one).max(initial=0.0), 1e-300))
     return factor * X, factor * step[k:] * x[k:]
 
 
@@ -212,7 +214,7 @@ def moved(field: Field, y: np.ndarray, X: np.ndarray, dz: np.ndarray) -> np.ndar
     """The state after a step that the joints allow; halved until they close."""
     compiled, model = field.compiled, field.compiled.model
     n = model.body.size
-    tree = eliminate(model, field.real, field.rows_at(field.t, y))
+    tree = build_spanning_tree(model, field.real, field.rows_at(field.t, y))
     for half in 0.5 ** np.arange(12):
         found = closed(model, field.real, tree, field.t, y, half * X)
         if found is None:

@@ -15,7 +15,7 @@ from ..compiler.first_run import announce_compilation
 from ..constraints.nearby_poses import closed
 from ..equations.compiled import Compiled, Switches, compile_system
 from ..equations.jacobian import RANK_TOLERANCE, displacement_units
-from ..equations.tree import eliminate
+from ..equations.tree import build_spanning_tree
 from ..mechanism.measures import Measure, check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
@@ -23,7 +23,7 @@ from ..run.simulation import accelerations_at, check_state, check_system
 from .steady_motion import Generator, Units, check_signals, find_generator, natural_units
 from .variations import Field, Tangent, Variations, tangent_space
 
-ZERO = 1e-13  # singular values of A below this, in units of its norm, are what rounding made of zero
+SINGULAR_VALUE_ROUNDING = 1e-13  # singular values of A below this, in units of its norm, are what rounding made of zero
 
 
 @on_one_thread
@@ -35,7 +35,7 @@ def spectrum(A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     and B has no others. The vectors of zeros span the null spaces of A, A^2, ...; the first ones are eigenvectors.
     """
     n, k = A.shape[0], 0
-    Q, cut = np.eye(n), ZERO * np.linalg.norm(A, 2)
+    Q, cut = np.eye(n), SINGULAR_VALUE_ROUNDING * np.linalg.norm(A, 2)
     while k < n:
         _, s, Vt = scipy.linalg.svd((Q.T @ A @ Q)[k:, k:])
         null = int((s <= cut).sum())
@@ -169,7 +169,7 @@ def checked_outputs(system: Mechanism, outputs: Sequence[Measure] | None) -> tup
 def check_regular(field: Field, space: Tangent) -> None:
     """Small motions are linear only where the rank of the rows is the same all around."""
     model, chosen = field.compiled.model, field.rows_at(field.t, field.y)
-    tree, random = eliminate(model, field.real, chosen), np.random.default_rng(0)
+    tree, random = build_spanning_tree(model, field.real, chosen), np.random.default_rng(0)
     unit = displacement_units(model.length, model.body.size)
     X = space.E[: unit.size, : space.configuration] @ random.normal(size=space.configuration)
     for step in 0.02 * X / np.abs(X / unit).max(initial=1e-300) * np.array([[1.0], [-1.0]]):

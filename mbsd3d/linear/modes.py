@@ -12,7 +12,7 @@ from ..base.errors import AssemblyError, InputError
 from ..constraints.nearby_poses import closed
 from ..equations.at_state import coordinate_row, load_state
 from ..equations.compiled import Compiled
-from ..equations.tree import eliminate
+from ..equations.tree import build_spanning_tree
 from ..mechanism.bodies import Body
 from ..mechanism.joints import Joint
 from ..results.body_motion import Poses
@@ -119,7 +119,7 @@ def moving_poses(mode: Mode, t: np.ndarray, wave: np.ndarray) -> Motion:
     found, compiled = mode.linearization, mode.linearization.compiled
     model, data, n = compiled.model, compiled.data(), compiled.model.body.size
     start = load_state(compiled, data, found.state)
-    tree = eliminate(model, data)
+    tree = build_spanning_tree(model, data)
     poses = np.empty((t.size, 7 * n))
     shape = np.hstack([mode.translation, mode.rotation]).ravel()
     for k in range(t.size):

@@ -25,7 +25,7 @@ from ..dynamics.state_rates import accelerate
 from ..equations.at_state import load_rows, load_state, worst_joint
 from ..equations.compiled import Compiled
 from ..equations.jacobian import RANK_TOLERANCE, displacement_units
-from ..equations.tree import eliminate
+from ..equations.tree import build_spanning_tree
 from ..kernels.coordinates import measure, remember
 from ..kernels.kinematics import kinematics
 from ..kernels.layout import Data, Model, Tree
@@ -36,7 +36,7 @@ from ..solver.saddle_point import SOLVED, factor
 
 COMPONENTS = ("x", "y", "z", "theta_x", "theta_y", "theta_z", "v_x", "v_y", "v_z", "w_x", "w_y", "w_z")
 UNITS = ("m", "rad", "m/s", "rad/s")
-STEP = 1e-30  # its square is lost in any real part, and no difference is taken
+COMPLEX_STEP = 1e-30  # its square is lost in any real part, and no difference is taken
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +75,7 @@ class Field:
     def at(self, t: float, y: np.ndarray) -> Variations:
         """All variations at a state y."""
         model, moves = self.compiled.model, directions(self.compiled.model, y)
-        tree = eliminate(model, self.real, self.rows_at(t, y), complex)
+        tree = build_spanning_tree(model, self.real, self.rows_at(t, y), complex)
         here, change = self.derivatives(tree, t, y, moves)
         n = model.body.size
         X_dot = np.zeros((moves.shape[1], moves.shape[1]))
@@ -98,7 +98,7 @@ class Field:
         copies = {key: np.empty((k, table.nbytes), np.uint8) for key, table in tables.items()}  # bytes copy fastest
         z_rate, outputs = np.empty((k, model.z_work), complex), np.empty((k, self.outputs), complex)
         for j, move in enumerate(moves.T):
-            solve(model, data, tree, t, y + 1j * STEP * move)
+            solve(model, data, tree, t, y + 1j * COMPLEX_STEP * move)
             for key, table in tables.items():
                 copies[key][j] = table.view(np.uint8)
             z_rate[j] = data.state_rate[: model.z_work]
@@ -106,15 +106,17 @@ class Field:
         body, row = (copies[key].view(table.dtype) for key, table in tables.items())
         columns = {**values(model, body, row), "z_rate": z_rate, "outputs": outputs}
         self.check_finite(columns)
-        return {key: x[0].real for key, x in columns.items()}, {key: x.imag.T / STEP for key, x in columns.items()}
+        return {key: x[0].real for key, x in columns.items()}, {
+            key: x.imag.T / COMPLEX_STEP for key, x in columns.items()
+        }
 
     def output_rates(self, t: float, y: np.ndarray, moves: np.ndarray) -> np.ndarray:
         """(outputs, k) derivatives of the measures along the columns of ``moves``."""
         model, data = self.compiled.model, self.data
         found = np.empty((moves.shape[1], self.outputs))
         for j, move in enumerate(moves.T):
-            kinematics(model, data, y + 1j * STEP * move)
-            found[j] = [measure(model, data, i, t).imag / STEP for i in range(self.outputs)]
+            kinematics(model, data, y + 1j * COMPLEX_STEP * move)
+            found[j] = [measure(model, data, i, t).imag / COMPLEX_STEP for i in range(self.outputs)]
         return found.T
 
     def check_finite(self, columns: dict[str, np.ndarray]) -> None:

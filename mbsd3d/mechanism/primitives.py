@@ -14,7 +14,7 @@ from .bodies import Body, Ground
 from .signals import Signal
 
 ZERO = np.zeros(3)
-COORDINATES = {"angle": kinds.ANGLE, "slide": kinds.SLIDE, "path": kinds.PATH, "touch": kinds.TOUCH}
+COORDINATES = {"angle": kinds.ANGLE, "slide": kinds.SLIDE, "path": kinds.PATH, "touch": kinds.FACE_CONTACT}
 OF_CURVES = ("path", "touch")
 AXES = ("axis", "axis_b", "zero_a", "zero_b")
 UNIT = 1e-6  # more than rounding, less than anybody means

@@ -11,7 +11,7 @@ import numpy as np
 from ..base.checks import shown
 from ..base.errors import NameMissingError
 from ..base.style import html_text
-from ..constraints.singularity import INFINITESIMAL, what_is_singular
+from ..constraints.singularity import INFINITESIMAL, describe_singularity
 from ..equations.compiled import Switches
 from ..equations.plausibility import loose_bodies
 from .checks.balances import balance_checks, work_note
@@ -156,7 +156,7 @@ def far_turn(record: Record) -> str:
 
 def start_notes(solution: RunSamples) -> list[str]:
     """Why a run fails that starts in a pose whose mobility is infinitesimal."""
-    what = what_is_singular(solution.compiled, solution.start)
+    what = describe_singularity(solution.compiled, solution.start)
     return [f"the mobility at the start is {what}"] if what.startswith(INFINITESIMAL) else []
 
 

@@ -4,11 +4,11 @@ import numpy as np
 
 from ..base.errors import AssemblyError
 from ..base.rotations import matrix
-from ..dynamics.state_rates import FAR, PROJECTED, project_and_evaluate
+from ..dynamics.state_rates import FACTOR_FROM_OTHER_POSE, PROJECTED, project_and_evaluate
 from ..equations.at_state import load_state
 from ..equations.compiled import Switches, compile_system
 from ..equations.inputs import set_input, with_own_inputs
-from ..equations.tree import eliminate
+from ..equations.tree import build_spanning_tree
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from ..solver.saddle_point import SOLVED
@@ -25,7 +25,7 @@ class Rates:
         self.compiled = with_own_inputs(compile_system(system, (), switches))
         self.data = self.compiled.data()
         load_state(self.compiled, self.data, near)
-        self.tree = eliminate(self.compiled.model, self.data, None)
+        self.tree = build_spanning_tree(self.compiled.model, self.data, None)
 
     def set(self, name: str, value: float) -> None:
         """Give the inputs of a name a value, for all states from now on."""
@@ -39,7 +39,7 @@ class Rates:
         model, n = self.compiled.model, self.compiled.model.body.size
         y = load_state(self.compiled, self.data, state)
         rates = np.empty_like(y)
-        done = project_and_evaluate(model, self.data, self.tree, state.t, y, rates, FAR)
+        done = project_and_evaluate(model, self.data, self.tree, state.t, y, rates, FACTOR_FROM_OTHER_POSE)
         if done != (PROJECTED, SOLVED):
             raise AssemblyError(
                 "the equations of motion have no solution here", time=state.t, advice="search near a state that has one"

@@ -4,7 +4,7 @@ motion is at its start."""
 import numpy as np
 
 from ..base.errors import InputError
-from ..dynamics.state_rates import FAR, project_and_evaluate
+from ..dynamics.state_rates import FACTOR_FROM_OTHER_POSE, project_and_evaluate
 from ..equations.compiled import Compiled
 from ..integrators.memory import Run
 from ..kernels.coordinates import measure
@@ -65,7 +65,7 @@ def armed_at_start(
         return 1, slack, 0.0
     rate = stop_when.direction * rate_of_measure(compiled, data, t, run.y, run.dy)
     soon, y, dy = SOON * float(run.now.step), run.y + SOON * run.now.step * run.dy, run.dy.copy()
-    project_and_evaluate(model, data, tree, t + soon, y, dy, FAR)
+    project_and_evaluate(model, data, tree, t + soon, y, dy, FACTOR_FROM_OTHER_POSE)
     back = (stop_when.direction * rate_of_measure(compiled, data, t + soon, y, dy) - rate) / soon
     low = rate < 0.0 < back and 0.5 * rate * rate < LOW * slack * back
     return int(rate < 0.0), slack, -2.0 * rate / back if low else 0.0

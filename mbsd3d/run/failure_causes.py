@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..constraints.conflicting_drivers import Contradiction, find_contradiction
-from ..constraints.singularity import INFINITESIMAL, what_is_singular
+from ..constraints.singularity import INFINITESIMAL, describe_singularity
 from ..dynamics.applied_forces import loads
 from ..equations.at_state import load_rows
 from ..equations.compiled import Compiled
@@ -72,7 +72,7 @@ def singular_start(
 
     What moves infinitesimally there is the reason also for a run that ends later.
     """
-    what = what_is_singular(compiled, start)
+    what = describe_singularity(compiled, start)
     if what.startswith(INFINITESIMAL):
         return f"the mobility at the start is {what}", "see system.check()"
     stays = t - start.t <= ON_THE_SPOT * (t_end - start.t)
@@ -81,7 +81,7 @@ def singular_start(
 
 def singular_there(compiled: Compiled, start: State, y: np.ndarray, t: float) -> str:
     """What is singular about the pose that a run has come to; "" for a regular one."""
-    return what_is_singular(compiled, replace(start, t=t, q=y[: start.q.size]))
+    return describe_singularity(compiled, replace(start, t=t, q=y[: start.q.size]))
 
 
 def just_after(t: float, h: float) -> tuple[float, ...]:

@@ -12,18 +12,18 @@ from ..compiler.cache_folder import mark_warm
 from ..compiler.first_run import announce_compilation
 from ..compiler.second import wait_for_second
 from ..constraints.conflicting_drivers import rivals
-from ..constraints.idle_rotations import check_spins, free_spins
+from ..constraints.idle_rotations import check_spins, find_idle_rotations
 from ..constraints.rank import choose_rows, tree_over_rows
 from ..dynamics.auditing import AUDITED
-from ..dynamics.state_rates import FAR, PROJECTED, project_and_evaluate
+from ..dynamics.state_rates import FACTOR_FROM_OTHER_POSE, PROJECTED, project_and_evaluate
 from ..equations.at_state import check_quaternions, driven_coordinates, load_rows, load_state, unmet, worst_joint
 from ..equations.compiled import Compiled
 from ..equations.jacobian import scaled_rows
 from ..integrators import memory
-from ..integrators.memory import Run, new_run
+from ..integrators.memory import Run, allocate_run
 from ..integrators.method import Method
 from ..integrators.outputs import write
-from ..integrators.step_control import CLOSE
+from ..integrators.step_control import PROJECTION_TOLERANCE
 from ..kernels.coordinates import remember
 from ..kernels.kinds import PROJECTION
 from ..mechanism.drivers import SpeedDriver
@@ -76,7 +76,7 @@ class Job:
         widths = (1, y.size, 6 * n, m.row.size, m.coordinate.size, m.force.size, m.force.size, 2)
         capacity = buffer_size(CAPACITY if times is None else times.size + 1, sum(widths)) + 2
         self.samples = Samples(widths, capacity if times is None else times.size + 1)
-        run = new_run(
+        run = allocate_run(
             y, self.model.body.size, np.zeros(0) if times is None else times, capacity, sum(widths), method.dense_terms,
             turns_of_signals(m, t),
             np.flatnonzero([isinstance(force, Contact) for force in self.compiled.system.forces]),
@@ -119,7 +119,7 @@ class Job:
         self.check_start()
         self.eliminate()
         model, data, run, t = self.model, self.data, self.memory, self.start.t
-        projected, solved = project_and_evaluate(model, data, self.tree, t, run.y, run.dy, FAR)
+        projected, solved = project_and_evaluate(model, data, self.tree, t, run.y, run.dy, FACTOR_FROM_OTHER_POSE)
         run.now.evaluations += 1
         if projected != PROJECTED:
             self.fail(memory.NOT_CLOSING)
@@ -198,7 +198,7 @@ class Job:
             hint = "replace SpeedDriver by AngleDriver" if speed else "add drivers, or use DOP853()"
             if singular := singular_start(self.compiled, self.start):
                 raise InputError(f"Kinematic: {'; '.join(singular)}")
-            spins = free_spins(self.compiled, self.data, scaled_rows(self.model, self.data))
+            spins = find_idle_rotations(self.compiled, self.data, scaled_rows(self.model, self.data))
             if spins:
                 hint = f"{spins[0].text}: {spins[0].cure}"
             raise InputError(
@@ -211,7 +211,7 @@ class Job:
         run, model, n = self.memory, self.model, self.model.body.size
         now, task = run.now, run.task
         horizon = task["t_end"] - now["t"]
-        project_and_evaluate(model, self.data, self.tree, now["t"], run.y.copy(), run.dy, FAR)
+        project_and_evaluate(model, self.data, self.tree, now["t"], run.y.copy(), run.dy, FACTOR_FROM_OTHER_POSE)
         v, a = (x[7 * n : 13 * n].reshape(n, 6) for x in (run.y, run.dy))
         rate = max(rate_of_motion(v, a, model.length), 1.0 / horizon) or 1.0  # a run without horizon may start at rest
         if self.stop_when is None:
@@ -287,7 +287,11 @@ class Job:
             part, what, advice = clash.who, f"contradictory drivers: they {clash.what}", clash.advice
         elif part is None and (singular := singular_start(self.compiled, self.start, t, self.memory.task.t_end)):
             what, advice = singular
-        elif part is None and self.compiled.drives and (status == memory.NOT_CLOSING or self.memory.rows.pivot < CLOSE):
+        elif (
+            part is None
+            and self.compiled.drives
+            and (status == memory.NOT_CLOSING or self.memory.rows.pivot < PROJECTION_TOLERANCE)
+        ):
             part = f"{driven_to(self.compiled, t)}, where the mechanism locks or passes a singular position"
             advice = "drive it less far, or the other way; see system.check()"
             if self.method.dt is not None:

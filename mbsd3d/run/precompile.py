@@ -4,9 +4,9 @@ import numpy as np
 from numba import typeof
 
 from ..equations.compiled import compile_system
-from ..equations.tree import eliminate
+from ..equations.tree import build_spanning_tree
 from ..integrators.dop853 import DOP853
-from ..integrators.memory import new_run
+from ..integrators.memory import allocate_run
 from ..mechanism.bodies import Body
 from ..mechanism.mechanism import Mechanism
 
@@ -15,6 +15,6 @@ def compile_loop() -> None:
     """The loop of the default method, by the types of what it is called with."""
     compiled, method = compile_system(Mechanism([Body("body", 1.0, (0.1, 0.2, 0.25))])), DOP853()
     model, data = compiled.model, compiled.data()
-    memory = new_run(np.zeros(13), 1, np.zeros(0), 1, 1, method.dense_terms)
-    given = model, data, eliminate(model, data), method.start(model, compiled.data), memory, 1
+    memory = allocate_run(np.zeros(13), 1, np.zeros(0), 1, 1, method.dense_terms)
+    given = model, data, build_spanning_tree(model, data), method.start(model, compiled.data), memory, 1
     method.loop.compile(tuple(map(typeof, given)))

@@ -16,7 +16,7 @@ from ..equations.compiled import Switches, compile_system
 from ..equations.inputs import set_input, starts, with_history, with_own_inputs
 from ..integrators.dop853 import DOP853
 from ..integrators.method import Method
-from ..integrators.step_control import LEAST
+from ..integrators.step_control import STEP_TIME_RATIO_MIN
 from ..kernels.coordinates import measure
 from ..mechanism.measures import Measure, check_members
 from ..mechanism.mechanism import Mechanism
@@ -96,7 +96,7 @@ class Slices(Job):
         t, run = number(t, "Stepper: t"), self.memory
         now, task = run.now, run.task  # their fields by name: as attributes each takes a microsecond more
         begin, step, rejected, first = float(now["t"]), now["step"], now["rejected"], now["evaluations"] == 0
-        if not t - begin > max(LEAST * abs(t), SMALLEST):  # what rounding adds is no slice
+        if not t - begin > max(STEP_TIME_RATIO_MIN * abs(t), SMALLEST):  # what rounding adds is no slice
             raise InputError(f"Stepper: t = {t:.9g} s does not lie after {begin:.9g} s; give a later time")
         check_steps(self.method, t - begin, "Stepper")
         if t > self.last_signal:

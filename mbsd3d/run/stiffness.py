@@ -13,7 +13,7 @@ from ..dynamics.applied_forces import loads
 from ..equations.at_state import load_rows
 from ..equations.compiled import Compiled
 from ..equations.mass_matrix import inertia_about_origin
-from ..integrators.runge_kutta import FAST
+from ..integrators.runge_kutta import STIFFNESS_PRODUCT_MIN
 from ..kernels.layout import Data, Model
 from ..results.run_result import RunResult
 
@@ -28,7 +28,7 @@ def check_forces(compiled: Compiled, y: np.ndarray, t: float, h: float, solution
     """
     rates = [force_rate(compiled, compiled.data(), y, t, k) for k in range(len(compiled.system.forces))]
     k = int(np.argmax(rates)) if rates else 0
-    if not rates or rates[k] * h < FAST:
+    if not rates or rates[k] * h < STIFFNESS_PRODUCT_MIN:
         return
     few = compiled.model.body.size <= MANY
     implicit = "RadauIIA() or, where forces jump, GeneralizedAlpha()" if few else "GeneralizedAlpha()"

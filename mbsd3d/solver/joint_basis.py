@@ -12,9 +12,11 @@ from ..compiler.decorators import fused_kernel, kernel
 from ..kernels.vectors import add, cross, dot, pair, put6, scale
 from .spatial_inertia import along6, dot6
 
-INDEPENDENT = 0.05  # part of a row that must be left when the rows before it are taken out, for a link to take it
-WORN = 0.01  # of it, below which L is not inverted as a block any more
-DEPENDENT = 1e-5  # what may be left of a row of a link, relative to it, when the rows before it are taken out
+ROW_INDEPENDENCE_MIN = (
+    0.05  # part of a row that must be left when the rows before it are taken out, for a link to take it
+)
+BLOCK_PIVOT_MIN = 0.01  # of it, below which L is not inverted as a block any more
+ROW_DEPENDENCE_MAX = 1e-5  # what may be left of a row of a link, relative to it, when the rows before it are taken out
 
 
 @fused_kernel
@@ -49,7 +51,7 @@ def orthogonalise(m, d, s, link):
     for i in range(link.rows):  # row i out of all that follow: they do not wait for each other
         q = pair(link.basis[i])
         rest = dot6(q, q)
-        if not rest.real > DEPENDENT**2 * link.e[i].real:
+        if not rest.real > ROW_DEPENDENCE_MAX**2 * link.e[i].real:
             return False
         inverse = 1.0 / rest
         R[i, i] = inverse
@@ -150,7 +152,7 @@ def hold_blocks(d, s, link, least):
     """
     basis, lines, turns = link.basis, link.lines, link.rows - link.lines
     (_, a), (_, b), (_, c) = three_rows(d, s, link, lines, turns)
-    apart, a, b, c = dual(a, b, c, turns, DEPENDENT)
+    apart, a, b, c = dual(a, b, c, turns, ROW_DEPENDENCE_MAX)
     if not apart:
         return False
     (x, ax), (y, ay), (z, az) = three_rows(d, s, link, 0, lines)
@@ -182,7 +184,7 @@ def shift(x, y, z, ax, ay, az, t):
 def hold(m, d, s, link):
     """basis := Z of the rows of a link, then N; False where a row has become dependent on the others."""
     if link.lines >= 0:
-        return hold_blocks(d, s, link, WORN)
+        return hold_blocks(d, s, link, BLOCK_PIVOT_MIN)
     if not orthogonalise(m, d, s, link):
         return False
     release(link)
@@ -195,7 +197,7 @@ def choose_blocks(d, s):
     """Keep blocks for the links whose rows are well independent in both; lines = -1 for the others."""
     for i in range(s.link.shape[0]):
         link = s.link[i]
-        if link.lines >= 0 and not hold_blocks(d, s, link, INDEPENDENT):
+        if link.lines >= 0 and not hold_blocks(d, s, link, ROW_INDEPENDENCE_MIN):
             link.lines = -1
 
 
@@ -212,7 +214,7 @@ def choose_joint_rows(m, d, joint, first, Q, chosen):
                 q = pair(Q[k])
                 v = along6(v, -dot6(q, v), q)
             rest = dot6(v, v)
-            if count < 6 and rest > INDEPENDENT**2 * before:
+            if count < 6 and rest > ROW_INDEPENDENCE_MIN**2 * before:
                 size = 1.0 / np.sqrt(rest)
                 put6(Q[count], scale(size, v[0]), scale(size, v[1]))
                 chosen[j] = 1

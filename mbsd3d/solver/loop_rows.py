@@ -11,19 +11,21 @@ import numpy as np
 
 from ..compiler.decorators import fused_kernel, inner_kernel, late_kernel
 from ..kernels.vectors import add_scaled, clear, copy
-from .row_rank import FELT, UNKNOWN, independence, note_independence
+from .row_rank import REDUNDANT_PIVOT_MAX, UNKNOWN, independence, note_independence
 
 PROXIMAL = (
     1e-8  # times the compliance of the heaviest body of the loop, mu: J's singular values below its root are let go
 )
-WEAK = 1e-2  # pivots below this share of the largest that they have been: the right side is filtered
-UNFELT = 1e-4  # times mu: diagonals below it belong to rows that nothing in the tree yields to, as out of a plane
+WEAK_PIVOT_RATIO = 1e-2  # pivots below this share of the largest that they have been: the right side is filtered
+IDLE_ROW_DIAGONAL_MAX = (
+    1e-4  # times mu: diagonals below it belong to rows that nothing in the tree yields to, as out of a plane
+)
 SWEEPS, MORE_SWEEPS = 1, 40  # as a rule; at most, near a singular position or where rows are soft
-SETTLED = 1e-15  # of the right side: change of the residual that ends the sweeps
+SWEEP_CONVERGENCE = 1e-15  # of the right side: change of the residual that ends the sweeps
 PIVOT_RATIO_MAX = 3e5  # [1] largest diagonal over least pivot: beyond, S leaves 1e-16 times it of the digits of J
-GRADED = 1e6  # largest diagonal over least pivot: S alone has too few digits then,
-REGULAR = 1e7  # times mu: pivots below it are judged as if they were this
-FLOOR = 1e-14  # of the diagonal: what rounding leaves of a pivot
+GRADED_MATRIX_RATIO = 1e6  # largest diagonal over least pivot: S alone has too few digits then,
+REGULAR_PIVOT_MIN = 1e7  # times mu: pivots below it are judged as if they were this
+PIVOT_ROUNDING = 1e-14  # of the diagonal: what rounding leaves of a pivot
 
 
 @inner_kernel
@@ -88,14 +90,14 @@ def pivot_of(s, i):
     L, row = s.skyline[1], s.loop[i]
     at = s.loop[row.at]
     diagonal, place = s.skyline[0][at.line + row.at].real, row.line + i
-    if diagonal < UNFELT * at.mu:
+    if diagonal < IDLE_ROW_DIAGONAL_MAX * at.mu:
         L[place] *= 0.0  # so its multiplier is zero, and it is not seen by the rows after it
         return 0.0
-    pivot, floor = L[place] + at.mu, at.mu + FLOOR * diagonal
+    pivot, floor = L[place] + at.mu, at.mu + PIVOT_ROUNDING * diagonal
     if not pivot.real >= floor:  # rounding: the row repeats others
         pivot = pivot * 0.0 + floor
     share = pivot.real / at.mu
-    repeats = s.state.soft == 0 and 0.0 < row.most < FELT and share < FELT
+    repeats = s.state.soft == 0 and 0.0 < row.most < REDUNDANT_PIVOT_MAX and share < REDUNDANT_PIVOT_MAX
     L[place] = 0.0 * pivot if repeats else 1.0 / np.sqrt(pivot)
     return share
 
@@ -145,7 +147,7 @@ def least_independent(s):
     for i in range(s.loop.shape[0]):
         row = s.loop[i]
         used = s.skyline[1][row.line + i] != 0.0
-        if used and (s.state.soft == 1 or max(row.most, row.pivot) > FELT):
+        if used and (s.state.soft == 1 or max(row.most, row.pivot) > REDUNDANT_PIVOT_MAX):
             least = min(least, row.pivot)
     return least
 
@@ -163,18 +165,22 @@ def factor_loops(s):
     for i in range(loop.shape[0]):
         row = loop[i]
         if row.pivot == 0.0:
-            if row.most > FELT:  # at a singular pose of a mechanism built along the axes
+            if row.most > REDUNDANT_PIVOT_MAX:  # at a singular pose of a mechanism built along the axes
                 s.state.weak = 1
             continue
         softest, least = max(softest, s.skyline[0][row.line + i].real / row.mu), min(least, row.pivot)
-        if row.pivot < WEAK * row.most or (max(row.most, row.pivot) < FELT and s.skyline[1][row.line + i] != 0.0):
+        if row.pivot < WEAK_PIVOT_RATIO * row.most or (
+            max(row.most, row.pivot) < REDUNDANT_PIVOT_MAX and s.skyline[1][row.line + i] != 0.0
+        ):
             s.state.weak = 1
     if s.state.soft == UNKNOWN:
         note_independence(s)
     s.state.pivot = independence(s) if s.state.weak == 1 or s.state.soft == 1 else 1.0
-    if softest > GRADED * max(least, REGULAR):
+    if softest > GRADED_MATRIX_RATIO * max(least, REGULAR_PIVOT_MIN):
         s.state.dense, s.state.pivot = 1, 1.0
-    elif s.state.pivot > WEAK and softest > PIVOT_RATIO_MAX * least_independent(s):  # else rows are let go instead
+    elif s.state.pivot > WEAK_PIVOT_RATIO and softest > PIVOT_RATIO_MAX * least_independent(
+        s
+    ):  # else rows are let go instead
         s.state.graded = 1
 
 
@@ -200,7 +206,7 @@ def settled(rhs, residual, step):
         change_real, change_imag = max(change_real, abs(change.real)), max(change_imag, abs(change.imag))
         real, imag = max(real, abs(rhs[i].real)), max(imag, abs(rhs[i].imag))
         residual[i] = step[i]
-    return change_real <= SETTLED * real and change_imag <= SETTLED * imag
+    return change_real <= SWEEP_CONVERGENCE * real and change_imag <= SWEEP_CONVERGENCE * imag
 
 
 @inner_kernel
@@ -223,7 +229,7 @@ def sweeps(s, count):
 def solve_loops(s):
     """rhs := multipliers of the loop rows."""
     rhs, lam, step = s.vector[0], s.vector[1], s.vector[3]
-    count = MORE_SWEEPS if s.state.soft == 1 or s.state.pivot < WEAK else SWEEPS
+    count = MORE_SWEEPS if s.state.soft == 1 or s.state.pivot < WEAK_PIVOT_RATIO else SWEEPS
     sweeps(s, count)
     if s.state.weak == 1:
         clear(step)

@@ -10,10 +10,10 @@ from ..compiler.decorators import inner_kernel, late_kernel
 from ..kernels.vectors import clear
 
 # The first two are times mu, as `pivot` and `most` of a row are.
-FELT = 1e4  # pivots that have never been above it belong to rows that repeat others
-SOFT = 1e7  # pivots below it may need more than one sweep, which leaves (mu / pivot)^2,
-REPEATS = 1e-3  # unless S does not resist along the row either: the row repeats others
-NEGLIGIBLE = 1e-6  # of the largest: parts of a direction of least resistance, whose squares count
+REDUNDANT_PIVOT_MAX = 1e4  # pivots that have never been above it belong to rows that repeat others
+SINGLE_SWEEP_PIVOT_MIN = 1e7  # pivots below it may need more than one sweep, which leaves (mu / pivot)^2,
+REDUNDANT_ROW_TOLERANCE = 1e-3  # unless S does not resist along the row either: the row repeats others
+DIRECTION_PART_MIN = 1e-6  # of the largest: parts of a direction of least resistance, whose squares count
 UNKNOWN = -1  # softness before the first state
 
 
@@ -33,7 +33,7 @@ def independence(s):
     shares, loop = s.shares, s.loop
     clear(shares)
     for i in range(loop.shape[0]):
-        if max(loop[i].most, loop[i].pivot) > FELT:
+        if max(loop[i].most, loop[i].pivot) > REDUNDANT_PIVOT_MAX:
             shares[fallen(loop[i], shares.shape[0])[0]] += 1
     left, last = s.state.rank, -1
     while left > 0 and last < shares.shape[0] - 1:
@@ -41,7 +41,7 @@ def independence(s):
         left -= shares[last]
     least = 1.0
     for i in range(loop.shape[0]):
-        if max(loop[i].most, loop[i].pivot) > FELT:
+        if max(loop[i].most, loop[i].pivot) > REDUNDANT_PIVOT_MAX:
             k, share = fallen(loop[i], shares.shape[0])
             if k <= last:
                 least = min(least, share)
@@ -65,7 +65,7 @@ def substitute_unit(s, i, z):
         x *= L[row.line + j]
         z[row.at] = x
         total += x.real * x.real
-        if x.real * x.real > NEGLIGIBLE**2 * total:
+        if x.real * x.real > DIRECTION_PART_MIN**2 * total:
             end = max(end, row.last + 1)
         j += 1
     own = np.sqrt(loop[loop[i].at].mu) * total
@@ -74,7 +74,7 @@ def substitute_unit(s, i, z):
         row = loop[j]
         x = z[row.at] * L[row.line + j]
         z[row.at] = x
-        if np.sqrt(loop[row.at].mu) * abs(x.real) > NEGLIGIBLE * own:
+        if np.sqrt(loop[row.at].mu) * abs(x.real) > DIRECTION_PART_MIN * own:
             begin = min(begin, row.first)
             for k in range(row.first, j):
                 z[loop[k].at] -= L[row.line + k] * x
@@ -97,7 +97,7 @@ def resists(s, i):
     for k in range(begin, end):
         held += s.loop[k].mu * z[k].real * z[k].real
         z[k] *= 0.0
-    return own > (1.0 + REPEATS) * held
+    return own > (1.0 + REDUNDANT_ROW_TOLERANCE) * held
 
 
 @late_kernel
@@ -108,7 +108,7 @@ def note_independence(s):
     for i in range(s.loop.shape[0]):
         row = s.loop[i]
         row.most = max(row.most, row.pivot)
-        independent += row.pivot > FELT
-        if 0.0 < row.pivot < SOFT and resists(s, i):
+        independent += row.pivot > REDUNDANT_PIVOT_MAX
+        if 0.0 < row.pivot < SINGLE_SWEEP_PIVOT_MIN and resists(s, i):
             s.state.soft = 1
     s.state.rank = max(s.state.rank, independent)

@@ -15,7 +15,7 @@ from mbsd3d.constraints.elimination import Elimination
 from mbsd3d.constraints.rank import choose_rows
 from mbsd3d.equations.compiled import compile_system
 from mbsd3d.equations.jacobian import RANK_TOLERANCE, scaled_rows
-from mbsd3d.equations.tree import eliminate
+from mbsd3d.equations.tree import build_spanning_tree
 from mbsd3d.results import record
 from mbsd3d.results.record import QUANTITIES, Samples
 from validation.cases.mechanisms import ladder
@@ -25,7 +25,7 @@ def work(system):
     """Numbers computed by the rank analysis, and by the tree and its loop rows."""
     compiled, data = at_reference(system)
     left = Elimination(scaled_rows(compiled.model, data), 1e-10)
-    tree = eliminate(compiled.model, data)
+    tree = build_spanning_tree(compiled.model, data)
     return sum(
         step.F.size * (1 + step.rest.size) for step in left.steps
     ), tree.link.size + tree.entry.size + tree.skyline.size
@@ -64,7 +64,7 @@ def test_calls_and_memory_before_the_first_step_grow_in_proportion(build, few):
         parts = (
             lambda: compile_system(build(n)),  # noqa: B023
             lambda: choose_rows(compiled.model, data),  # noqa: B023
-            lambda: eliminate(compiled.model, data),  # noqa: B023
+            lambda: build_spanning_tree(compiled.model, data),  # noqa: B023
             lambda: build(n).state(),  # noqa: B023
         )
         found.append([spent(part) for part in parts])

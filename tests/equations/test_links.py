@@ -7,7 +7,7 @@ from models import across, all_joints_mechanism, consistent_state, direction, ra
 from mbsd3d import GROUND, PointOnPlane, System, accelerations, simulate
 from mbsd3d.equations.at_state import load_state
 from mbsd3d.equations.compiled import Switches, compile_system
-from mbsd3d.equations.tree import eliminate
+from mbsd3d.equations.tree import build_spanning_tree
 from mbsd3d.solver.saddle_point import factor
 
 
@@ -16,7 +16,7 @@ def factored(system, state, blocks=True):
     compiled = compile_system(system, (), Switches())
     data = compiled.data()
     load_state(compiled, data, state)
-    tree = eliminate(compiled.model, data)
+    tree = build_spanning_tree(compiled.model, data)
     if not blocks:
         tree.link["lines"] = -1
     factor(compiled.model, data, tree)

@@ -21,9 +21,9 @@ from mbsd3d import (
     simulate,
 )
 from mbsd3d.base.rotations import matrix
-from mbsd3d.dynamics.spinning import rate_without_spin, spin_on
+from mbsd3d.dynamics.spinning import rate_without_spin, restore_spin
 from mbsd3d.equations.compiled import compile_system
-from mbsd3d.integrators.memory import new_run
+from mbsd3d.integrators.memory import allocate_run
 
 AXIS = np.array([2.0, -1.0, 2.0]) / 3.0
 ALONG = rotation(np.cross([0, 0, 1], AXIS), np.arccos(AXIS[2]))
@@ -53,13 +53,13 @@ def test_rates_are_those_of_the_coordinates_without_spin():
     body = top(7.0).bodies[0]
     model = compile_system(System([body])).model
     rng = np.random.default_rng(3)
-    run = new_run(np.zeros(13), 1, np.zeros(0), 4, 4, 1)
+    run = allocate_run(np.zeros(13), 1, np.zeros(0), 4, 4, 1)
     run.spin[0], run.now["spinning"] = (0.7, -1.9, 3.1), 1
     y0, y1, y2 = rng.normal(size=(3, 13))
 
     def seen(tau):
         y = y0 + tau * y1 + tau**2 * y2
-        spin_on(model, run, -tau, y)
+        restore_spin(model, run, -tau, y)
         return y
 
     tau, h = 0.8, 1e-5
@@ -68,7 +68,7 @@ def test_rates_are_those_of_the_coordinates_without_spin():
     # h^2 times third derivatives
     np.testing.assert_allclose(dy, (seen(tau + h) - seen(tau - h)) / (2 * h), rtol=0, atol=1e-8)
     back = seen(tau)
-    spin_on(model, run, tau, back)
+    restore_spin(model, run, tau, back)
     np.testing.assert_allclose(back, y, rtol=0, atol=1e-14)
     R = [matrix(x[3:7]) for x in (y, seen(tau))]
     turn = rotation(run.spin[0], tau * np.linalg.norm(run.spin[0]))

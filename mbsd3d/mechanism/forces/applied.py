@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from ...base.checks import number, vector
 from ...compiler.decorators import inner_kernel
-from ...kernels.force_laws import components, push, twist
+from ...kernels.force_laws import add_force, add_moment, components
 from ...kernels.vectors import add, arm, dot, mat, point_velocity, rotate, scale, sub, vec
 from ..bodies import GROUND, Body
 from ..force_element import ForceElement, ForceRecord, check_body, in_body_frame
@@ -27,7 +27,7 @@ def force(m, d, p, out, t):
     """Force with given components at a point."""
     body, load = d.body[p.body[1]], given(m, d, p, t)
     s = arm(body, p.point[1])
-    push(body, load, s)
+    add_force(body, load, s)
     out.power = dot(load, point_velocity(body, s))
 
 
@@ -68,7 +68,7 @@ class Force(ForceElement):
 def torque(m, d, p, out, t):
     """Torque with given components."""
     body, load = d.body[p.body[1]], given(m, d, p, t)
-    twist(body, load)
+    add_moment(body, load)
     out.power = dot(load, vec(body.w))
 
 
@@ -108,7 +108,7 @@ def drag(m, d, p, out, t):
     s = arm(body, p.point[1])
     v = sub(point_velocity(body, s), components(m, p, t))
     force = scale(-p.value[0] * np.sqrt(dot(v, v)), v)
-    push(body, force, s)
+    add_force(body, force, s)
     out.power = dot(force, point_velocity(body, s))
 
 

@@ -9,7 +9,7 @@ from ...base.checks import vector
 from ...base.errors import InputError
 from ...base.rotations import as_quaternion, matrix
 from ...compiler.decorators import inner_kernel
-from ...kernels.force_laws import push, twist
+from ...kernels.force_laws import add_force, add_moment
 from ...kernels.vectors import add, arm, columns, dot, point, point_velocity, scale, sub, vec
 from ..bodies import Body, Ground
 from ..force_element import ForceElement, ForceRecord, check_pair
@@ -72,10 +72,10 @@ def bushing(m, d, p, out, t):
     across = ((k3 - k2) * mixed[0], (k1 - k3) * mixed[1], (k2 - k1) * mixed[2])
     force = out_of(A, scale(-1.0, add(Kx, Cx)))
     moment = out_of(A, sub(scale(-0.5, add(Ka, across)), Cw))
-    push(b, force, sb)
-    push(a, scale(-1.0, force), reach)
-    twist(b, moment)
-    twist(a, scale(-1.0, moment))
+    add_force(b, force, sb)
+    add_force(a, scale(-1.0, force), reach)
+    add_moment(b, moment)
+    add_moment(a, scale(-1.0, moment))
     out.potential = 0.5 * dot(x, Kx) + 0.5 * (k1 * squares[0] + k2 * squares[1] + k3 * squares[2])
     out.power = -dot(x_dot, Cx) - dot(w, Cw)
 

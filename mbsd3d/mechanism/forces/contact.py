@@ -10,7 +10,7 @@ from ...base.checks import number
 from ...base.directions import perpendiculars
 from ...base.errors import InputError
 from ...compiler.decorators import inner_kernel
-from ...kernels.force_laws import push, twist
+from ...kernels.force_laws import add_force, add_moment
 from ...kernels.surfaces import meeting, pressure
 from ...kernels.vectors import add, dot, scale, sub, vec
 from ..bodies import Body, Ground
@@ -93,10 +93,10 @@ def contact(m, d, p, out, t):
     out.power -= moment[0] * turn[0] + moment[1] * turn[1] + moment[2] * turn[2]
     force = sub(scale(normal, plane[2]), add(scale(friction[0], plane[0]), scale(friction[1], plane[1])))
     couple = add(add(scale(moment[0], plane[0]), scale(moment[1], plane[1])), scale(moment[2], plane[2]))
-    push(b, force, on_b)
-    twist(b, scale(-1.0, couple))
-    push(a, scale(-1.0, force), on_a)
-    twist(a, couple)
+    add_force(b, force, on_b)
+    add_moment(b, scale(-1.0, couple))
+    add_force(a, scale(-1.0, force), on_a)
+    add_moment(a, couple)
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from ...base.checks import number, vector
 from ...base.errors import InputError
 from ...compiler.decorators import inner_kernel
-from ...kernels.force_laws import push, twist
+from ...kernels.force_laws import add_force, add_moment
 from ...kernels.vectors import (
     add,
     arm,
@@ -36,7 +36,7 @@ def weight(m, d, p, out, t):
     s = vec(b.s)
     g = out_of(columns(a, p.frame[0]), (p.value[0], p.value[1], p.value[2]))
     pull = scale(m.body[p.body[1]].mass, g)
-    push(b, pull, s)
+    add_force(b, pull, s)
     out.power = dot(pull, point_velocity(b, s))
 
 
@@ -96,9 +96,9 @@ def attraction(m, d, p, out, t):
     along, trace, k = dot(n, In), I[0] + I[4] + I[8], p.value[0] / (r * r)
     outwards = scale(-k * (m.body[i].mass + 1.5 * (trace - 5.0 * along) / (r * r)), n)
     pull = add(outwards, scale(-3.0 * k / (r * r), In))
-    push(b, pull, s)
-    twist(b, scale(3.0 * k / r, cross(n, In)))
-    push(a, scale(-1.0, pull), sa)
+    add_force(b, pull, s)
+    add_moment(b, scale(3.0 * k / r, cross(n, In)))
+    add_force(a, scale(-1.0, pull), sa)
     out.potential = -k * r * (m.body[i].mass + 0.5 * (trace - 3.0 * along) / (r * r))
 
 

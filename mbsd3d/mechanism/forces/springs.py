@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from ...base.checks import number, vector
 from ...base.errors import InputError
 from ...compiler.decorators import inner_kernel
-from ...kernels.force_laws import push, tanh
+from ...kernels.force_laws import add_force, tanh
 from ...kernels.vectors import add, arm, dot, point, point_velocity, scale, sub
 from ..bodies import Body, Ground
 from ..force_element import ForceElement, ForceRecord, check_pair, hinge_coordinate
@@ -37,8 +37,8 @@ def spring(m, d, p, out, t):
         pull = scale(p.value[0] * stretch + p.value[1] * speed, n)
         out.potential = 0.5 * p.value[0] * stretch * stretch
         out.power = -p.value[1] * speed * speed
-    push(a, pull, sa)
-    push(b, scale(-1.0, pull), sb)
+    add_force(a, pull, sa)
+    add_force(b, scale(-1.0, pull), sb)
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ from ...base.checks import number, vector
 from ...base.directions import unit
 from ...base.errors import InputError
 from ...compiler.decorators import inner_kernel
-from ...kernels.force_laws import push, tanh, twist
+from ...kernels.force_laws import add_force, add_moment, tanh
 from ...kernels.signals import signal
 from ...kernels.vectors import add, arm, cross, dot, mat, point, point_velocity, put, rotate, scale, sub, vec
 from ..bodies import GROUND, Body, Ground
@@ -87,10 +87,10 @@ def tyre(m, d, p, out, t):
 
     F = add(scale(N, n), add(scale(F_x, ahead), scale(F_y, left)))
     M = add(scale(M_y, left), scale(M_z, n))
-    push(wheel, F, s)
-    push(ground, scale(-1.0, F), s_ground)
-    twist(wheel, M)
-    twist(ground, scale(-1.0, M))
+    add_force(wheel, F, s)
+    add_force(ground, scale(-1.0, F), s_ground)
+    add_moment(wheel, M)
+    add_moment(ground, scale(-1.0, M))
     out.potential = 0.5 * spring * sink
     out.power = dot(F, v) + dot(M, w) - spring * climb
     put(out.shown, point(wheel, s))

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...constraints.rank import choose_rows, tree_over_rows
-from ...dynamics.state_rates import FAR, project_and_evaluate
+from ...dynamics.state_rates import FACTOR_FROM_OTHER_POSE, project_and_evaluate
 from ...equations.at_state import load_state
 from ...integrators.method import Method
 from ...kernels.kinds import PROJECTION
@@ -27,7 +27,7 @@ def since_start(solution: RunSamples) -> RunSamples:
     data = compiled.data()
     y = load_state(compiled, data, start)
     tree = tree_over_rows(model, data, solution.record.tolerance)
-    project_and_evaluate(model, data, tree, start.t, y, np.zeros_like(y), FAR)
+    project_and_evaluate(model, data, tree, start.t, y, np.zeros_like(y), FACTOR_FROM_OTHER_POSE)
     n, arrays = model.body.size, solution.arrays
     first = {
         "t": start.t, "q": y[: 7 * n].reshape(n, 7), "v": world_velocities(y[None], n)[0], "z": y[13 * n :],

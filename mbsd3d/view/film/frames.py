@@ -17,7 +17,7 @@ from ..picture.painter import new_sheet
 from ..picture.picture import painter_of, picture_layers
 from ..picture.shading import pointers_of
 from ..scene.drawing import ARROWS, Layers
-from ..scene.frames import LONG, SENSIBLE, frames_of, sensible_speed
+from ..scene.frames import FILM_SECONDS, LONG, frames_of, sensible_speed
 from ..scene.motion import Curve, Points, arrows_of, curves_of, traces_of
 
 WIDEST = 7.2  # [inch] of the paper: a film of more than 720 pixels has finer lines, not smaller letters
@@ -64,7 +64,7 @@ class FilmFrames:
         hidden: Layers = (),
         view: Sequence[float] | None = None,
         dark: bool = False,
-        usual: tuple[float, float] = (LONG, SENSIBLE),
+        usual: tuple[float, float] = (LONG, FILM_SECONDS),
     ) -> None:
         self.fps, self.speed, count = paced(motion.t, fps, speed, usual)
         self.width = whole(width, "width", 64, LARGEST)

@@ -26,7 +26,7 @@ from .live import LiveView
 from .stage import Reach, boxes
 
 LARGEST = 7e6  # characters of what moves in a page whose number of frames was not asked for
-TRAVELS = 20.0  # sizes of a mechanism that it moves by before the camera goes along by itself
+FOLLOW_CAMERA_TRAVEL = 20.0  # sizes of a mechanism that it moves by before the camera goes along by itself
 FEW, APART = 12, 0.05  # bodies whose names do not hide the scene; share of its size that two names are apart
 
 
@@ -114,7 +114,7 @@ def followed_body(motion: Poses, follow: Body | Ground | str | None, live: bool)
         start = np.array([*(body.centre for body in system.bodies), *joined])
         size = max(motion.compiled.model.length, float(np.ptp(start, axis=0).max()))
         way = float(np.ptp(motion.com(system.bodies[heaviest]), axis=0).max(initial=0.0)) if motion.t.size else 0.0
-        return heaviest if way > TRAVELS * size else -1
+        return heaviest if way > FOLLOW_CAMERA_TRAVEL * size else -1
     if live:
         raise InputError(f"follow = {follow!r}: the camera of a live view does not go along; leave follow out")
     return number_of(system, follow)

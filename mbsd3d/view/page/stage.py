@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from viser import InitialCameraConfig, SceneApi, SceneNodeHandle
 
 FOV = 0.7  # vertical [rad]
-FADING = 12.0  # of the camera's distance, at which a ground without an edge has faded
+GROUND_FADE_DISTANCE = 12.0  # of the camera's distance, at which a ground without an edge has faded
 SUN = (-0.5, -1.5, 3.0)  # towards it
 LONGEST = 0.4  # of the mechanism's size: the longest arrow of each kind
 CELLS_ALONG, FEW_CELLS = 10.0, 2.5  # of the ground grid, along what is seen; of one without an edge
@@ -237,7 +237,7 @@ class Stage:
             "/grid", side, side, cell_size=cell * self.scale, section_size=5.0 * cell * self.scale,
             position=np.array([*middle, min(floor, low[2])]) * self.scale,
             cell_color=(thin,) * 3, section_color=(thick,) * 3, shadow_opacity=0.25, infinite_grid=endless,
-            fade_distance=FADING * distance if endless else max(100.0, 4.0 * distance),  # 100: viser's own
+            fade_distance=GROUND_FADE_DISTANCE * distance if endless else max(100.0, 4.0 * distance),  # 100: viser's own
         )  # fmt: skip
         self.layers["ground grid"].append(node)
 

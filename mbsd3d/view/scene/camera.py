@@ -8,11 +8,11 @@ import numpy as np
 from ...base.checks import number, shown
 from ...base.errors import InputError
 
-AROUND = 1.12  # of what is seen: the box and some air
+FRAMING_FACTOR = 1.12  # of what is seen: the box and some air
 NEAR = 0.02  # of the camera's distance: what is nearer to the eye cannot be drawn
 ASIDE = 2.0  # tangent of the angle from the middle of the view at which a path is still seen well
-TIPS = 1.4  # of the height of what the camera goes along with: it may rise and tip over
-AIR = 0.06  # of a window, on every side
+FOLLOW_HEIGHT_FACTOR = 1.4  # of the height of what the camera goes along with: it may rise and tip over
+WINDOW_MARGIN = 0.06  # of a window, on every side
 AZIMUTH, HEIGHT = np.radians((-58.0, 22.0))  # of the camera, seen from the middle
 VIEW = np.array([  # towards the camera, right, up
     (np.cos(HEIGHT) * np.cos(AZIMUTH), np.cos(HEIGHT) * np.sin(AZIMUTH), np.sin(HEIGHT)),
@@ -41,7 +41,7 @@ def frame_camera(low: np.ndarray, high: np.ndarray, fov: float = 0.7) -> Camera:
     half = half if half.any() else np.full(3, 0.5)
     towards, right, up = VIEW
     w = half * np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-    across = AROUND * np.abs(w @ np.column_stack([right, up])).max(axis=1)
+    across = FRAMING_FACTOR * np.abs(w @ np.column_stack([right, up])).max(axis=1)
     distance = float((w @ towards + across / np.tan(0.5 * fov)).max())
     return Camera(middle + distance * towards, middle, distance)
 
@@ -72,8 +72,8 @@ def sight(low: np.ndarray, high: np.ndarray, axes: np.ndarray, fov: float, *, tu
     """
     middle, half = axes.T @ (0.5 * (low + high)), 0.5 * (high - low)
     half = half if half.any() else np.full(3, 0.5)
-    depth, right, up = (*np.full(2, half[:2].max()), TIPS * half[2]) if turns else half
-    per_metre = AROUND / np.tan(0.5 * fov)
+    depth, right, up = (*np.full(2, half[:2].max()), FOLLOW_HEIGHT_FACTOR * half[2]) if turns else half
+    per_metre = FRAMING_FACTOR / np.tan(0.5 * fov)
     return Sight(axes, middle, float(depth), float(per_metre * right), float(per_metre * up))
 
 
@@ -158,7 +158,7 @@ def window(points: np.ndarray, shape: tuple[float, float]) -> tuple[np.ndarray, 
     ``shape`` is the width and height of the picture in any unit.
     """
     low, high = points.min(axis=0), points.max(axis=0)
-    unit = max((high - low) / shape) / (1.0 - 2.0 * AIR) or 1e-3
+    unit = max((high - low) / shape) / (1.0 - 2.0 * WINDOW_MARGIN) or 1e-3
     half, middle = 0.5 * unit * np.array(shape), 0.5 * (low + high)
     return middle - half, middle + half
 

@@ -20,8 +20,12 @@ from ...results.body_motion import Poses
 from ...results.run_result import RunResult
 
 TURN, RATE = 0.2, 25.0  # [rad] a body turns at most from frame to frame; frames per second of film
-MOST, ALL_POSES, ASKED = 1000, 200_000, 100_000  # frames, poses of all bodies, frames that may be asked for
-SHORT, LONG, SENSIBLE = 2.0, 30.0, 10.0  # s of a run shown in real time; s any other one takes
+MOST, ALL_POSES, REQUESTED_FRAMES_MAX = (
+    1000,
+    200_000,
+    100_000,
+)  # frames, poses of all bodies, frames that may be asked for
+SHORT, LONG, FILM_SECONDS = 2.0, 30.0, 10.0  # s of a run shown in real time; s any other one takes
 FAR = 1.5  # [rad] a body turns between two samples: beyond it the nearest sample is shown; the error below is 1e-3 rad
 
 
@@ -48,8 +52,8 @@ def frames_of(motion: Poses, count: int | None = None) -> Frames:
     if not t.size:
         raise InputError("the solution has no samples, so nothing can be shown; run it to a later time")
     whole = isinstance(count, int | np.integer) and not isinstance(count, bool)
-    if count is not None and not (whole and 2 <= count <= ASKED):
-        raise InputError(f"frames = {shown(count)}; give a whole number from 2 to {ASKED}, or None")
+    if count is not None and not (whole and 2 <= count <= REQUESTED_FRAMES_MAX):
+        raise InputError(f"frames = {shown(count)}; give a whole number from 2 to {REQUESTED_FRAMES_MAX}, or None")
     times = np.linspace(t[0], t[-1], (count or enough_frames(motion)) if t[-1] > t[0] else 1)
     return frames_at(motion, times)
 
@@ -73,7 +77,7 @@ def enough_frames(motion: Poses) -> int:
     return max(min(wanted, MOST, ALL_POSES // len(motion.system.bodies)), 2)
 
 
-def sensible_speed(seconds: float, longest: float = LONG, sensible: float = SENSIBLE) -> float:
+def sensible_speed(seconds: float, longest: float = LONG, sensible: float = FILM_SECONDS) -> float:
     """Real time for a run of 2 s ... ``longest``, else a round factor that makes it about ``sensible`` seconds."""
     if seconds <= 0.0 or SHORT <= seconds <= longest:
         return 1.0
