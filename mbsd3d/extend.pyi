@@ -63,7 +63,7 @@ from .base.templates import HtmlPage as HtmlPage
 from .base.templates import page_template as page_template
 from .report.exhibits import inline_svg as inline_svg
 from .report.wording import digits as digits
-from .view.scene.camera import VIEW as VIEW
+from .view.scene.camera import VIEW_AXES as VIEW_AXES
 
 # commands of the command line, demos, packages that load on first use
 from .lazy import attach as attach

@@ -110,7 +110,9 @@ def deviations(p: Parameters, centres: np.ndarray, speed: float) -> np.ndarray:
         theta = np.stack([R[:, 2, 1], R[:, 0, 2], R[:, 1, 0]], axis=-1)  # R = 1 + [theta]x
         v, w = motion[:, :3], motion[:, 3:]
         v_G = v + np.cross(w, s)
-        columns.append(np.concatenate([np.hstack([r_G, theta]).ravel(), np.hstack([v_G, w]).ravel()]).imag / COMPLEX_STEP)
+        columns.append(
+            np.concatenate([np.hstack([r_G, theta]).ravel(), np.hstack([v_G, w]).ravel()]).imag / COMPLEX_STEP
+        )
     return np.array(columns).T
 
 

@@ -24,7 +24,7 @@ from scipy.sparse.linalg import splu
 from ..base.errors import AssemblyError
 from ..equations.jacobian import BlockRows, scaled
 
-FEW_BODIES = 20
+SMALL_SYSTEM_BODIES_MAX = 20
 SINGULAR_VALUE_RESOLUTION = (
     1e-6  # relative size of a singular value that rounding of an inverse (1e-15 / PROVEN) cannot feign
 )
@@ -116,7 +116,7 @@ def shortest(J: BlockRows, rows: np.ndarray, more: np.ndarray, columns: np.ndarr
     Columns are times ``columns``, so that entries are of order one. Dense for few bodies: setting up sparse matrices
     takes longer there than to solve.
     """
-    if J.n < FEW_BODIES:
+    if J.n < SMALL_SYSTEM_BODIES_MAX:
         return deficient(np.vstack([J.dense() * rows[:, None], more]) * columns, b)[0]
     A = scaled(J.sparse(), rows, columns)
     if more.shape[0]:
@@ -132,7 +132,7 @@ def least_motion(
     Entries of x whose column is 0 stay 0; B leaves none of the others free.
     """
     held = columns == 0.0
-    if J.n < FEW_BODIES:
+    if J.n < SMALL_SYSTEM_BODIES_MAX:
         A, W = np.vstack([J.dense() * rows[:, None], more]) * columns, B.dense()
         D = W.T @ W
         if held.any():

@@ -16,7 +16,7 @@ from ..kernels.layout import Data, Model, Tree
 from .elimination import PIVOT_SHARE_MIN, Core, Elimination
 from .least_squares import proven
 
-FEW_ROWS = 150  # of a dense factorisation that is faster than elimination and singular values of what is left
+DENSE_ROWS_MAX = 150  # of a dense factorisation that is faster than elimination and singular values of what is left
 OPEN_TOLERANCE = 1e-7  # [1] of unit combinations of redundant rows: what rounding leaves of one that is zero
 
 
@@ -142,7 +142,7 @@ def without_rounding(N: np.ndarray) -> np.ndarray:
 
 def surely_independent(rows: BlockRows, tolerance: float) -> bool:
     """True if a bound proves that few rows are independent; the singular values decide where it proves nothing."""
-    if not 0 < rows.body.shape[0] <= min(6 * rows.n, FEW_ROWS):
+    if not 0 < rows.body.shape[0] <= min(6 * rows.n, DENSE_ROWS_MAX):
         return False
     with one_thread():
         return proven(rows.dense(), tolerance)

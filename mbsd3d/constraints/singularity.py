@@ -27,7 +27,7 @@ SINGULAR_VALUE_GAP = (
     0.1  # over the next one: those of long chains fall evenly, one that is being lost falls away from the others
 )
 JOINT_PARTICIPATION_MIN = 0.3  # of the joint that moves most: those that are named
-TIMES = 4
+MOVE_TIMES_COUNT = 4
 INFINITESIMAL = "infinitesimal"  # the first word on a pose whose mobility is lost beside it
 SHARE_MIN = 1e-2  # [1] of the largest entry of a redundant combination: rows that take part; steps turn it by less
 
@@ -129,7 +129,7 @@ def gained(rows: BlockRows, beside: BlockRows, found: Analysis) -> np.ndarray:
     What is free turns a little on the way, so once leaves some of it; each further time takes that to its square.
     """
     x = found.free_motion(np.random.default_rng(0))
-    for _ in range(TIMES):
+    for _ in range(MOVE_TIMES_COUNT):
         x = forbidden(beside, x)
         x -= forbidden(rows, x)
     return x
@@ -138,7 +138,7 @@ def gained(rows: BlockRows, beside: BlockRows, found: Analysis) -> np.ndarray:
 def kept(rows: BlockRows, beside: BlockRows, found: Analysis) -> np.ndarray:
     """Return a motion (6 n,) that is free here and beside."""
     x = found.free_motion(np.random.default_rng(0))
-    for _ in range(TIMES):
+    for _ in range(MOVE_TIMES_COUNT):
         x -= forbidden(beside, x)
         x -= forbidden(rows, x)
     return x

@@ -21,7 +21,7 @@ from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .conflicting_drivers import find_contradiction
 from .idle_rotations import check_spins
-from .least_squares import FEW_BODIES, Matrix, least
+from .least_squares import SMALL_SYSTEM_BODIES_MAX, Matrix, least
 from .poses.joint_motion import joint_graph
 
 
@@ -50,7 +50,7 @@ def carried_velocities(compiled: Compiled, near: State, pose: State) -> np.ndarr
         load_state(compiled, data, state)
         rows.append(graph.twist_rows(data, length))
     units = displacement_units(length, graph.parent.size)
-    B = rows[1].dense() if graph.parent.size < FEW_BODIES else rows[1].sparse()
+    B = rows[1].dense() if graph.parent.size < SMALL_SYSTEM_BODIES_MAX else rows[1].sparse()
     return units * least(B.T @ B, B[:0], np.zeros(0), B.T @ rows[0].times(near.v / units))
 
 
@@ -65,7 +65,7 @@ def with_velocities(
     system, model = compiled.system, compiled.model
     if model.singular:
         check_spins(compiled, data)
-    rows, few, b = block_rows(model, data), model.body.size < FEW_BODIES, data.row["b"].copy()
+    rows, few, b = block_rows(model, data), model.body.size < SMALL_SYSTEM_BODIES_MAX, data.row["b"].copy()
     J = [rows.dense() if few else rows.sparse()]
     asked = []
     for key, value in rates.items():

@@ -10,12 +10,18 @@ from ..compiler.decorators import inner_kernel
 from ..kernels.vectors import add, cross, dot, pair, scale, vec
 from .state_rates import audit_rates
 
-AUDITED = "open_work", "open_push", "open_turn"  # of integrators.memory.NOW
-BEGIN, ERROR, RATES = 0, 1, 2  # rows of Run.audit: integrals, their errors, and from the third on rates, newest first
-KNOWN = 4  # rates at the ends of steps before this one
-ALIKE = 1e-6  # of a step is what the next one may differ by to count as equally long
-MOULTON = np.array([646.0, -264.0, 106.0, -19.0]) / 720.0  # weights of these rates, and that of the one at the end
-MOULTON_END = 251.0 / 720.0
+AUDITED_FIELDS = "open_work", "open_push", "open_turn"  # of integrators.memory.NOW
+INTEGRAL_ROW, ERROR_ROW, FIRST_RATE_ROW = (
+    0,
+    1,
+    2,
+)  # rows of Run.audit: integrals, their errors, and from the third on rates, newest first
+PAST_RATES_COUNT = 4  # rates at the ends of steps before this one
+EQUAL_STEP_TOLERANCE = 1e-6  # of a step is what the next one may differ by to count as equally long
+MOULTON_WEIGHTS = (
+    np.array([646.0, -264.0, 106.0, -19.0]) / 720.0
+)  # weights of these rates, and that of the one at the end
+MOULTON_END_WEIGHT = 251.0 / 720.0
 
 
 @inner_kernel
@@ -47,7 +53,7 @@ def begin_audit(m, d, run):
     audit_rates(m, d, run.work_rate)
     first = 13 * m.body.shape[0] + m.z_work
     for j in range(run.audit.shape[1]):
-        run.audit[BEGIN, j], run.audit[RATES, j] = run.y[first + j], run.work_rate[first + j]
+        run.audit[INTEGRAL_ROW, j], run.audit[FIRST_RATE_ROW, j] = run.y[first + j], run.work_rate[first + j]
     run.now.rates = 1
 
 
@@ -57,21 +63,21 @@ def go_on_auditing(m, d, run, h):
     if run.task.steps == 0:
         return
     now, audit = run.now, run.audit
-    known = now.rates if abs(h - now.audited) <= ALIKE * h else 1
+    known = now.rates if abs(h - now.audited) <= EQUAL_STEP_TOLERANCE * h else 1
     audit_rates(m, d, run.work_rate)
     first = 13 * m.body.shape[0] + m.z_work
     for j in range(audit.shape[1]):
-        rate, total = run.work_rate[first + j], MOULTON_END * run.work_rate[first + j]
-        for i in range(KNOWN):
-            total += MOULTON[i] * audit[RATES + i, j]
-        if known == KNOWN:
-            audit[ERROR, j] += run.y[first + j] - audit[BEGIN, j] - h * total
-        audit[BEGIN, j] = run.y[first + j]
-        for i in range(KNOWN - 1, 0, -1):
-            audit[RATES + i, j] = audit[RATES + i - 1, j]
-        audit[RATES, j] = rate
-    now.rates, now.audited = min(known + 1, KNOWN), h
-    note_errors(m, d, run, audit[ERROR])
+        rate, total = run.work_rate[first + j], MOULTON_END_WEIGHT * run.work_rate[first + j]
+        for i in range(PAST_RATES_COUNT):
+            total += MOULTON_WEIGHTS[i] * audit[FIRST_RATE_ROW + i, j]
+        if known == PAST_RATES_COUNT:
+            audit[ERROR_ROW, j] += run.y[first + j] - audit[INTEGRAL_ROW, j] - h * total
+        audit[INTEGRAL_ROW, j] = run.y[first + j]
+        for i in range(PAST_RATES_COUNT - 1, 0, -1):
+            audit[FIRST_RATE_ROW + i, j] = audit[FIRST_RATE_ROW + i - 1, j]
+        audit[FIRST_RATE_ROW, j] = rate
+    now.rates, now.audited = min(known + 1, PAST_RATES_COUNT), h
+    note_errors(m, d, run, audit[ERROR_ROW])
 
 
 @inner_kernel

@@ -16,18 +16,22 @@ from ..kernels.kinematics import product, quaternion_of, rotation_matrix
 from ..kernels.vectors import add, cross, dot, put, rotate, scale, sub, vec
 from .spinning import turned_by
 
-CERTAIN = 1.0  # rad between an angle and the mean of its rates over a step: a third of where turns are miscounted
-RESOLVED = 0.2  # times the squares of the angles by which w turns and swings in a step, times the second term above, is
+TURN_MISS_MAX = 1.0  # rad between an angle and the mean of its rates over a step: a third of where turns are miscounted
+ORIENTATION_ERROR_FACTOR = (
+    0.2  # times the squares of the angles by which w turns and swings in a step, times the second term above, is
+)
 # what the formula may err by: six times its error for free bodies, twelve for one that swings about an axis
-FADING = 0.8  # of what a step allowed is allowed in the next: the second term vanishes at moments, its error does not
-ROUNDING, UNSEEN = 1e-12, 1e-12  # of a turn, by which it may change; rad in a step
+ERROR_MEMORY_FACTOR = (
+    0.8  # of what a step allowed is allowed in the next: the second term vanishes at moments, its error does not
+)
+TURN_ROUNDING, TURN_PER_STEP_MIN = 1e-12, 1e-12  # of a turn, by which it may change; rad in a step
 
 
 @inner_kernel
 def turns_are_certain(m, d, run, t_new, h):
     """False for an adaptive step, whose end is in d, over which hinges may miscount their turns: it is rejected."""
     apart = miscount(m, d, t_new)
-    if run.task.steps == 0 and not apart <= CERTAIN:
+    if run.task.steps == 0 and not apart <= TURN_MISS_MAX:
         run.now.step = 0.5 * h
         run.now.rejected += 1
         run.now.retried = 1
@@ -77,11 +81,11 @@ def compare_poses(m, run, h):
         whole = add(turn, scale(h, spin))
         if dot(whole, whole) > run.now.farthest**2:
             run.now.farthest, run.now.farthest_by = np.sqrt(dot(whole, whole)), i
-        moved = h * h * dot(change, change) + ROUNDING**2 * dot(whole, whole) + 1e-300
+        moved = h * h * dot(change, change) + TURN_ROUNDING**2 * dot(whole, whole) + 1e-300
         swing = h**4 * dot(jerk, jerk) / moved
-        error = RESOLVED * np.sqrt(dot(term, term)) * (dot(turn, turn) + swing)
-        run.missed[i, 3] = max(min(error, CERTAIN), FADING * run.missed[i, 3])
-        allowed = run.missed[i, 3] + UNSEEN * (1.0 + run.now.farthest)
+        error = ORIENTATION_ERROR_FACTOR * np.sqrt(dot(term, term)) * (dot(turn, turn) + swing)
+        run.missed[i, 3] = max(min(error, TURN_MISS_MAX), ERROR_MEMORY_FACTOR * run.missed[i, 3])
+        allowed = run.missed[i, 3] + TURN_PER_STEP_MIN * (1.0 + run.now.farthest)
         back, e_back = quaternion_of(scale(-1.0, add(turn, term))), (e[0], -e[1], -e[2], -e[3])
         missed = product(back, product(e_back, e_end))
         x = (missed[1], missed[2], missed[3])

@@ -10,7 +10,7 @@ from ..base.checks import floats, shown
 from ..base.errors import InputError
 from ..compiler.first_run import announce_compilation
 from ..kernels import kinds
-from ..kernels.layout import MOST_BODIES, Data, Model, data_records, table
+from ..kernels.layout import CUSTOM_FORCE_BODIES_MAX, Data, Model, data_records, table
 from ..mechanism.drivers import Driver
 from ..mechanism.force_element import ForceRecord
 from ..mechanism.forces.custom import FunctionForce
@@ -211,8 +211,8 @@ def new_data(model: Model, dtype: type = float) -> Data:
         unwrap_time=np.zeros(1),
         z=np.zeros(model.z_work, dtype),
         state_rate=np.zeros(model.z_work, dtype),
-        pose=np.zeros(MOST_BODIES, types["pose"]),
-        wrench=np.zeros(6 * MOST_BODIES + 1, dtype),
+        pose=np.zeros(CUSTOM_FORCE_BODIES_MAX, types["pose"]),
+        wrench=np.zeros(6 * CUSTOM_FORCE_BODIES_MAX + 1, dtype),
     )
     data.body["e"][-1, 0] = data.body["R"][-1, 0] = data.body["R"][-1, 4] = data.body["R"][-1, 8] = 1.0
     return data

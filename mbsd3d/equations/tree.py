@@ -15,8 +15,8 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 from ..kernels.kinds import COINCIDE, ROWS_OF
 from ..kernels.layout import TREE_STATE, Data, Model, Tree, single, table, tree_records
 from ..solver.joint_basis import choose_blocks, choose_joint_rows
-from ..solver.loop_rows import PROXIMAL
-from ..solver.row_rank import UNKNOWN
+from ..solver.loop_rows import PROXIMAL_FACTOR
+from ..solver.row_rank import PIVOT_UNKNOWN
 
 INERTIA_CLASS_RATIO = (
     1e-3  # of the heaviest inertia: bodies below it, and below each further power of it, are lighter by a class
@@ -42,10 +42,10 @@ def build_spanning_tree(model: Model, data: Data, rows: np.ndarray | None = None
     planned = planned_tables(*made, model.primitive["kind"].tobytes(), model.row["metres"].tobytes(), dtype).items()
     tables = {name: np.frombuffer(bytearray(lines), kind) for name, (lines, kind) in planned}
     loop, state, plan = tables["loop"], single(TREE_STATE), loop_plan(*made)
-    state.mu = PROXIMAL / (inertias.max(initial=0.0) or 1.0)
-    state.soft = UNKNOWN
+    state.mu = PROXIMAL_FACTOR / (inertias.max(initial=0.0) or 1.0)
+    state.soft = PIVOT_UNKNOWN
     if loop.size:
-        loop["mu"] = PROXIMAL / heaviest_in_loops(plan, inertias) / model.row["scale"][loop["row"]] ** 2
+        loop["mu"] = PROXIMAL_FACTOR / heaviest_in_loops(plan, inertias) / model.row["scale"][loop["row"]] ** 2
     ready = model.body["inv_mass"][tables["link"]["body"]] > 0.0
     tables["link"]["alone"] = np.where(ready, tables["link"]["alone"], 0)
     size = int((np.arange(loop.size) - loop["first"] + 1).sum())

@@ -40,8 +40,12 @@ FINE_RTOL_MAX = 1e-8  # up to this rtol a step may err LOCAL rtol: less, and wha
 COARSE_RTOL_EXPONENT = (
     -0.2
 )  # beyond, times the excess to this power, a tenth of it at 1e-3: the many steps err all that they may
-NEWTON = 1e-3  # of rtol is what Newton's method may leave of a velocity, relative to the scales of the error
-GROWN = 10.0  # times the multipliers at the end of a step: these are not forces of stiff elements that ring
+NEWTON_RESIDUAL_SHARE = (
+    1e-3  # of rtol is what Newton's method may leave of a velocity, relative to the scales of the error
+)
+MULTIPLIER_GROWTH_MAX = (
+    10.0  # times the multipliers at the end of a step: these are not forces of stiff elements that ring
+)
 STEP_GROWTH_MIN = 1.3  # growth below which the step, and with it the matrix, is kept
 
 
@@ -123,7 +127,7 @@ def solve_step(m, d, s, run, g, c, t, h):
     h_v, h_q = h * c.gamma * change, h * h * c.beta * change
     reach = 1.0 + m.length / (h * run.now.speed)  # rounding of q is one of v, divided by h
     fixed = run.task.steps > 0  # dt alone sets the error
-    held = NEWTON * (min(run.task.rtol, 1e-8) / run.task.steps if fixed else run.task.rtol)
+    held = NEWTON_RESIDUAL_SHARE * (min(run.task.rtol, 1e-8) / run.task.steps if fixed else run.task.rtol)
     tolerance = max(held, 10.0 * reach * rounding(m, run.y))
     stale = g.past.matrix == 0 or abs(g.past.matrix_step - h_v) > 1e-6 * h_v
     before = 0.0
@@ -242,7 +246,7 @@ def keep_multipliers(m, d, g):
         own = max(own, abs(w.lam[k]) / m.row[k].scale)
         end = max(end, abs(d.row[k].lam) / m.row[k].scale)
     for k in range(m.row.shape[0]):
-        g.lam[k] = d.row[k].lam if own > GROWN * end else w.lam[k]
+        g.lam[k] = d.row[k].lam if own > MULTIPLIER_GROWTH_MAX * end else w.lam[k]
 
 
 @inner_kernel

@@ -14,8 +14,8 @@ from .runge_kutta import advance
 
 STIFF_WORK_MAX = 2e5  # steps times bodies, some three seconds: what a stiff run may still take before it is stopped
 
-N = SCIPY.n_stages
-NODES = [0, 6, 7, 8, 9, 10]  # of all choices with small weights that where a kink hides least
+STAGES_COUNT = SCIPY.n_stages
+DENSE_NODES = [0, 6, 7, 8, 9, 10]  # of all choices with small weights that where a kink hides least
 
 
 def second_estimate(first: np.ndarray, c: np.ndarray) -> np.ndarray:
@@ -24,24 +24,30 @@ def second_estimate(first: np.ndarray, c: np.ndarray) -> np.ndarray:
     Where a rate has a kink within the step, as when a contact opens, any estimate vanishes for some places of the kink,
     and the step would be taken whatever it errs. Two estimates vanish at different places.
     """
-    apart = c[NODES, None] - c[NODES] + np.eye(len(NODES))
+    apart = c[DENSE_NODES, None] - c[DENSE_NODES] + np.eye(len(DENSE_NODES))
     weights = np.zeros(c.size)
-    weights[NODES] = first @ c**5 / apart.prod(axis=1)
+    weights[DENSE_NODES] = first @ c**5 / apart.prod(axis=1)
     return weights
 
 
-A_DENSE = np.zeros((3, N + 1 + 3))
+A_DENSE = np.zeros((3, STAGES_COUNT + 1 + 3))
 A_DENSE[:, : SCIPY.A_EXTRA.shape[1]] = SCIPY.A_EXTRA
 TABLE = Table(
-    A=np.ascontiguousarray(SCIPY.A[:N, :N]),
+    A=np.ascontiguousarray(SCIPY.A[:STAGES_COUNT, :STAGES_COUNT]),
     b=np.ascontiguousarray(SCIPY.B),
-    c=np.ascontiguousarray(SCIPY.C[:N]),
-    error=np.array([SCIPY.E5[:N], second_estimate(SCIPY.E5[:N], SCIPY.C[:N]), SCIPY.E3[:N]]),
+    c=np.ascontiguousarray(SCIPY.C[:STAGES_COUNT]),
+    error=np.array(
+        [
+            SCIPY.E5[:STAGES_COUNT],
+            second_estimate(SCIPY.E5[:STAGES_COUNT], SCIPY.C[:STAGES_COUNT]),
+            SCIPY.E3[:STAGES_COUNT],
+        ]
+    ),
     A_dense=A_DENSE,
     c_dense=np.ascontiguousarray(SCIPY.C_EXTRA),
     D=np.ascontiguousarray(SCIPY.D),
     order=8,
-    gap=widest_gap(SCIPY.C[:N]),
+    gap=widest_gap(SCIPY.C[:STAGES_COUNT]),
 )
 
 

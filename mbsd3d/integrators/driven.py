@@ -8,7 +8,7 @@ import numpy as np
 
 from ..compiler.decorators import inner_kernel, kernel, late_kernel
 from ..dynamics.state_rates import FACTOR_FROM_OTHER_POSE, PROJECTED, evaluate, project_and_evaluate
-from ..dynamics.turning import CERTAIN, compare_poses
+from ..dynamics.turning import TURN_MISS_MAX, compare_poses
 from ..kernels.coordinates import miscount, remember
 from ..kernels.kinematics import normalise
 from ..kernels.layout import Data, Model
@@ -19,7 +19,7 @@ from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING
 from .method import Method, check_max_step
 from .outputs import evaluate_start, first_crossing, halt, land, may_come_true, watch_on, write
 from .step_control import (
-    NEARLY_SINGULAR,
+    NEAR_SINGULAR_SHARE,
     full,
     hermite,
     next_turn,
@@ -30,16 +30,22 @@ from .step_control import (
     way_to_singular,
 )
 
-TURN_PER_POSE = 0.3  # rad between poses: Newton stays on its branch
-GROWTH = 4.0  # of the distance between poses from one to the next, or up to what was enough for the fastest turn so far
+TURN_PER_POSE_MAX = 0.3  # rad between poses: Newton stays on its branch
+POSE_DISTANCE_GROWTH_MAX = (
+    4.0  # of the distance between poses from one to the next, or up to what was enough for the fastest turn so far
+)
 TURN_RATIO_MAX = (
     2.0  # times that is the turn, by the angular velocity found at the new pose, from which on it is not believed
 )
 STEP_HALVINGS_MAX = 30  # of the distance between poses before a mechanism counts as one that cannot go on
-SINGULAR = 1e-6  # pivot, the square of a small angle: below, velocities and accelerations are those of the poses before
+SINGULAR_PIVOT_MAX = (
+    1e-6  # pivot, the square of a small angle: below, velocities and accelerations are those of the poses before
+)
 SKIPPED_PIVOT_MAX = 1e-7  # pivot below which the next pose may lie behind the singular one
-APART = 1e-2  # rad between these poses: their squares are far above rounding, their sixth power is not
-BINOMIAL = np.array([6.0, -15.0, 20.0, -15.0, 6.0, -1.0])  # f(0) = 6 f(-h) - 15 f(-2 h) + ...: exact to h^5
+EXTRAPOLATION_TURN = 1e-2  # rad between these poses: their squares are far above rounding, their sixth power is not
+EXTRAPOLATION_WEIGHTS = np.array(
+    [6.0, -15.0, 20.0, -15.0, 6.0, -1.0]
+)  # f(0) = 6 f(-h) - 15 f(-2 h) + ...: exact to h^5
 
 
 class Extrapolated(NamedTuple):
@@ -133,12 +139,14 @@ def farthest(m, run):
         u = 7 * n + 6 * i + 3
         w = max(w, np.sqrt(run.y[u] ** 2 + run.y[u + 1] ** 2 + run.y[u + 2] ** 2))
         alpha = max(alpha, abs(run.dy[u]), abs(run.dy[u + 1]), abs(run.dy[u + 2]))
-    far = TURN_PER_POSE if run.now.steps > 0 else APART  # the first two poses say whether a singular one is ahead
+    far = (
+        TURN_PER_POSE_MAX if run.now.steps > 0 else EXTRAPOLATION_TURN
+    )  # the first two poses say whether a singular one is ahead
     speed = w + np.sqrt(w * w + 2.0 * alpha * far)
     most = min(run.task.max_step, 2.0 * far / speed if speed > 0.0 else np.inf)
     if run.now.steps > 0 and run.now.turn > 0.0:
-        most = min(most, max(GROWTH * run.now.step, far / run.now.turn))
-    if SKIPPED_PIVOT_MAX <= run.rows.pivot < NEARLY_SINGULAR and run.now.steps > 0:
+        most = min(most, max(POSE_DISTANCE_GROWTH_MAX * run.now.step, far / run.now.turn))
+    if SKIPPED_PIVOT_MAX <= run.rows.pivot < NEAR_SINGULAR_SHARE and run.now.steps > 0:
         most = min(most, 2.0 * run.now.step)
     return min(most, 0.5 * run.rows.ahead) if run.rows.pivot >= SKIPPED_PIVOT_MAX else most
 
@@ -186,8 +194,8 @@ def next_pose(m, d, s, run, t_output):
     for _ in range(STEP_HALVINGS_MAX):
         if (
             status == RUNNING
-            and end_turn(m, run, h) <= TURN_RATIO_MAX * TURN_PER_POSE
-            and miscount(m, d, t_new) <= CERTAIN
+            and end_turn(m, run, h) <= TURN_RATIO_MAX * TURN_PER_POSE_MAX
+            and miscount(m, d, t_new) <= TURN_MISS_MAX
         ):
             break
         h *= 0.5
@@ -207,15 +215,15 @@ def extrapolate(m, d, s, own, run, t, apart) -> int:
     clear(own.y)
     clear(own.dy)
     own.acceleration[:] = 0.0
-    for k in range(BINOMIAL.size, 0, -1):
+    for k in range(EXTRAPOLATION_WEIGHTS.size, 0, -1):
         x = t - k * apart - run.now.t
         status = advance_to(m, d, s, None, run, run.now.t + x, x, x)
         if status != RUNNING:
             return status
-        add_scaled(own.y, BINOMIAL[k - 1], run.trial)
-        add_scaled(own.dy, BINOMIAL[k - 1], run.trial_rate)
+        add_scaled(own.y, EXTRAPOLATION_WEIGHTS[k - 1], run.trial)
+        add_scaled(own.dy, EXTRAPOLATION_WEIGHTS[k - 1], run.trial_rate)
         for i in range(n):
-            add_scaled(own.acceleration[i], BINOMIAL[k - 1], d.body[i].acceleration)
+            add_scaled(own.acceleration[i], EXTRAPOLATION_WEIGHTS[k - 1], d.body[i].acceleration)
     copy(run.trial, own.y)
     normalise(m, run.trial)
     evaluate(m, d, s, t, run.trial, run.trial_rate)
@@ -229,10 +237,10 @@ def extrapolate(m, d, s, own, run, t, apart) -> int:
 def next_regular(m, d, s, own, run, t_output):
     """As `next_pose`; a singular pose is reached from those shortly before it, which are visited first."""
     status, t_new = next_pose(m, d, s, run, t_output)
-    if status != RUNNING or t_new < t_output or s.state.pivot >= SINGULAR or run.now.turn == 0.0:
+    if status != RUNNING or t_new < t_output or s.state.pivot >= SINGULAR_PIVOT_MAX or run.now.turn == 0.0:
         return status, t_new
-    apart = APART / run.now.turn
-    first = t_new - (BINOMIAL.size + 1) * apart
+    apart = EXTRAPOLATION_TURN / run.now.turn
+    first = t_new - (EXTRAPOLATION_WEIGHTS.size + 1) * apart
     if first < run.task.t_start:
         return status, t_new
     if first > run.now.t:

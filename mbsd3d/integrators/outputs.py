@@ -23,8 +23,8 @@ EVENT_NEWTON_STEPS = (
     6  # Newton steps to the time of an event, each a step of the method; the first is good to its dense output
 )
 EVENT_SCAN_INTERVALS = 8  # parts of a step that are searched for an event, or of a radian that a body spins in it
-ONCE = 1.0  # rad in a step, up to which a measure is taken to rise and fall once at most
-GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
+MONOTONE_TURN_MAX = 1.0  # rad in a step, up to which a measure is taken to rise and fall once at most
+GOLDEN_RATIO_INVERSE = 0.5 * (np.sqrt(5.0) - 1.0)
 
 
 @kernel
@@ -137,7 +137,7 @@ def slope(m, d, run, t, y, dy, h):
 @late_kernel
 def may_come_true(m, d, run, h, t_new) -> bool:
     """True if the condition holds at the end of the step, rises and falls, or is not armed; or may, once in a turn."""
-    unsure = run.now.armed == 0 or run.now.hop > 0.0 or farthest_turn(run, h) > ONCE
+    unsure = run.now.armed == 0 or run.now.hop > 0.0 or farthest_turn(run, h) > MONOTONE_TURN_MAX
     if unsure or condition(m, d, run, t_new, run.trial) >= 0.0:
         return True
     rises = slope(m, d, run, run.now.t, run.y, run.dy, h) > 0.0
@@ -188,7 +188,7 @@ def first_crossing(m, d, run, h, t_new) -> float:
         return -1.0
     low, high = max(first, place - 1.0 / parts), min(1.0, place + 1.0 / parts)
     for _ in range(60):  # golden section
-        x, x_high = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+        x, x_high = high - GOLDEN_RATIO_INVERSE * (high - low), low + GOLDEN_RATIO_INVERSE * (high - low)
         g, g_high = condition_inside(m, d, run, h, x), condition_inside(m, d, run, h, x_high)
         if max(g, g_high) >= 0.0:
             return locate(m, d, run, h, low, x if g >= 0.0 else x_high)

@@ -20,8 +20,8 @@ from ..kernels.layout import Data, Model, single
 from .method import Method, check_max_step
 from .radau_step import collocation
 
-ROOT = np.sqrt(6.0)
-C = np.array([(4.0 - ROOT) / 10.0, (4.0 + ROOT) / 10.0, 1.0])
+SQUARE_ROOT_OF_6 = np.sqrt(6.0)
+C = np.array([(4.0 - SQUARE_ROOT_OF_6) / 10.0, (4.0 + SQUARE_ROOT_OF_6) / 10.0, 1.0])
 POWERS = np.arange(3)
 A = (C[:, None] ** (POWERS + 1.0) / (POWERS + 1.0)) @ np.linalg.inv(C[:, None] ** POWERS)
 """sum_j a_ij c_j^(k-1) = c_i^k / k for k = 1, 2, 3: what makes it collocation."""
@@ -36,7 +36,9 @@ def split() -> tuple[float, complex, np.ndarray]:
 
 
 REAL, PAIR, T = split()
-ERROR = np.array([-13.0 - 7.0 * ROOT, -13.0 + 7.0 * ROOT, -1.0]) / 3.0  # eq. (8.17) over the real eigenvalue
+ERROR = (
+    np.array([-13.0 - 7.0 * SQUARE_ROOT_OF_6, -13.0 + 7.0 * SQUARE_ROOT_OF_6, -1.0]) / 3.0
+)  # eq. (8.17) over the real eigenvalue
 PAST = [
     ("jacobian", int),  # 1: J belongs to the start of this step, 0: to an earlier one, -1: there is none
     ("factored", float),  # s, step of the factors at hand; 0 = none

@@ -24,10 +24,10 @@ from .step_control import (
 )
 
 ITERATIONS = 10  # of Newton's method in one attempt
-NEWTON = 0.1  # of LOCAL rtol is what Newton's method may leave
+NEWTON_RESIDUAL_SHARE = 0.1  # of LOCAL rtol is what Newton's method may leave
 JACOBIAN_REUSE_CONTRACTION = 0.1  # contraction up to which J is kept for the next step
-SAME_STEP = 1.2  # growth below which the step, and with it the factors, is kept
-DIFFERENCE = 1.5e-8  # of its unit by which a coordinate is changed for J
+STEP_GROWTH_MIN = 1.2  # growth below which the step, and with it the factors, is kept
+DIFFERENCE_SHARE = 1.5e-8  # of its unit by which a coordinate is changed for J
 
 
 @inner_kernel
@@ -54,7 +54,7 @@ def differentiate(m, d, s, run, g):
     N = g.J.shape[0]
     for j in range(N):
         copy(run.work, run.y)
-        run.work[j] += DIFFERENCE * unit(m, run, j)
+        run.work[j] += DIFFERENCE_SHARE * unit(m, run, j)
         step = run.work[j] - run.y[j]
         run.now.evaluations += 1
         if evaluate(m, d, s, run.now.t, run.work, run.work_rate) != SOLVED:
@@ -137,7 +137,7 @@ def correct(m, run, g, h):
 def collocate(m, d, s, run, g, h):
     """(True, iterations) when the stages of a step are found."""
     fixed = run.task.steps > 0  # dt alone sets the error, and what is left adds up
-    enough = NEWTON * LOCAL_ERROR_SHARE * (min(run.task.rtol, 1e-8) if fixed else run.task.rtol)
+    enough = NEWTON_RESIDUAL_SHARE * LOCAL_ERROR_SHARE * (min(run.task.rtol, 1e-8) if fixed else run.task.rtol)
     allowed = enough / run.task.steps if fixed else enough
     least = 20.0 * rounding(m, run.y)
     eta, before = 1.0, 0.0  # the contraction of an earlier step says nothing of what a first correction leaves
@@ -247,7 +247,7 @@ def attempt(m, d, s, run, g):
         factor = min(8.0, max(0.2, safety * max(error, 1e-12) ** -0.25)) if np.isfinite(error) else 0.2
         if good_enough(run, h, error):
             factor = min(factor, 1.0) if rejected else factor
-            run.now.step = h if 0.99 < factor < SAME_STEP else h * factor
+            run.now.step = h if 0.99 < factor < STEP_GROWTH_MIN else h * factor
             return RUNNING, t_new, h
         run.now.step, rejected = h * min(factor, 0.9), True
         run.now.rejected += 1

@@ -40,16 +40,23 @@ STEP_SAFETY_FACTOR = (
 )
 
 # What rounding of a pose makes of accelerations near a singular position: over the smallest pivot of a step; at most.
-AMPLIFIED, MOST_AMPLIFIED = 0.3, 1e-8
+PROJECTION_GAIN_MIN, PROJECTION_GAIN_RTOL_MAX = 0.3, 1e-8
 
-FEW = 0.5  # rad: two bodies that turn by less in a step miscount no turn of a hinge between them
-SLIGHT = 0.02  # rad: a step in which no body turns farther errs by less than 1e-11 rad, whatever the method
-HELD, ONE_IN = 1e-5, 4  # rtol up to which steps are held by estimates of high order: one in so many is compared then
+UNCOUNTED_TURN_MAX = 0.5  # rad: two bodies that turn by less in a step miscount no turn of a hinge between them
+NEGLIGIBLE_TURN_MAX = (
+    0.02  # rad: a step in which no body turns farther errs by less than 1e-11 rad, whatever the method
+)
+CHECKED_RTOL_MAX, CHECK_INTERVAL_STEPS = (
+    1e-5,
+    4,
+)  # rtol up to which steps are held by estimates of high order: one in so many is compared then
 
 STIFFNESS_PRODUCT_MIN = (
     3.4  # h |lambda| above which a motion passes unseen only below some hundred tolerances; stability ends at 6.1
 )
-TEST_EVERY = 32  # steps are tested for stiffness; each one from the first suspicion until CALM tests in a row pass
+STIFFNESS_TEST_INTERVAL_STEPS = (
+    32  # steps are tested for stiffness; each one from the first suspicion until CALM tests in a row pass
+)
 STIFF_TESTS_TO_STOP, NONSTIFF_TESTS_TO_RESET = 15, 6
 
 
@@ -110,7 +117,7 @@ def error_norm(m, own, run, h):
         return 0.0
     if not np.isfinite(e5 + e3):
         return np.inf
-    unknown = min(MOST_AMPLIFIED, AMPLIFIED * rounding(m, run.y) / run.rows.least_pivot)
+    unknown = min(PROJECTION_GAIN_RTOL_MAX, PROJECTION_GAIN_MIN * rounding(m, run.y) / run.rows.least_pivot)
     return e5 / np.sqrt(e5 + 0.01 * e3) / max(STEP_ERROR_SHARE * run.task.rtol, unknown)
 
 
@@ -216,7 +223,9 @@ def attempt(m, d, s, own, run):
         )
         run.now.evaluations += 1
         if status == PROJECTED and result == SOLVED and finite(run.trial_rate) and finite(run.trial):
-            few = h * run.now.fastest < FEW * m.length and not (fixed and starts_to_turn(m, run, h, FEW))
+            few = h * run.now.fastest < UNCOUNTED_TURN_MAX * m.length and not (
+                fixed and starts_to_turn(m, run, h, UNCOUNTED_TURN_MAX)
+            )
             if (few or turns_are_certain(m, d, run, t_new, h)) and not may_hide_contact(m, d, run, h):
                 return RUNNING, t_new, h, error
             continue
@@ -259,7 +268,7 @@ def fastest_rate(m, own, run, h):
 def is_stiff(m, own, run, h) -> bool:
     """True where stability limits the step again and again, and the rest of the run would exceed the patience."""
     found = run.stiffness
-    if found.suspicious == 0 and run.now.steps % TEST_EVERY > 0:
+    if found.suspicious == 0 and run.now.steps % STIFFNESS_TEST_INTERVAL_STEPS > 0:
         return False
     if fastest_rate(m, own, run, h) > STIFFNESS_PRODUCT_MIN + 2.0 * farthest_turn(
         run, h
@@ -288,9 +297,9 @@ def verdict(m, d, s, own, run, h):
 @inner_kernel
 def is_compared(m, run, h):
     """True for a step whose poses are compared with angular velocities."""
-    if h * run.now.turn <= SLIGHT:
-        return run.task.steps > 0 and starts_to_turn(m, run, h, SLIGHT)
-    return run.task.steps > 0 or run.task.rtol > HELD or run.now.steps % ONE_IN == 0
+    if h * run.now.turn <= NEGLIGIBLE_TURN_MAX:
+        return run.task.steps > 0 and starts_to_turn(m, run, h, NEGLIGIBLE_TURN_MAX)
+    return run.task.steps > 0 or run.task.rtol > CHECKED_RTOL_MAX or run.now.steps % CHECK_INTERVAL_STEPS == 0
 
 
 @inner_kernel

@@ -15,15 +15,15 @@ from ..solver.row_rank import note_independence
 from .memory import DONE, FULL, RUNNING
 
 STEP_TIME_RATIO_MIN = 1e-14  # of the time, the shortest step: 50 units of its last place; of the first step, at t = 0
-ROUNDING = 1e-15  # of a work or an impulse is what a step may always err: less cannot be had
-ON_GRID = 1e-9  # of a fixed step: where a signal turns so close to its end, that is its end
+INTEGRAL_ROUNDING = 1e-15  # of a work or an impulse is what a step may always err: less cannot be had
+GRID_TOLERANCE = 1e-9  # of a fixed step: where a signal turns so close to its end, that is its end
 LOCAL_ERROR_SHARE = 0.1  # of rtol is what a single step may err, since errors add up over a run
 
 PROJECTION_TOLERANCE, SINGULAR_PROGRESS_MIN = (
     1e-5,
     1e-4,
 )  # a share as that below; of the way to a singular position: who passes it goes faster
-NEARLY_SINGULAR = 0.1  # share of the largest it has been to which a pivot of the loop rows has fallen
+NEAR_SINGULAR_SHARE = 0.1  # share of the largest it has been to which a pivot of the loop rows has fallen
 ERROR_DROP_EXPECTED, ERROR_RATIO_MAX = (
     0.25,
     1e3,
@@ -77,7 +77,7 @@ def on_grid(run):
     """(time at which the equal step at hand ends, what is no distance from it)."""
     task, k = run.task, run.now.grid + 1
     apart = (task.t_end - task.t_start) / task.steps
-    return task.t_end if k >= task.steps else task.t_start + k * apart, ON_GRID * apart
+    return task.t_end if k >= task.steps else task.t_start + k * apart, GRID_TOLERANCE * apart
 
 
 @inner_kernel
@@ -160,7 +160,9 @@ def state_error(m, run):
         worst = max(worst, shift, angle, linear, angular)
         total += shift + angle + linear + angular
     for j in range(m.state.shape[0]):
-        least = 1.0 if j < m.z_work else ROUNDING / (LOCAL_ERROR_SHARE * run.task.rtol)  # own states come in any size
+        least = (
+            1.0 if j < m.z_work else INTEGRAL_ROUNDING / (LOCAL_ERROR_SHARE * run.task.rtol)
+        )  # own states come in any size
         error = (x[13 * n + j] / max(run.unit[j], least * abs(run.y[13 * n + j]))) ** 2
         worst = max(worst, error)
         total += error
@@ -170,7 +172,7 @@ def state_error(m, run):
 @inner_kernel
 def nearly_singular(run):
     """True where loop rows were close to depending on each other at the end of the last step, but not always."""
-    return run.rows.pivot < NEARLY_SINGULAR
+    return run.rows.pivot < NEAR_SINGULAR_SHARE
 
 
 @inner_kernel

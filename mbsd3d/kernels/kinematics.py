@@ -8,7 +8,7 @@ import numpy as np
 from ..compiler.decorators import inner_kernel, kernel
 from .vectors import add, pair, put, rotate, vec
 
-TINY = 1e-9  # square of half an angle below which two terms of sine and cosine are exact to rounding
+SERIES_ANGLE_SQUARE_MAX = 1e-9  # square of half an angle below which two terms of sine and cosine are exact to rounding
 
 
 @inner_kernel
@@ -76,7 +76,7 @@ def quaternion_of(turn):
     """exp(turn / 2): the unit quaternion of a rotation vector [rad]."""
     x, y, z = turn
     square = 0.25 * (x * x + y * y + z * z)
-    if square.real < TINY:
+    if square.real < SERIES_ANGLE_SQUARE_MAX:
         p0, k = 1.0 - 0.5 * square, 0.5 - square / 12.0
     else:
         half = np.sqrt(square)

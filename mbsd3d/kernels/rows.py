@@ -25,7 +25,7 @@ from .kinds import (
     TURN_RATE,
 )
 from .signals import signal
-from .surfaces import GROUP, contact_row, group, highest, lowest, lowest_rate, nearest
+from .surfaces import GROUP_NUMBERS_COUNT, contact_row, group, highest, lowest, lowest_rate, nearest
 from .vectors import add, add6, arm, cross, dot, mat, point, point_velocity, put6, rotate, scale, sub, turning, vec
 
 
@@ -198,7 +198,7 @@ def on_curve(m, d, row, p, t):
     """c = E(s) . (p_b - x(s)) - value[0] at the nearest point of the curve, E its group of directions value[1]."""
     a, b = d.body[p.body[0]], d.body[p.body[1]]
     _, s_dot, s_ddot, ds, k, u, off, along, bend, speed = nearest(m, d, p.coordinate[0], t)
-    E, E_rate, E_bend, _ = group(m.number, k + GROUP * int(p.value[1]), u)
+    E, E_rate, E_bend, _ = group(m.number, k + GROUP_NUMBERS_COUNT * int(p.value[1]), u)
     shift = dot(E_rate, off) - dot(E, along)  # dc / ds
     bent = dot(E_bend, off) - 2.0 * dot(E_rate, along) - dot(E, bend)
     n, sb = rotate(mat(a.R), add(E, scale(shift, ds))), arm(b, p.point[1])

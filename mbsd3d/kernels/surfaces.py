@@ -24,7 +24,7 @@ from .vectors import add, arm, columns, cross, dot, mat, point, point_velocity, 
 DISC_REGULARISATION = (
     1e-300  # m^2 added to n'A n: a flat disc that lies on the plane touches it in its centre, and nothing is NaN
 )
-GROUP = 18  # numbers of a group of a piece
+GROUP_NUMBERS_COUNT = 18  # numbers of a group of a piece
 LAST_NEWTON_STEP = 1e-8  # of a piece: from there one more step of Newton's method is exact
 CURVE_END_MARGIN = 1e-6  # of a piece: so far past the end of an open curve is the end, by rounding
 
@@ -134,7 +134,7 @@ def search(data, first, e, weight, expected):
     weight 1: the point of the curve nearest to e; 0: its highest along e. The search goes downhill from ``expected``,
     so it stays on the branch; s counts the turns of a closed curve, and is not a number past the end of an open one.
     """
-    n, period, breaks, size = int(data[first]), data[first + 1], first + 3, GROUP * int(data[first + 2])
+    n, period, breaks, size = int(data[first]), data[first + 1], first + 3, GROUP_NUMBERS_COUNT * int(data[first + 2])
     pieces, real = breaks + n + 1, (e[0].real, e[1].real, e[2].real)
     turns = period * math.floor((expected - data[breaks]) / period) if period > 0.0 else 0.0
     j = piece_of(data, breaks, n, expected - turns)

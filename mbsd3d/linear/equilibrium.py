@@ -38,7 +38,7 @@ from .modes import ModalAnalysis
 from .steady_motion import Units, natural_units, varies
 from .variations import Field, Tangent, Variations, tangent_space
 
-STEPS = 200
+NEWTON_STEPS_MAX = 200
 TRAVEL_MAX = 8.0  # sizes of the mechanism that a body may move by; what goes on farther does not come to rest
 EQUILIBRIUM_TOLERANCE = (
     1e-10  # accelerations, in units of length rate^2, at which a pose is an equilibrium; Newton mostly reaches 1e-15
@@ -159,7 +159,7 @@ def search(field: Field) -> tuple[np.ndarray, Variations, Tangent, Units, float,
     before, growth, n = None, 1.0, model.body.size
     begin = y[: 7 * n].reshape(n, 7)[:, :3].copy()
     far = TRAVEL_MAX * (model.length + np.ptp(begin, axis=0).max())
-    for step in range(STEPS):
+    for step in range(NEWTON_STEPS_MAX):
         at = field.at(field.t, y)
         space = tangent_space(field.compiled, at)
         units = natural_units(model, at, space, damped=False)

@@ -18,8 +18,8 @@ from ..mechanism.joints import Joint
 from ..results.body_motion import Poses
 from .linearization import Linearization
 
-MOST = 100_000  # samples of a motion
-NAMES = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")
+SAMPLES_MAX = 100_000  # samples of a motion
+MOTION_NAMES = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -82,7 +82,7 @@ class Mode:
         if not np.abs(moves).max() > 1e-9:
             return f"{self.linearization.states[int(np.argmax(np.abs(self.vector / self.linearization.scale)))]}"
         k = int(np.argmax(np.abs(moves).ravel() > np.abs(moves).max() * (1.0 - 1e-6)))
-        return f"{NAMES[k % 6]} of '{system.name(system.bodies[k // 6])}'"
+        return f"{MOTION_NAMES[k % 6]} of '{system.name(system.bodies[k // 6])}'"
 
     def motion(self, amplitude: float = 0.2, cycles: float = 2.0, samples: int = 101) -> "Motion":
         """The mechanism moving in this mode, all joints closed; a motion that goes on is shown at rest.
@@ -93,7 +93,7 @@ class Mode:
         numbers; AssemblyError if the joints do not close at so large an amplitude.
         """
         amplitude, cycles = number(amplitude, "motion: amplitude"), number(cycles, "motion: cycles", positive=True)
-        samples = whole(samples, "motion: samples", 2, MOST)
+        samples = whole(samples, "motion: samples", 2, SAMPLES_MAX)
         value = self.eigenvalue
         rate = (abs(value.imag) / (2.0 * np.pi)) or abs(value.real) or 1.0
         t = np.linspace(0.0, cycles / rate, samples)

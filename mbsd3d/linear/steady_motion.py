@@ -26,7 +26,7 @@ from ..mechanism.mechanism import Mechanism
 from ..mechanism.signals import Signal
 from .variations import Field, Tangent, Variations
 
-BALANCING = 20  # sweeps, of which each goes half of the way for a pair
+BALANCING_PASSES = 20  # sweeps, of which each goes half of the way for a pair
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +59,7 @@ def balance(F: np.ndarray, x: np.ndarray, first: int) -> None:
 
     Own states that drive each other may have sizes which the motion says nothing of.
     """
-    for _ in range(BALANCING if x.size > first else 0):
+    for _ in range(BALANCING_PASSES if x.size > first else 0):
         for j in range(first, x.size):
             causes, caused = np.abs(F[:, j] / x) * x[j], np.abs(F[j] * x) / x[j]
             causes[j] = caused[j] = 0.0

@@ -9,7 +9,7 @@ import numpy as np
 from ..base.checks import shown
 from ..base.errors import InputError
 from ..kernels import kinds
-from ..kernels.surfaces import GROUP
+from ..kernels.surfaces import GROUP_NUMBERS_COUNT
 from .bodies import Body, Ground
 from .signals import Signal
 
@@ -65,8 +65,8 @@ class Coordinate:
 
 def is_curve(x: np.ndarray) -> bool:
     """Whether numbers are as many as `kernels.surfaces` reads of a curve."""
-    n, k = x[[0, 2]].tolist() if x.ndim == 1 and x.size > GROUP else (0.0, 0.0)
-    return n >= 1.0 and k >= 1.0 and n % 1.0 == k % 1.0 == 0.0 and x.size == 4 + n + GROUP * n * k
+    n, k = x[[0, 2]].tolist() if x.ndim == 1 and x.size > GROUP_NUMBERS_COUNT else (0.0, 0.0)
+    return n >= 1.0 and k >= 1.0 and n % 1.0 == k % 1.0 == 0.0 and x.size == 4 + n + GROUP_NUMBERS_COUNT * n * k
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from ..compiler.second import wait_for_second
 from ..constraints.conflicting_drivers import rivals
 from ..constraints.idle_rotations import check_spins, find_idle_rotations
 from ..constraints.rank import choose_rows, tree_over_rows
-from ..dynamics.auditing import AUDITED
+from ..dynamics.auditing import AUDITED_FIELDS
 from ..dynamics.state_rates import FACTOR_FROM_OTHER_POSE, PROJECTED, project_and_evaluate
 from ..equations.at_state import check_quaternions, driven_coordinates, load_rows, load_state, unmet, worst_joint
 from ..equations.compiled import Compiled
@@ -264,7 +264,7 @@ class Job:
         record.steps, record.rejected = int(now["steps"]), int(now["rejected"])
         record.evaluations, record.nearest = int(now["evaluations"]), float(run.rows["lowest"])
         record.speed = float(now["fastest"])
-        record.open_audit = tuple(float(now[x]) for x in AUDITED)
+        record.open_audit = tuple(float(now[x]) for x in AUDITED_FIELDS)
         record.note_turning(now, [body.name for body in self.compiled.system.bodies])
         if self.stop_when is not None and now["armed"] == 0 and record.steps:
             record.never_armed = str(self.stop_when)

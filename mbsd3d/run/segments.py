@@ -11,7 +11,7 @@ from ..base.progress import Progress
 from ..base.rotations import matrix
 from ..compiler.cache_folder import mark_warm
 from ..compiler.first_run import announce_compilation
-from ..dynamics.auditing import AUDITED
+from ..dynamics.auditing import AUDITED_FIELDS
 from ..equations.compiled import Switches, compile_system
 from ..equations.inputs import set_input, starts, with_history, with_own_inputs
 from ..integrators.dop853 import DOP853
@@ -127,7 +127,7 @@ class Slices(Job):
             speed=float(run.now.fastest),
             inputs={name: tuple(changes) for name, changes in self.history.items()},
         )  # fmt: skip
-        record.open_audit = tuple(float(run.now[x]) for x in AUDITED)
+        record.open_audit = tuple(float(run.now[x]) for x in AUDITED_FIELDS)
         record.note_turning(run.now, [body.name for body in self.compiled.system.bodies])
         arrays = {name: array[:count].copy() for name, array in self.samples.arrays.items()}
         arrays["t"] = arrays["t"][:, 0]

@@ -11,16 +11,19 @@ import numpy as np
 
 from ..compiler.decorators import fused_kernel, inner_kernel, late_kernel
 from ..kernels.vectors import add_scaled, clear, copy
-from .row_rank import REDUNDANT_PIVOT_MAX, UNKNOWN, independence, note_independence
+from .row_rank import PIVOT_UNKNOWN, REDUNDANT_PIVOT_MAX, independence, note_independence
 
-PROXIMAL = (
+PROXIMAL_FACTOR = (
     1e-8  # times the compliance of the heaviest body of the loop, mu: J's singular values below its root are let go
 )
 WEAK_PIVOT_RATIO = 1e-2  # pivots below this share of the largest that they have been: the right side is filtered
 IDLE_ROW_DIAGONAL_MAX = (
     1e-4  # times mu: diagonals below it belong to rows that nothing in the tree yields to, as out of a plane
 )
-SWEEPS, MORE_SWEEPS = 1, 40  # as a rule; at most, near a singular position or where rows are soft
+REFINEMENT_STEPS_USUAL, REFINEMENT_STEPS_MAX = (
+    1,
+    40,
+)  # as a rule; at most, near a singular position or where rows are soft
 SWEEP_CONVERGENCE = 1e-15  # of the right side: change of the residual that ends the sweeps
 PIVOT_RATIO_MAX = 3e5  # [1] largest diagonal over least pivot: beyond, S leaves 1e-16 times it of the digits of J
 GRADED_MATRIX_RATIO = 1e6  # largest diagonal over least pivot: S alone has too few digits then,
@@ -173,7 +176,7 @@ def factor_loops(s):
             max(row.most, row.pivot) < REDUNDANT_PIVOT_MAX and s.skyline[1][row.line + i] != 0.0
         ):
             s.state.weak = 1
-    if s.state.soft == UNKNOWN:
+    if s.state.soft == PIVOT_UNKNOWN:
         note_independence(s)
     s.state.pivot = independence(s) if s.state.weak == 1 or s.state.soft == 1 else 1.0
     if softest > GRADED_MATRIX_RATIO * max(least, REGULAR_PIVOT_MIN):
@@ -219,7 +222,7 @@ def sweeps(s, count):
     for _ in range(count):
         copy(step, rhs)
         subtract_product(s, lam, step)
-        if count > SWEEPS and settled(rhs, residual, step):
+        if count > REFINEMENT_STEPS_USUAL and settled(rhs, residual, step):
             break
         substitute(s, step)
         add_scaled(lam, 1.0, step)
@@ -229,7 +232,7 @@ def sweeps(s, count):
 def solve_loops(s):
     """rhs := multipliers of the loop rows."""
     rhs, lam, step = s.vector[0], s.vector[1], s.vector[3]
-    count = MORE_SWEEPS if s.state.soft == 1 or s.state.pivot < WEAK_PIVOT_RATIO else SWEEPS
+    count = REFINEMENT_STEPS_MAX if s.state.soft == 1 or s.state.pivot < WEAK_PIVOT_RATIO else REFINEMENT_STEPS_USUAL
     sweeps(s, count)
     if s.state.weak == 1:
         clear(step)

@@ -14,7 +14,7 @@ REDUNDANT_PIVOT_MAX = 1e4  # pivots that have never been above it belong to rows
 SINGLE_SWEEP_PIVOT_MIN = 1e7  # pivots below it may need more than one sweep, which leaves (mu / pivot)^2,
 REDUNDANT_ROW_TOLERANCE = 1e-3  # unless S does not resist along the row either: the row repeats others
 DIRECTION_PART_MIN = 1e-6  # of the largest: parts of a direction of least resistance, whose squares count
-UNKNOWN = -1  # softness before the first state
+PIVOT_UNKNOWN = -1  # softness before the first state
 
 
 @inner_kernel

@@ -11,11 +11,11 @@ from ..compiler.decorators import allocating_kernel, inner_kernel, kernel
 from ..compiler.late import late
 from ..kernels.vectors import add, add_scaled, mat, pair, put, put6, rotate, rotate_back, sub, vec
 from .articulated import body_inertia, factor_links, load_links, move_links
-from .loop_rows import PROXIMAL, factor_loops, solve_loops
+from .loop_rows import PROXIMAL_FACTOR, factor_loops, solve_loops
 from .spatial_inertia import times
 
 SOLVED, NOT_FINITE = 0, 1
-DENSE_SWEEPS = 3
+DENSE_REFINEMENT_STEPS = 3
 
 
 @kernel
@@ -51,7 +51,7 @@ def fill_dense(m, d, s, K, rhs):
 
     So the unknowns are the accelerations and lam / w, and pivots of rows that repeat others are not lost beside w.
     """
-    n, c, per_weight = 6 * m.body.shape[0], s.used.shape[0], s.state.mu / PROXIMAL
+    n, c, per_weight = 6 * m.body.shape[0], s.used.shape[0], s.state.mu / PROXIMAL_FACTOR
     for i in range(m.body.shape[0]):
         body = d.body[i]
         A, B, C = body_inertia(m.body[i], body)
@@ -88,14 +88,14 @@ def solve_dense(m, d, s) -> int:
             return NOT_FINITE
     regular = K.copy()
     for i in range(c):
-        regular[n + i, n + i] -= PROXIMAL / m.row[s.used[i]].scale ** 2
+        regular[n + i, n + i] -= PROXIMAL_FACTOR / m.row[s.used[i]].scale ** 2
     try:
         inverse = np.linalg.inv(regular)
     except Exception:  # singular: masses and rows that leave a motion undetermined
         return NOT_FINITE
     x = inverse @ rhs
-    for sweep in range(2 * DENSE_SWEEPS):
-        if sweep == DENSE_SWEEPS:
+    for sweep in range(2 * DENSE_REFINEMENT_STEPS):
+        if sweep == DENSE_REFINEMENT_STEPS:
             rhs[n:] = (K @ x)[n:]  # rows that contradict each other ask for what accelerations can meet
             x = inverse @ rhs
         x += inverse @ (rhs - K @ x)
@@ -104,7 +104,7 @@ def solve_dense(m, d, s) -> int:
             d.body[i].acceleration[j] = x[6 * i + j]
         put(d.body[i].alpha, rotate_back(mat(d.body[i].R), (x[6 * i + 3], x[6 * i + 4], x[6 * i + 5])))
     for i in range(c):
-        d.row[s.used[i]].lam = x[n + i] * (PROXIMAL / s.state.mu)
+        d.row[s.used[i]].lam = x[n + i] * (PROXIMAL_FACTOR / s.state.mu)
     return SOLVED
 
 

@@ -10,11 +10,11 @@ from pages import COUNT, END, HINGE, OUTSIDE, SETTLED, TITLE, covered, differing
 
 from mbsd3d import GROUND, Body, Spherical, System, simulate
 from mbsd3d.base.rotations import matrix
-from mbsd3d.view.page.content import LENGTH, TURN
-from mbsd3d.view.page.stage import FOV
+from mbsd3d.view.page.content import POSITION_RESOLUTION, QUATERNION_RESOLUTION
+from mbsd3d.view.page.stage import FIELD_OF_VIEW
 from mbsd3d.view.scene.artist import draw_system
 from mbsd3d.view.scene.camera import directions, sight
-from mbsd3d.view.scene.drawing import USUAL, bounds
+from mbsd3d.view.scene.drawing import DEFAULT_LAYERS, bounds
 from mbsd3d.view.scene.frames import frames_of
 
 pytestmark = pytest.mark.slow
@@ -95,9 +95,9 @@ def test_poses_of_the_scene_are_those_of_the_solution(page, motion):
         for i, body in enumerate((CRANK, ARM, TAIL, BEAD)):
             pose = np.linalg.inv(found[""]) @ found[f"/bodies/{i}"]
             # half a step of the packed numbers, which the three coordinates have at most at once
-            assert np.abs(pose[:3, 3] / scale - motion.position(body)[k]).max() < 0.51 * LENGTH * size
+            assert np.abs(pose[:3, 3] / scale - motion.position(body)[k]).max() < 0.51 * POSITION_RESOLUTION * size
             # R is quadratic in e: its elements change by at most 4 times what the four components change by
-            assert np.abs(pose[:3, :3] - motion.rotation(body)[k]).max() < 4 * 0.51 * TURN
+            assert np.abs(pose[:3, :3] - motion.rotation(body)[k]).max() < 4 * 0.51 * QUATERNION_RESOLUTION
 
 
 def test_between_frames_bodies_are_between(page, motion):
@@ -106,8 +106,10 @@ def test_between_frames_bodies_are_between(page, motion):
     pose = page.run("__viserMutable.nodePoseData['/bodies/3']")
     r, e = ((1 - share) * x[k] + share * x[k + 1] for x in (motion.position(BEAD), motion.orientation(BEAD)))
     size = draw_system(motion.system).size
-    assert np.abs(np.array(pose["position"]) / page.run("mbsd3d.data.scale") - r).max() < 1.1 * LENGTH * size
-    assert np.abs(matrix(np.array(pose["wxyz"])) - matrix(e / np.linalg.norm(e))).max() < 8 * TURN
+    assert (
+        np.abs(np.array(pose["position"]) / page.run("mbsd3d.data.scale") - r).max() < 1.1 * POSITION_RESOLUTION * size
+    )
+    assert np.abs(matrix(np.array(pose["wxyz"])) - matrix(e / np.linalg.norm(e))).max() < 8 * QUATERNION_RESOLUTION
 
 
 def test_a_body_is_seen_where_the_camera_equations_put_it(page, motion):
@@ -128,9 +130,9 @@ def test_a_body_is_seen_where_the_camera_equations_put_it(page, motion):
 
 def test_the_first_view_is_the_camera_that_was_computed(page, motion):
     frames = frames_of(motion, COUNT)
-    box = bounds(draw_system(motion.system), frames.r, frames.e, USUAL, directions(None))
+    box = bounds(draw_system(motion.system), frames.r, frames.e, DEFAULT_LAYERS, directions(None))
     canvas = page.run("(({width, height}) => width / height)(document.getElementById('scene').getBoundingClientRect())")
-    camera = sight(*box, directions(None), FOV).camera(canvas)
+    camera = sight(*box, directions(None), FIELD_OF_VIEW).camera(canvas)
     page.run(SETTLED)
     place, root, _, _ = camera_of(page)
     position = (np.linalg.inv(root) @ place[:, 3])[:3] / page.run("mbsd3d.data.scale")
@@ -243,4 +245,6 @@ def test_ten_bodies_and_a_thousand_frames(chromium, folder):
         k = int(np.searchsorted(run.t, 0.7))
         r = np.array(seen.run("__viserMutable.nodePoseData['/bodies/9'].position")) / seen.run("mbsd3d.data.scale")
         near = run.position("link 9")[k - 1 : k + 1]
-        assert (np.abs(r - near).min(axis=0) <= np.ptp(near, axis=0) + LENGTH * draw_system(run.system).size).all()
+        assert (
+            np.abs(r - near).min(axis=0) <= np.ptp(near, axis=0) + POSITION_RESOLUTION * draw_system(run.system).size
+        ).all()

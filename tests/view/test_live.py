@@ -74,9 +74,9 @@ def test_time_passes_and_starts_again(view, solution):
     assert until(lambda: seen.add(view.time) or (2.0 in seen and len(seen) > 4 and view.time < max(seen)))
     assert min(seen) >= 0.0 and max(seen) == 2.0  # the last picture is shown before the first one comes again
     view.playing = False
-    time.sleep(3 * live.PERIOD)  # a picture that is being made
+    time.sleep(3 * live.FRAME_SECONDS)  # a picture that is being made
     before = view.time
-    time.sleep(3 * live.PERIOD)
+    time.sleep(3 * live.FRAME_SECONDS)
     assert view.time == before
 
 

@@ -23,7 +23,7 @@ from mbsd3d.view.picture.picture import painter_of
 from mbsd3d.view.picture.shading import Solids, outlines, pointers_of, split_strokes, split_triangles
 from mbsd3d.view.scene.artist import draw_system
 from mbsd3d.view.scene.camera import Camera, frame_camera, lens_of, round_down, turned, window
-from mbsd3d.view.scene.drawing import MARKS, NAMES, USUAL, bounds, poses_of
+from mbsd3d.view.scene.drawing import DEFAULT_LAYERS, MARKS, NAMES, bounds, poses_of
 from mbsd3d.view.scene.frames import frames_of
 from mbsd3d.view.scene.motion import arrows_of, traces_of
 
@@ -198,7 +198,7 @@ def test_names_lie_at_their_points_and_on_the_paper():
     figure = system.picture()
     drawing, (r, e) = draw_system(system), poses_of(system)
     lens = lens_of(frame_camera(*bounds(drawing, r[None], e[None])))
-    painter = Painter(drawing, lens, r[None], e[None], (6.4, 4.8), layers=(*USUAL, *NAMES))
+    painter = Painter(drawing, lens, r[None], e[None], (6.4, 4.8), layers=(*DEFAULT_LAYERS, *NAMES))
     written = {text.get_text(): text for text in figure.axes[0].texts}
     bodies, joints = (
         written["a rod with a long name, ring"],

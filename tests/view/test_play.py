@@ -17,7 +17,7 @@ from test_live import knock, listens, until
 
 from mbsd3d import GROUND, Body, Input, Revolute, Solution, System, Torque
 from mbsd3d.run.live_run import PERIOD
-from mbsd3d.view.page.stage import FOV, swing
+from mbsd3d.view.page.stage import FIELD_OF_VIEW, swing
 from mbsd3d.view.play.page import pivot_of
 from mbsd3d.view.play.play import Play, parsed, ride_so_far
 from mbsd3d.view.play.server import Outlet
@@ -306,9 +306,9 @@ def test_the_first_view_holds_what_may_swing_up():
     pin, end = (Revolute(GROUND, arm, at=(0.2, 0.3, z), axis=(0, 1, 0)) for z in (0.0, -0.8))
     axes, ball = directions((30.0, 20.0)), np.linalg.norm((0.3, 0.1, 0.9))
     seen = swing(pivot_of(System([arm], [pin])), low, high, axes)
-    camera = sight(*seen.seen, axes, FOV).camera()
+    camera = sight(*seen.seen, axes, FIELD_OF_VIEW).camera()
     assert np.allclose(camera.look_at, pin.at)
-    assert ball < camera.distance * np.sin(0.5 * FOV) < 1.1 * ball  # with little air
+    assert ball < camera.distance * np.sin(0.5 * FIELD_OF_VIEW) < 1.1 * ball  # with little air
     assert pivot_of(System([arm], [pin, end])) is None and pivot_of(crane()) is None
     assert pivot_of(System([arm], [], [Torque(arm, (0, 0, 1))])) is None
 

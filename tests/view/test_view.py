@@ -19,9 +19,16 @@ from mbsd3d.base.rotations import matrix
 from mbsd3d.mechanism.shapes.surfaces import ball, block, capsule, cylinder, normals, torus
 from mbsd3d.view.page import html as page
 from mbsd3d.view.page import show
-from mbsd3d.view.page.content import ARROW, LENGTH, MISSING, TURN, VALUE, pack
+from mbsd3d.view.page.content import (
+    ARROW_RESOLUTION,
+    CURVE_RESOLUTION,
+    NOT_FINITE_CODE,
+    POSITION_RESOLUTION,
+    QUATERNION_RESOLUTION,
+    pack,
+)
 from mbsd3d.view.page.recorder import Recording, import_viser
-from mbsd3d.view.page.stage import LONGEST, Stage
+from mbsd3d.view.page.stage import ARROW_LENGTH_SHARE, Stage
 from mbsd3d.view.play.page import shapes_of
 from mbsd3d.view.scene.artist import draw_system
 from mbsd3d.view.scene.camera import length_text, round_down, round_up
@@ -41,7 +48,7 @@ def unpack(packed):
     rows = ((zigzag >> 1) ^ (-(zigzag & 1).astype(np.int32)).view(np.uint32)).view(np.int32).reshape(-1, frames)
     for _ in range(2):
         rows = np.cumsum(rows, axis=1, dtype=np.int32)
-    values = np.where(rows == MISSING, np.nan, rows * packed["step"])
+    values = np.where(rows == NOT_FINITE_CODE, np.nan, rows * packed["step"])
     return np.ascontiguousarray(values.T).reshape(packed["shape"])
 
 
@@ -92,17 +99,20 @@ def test_poses_and_curves_are_those_of_the_run(run, view):
     assert np.allclose(times["first"] + times["step"] * np.arange(times["count"]), frames.t, rtol=1e-13, atol=0)
     r, e = unpack(data["poses"]["r"]), unpack(data["poses"]["e"])
     # rounding to the nearest step: half a step, and what doubles of that size leave
-    assert np.abs(r - frames.r).max() <= 0.5001 * LENGTH * drawing.size
-    assert np.abs(e - frames.e).max() <= 0.5001 * TURN
+    assert np.abs(r - frames.r).max() <= 0.5001 * POSITION_RESOLUTION * drawing.size
+    assert np.abs(e - frames.e).max() <= 0.5001 * QUATERNION_RESOLUTION
     assert np.allclose(
-        r[-1, :-1], [run.position(body)[-1] for body in run.system.bodies], rtol=0, atol=LENGTH * drawing.size
+        r[-1, :-1],
+        [run.position(body)[-1] for body in run.system.bodies],
+        rtol=0,
+        atol=POSITION_RESOLUTION * drawing.size,
     )
     assert (r[:, -1] == 0.0).all() and data["moving"] == [0, 1]
     for curve, packed in zip(curves_of(run, frames), data["curves"], strict=True):
         assert packed["label"] == curve.label
         for (name, values), line in zip(curve.lines, packed["lines"], strict=True):
             assert line["name"] == name
-            bound = max(VALUE * np.ptp(values), 1e-9 * np.abs(values).max())
+            bound = max(CURVE_RESOLUTION * np.ptp(values), 1e-9 * np.abs(values).max())
             assert np.abs(unpack(line["values"]) - values).max() <= 0.5001 * bound
 
 
@@ -113,9 +123,11 @@ def test_arrows_are_those_of_the_run(run, view):
     assert "reaction force" in {kind.kind for kind in kinds}
     for kind, packed in zip(kinds, data["arrows"], strict=True):
         longest = np.sqrt((kind.vectors**2).sum(axis=-1)).max()
-        assert np.isclose(packed["longest"], longest) and np.isclose(packed["factor"] * longest, LONGEST * size)
-        assert np.abs(unpack(packed["vectors"]) - kind.vectors).max() <= 0.5001 * ARROW * longest
-        assert np.abs(unpack(packed["points"]) - kind.points).max() <= 0.5001 * ARROW * size
+        assert np.isclose(packed["longest"], longest) and np.isclose(
+            packed["factor"] * longest, ARROW_LENGTH_SHARE * size
+        )
+        assert np.abs(unpack(packed["vectors"]) - kind.vectors).max() <= 0.5001 * ARROW_RESOLUTION * longest
+        assert np.abs(unpack(packed["points"]) - kind.points).max() <= 0.5001 * ARROW_RESOLUTION * size
         assert packed["heads"] == (1 if kind.unit == "N" else 2)
 
 
@@ -182,7 +194,7 @@ def test_saved_shown_and_described(view, tmp_path, monkeypatch):
 def test_a_state_is_shown(run):
     written = run.system.show(state=run.final)
     r, size = unpack(data_of(written)["poses"]["r"]), draw_system(run.system).size
-    assert np.abs(r[0, :-1] - run.final.q.reshape(-1, 7)[:, :3]).max() <= LENGTH * size
+    assert np.abs(r[0, :-1] - run.final.q.reshape(-1, 7)[:, :3]).max() <= POSITION_RESOLUTION * size
     assert "frames" not in repr(written) and 'id="play"' not in written.html
     assert 'id="time"' in written.html and 'id="time"' not in run.system.show().html
     with pytest.raises(ValueError, match="state has 2 bodies, the system 1"):

@@ -18,7 +18,7 @@ from .pose_equations import CLOSED_GAP_MAX, CORRECTION_MAX, PoseEquations, gap_s
 FREE_RATE_MIN = 1e-4  # [1] of a hinge in a free motion of order one; less is rounding of rows near a singular pose
 MOVED_MIN = 1e-6  # [rad, m] of a hinge that nobody asked for, by which it counts as moved
 ASKED_MISS_MAX = 1e-8  # [rad, m] of a value asked for that counts as met
-SEEDED_MOVES = 0.05, 0.2, 0.5  # [rad, lengths of the model] to poses nearby
+RESTART_OFFSETS = 0.05, 0.2, 0.5  # [rad, lengths of the model] to poses nearby
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ def by_newton(
     Where it sticks (a stretched chain that must buckle), it starts from seeded poses nearby.
     """
     first = None
-    for size in (0.0, *SEEDED_MOVES):
+    for size in (0.0, *RESTART_OFFSETS):
         nearby = seeded(compiled, start, pinned, size) if size else start
         equations = PoseEquations(compiled, nearby, targets, goals, pinned, used.astype(float))
         equations.close()

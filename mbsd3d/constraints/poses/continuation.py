@@ -15,7 +15,7 @@ from .pose_equations import PoseEquations
 
 FIRST_TURN_MAX = 1.0  # [rad] of a joint in the first step, or lengths of a slide; half a turn would be ambiguous
 MISS_MAX = 0.3  # [rad] between the pose that a step expects and the one it finds, a twentieth of a turn
-MISS_AIM = 0.15  # [rad] that steps are chosen for
+POSE_MISS_TARGET = 0.15  # [rad] that steps are chosen for
 GROWTH_MAX = 8.0  # [1] of a step over the last one, where joints turn evenly to rounding
 STEP_MIN = 1e-6  # [1] of the way; shorter ones end in a singular pose, or where what is asked for is out of reach
 CORRECTIONS_MAX = 12  # of a step on the way; one that takes more was too long
@@ -75,7 +75,7 @@ class Continuation:
 
     def next_step(self, heading: Heading, step: float, miss: float) -> float:
         """Return a step that misses by MISS_AIM, at most GROWTH_MAX times the last one; misses grow with its cube."""
-        step *= min(GROWTH_MAX, (MISS_AIM / max(miss, 1e-300)) ** (1.0 / 3.0))
+        step *= min(GROWTH_MAX, (POSE_MISS_TARGET / max(miss, 1e-300)) ** (1.0 / 3.0))
         return min(step, 1.0 - self.gone, 1.0 if self.even else FIRST_TURN_MAX / max(heading.turn, 1e-300))
 
     def heading(self, before: Heading | None) -> Heading:

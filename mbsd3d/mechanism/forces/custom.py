@@ -13,7 +13,7 @@ from ...base.checks import listed, number, sequence, shown, vector
 from ...base.errors import InputError
 from ...compiler.decorators import inner_kernel
 from ...compiler.pointer_call import call
-from ...kernels.layout import MOST_BODIES
+from ...kernels.layout import CUSTOM_FORCE_BODIES_MAX
 from ...kernels.vectors import add, add6, arm, clear, cross, dot, mat, pair, point, point_velocity, put, sub, vec
 from ..bodies import GROUND, Body, Ground
 from ..force_element import ForceElement, ForceRecord
@@ -76,8 +76,8 @@ class FunctionForce(ForceElement):
         if not isinstance(self.on, Body | Ground | list | tuple):
             raise InputError(f"{what}: on {shown(self.on)}; give a Body, GROUND or a tuple of them")
         on = (self.on,) if isinstance(self.on, Body | Ground) else tuple(self.on)
-        if not 1 <= len(on) <= MOST_BODIES:
-            raise InputError(f"{what}: acts on {len(on)} bodies; give 1 to {MOST_BODIES}")
+        if not 1 <= len(on) <= CUSTOM_FORCE_BODIES_MAX:
+            raise InputError(f"{what}: acts on {len(on)} bodies; give 1 to {CUSTOM_FORCE_BODIES_MAX}")
         for body in on:
             if not isinstance(body, Body | Ground):
                 raise InputError(f"{what}: {shown(body)} is not a body; give a Body or GROUND")

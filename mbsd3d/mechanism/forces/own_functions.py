@@ -11,9 +11,9 @@ from numba.core.ccallback import CFunc
 from numba.extending import is_jitted
 
 from ...base.errors import InputError
-from ...kernels.layout import MOST_BODIES, data_records
+from ...kernels.layout import CUSTOM_FORCE_BODIES_MAX, data_records
 
-RETURNED = 6 * MOST_BODIES  # place in Data.wrench that the wrapper sets to 0 when the function has returned
+RETURNED = 6 * CUSTOM_FORCE_BODIES_MAX  # place in Data.wrench that the wrapper sets to 0 when the function has returned
 
 
 def wrapped(function: Callable) -> Callable:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...integrators.step_control import NEARLY_SINGULAR
+from ...integrators.step_control import NEAR_SINGULAR_SHARE
 from ..record import Record
 from ..run_samples import RunSamples
 
@@ -38,7 +38,7 @@ class Check:
 def drift_limit(record: Record) -> float:
     """What errors of the steps may add up to, in the scales of the run: never more than they explain or is useful."""
     explained = LOCAL * record.rtol * record.steps if record.method.dt is None and record.method.order else np.inf
-    if record.nearest < NEARLY_SINGULAR:  # forces grow there, and with them what a step may err of their work
+    if record.nearest < NEAR_SINGULAR_SHARE:  # forces grow there, and with them what a step may err of their work
         explained = np.inf
     rounding = max(REGULAR, min(MOST_ROUNDED, ROUNDED / max(record.nearest, ROUNDED)))
     return min(USEFUL, max(min(ADDED * record.rtol, explained), rounding))

@@ -1,6 +1,6 @@
 """Orientations against angular velocities, and angles of hinges against their rates, step by step."""
 
-from ...dynamics.turning import CERTAIN
+from ...dynamics.turning import TURN_MISS_MAX
 from ..run_samples import RunSamples
 from .check import USEFUL, Check
 
@@ -14,5 +14,5 @@ def turning_checks(solution: RunSamples) -> list[Check]:
     checks = [Check("orientations", record.missed, USEFUL, meaning)]
     if solution.compiled.model.coordinate.size:
         meaning = "hinges turned so unevenly in a step that their turns cannot be counted; shorten the step"
-        checks.append(Check("turns of hinges", record.miscount, CERTAIN, meaning))
+        checks.append(Check("turns of hinges", record.miscount, TURN_MISS_MAX, meaning))
     return checks

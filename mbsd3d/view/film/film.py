@@ -19,9 +19,9 @@ from ...base.version import loading
 from ...results.body_motion import Poses
 from .frames import FilmFrames
 
-GIF_USUAL = 6.0, 4.0  # [s] the longest run that is shown in real time, and the length of other films
-GIF_FASTEST = 50.0  # frames per second; viewers show more of them slower
-TONES, PROBES = 128, 9  # colours of a GIF, frames they are found from
+GIF_SECONDS = 6.0, 4.0  # [s] the longest run that is shown in real time, and the length of other films
+GIF_FRAME_RATE_MAX = 50.0  # frames per second; viewers show more of them slower
+GIF_COLOURS_COUNT, PALETTE_FRAMES_COUNT = 128, 9  # colours of a GIF, frames they are found from
 NO_FFMPEG = (
     "export_mp4 needs ffmpeg; install it (Debian, Ubuntu: apt install ffmpeg; macOS: brew install ffmpeg; "
     "elsewhere: pip install imageio-ffmpeg), or use export_gif"
@@ -30,15 +30,15 @@ NO_FFMPEG = (
 
 def export_gif(motion: Poses, path: str | Path, *, fps: float, **options: object) -> Path:
     """See `Solution.export_gif`; ``options`` as `FilmFrames`."""
-    if number(fps, "fps", positive=True) > GIF_FASTEST:
-        raise InputError(f"fps = {fps:g} is more than viewers show; give at most {GIF_FASTEST:g}")
+    if number(fps, "fps", positive=True) > GIF_FRAME_RATE_MAX:
+        raise InputError(f"fps = {fps:g} is more than viewers show; give at most {GIF_FRAME_RATE_MAX:g}")
     path = ready_path(path, ".gif")
-    film = FilmFrames(motion, fps=fps, usual=GIF_USUAL, **options)
-    probes = np.unique(np.linspace(0, len(film) - 1, PROBES).astype(int))
+    film = FilmFrames(motion, fps=fps, usual=GIF_SECONDS, **options)
+    probes = np.unique(np.linspace(0, len(film) - 1, PALETTE_FRAMES_COUNT).astype(int))
     painted = {k: film.frame(k) for k in probes.tolist()}
     sample = Image.fromarray(np.concatenate(list(painted.values())))
-    palette = sample.quantize(TONES, method=Image.Quantize.MEDIANCUT).getpalette()
-    tones = with_paper(np.reshape(palette[: 3 * TONES], (-1, 3)).astype(np.uint8), film.sheet.paper)
+    palette = sample.quantize(GIF_COLOURS_COUNT, method=Image.Quantize.MEDIANCUT).getpalette()
+    tones = with_paper(np.reshape(palette[: 3 * GIF_COLOURS_COUNT], (-1, 3)).astype(np.uint8), film.sheet.paper)
     ends = np.rint(np.arange(len(film) + 1) * 100.0 / film.fps).astype(int)  # GIF counts in 1/100 s
     with Progress(f"making {path.name}", 0, len(film)) as bar:
         images = []

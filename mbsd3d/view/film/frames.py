@@ -17,16 +17,16 @@ from ..picture.painter import new_sheet
 from ..picture.picture import painter_of, picture_layers
 from ..picture.shading import pointers_of
 from ..scene.drawing import ARROWS, Layers
-from ..scene.frames import FILM_SECONDS, LONG, frames_of, sensible_speed
+from ..scene.frames import FILM_SECONDS, REAL_TIME_SECONDS_MAX, frames_of, sensible_speed
 from ..scene.motion import Curve, Points, arrows_of, curves_of, traces_of
 
-WIDEST = 7.2  # [inch] of the paper: a film of more than 720 pixels has finer lines, not smaller letters
-STRIP = 0.27  # height of a pair of axes below the scene, of the width
-LEGIBLE = 320  # width of curves at least [pixel]
-MOST, LARGEST = 5000, 4096  # frames of a film, pixels of a side
-COARSE = 31.0  # longest triangle or stroke, about [pixel]
-PATH = 400  # points of a path at least
-FEW = 60  # poses that say how far the motion reaches
+PAPER_WIDTH_MAX = 7.2  # [inch] of the paper: a film of more than 720 pixels has finer lines, not smaller letters
+PLOT_HEIGHT_SHARE = 0.27  # height of a pair of axes below the scene, of the width
+PLOT_WIDTH_MIN = 320  # width of curves at least [pixel]
+FRAMES_MAX, PIXELS_MAX = 5000, 4096  # frames of a film, pixels of a side
+TRIANGLE_PIXELS_MAX = 31.0  # longest triangle or stroke, about [pixel]
+PATH_POINTS_MIN = 400  # points of a path at least
+EXTENT_POSES_COUNT = 60  # poses that say how far the motion reaches
 
 
 def paced(t: np.ndarray, fps: float, speed: float | None, usual: tuple[float, float]) -> tuple[float, float, int]:
@@ -36,10 +36,10 @@ def paced(t: np.ndarray, fps: float, speed: float | None, usual: tuple[float, fl
     fps, span = number(fps, "fps", positive=True), float(t[-1] - t[0])
     speed = sensible_speed(span, *usual) if speed is None else number(speed, "speed", positive=True)
     count = round(span * fps / speed) + 1
-    if not 2 <= count <= MOST:
+    if not 2 <= count <= FRAMES_MAX:
         raise InputError(
             f"speed: {span:g} s at speed {speed:g} and {fps:g} frames per second make {count} frames, "
-            f"not 2 ... {MOST}; give another speed"
+            f"not 2 ... {FRAMES_MAX}; give another speed"
         )
     return fps, speed, count
 
@@ -64,30 +64,30 @@ class FilmFrames:
         hidden: Layers = (),
         view: Sequence[float] | None = None,
         dark: bool = False,
-        usual: tuple[float, float] = (LONG, FILM_SECONDS),
+        usual: tuple[float, float] = (REAL_TIME_SECONDS_MAX, FILM_SECONDS),
     ) -> None:
         self.fps, self.speed, count = paced(motion.t, fps, speed, usual)
-        self.width = whole(width, "width", 64, LARGEST)
-        rows = round(0.75 * self.width / 2) * 2 if height is None else whole(height, "height", 64, LARGEST)
-        self.dpi = max(100.0, self.width / WIDEST)
+        self.width = whole(width, "width", 64, PIXELS_MAX)
+        rows = round(0.75 * self.width / 2) * 2 if height is None else whole(height, "height", 64, PIXELS_MAX)
+        self.dpi = max(100.0, self.width / PAPER_WIDTH_MAX)
         self.sheet = theme(dark)
         layers = picture_layers(motion.system, shown, hidden, moving=True)
         kinds = set(ARROWS) & set(layers)
         self.frames = frames_of(motion, count)
-        self.finer = -(-PATH // (count - 1))  # points of a path per frame, so that few frames leave it round
+        self.finer = -(-PATH_POINTS_MIN // (count - 1))  # points of a path per frame, so that few frames leave it round
         fine = frames_of(motion, self.finer * (count - 1) + 1)
         self.traces = traces_of(motion, fine, traces) if "traces" in layers else []
         self.vectors = [x for x in arrows_of(motion, self.frames) if x.kind in kinds] if kinds else []
-        some = np.unique(np.linspace(0, count - 1, FEW).astype(int))
+        some = np.unique(np.linspace(0, count - 1, EXTENT_POSES_COUNT).astype(int))
         r, e = self.frames.r[some], self.frames.e[some]
         inches = (self.width / self.dpi, rows / self.dpi)
         self.painter, self.reach = painter_of(
             motion.system, r, e, inches, paths=self.traces, vectors=self.vectors, layers=layers, view=view, dark=dark,
-            fine=max(0.03, COARSE / self.width),
+            fine=max(0.03, TRIANGLE_PIXELS_MAX / self.width),
         )  # fmt: skip
         found = curves_of(motion, self.frames, curves)
-        if found and self.width < LEGIBLE:
-            raise InputError(f"width = {self.width} is too small for curves; give at least {LEGIBLE}")
+        if found and self.width < PLOT_WIDTH_MIN:
+            raise InputError(f"width = {self.width} is too small for curves; give at least {PLOT_WIDTH_MIN}")
         self.strip = Strip(found, self.frames.t, self.width, self.dpi, self.sheet) if found else None
         self.height = rows + (self.strip.height if self.strip else 0)
 
@@ -124,7 +124,7 @@ class Strip:
     """Curves over time as one image, on which the cursor moves."""
 
     def __init__(self, curves: Sequence[Curve], t: np.ndarray, width: int, dpi: float, sheet: Theme) -> None:
-        self.height = round(STRIP * width * len(curves) / 2) * 2
+        self.height = round(PLOT_HEIGHT_SHARE * width * len(curves) / 2) * 2
         self.sheet, self.pen = sheet, max(1, round(dpi / 100))
         with house(sheet):
             figure = Figure(figsize=(width / dpi, self.height / dpi), dpi=dpi, layout="constrained")

@@ -30,7 +30,7 @@ VIEWS: dict[str, dict[str, int]] = {
 }
 LINES, LINE_STRIP, TRIANGLES = 1, 3, 4
 ROUGHNESS, METALLIC = 0.6, 0.1
-RESTART = 0xFFFF  # the one short index that glTF keeps for itself
+STRIP_RESTART_INDEX = 0xFFFF  # the one short index that glTF keeps for itself
 
 
 def short(values: np.ndarray) -> list[float]:
@@ -106,7 +106,7 @@ class Asset:
     ) -> tuple:
         """Triangles or lines of a mesh: mode, material, accessors of points, normals and corners."""
         if corners is not None:
-            kind = np.dtype("<u2" if len(points) <= RESTART else "<u4")
+            kind = np.dtype("<u2" if len(points) <= STRIP_RESTART_INDEX else "<u4")
             corners = self.array(np.asarray(corners, kind).ravel(), "indices")
         if normals is not None:
             normals = self.array(np.asarray(normals, "<f4"), "vertices")

@@ -19,13 +19,13 @@ from ...results.body_motion import Poses
 from ..scene.artist import draw_system
 from ..scene.drawing import Drawing, Piece, Wire, poses_of, title_of
 from ..scene.frames import Frames, frames_of
-from ..scene.meshes import ROD, SLENDER, rolled, unit_coil, unit_rod
+from ..scene.meshes import COIL_RADIUS_RATIO, ROD_RADIUS_RATIO, rolled, unit_coil, unit_rod
 from ..scene.motion import Points, Trace, moved, nearby, traces_of
 from .asset import LINE_STRIP, LINES, TRIANGLES, Asset
 
 LAYERS = ("bodies", "joints")  # marks of centres and reference points belong to switches, which glTF does not have
-SHORTEST = 1e-6  # length that is drawn of a spring pressed to a point, in sizes of the mechanism
-UPRIGHT = rotation("x", -90, degrees=True)
+SPRING_LENGTH_MIN = 1e-6  # length that is drawn of a spring pressed to a point, in sizes of the mechanism
+Z_UP_TO_Y_UP = rotation("x", -90, degrees=True)
 
 
 def export_run(motion: Poses, path: str | Path, frames: int | None, traces: Points | None) -> Path:
@@ -56,8 +56,8 @@ def glb(system: Mechanism, frames: Frames, traces: list[Trace]) -> bytes:
         "duration": float(frames.t[-1] - frames.t[0]),
     }
     asset = Asset(about, f"mbsd3d {package_version()}")
-    place = {"translation": matrix(UPRIGHT) @ origin} if origin.any() else {}
-    root = asset.node("world, z up", rotation=as_gltf(UPRIGHT), **place)
+    place = {"translation": matrix(Z_UP_TO_Y_UP) @ origin} if origin.any() else {}
+    root = asset.node("world, z up", rotation=as_gltf(Z_UP_TO_Y_UP), **place)
     add_bodies(asset, root, [*names, "ground"], drawing, frames)
     add_links(asset, root, drawing, frames)
     for trace in traces:
@@ -116,11 +116,11 @@ def solid(asset: Asset, mesh: Mesh, colour: str) -> Iterator[tuple]:
 
 def add_links(asset: Asset, root: int, drawing: Drawing, frames: Frames) -> None:
     """Springs as coils, the links of joints as rods, from one end to the other."""
-    clock, least = frames.t - frames.t[0], ROD * drawing.size
+    clock, least = frames.t - frames.t[0], ROD_RADIUS_RATIO * drawing.size
     for link in drawing.links:
         start, end = (moved(frames, body, point) for body, point in link.ends)
-        lengths, e = rolled(end - start, SHORTEST * drawing.size)
-        width = np.full(len(lengths), max(SLENDER * lengths.mean(), least) if link.spring else least)
+        lengths, e = rolled(end - start, SPRING_LENGTH_MIN * drawing.size)
+        width = np.full(len(lengths), max(COIL_RADIUS_RATIO * lengths.mean(), least) if link.spring else least)
         mesh = asset.mesh(
             "coil" if link.spring else "rod", list(solid(asset, unit_coil() if link.spring else unit_rod(), GREY))
         )

@@ -14,18 +14,18 @@ import numpy as np
 
 from ...base.style import CELLS, DARK, LIGHT, raised
 from ..scene.camera import length_text
-from ..scene.drawing import MARKS, USUAL, Drawing
+from ..scene.drawing import DEFAULT_LAYERS, MARKS, Drawing
 from ..scene.frames import Frames
 from ..scene.motion import Arrows, Curve, Trace
 from .recorder import Recording
 from .stage import Links, Reach, Stage
 
-LENGTH = 1e-5  # resolution of positions, in units of the mechanism's size
-TURN = 1e-5  # of quaternions
-ARROW = 2e-4  # of arrows, in units of the longest
-MISSING = -(2**31)  # a value that is not finite
-VALUE = 1e-6  # of curves, in units of their range
-TRACE = 10  # characters a number of a trace takes, whose points are in the scene four times
+POSITION_RESOLUTION = 1e-5  # resolution of positions, in units of the mechanism's size
+QUATERNION_RESOLUTION = 1e-5  # of quaternions
+ARROW_RESOLUTION = 2e-4  # of arrows, in units of the longest
+NOT_FINITE_CODE = -(2**31)  # a value that is not finite
+CURVE_RESOLUTION = 1e-6  # of curves, in units of their range
+TRACE_BYTES_PER_NUMBER = 10  # characters a number of a trace takes, whose points are in the scene four times
 
 
 class Content(NamedTuple):
@@ -38,7 +38,7 @@ class Content(NamedTuple):
     curves: list[Curve]
     speed: float  # model time per real time
     title: str
-    shown: tuple[str, ...] = USUAL  # layers
+    shown: tuple[str, ...] = DEFAULT_LAYERS  # layers
     timed: bool = True  # whether the time is one of a run
     followed: int = -1  # body that the camera goes along with
     view: Sequence[float] | None = None  # azimuth and elevation of the camera at first [degrees]
@@ -56,11 +56,11 @@ class Packed(TypedDict):
 def weight_of(content: Content) -> int:
     """Characters that what moves takes in a page, all but the curves."""
     frames, size = content.frames, content.drawing.size
-    arrays = [(frames.r, LENGTH * size), (frames.e, TURN)]
+    arrays = [(frames.r, POSITION_RESOLUTION * size), (frames.e, QUATERNION_RESOLUTION)]
     for kind in content.arrows:
-        arrays += [(kind.points, ARROW * size), (kind.vectors, ARROW * kind.longest)]
+        arrays += [(kind.points, ARROW_RESOLUTION * size), (kind.vectors, ARROW_RESOLUTION * kind.longest)]
     traces = sum(trace.points.size for trace in content.traces)
-    return sum(len(pack(values, step)["data"]) for values, step in arrays) + TRACE * traces
+    return sum(len(pack(values, step)["data"]) for values, step in arrays) + TRACE_BYTES_PER_NUMBER * traces
 
 
 def scene_and_data(content: Content, user: str) -> tuple[str, dict[str, object]]:
@@ -86,7 +86,7 @@ def player_data(content: Content, stage: Stage) -> dict[str, object]:
         "followed": content.followed,
         "moving": moving,
         "bodies": [[tag.body, tag.text] for tag in drawing.tags if tag.layer == "body names" and tag.body in moving],
-        "poses": {"r": pack(frames.r, LENGTH * size), "e": pack(frames.e, TURN)},
+        "poses": {"r": pack(frames.r, POSITION_RESOLUTION * size), "e": pack(frames.e, QUATERNION_RESOLUTION)},
         "links": [links_data(links) for links in stage.links],
         "solids": [node.name for node in stage.layers["bodies"] if "/mesh" in node.name],
         "traces": [node.name for node in stage.traces],
@@ -116,8 +116,8 @@ def arrows_data(kind: Arrows, i: int, stage: Stage, size: float) -> dict[str, ob
         "node": stage.arrows[i].name,
         "longest": kind.longest,
         "factor": stage.factors[i],
-        "points": pack(kind.points, ARROW * size),
-        "vectors": pack(kind.vectors, ARROW * kind.longest),
+        "points": pack(kind.points, ARROW_RESOLUTION * size),
+        "vectors": pack(kind.vectors, ARROW_RESOLUTION * kind.longest),
     }
 
 
@@ -145,7 +145,7 @@ def curve_data(curve: Curve) -> dict[str, object]:
         values = np.asarray(values, float)
         finite = values[np.isfinite(values)]
         span, largest = (float(np.ptp(finite)), float(np.abs(finite).max())) if finite.size else (0.0, 0.0)
-        lines.append({"name": name, "values": pack(values, max(VALUE * span, 1e-9 * largest))})
+        lines.append({"name": name, "values": pack(values, max(CURVE_RESOLUTION * span, 1e-9 * largest))})
     return {"label": curve.label, "unit": raised(curve.unit), "lines": lines}
 
 
@@ -155,7 +155,7 @@ def pack(values: np.ndarray, step: float) -> Packed:
     finite = np.isfinite(values)
     largest = float(np.abs(values[finite]).max()) if finite.any() else 0.0
     step = max(float(step), largest / 2**30) or 1.0
-    whole = np.where(finite, np.rint(np.where(finite, values, 0.0) / step), MISSING).astype(np.int32)
+    whole = np.where(finite, np.rint(np.where(finite, values, 0.0) / step), NOT_FINITE_CODE).astype(np.int32)
     rows = np.ascontiguousarray(whole.reshape(len(whole), -1).T)
     for _ in range(2):
         rows = np.diff(rows, axis=1, prepend=np.int32(0))

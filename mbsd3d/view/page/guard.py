@@ -15,9 +15,9 @@ from typing import Any
 from urllib.parse import parse_qs
 from weakref import WeakSet
 
-NAMES = ("127.0.0.1", "localhost")
-CLOSING = 0.2  # s that a browser has to say goodbye when the server stops
-SERVING = threading.Lock()
+LOCAL_HOST_NAMES = ("127.0.0.1", "localhost")
+GOODBYE_SECONDS = 0.2  # s that a browser has to say goodbye when the server stops
+SERVER_LOCK = threading.Lock()
 
 
 def new_token() -> str:
@@ -25,21 +25,21 @@ def new_token() -> str:
     return secrets.token_urlsafe(16)
 
 
-SINGLE = ("Host", "Origin", "Cookie")  # headers that a request has once at most, or it means two things
+SINGLE_HEADERS = ("Host", "Origin", "Cookie")  # headers that a request has once at most, or it means two things
 
 
 def doubled(headers: Any) -> str | None:
     """Why a request is no request: a header that decides who may see the view stands in it more than once."""
-    names = [name for name in SINGLE if len(headers.get_all(name)) > 1]
+    names = [name for name in SINGLE_HEADERS if len(headers.get_all(name)) > 1]
     return f"a request has one header {names[0]}" if names else None
 
 
 def refusal(headers: Any, path: str, port: int, token: str) -> str | None:
     """Why a request is refused; None = it is not."""
-    if headers.get("Host") not in [f"{name}:{port}" for name in NAMES]:
+    if headers.get("Host") not in [f"{name}:{port}" for name in LOCAL_HOST_NAMES]:
         return "this address belongs to another machine"
     origin = headers.get("Origin")
-    if origin is not None and origin not in [f"http://{name}:{port}" for name in NAMES]:
+    if origin is not None and origin not in [f"http://{name}:{port}" for name in LOCAL_HOST_NAMES]:
         return "another page may not read this view"
     if not secrets.compare_digest(given_token(headers, path, port).encode("utf-8", "replace"), token.encode()):
         return "open the whole address that was printed, with its token"
@@ -105,11 +105,11 @@ def guarded_serving(token: str, visitors: Visitors) -> Iterator[None]:
 
     @functools.wraps(serve)
     def behind_guard(*arguments: Any, process_request: Callable | None = None, **options: Any) -> Any:
-        options.setdefault("close_timeout", CLOSING)
+        options.setdefault("close_timeout", GOODBYE_SECONDS)
         options.setdefault("create_connection", visitors.connection)
         return serve(*arguments, process_request=guarded(process_request, token), **options)
 
-    with SERVING:
+    with SERVER_LOCK:
         server.serve = behind_guard
         try:
             yield

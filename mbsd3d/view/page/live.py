@@ -20,7 +20,7 @@ from .stage import Stage
 if TYPE_CHECKING:
     from viser import ViserServer
 
-PERIOD = 1.0 / 30.0  # [s] from one picture to the next
+FRAME_SECONDS = 1.0 / 30.0  # [s] from one picture to the next
 
 
 class LiveView(Served):
@@ -69,7 +69,7 @@ class LiveView(Served):
     def _run(self) -> None:
         """Advance and show the time until stopped."""
         before = time.perf_counter()
-        while not self._ended.wait(PERIOD):
+        while not self._ended.wait(FRAME_SECONDS):
             now = time.perf_counter()
             if self.playing:
                 self.time = self._later(self.time + self.speed * (now - before))

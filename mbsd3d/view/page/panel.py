@@ -15,9 +15,9 @@ from .stage import Stage
 if TYPE_CHECKING:
     from viser import GuiApi, GuiCheckboxHandle, GuiEvent, GuiSliderHandle
 
-SPEEDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
-POINTS = 300  # of a line: the whole curve is sent again whenever its cursor moves
-CURSOR = 3  # pictures from one move of the cursors to the next
+PLAYBACK_SPEEDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
+CURVE_POINTS_MAX = 300  # of a line: the whole curve is sent again whenever its cursor moves
+CURSOR_INTERVAL_FRAMES = 3  # pictures from one move of the cursors to the next
 
 
 class Player(Protocol):
@@ -50,7 +50,7 @@ class Panel:
         button = gui.add_button("Pause", icon="player-pause")
         first, last = float(frames.t[0]), float(frames.t[-1])
         slider = gui.add_slider("time [s]", first, last, (last - first) / 1000.0, first)
-        speeds = sorted({*SPEEDS, player.speed})
+        speeds = sorted({*PLAYBACK_SPEEDS, player.speed})
         speed = gui.add_dropdown("speed", [f"{x:g}x" for x in speeds], initial_value=f"{player.speed:g}x")
 
         @button.on_click
@@ -97,7 +97,7 @@ class Panel:
         """Bring slider and cursors to a time [s]."""
         if self.slider is not None:
             self.slider.value = t
-        if self.pictures % CURSOR == 0 or not self.player.playing:
+        if self.pictures % CURSOR_INTERVAL_FRAMES == 0 or not self.player.playing:
             for plot in self.plots:
                 plot.move(t)
         self.pictures += 1
@@ -107,7 +107,7 @@ class Plot:
     """A curve with a cursor: a line of two points at the time, the last series."""
 
     def __init__(self, gui: "GuiApi", t: np.ndarray, curve: Curve, look: Theme) -> None:
-        self.t = np.linspace(t[0], t[-1], min(POINTS, t.size))
+        self.t = np.linspace(t[0], t[-1], min(CURVE_POINTS_MAX, t.size))
         self.lines = [np.interp(self.t, t, values) for _, values in curve.lines]
         low, high = min(map(np.min, self.lines)), max(map(np.max, self.lines))
         margin = 0.05 * float(high - low) or 0.05 * abs(float(high)) or 1.0

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from viser._messages import Message
 
-CLIENT = "1.1."  # the client's build this package's player drives
+CLIENT_VERSION_PREFIX = "1.1."  # the client's build this package's player drives
 
 
 def import_viser(user: str) -> "ModuleType":
@@ -29,8 +29,10 @@ def import_viser(user: str) -> "ModuleType":
     except ImportError:
         viser = None
     found = viser.__version__ if viser else "none"
-    if not found.startswith(CLIENT):
-        raise InputError(f"{user} needs viser {CLIENT}x, found {found}; install it: pip install 'viser=={CLIENT}*'")
+    if not found.startswith(CLIENT_VERSION_PREFIX):
+        raise InputError(
+            f"{user} needs viser {CLIENT_VERSION_PREFIX}x, found {found}; install it: pip install 'viser=={CLIENT_VERSION_PREFIX}*'"
+        )
     remember_hints()
     return viser
 

@@ -17,7 +17,7 @@ from ...plotting.panels import Wanted
 from ...results.body_motion import Poses
 from ..scene.artist import draw_system
 from ..scene.camera import directions
-from ..scene.drawing import USUAL, Layers, layers_of, poses_of, title_of
+from ..scene.drawing import DEFAULT_LAYERS, Layers, layers_of, poses_of, title_of
 from ..scene.frames import Frames, frames_of, sensible_speed
 from ..scene.motion import Points, arrows_of, curves_of, nearby, traces_of
 from .content import Content, weight_of
@@ -25,9 +25,12 @@ from .html import View, make_page
 from .live import LiveView
 from .stage import Reach, boxes
 
-LARGEST = 7e6  # characters of what moves in a page whose number of frames was not asked for
+MOTION_BYTES_MAX = 7e6  # characters of what moves in a page whose number of frames was not asked for
 FOLLOW_CAMERA_TRAVEL = 20.0  # sizes of a mechanism that it moves by before the camera goes along by itself
-FEW, APART = 12, 0.05  # bodies whose names do not hide the scene; share of its size that two names are apart
+NAMED_BODIES_MAX, NAME_DISTANCE_MIN = (
+    12,
+    0.05,
+)  # bodies whose names do not hide the scene; share of its size that two names are apart
 
 
 def show_system(
@@ -91,8 +94,8 @@ def animate(
             return Content(*shown, lines, pace, name, layers, True, followed, view, least)
 
         content = gathered(frames_of(motion, frames))
-        if frames is None and not live and (weight := weight_of(content)) > LARGEST:
-            content = gathered(frames_of(motion, max(2, int(content.frames.t.size * LARGEST / weight))))
+        if frames is None and not live and (weight := weight_of(content)) > MOTION_BYTES_MAX:
+            content = gathered(frames_of(motion, max(2, int(content.frames.t.size * MOTION_BYTES_MAX / weight))))
         return deliver(content, path, dark, live, "solution.animate")
 
 
@@ -128,16 +131,16 @@ def number_of(system: Mechanism, body: Body | str) -> int:
 
 def page_layers(system: Mechanism, shown: Layers, hidden: Layers) -> tuple[str, ...]:
     """The layers that a page shows first; all have switches."""
-    return layers_of(shown, hidden, (*USUAL, "body names") if names_fit(system) else USUAL)
+    return layers_of(shown, hidden, (*DEFAULT_LAYERS, "body names") if names_fit(system) else DEFAULT_LAYERS)
 
 
 def names_fit(system: Mechanism) -> bool:
     """True for few bodies whose names, at the centres of mass of the reference pose, do not lie on each other."""
     places = np.array([body.centre for body in system.bodies])
-    if not 1 < len(places) <= FEW:
-        return len(places) <= FEW
+    if not 1 < len(places) <= NAMED_BODIES_MAX:
+        return len(places) <= NAMED_BODIES_MAX
     gaps = np.linalg.norm(places[:, None] - places, axis=2)[np.triu_indices(len(places), 1)]
-    return bool(gaps.min() > APART * gaps.max())
+    return bool(gaps.min() > NAME_DISTANCE_MIN * gaps.max())
 
 
 def check_options(path: str | Path | None, title: str | None, dark: bool | None, live: bool) -> None:

@@ -15,22 +15,32 @@ from ...base.style import CELLS, GREY, SHADED, channels, linear, paler, rgb
 from ...mechanism.shapes import Mesh
 from ...mechanism.shapes.surfaces import joined
 from ..scene.camera import directions, frame_camera, round_up, sight
-from ..scene.drawing import LAYERS, USUAL, WORLD, Drawing, Link, bounds
+from ..scene.drawing import DEFAULT_LAYERS, LAYERS, WORLD_AXES, Drawing, Link, bounds
 from ..scene.frames import Frames
-from ..scene.meshes import ROD, SLENDER, Z, arrow, laid, unit_coil, unit_or_z, unit_rod, with_shade
+from ..scene.meshes import (
+    COIL_RADIUS_RATIO,
+    ROD_RADIUS_RATIO,
+    Z_AXIS,
+    arrow,
+    laid,
+    unit_coil,
+    unit_or_z,
+    unit_rod,
+    with_shade,
+)
 from ..scene.motion import Arrows, Trace, moved
 from .recorder import printable
 
 if TYPE_CHECKING:
     from viser import InitialCameraConfig, SceneApi, SceneNodeHandle
 
-FOV = 0.7  # vertical [rad]
+FIELD_OF_VIEW = 0.7  # vertical [rad]
 GROUND_FADE_DISTANCE = 12.0  # of the camera's distance, at which a ground without an edge has faded
-SUN = (-0.5, -1.5, 3.0)  # towards it
-LONGEST = 0.4  # of the mechanism's size: the longest arrow of each kind
-CELLS_ALONG, FEW_CELLS = 10.0, 2.5  # of the ground grid, along what is seen; of one without an edge
-BALL = 0.75  # half side of a box, of the radius of a ball: where the box fills a view the ball is in it
-NOTHING = 1e-9  # what is taken for a length of zero: scales of zero have no inverse
+SUN_DIRECTION = (-0.5, -1.5, 3.0)  # towards it
+ARROW_LENGTH_SHARE = 0.4  # of the mechanism's size: the longest arrow of each kind
+GRID_CELLS_COUNT, ENDLESS_GRID_CELLS_COUNT = 10.0, 2.5  # of the ground grid, along what is seen; of one without an edge
+BOX_HALF_SIDE_RATIO = 0.75  # half side of a box, of the radius of a ball: where the box fills a view the ball is in it
+SCALE_MIN = 1e-9  # what is taken for a length of zero: scales of zero have no inverse
 Box = tuple[np.ndarray, np.ndarray]  # lowest and highest corner (3,) [m]
 
 
@@ -55,7 +65,7 @@ class Links:
         spans = np.stack([moved(frames, *end) - moved(frames, *start) for start, end in self.ends], axis=1)
         lengths = np.sqrt((spans**2).sum(axis=-1)).mean(axis=0)
         spring = links[0].spring
-        self.radii = np.maximum(SLENDER * lengths if spring else 0.0, ROD * size) + 0.0 * lengths
+        self.radii = np.maximum(COIL_RADIUS_RATIO * lengths if spring else 0.0, ROD_RADIUS_RATIO * size) + 0.0 * lengths
         self.rest = unit_or_z(spans.sum(axis=0))
         mesh = unit_coil() if spring else unit_rod()
         self.node = add_copies(scene, name, mesh, channels(GREY), len(links))
@@ -70,7 +80,7 @@ class Links:
 def add_copies(scene: "SceneApi", name: str, mesh: Mesh, colours: np.ndarray, count: int) -> "SceneNodeHandle":
     """A node of ``count`` copies of a mesh, still without a place; colours (3,) or (count, 3), 0 ... 255."""
     still = np.tile([1.0, 0.0, 0.0, 0.0], (count, 1)), np.zeros((count, 3))
-    scales = np.full((count, 3), NOTHING)
+    scales = np.full((count, 3), SCALE_MIN)
     tints = np.rint(255.0 * linear(colours / 255.0)).astype(np.uint8)  # viser takes those of copies as they are
     return scene.add_batched_meshes_simple(
         name, mesh.vertices, mesh.faces, *still, batched_scales=scales, batched_colors=tints, lod="off", side="double"
@@ -83,14 +93,14 @@ def lay(
     vectors: np.ndarray,
     scale: float,
     radii: np.ndarray | None = None,
-    rest: np.ndarray = Z,
+    rest: np.ndarray = Z_AXIS,
 ) -> None:
     """Lay the copies along vectors (k, 3) [m] from points: as wide as they are long, or of given radii [m]."""
     length = np.sqrt((vectors**2).sum(axis=1))
     wide = length if radii is None else radii
     node.batched_positions = (points * scale).astype(np.float32)
     node.batched_wxyzs = laid(vectors, rest).astype(np.float32)
-    node.batched_scales = (np.column_stack([wide, wide, length]) * scale + NOTHING).astype(np.float32)
+    node.batched_scales = (np.column_stack([wide, wide, length]) * scale + SCALE_MIN).astype(np.float32)
 
 
 class Stage:
@@ -109,7 +119,7 @@ class Stage:
         frames: Frames,
         arrows: Sequence[Arrows] = (),
         traces: Sequence[Trace] = (),
-        shown: Sequence[str] = USUAL,
+        shown: Sequence[str] = DEFAULT_LAYERS,
         *,
         near: bool = False,
         endless: bool = False,
@@ -126,7 +136,7 @@ class Stage:
         ground = bounds(drawing, frames.r, frames.e, shown) if near else box
         self.scene, self.shown = scene, shown
         self.scale = float(10.0 ** -np.floor(np.log10(drawing.size / 0.5)))  # scene units per metre
-        cells = FEW_CELLS if endless else CELLS_ALONG
+        cells = ENDLESS_GRID_CELLS_COUNT if endless else GRID_CELLS_COUNT
         self.cell = round_up(max(float((box[1] - box[0]).max()), 1e-9) / cells)  # of the ground grid [m]
         self.layers: dict[str, list[SceneNodeHandle]] = {name: [] for name in LAYERS}
         self.bodies = [
@@ -142,7 +152,7 @@ class Stage:
                 self.links.append(Links(scene, name, some, frames, drawing.size, self.scale))
                 self.layers["springs and rods"].append(self.links[-1].node)
         longest = [max(x.longest, least.longest.get(x.kind, 0.0) if least else 0.0) for x in arrows]
-        self.factors = [LONGEST * drawing.size / x if x > 0.0 else 0.0 for x in longest]  # m per unit
+        self.factors = [ARROW_LENGTH_SHARE * drawing.size / x if x > 0.0 else 0.0 for x in longest]  # m per unit
         self.arrows = [self.add_arrows(i, kind) for i, kind in enumerate(arrows)]
         self.traces: list[SceneNodeHandle] = []  # the passed part of each
         for i, trace in enumerate(traces):
@@ -152,7 +162,7 @@ class Stage:
             if layer not in shown:  # nodes are visible when they are made
                 self.show(layer, False)
         self.light()
-        self.sight = sight(*seen, axes, FOV, turns=near)  # of the first view
+        self.sight = sight(*seen, axes, FIELD_OF_VIEW, turns=near)  # of the first view
         self.aim(camera)
         scene.add_frame("/ready", show_axes=False)  # the last one: once it exists, so does everything else
 
@@ -229,7 +239,7 @@ class Stage:
     def add_grid(self, low: np.ndarray, high: np.ndarray, floor: float, endless: bool) -> None:
         """A ground grid whose lines are at round coordinates."""
         thin, thick = CELLS["light"]
-        distance = frame_camera(low, high, FOV).distance * self.scale
+        distance = frame_camera(low, high, FIELD_OF_VIEW).distance * self.scale
         cell, span = self.cell, float((high - low)[:2].max())
         side = 2.0 * np.ceil(0.75 * span / cell + 1.0) * cell * self.scale
         middle = np.round(0.5 * (low + high)[:2] / cell) * cell
@@ -247,20 +257,20 @@ class Stage:
         self.scene.configure_default_lights(False)
         sky = {"sky_color": (255, 255, 255), "ground_color": (205, 205, 205), "intensity": 3.0}
         self.scene.add_light_hemisphere("/sky", **sky)
-        self.scene.add_light_directional("/sun", intensity=2.8, cast_shadow=True, position=SUN)
+        self.scene.add_light_directional("/sun", intensity=2.8, cast_shadow=True, position=SUN_DIRECTION)
 
     def aim(self, camera: "InitialCameraConfig") -> None:
         """Let the first view, in a window as wide as high, hold a whole box."""
         seen = self.sight.camera()
         distance = float(seen.distance * self.scale)
         camera.position, camera.look_at = seen.position * self.scale, seen.look_at * self.scale
-        camera.fov, camera.near, camera.far = FOV, 1e-3 * distance, 1e3 * distance
+        camera.fov, camera.near, camera.far = FIELD_OF_VIEW, 1e-3 * distance, 1e3 * distance
 
 
 def boxes(drawing: Drawing, frames: Frames, layers: Sequence[str], axes: np.ndarray) -> tuple[Box, Box]:
     """What some layers take up in all frames, along the axes of the world and those of a view."""
     r, e = frames.r, frames.e
-    return bounds(drawing, r, e, layers, WORLD), bounds(drawing, r, e, layers, axes)
+    return bounds(drawing, r, e, layers, WORLD_AXES), bounds(drawing, r, e, layers, axes)
 
 
 def around(one: Box, other: Box) -> Box:
@@ -270,5 +280,5 @@ def around(one: Box, other: Box) -> Box:
 
 def swing(pivot: np.ndarray, low: np.ndarray, high: np.ndarray, axes: np.ndarray) -> Reach:
     """The space round a point on which all that is in a box at first hangs or stands."""
-    half = BALL * np.linalg.norm(np.maximum(np.abs(low - pivot), np.abs(high - pivot)))
+    half = BOX_HALF_SIDE_RATIO * np.linalg.norm(np.maximum(np.abs(low - pivot), np.abs(high - pivot)))
     return Reach((pivot - half, pivot + half), (axes @ pivot - half, axes @ pivot + half), {})

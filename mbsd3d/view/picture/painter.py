@@ -16,13 +16,13 @@ from matplotlib.transforms import IdentityTransform
 
 from ...base.rotations import matrix
 from ...base.style import LIGHT, Theme, channels
-from ..scene.camera import NEAR, Lens, length_text, round_down, window
-from ..scene.drawing import USUAL, Drawing
+from ..scene.camera import NEAR_PLANE_SHARE, Lens, length_text, round_down, window
+from ..scene.drawing import DEFAULT_LAYERS, Drawing
 from ..scene.motion import Trace
-from .shading import SEAM, Items, Pointers, Solids, join, outlines, split_strokes, strokes_as_items
+from .shading import SEAM_WIDTH, Items, Pointers, Solids, join, outlines, split_strokes, strokes_as_items
 
-POINT = 72.0  # points per inch
-FINE = 0.045  # longest triangle or stroke, of the size of what is seen
+POINTS_PER_INCH = 72.0  # points per inch
+TRIANGLE_SIZE_MAX = 0.045  # longest triangle or stroke, of the size of what is seen
 BEFORE = 1e3  # sizes of what is seen by which arrows are painted as if nearer: most start within solids
 PEN, LINK, AXIS, PATH = 0.7, 1.6, 1.0, 1.3  # line widths [points]
 SIZE, GAP = 9.0, 7.0  # of the letters of names, and from a name to its point [points]
@@ -79,9 +79,9 @@ class Painter:
         inches: tuple[float, float],  # width and height of the paper
         *,
         sheet: Theme = LIGHT,
-        layers: Collection[str] = USUAL,  # "ground grid" is the floor with its grid and the shadows
+        layers: Collection[str] = DEFAULT_LAYERS,  # "ground grid" is the floor with its grid and the shadows
         also: np.ndarray = NONE,  # (k, 3) more points that must fit, world [m]: paths, tips of arrows
-        fine: float = FINE,  # longest triangle or stroke, of the size of all that is seen
+        fine: float = TRIANGLE_SIZE_MAX,  # longest triangle or stroke, of the size of all that is seen
     ) -> None:
         self.lens, self.sheet, self.inches, self.ground = lens, sheet, inches, "ground grid" in layers
         hues = dict(zip(LIGHT.lines, sheet.lines, strict=True))
@@ -104,7 +104,9 @@ class Painter:
         self.longest = fine * self.size
         self.solids = Solids(pieces, self.longest)
         self.corner, opposite = window(lens.project(cloud)[0], inches)
-        self.scale = POINT * inches[0] / (opposite - self.corner)[0]  # points of the paper per unit of the projection
+        self.scale = (
+            POINTS_PER_INCH * inches[0] / (opposite - self.corner)[0]
+        )  # points of the paper per unit of the projection
         self.cell = round_down(0.22 * self.size)
 
     def on_paper(self, points: np.ndarray) -> np.ndarray:
@@ -141,7 +143,7 @@ class Painter:
 
         The axes get the paper's units of 1/72 inch; names belong to the last pose.
         """
-        width, height = POINT * self.inches[0], POINT * self.inches[1]
+        width, height = POINTS_PER_INCH * self.inches[0], POINTS_PER_INCH * self.inches[1]
         axes.set(xlim=(0, width), ylim=(0, height))
         axes.set_axis_off()
         found = [self.items(r, e) for r, e in poses]
@@ -170,7 +172,9 @@ class Painter:
         if len(order) > MANY:
             axes.add_artist(Mosaic(polygons, fill, pen))
             return
-        drawn = PolyCollection(polygons, facecolors=fill, edgecolors=fill, linewidths=SEAM, joinstyle="round", zorder=3)
+        drawn = PolyCollection(
+            polygons, facecolors=fill, edgecolors=fill, linewidths=SEAM_WIDTH, joinstyle="round", zorder=3
+        )
         drawn.set_antialiased(pen)  # the paper must not shine through between triangles
         axes.add_collection(drawn, autolim=False)
 
@@ -192,14 +196,14 @@ class Painter:
                 strokes.append(line)
         short, _ = split_strokes(np.array(strokes), 0.25 * self.cell)
         far = np.linalg.norm(short.mean(axis=1)[:, :2] - middle, axis=1) / reach
-        seen = (far < 1.0) & (self.lens.project(short)[1] > NEAR * self.lens.distance).all(axis=1)
+        seen = (far < 1.0) & (self.lens.project(short)[1] > NEAR_PLANE_SHARE * self.lens.distance).all(axis=1)
         short, far = short[seen], far[seen]
         tints = grid + (paper - grid) * np.clip(1.6 * far - 0.6, 0.0, 1.0)[:, None]
         axes.add_collection(
             LineCollection(self.on_paper(short), colors=tints, linewidths=0.6, zorder=2, capstyle="butt"), autolim=False
         )
         style = {"ha": "right", "va": "bottom", "fontsize": 8, "color": self.sheet.muted}
-        axes.text(POINT * self.inches[0] - 8, 7, f"grid {length_text(self.cell)}", **style)
+        axes.text(POINTS_PER_INCH * self.inches[0] - 8, 7, f"grid {length_text(self.cell)}", **style)
 
     def paint_directions(self, axes: Axes) -> None:
         """The world's axes in the corner, as they lie in the middle of the picture."""
@@ -222,15 +226,17 @@ class Painter:
         halo = [withStroke(linewidth=2.4, foreground=self.sheet.paper)]
         for tag, (x, y), texts in lines:
             text = ", ".join(texts)
-            half = min(0.3 * SIZE * len(text), 0.5 * POINT * self.inches[0])  # about that: it stays on the paper
-            x = np.clip(x, half, POINT * self.inches[0] - half)
+            half = min(
+                0.3 * SIZE * len(text), 0.5 * POINTS_PER_INCH * self.inches[0]
+            )  # about that: it stays on the paper
+            x = np.clip(x, half, POINTS_PER_INCH * self.inches[0] - half)
             side, va = (1.0, "bottom") if tag.layer == "body names" else (-1.0, "top")
             style = {"fontsize": SIZE, "ha": "center", "va": va, "path_effects": halo, "zorder": 5}
             axes.text(x, y + side * GAP, text, color=self.readable(tag.colour), **style)
 
     def write_note(self, axes: Axes, text: str) -> None:
         """A line in the upper left corner."""
-        axes.text(8, POINT * self.inches[1] - 8, text, ha="left", va="top", fontsize=9, color=self.sheet.ink)
+        axes.text(8, POINTS_PER_INCH * self.inches[1] - 8, text, ha="left", va="top", fontsize=9, color=self.sheet.ink)
 
     def readable(self, colour: str) -> np.ndarray:
         """A colour moved towards the ink, for letters."""

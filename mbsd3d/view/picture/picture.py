@@ -14,10 +14,10 @@ from ...mechanism.state import State
 from ...results.body_motion import Poses
 from ..scene.artist import draw_system
 from ..scene.camera import frame_camera, lens_of, pair, seen_from, stood_back
-from ..scene.drawing import ARROWS, MARKS, NAMES, USUAL, Layers, bounds, layers_of, poses_of
+from ..scene.drawing import ARROWS, DEFAULT_LAYERS, MARKS, NAMES, Layers, bounds, layers_of, poses_of
 from ..scene.frames import Frames, frames_at, frames_of
 from ..scene.motion import Arrows, Points, Trace, arrows_of, traces_of
-from .painter import FINE, NONE, Painter, new_sheet
+from .painter import NONE, TRIANGLE_SIZE_MAX, Painter, new_sheet
 from .shading import pointers_of, tips_of
 
 LEGIBLE = 14  # names that a picture can hold
@@ -36,7 +36,7 @@ class Continuous(Protocol):
 def picture_layers(system: Mechanism, shown: Layers, hidden: Layers, *, moving: bool) -> tuple[str, ...]:
     """The layers of a picture: with names where there are few; a system at rest has no arrows."""
     few = len(system.bodies) + len(system.joints) <= LEGIBLE
-    layers = layers_of(shown, hidden, (*USUAL, *NAMES) if few else USUAL)
+    layers = layers_of(shown, hidden, (*DEFAULT_LAYERS, *NAMES) if few else DEFAULT_LAYERS)
     if not moving and set(ARROWS) & set(layers):
         raise InputError(f"shown: a system at rest has no arrows; give some of {', '.join((*NAMES, *MARKS))}")
     return layers
@@ -53,7 +53,7 @@ def painter_of(
     layers: Collection[str],
     view: Sequence[float] | None,
     dark: bool,
-    fine: float = FINE,
+    fine: float = TRIANGLE_SIZE_MAX,
     drawn: slice = slice(None),
 ) -> tuple[Painter, float]:
     """A painter whose paper holds all poses, paths and drawn arrows, and the length of the longest arrow [m].

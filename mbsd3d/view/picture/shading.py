@@ -19,14 +19,18 @@ from ..scene.meshes import arrow, edges_of, flat_normals, laid, unit, welded
 from ..scene.motion import Arrows
 
 CREASE = np.cos(np.radians(35.0))  # edges with a sharper bend are drawn
-DARK, LIT, GLOSS = 0.48, 1.15, 0.14  # brightness of a face turned away from the light and towards it; highlight
-FINER = 0.4  # how much smaller triangles of thin, and of large and round solids are
-SEAM = 0.35  # width of the line around each polygon: without it gaps would show
-PALE = 0.12  # share of white in all colours
-OUTLINE = 0.38  # brightness of the outline
-LIGHT = np.array([-0.45, 0.75, -0.55])  # towards the light, from right, up and forward of the eye
-THICK, HEAD = 0.018, 0.14  # radius of the shaft and length of a head, of the longest arrow
-SHORTEST = 0.04  # of the longest arrow: shorter ones are not drawn
+SHADOW_BRIGHTNESS, LIT_BRIGHTNESS, HIGHLIGHT_BRIGHTNESS = (
+    0.48,
+    1.15,
+    0.14,
+)  # brightness of a face turned away from the light and towards it; highlight
+THIN_TRIANGLE_FACTOR = 0.4  # how much smaller triangles of thin, and of large and round solids are
+SEAM_WIDTH = 0.35  # width of the line around each polygon: without it gaps would show
+WHITE_SHARE = 0.12  # share of white in all colours
+OUTLINE_BRIGHTNESS = 0.38  # brightness of the outline
+LIGHT_DIRECTION = np.array([-0.45, 0.75, -0.55])  # towards the light, from right, up and forward of the eye
+ARROW_RADIUS_RATIO, ARROW_HEAD_RATIO = 0.018, 0.14  # radius of the shaft and length of a head, of the longest arrow
+ARROW_LENGTH_MIN = 0.04  # of the longest arrow: shorter ones are not drawn
 
 
 class Items(NamedTuple):
@@ -94,7 +98,7 @@ class Prepared(NamedTuple):
 def prepare(piece: Piece, longest: float) -> Prepared:
     """Split triangles and edges of a piece; down to ``FINER`` times ``longest`` if it is thin, or large and round."""
     faces, vertices = welded(piece.mesh.vertices, piece.mesh.faces)
-    thickness, finest = float(np.ptp(vertices, axis=0).min()), FINER * longest
+    thickness, finest = float(np.ptp(vertices, axis=0).min()), THIN_TRIANGLE_FACTOR * longest
     limit = min(longest, max(thickness, finest))
     whole = vertices[faces]
     normals, corners = flat_normals(whole), vertex_normals(piece.mesh)[piece.mesh.faces]
@@ -113,11 +117,11 @@ def prepare(piece: Piece, longest: float) -> Prepared:
         triangles=split[..., :3],
         flat=normals[parent],
         round=unit(split[..., 3:].mean(axis=1)),
-        tints=(brightness * (PALE + (1.0 - PALE) * tint))[parent],
+        tints=(brightness * (WHITE_SHARE + (1.0 - WHITE_SHARE) * tint))[parent],
         body=np.full(len(split), piece.body),
         edges=short,
         sides=sides[of],
-        inks=np.full((len(short), 3), OUTLINE) * tint,
+        inks=np.full((len(short), 3), OUTLINE_BRIGHTNESS) * tint,
         owner=np.full(len(short), piece.body),
         lifts=np.full(len(short), lift),
     )
@@ -168,11 +172,11 @@ def strokes_as_items(strokes: np.ndarray, ink: np.ndarray | tuple, pen: float, l
 
 def shaded(tints: np.ndarray, normals: np.ndarray, lens: Lens) -> np.ndarray:
     """Colours of faces: the cosine law wrapped around the body (no face is black), and a soft highlight."""
-    light = LIGHT @ lens.axes / np.linalg.norm(LIGHT)
+    light = LIGHT_DIRECTION @ lens.axes / np.linalg.norm(LIGHT_DIRECTION)
     halfway = light - lens.axes[2]
     cosine = normals @ light
-    bright = DARK + (LIT - DARK) * (0.5 + 0.5 * cosine) ** 1.2
-    gloss = GLOSS * np.clip(normals @ (halfway / np.linalg.norm(halfway)), 0.0, 1.0) ** 24
+    bright = SHADOW_BRIGHTNESS + (LIT_BRIGHTNESS - SHADOW_BRIGHTNESS) * (0.5 + 0.5 * cosine) ** 1.2
+    gloss = HIGHLIGHT_BRIGHTNESS * np.clip(normals @ (halfway / np.linalg.norm(halfway)), 0.0, 1.0) ** 24
     white = np.clip(bright - 0.92, 0.0, None)[:, None] * 1.2 + gloss[:, None]
     return np.clip(tints * bright[:, None] * (1.0 - white) + white, 0.0, 1.0)
 
@@ -182,7 +186,7 @@ def outlines(corners: np.ndarray, widths: np.ndarray) -> np.ndarray:
     polygons = corners[:, [0, 1, 2, 2]]
     pen = widths > 0.0
     start, end = corners[pen, 0], corners[pen, 1]
-    along = unit(end - start) * 0.5 * (widths[pen, None] - SEAM)
+    along = unit(end - start) * 0.5 * (widths[pen, None] - SEAM_WIDTH)
     aside = along[:, ::-1] * (-1.0, 1.0)
     start, end = start - 0.5 * along, end + 0.5 * along  # where two of them meet at an angle, no notch is left
     polygons[pen] = np.stack([start + aside, end + aside, end - aside, start - aside], axis=1)
@@ -206,7 +210,10 @@ class Pointers(NamedTuple):
 def arrow_along(start: np.ndarray, vector: np.ndarray, reach: float, heads: int) -> Mesh:
     """An arrow that is a short one among arrows of up to ``reach`` [m]: thinner when it is too short for its head."""
     length = float(np.linalg.norm(vector))
-    head, thin = min(HEAD * reach, 0.8 * length / heads), THICK * reach * min(1.0, length / (2.0 * HEAD * reach))
+    head, thin = (
+        min(ARROW_HEAD_RATIO * reach, 0.8 * length / heads),
+        ARROW_RADIUS_RATIO * reach * min(1.0, length / (2.0 * ARROW_HEAD_RATIO * reach)),
+    )
     return moved(arrow(heads, length, thin, head), matrix(laid(vector[None])[0]), start)
 
 
@@ -220,7 +227,7 @@ def pointers_of(arrows: Arrows, frame: int, reach: float, lens: Lens) -> Pointer
     longest, pieces = arrows.longest, []
     for k, name in enumerate(arrows.names):
         vector = reach / longest * arrows.vectors[frame, k]
-        if np.linalg.norm(vector) > SHORTEST * reach:
+        if np.linalg.norm(vector) > ARROW_LENGTH_MIN * reach:
             mesh = arrow_along(arrows.points[frame, k], vector, reach, arrows.heads)
             pieces.append(Piece(name, arrows.kind, 0, mesh, arrows.tints[k]))
     unsure = ", pale: not unique" if any(arrows.uncertain) else ""

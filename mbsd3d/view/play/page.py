@@ -22,10 +22,10 @@ from ..scene.drawing import poses_of
 from ..scene.frames import Frames
 from ..scene.motion import nearby
 
-SCENE = ("unpack.js", "scene.js", "curves.js", "common.js")
-RIDE = ("strips.js", "gamepad.js", "ride.js")
+SCENE_SCRIPTS = ("unpack.js", "scene.js", "curves.js", "common.js")
+LIVE_RUN_SCRIPTS = ("strips.js", "gamepad.js", "ride.js")
 SECONDS = 10.0  # of the model that the live curves show
-SHAPES = ("vertices", "faces", "points")  # of the messages of nodes
+SHAPE_KEYS = ("vertices", "faces", "points")  # of the messages of nodes
 Shapes = Mapping[str, Mapping[str, list[float]]]  # node -> what makes its shape
 
 
@@ -63,7 +63,9 @@ def ride_page(model: Playable, built: Built, look: Look) -> str:
         "scene": recording.data(),
         "client": client_head(),
         "data": as_script(data),
-        "script": "\n".join([asset(name) for name in SCENE] + [asset(name, __package__) for name in RIDE]),
+        "script": "\n".join(
+            [asset(name) for name in SCENE_SCRIPTS] + [asset(name, __package__) for name in LIVE_RUN_SCRIPTS]
+        ),
         "dark": json.dumps(look.dark),
     }
     marked = {name: Markup(text) for name, text in texts.items()}
@@ -100,7 +102,7 @@ def shapes_of(system: Mechanism) -> Shapes:
     found = {}
     for message in recording.recorder.messages.values():
         props = getattr(message, "props", None)
-        shape = {key: np.ravel(getattr(props, key)).tolist() for key in SHAPES if hasattr(props, key)}
+        shape = {key: np.ravel(getattr(props, key)).tolist() for key in SHAPE_KEYS if hasattr(props, key)}
         if shape and message.name.startswith("/bodies/"):
             found[message.name] = shape
     return found

@@ -17,12 +17,12 @@ from ...results.run_result import RunResult
 from ...run.live_run import PERIOD, Frame, Playing
 from ..page.served import Served
 from ..page.show import animate
-from ..scene.drawing import USUAL
+from ..scene.drawing import DEFAULT_LAYERS
 from .page import SECONDS, Look, ride_page, shapes_of
 from .server import Server
 
-PACES = (0.01, 10.0)  # seconds of the model per second
-STEADY = 6  # frames from one look at what seldom changes to the next
+PACE_RANGE = (0.01, 10.0)  # seconds of the model per second
+SLOW_LOOK_INTERVAL_FRAMES = 6  # frames from one look at what seldom changes to the next
 
 
 class Play(Served):
@@ -98,7 +98,7 @@ class Play(Served):
             self._drawn = system
             self._worker.submit(self._redraw, system)
         self._count += 1
-        news = self._news() if self._count % STEADY == 0 else ""
+        news = self._news() if self._count % SLOW_LOOK_INTERVAL_FRAMES == 0 else ""
         self._told, news = news or self._told, news if news != self._told else ""
         head = [frame.t, frame.late, frame.share]
         self._server.publish(news, np.concatenate([head, curves, frame.poses.ravel()]).astype("<f8").tobytes())
@@ -141,7 +141,7 @@ class Play(Served):
                 do(playing.run, on)
             case {"watch": True}:
                 do(playing.watch, True)
-            case {"pace": float(x)} if PACES[0] <= x <= PACES[1]:
+            case {"pace": float(x)} if PACE_RANGE[0] <= x <= PACE_RANGE[1]:
                 do(playing.slow, x)
             case {"do": "reset"}:
                 do(playing.reset)
@@ -186,7 +186,7 @@ class Play(Served):
 def ride_so_far(solution: Poses, curves: Wanted | None, look: Look) -> str:
     """A page of its own, that needs no server."""
     follow = solution.system.bodies[look.followed] if look.followed >= 0 else None
-    hidden = [layer for layer in (*USUAL, "body names") if layer not in look.layers]
+    hidden = [layer for layer in (*DEFAULT_LAYERS, "body names") if layer not in look.layers]
     view = animate(
         solution, None, curves=curves, traces=None, shown=look.layers, hidden=hidden, frames=None, speed=None,
         title=look.title, dark=look.dark, live=False, follow=follow, view=look.view,

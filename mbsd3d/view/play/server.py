@@ -11,14 +11,14 @@ from http import HTTPStatus
 from typing import TYPE_CHECKING
 
 from ...base.errors import InputError
-from ..page.guard import CLOSING, Visitors, guarded
+from ..page.guard import GOODBYE_SECONDS, Visitors, guarded
 from ..page.served import HOST
 
 if TYPE_CHECKING:
     from websockets.asyncio.server import ServerConnection
     from websockets.http11 import Request, Response
 
-MESSAGE = 2**12  # bytes that a key or a slider needs at most
+MESSAGE_BYTES_MAX = 2**12  # bytes that a key or a slider needs at most
 
 
 class Outlet:
@@ -100,8 +100,8 @@ class Server:
         silent.addHandler(logging.NullHandler())  # tracebacks of those who hang up
         silent.propagate = False
         self.server = await serve(
-            self._converse, sock=self.socket, process_request=guarded(self._answer, self.token), max_size=MESSAGE,
-            compression=None, close_timeout=CLOSING, create_connection=self.visitors.connection, ping_interval=None,
+            self._converse, sock=self.socket, process_request=guarded(self._answer, self.token), max_size=MESSAGE_BYTES_MAX,
+            compression=None, close_timeout=GOODBYE_SECONDS, create_connection=self.visitors.connection, ping_interval=None,
             logger=silent, server_header=None,
         )  # fmt: skip
         ready.set()

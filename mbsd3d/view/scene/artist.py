@@ -15,11 +15,13 @@ from ...mechanism.shapes.homogeneous import shapes_of
 from ...mechanism.shapes.kinds import Ellipsoid, Lines
 from ...mechanism.shapes.surfaces import ball, block, joined, moved
 from .drawing import Drawing, Link, Piece, Tag, Wire, bounds, corners, poses_of
-from .glyphs import RIM, anchor, circles, joints_of, scaled, solids, spokes
+from .glyphs import RIM_RADIUS_RATIO, anchor, circles, joints_of, scaled, solids, spokes
 
-FAR = 100.0  # of its size: a mechanism that is farther from the origin of the world is shown about another one
-THREAD = 0.002  # width over length of what is drawn as a line too
-LIFT = np.full(3, np.nan)  # lifts the pen between two strokes
+ORIGIN_DISTANCE_MAX = (
+    100.0  # of its size: a mechanism that is farther from the origin of the world is shown about another one
+)
+LINE_WIDTH_RATIO_MAX = 0.002  # width over length of what is drawn as a line too
+PEN_LIFT = np.full(3, np.nan)  # lifts the pen between two strokes
 
 
 def draw_system(system: Mechanism) -> Drawing:
@@ -33,7 +35,11 @@ def thread(vertices: np.ndarray) -> np.ndarray:
     axes = np.linalg.svd(vertices - middle, full_matrices=False)[2]
     along = (vertices - middle) @ axes.T
     length, width = np.ptp(along, axis=0)[:2]
-    return middle + np.outer([along[:, 0].min(), along[:, 0].max()], axes[0]) if width < THREAD * length else axes[:0]
+    return (
+        middle + np.outer([along[:, 0].min(), along[:, 0].max()], axes[0])
+        if width < LINE_WIDTH_RATIO_MAX * length
+        else axes[:0]
+    )
 
 
 class Artist:
@@ -72,7 +78,7 @@ class Artist:
             return shapes_of(body)
         axis = body.local_axis(disc.axis)
         turn = quaternion_from_matrix(np.column_stack([*perpendiculars(axis), axis]))
-        inner = (1.0 - 1.3 * RIM) * disc.radius  # the rim is drawn with the joint
+        inner = (1.0 - 1.3 * RIM_RADIUS_RATIO) * disc.radius  # the rim is drawn with the joint
         return (Ellipsoid((inner, inner, 0.1 * disc.radius), orientation=turn),)
 
     def arms(self) -> None:
@@ -82,7 +88,7 @@ class Artist:
             points = joints_of(part)
             for body, point in points:
                 if body is not GROUND:
-                    strokes.setdefault(self.place[id(body)], []).extend([body.com, body.local_point(point), LIFT])
+                    strokes.setdefault(self.place[id(body)], []).extend([body.com, body.local_point(point), PEN_LIFT])
             if hasattr(part, "at_a") and len(points) == 2:
                 first, second = ((self.place[id(body)], body.local_point(point)) for body, point in points)
                 self.drawing.links.append(Link(self.system.name(part), (first, second), part in self.system.forces))
@@ -143,5 +149,5 @@ class Artist:
         mark = self.grain(size)
         self.marks(mark)
         self.joints(mark)
-        step = 10.0 ** np.ceil(np.log10(FAR * size))
+        step = 10.0 ** np.ceil(np.log10(ORIGIN_DISTANCE_MAX * size))
         return self.drawing._replace(size=size, floor=float(low[2]), origin=step * np.round(0.5 * (low + high) / step))

@@ -9,17 +9,17 @@ from ...base.checks import number, shown
 from ...base.errors import InputError
 
 FRAMING_FACTOR = 1.12  # of what is seen: the box and some air
-NEAR = 0.02  # of the camera's distance: what is nearer to the eye cannot be drawn
-ASIDE = 2.0  # tangent of the angle from the middle of the view at which a path is still seen well
+NEAR_PLANE_SHARE = 0.02  # of the camera's distance: what is nearer to the eye cannot be drawn
+VIEW_TANGENT_MAX = 2.0  # tangent of the angle from the middle of the view at which a path is still seen well
 FOLLOW_HEIGHT_FACTOR = 1.4  # of the height of what the camera goes along with: it may rise and tip over
 WINDOW_MARGIN = 0.06  # of a window, on every side
-AZIMUTH, HEIGHT = np.radians((-58.0, 22.0))  # of the camera, seen from the middle
-VIEW = np.array([  # towards the camera, right, up
-    (np.cos(HEIGHT) * np.cos(AZIMUTH), np.cos(HEIGHT) * np.sin(AZIMUTH), np.sin(HEIGHT)),
-    (-np.sin(AZIMUTH), np.cos(AZIMUTH), 0.0),
-    (-np.sin(HEIGHT) * np.cos(AZIMUTH), -np.sin(HEIGHT) * np.sin(AZIMUTH), np.cos(HEIGHT)),
+CAMERA_AZIMUTH, CAMERA_ELEVATION = np.radians((-58.0, 22.0))  # of the camera, seen from the middle
+VIEW_AXES = np.array([  # towards the camera, right, up
+    (np.cos(CAMERA_ELEVATION) * np.cos(CAMERA_AZIMUTH), np.cos(CAMERA_ELEVATION) * np.sin(CAMERA_AZIMUTH), np.sin(CAMERA_ELEVATION)),
+    (-np.sin(CAMERA_AZIMUTH), np.cos(CAMERA_AZIMUTH), 0.0),
+    (-np.sin(CAMERA_ELEVATION) * np.cos(CAMERA_AZIMUTH), -np.sin(CAMERA_ELEVATION) * np.sin(CAMERA_AZIMUTH), np.cos(CAMERA_ELEVATION)),
 ])  # fmt: skip
-STEPS = np.array([1.0, 2.0, 5.0, 10.0])
+ROUND_NUMBERS = np.array([1.0, 2.0, 5.0, 10.0])
 
 
 class Camera(NamedTuple):
@@ -39,7 +39,7 @@ def frame_camera(low: np.ndarray, high: np.ndarray, fov: float = 0.7) -> Camera:
     low, high = np.asarray(low, float), np.asarray(high, float)
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
     half = half if half.any() else np.full(3, 0.5)
-    towards, right, up = VIEW
+    towards, right, up = VIEW_AXES
     w = half * np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
     across = FRAMING_FACTOR * np.abs(w @ np.column_stack([right, up])).max(axis=1)
     distance = float((w @ towards + across / np.tan(0.5 * fov)).max())
@@ -80,7 +80,7 @@ def sight(low: np.ndarray, high: np.ndarray, axes: np.ndarray, fov: float, *, tu
 def directions(view: Sequence[float] | None) -> np.ndarray:
     """(3, 3) towards the camera, right and up at an azimuth and an elevation [degrees]; None = the usual ones."""
     if view is None:
-        return VIEW
+        return VIEW_AXES
     azimuth, elevation = np.radians(checked_view(view))
     (c, s), (cz, sz) = (np.cos(azimuth), np.sin(azimuth)), (np.cos(elevation), np.sin(elevation))
     return np.array([(cz * c, cz * s, sz), (-s, c, 0.0), (-sz * c, -sz * s, cz)])
@@ -95,7 +95,7 @@ def stood_back(camera: Camera, points: np.ndarray) -> Camera:
     w = points - camera.look_at
     along = w @ towards
     aside = np.linalg.norm(w - along[:, None] * towards, axis=1)
-    distance = float((along + aside / ASIDE).max(initial=camera.distance))
+    distance = float((along + aside / VIEW_TANGENT_MAX).max(initial=camera.distance))
     return camera._replace(position=camera.look_at + distance * towards, distance=distance)
 
 
@@ -139,7 +139,7 @@ class Lens(NamedTuple):
         """
         seen = (points - self.eye) @ self.axes.T
         depth = seen[..., 2]
-        return seen[..., :2] / np.maximum(depth, NEAR * self.distance)[..., None], depth
+        return seen[..., :2] / np.maximum(depth, NEAR_PLANE_SHARE * self.distance)[..., None], depth
 
 
 def lens_of(camera: Camera) -> Lens:
@@ -165,13 +165,13 @@ def window(points: np.ndarray, shape: tuple[float, float]) -> tuple[np.ndarray, 
 
 def round_up(length: float) -> float:
     """1, 2 or 5 times a power of ten, not below ``length``."""
-    steps = STEPS * 10.0 ** np.floor(np.log10(length))
+    steps = ROUND_NUMBERS * 10.0 ** np.floor(np.log10(length))
     return float(f"{steps[steps >= length][0]:.1g}")
 
 
 def round_down(length: float) -> float:
     """1, 2 or 5 times a power of ten, not above ``length``."""
-    steps = STEPS * 10.0 ** np.floor(np.log10(length))
+    steps = ROUND_NUMBERS * 10.0 ** np.floor(np.log10(length))
     return float(f"{steps[steps <= length * (1.0 + 1e-9)][-1]:.1g}")
 
 

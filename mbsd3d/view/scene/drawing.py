@@ -20,11 +20,11 @@ from ...run.simulation import check_state
 ARROWS = ("angular velocity", "angular momentum", "reaction force", "reaction moment")
 NAMES = ("body names", "joint names")
 MARKS = ("centre of mass", "reference point")
-USUAL = ("bodies", "joints", "springs and rods", "traces", "ground grid")
+DEFAULT_LAYERS = ("bodies", "joints", "springs and rods", "traces", "ground grid")
 LAYERS = ("bodies", "body names", "joints", "joint names", "springs and rods", "traces", "ground grid", *ARROWS, *MARKS)
 Layers = str | Iterable[str]
-WORLD = np.eye(3)  # its axes
-WORK = 20_000_000  # points times poses that are looked at for the bounds
+WORLD_AXES = np.eye(3)  # its axes
+BOUND_POINTS_MAX = 20_000_000  # points times poses that are looked at for the bounds
 
 
 class Piece(NamedTuple):
@@ -138,7 +138,7 @@ def corners(drawing: Drawing, layers: Collection[str] = LAYERS) -> dict[int, np.
 
 
 def bounds(
-    drawing: Drawing, r: np.ndarray, e: np.ndarray, layers: Collection[str] = LAYERS, axes: np.ndarray = WORLD
+    drawing: Drawing, r: np.ndarray, e: np.ndarray, layers: Collection[str] = LAYERS, axes: np.ndarray = WORLD_AXES
 ) -> tuple[np.ndarray, np.ndarray]:
     """Lowest and highest corner along ``axes`` (rows, world) [m], over poses.
 
@@ -146,7 +146,7 @@ def bounds(
     are empty. In long runs of large systems every k-th pose is looked at.
     """
     points = corners(drawing, layers) or corners(drawing)
-    step = 1 + len(r) * sum(map(len, points.values())) // WORK
+    step = 1 + len(r) * sum(map(len, points.values())) // BOUND_POINTS_MAX
     r, e = r[::step], e[::step]
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for body, local in points.items():

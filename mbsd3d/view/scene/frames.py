@@ -19,14 +19,20 @@ from ...base.quaternions import H
 from ...results.body_motion import Poses
 from ...results.run_result import RunResult
 
-TURN, RATE = 0.2, 25.0  # [rad] a body turns at most from frame to frame; frames per second of film
-MOST, ALL_POSES, REQUESTED_FRAMES_MAX = (
+TURN_PER_FRAME_MAX, FRAME_RATE = 0.2, 25.0  # [rad] a body turns at most from frame to frame; frames per second of film
+FRAMES_MAX, POSES_MAX, REQUESTED_FRAMES_MAX = (
     1000,
     200_000,
     100_000,
 )  # frames, poses of all bodies, frames that may be asked for
-SHORT, LONG, FILM_SECONDS = 2.0, 30.0, 10.0  # s of a run shown in real time; s any other one takes
-FAR = 1.5  # [rad] a body turns between two samples: beyond it the nearest sample is shown; the error below is 1e-3 rad
+REAL_TIME_SECONDS_MIN, REAL_TIME_SECONDS_MAX, FILM_SECONDS = (
+    2.0,
+    30.0,
+    10.0,
+)  # s of a run shown in real time; s any other one takes
+INTERPOLATED_TURN_MAX = (
+    1.5  # [rad] a body turns between two samples: beyond it the nearest sample is shown; the error below is 1e-3 rad
+)
 
 
 class Frames(NamedTuple):
@@ -73,13 +79,13 @@ def enough_frames(motion: Poses) -> int:
         fastest = float(np.linalg.norm(motion.arrays["v"][..., 3:], axis=-1).max())
     else:
         fastest = float((turns(motion) / np.diff(motion.t)).max())
-    wanted = 1 + math.ceil(max(fastest * span / TURN, RATE * span / sensible_speed(span)))
-    return max(min(wanted, MOST, ALL_POSES // len(motion.system.bodies)), 2)
+    wanted = 1 + math.ceil(max(fastest * span / TURN_PER_FRAME_MAX, FRAME_RATE * span / sensible_speed(span)))
+    return max(min(wanted, FRAMES_MAX, POSES_MAX // len(motion.system.bodies)), 2)
 
 
-def sensible_speed(seconds: float, longest: float = LONG, sensible: float = FILM_SECONDS) -> float:
+def sensible_speed(seconds: float, longest: float = REAL_TIME_SECONDS_MAX, sensible: float = FILM_SECONDS) -> float:
     """Real time for a run of 2 s ... ``longest``, else a round factor that makes it about ``sensible`` seconds."""
-    if seconds <= 0.0 or SHORT <= seconds <= longest:
+    if seconds <= 0.0 or REAL_TIME_SECONDS_MIN <= seconds <= longest:
         return 1.0
     exact = seconds / sensible
     decade = 10.0 ** np.floor(np.log10(exact))
@@ -114,7 +120,7 @@ def between(motion: Poses, t: np.ndarray) -> Between:
     right = np.minimum(left + 1, samples.size - 1)
     step = samples[right] - samples[left]
     share = np.clip((t - samples[left]) / np.where(step > 0.0, step, 1.0), 0.0, 1.0)
-    far = (turns(motion) > FAR)[left] if samples.size > 1 else np.zeros(t.size, bool)
+    far = (turns(motion) > INTERPOLATED_TURN_MAX)[left] if samples.size > 1 else np.zeros(t.size, bool)
     return Between(left, right, np.where(far, np.round(share), share), step)
 
 

@@ -19,8 +19,8 @@ from ...mechanism.shapes.surfaces import Mesh, ball, block, cylinder, moved, tor
 from ...mechanism.tooth_contact import Axle
 
 AXES_OF_A, AXES_OF_B = ("axis", "axis_a", "normal"), ("axis_b", "lateral")
-LOCKED = 5  # rows from which a joint without an angle cannot turn
-RIM = 0.015  # tube of a rolling circle in parts of its radius
+LOCKED_ROWS_MIN = 5  # rows from which a joint without an angle cannot turn
+RIM_RADIUS_RATIO = 0.015  # tube of a rolling circle in parts of its radius
 
 
 class Glyph(NamedTuple):
@@ -88,7 +88,7 @@ def ends(joint: Joint, body: Body | Ground, point: np.ndarray, size: float) -> l
     if hasattr(joint, "speed"):
         along = joint.direction if joint.axis is None else joint.axis
         return [placed(torus(0.62 * size, 0.1 * size), joint.b, point, along)]
-    if sum(row.n_rows for row in joint.primitives) >= LOCKED:
+    if sum(row.n_rows for row in joint.primitives) >= LOCKED_ROWS_MIN:
         along = joint.axis if hasattr(joint, "axis") else np.array([0.0, 0.0, 1.0])
         return [placed(scaled(block(), 0.7 * size, 0.7 * size, 0.9 * size), body, point, along)]
     both = [(body, point), (joint.a, joint.at_a)] if hasattr(joint, "at_a") else [(body, point)]
@@ -98,7 +98,7 @@ def ends(joint: Joint, body: Body | Ground, point: np.ndarray, size: float) -> l
 
 def circle(body: Body | Ground, centre: np.ndarray, axis: np.ndarray, radius: float) -> Glyph:
     """A thin ring that turns with a body, with the outer radius in its true size."""
-    return placed(torus((1.0 - RIM) * radius, RIM * radius, 60, 4), body, centre, axis)
+    return placed(torus((1.0 - RIM_RADIUS_RATIO) * radius, RIM_RADIUS_RATIO * radius, 60, 4), body, centre, axis)
 
 
 def pitch_circle(gear: Body | Ground, axle: Axle, at: np.ndarray) -> Glyph:

@@ -21,8 +21,8 @@ from ...results.run_result import RunResult
 from .drawing import ARROWS, Drawing
 from .frames import Between, Frames, between
 
-TRACES = 12  # at most, unless asked for
-NOTHING = 1e-9  # of its scale: what rounding leaves of a vector that is zero
+TRACES_MAX = 12  # at most, unless asked for
+VECTOR_ROUNDING = 1e-9  # of its scale: what rounding leaves of a vector that is zero
 Points = Iterable[Body | str | tuple[Body | str, Iterable[float]]]
 
 
@@ -109,7 +109,7 @@ def arrows_of(motion: Poses, frames: Frames) -> list[Arrows]:
     )
     made = []
     for kind, (unit, found, size, tint) in zip(ARROWS, kinds, strict=True):
-        if seen := [x for x in found if np.abs(x.values).max() > NOTHING * size]:
+        if seen := [x for x in found if np.abs(x.values).max() > VECTOR_ROUNDING * size]:
             points = np.stack([x.points for x in seen], axis=1)
             vectors = np.stack([where.blend(x.values) for x in seen], axis=1)
             unsure = tuple(x.uncertain for x in seen)
@@ -172,7 +172,7 @@ def traces_of(motion: Poses, frames: Frames, points: Points | None = None) -> li
     paths = [moved(frames, i, body.com) for i, body in enumerate(system.bodies)]
     ways = np.array([float(np.ptp(path, axis=0).max()) for path in paths])
     size = max(motion.compiled.model.length, float(np.ptp(np.concatenate(paths), axis=0).max()))
-    most = sorted(np.argsort(-ways, kind="stable")[:TRACES].tolist())
+    most = sorted(np.argsort(-ways, kind="stable")[:TRACES_MAX].tolist())
     return [Trace(system.bodies[i].name, colour(i), paths[i]) for i in most if ways[i] > 0.01 * size]
 
 
