@@ -13,13 +13,11 @@ from ..mechanism.drivers import AngleDriver, SlideDriver, SpeedDriver
 from .rank import redundant_combinations
 
 COORDINATE_DRIVERS = (AngleDriver, SlideDriver, SpeedDriver)
-TOLERANCE = 1e-9  # of the prescribed values, in model lengths and radians
-DRIVER_PARTICIPATION_MIN = (
-    1e-3  # share of the drivers in a dependency: near a singular pose rounding puts 1e-5 of them into all others
-)
-SIGNAL_COMPARISON_TIMES = np.concatenate(
-    [[0.0], np.logspace(-3.0, 3.0, 25)]
-)  # s after the start, at which signals are compared
+TOLERANCE = 1e-9  # [m of the model, rad] difference of prescribed values that counts as a conflict; rounding is 1e-15
+# [1] least share of a driver in a dependency that names it; rounding near a singular pose puts 1e-5 into all others
+DRIVER_PARTICIPATION_MIN = 1e-3
+# [s] after the start, at which the signals of drivers are compared: from fast jitters to slow drifts
+SIGNAL_COMPARISON_TIMES = np.concatenate([[0.0], np.logspace(-3.0, 3.0, 25)])
 
 
 @dataclass(frozen=True)

@@ -21,8 +21,8 @@ import scipy.linalg
 from ..base.errors import InputError
 from ..equations.jacobian import BlockRows
 
-PIVOT_SHARE_MIN = 1e-3  # smallest part of a picked row on its body, relative to the row: bounds the growth of the rest
-DENSE_CORE_ROWS = 64  # what is left is analysed as a whole: a dense decomposition of this size takes a millisecond
+PIVOT_SHARE_MIN = 1e-3  # [1] of the row: least part of a pivot row on its body; bounds the growth of the remaining rows
+DENSE_CORE_ROWS = 64  # [rows] left for a dense decomposition; one of this size takes a millisecond
 
 
 class Part(NamedTuple):

@@ -13,8 +13,8 @@ from ..mechanism.bodies import GROUND, Body
 from ..mechanism.joints import Joint
 from ..mechanism.joints.pairs import Spherical
 
-ZERO_INERTIA_RATIO = 1e-12  # of the largest moment of a body is none: a thin rod tilted in its body has rounding there
-AXIS_POINT_TOLERANCE = 1e-9  # model lengths within which an axis goes through a point
+ZERO_INERTIA_RATIO = 1e-12  # [1] of the largest moment of inertia; rounding of a thin rod that is tilted in its body
+AXIS_POINT_TOLERANCE = 1e-9  # [model lengths] between an axis and a point on it; rounding is 1e-15
 
 
 @dataclass(frozen=True)
@@ -96,8 +96,8 @@ def spin_of(compiled: Compiled, data: Data, body: Body, joints: list[Joint], twi
         "give the body a radius"
     ]
     return Spin(
-        body=name(body), axis=axis, joints=tuple(name(joint) for joint in through), own=centre <= AXIS_POINT_TOLERANCE * length,
-        inertia=inertia, massless=massless, cure=", or ".join(cures) or "hold or drive it",
+        body=name(body), axis=axis, joints=tuple(name(joint) for joint in through),
+        own=centre <= AXIS_POINT_TOLERANCE * length, inertia=inertia, massless=massless, cure=", or ".join(cures) or "hold or drive it",
     )  # fmt: skip
 
 

@@ -24,14 +24,12 @@ from scipy.sparse.linalg import splu
 from ..base.errors import AssemblyError
 from ..equations.jacobian import BlockRows, scaled
 
-SMALL_SYSTEM_BODIES_MAX = 20
-SINGULAR_VALUE_RESOLUTION = (
-    1e-6  # relative size of a singular value that rounding of an inverse (1e-15 / PROVEN) cannot feign
-)
+SMALL_SYSTEM_BODIES_MAX = 20  # [bodies] up to which dense matrices are faster than sparse ones
+# [1] of the largest singular value: least value that proves itself; the inverse has a rounding of 1e-15 over this
+SINGULAR_VALUE_RESOLUTION = 1e-6
 Matrix = np.ndarray | csr_array
-LEAST_SQUARES_DAMPING = (
-    1e-14  # between rounding (1e-16 times the growth of a factorisation) and the squares of small pivots
-)
+# [1] of the largest entry: above rounding (1e-16 times the growth of a factorisation), below squares of small pivots
+LEAST_SQUARES_DAMPING = 1e-14
 
 
 def least(D: Matrix, A: Matrix, b: np.ndarray, f: np.ndarray | None = None, passes: int = 1) -> np.ndarray:

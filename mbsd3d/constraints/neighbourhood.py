@@ -22,7 +22,8 @@ from .least_squares import shortest
 from .poses.pose_equations import displacements, gap_size, newton
 from .rank import Analysis
 
-NEIGHBOUR_OFFSETS = (0.05, -0.05)  # radians or lengths of the model
+NEIGHBOUR_OFFSETS = (0.05, -0.05)  # [rad, model lengths] of the poses beside; small for a turn, large for rounding
+
 WAY_MIN = 0.3  # [1] of a step: the two branches of a dead centre leave 0.7 of it between them, a structure 1e-6
 LOST_SHARE_MIN = 0.02  # [1] of a step that is taken back: the third order of one of 0.05 rad leaves 1e-3
 LOST_MIN = 1e-6  # [1] singular value that counts beside: what comes back ends 1e-8 off, steps of 0.05 change 1e-3

@@ -16,7 +16,8 @@ from ..kernels.layout import Data, Model, Tree
 from .elimination import PIVOT_SHARE_MIN, Core, Elimination
 from .least_squares import proven
 
-DENSE_ROWS_MAX = 150  # of a dense factorisation that is faster than elimination and singular values of what is left
+DENSE_ROWS_MAX = 150  # [rows] up to which one dense factorisation is faster than elimination along bodies
+
 OPEN_TOLERANCE = 1e-7  # [1] of unit combinations of redundant rows: what rounding leaves of one that is zero
 
 

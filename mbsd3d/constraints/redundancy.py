@@ -26,7 +26,8 @@ from .remedies import Cure, direction_text, find_cures
 from .singularity import singularities
 from .spanning_tree import loop_weights
 
-FIT_TOLERANCE_DEFAULT, FIT_TOLERANCE_RATIO = 1e-5, 1e-4  # m; of the model's length, for mechanisms smaller than a hand
+FIT_TOLERANCE_DEFAULT = 1e-5  # [m] by which parts as built may fail to fit; a usual tolerance of manufacture
+FIT_TOLERANCE_RATIO = 1e-4  # [1] of the model length: the limit of mechanisms smaller than a hand
 
 
 @dataclass(frozen=True)

@@ -24,9 +24,9 @@ from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .rank import Analysis, without_rounding
 
-REMEDIES_REPORTED_MAX = 12  # cures reported
-EXHAUSTIVE_JOINTS_MAX = 40  # joints among which single ones and pairs are searched; beyond, a set is built up greedily
-JOINT_COST = {Cylindrical: 1, Universal: 2, Planar: 3, PointOnPlane: 3}  # harder to build than Spherical or PointOnLine
+REMEDIES_REPORTED_MAX = 12  # [remedies] that a report lists; more are not read
+EXHAUSTIVE_JOINTS_MAX = 40  # [joints] among which all singles and pairs are tried; beyond, a set is built up greedily
+JOINT_COST = {Cylindrical: 1, Universal: 2, Planar: 3, PointOnPlane: 3}  # [1] over Spherical and PointOnLine
 
 
 @dataclass(frozen=True)

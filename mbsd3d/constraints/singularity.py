@@ -22,13 +22,13 @@ from .neighbourhood import (
 )
 from .rank import Analysis, orthonormal
 
-NEAR_SINGULAR_RATIO = 2e-2  # least singular value over the largest; of the reference mechanisms none is below 0.03
-SINGULAR_VALUE_GAP = (
-    0.1  # over the next one: those of long chains fall evenly, one that is being lost falls away from the others
-)
-JOINT_PARTICIPATION_MIN = 0.3  # of the joint that moves most: those that are named
-MOVE_TIMES_COUNT = 4
-INFINITESIMAL = "infinitesimal"  # the first word on a pose whose mobility is lost beside it
+NEAR_SINGULAR_RATIO = 2e-2  # [1] least over largest singular value; no reference mechanism is below 0.03
+# [1] of a singular value over the next one: values of long chains fall evenly, one that vanishes falls away from them
+SINGULAR_VALUE_GAP = 0.1
+JOINT_PARTICIPATION_MIN = 0.3  # [1] of the joint that moves most: least motion of a joint that a message names
+MOVE_TIMES_COUNT = 4  # [times] at which the motion beside a pose is looked at
+INFINITESIMAL = "infinitesimal"  # first word of the message on a pose that loses its mobility beside it
+
 SHARE_MIN = 1e-2  # [1] of the largest entry of a redundant combination: rows that take part; steps turn it by less
 
 

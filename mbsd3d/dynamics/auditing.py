@@ -11,16 +11,11 @@ from ..kernels.vectors import add, cross, dot, pair, scale, vec
 from .state_rates import audit_rates
 
 AUDITED_FIELDS = "open_work", "open_push", "open_turn"  # of integrators.memory.NOW
-INTEGRAL_ROW, ERROR_ROW, FIRST_RATE_ROW = (
-    0,
-    1,
-    2,
-)  # rows of Run.audit: integrals, their errors, and from the third on rates, newest first
-PAST_RATES_COUNT = 4  # rates at the ends of steps before this one
-EQUAL_STEP_TOLERANCE = 1e-6  # of a step is what the next one may differ by to count as equally long
-MOULTON_WEIGHTS = (
-    np.array([646.0, -264.0, 106.0, -19.0]) / 720.0
-)  # weights of these rates, and that of the one at the end
+INTEGRAL_ROW, ERROR_ROW, FIRST_RATE_ROW = 0, 1, 2  # rows of Run.audit: integrals, errors, then rates, newest first
+PAST_RATES_COUNT = 4  # [rates] at the ends of earlier steps, as the formula of fifth order needs
+EQUAL_STEP_TOLERANCE = 1e-6  # [1] of a step: difference to the next one that counts as none
+# [1] weights of the rates at the ends of earlier steps and of this one: formula of Adams and Moulton, fifth order
+MOULTON_WEIGHTS = np.array([646.0, -264.0, 106.0, -19.0]) / 720.0
 MOULTON_END_WEIGHT = 251.0 / 720.0
 
 

@@ -11,9 +11,9 @@ from ..compiler.decorators import inner_kernel, late_kernel
 from ..kernels.surfaces import meeting
 from ..kernels.vectors import arm, columns, cross, dot, sub, vec
 
-TURN_PER_STEP_MAX = 1.0  # rad in a step
-TURN_ROUNDING = 1e-6  # of what turns, by rounding; it changes nothing
-CLEARANCE_DIP_SHARE = 0.25  # of the depth of a dip: a cubic errs by a twelfth of it where a surface turns by a radian
+TURN_PER_STEP_MAX = 1.0  # [rad] of a surface in a step between two moments without contact
+TURN_ROUNDING = 1e-6  # [1] of the turn: rounding of it, which changes no clearance
+CLEARANCE_DIP_SHARE = 0.25  # [1] of the depth of a dip: a cubic errs by a twelfth of it if a surface turns by a radian
 
 
 @inner_kernel

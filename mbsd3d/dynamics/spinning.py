@@ -13,9 +13,9 @@ import numpy as np
 from ..compiler.decorators import inner_kernel, kernel
 from ..kernels.vectors import add, cross, dot, scale, sub, vec
 
-SPIN_ANGLE_MIN = 0.1  # rad: bodies that turn less in a step are left as they are
-ACCELERATION_ROUNDING = 1e-4  # of the spin squared: an acceleration that does not count
-SPIN_ANGLE_MAX = 40.0  # rad in a step
+SPIN_ANGLE_MIN = 0.1  # [rad] in a step: bodies that turn by less are integrated as they are
+ACCELERATION_ROUNDING = 1e-4  # [1] of the spin squared: angular acceleration that counts as none
+SPIN_ANGLE_MAX = 40.0  # [rad] in a step: longest turn of a body
 
 
 @inner_kernel

@@ -19,11 +19,10 @@ from ..solver.saddle_point import SOLVED, factor, refine, solve
 from .applied_forces import loads
 
 PROJECTED, NOT_CLOSED, UNSOLVED = 0, 1, 2
-SINGULAR_PIVOT, RELEASED_ROW_GAP = 1e-4, 1e-10  # pivots below which rows are let go, and by how much they may then gape
-FACTOR_FROM_OTHER_POSE, FACTOR_FROM_THIS_POSE = (
-    np.int64(0),
-    np.int64(1),
-)  # where the factor at hand belongs; plain ints would be compiled a second time
+SINGULAR_PIVOT = 1e-4  # [1] pivot of a loop row below which the row may be released
+RELEASED_ROW_GAP = 1e-10  # [1] residual of a released row up to which it stays released
+# Pose that the factorisation at hand belongs to; plain ints would be compiled a second time.
+FACTOR_FROM_OTHER_POSE, FACTOR_FROM_THIS_POSE = np.int64(0), np.int64(1)
 
 
 @inner_kernel

@@ -16,15 +16,13 @@ from ..kernels.kinematics import product, quaternion_of, rotation_matrix
 from ..kernels.vectors import add, cross, dot, put, rotate, scale, sub, vec
 from .spinning import turned_by
 
-TURN_MISS_MAX = 1.0  # rad between an angle and the mean of its rates over a step: a third of where turns are miscounted
-ORIENTATION_ERROR_FACTOR = (
-    0.2  # times the squares of the angles by which w turns and swings in a step, times the second term above, is
-)
-# what the formula may err by: six times its error for free bodies, twelve for one that swings about an axis
-ERROR_MEMORY_FACTOR = (
-    0.8  # of what a step allowed is allowed in the next: the second term vanishes at moments, its error does not
-)
-TURN_ROUNDING, TURN_PER_STEP_MIN = 1e-12, 1e-12  # of a turn, by which it may change; rad in a step
+TURN_MISS_MAX = 1.0  # [rad] between an angle and the mean of its rates over a step; turns are miscounted from pi on
+# [1] times the squares of the angles by which w turns and swings in a step, times the second term above: what the
+# formula may err by. It is six times the error of free bodies, twelve times that of one that swings about an axis.
+ORIENTATION_ERROR_FACTOR = 0.2
+ERROR_MEMORY_FACTOR = 0.8
+TURN_ROUNDING = 1e-12  # [1] of a turn: by which rounding may change it
+TURN_PER_STEP_MIN = 1e-12  # [rad] in a step: less is rounding
 
 
 @inner_kernel

@@ -16,7 +16,7 @@ from ..mechanism.primitives import COORDINATES, Coordinate
 from ..mechanism.signals import Signal
 from .frames import Frames
 
-EQUAL_MOMENT_TOLERANCE = 1e-6  # of the largest moment: moments that differ by less are equal
+EQUAL_MOMENT_TOLERANCE = 1e-6  # [1] of the largest moment of inertia: difference of moments that counts as none
 
 
 def key_of(x: Coordinate) -> tuple:

@@ -18,10 +18,9 @@ from ..solver.joint_basis import choose_blocks, choose_joint_rows
 from ..solver.loop_rows import PROXIMAL_FACTOR
 from ..solver.row_rank import PIVOT_UNKNOWN
 
-INERTIA_CLASS_RATIO = (
-    1e-3  # of the heaviest inertia: bodies below it, and below each further power of it, are lighter by a class
-)
-INERTIA_CLASSES = 8
+# [1] of the heaviest inertia: bodies below it, and below each further power of it, are lighter by a class
+INERTIA_CLASS_RATIO = 1e-3
+INERTIA_CLASSES = 8  # [classes]; lighter bodies belong to the last one
 
 
 def build_spanning_tree(model: Model, data: Data, rows: np.ndarray | None = None, dtype: type = float) -> Tree:
@@ -101,7 +100,7 @@ def inertias_about_points(model: Model) -> np.ndarray:
 
 
 def lightness(inertias: np.ndarray) -> np.ndarray:
-    """(n,) class of each body: 0 for ordinary ones, 1 for those below `LIGHT` of the heaviest, ..."""
+    """(n,) class of each body: 0 for ordinary ones, 1 for those below `INERTIA_CLASS_RATIO` of the heaviest, ..."""
     share = inertias / (inertias.max(initial=0.0) or 1.0)
     least = INERTIA_CLASS_RATIO**INERTIA_CLASSES
     return np.trunc(np.log(np.maximum(share, least)) / np.log(INERTIA_CLASS_RATIO) + 1e-9).astype(np.int64)

@@ -33,20 +33,16 @@ from .step_control import (
     take_steps,
 )
 
-ITERATIONS = 12  # of Newton's method in one attempt
-REFACTOR_CONTRACTION = 0.2  # contraction above which the matrix is made anew
-ROUNDING_CONTRACTION = 0.5  # contraction above which corrections as small as rounding are rounding
-FINE_RTOL_MAX = 1e-8  # up to this rtol a step may err LOCAL rtol: less, and what Newton's method leaves would count,
-COARSE_RTOL_EXPONENT = (
-    -0.2
-)  # beyond, times the excess to this power, a tenth of it at 1e-3: the many steps err all that they may
-NEWTON_RESIDUAL_SHARE = (
-    1e-3  # of rtol is what Newton's method may leave of a velocity, relative to the scales of the error
-)
-MULTIPLIER_GROWTH_MAX = (
-    10.0  # times the multipliers at the end of a step: these are not forces of stiff elements that ring
-)
-STEP_GROWTH_MIN = 1.3  # growth below which the step, and with it the matrix, is kept
+ITERATIONS = 12  # [iterations] of Newton's method in one attempt
+REFACTOR_CONTRACTION = 0.2  # [1] contraction of Newton's method above which its matrix is factorised again
+ROUNDING_CONTRACTION = 0.5  # [1] contraction above which a correction as small as rounding is rounding
+# [1] rtol up to which a step may err its full share: below it, the residual of Newton's method would count. Beyond, the
+# share falls with this power of the excess, to a tenth at 1e-3: there the many steps err all that they may.
+FINE_RTOL_MAX = 1e-8
+COARSE_RTOL_EXPONENT = -0.2
+NEWTON_RESIDUAL_SHARE = 1e-3  # [1] of rtol: what Newton's method may leave of a velocity, in the scales of the error
+MULTIPLIER_GROWTH_MAX = 10.0  # [1] of the multipliers in a step: more comes from stiff elements that oscillate
+STEP_GROWTH_MIN = 1.3  # [1] growth below which the step is kept, and with it the matrix
 
 
 @inner_kernel

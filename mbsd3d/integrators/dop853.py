@@ -12,14 +12,13 @@ from .memory import Stages, Table, new_stages, widest_gap
 from .method import Method, check_max_step
 from .runge_kutta import advance
 
-STIFF_WORK_MAX = 2e5  # steps times bodies, some three seconds: what a stiff run may still take before it is stopped
-
+STIFF_WORK_MAX = 2e5  # [steps times bodies] a stiff run may still take before it stops; some three seconds
 STAGES_COUNT = SCIPY.n_stages
-DENSE_NODES = [0, 6, 7, 8, 9, 10]  # of all choices with small weights that where a kink hides least
+DENSE_NODES = [0, 6, 7, 8, 9, 10]  # stages of the interpolant: of all choices with small weights the best at a kink
 
 
 def second_estimate(first: np.ndarray, c: np.ndarray) -> np.ndarray:
-    """Weights of a divided difference of the rates at `NODES`, with the leading term of the first estimate.
+    """Weights of a divided difference of the rates at `DENSE_NODES`, with the leading term of the first estimate.
 
     Where a rate has a kink within the step, as when a contact opens, any estimate vanishes for some places of the kink,
     and the step would be taken whatever it errs. Two estimates vanish at different places.

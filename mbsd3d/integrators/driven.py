@@ -30,22 +30,18 @@ from .step_control import (
     way_to_singular,
 )
 
-TURN_PER_POSE_MAX = 0.3  # rad between poses: Newton stays on its branch
-POSE_DISTANCE_GROWTH_MAX = (
-    4.0  # of the distance between poses from one to the next, or up to what was enough for the fastest turn so far
-)
-TURN_RATIO_MAX = (
-    2.0  # times that is the turn, by the angular velocity found at the new pose, from which on it is not believed
-)
-STEP_HALVINGS_MAX = 30  # of the distance between poses before a mechanism counts as one that cannot go on
-SINGULAR_PIVOT_MAX = (
-    1e-6  # pivot, the square of a small angle: below, velocities and accelerations are those of the poses before
-)
-SKIPPED_PIVOT_MAX = 1e-7  # pivot below which the next pose may lie behind the singular one
-EXTRAPOLATION_TURN = 1e-2  # rad between these poses: their squares are far above rounding, their sixth power is not
-EXTRAPOLATION_WEIGHTS = np.array(
-    [6.0, -15.0, 20.0, -15.0, 6.0, -1.0]
-)  # f(0) = 6 f(-h) - 15 f(-2 h) + ...: exact to h^5
+TURN_PER_POSE_MAX = 0.3  # [rad] from pose to pose: Newton's method stays on its branch
+# [1] of the distance between poses from one to the next, or up to what was enough for the fastest turn so far
+POSE_DISTANCE_GROWTH_MAX = 4.0
+# [1] of a turn over the turn that the angular velocity at the new pose gives: above it the pose is on another branch
+TURN_RATIO_MAX = 2.0
+STEP_HALVINGS_MAX = 30  # [halvings] of the distance between poses before a mechanism counts as stuck
+# [1] pivot, the square of a small angle: below it, velocities and accelerations are extrapolated from earlier poses
+SINGULAR_PIVOT_MAX = 1e-6
+SKIPPED_PIVOT_MAX = 1e-7  # [1] pivot below which the next pose may lie behind the singular one
+EXTRAPOLATION_TURN = 1e-2  # [rad] between these poses: its square is far above rounding, its sixth power is not
+# [1] f(0) = 6 f(-h) - 15 f(-2 h) + ...: exact to h^5
+EXTRAPOLATION_WEIGHTS = np.array([6.0, -15.0, 20.0, -15.0, 6.0, -1.0])
 
 
 class Extrapolated(NamedTuple):
@@ -128,7 +124,7 @@ def advance_to(m, d, s, own, run, t, x, h):
 
 @inner_kernel
 def farthest(m, run):
-    """Time [s] to the next pose at most: in which a body may turn TURN_PER_POSE, or half the way to a singular pose.
+    """Time [s] to the next pose at most: in which a body may turn TURN_PER_POSE_MAX, or half the way to a singular pose.
 
     Turns are h w + h^2/2 alpha of now, and no distance is more than GROWTH of the last one: a dead point tells little
     of what follows. Two branches nearly meet where a mechanism passes close by a singular pose: longer steps would come

@@ -109,8 +109,8 @@ class Run(NamedTuple):
 
 
 def allocate_run(
-    y: np.ndarray, bodies: int, times: np.ndarray, capacity: int, width: int, terms: int, turns: np.ndarray = NO_SIGNAL_KNOTS,
-    contacts: np.ndarray = NONE, audits: int = 6,
+    y: np.ndarray, bodies: int, times: np.ndarray, capacity: int, width: int, terms: int,
+    turns: np.ndarray = NO_SIGNAL_KNOTS, contacts: np.ndarray = NONE, audits: int = 6,
 ) -> Run:  # fmt: skip
     """Memory for a start at y; the fields of its records are zero."""
     dy, trial, trial_rate, work, work_rate = np.zeros((5, y.size))

@@ -23,7 +23,7 @@ from ..kernels.layout import Data, Model
 from ..kernels.rows import row_speed, rows
 from ..kernels.vectors import add, cross, dot, mat, pair, put6, rotate, scale, sub, vec
 
-COMPLEX_STEP = 1e-40  # of a complex step: its square vanishes, so the derivative is exact to rounding
+COMPLEX_STEP = 1e-40  # [1] imaginary part of a complex step: its square vanishes, so derivatives are exact to rounding
 
 
 @by_reference

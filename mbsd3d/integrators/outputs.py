@@ -19,11 +19,10 @@ from ..solver.saddle_point import SOLVED
 from .memory import FULL, NO_SOLUTION, NOT_CLOSING, RUNNING, STOPPED
 from .step_control import hermite, interpolate, note_rows, update_scales
 
-EVENT_NEWTON_STEPS = (
-    6  # Newton steps to the time of an event, each a step of the method; the first is good to its dense output
-)
-EVENT_SCAN_INTERVALS = 8  # parts of a step that are searched for an event, or of a radian that a body spins in it
-MONOTONE_TURN_MAX = 1.0  # rad in a step, up to which a measure is taken to rise and fall once at most
+EVENT_NEWTON_STEPS = 6  # [steps] of Newton's method to the time of an event; the first uses the dense output
+EVENT_SCAN_INTERVALS = 8  # [intervals] of a step, or of a radian that a body turns in it, searched for an event
+MONOTONE_TURN_MAX = 1.0  # [rad] in a step up to which a measure rises and falls once at most
+
 GOLDEN_RATIO_INVERSE = 0.5 * (np.sqrt(5.0) - 1.0)
 
 

@@ -23,16 +23,16 @@ from .step_control import (
     take_steps,
 )
 
-ITERATIONS = 10  # of Newton's method in one attempt
-NEWTON_RESIDUAL_SHARE = 0.1  # of LOCAL rtol is what Newton's method may leave
-JACOBIAN_REUSE_CONTRACTION = 0.1  # contraction up to which J is kept for the next step
-STEP_GROWTH_MIN = 1.2  # growth below which the step, and with it the factors, is kept
-DIFFERENCE_SHARE = 1.5e-8  # of its unit by which a coordinate is changed for J
+ITERATIONS = 10  # [iterations] of Newton's method in one attempt
+NEWTON_RESIDUAL_SHARE = 0.1  # [1] of the local error allowed: what Newton's method may leave
+JACOBIAN_REUSE_CONTRACTION = 0.1  # [1] contraction up to which the Jacobian is kept for the next step
+STEP_GROWTH_MIN = 1.2  # [1] growth below which the step is kept, and with it the factors
+DIFFERENCE_SHARE = 1.5e-8  # [1] of the unit of a coordinate: step of the differences for the Jacobian, root of rounding
 
 
 @inner_kernel
 def tolerance(run):
-    """What a step may err by its estimate of order 3, for one of order 5 within LOCAL rtol (ratio 2/3)."""
+    """What a step may err by its estimate of order 3, for one of order 5 within LOCAL_ERROR_SHARE rtol (ratio 2/3)."""
     return LOCAL_ERROR_SHARE * run.task.rtol ** (2.0 / 3.0)
 
 

@@ -34,29 +34,22 @@ from .step_control import (
     way_to_singular,
 )
 
-STEP_ERROR_SHARE = 2.0 * LOCAL_ERROR_SHARE  # of rtol is what a step of these methods may err: most err a tenth of it,
-STEP_SAFETY_FACTOR = (
-    0.75  # since the next one is this times the step that would err as much; few are then tried in vain
-)
+STEP_ERROR_SHARE = 2.0 * LOCAL_ERROR_SHARE  # [1] of rtol: error that a step may have; most have a tenth of it
+# [1] of the step that would have this error: the next step; few are then rejected
+STEP_SAFETY_FACTOR = 0.75
 
-# What rounding of a pose makes of accelerations near a singular position: over the smallest pivot of a step; at most.
+# [1] gain of rounding near a singular pose, over the smallest pivot of a step; largest rtol for which it counts
 PROJECTION_GAIN_MIN, PROJECTION_GAIN_RTOL_MAX = 0.3, 1e-8
 
-UNCOUNTED_TURN_MAX = 0.5  # rad: two bodies that turn by less in a step miscount no turn of a hinge between them
-NEGLIGIBLE_TURN_MAX = (
-    0.02  # rad: a step in which no body turns farther errs by less than 1e-11 rad, whatever the method
-)
-CHECKED_RTOL_MAX, CHECK_INTERVAL_STEPS = (
-    1e-5,
-    4,
-)  # rtol up to which steps are held by estimates of high order: one in so many is compared then
+UNCOUNTED_TURN_MAX = 0.5  # [rad] two bodies turn in a step: below it no turn of a hinge between them is miscounted
+NEGLIGIBLE_TURN_MAX = 0.02  # [rad] a body turns in a step: below it any method errs by less than 1e-11 rad
+# [1] rtol up to which estimates of high order control the steps, and [steps] from one comparison to the next
+CHECKED_RTOL_MAX, CHECK_INTERVAL_STEPS = 1e-5, 4
 
-STIFFNESS_PRODUCT_MIN = (
-    3.4  # h |lambda| above which a motion passes unseen only below some hundred tolerances; stability ends at 6.1
-)
-STIFFNESS_TEST_INTERVAL_STEPS = (
-    32  # steps are tested for stiffness; each one from the first suspicion until CALM tests in a row pass
-)
+# [1] h |lambda| above which a component stays unseen only below some hundred tolerances; stability ends at 6.1
+STIFFNESS_PRODUCT_MIN = 3.4
+# [steps] from one test for stiffness to the next, and [tests] that stop a run or end a suspicion
+STIFFNESS_TEST_INTERVAL_STEPS = 32
 STIFF_TESTS_TO_STOP, NONSTIFF_TESTS_TO_RESET = 15, 6
 
 
@@ -110,7 +103,7 @@ def body_error(m, own, run, weights, h):
 
 @inner_kernel
 def error_norm(m, own, run, h):
-    """Estimated local error over ALLOWED rtol (DOP853: two of fifth order, corrected by that of third order)."""
+    """Estimated local error over STEP_ERROR_SHARE rtol (DOP853: two of fifth order, corrected by that of third order)."""
     e5 = max(body_error(m, own, run, own.table.error[0], h), body_error(m, own, run, own.table.error[1], h))
     e3 = body_error(m, own, run, own.table.error[2], h)
     if e5 == 0.0 and e3 == 0.0:

@@ -14,21 +14,17 @@ from ..kernels.vectors import add_scaled, clear
 from ..solver.row_rank import note_independence
 from .memory import DONE, FULL, RUNNING
 
-STEP_TIME_RATIO_MIN = 1e-14  # of the time, the shortest step: 50 units of its last place; of the first step, at t = 0
-INTEGRAL_ROUNDING = 1e-15  # of a work or an impulse is what a step may always err: less cannot be had
-GRID_TOLERANCE = 1e-9  # of a fixed step: where a signal turns so close to its end, that is its end
-LOCAL_ERROR_SHARE = 0.1  # of rtol is what a single step may err, since errors add up over a run
+STEP_TIME_RATIO_MIN = 1e-14  # [1] of the time, at t = 0 of the first step: shortest step; 50 units in the last place
+INTEGRAL_ROUNDING = 1e-15  # [1] of a work or an impulse: error that every step may have
+GRID_TOLERANCE = 1e-9  # [1] of a fixed step: distance of a kink of a signal from the end that counts as none
+LOCAL_ERROR_SHARE = 0.1  # [1] of rtol: error of a single step; errors add up over a run
 
-PROJECTION_TOLERANCE, SINGULAR_PROGRESS_MIN = (
-    1e-5,
-    1e-4,
-)  # a share as that below; of the way to a singular position: who passes it goes faster
-NEAR_SINGULAR_SHARE = 0.1  # share of the largest it has been to which a pivot of the loop rows has fallen
-ERROR_DROP_EXPECTED, ERROR_RATIO_MAX = (
-    0.25,
-    1e3,
-)  # what a shorter step leaves of an error, unless rounding is its cause; more is no step
-JUMP_ERROR_MAX = 1e2  # what a step of the least length may err: it takes a jump of a force, and none can be shorter
+PROJECTION_TOLERANCE = 1e-5  # [1] pivot of a loop row below which a pose is near a singular one
+SINGULAR_PROGRESS_MIN = 1e-4  # [1] of the way to a singular pose in a step: less means that the motion ends there
+NEAR_SINGULAR_SHARE = 0.1  # [1] of its largest value so far: pivot of a loop row near a singular pose
+ERROR_DROP_EXPECTED = 0.25  # [1] of an error that a shorter step leaves, unless rounding is its cause
+ERROR_RATIO_MAX = 1e3  # [1] of the allowed error: a step with more is never taken
+JUMP_ERROR_MAX = 1e2  # [1] of the allowed error in a step of the least length: it passes a jump of a force
 
 
 @inner_kernel

@@ -11,7 +11,7 @@ from ..compiler.decorators import inner_kernel
 from .signals import signal
 from .vectors import add6, cross, scale
 
-TANH_SATURATION = 20.0  # where tanh is 1 to rounding
+TANH_SATURATION = 20.0  # [1] argument from which on tanh is 1 to rounding
 
 
 @inner_kernel

@@ -8,7 +8,7 @@ import numpy as np
 from ..compiler.decorators import inner_kernel, kernel
 from .vectors import add, pair, put, rotate, vec
 
-SERIES_ANGLE_SQUARE_MAX = 1e-9  # square of half an angle below which two terms of sine and cosine are exact to rounding
+SERIES_ANGLE_SQUARE_MAX = 1e-9  # [rad^2] of half an angle: below it two terms of sine and cosine are exact to rounding
 
 
 @inner_kernel

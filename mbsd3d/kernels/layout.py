@@ -14,7 +14,8 @@ import numpy as np
 from ..compiler.by_reference import by_reference
 
 ADDRESS = object if numba.config.DISABLE_JIT else np.int64  # without the compiler: the function itself
-CUSTOM_FORCE_BODIES_MAX = 4  # of a custom force
+CUSTOM_FORCE_BODIES_MAX = 4  # [bodies] a custom force acts on
+
 
 BODY = [
     ("mass", float),  # kg

@@ -21,12 +21,11 @@ import numpy as np
 from ..compiler.decorators import inner_kernel
 from .vectors import add, arm, columns, cross, dot, mat, point, point_velocity, put6, rotate_back, scale, sub, vec
 
-DISC_REGULARISATION = (
-    1e-300  # m^2 added to n'A n: a flat disc that lies on the plane touches it in its centre, and nothing is NaN
-)
-GROUP_NUMBERS_COUNT = 18  # numbers of a group of a piece
-LAST_NEWTON_STEP = 1e-8  # of a piece: from there one more step of Newton's method is exact
-CURVE_END_MARGIN = 1e-6  # of a piece: so far past the end of an open curve is the end, by rounding
+# [m^2] added to n'A n: a flat disc that lies on the plane touches it at its centre, and nothing is NaN
+DISC_REGULARISATION = 1e-300
+GROUP_NUMBERS_COUNT = 18  # [numbers] of a group of a piece
+LAST_NEWTON_STEP = 1e-8  # [1] of a piece: from there one more step of Newton's method is exact
+CURVE_END_MARGIN = 1e-6  # [1] of a piece: distance past the end of an open curve that counts as the end
 
 
 @inner_kernel

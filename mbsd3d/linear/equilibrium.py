@@ -38,15 +38,14 @@ from .modes import ModalAnalysis
 from .steady_motion import Units, natural_units, varies
 from .variations import Field, Tangent, Variations, tangent_space
 
-NEWTON_STEPS_MAX = 200
-TRAVEL_MAX = 8.0  # sizes of the mechanism that a body may move by; what goes on farther does not come to rest
-EQUILIBRIUM_TOLERANCE = (
-    1e-10  # accelerations, in units of length rate^2, at which a pose is an equilibrium; Newton mostly reaches 1e-15
-)
-STEP_GROWTH_MAX = 1e8  # growth of the steps: more would count as rounding what falls freely
-STEP_TURN_MAX = 0.2  # rad, or model lengths, that nothing moves by more in one step
-ROUNDING = 1e-12  # m or rad that print as nothing
-GROWTH_RATE_ROUNDING = 1e-6  # rates of growth, in units of the fastest rate, that are rounding of undamped modes
+NEWTON_STEPS_MAX = 200  # [steps] of Newton's method; a chain far from its equilibrium takes some fifty
+TRAVEL_MAX = 8.0  # [sizes of the mechanism] a body may move by; what goes farther does not come to rest
+# [1] accelerations over length times rate squared, at which a pose is an equilibrium; Newton's method reaches 1e-15
+EQUILIBRIUM_TOLERANCE = 1e-10
+STEP_GROWTH_MAX = 1e8  # [1] of the steps: more would count a free fall as rounding
+STEP_TURN_MAX = 0.2  # [rad, model lengths] of a motion in one step
+ROUNDING = 1e-12  # [m, rad] printed as zero
+GROWTH_RATE_ROUNDING = 1e-6  # [1] of the fastest rate: growth rates that are rounding of undamped modes
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,7 +23,7 @@ from ..run.simulation import accelerations_at, check_state, check_system
 from .steady_motion import Generator, Units, check_signals, find_generator, natural_units
 from .variations import Field, Tangent, Variations, tangent_space
 
-SINGULAR_VALUE_ROUNDING = 1e-13  # singular values of A below this, in units of its norm, are what rounding made of zero
+SINGULAR_VALUE_ROUNDING = 1e-13  # [1] of the norm of A: singular values that rounding makes of zero
 
 
 @on_one_thread

@@ -18,7 +18,8 @@ from ..mechanism.joints import Joint
 from ..results.body_motion import Poses
 from .linearization import Linearization
 
-SAMPLES_MAX = 100_000  # samples of a motion
+SAMPLES_MAX = 100_000  # [samples] of the motion of a mode
+
 MOTION_NAMES = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")
 
 

@@ -26,7 +26,7 @@ from ..mechanism.mechanism import Mechanism
 from ..mechanism.signals import Signal
 from .variations import Field, Tangent, Variations
 
-BALANCING_PASSES = 20  # sweeps, of which each goes half of the way for a pair
+BALANCING_PASSES = 20  # [passes] over the matrix, each of which goes half of the way for a pair
 
 
 @dataclass(frozen=True, eq=False)

@@ -36,7 +36,7 @@ from ..solver.saddle_point import SOLVED, factor
 
 COMPONENTS = ("x", "y", "z", "theta_x", "theta_y", "theta_z", "v_x", "v_y", "v_z", "w_x", "w_y", "w_z")
 UNITS = ("m", "rad", "m/s", "rad/s")
-COMPLEX_STEP = 1e-30  # its square is lost in any real part, and no difference is taken
+COMPLEX_STEP = 1e-30  # [1] imaginary part of a complex step: its square is lost, and no difference is taken
 
 
 @dataclass(frozen=True, eq=False)

@@ -27,7 +27,7 @@ from .spatial_inertia import (
     transposed,
 )
 
-ROUNDING = 1e-13  # pivots below this share of what they are the difference of are rounding
+ROUNDING = 1e-13  # [1] of its terms: pivot that is rounding of their difference
 
 
 @inner_kernel

@@ -12,11 +12,9 @@ from ..compiler.decorators import fused_kernel, kernel
 from ..kernels.vectors import add, cross, dot, pair, put6, scale
 from .spatial_inertia import along6, dot6
 
-ROW_INDEPENDENCE_MIN = (
-    0.05  # part of a row that must be left when the rows before it are taken out, for a link to take it
-)
-BLOCK_PIVOT_MIN = 0.01  # of it, below which L is not inverted as a block any more
-ROW_DEPENDENCE_MAX = 1e-5  # what may be left of a row of a link, relative to it, when the rows before it are taken out
+ROW_INDEPENDENCE_MIN = 0.05  # [1] of a row: least part left, without the rows before it, for a link to take the row
+BLOCK_PIVOT_MIN = 0.01  # [1] of a row: part left below which L is not inverted as a block any more
+ROW_DEPENDENCE_MAX = 1e-5  # [1] of a row: part left, without the rows before it, of a row that depends on them
 
 
 @fused_kernel

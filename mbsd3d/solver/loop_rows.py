@@ -13,22 +13,19 @@ from ..compiler.decorators import fused_kernel, inner_kernel, late_kernel
 from ..kernels.vectors import add_scaled, clear, copy
 from .row_rank import PIVOT_UNKNOWN, REDUNDANT_PIVOT_MAX, independence, note_independence
 
-PROXIMAL_FACTOR = (
-    1e-8  # times the compliance of the heaviest body of the loop, mu: J's singular values below its root are let go
-)
-WEAK_PIVOT_RATIO = 1e-2  # pivots below this share of the largest that they have been: the right side is filtered
-IDLE_ROW_DIAGONAL_MAX = (
-    1e-4  # times mu: diagonals below it belong to rows that nothing in the tree yields to, as out of a plane
-)
-REFINEMENT_STEPS_USUAL, REFINEMENT_STEPS_MAX = (
-    1,
-    40,
-)  # as a rule; at most, near a singular position or where rows are soft
-SWEEP_CONVERGENCE = 1e-15  # of the right side: change of the residual that ends the sweeps
+# [1] times the compliance of the heaviest body of the loop: mu. Singular values of J below its root are released.
+PROXIMAL_FACTOR = 1e-8
+WEAK_PIVOT_RATIO = 1e-2  # [1] of its largest value so far: pivot below which the right side is filtered
+# [mu] diagonal of a row that nothing in the tree yields to, as one out of the plane of a planar mechanism
+IDLE_ROW_DIAGONAL_MAX = 1e-4
+REFINEMENT_STEPS_USUAL = 1  # [steps] of refinement that remove mu from the solution
+REFINEMENT_STEPS_MAX = 40  # [steps] near a singular pose or where rows have small pivots
+SWEEP_CONVERGENCE = 1e-15  # [1] of the right side: change of the residual that ends the refinement
 PIVOT_RATIO_MAX = 3e5  # [1] largest diagonal over least pivot: beyond, S leaves 1e-16 times it of the digits of J
-GRADED_MATRIX_RATIO = 1e6  # largest diagonal over least pivot: S alone has too few digits then,
-REGULAR_PIVOT_MIN = 1e7  # times mu: pivots below it are judged as if they were this
-PIVOT_ROUNDING = 1e-14  # of the diagonal: what rounding leaves of a pivot
+# [1] largest diagonal over least pivot from which S alone has too few digits, and [mu] least pivot it is judged by
+GRADED_MATRIX_RATIO = 1e6
+REGULAR_PIVOT_MIN = 1e7
+PIVOT_ROUNDING = 1e-14  # [1] of the diagonal: rounding of a pivot
 
 
 @inner_kernel

@@ -9,12 +9,11 @@ import numpy as np
 from ..compiler.decorators import inner_kernel, late_kernel
 from ..kernels.vectors import clear
 
-# The first two are times mu, as `pivot` and `most` of a row are.
-REDUNDANT_PIVOT_MAX = 1e4  # pivots that have never been above it belong to rows that repeat others
-SINGLE_SWEEP_PIVOT_MIN = 1e7  # pivots below it may need more than one sweep, which leaves (mu / pivot)^2,
-REDUNDANT_ROW_TOLERANCE = 1e-3  # unless S does not resist along the row either: the row repeats others
-DIRECTION_PART_MIN = 1e-6  # of the largest: parts of a direction of least resistance, whose squares count
-PIVOT_UNKNOWN = -1  # softness before the first state
+REDUNDANT_PIVOT_MAX = 1e4  # [mu] pivots that have never been above it belong to rows that repeat others
+SINGLE_SWEEP_PIVOT_MIN = 1e7  # [mu] pivots below it may need more than one refinement step, which leaves (mu / pivot)^2
+REDUNDANT_ROW_TOLERANCE = 1e-3  # [1] resistance of S along a row: below it the row repeats others
+DIRECTION_PART_MIN = 1e-6  # [1] of the largest: parts of a direction of least resistance, whose squares count
+PIVOT_UNKNOWN = -1  # pivot before the first state
 
 
 @inner_kernel
@@ -52,7 +51,7 @@ def independence(s):
 def substitute_unit(s, i, z):
     """(begin, end) of z := (S + mu)^-1 e of row i, zero before and outside.
 
-    z decays from loop to loop, and is cut off where it is `NEGLIGIBLE`: so a row costs the same in any mechanism.
+    z decays from loop to loop, and is cut off where it is below `DIRECTION_PART_MIN`: so a row costs the same in any mechanism.
     """
     L, loop = s.skyline[1], s.loop
     begin, end, j, total = loop[i].first, loop[i].last + 1, i, 0.0

@@ -15,7 +15,7 @@ from .loop_rows import PROXIMAL_FACTOR, factor_loops, solve_loops
 from .spatial_inertia import times
 
 SOLVED, NOT_FINITE = 0, 1
-DENSE_REFINEMENT_STEPS = 3
+DENSE_REFINEMENT_STEPS = 3  # [steps] of iterative refinement of the dense matrix; two reach rounding
 
 
 @kernel

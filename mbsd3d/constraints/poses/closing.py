@@ -18,7 +18,7 @@ from .pose_equations import CLOSED_GAP_MAX, CORRECTION_MAX, PoseEquations, gap_s
 FREE_RATE_MIN = 1e-4  # [1] of a hinge in a free motion of order one; less is rounding of rows near a singular pose
 MOVED_MIN = 1e-6  # [rad, m] of a hinge that nobody asked for, by which it counts as moved
 ASKED_MISS_MAX = 1e-8  # [rad, m] of a value asked for that counts as met
-RESTART_OFFSETS = 0.05, 0.2, 0.5  # [rad, lengths of the model] to poses nearby
+RESTART_OFFSETS = 0.05, 0.2, 0.5  # [rad, model lengths] to poses from which Newton's method starts again
 
 
 @dataclass(frozen=True)

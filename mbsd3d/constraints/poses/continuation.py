@@ -15,7 +15,8 @@ from .pose_equations import PoseEquations
 
 FIRST_TURN_MAX = 1.0  # [rad] of a joint in the first step, or lengths of a slide; half a turn would be ambiguous
 MISS_MAX = 0.3  # [rad] between the pose that a step expects and the one it finds, a twentieth of a turn
-POSE_MISS_TARGET = 0.15  # [rad] that steps are chosen for
+POSE_MISS_TARGET = 0.15  # [rad] between expected and found pose, for which steps are chosen; half of what is allowed
+
 GROWTH_MAX = 8.0  # [1] of a step over the last one, where joints turn evenly to rounding
 STEP_MIN = 1e-6  # [1] of the way; shorter ones end in a singular pose, or where what is asked for is out of reach
 CORRECTIONS_MAX = 12  # of a step on the way; one that takes more was too long

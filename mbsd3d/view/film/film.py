@@ -19,9 +19,11 @@ from ...base.version import loading
 from ...results.body_motion import Poses
 from .frames import FilmFrames
 
-GIF_SECONDS = 6.0, 4.0  # [s] the longest run that is shown in real time, and the length of other films
-GIF_FRAME_RATE_MAX = 50.0  # frames per second; viewers show more of them slower
-GIF_COLOURS_COUNT, PALETTE_FRAMES_COUNT = 128, 9  # colours of a GIF, frames they are found from
+GIF_SECONDS = 6.0, 4.0  # [s] longest run that is shown in real time, and length of the films of other runs
+GIF_FRAME_RATE_MAX = 50.0  # [1/s] frames; viewers show faster films slower
+GIF_COLOURS_COUNT, PALETTE_FRAMES_COUNT = 128, 9  # [colours] of a GIF, and [frames] that its palette is made from
+
+
 NO_FFMPEG = (
     "export_mp4 needs ffmpeg; install it (Debian, Ubuntu: apt install ffmpeg; macOS: brew install ffmpeg; "
     "elsewhere: pip install imageio-ffmpeg), or use export_gif"

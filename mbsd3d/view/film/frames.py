@@ -20,13 +20,13 @@ from ..scene.drawing import ARROWS, Layers
 from ..scene.frames import FILM_SECONDS, REAL_TIME_SECONDS_MAX, frames_of, sensible_speed
 from ..scene.motion import Curve, Points, arrows_of, curves_of, traces_of
 
-PAPER_WIDTH_MAX = 7.2  # [inch] of the paper: a film of more than 720 pixels has finer lines, not smaller letters
-PLOT_HEIGHT_SHARE = 0.27  # height of a pair of axes below the scene, of the width
-PLOT_WIDTH_MIN = 320  # width of curves at least [pixel]
-FRAMES_MAX, PIXELS_MAX = 5000, 4096  # frames of a film, pixels of a side
-TRIANGLE_PIXELS_MAX = 31.0  # longest triangle or stroke, about [pixel]
-PATH_POINTS_MIN = 400  # points of a path at least
-EXTENT_POSES_COUNT = 60  # poses that say how far the motion reaches
+PAPER_WIDTH_MAX = 7.2  # [inch] of a frame; a film of more than 720 pixels has finer lines, not smaller letters
+PLOT_HEIGHT_SHARE = 0.27  # [1] of the width: height of a plot below the scene
+PLOT_WIDTH_MIN = 320  # [pixel] of a plot
+FRAMES_MAX, PIXELS_MAX = 5000, 4096  # [frames] of a film, [pixel] of a side
+TRIANGLE_PIXELS_MAX = 31.0  # [pixel] of the longest triangle or stroke, about
+PATH_POINTS_MIN = 400  # [points] of a path
+EXTENT_POSES_COUNT = 60  # [poses] from which the extent of the motion is found
 
 
 def paced(t: np.ndarray, fps: float, speed: float | None, usual: tuple[float, float]) -> tuple[float, float, int]:

@@ -30,7 +30,7 @@ VIEWS: dict[str, dict[str, int]] = {
 }
 LINES, LINE_STRIP, TRIANGLES = 1, 3, 4
 ROUGHNESS, METALLIC = 0.6, 0.1
-STRIP_RESTART_INDEX = 0xFFFF  # the one short index that glTF keeps for itself
+STRIP_RESTART_INDEX = 0xFFFF  # the one index of 16 bits that glTF reserves
 
 
 def short(values: np.ndarray) -> list[float]:

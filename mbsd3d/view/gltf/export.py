@@ -24,7 +24,9 @@ from ..scene.motion import Points, Trace, moved, nearby, traces_of
 from .asset import LINE_STRIP, LINES, TRIANGLES, Asset
 
 LAYERS = ("bodies", "joints")  # marks of centres and reference points belong to switches, which glTF does not have
-SPRING_LENGTH_MIN = 1e-6  # length that is drawn of a spring pressed to a point, in sizes of the mechanism
+SPRING_LENGTH_MIN = 1e-6  # [sizes of the mechanism] drawn of a spring that is pressed to a point
+
+
 Z_UP_TO_Y_UP = rotation("x", -90, degrees=True)
 
 

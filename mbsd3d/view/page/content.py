@@ -20,12 +20,12 @@ from ..scene.motion import Arrows, Curve, Trace
 from .recorder import Recording
 from .stage import Links, Reach, Stage
 
-POSITION_RESOLUTION = 1e-5  # resolution of positions, in units of the mechanism's size
-QUATERNION_RESOLUTION = 1e-5  # of quaternions
-ARROW_RESOLUTION = 2e-4  # of arrows, in units of the longest
-NOT_FINITE_CODE = -(2**31)  # a value that is not finite
-CURVE_RESOLUTION = 1e-6  # of curves, in units of their range
-TRACE_BYTES_PER_NUMBER = 10  # characters a number of a trace takes, whose points are in the scene four times
+POSITION_RESOLUTION = 1e-5  # [sizes of the mechanism] of positions
+QUATERNION_RESOLUTION = 1e-5  # [1] of the components of quaternions
+ARROW_RESOLUTION = 2e-4  # [lengths of the longest arrow] of arrows
+NOT_FINITE_CODE = -(2**31)  # stands for a value that is not finite
+CURVE_RESOLUTION = 1e-6  # [ranges of the curve] of curves
+TRACE_BYTES_PER_NUMBER = 10  # [characters] of a number of a trace; the scene holds its points four times
 
 
 class Content(NamedTuple):

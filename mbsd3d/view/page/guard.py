@@ -16,7 +16,7 @@ from urllib.parse import parse_qs
 from weakref import WeakSet
 
 LOCAL_HOST_NAMES = ("127.0.0.1", "localhost")
-GOODBYE_SECONDS = 0.2  # s that a browser has to say goodbye when the server stops
+GOODBYE_SECONDS = 0.2  # [s] a browser has to close its connection when the server stops
 SERVER_LOCK = threading.Lock()
 
 
@@ -25,7 +25,7 @@ def new_token() -> str:
     return secrets.token_urlsafe(16)
 
 
-SINGLE_HEADERS = ("Host", "Origin", "Cookie")  # headers that a request has once at most, or it means two things
+SINGLE_HEADERS = ("Host", "Origin", "Cookie")  # headers that a request may have once; two of them are ambiguous
 
 
 def doubled(headers: Any) -> str | None:

@@ -20,7 +20,7 @@ from .stage import Stage
 if TYPE_CHECKING:
     from viser import ViserServer
 
-FRAME_SECONDS = 1.0 / 30.0  # [s] from one picture to the next
+FRAME_SECONDS = 1.0 / 30.0  # [s] from frame to frame
 
 
 class LiveView(Served):

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from viser import GuiApi, GuiCheckboxHandle, GuiEvent, GuiSliderHandle
 
 PLAYBACK_SPEEDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
-CURVE_POINTS_MAX = 300  # of a line: the whole curve is sent again whenever its cursor moves
-CURSOR_INTERVAL_FRAMES = 3  # pictures from one move of the cursors to the next
+CURVE_POINTS_MAX = 300  # [points] of a curve; the whole curve is sent again whenever its cursor moves
+CURSOR_INTERVAL_FRAMES = 3  # [frames] from one move of the cursors to the next
 
 
 class Player(Protocol):

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from viser._messages import Message
 
-CLIENT_VERSION_PREFIX = "1.1."  # the client's build this package's player drives
+CLIENT_VERSION_PREFIX = "1.1."  # of the client that the player of this package drives
 
 
 def import_viser(user: str) -> "ModuleType":
@@ -31,7 +31,8 @@ def import_viser(user: str) -> "ModuleType":
     found = viser.__version__ if viser else "none"
     if not found.startswith(CLIENT_VERSION_PREFIX):
         raise InputError(
-            f"{user} needs viser {CLIENT_VERSION_PREFIX}x, found {found}; install it: pip install 'viser=={CLIENT_VERSION_PREFIX}*'"
+            f"{user} needs viser {CLIENT_VERSION_PREFIX}x, found {found}; "
+            f"install it: pip install 'viser=={CLIENT_VERSION_PREFIX}*'"
         )
     remember_hints()
     return viser

@@ -25,12 +25,10 @@ from .html import View, make_page
 from .live import LiveView
 from .stage import Reach, boxes
 
-MOTION_BYTES_MAX = 7e6  # characters of what moves in a page whose number of frames was not asked for
-FOLLOW_CAMERA_TRAVEL = 20.0  # sizes of a mechanism that it moves by before the camera goes along by itself
-NAMED_BODIES_MAX, NAME_DISTANCE_MIN = (
-    12,
-    0.05,
-)  # bodies whose names do not hide the scene; share of its size that two names are apart
+MOTION_BYTES_MAX = 7e6  # [characters] of the motion in a page for which no number of frames was asked
+FOLLOW_CAMERA_TRAVEL = 20.0  # [sizes of the mechanism] it travels by before the camera follows by itself
+# [bodies] whose names do not hide the scene, and [sizes of the mechanism] between two names
+NAMED_BODIES_MAX, NAME_DISTANCE_MIN = 12, 0.05
 
 
 def show_system(

@@ -34,13 +34,15 @@ from .recorder import printable
 if TYPE_CHECKING:
     from viser import InitialCameraConfig, SceneApi, SceneNodeHandle
 
-FIELD_OF_VIEW = 0.7  # vertical [rad]
-GROUND_FADE_DISTANCE = 12.0  # of the camera's distance, at which a ground without an edge has faded
-SUN_DIRECTION = (-0.5, -1.5, 3.0)  # towards it
-ARROW_LENGTH_SHARE = 0.4  # of the mechanism's size: the longest arrow of each kind
-GRID_CELLS_COUNT, ENDLESS_GRID_CELLS_COUNT = 10.0, 2.5  # of the ground grid, along what is seen; of one without an edge
-BOX_HALF_SIDE_RATIO = 0.75  # half side of a box, of the radius of a ball: where the box fills a view the ball is in it
-SCALE_MIN = 1e-9  # what is taken for a length of zero: scales of zero have no inverse
+FIELD_OF_VIEW = 0.7  # [rad] vertical
+GROUND_FADE_DISTANCE = 12.0  # [camera distances] at which an endless ground has faded
+SUN_DIRECTION = (-0.5, -1.5, 3.0)  # [1] towards the sun
+ARROW_LENGTH_SHARE = 0.4  # [sizes of the mechanism] of the longest arrow of each kind
+# [cells] of the ground grid along what is seen, and of a ground without an edge
+GRID_CELLS_COUNT, ENDLESS_GRID_CELLS_COUNT = 10.0, 2.5
+BOX_HALF_SIDE_RATIO = 0.75  # [1] half the side of a box over the radius of a ball that fills the same view
+SCALE_MIN = 1e-9  # [1] scale that stands for zero, which has no inverse
+
 Box = tuple[np.ndarray, np.ndarray]  # lowest and highest corner (3,) [m]
 
 
@@ -247,7 +249,8 @@ class Stage:
             "/grid", side, side, cell_size=cell * self.scale, section_size=5.0 * cell * self.scale,
             position=np.array([*middle, min(floor, low[2])]) * self.scale,
             cell_color=(thin,) * 3, section_color=(thick,) * 3, shadow_opacity=0.25, infinite_grid=endless,
-            fade_distance=GROUND_FADE_DISTANCE * distance if endless else max(100.0, 4.0 * distance),  # 100: viser's own
+            # 100 is the default of viser
+            fade_distance=GROUND_FADE_DISTANCE * distance if endless else max(100.0, 4.0 * distance),
         )  # fmt: skip
         self.layers["ground grid"].append(node)
 

@@ -21,8 +21,9 @@ from ..scene.drawing import DEFAULT_LAYERS, Drawing
 from ..scene.motion import Trace
 from .shading import SEAM_WIDTH, Items, Pointers, Solids, join, outlines, split_strokes, strokes_as_items
 
-POINTS_PER_INCH = 72.0  # points per inch
-TRIANGLE_SIZE_MAX = 0.045  # longest triangle or stroke, of the size of what is seen
+POINTS_PER_INCH = 72.0  # [points/inch]
+TRIANGLE_SIZE_MAX = 0.045  # [sizes of what is seen] of the longest triangle or stroke
+
 BEFORE = 1e3  # sizes of what is seen by which arrows are painted as if nearer: most start within solids
 PEN, LINK, AXIS, PATH = 0.7, 1.6, 1.0, 1.3  # line widths [points]
 SIZE, GAP = 9.0, 7.0  # of the letters of names, and from a name to its point [points]

@@ -19,18 +19,16 @@ from ..scene.meshes import arrow, edges_of, flat_normals, laid, unit, welded
 from ..scene.motion import Arrows
 
 CREASE = np.cos(np.radians(35.0))  # edges with a sharper bend are drawn
-SHADOW_BRIGHTNESS, LIT_BRIGHTNESS, HIGHLIGHT_BRIGHTNESS = (
-    0.48,
-    1.15,
-    0.14,
-)  # brightness of a face turned away from the light and towards it; highlight
-THIN_TRIANGLE_FACTOR = 0.4  # how much smaller triangles of thin, and of large and round solids are
-SEAM_WIDTH = 0.35  # width of the line around each polygon: without it gaps would show
-WHITE_SHARE = 0.12  # share of white in all colours
-OUTLINE_BRIGHTNESS = 0.38  # brightness of the outline
-LIGHT_DIRECTION = np.array([-0.45, 0.75, -0.55])  # towards the light, from right, up and forward of the eye
-ARROW_RADIUS_RATIO, ARROW_HEAD_RATIO = 0.018, 0.14  # radius of the shaft and length of a head, of the longest arrow
-ARROW_LENGTH_MIN = 0.04  # of the longest arrow: shorter ones are not drawn
+# [1] brightness of a face turned away from the light and towards it, and of highlights
+SHADOW_BRIGHTNESS, LIT_BRIGHTNESS, HIGHLIGHT_BRIGHTNESS = 0.48, 1.15, 0.14
+THIN_TRIANGLE_FACTOR = 0.4  # [1] size of the triangles of thin, and of large and round solids, over the others
+SEAM_WIDTH = 0.35  # [points] of the line around each polygon; without it gaps show
+WHITE_SHARE = 0.12  # [1] of white in all colours
+OUTLINE_BRIGHTNESS = 0.38  # [1] of outlines
+LIGHT_DIRECTION = np.array([-0.45, 0.75, -0.55])  # [1] towards the light: right, up and forward of the eye
+# [lengths of the longest arrow] radius of the shaft, length of the head, length of the shortest arrow that is drawn
+ARROW_RADIUS_RATIO, ARROW_HEAD_RATIO = 0.018, 0.14
+ARROW_LENGTH_MIN = 0.04
 
 
 class Items(NamedTuple):

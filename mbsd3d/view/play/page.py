@@ -24,8 +24,9 @@ from ..scene.motion import nearby
 
 SCENE_SCRIPTS = ("unpack.js", "scene.js", "curves.js", "common.js")
 LIVE_RUN_SCRIPTS = ("strips.js", "gamepad.js", "ride.js")
-SECONDS = 10.0  # of the model that the live curves show
+SECONDS = 10.0  # [s] of the model that the live curves show
 SHAPE_KEYS = ("vertices", "faces", "points")  # of the messages of nodes
+
 Shapes = Mapping[str, Mapping[str, list[float]]]  # node -> what makes its shape
 
 

@@ -21,8 +21,8 @@ from ..scene.drawing import DEFAULT_LAYERS
 from .page import SECONDS, Look, ride_page, shapes_of
 from .server import Server
 
-PACE_RANGE = (0.01, 10.0)  # seconds of the model per second
-SLOW_LOOK_INTERVAL_FRAMES = 6  # frames from one look at what seldom changes to the next
+PACE_RANGE = (0.01, 10.0)  # [s/s] of the model in a second
+SLOW_LOOK_INTERVAL_FRAMES = 6  # [frames] from one look at what seldom changes to the next
 
 
 class Play(Served):

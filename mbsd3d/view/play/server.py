@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from websockets.asyncio.server import ServerConnection
     from websockets.http11 import Request, Response
 
-MESSAGE_BYTES_MAX = 2**12  # bytes that a key or a slider needs at most
+MESSAGE_BYTES_MAX = 2**12  # [bytes] of the message of a key or a slider
 
 
 class Outlet:
@@ -100,9 +100,9 @@ class Server:
         silent.addHandler(logging.NullHandler())  # tracebacks of those who hang up
         silent.propagate = False
         self.server = await serve(
-            self._converse, sock=self.socket, process_request=guarded(self._answer, self.token), max_size=MESSAGE_BYTES_MAX,
-            compression=None, close_timeout=GOODBYE_SECONDS, create_connection=self.visitors.connection, ping_interval=None,
-            logger=silent, server_header=None,
+            self._converse, sock=self.socket, process_request=guarded(self._answer, self.token),
+            max_size=MESSAGE_BYTES_MAX, compression=None, close_timeout=GOODBYE_SECONDS, ping_interval=None,
+            create_connection=self.visitors.connection, logger=silent, server_header=None,
         )  # fmt: skip
         ready.set()
         await self.server.wait_closed()

@@ -17,11 +17,10 @@ from ...mechanism.shapes.surfaces import ball, block, joined, moved
 from .drawing import Drawing, Link, Piece, Tag, Wire, bounds, corners, poses_of
 from .glyphs import RIM_RADIUS_RATIO, anchor, circles, joints_of, scaled, solids, spokes
 
-ORIGIN_DISTANCE_MAX = (
-    100.0  # of its size: a mechanism that is farther from the origin of the world is shown about another one
-)
-LINE_WIDTH_RATIO_MAX = 0.002  # width over length of what is drawn as a line too
-PEN_LIFT = np.full(3, np.nan)  # lifts the pen between two strokes
+# [sizes of the mechanism] from the origin of the world: beyond it, a mechanism is drawn about an origin of its own
+ORIGIN_DISTANCE_MAX = 100.0
+LINE_WIDTH_RATIO_MAX = 0.002  # [1] width over length of a solid that is also drawn as a line
+PEN_LIFT = np.full(3, np.nan)  # separates two strokes
 
 
 def draw_system(system: Mechanism) -> Drawing:

@@ -8,16 +8,19 @@ import numpy as np
 from ...base.checks import number, shown
 from ...base.errors import InputError
 
-FRAMING_FACTOR = 1.12  # of what is seen: the box and some air
-NEAR_PLANE_SHARE = 0.02  # of the camera's distance: what is nearer to the eye cannot be drawn
-VIEW_TANGENT_MAX = 2.0  # tangent of the angle from the middle of the view at which a path is still seen well
-FOLLOW_HEIGHT_FACTOR = 1.4  # of the height of what the camera goes along with: it may rise and tip over
-WINDOW_MARGIN = 0.06  # of a window, on every side
-CAMERA_AZIMUTH, CAMERA_ELEVATION = np.radians((-58.0, 22.0))  # of the camera, seen from the middle
+FRAMING_FACTOR = 1.12  # [1] of the box that is seen: margin around it
+NEAR_PLANE_SHARE = 0.02  # [camera distances] from the eye within which nothing is drawn
+VIEW_TANGENT_MAX = 2.0  # [1] tangent of the angle from the middle of the view up to which a path is seen well
+FOLLOW_HEIGHT_FACTOR = 1.4  # [1] of the height of a mechanism that the camera follows; it may rise and tip over
+WINDOW_MARGIN = 0.06  # [1] of a window, on every side
+CAMERA_AZIMUTH, CAMERA_ELEVATION = np.radians((-58.0, 22.0))  # [rad] of the camera, seen from the middle
+
+COS_AZIMUTH, COS_ELEVATION = np.cos((CAMERA_AZIMUTH, CAMERA_ELEVATION))
+SIN_AZIMUTH, SIN_ELEVATION = np.sin((CAMERA_AZIMUTH, CAMERA_ELEVATION))
 VIEW_AXES = np.array([  # towards the camera, right, up
-    (np.cos(CAMERA_ELEVATION) * np.cos(CAMERA_AZIMUTH), np.cos(CAMERA_ELEVATION) * np.sin(CAMERA_AZIMUTH), np.sin(CAMERA_ELEVATION)),
-    (-np.sin(CAMERA_AZIMUTH), np.cos(CAMERA_AZIMUTH), 0.0),
-    (-np.sin(CAMERA_ELEVATION) * np.cos(CAMERA_AZIMUTH), -np.sin(CAMERA_ELEVATION) * np.sin(CAMERA_AZIMUTH), np.cos(CAMERA_ELEVATION)),
+    (COS_ELEVATION * COS_AZIMUTH, COS_ELEVATION * SIN_AZIMUTH, SIN_ELEVATION),
+    (-SIN_AZIMUTH, COS_AZIMUTH, 0.0),
+    (-SIN_ELEVATION * COS_AZIMUTH, -SIN_ELEVATION * SIN_AZIMUTH, COS_ELEVATION),
 ])  # fmt: skip
 ROUND_NUMBERS = np.array([1.0, 2.0, 5.0, 10.0])
 

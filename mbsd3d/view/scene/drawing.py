@@ -23,8 +23,8 @@ MARKS = ("centre of mass", "reference point")
 DEFAULT_LAYERS = ("bodies", "joints", "springs and rods", "traces", "ground grid")
 LAYERS = ("bodies", "body names", "joints", "joint names", "springs and rods", "traces", "ground grid", *ARROWS, *MARKS)
 Layers = str | Iterable[str]
-WORLD_AXES = np.eye(3)  # its axes
-BOUND_POINTS_MAX = 20_000_000  # points times poses that are looked at for the bounds
+WORLD_AXES = np.eye(3)
+BOUND_POINTS_MAX = 20_000_000  # [points times poses] from which the bounds are found
 
 
 class Piece(NamedTuple):

@@ -19,20 +19,13 @@ from ...base.quaternions import H
 from ...results.body_motion import Poses
 from ...results.run_result import RunResult
 
-TURN_PER_FRAME_MAX, FRAME_RATE = 0.2, 25.0  # [rad] a body turns at most from frame to frame; frames per second of film
-FRAMES_MAX, POSES_MAX, REQUESTED_FRAMES_MAX = (
-    1000,
-    200_000,
-    100_000,
-)  # frames, poses of all bodies, frames that may be asked for
-REAL_TIME_SECONDS_MIN, REAL_TIME_SECONDS_MAX, FILM_SECONDS = (
-    2.0,
-    30.0,
-    10.0,
-)  # s of a run shown in real time; s any other one takes
-INTERPOLATED_TURN_MAX = (
-    1.5  # [rad] a body turns between two samples: beyond it the nearest sample is shown; the error below is 1e-3 rad
-)
+TURN_PER_FRAME_MAX, FRAME_RATE = 0.2, 25.0  # [rad] a body turns from frame to frame, and [1/s] frames of a film
+FRAMES_MAX, POSES_MAX = 1000, 200_000  # [frames] and [poses of all bodies] of a scene
+REQUESTED_FRAMES_MAX = 100_000  # [frames] that may be asked for
+# [s] of runs that are shown in real time, and length of the films of other runs
+REAL_TIME_SECONDS_MIN, REAL_TIME_SECONDS_MAX, FILM_SECONDS = 2.0, 30.0, 10.0
+# [rad] a body turns between two samples: beyond it the nearest sample is shown; interpolation errs by 1e-3 rad below
+INTERPOLATED_TURN_MAX = 1.5
 
 
 class Frames(NamedTuple):

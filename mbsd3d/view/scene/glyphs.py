@@ -19,8 +19,8 @@ from ...mechanism.shapes.surfaces import Mesh, ball, block, cylinder, moved, tor
 from ...mechanism.tooth_contact import Axle
 
 AXES_OF_A, AXES_OF_B = ("axis", "axis_a", "normal"), ("axis_b", "lateral")
-LOCKED_ROWS_MIN = 5  # rows from which a joint without an angle cannot turn
-RIM_RADIUS_RATIO = 0.015  # tube of a rolling circle in parts of its radius
+LOCKED_ROWS_MIN = 5  # [rows] from which a joint without an angle cannot turn
+RIM_RADIUS_RATIO = 0.015  # [1] radius of the tube of a rolling circle over the radius of the circle
 
 
 class Glyph(NamedTuple):

@@ -13,13 +13,13 @@ from ...mechanism.shapes import Mesh
 from ...mechanism.shapes.surfaces import joined, normals, revolved
 
 COIL_TURNS_COUNT, COIL_POINTS_COUNT, WIRE_SIDES_COUNT = 10, 12, 6  # of a coil, along each turn, around the wire
-ROD_RADIUS_RATIO = 0.005  # radius of a rod and least one of a spring, in sizes of the mechanism
-COIL_RADIUS_RATIO = 0.045  # radius of a coil in lengths: there its wire is round
-WIRE_RADIUS_RATIO = 0.13  # radius of the wire of a coil, in radii of the coil
+ROD_RADIUS_RATIO = 0.005  # [sizes of the mechanism] radius of a rod, and the least one of a spring
+COIL_RADIUS_RATIO = 0.045  # [lengths of the spring] radius of a coil at which its wire is round
+WIRE_RADIUS_RATIO = 0.13  # [radii of the coil] radius of its wire
 Z_AXIS = np.array([0.0, 0.0, 1.0])
-ARROW_RADIUS_RATIO, ARROW_HEAD_RATIO = 0.018, 0.17  # radius of an arrow's shaft and length of its head, of its length
-ARROW_HEAD_WIDTH_RATIO = 3.0  # radius of a head, in radii of the shaft
-ARROW_SECTIONS_COUNT = 12  # of an arrow about its axis
+ARROW_RADIUS_RATIO, ARROW_HEAD_RATIO = 0.018, 0.17  # [lengths of the arrow] radius of its shaft, length of its head
+ARROW_HEAD_WIDTH_RATIO = 3.0  # [radii of the shaft] radius of the head
+ARROW_SECTIONS_COUNT = 12  # sections of an arrow about its axis
 
 
 class Skin(NamedTuple):

@@ -21,8 +21,8 @@ from ...results.run_result import RunResult
 from .drawing import ARROWS, Drawing
 from .frames import Between, Frames, between
 
-TRACES_MAX = 12  # at most, unless asked for
-VECTOR_ROUNDING = 1e-9  # of its scale: what rounding leaves of a vector that is zero
+TRACES_MAX = 12  # [traces] drawn unless more are asked for
+VECTOR_ROUNDING = 1e-9  # [1] of the scale of a vector: rounding of one that is zero
 Points = Iterable[Body | str | tuple[Body | str, Iterable[float]]]
 
 
