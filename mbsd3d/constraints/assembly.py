@@ -26,13 +26,13 @@ from .velocities import with_velocities
 
 
 def reference_pose(system: Mechanism, t: float = 0.0) -> State:
-    """Poses and own states as described; velocities zero."""
+    """Return poses and internal states as described; velocities are zero."""
     q = np.concatenate([np.concatenate([b.position, b.orientation]) for b in system.bodies])
     return State(t, q, np.zeros(6 * len(system.bodies)), initial_states(system))
 
 
 def reference_state(system: Mechanism, as_built: float | None) -> State:
-    """The reference pose, if all joints close there (to the tolerance of the parts), with consistent velocities."""
+    """Return the reference pose with consistent velocities, if all joints close there (to the fit tolerance)."""
     compiled = compile_system(system)
     play = 0.0 if as_built is None else number(as_built, "as_built", positive=True)
     tolerance = max(CLOSED_GAP_MAX, play / compiled.model.length)
@@ -42,7 +42,7 @@ def reference_state(system: Mechanism, as_built: float | None) -> State:
 
 
 def closed_or_error(compiled: Compiled, data: Data, pose: State, tolerance: float) -> State:
-    """The pose, loaded into ``data``, with its hinge coordinates, or an AssemblyError naming the joint that gapes."""
+    """Return the pose, loaded into ``data``, with its hinge coordinates, or raise an AssemblyError with the joint."""
     pose = replace(pose, coordinates=np.zeros(compiled.model.coordinate.size))
     load_state(compiled, data, pose)
     if gap_size(compiled, data.row["c"]) <= tolerance:
@@ -147,14 +147,14 @@ def resting_slides(compiled: Compiled, start: State, targets: list[tuple[int, fl
 
 
 def mapping(given: Mapping | None, what: str) -> Mapping:
-    """What is asked for; None = nothing."""
+    """Return what is asked for as a dict; None = nothing."""
     if not isinstance(given, Mapping | None):
         raise InputError(f"assemble: {what} = {shown(given)} is not a mapping; give e.g. {{hinge: 0.3}}")
     return given or {}
 
 
 def check_closed(found: Found, asked: list[str], pinned: set[int]) -> None:
-    """AssemblyError with the gap and the joint where the pose does not close or misses a target.
+    """Raise an AssemblyError with the gap and the joint where the pose does not close or misses a target.
 
     ``asked``: names of the targets and of the goals.
     """
@@ -190,7 +190,7 @@ def reached(found: Found) -> str:
 
 
 def moved_report(system: Mechanism, start: State, end: State) -> dict[str, tuple[float, float]]:
-    """How far each body moved: distance of O [m] and angle [rad]."""
+    """Report how far each body moved: distance of O [m] and angle [rad]."""
     shifts, turns = np.linalg.norm(displacements(start, end).reshape(-1, 2, 3), axis=2).T
     names = [system.name(body) for body in system.bodies]
     return dict(zip(names, zip(shifts.tolist(), turns.tolist(), strict=True), strict=True))

@@ -1,4 +1,4 @@
-"""Drivers that prescribe what cannot be: two motions for one freedom, or one where the joints leave none."""
+"""Drivers in conflict: two motions for one degree of freedom, or one where the joints leave none."""
 
 from dataclasses import dataclass
 
@@ -22,7 +22,7 @@ SIGNAL_COMPARISON_TIMES = np.concatenate([[0.0], np.logspace(-3.0, 3.0, 25)])
 
 @dataclass(frozen=True)
 class Contradiction:
-    """Drivers whose rows depend on each other and whose prescribed values do not."""
+    """Drivers whose rows depend on each other while their prescribed values do not."""
 
     drivers: tuple[str, ...]
     time: float
@@ -31,12 +31,12 @@ class Contradiction:
 
     @property
     def who(self) -> str:
-        """The drivers with their types."""
+        """Return the drivers with their types."""
         return " and ".join(self.drivers)
 
     @property
     def what(self) -> str:
-        """What is wrong."""
+        """Return what is wrong."""
         thing = f"{'rates' if self.rates else 'positions'} that differ by {self.gap:.6g}"
         if len(self.drivers) == 1:
             return (
@@ -46,18 +46,18 @@ class Contradiction:
 
     @property
     def advice(self) -> str:
-        """The remedy."""
+        """Return the remedy."""
         if len(self.drivers) == 1:
             return "remove it, or a joint"
         return "remove one, or give them one motion"
 
     @property
     def text(self) -> str:
-        """One sentence."""
+        """Return the conflict as one sentence."""
         return f"{self.who} {self.what} at t = {self.time:g} s; {self.advice}"
 
     def error(self) -> AssemblyError:
-        """The error of a start or a run."""
+        """Return the error of a start or a run."""
         return AssemblyError(
             f"contradictory drivers: they {self.what}" if len(self.drivers) > 1 else f"a driver {self.what}",
             time=self.time, part=self.who, advice=self.advice,
@@ -68,7 +68,7 @@ def find_contradiction(
     compiled: Compiled, data: Data, t: float, last: float = np.inf, N: np.ndarray | None = None,
     slack: float = TOLERANCE,
 ) -> Contradiction | None:  # fmt: skip
-    """The first contradiction among the drivers at the pose in ``data`` and time t, until the time ``last`` [s].
+    """Return the first conflict among the drivers at the pose in ``data`` and time t, until ``last`` [s].
 
     With N' J = 0, J v = b has a solution if N' b = 0. ``N`` is that of all rows (scaled), if it is known, with
     the ``slack`` of rows that only parts with play leave dependent.
@@ -83,7 +83,7 @@ def find_contradiction(
 
 
 def rivals(compiled: Compiled, data: Data, t: float, last: float) -> Contradiction | None:
-    """The first contradiction among drivers of one hinge.
+    """Return the first conflict among drivers of one hinge.
 
     Such rows depend on each other however the mechanism moves, so positions are compared now and rates until ``last``.
     """
@@ -109,7 +109,7 @@ def judged(
     compiled: Compiled, where: np.ndarray, N: np.ndarray, values: np.ndarray, t: float, rates: bool,
     slack: float = TOLERANCE,
 ) -> Contradiction | None:  # fmt: skip
-    """The contradiction in the prescribed values of the rows ``where``: their part N N' values (N orthonormal)."""
+    """Return the conflict in the prescribed values of the rows ``where``: their part N N' values (N orthonormal)."""
     share, mix = np.linalg.svd(N[compiled.model.row["drive"][where] >= 0], full_matrices=False)[1:]
     N = N @ mix[share > DRIVER_PARTICIPATION_MIN].T
     gap = np.abs(N @ (N.T @ values))
@@ -122,7 +122,7 @@ def judged(
 
 
 def times(compiled: Compiled, t: float, last: float) -> list[float]:
-    """Times at which drivers are compared: the start, and later ones at which all of their signals are defined."""
+    """Return times at which drivers are compared: the start, and later ones at which all signals are defined."""
     signals = [row.signal for joint, _ in compiled.drives for row in joint.primitives if row.signal is not None]
     last = min([last, *(signal.interval[1] for signal in signals)])
     return [x for x in t + SIGNAL_COMPARISON_TIMES if x <= last]

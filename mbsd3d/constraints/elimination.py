@@ -1,4 +1,4 @@
-"""A large sparse Jacobian brought down to a small one: bodies are eliminated until what is left can go to an SVD.
+"""Reduction of a large sparse Jacobian: bodies are eliminated until the rest is small enough for an SVD.
 
 Rows F = [F_b F_o] act on body b and on others. Of the rows, those with well independent parts on b are picked:
 
@@ -35,7 +35,7 @@ class Part(NamedTuple):
 
 @dataclass(frozen=True)
 class Repeat:
-    """Rows ``rest`` lose C times the rows ``picked``."""
+    """Change that takes C times the rows ``picked`` out of the rows ``rest``."""
 
     picked: np.ndarray
     rest: np.ndarray
@@ -55,7 +55,7 @@ class Step(Repeat):
 
 @dataclass(frozen=True)
 class Core:
-    """What is left of one connected set of bodies, dense."""
+    """Dense rows that remain of one connected set of bodies."""
 
     rows: np.ndarray
     columns: np.ndarray
@@ -63,7 +63,7 @@ class Core:
 
 
 class Elimination:
-    """Bodies eliminated one by one; ``changes``, ``cores`` and ``redundant`` rows are the outcome."""
+    """Elimination of bodies one by one; ``changes``, ``cores`` and ``redundant`` rows are the outcome."""
 
     def __init__(
         self, rows: BlockRows, tolerance: float, safe: float = PIVOT_SHARE_MIN, core_rows: int = DENSE_CORE_ROWS
@@ -87,7 +87,7 @@ class Elimination:
         self.free = self.free_columns()
 
     def free_columns(self) -> np.ndarray:
-        """Columns that no row touches any more."""
+        """Return the columns that no row touches any more."""
         used = np.zeros(6 * self.n, bool)
         for step in self.steps:
             used[step.columns[: step.picked.size]] = True
@@ -97,11 +97,11 @@ class Elimination:
 
     @property
     def steps(self) -> list[Step]:
-        """The changes that eliminated bodies."""
+        """Return the changes that eliminated bodies."""
         return [change for change in self.changes if isinstance(change, Step)]
 
     def add(self, part: Part) -> None:
-        """Take in rows; those that vanish are redundant."""
+        """Add rows; those that vanish are redundant."""
         large = np.abs(part.F).max(axis=1, initial=0.0) > self.zero if part.bodies else np.zeros(part.rows.size, bool)
         self.redundant += part.rows[~large].tolist()
         if not large.any():
@@ -113,14 +113,14 @@ class Elimination:
             self.on[b].add(key)
 
     def pivoted(self, rows: np.ndarray, F: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """(p, q, Q, L): rows p of F, well independent, and the others; F_p Q = [L 0]."""
+        """Return (p, q, Q, L): rows p of F, well independent, and the others; F_p Q = [L 0]."""
         Q, R, pivot = scipy.linalg.qr((F / self.size[rows][:, None]).T, pivoting=True, check_finite=False)
         r = int((np.abs(np.diag(R)) > self.safe).sum())
         p, q = pivot[:r], np.sort(pivot[r:])
         return p, q, Q, R[:r, :r].T * self.size[rows[p]][:, None]
 
     def without_repeats(self, part: Part) -> Part:
-        """More rows than columns: those that are combinations of others go to zero, so that parts do not grow."""
+        """Set rows that are combinations of others to zero, so that parts do not grow."""
         if part.rows.size <= part.F.shape[1] or not part.bodies:
             return part
         p, q, Q, L = self.pivoted(part.rows, part.F)
@@ -132,7 +132,7 @@ class Elimination:
         return part
 
     def neighbours(self, b: int) -> int:
-        """Number of other bodies that share rows with b."""
+        """Return the number of other bodies that share rows with b."""
         return len({c for key in self.on[b] for c in self.parts[key].bodies}) - 1
 
     def run(self, core_rows: int) -> None:
@@ -153,7 +153,7 @@ class Elimination:
                     heapq.heappush(queue, (self.neighbours(c), c))
 
     def merged(self, keys: set[int], first: list[int]) -> Part:
-        """Parts taken out and put side by side, the columns of ``first`` in front."""
+        """Take parts out and put them side by side, the columns of ``first`` in front."""
         parts = [self.parts.pop(key) for key in sorted(keys)]
         others = sorted({b for part in parts for b in part.bodies} - set(first))
         bodies = [*first, *others]
@@ -172,7 +172,7 @@ class Elimination:
         return Part(np.concatenate([part.rows for part in parts]), bodies, F)
 
     def eliminate(self, b: int) -> list[int]:
-        """Pick rows for body b and take them out of the others; the bodies that shared rows with it."""
+        """Pick rows for body b, take them out of the others, and return the bodies that shared rows with it."""
         rows, bodies, F = self.merged(set(self.on[b]), [b])
         columns, others = self.columns[b], bodies[1:]
         w = columns.size
@@ -191,7 +191,7 @@ class Elimination:
         return others
 
     def connected(self) -> list[Core]:
-        """The remaining rows by connected sets of bodies, rows ascending."""
+        """Return the remaining rows by connected sets of bodies, rows ascending."""
         found = []
         while self.parts:
             reached, queue = set(), [min(self.parts)]
@@ -206,13 +206,13 @@ class Elimination:
         return found
 
     def row_combinations(self, N: np.ndarray) -> np.ndarray:
-        """Combinations of the rows left (cores, redundant) as combinations of all rows, in place; (m, k)."""
+        """Turn combinations of the remaining rows into combinations of all rows, in place; (m, k)."""
         for change in reversed(self.changes):
             N[change.picked] -= change.C.T @ N[change.rest]
         return N
 
     def motion(self, x: np.ndarray) -> np.ndarray:
-        """Motion of all bodies from that of the columns of cores and the free ones, in place; (6 n, k)."""
+        """Turn the motion of core and free columns into the motion of all bodies, in place; (6 n, k)."""
         for step in reversed(self.steps):
             r = step.picked.size
             if r:
@@ -222,14 +222,14 @@ class Elimination:
 
 
 def whole(rows: BlockRows) -> Part:
-    """All rows as one part: few rows are not taken apart only to be put together again."""
+    """Return all rows as one part; few rows are not worth taking apart."""
     bodies = np.unique(rows.body[(rows.body >= 0) & (rows.body < rows.n)])
     columns = (6 * bodies[:, None] + np.arange(6)).ravel()
     return Part(np.arange(rows.body.shape[0]), bodies.tolist(), rows.dense().real[:, columns])
 
 
 def parts_of(rows: BlockRows) -> list[Part]:
-    """Neighbouring rows on the same bodies together."""
+    """Return neighbouring rows on the same bodies as parts."""
     ends = np.flatnonzero((np.diff(rows.body, axis=0) != 0).any(axis=1)) + 1
     found = []
     for i in np.split(np.arange(rows.body.shape[0]), ends) if rows.body.size else []:

@@ -19,7 +19,7 @@ AXIS_POINT_TOLERANCE = 1e-9  # [model lengths] between an axis and a point on it
 
 @dataclass(frozen=True)
 class Spin:
-    """A freedom of one body alone: rotation about a world axis (3,) through a point (3,), at the pose looked at."""
+    """Rotation of one body alone about a world axis (3,) through a point (3,), at the current pose."""
 
     body: str
     axis: np.ndarray
@@ -31,7 +31,7 @@ class Spin:
 
     @property
     def about(self) -> str:
-        """The axis in words."""
+        """Return the axis in words."""
         x, y, z = (float(f"{x:.3g}") + 0.0 for x in self.axis)
         where = " and ".join(f"'{name}'" for name in self.joints)
         own = "its own axis" if self.own else "an axis"
@@ -39,7 +39,7 @@ class Spin:
 
     @property
     def text(self) -> str:
-        """What it is and, where that stops a run, what to do."""
+        """Return the rotation in words and, where it stops a run, the remedy."""
         if self.massless:
             return f"'{self.body}' spins freely about {self.about} and has no inertia about it; {self.cure}"
         return f"'{self.body}' spins freely about {self.about}, and nothing else moves with it"
@@ -48,7 +48,7 @@ class Spin:
 def find_idle_rotations(
     compiled: Compiled, data: Data, rows: BlockRows, members: list[Body] | None = None
 ) -> list[Spin]:
-    """The spins that scaled rows leave free, of bodies with joints to more than one neighbour.
+    """Return the rotations that scaled rows leave free, of bodies with joints to more than one neighbour.
 
     With one neighbour, a wheel or a pendulum, turning is what the joint is there for. The own columns J_b of a body
     have a null space of one dimension then, and its motion is a pure rotation.
@@ -73,7 +73,7 @@ def find_idle_rotations(
 
 
 def spin_of(compiled: Compiled, data: Data, body: Body, joints: list[Joint], twist: np.ndarray) -> Spin | None:
-    """The spin of a body whose twist (velocity of O, omega) the rows leave free; None if it is no pure rotation."""
+    """Return the rotation of a body whose twist (velocity of O, omega) the rows leave free; None if it also moves."""
     velocity, omega = twist[:3], twist[3:]
     length, rate = compiled.model.length, np.linalg.norm(omega)
     if rate * length < 1e-6 * np.linalg.norm(twist) or abs(velocity @ omega) > AXIS_POINT_TOLERANCE * length * rate**2:
@@ -97,17 +97,18 @@ def spin_of(compiled: Compiled, data: Data, body: Body, joints: list[Joint], twi
     ]
     return Spin(
         body=name(body), axis=axis, joints=tuple(name(joint) for joint in through),
-        own=centre <= AXIS_POINT_TOLERANCE * length, inertia=inertia, massless=massless, cure=", or ".join(cures) or "hold or drive it",
+        own=centre <= AXIS_POINT_TOLERANCE * length, inertia=inertia, massless=massless,
+        cure=", or ".join(cures) or "hold or drive it",
     )  # fmt: skip
 
 
 def distance(place: np.ndarray, point: np.ndarray, axis: np.ndarray) -> float:
-    """Distance of a place from the line through a point along a unit axis [m]."""
+    """Return the distance of a place from the line through a point along a unit axis [m]."""
     return float(np.linalg.norm(np.cross(place - point, axis)))
 
 
 def near_axis(compiled: Compiled, data: Data, joint: Joint, point: np.ndarray, axis: np.ndarray) -> bool:
-    """True if the joint's point lies on the line, at the pose in ``data``."""
+    """Return True if the point of the joint lies on the line, at the pose in ``data``."""
     if type(joint).point is Joint.point:
         return False
     return (
@@ -116,7 +117,7 @@ def near_axis(compiled: Compiled, data: Data, joint: Joint, point: np.ndarray, a
 
 
 def check_spins(compiled: Compiled, data: Data) -> None:
-    """AssemblyError where a body without inertia about an axis is free to spin about it: nothing determines how fast.
+    """Raise an AssemblyError where a body without inertia about an axis can turn about it: its rate is undetermined.
 
     ``data`` holds the pose. Only bodies with a singular inertia are looked at.
     """
@@ -131,6 +132,6 @@ def check_spins(compiled: Compiled, data: Data) -> None:
 
 
 def is_thin(body: Body) -> bool:
-    """True for a body with mass whose smallest moment is none, compared with its largest."""
+    """Return True for a body with mass whose smallest moment of inertia is zero beside its largest."""
     moments = np.linalg.eigvalsh(body.inertia)
     return body.mass > 0.0 and moments[0] <= ZERO_INERTIA_RATIO * moments[-1]

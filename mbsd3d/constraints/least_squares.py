@@ -33,7 +33,7 @@ LEAST_SQUARES_DAMPING = 1e-14
 
 
 def least(D: Matrix, A: Matrix, b: np.ndarray, f: np.ndarray | None = None, passes: int = 1) -> np.ndarray:
-    """x (n,) of the problem above; D (n, n) and A (m, n), both dense or both sparse, with entries of order one.
+    """Return x (n,) of the problem above; D (n, n) and A (m, n), both dense or both sparse, with entries of order one.
 
     D is positive definite where A leaves x free. ``passes``: repeats that take the damping away. AssemblyError if the
     matrix is exactly singular.
@@ -61,7 +61,7 @@ def least(D: Matrix, A: Matrix, b: np.ndarray, f: np.ndarray | None = None, pass
 
 
 def proven(A: np.ndarray, tolerance: float = 0.0) -> bool:
-    """True if the rows of A (m, n) are independent for certain: A' = Q R, least singular value of A >= 1 / |R^-1|.
+    """Return True if the rows of A (m, n) are certainly independent: A' = Q R, least singular value of A >= 1 / |R^-1|.
 
     That takes a third of the time of singular values.
     """
@@ -75,7 +75,7 @@ def proven(A: np.ndarray, tolerance: float = 0.0) -> bool:
 
 
 def dense_factor(D: np.ndarray, A: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-    """Solves with the matrix above; LinAlgError if it is singular."""
+    """Return a solver with the matrix above; raise a LinAlgError if it is singular."""
     n, m = D.shape[0], A.shape[0]
     whole = np.zeros((n + m, n + m), order="F")
     whole[:n, :n], whole[:n, n:], whole[n:, :n] = D, A.T, A
@@ -87,7 +87,7 @@ def dense_factor(D: np.ndarray, A: np.ndarray) -> Callable[[np.ndarray], np.ndar
 
 
 def sparse_factor(D: csr_array, A: csr_array) -> Callable[[np.ndarray], np.ndarray]:
-    """Solves with the matrix above; RuntimeError if it is singular."""
+    """Return a solver with the matrix above; raise a RuntimeError if it is singular."""
     n, m = D.shape[0], A.shape[0]
     D, A, own = coo_array(D), coo_array(A), np.arange(n, n + m)
     data = np.concatenate([D.data, A.data, A.data, np.full(m, -LEAST_SQUARES_DAMPING)])
@@ -109,7 +109,7 @@ def deficient(A: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, int]:
 
 
 def shortest(J: BlockRows, rows: np.ndarray, more: np.ndarray, columns: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """x (n,) of least length that meets A x = b in the sense of least squares; A = J times ``rows``, ``more``.
+    """Return x (n,) of least length that meets A x = b in least squares; A = J times ``rows``, then ``more``.
 
     Columns are times ``columns``, so that entries are of order one. Dense for few bodies: setting up sparse matrices
     takes longer there than to solve.

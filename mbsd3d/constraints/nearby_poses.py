@@ -1,4 +1,4 @@
-"""Poses near a given one: moved along one freedom, or along a small deviation X and closed by the joints again."""
+"""Poses near a given one: one coordinate displaced, or a small deviation X that the joints close again."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from ..kernels.layout import Data, Model, Tree
 
 
 def nudged(y: np.ndarray, b: int, j: int, h: float) -> np.ndarray:
-    """The state y with body b displaced by h in world direction j, or for j > 2 turned by h about direction j - 3."""
+    """Return the state y with body b displaced by h in world direction j, or for j > 2 turned about direction j - 3."""
     dx, moved = np.zeros(6), y.copy()
     dx[j] = h
     displace_body(moved, 7 * b, tuple(dx[:3]), tuple(dx[3:]))
@@ -17,7 +17,7 @@ def nudged(y: np.ndarray, b: int, j: int, h: float) -> np.ndarray:
 
 
 def displaced(model: Model, y: np.ndarray, X: np.ndarray) -> np.ndarray:
-    """The state y with r_G + delta r_G and exp(delta theta) o e for every body, from the first 6 n entries of X."""
+    """Return y with r_G + delta r_G and exp(delta theta) o e for every body, from the first 6 n entries of X."""
     moved = y.copy()
     for i, (shift, turn) in enumerate(X[: 6 * model.body.size].reshape(-1, 2, 3)):
         q = 7 * i
@@ -28,6 +28,6 @@ def displaced(model: Model, y: np.ndarray, X: np.ndarray) -> np.ndarray:
 
 
 def closed(model: Model, data: Data, tree: Tree, t: float, y: np.ndarray, X: np.ndarray) -> np.ndarray | None:
-    """`displaced`, projected onto c = 0 in the metric of M; None if the joints do not close there."""
+    """Return `displaced`, projected onto c = 0 in the metric of M; None if the joints do not close there."""
     moved = displaced(model, y, X)
     return moved if project_positions(model, data, tree, t, moved, FACTOR_FROM_OTHER_POSE) == PROJECTED else None

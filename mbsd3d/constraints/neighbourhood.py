@@ -1,4 +1,4 @@
-"""Poses beside a given one: what moves on from it, and what closes back at it.
+"""Poses beside a given one: what moves away from it, and what closes only at it.
 
 Steps along the motions that the rows leave free are closed by Newton's method. A free motion is infinitesimal if the
 joints close at the pose itself; it is finite if they close where the step led; where the rank is higher there, freedoms
@@ -30,7 +30,7 @@ LOST_MIN = 1e-6  # [1] singular value that counts beside: what comes back ends 1
 
 
 class Beside(NamedTuple):
-    """The rows at a closed pose beside the one looked at."""
+    """Rows at a closed pose beside the given one."""
 
     found: Analysis
     rows: BlockRows
@@ -45,7 +45,7 @@ class Beside(NamedTuple):
 
 
 class Neighbourhood(NamedTuple):
-    """What lies beside a pose along the motions that its rows leave free."""
+    """Poses beside a given one, along the motions that its rows leave free."""
 
     poses: list[Beside]  # two or more that were reached; none where the rank cannot be higher, or nothing moves
     stuck: np.ndarray | None  # (6 n,) free motion after which the joints close at the pose itself: it is infinitesimal

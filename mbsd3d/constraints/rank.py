@@ -1,4 +1,4 @@
-"""Rank and null spaces of the rows of a mechanism: singular values of what elimination leaves over.
+"""Rank and null spaces of the rows of a mechanism, by singular values of what elimination leaves.
 
 A relative tolerance decides, against the largest singular value. Small mechanisms are not reduced at all: their
 singular values are those of J itself.
@@ -60,41 +60,41 @@ class Analysis:
 
     @cached_property
     def singular(self) -> np.ndarray:
-        """Singular values of all cores, largest first."""
+        """Return the singular values of all cores, largest first."""
         return np.sort(np.concatenate([np.zeros(0), *(s for _, s, _ in self.decompositions)]))[::-1]
 
     @property
     def largest(self) -> float:
-        """Largest singular value."""
+        """Return the largest singular value."""
         return float(self.singular[0]) if self.singular.size else 0.0
 
     def core_rank(self, core: int, tolerance: float | None = None) -> int:
-        """Number of singular values of a core above the tolerance."""
+        """Return the number of singular values of a core above the tolerance."""
         s = self.decompositions[core][1]
         return int((s > (tolerance or self.tolerance) * self.largest).sum())
 
     @property
     def rank(self) -> int:
-        """Rank of the rows."""
+        """Return the rank of the rows."""
         return self.picked.size + sum(self.core_rank(k) for k in range(len(self.cores)))
 
     @property
     def counted(self) -> np.ndarray:
-        """Singular values that count, largest first."""
+        """Return the singular values that count, largest first."""
         return self.singular[self.singular > self.tolerance * self.largest]
 
     @property
     def least(self) -> float:
-        """Smallest singular value that counts."""
+        """Return the smallest singular value that counts."""
         return float(self.counted[-1]) if self.counted.size else 0.0
 
     @property
     def smallest(self) -> float:
-        """The same relative to the largest; 1 if all was decided without singular values."""
+        """Return the smallest singular value over the largest; 1 if all was decided without singular values."""
         return self.least / self.largest if self.largest else 1.0
 
     def independent(self) -> np.ndarray:
-        """A largest independent set of rows, ascending: those picked, and of the cores by column-pivoted QR."""
+        """Return a largest independent set of rows, ascending: those picked, and of the cores by pivoted QR."""
         chosen = [self.picked]
         for k, core in enumerate(self.cores):
             _, pivot = scipy.linalg.qr(core.F.T, mode="r", pivoting=True, check_finite=False)
@@ -102,7 +102,7 @@ class Analysis:
         return np.sort(np.concatenate(chosen)).astype(np.int64)
 
     def redundant(self, tolerance: float | None = None) -> np.ndarray:
-        """(m, k) N with J'N = 0 in the columns, k the number of redundant rows; J as seen at the tolerance."""
+        """Return (m, k) N with J'N = 0 in the columns, k the number of redundant rows; J as seen at the tolerance."""
         alone = self.left.redundant
         ranks = [self.core_rank(k, tolerance) for k in range(len(self.cores))]
         N = np.zeros((self.m, len(alone) + sum(core.rows.size for core in self.cores) - sum(ranks)))
@@ -114,7 +114,7 @@ class Analysis:
         return without_rounding(self.left.row_combinations(N)) if N.shape[1] else N
 
     def free_motion(self, weights: np.random.Generator) -> np.ndarray:
-        """(6 n,) a random motion that all rows leave free; the same whatever basis rounding has given its space."""
+        """Return a random motion (6 n,) that all rows leave free; it does not depend on a basis."""
         x = np.zeros((6 * self.n, 1))
         x[self.left.free, 0] = weights.normal(size=self.left.free.size)
         for k, (core, (_, _, Vt)) in enumerate(zip(self.cores, self.decompositions, strict=True)):
@@ -123,26 +123,26 @@ class Analysis:
         return self.left.motion(x)[:, 0]
 
     def least_motion(self) -> np.ndarray:
-        """(6 n,) unit motion of a core that breaks the rows least of those that break them."""
+        """Return the unit motion (6 n,) of a core that violates the rows least."""
         k = min(
             range(len(self.cores)), key=lambda k: self.decompositions[k][1][: self.core_rank(k)].min(initial=np.inf)
         )
         return self.core_motion(self.cores[k], self.decompositions[k][2][self.core_rank(k) - 1])
 
     def core_motion(self, core: Core, x: np.ndarray) -> np.ndarray:
-        """(6 n,) motion of all bodies that goes with one of a core; the picked rows are met."""
+        """Return the motion (6 n,) of all bodies that goes with one of a core; the picked rows are met."""
         whole = np.zeros((6 * self.n, 1))
         whole[core.columns, 0] = x
         return self.left.motion(whole)[:, 0]
 
 
 def without_rounding(N: np.ndarray) -> np.ndarray:
-    """Combinations of order one without the entries that are only rounding: N is sparse, like loops are."""
+    """Return combinations of order one with entries of rounding set to zero; N is as sparse as loops are."""
     return np.where(np.abs(N) > 1e-13, N, 0.0)
 
 
 def surely_independent(rows: BlockRows, tolerance: float) -> bool:
-    """True if a bound proves that few rows are independent; the singular values decide where it proves nothing."""
+    """Return True if a bound proves that few rows are independent; otherwise singular values decide."""
     if not 0 < rows.body.shape[0] <= min(6 * rows.n, DENSE_ROWS_MAX):
         return False
     with one_thread():
@@ -150,14 +150,14 @@ def surely_independent(rows: BlockRows, tolerance: float) -> bool:
 
 
 def redundant_combinations(rows: BlockRows, tolerance: float = RANK_TOLERANCE) -> np.ndarray:
-    """(m, k) orthonormal N with J'N = 0: the left null space of the scaled rows, as seen at the tolerance."""
+    """Return (m, k) orthonormal N with J'N = 0: the left null space of the scaled rows."""
     if surely_independent(rows, tolerance):
         return np.zeros((rows.body.shape[0], 0))
     return orthonormal(Analysis(rows, tolerance).redundant())
 
 
 def orthonormal(N: np.ndarray) -> np.ndarray:
-    """Of the same columns."""
+    """Return an orthonormal basis of the same columns."""
     return scipy.linalg.qr(N, mode="economic")[0] if N.shape[1] else N
 
 
@@ -176,7 +176,7 @@ def projector(A: np.ndarray, tolerance: float) -> np.ndarray:
 
 
 def choose_rows(model: Model, data: Data, tolerance: float = RANK_TOLERANCE) -> np.ndarray:
-    """A largest independent set of rows at the state in ``data``, ascending.
+    """Return a largest independent set of rows at the state in ``data``, ascending.
 
     For drivers that must determine everything, small motions, and parts as built.
     """
@@ -187,7 +187,7 @@ def choose_rows(model: Model, data: Data, tolerance: float = RANK_TOLERANCE) -> 
 
 
 def tree_over_rows(model: Model, data: Data, tolerance: float) -> Tree:
-    """The tree of the equations at the state in ``data``, over all rows; over independent ones of parts as built.
+    """Return the tree of the equations at the state in ``data``, over all rows; independent ones of parts as built.
 
     ``tolerance``: within which these may miss each other, in model lengths; 0 = they do not.
     """

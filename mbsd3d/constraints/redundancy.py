@@ -1,4 +1,4 @@
-"""What the constraints do: rank, freedoms, which joints are redundant, what that means, and how to cure it."""
+"""Rank, degrees of freedom and redundant joints of a mechanism, with remedies."""
 
 from dataclasses import dataclass
 
@@ -46,12 +46,12 @@ class Share:
 
     @property
     def force_unique(self) -> bool:
-        """True if the constraints determine the force."""
+        """Return True if the constraints determine the force."""
         return not self.force_open
 
     @property
     def moment_unique(self) -> bool:
-        """True if the constraints determine the moment."""
+        """Return True if the constraints determine the moment."""
         return not self.moment_open
 
     def __str__(self) -> str:
@@ -96,7 +96,7 @@ class Diagnosis:
 
     @property
     def velocity_freedom(self) -> int:
-        """Independent velocities: 6 per body minus the rank of all rows."""
+        """Return the number of independent velocities: 6 a body minus the rank of all rows."""
         return self.mobility
 
     def __str__(self) -> str:
@@ -116,7 +116,7 @@ class Diagnosis:
 
 
 def diagnose(system: Mechanism, as_built: float | None) -> Diagnosis:
-    """See `System.check`."""
+    """Analyse the constraints, as `System.check`."""
     compiled = compile_system(system)
     data, length, n = compiled.data(), compiled.model.length, 6 * len(system.bodies)
     as_built = min(FIT_TOLERANCE_DEFAULT, FIT_TOLERANCE_RATIO * length) if as_built is None else as_built
@@ -173,13 +173,13 @@ def cures_of(
 
 
 def holonomic_rank(compiled: Compiled, rows: BlockRows, found: Analysis) -> int:
-    """Rank of the rows that have a residual."""
+    """Return the rank of the rows that have a residual."""
     holonomic = compiled.model.row["holonomic"].astype(bool)
     return found.rank if holonomic.all() else Analysis(rows.take(holonomic), found.tolerance).rank
 
 
 def misfit_as_built(found: Analysis, length: float, as_built: float) -> float:
-    """The largest misfit below ``as_built`` [m]: what play takes up.
+    """Return the largest misfit below ``as_built`` [m], which play takes up.
 
     A unit motion (one radian, one model length) along a right singular vector violates the rows by its singular value.
     """
@@ -188,12 +188,12 @@ def misfit_as_built(found: Analysis, length: float, as_built: float) -> float:
 
 
 def violation(found: Analysis, tolerance: float) -> float:
-    """Largest violation of spared rows, per radian or model length of a motion that the kept rows leave free."""
+    """Return the largest violation of spared rows, per radian or model length of a motion of the kept rows."""
     return max((core_violation(found, core, tolerance) for core in found.cores), default=0.0)
 
 
 def core_violation(found: Analysis, core: Core, tolerance: float) -> float:
-    """Violation of the spared rows of a core (scaled, norm).
+    """Return the violation of the spared rows of a core (scaled, norm).
 
     Rows are kept in the order of the joints, so the last joints show the misfit.
     """
@@ -217,14 +217,14 @@ def core_violation(found: Analysis, core: Core, tolerance: float) -> float:
 
 
 def misfit_of_lock(found: Analysis, length: float) -> float:
-    """Misfit [m] that takes the last freedom of a mechanism without mobility, 0 if it is a plain structure."""
+    """Return the misfit [m] that takes the last freedom of a mechanism without mobility, 0 for a structure."""
     if found.rank < 6 * found.n or not found.least < 1e-2 * found.largest:
         return 0.0
     return violation(found, 10.0 * found.least) * length
 
 
 def closed_pose(compiled: Compiled, as_built: float) -> tuple[State, float, str | None]:
-    """(pose, misfit [m] left in rows that could be spared, verdict if the mechanism does not close)."""
+    """Return (pose, misfit [m] left in rows that could be spared, verdict if the mechanism does not close)."""
     start = reference_pose(compiled.system)
     data = compiled.data()
     load_state(compiled, data, start)
@@ -245,7 +245,7 @@ def closed_pose(compiled: Compiled, as_built: float) -> tuple[State, float, str 
 
 
 def joint_shares(compiled: Compiled, data: Data, rows: BlockRows, N: np.ndarray, off: float) -> list[Share]:
-    """Joints with rows in redundant sets (where the projector N N' is not zero), unique reactions told apart.
+    """Return the joints with rows in redundant sets, with their unique reactions.
 
     ``off``: what J'N may be off zero, in model lengths and radians.
     """
@@ -281,7 +281,7 @@ def open_directions(A: np.ndarray, tolerance: float) -> str:
 def verdict_text(
     compiled: Compiled, rows: int, rank: int, n: int, misfit: float, as_built: float, offset: float
 ) -> str:
-    """One line that says what the constraints amount to."""
+    """Return one line on what the constraints amount to."""
     driven = any(isinstance(joint, Driver) for joint in compiled.system.joints)
     if misfit > 0.0:
         return f"redundant within the as-built tolerance ({as_built:g} m): misfit {misfit:.3g} m"

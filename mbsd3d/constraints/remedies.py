@@ -1,4 +1,4 @@
-"""Cures for redundant joints: weaker types found by search and verified by rank.
+"""Remedies for redundant joints: weaker types, found by search and verified by rank.
 
 A weaker joint's rows are combinations T J_i of the rows of the joint it replaces. With N the left null space of J, the
 redundancy left after a replacement is the dimension of {n in span N: n_i in range T'}: small matrices, no new SVD of J.
@@ -39,7 +39,7 @@ class Cure:
 
 
 def weaker(joint: Joint) -> list[Joint | None]:
-    """Weaker joints at the same place, None for no joint at all."""
+    """Return weaker joints at the same place, None for no joint at all."""
     if not isinstance(joint, PointJoint) or isinstance(joint, Driver):
         return [None]
     a, b, at, at_b, name = joint.a, joint.b, joint.at, joint.at_b, joint.name
@@ -59,7 +59,7 @@ def weaker(joint: Joint) -> list[Joint | None]:
 
 
 def serves(joint: Joint, option: Joint | None) -> bool:
-    """True if drivers, couplings and springs on the angle or slide of a joint find the same in a weaker one."""
+    """Return True if drivers, couplings and springs on the angle or slide of a joint also fit the weaker one."""
     if option is None:
         return False
     pairs = (joint.angle(), option.angle()), (joint.slide(), option.slide())
@@ -67,7 +67,7 @@ def serves(joint: Joint, option: Joint | None) -> bool:
 
 
 def rows_of(compiled: Compiled, pose: State, joint: Joint) -> BlockRows:
-    """Scaled rows of a joint that may not be in the system, at the pose."""
+    """Return the scaled rows of a joint that may not be in the system, at the pose."""
     bodies = [body for body in joint.bodies() if body is not GROUND]
     index = np.array([*(compiled.body_index[id(body)] for body in bodies), compiled.model.body.size])
     alone = compile_system(Mechanism(bodies=bodies, joints=[joint]))
@@ -80,7 +80,7 @@ def rows_of(compiled: Compiled, pose: State, joint: Joint) -> BlockRows:
 
 
 class Search:
-    """What replacements do to the redundant combinations N (columns); projectors are made when first asked for."""
+    """Effect of replacements on the redundant combinations N (columns); projectors are made on first use."""
 
     def __init__(self, compiled: Compiled, pose: State, rows: BlockRows, N: np.ndarray) -> None:
         self.compiled, self.pose, self.rows, self.N = compiled, pose, rows, N
@@ -89,27 +89,27 @@ class Search:
         self.acted_on = {id(partner) for part in (*system.joints, *system.forces) for partner in part.partners()}
 
     def own(self, joint: Joint) -> slice:
-        """Rows of a joint."""
+        """Return the rows of a joint."""
         return self.compiled.rows[id(joint)]
 
     def candidates(self, joint: Joint) -> list[tuple[Joint, Joint | None]]:
-        """(joint, weaker joint) for all weaker joints with fewer rows that can stand in its place."""
+        """Return (joint, weaker joint) for all weaker joints with fewer rows that can stand in its place."""
         fewer = [(joint, option) for option in weaker(joint) if self.lost([(joint, option)]) > 0]
         return [(joint, option) for _, option in fewer if id(joint) not in self.acted_on or serves(joint, option)]
 
     def lost(self, chosen: list) -> int:
-        """Rows given up by a set of replacements."""
+        """Return the rows given up by a set of replacements."""
         own = sum(self.own(joint).stop - self.own(joint).start for joint, _ in chosen)
         return own - sum(row.n_rows for _, option in chosen if option is not None for row in option.rows())
 
     def projector(self, joint: Joint, option: Joint | None) -> np.ndarray | None:
-        """P that vanishes on range T' with J_option = T J_joint; None where the rows are not in the joint's own."""
+        """Return P that vanishes on range T' with J_option = T J_joint; None where the rows are not in the joint's."""
         if (joint, option) not in self.projectors:
             self.projectors[joint, option] = self.make_projector(joint, option)
         return self.projectors[joint, option]
 
     def make_projector(self, joint: Joint, option: Joint | None) -> np.ndarray | None:
-        """See `projector`."""
+        """Compute the projector of `projector`."""
         own = self.rows.take(self.own(joint)).sparse().toarray()
         if option is None:
             return np.eye(own.shape[0])
@@ -121,7 +121,7 @@ class Search:
         return np.eye(own.shape[0]) - basis @ basis.T
 
     def cured(self, chosen: list) -> bool:
-        """No redundancy left, and not one row more than that given up: the mobility stays."""
+        """Return True if no redundancy is left and no more rows are given up, so that the mobility stays."""
         k = self.N.shape[1]
         if self.lost(chosen) != k:
             return False
@@ -132,7 +132,7 @@ class Search:
         return rank_in_N(stacked) == k
 
     def greedy(self, joints: list) -> list:
-        """Replace joint by joint, most rows first, where just as many redundancies go as rows, until none is left."""
+        """Replace joint by joint, most rows first, where as many redundancies vanish as rows, until none is left."""
         chosen, done, left, N = [], set(), self.N.shape[1], self.N.copy()
         candidates = [(self.lost([c]), c) for joint in joints for c in self.candidates(joint)]
         for lost, (joint, option) in sorted(candidates, key=lambda pair: -pair[0]):  # stable: joints in their order
@@ -148,13 +148,13 @@ class Search:
 
 
 def rank_in_N(B: np.ndarray) -> int:
-    """Rank of a few rows of combinations, entries of order one."""
+    """Return the rank of a few rows of combinations, entries of order one."""
     touched = B.any(axis=0)
     return int((scipy.linalg.svdvals(B[:, touched]) > 1e-9).sum()) if touched.any() else 0
 
 
 def remove_redundancies(B: np.ndarray, N: np.ndarray) -> int:
-    """Replace the columns of N by combinations with B = 0, in place, zero columns for those that end; their number."""
+    """Replace the columns of N by combinations with B = 0, in place; return how many have ended."""
     touched = np.flatnonzero(B.any(axis=0))
     _, R, pivot = scipy.linalg.qr(B[:, touched], mode="economic", pivoting=True)
     rank = int((np.abs(np.diag(R)) > 1e-9).sum())
@@ -167,7 +167,7 @@ def remove_redundancies(B: np.ndarray, N: np.ndarray) -> int:
 
 
 def find_cures(compiled: Compiled, pose: State, rows: BlockRows, N: np.ndarray, mobility: int) -> list[Cure]:
-    """Single replacements, then pairs, then a greedy set; fewest joints touched and fewest rows lost first."""
+    """Find single replacements, then pairs, then a greedy set; fewest joints and fewest lost rows first."""
     search = Search(compiled, pose, rows, N)
     involved = [j for j in compiled.system.joints if np.abs(N[compiled.rows[id(j)]]).max(initial=0.0) > 1e-8]
     involved = [j for j in involved if not isinstance(j, Driver)]
@@ -194,7 +194,7 @@ def find_cures(compiled: Compiled, pose: State, rows: BlockRows, N: np.ndarray, 
 
 
 def verified(compiled: Compiled, pose: State, rows: BlockRows, chosen: list, mobility: int) -> bool:
-    """Rebuild the rows with the replacements: all independent, and the mobility unchanged."""
+    """Rebuild the rows with the replacements; return True if all are independent and the mobility is unchanged."""
     swapped = [rows_of(compiled, pose, option) for _, option in chosen if option is not None]
     kept = np.ones(rows.body.shape[0], bool)
     for joint, _ in chosen:
@@ -206,7 +206,7 @@ def verified(compiled: Compiled, pose: State, rows: BlockRows, chosen: list, mob
 
 
 def describe(compiled: Compiled, chosen: list, lost: int) -> Cure:
-    """The cure in words."""
+    """Return the remedy in words."""
     system, texts, pairs = compiled.system, [], []
     for joint, option in chosen:
         name = system.name(joint)
@@ -221,7 +221,7 @@ def describe(compiled: Compiled, chosen: list, lost: int) -> Cure:
 
 
 def axis_text(option: Joint) -> str:
-    """Directions of a weaker joint, where it has some; those of a cross in all digits, so that loops still close."""
+    """Return the directions of a weaker joint, those of a cross in all digits, so that loops still close."""
     if isinstance(option, Universal):
         return f" with axis_a = {direction_text(option.axis_a, 16)}, axis_b = {direction_text(option.axis_b, 16)}"
     axis = getattr(option, "axis", getattr(option, "normal", None))
@@ -229,5 +229,5 @@ def axis_text(option: Joint) -> str:
 
 
 def direction_text(axis: np.ndarray, digits: int) -> str:
-    """A direction in so many digits."""
+    """Return a direction in the given number of digits."""
     return "({})".format(", ".join(f"{x:.{digits}g}" for x in axis.round(16) + 0.0))

@@ -1,4 +1,4 @@
-"""Singular poses, where the rows leave one freedom more than beside them, and poses that are all but singular."""
+"""Singular poses, where the rows leave one freedom more than beside them, and poses that are nearly singular."""
 
 from collections.abc import Collection
 
@@ -33,7 +33,7 @@ SHARE_MIN = 1e-2  # [1] of the largest entry of a redundant combination: rows th
 
 
 def describe_singularity(compiled: Compiled, pose: State) -> str:
-    """What is singular, or nearly so, about a pose; "" for a regular one."""
+    """Return what is singular, or nearly so, about a pose; "" for a regular one."""
     data = compiled.data()
     load_state(compiled, data, pose)
     found = Analysis(scaled_rows(compiled.model, data))
@@ -43,7 +43,7 @@ def describe_singularity(compiled: Compiled, pose: State) -> str:
 def singularities(
     compiled: Compiled, data: Data, pose: State, found: Analysis, beside: Neighbourhood
 ) -> list[str]:  # fmt: skip
-    """Sentences on the pose in ``data``, with the rows ``found``: what can move there and not beside it.
+    """Return sentences on the pose in ``data`` with the rows ``found``: what can move there and not beside it.
 
     ``beside``: its `neighbourhood`.
     """

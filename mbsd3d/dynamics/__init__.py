@@ -1,1 +1,1 @@
-"""Accelerations, state rates and projections: the kernels put together with the laws of the forces."""
+"""Accelerations, state rates and projections, compiled from the kernels and the force laws."""

@@ -19,7 +19,7 @@ from ..mechanism.force_element import ForceElement
 
 
 def laws_of_all_forces() -> tuple[Callable, ...]:
-    """The law of every class in the files of `mechanism.forces`, each once, in the order of their names."""
+    """Return the law of every class in the files of `mechanism.forces`, each once, in the order of their names."""
     found = {}
     for module in pkgutil.iter_modules(forces.__path__, f"{forces.__name__}."):
         for cls in vars(import_module(module.name)).values():
@@ -54,7 +54,7 @@ apply_law = late_choice(__name__, "apply_law", LAWS)
 
 @inner_kernel
 def gravity_and_gyroscopic_terms(m, d):
-    """Gravity in Q and the velocity-quadratic term h of all bodies."""
+    """Set gravity in Q and the velocity-quadratic term h of all bodies."""
     g = vec(m.gravity)
     put6(d.body[m.body.shape[0]].Q, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))  # what acts on the ground adds up there
     for i in range(m.body.shape[0]):
@@ -70,7 +70,7 @@ def gravity_and_gyroscopic_terms(m, d):
 
 @inner_kernel
 def evaluate_coordinate(m, d, p, out, t):
-    """Value, rate and gradient of the hinge coordinate that an element acts along."""
+    """Evaluate value, rate and gradient of the hinge coordinate along which an element acts."""
     a, b = d.body[m.coordinate[p.coordinate].body[0]], d.body[m.coordinate[p.coordinate].body[1]]
     x, _, la, ta, lb, tb = coordinate(m, d, p.coordinate, t)
     out.x = x
@@ -83,7 +83,7 @@ def evaluate_coordinate(m, d, p, out, t):
 
 @inner_kernel
 def apply_coordinate_load(m, d, p, out):
-    """Q of the load of an element along its hinge coordinate."""
+    """Add the load of an element along its hinge coordinate to Q."""
     a, b = d.body[m.coordinate[p.coordinate].body[0]], d.body[m.coordinate[p.coordinate].body[1]]
     add6(a.Q, scale(out.load, vec(out.gradient[0])), scale(out.load, vec(out.gradient[1])))
     add6(b.Q, scale(out.load, vec(out.gradient[2])), scale(out.load, vec(out.gradient[3])))
@@ -91,7 +91,7 @@ def apply_coordinate_load(m, d, p, out):
 
 @kernel
 def loads(m, d, t):
-    """Fill Q, h, potential, power, state_rate; needs kinematics."""
+    """Evaluate Q, h, potential, power and state_rate; needs kinematics."""
     gravity_and_gyroscopic_terms(m, d)
     for i in range(m.force.shape[0]):
         p, out = m.force[i], d.force[i]

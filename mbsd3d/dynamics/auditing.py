@@ -1,4 +1,4 @@
-"""What the quadrature of fixed steps makes of work and impulse: how far the audit itself may be off.
+"""Quadrature of work and impulse over fixed steps, and how far this audit itself may be off.
 
 Nothing bounds the error of a fixed step, so none bounds that of the integrals of power, forces and moments over it. A
 second quadrature, of Adams and Moulton with five rates at the ends of steps, shares no stage with the first one.
@@ -21,7 +21,7 @@ MOULTON_END_WEIGHT = 251.0 / 720.0
 
 @inner_kernel
 def velocity_of_centre(m, d):
-    """Velocity of the centre of mass of all bodies; zero if none has a mass."""
+    """Return the velocity of the centre of mass of all bodies [m/s]; zero if none has a mass."""
     total, momentum = 0.0, (0.0, 0.0, 0.0)
     for i in range(m.body.shape[0]):
         mass, body = m.body[i].mass, d.body[i]
@@ -32,7 +32,7 @@ def velocity_of_centre(m, d):
 
 @inner_kernel
 def held(m):
-    """True if a joint holds a body to the ground, which then is the frame in which energy is kept."""
+    """Return True if a joint holds a body to the ground, which then is the frame in which energy is conserved."""
     for k in range(m.row.shape[0]):
         for slot in range(4):
             if m.row[k].body[slot] == m.body.shape[0]:
@@ -42,7 +42,7 @@ def held(m):
 
 @inner_kernel
 def begin_audit(m, d, run):
-    """Rates at a start, which is evaluated in d; those before a jump say nothing of what comes."""
+    """Store the rates at a start, which is evaluated in d, and forget the rates before a jump."""
     if run.task.steps == 0:
         return
     audit_rates(m, d, run.work_rate)
@@ -54,7 +54,7 @@ def begin_audit(m, d, run):
 
 @inner_kernel
 def go_on_auditing(m, d, run, h):
-    """Compare the integrals over a step with those of the rates at the ends of this one and the four before."""
+    """Compare the integrals over a step with those of the rates at the ends of this step and the four before."""
     if run.task.steps == 0:
         return
     now, audit = run.now, run.audit
@@ -77,7 +77,7 @@ def go_on_auditing(m, d, run, h):
 
 @inner_kernel
 def note_errors(m, d, run, error):
-    """The greatest errors so far of work, impulse and angular impulse; the work as `balances` takes it."""
+    """Record the largest errors so far of work, impulse and angular impulse; work as `balances` takes it."""
     now, works = run.now, error.shape[0] - 6
     push, turn = pair(error[works : works + 6])
     work = 0.0 if held(m) else -dot(velocity_of_centre(m, d), push)

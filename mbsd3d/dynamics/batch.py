@@ -1,4 +1,4 @@
-"""Post-processing over all samples of a run: wrenches of rows on a body, and the equations checked once more."""
+"""Post-processing of all samples of a run: wrenches of rows on a body, and residuals of the equations."""
 
 from ..compiler.decorators import inner_kernel, kernel
 from ..kernels.kinematics import kinematics
@@ -11,7 +11,7 @@ from .state_rates import right_sides
 
 @inner_kernel
 def rows_of_sample(m, d, t, state, coordinates):
-    """Kinematics and rows at a sample; its hinge coordinates count turns, and curves are searched from them."""
+    """Evaluate kinematics and rows at a sample; hinge coordinates count turns, curves are searched from them."""
     for i in range(m.coordinate.shape[0]):
         d.coordinate[i].value = coordinates[i]
     d.unwrap_time[0] = t
@@ -21,7 +21,7 @@ def rows_of_sample(m, d, t, state, coordinates):
 
 @kernel
 def wrenches(m, d, times, states, coordinates, lam, first, last, body, out):
-    """out (samples, 6) = force and moment about O of body from the rows first:last: minus the sum of J' lam."""
+    """Set out (samples, 6) = force and moment about O of body from rows first:last: minus the sum of J' lam."""
     for i in range(times.shape[0]):
         rows_of_sample(m, d, times[i], states[i], coordinates[i])
         for j in range(6):
@@ -35,7 +35,7 @@ def wrenches(m, d, times, states, coordinates, lam, first, last, body, out):
 
 @inner_kernel
 def body_residual(fixed, body, acceleration, out):
-    """out = residuals of m a_G = F [N] and I_G alpha + w x I_G w = M_G [N m], sizes of both; body.Q holds F, M_O."""
+    """Set residuals of m a_G = F [N] and I_G alpha + w x I_G w = M_G [N m], and sizes of both; body.Q holds F, M_O."""
     R, w, s = mat(body.R), vec(body.w), vec(body.s)
     r_ddot, alpha = pair(acceleration)
     a_G = add(r_ddot, add(cross(alpha, s), turning(w, s)))
@@ -54,7 +54,7 @@ def body_residual(fixed, body, acceleration, out):
 
 @inner_kernel
 def acceleration_defect(m, d, k, acceleration):
-    """J v_dot - gamma of row k."""
+    """Return J v_dot - gamma of row k."""
     row = d.row[k]
     total = -row.gamma
     for slot in range(4):
@@ -67,7 +67,7 @@ def acceleration_defect(m, d, k, acceleration):
 
 @inner_kernel
 def row_defects(m, d, acceleration, out):
-    """out (3,) = largest c, J v - b, J v_dot - gamma of all primitives, scaled by the model's length.
+    """Set out (3,) = largest c, J v - b, J v_dot - gamma of all primitives, scaled by the model's length.
 
     Of the rows of a primitive the Euclidean norm: the three of a point are along axes that say nothing of it.
     """
@@ -87,7 +87,7 @@ def row_defects(m, d, acceleration, out):
 
 @inner_kernel
 def newton_euler(m, d, t, acceleration, lam, out):
-    """out (n, 4) = `body_residual` of every body under its loads and the forces -J' lam of its joints."""
+    """Set out (n, 4) = `body_residual` of every body under its loads and the forces -J' lam of its joints."""
     loads(m, d, t)
     for k in range(m.row.shape[0]):
         for slot in range(4):
@@ -101,7 +101,7 @@ def newton_euler(m, d, t, acceleration, lam, out):
 
 @kernel
 def equation_residuals(m, d, times, states, coordinates, accelerations, lam, bodies, joints):
-    """bodies (samples, n, 4): `newton_euler`; joints (samples, 3): `row_defects`; whatever teaching switches drop."""
+    """Set bodies (samples, n, 4): `newton_euler`, joints (samples, 3): `row_defects`, ignoring teaching switches."""
     for k in range(times.shape[0]):
         rows_of_sample(m, d, times[k], states[k], coordinates[k])
         row_defects(m, d, accelerations[k], joints[k])
@@ -110,7 +110,7 @@ def equation_residuals(m, d, times, states, coordinates, accelerations, lam, bod
 
 @kernel
 def refinements(m, d, s, instants, states, coordinates, accelerations, lam, first, units, size, which):
-    """What a step of iterative refinement would change, from sample ``first`` on: how well each sample is determined.
+    """Compute what a step of iterative refinement changes, from sample ``first`` on.
 
     size (samples, 3): largest change of an acceleration, of a multiplier, and least pivot of the rows that close loops
     over its largest; which (samples, 2): body and row of the changes. units (2 + rows,): of a_O, alpha, multipliers.

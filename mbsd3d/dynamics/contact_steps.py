@@ -1,4 +1,4 @@
-"""Touches that a step could hide: bodies are in the air at both of its ends, and touch in between.
+"""Contacts that a step could miss: bodies are separated at both of its ends and in contact in between.
 
 The stages of a step see none of it if they lie before and after. So a step between two moments in the air may not turn
 a surface by more than a radian, unless it looks the same all the time; and where the clearance falls and rises again so
@@ -18,13 +18,13 @@ CLEARANCE_DIP_SHARE = 0.25  # [1] of the depth of a dip: a cubic errs by a twelf
 
 @inner_kernel
 def largest(a):
-    """Largest component of a vector."""
+    """Return the largest component of a vector by size."""
     return max(abs(a[0]), abs(a[1]), abs(a[2]))
 
 
 @inner_kernel
 def changing_turn(m, d, p, normal):
-    """Angular velocity [rad/s] by which a contact sees its surface or its plane turn; 0 where they look the same."""
+    """Return the angular velocity [rad/s] by which a contact sees its surfaces turn; 0 where they look the same."""
     a, b = d.body[p.body[0]], d.body[p.body[1]]
     w_a, w_b = vec(a.w), vec(b.w)
     rate_a, rate_b = np.sqrt(dot(w_a, w_a)), np.sqrt(dot(w_b, w_b))
@@ -41,7 +41,7 @@ def changing_turn(m, d, p, normal):
 
 @inner_kernel
 def watch_contacts(m, d, run, end):
-    """Clearance, its rate and `changing_turn` of the contacts at the state in d: the start or the end of a step."""
+    """Store clearance, its rate and `changing_turn` of the contacts at the state in d: start or end of a step."""
     for k in range(run.contacts.shape[0]):
         p = m.force[run.contacts[k]]
         plane, _, _, gap, velocity = meeting(p, d.body[p.body[0]], d.body[p.body[1]])
@@ -51,7 +51,7 @@ def watch_contacts(m, d, run, end):
 
 @inner_kernel
 def begin_step(run):
-    """The longest next step, as bodies in the air turn at its start."""
+    """Set the longest next step from the angular velocities of separated bodies at its start."""
     run.now.longest = np.inf
     for k in range(run.contacts.shape[0]):
         seen = run.gaps[k, 0]
@@ -61,14 +61,14 @@ def begin_step(run):
 
 @inner_kernel
 def start_watching(m, d, run):
-    """At a start, whose state is in d."""
+    """Start the watch at a state, which is in d."""
     watch_contacts(m, d, run, 0)
     begin_step(run)
 
 
 @inner_kernel
 def advance_contact_watch(run):
-    """The end of a step becomes the start of the next one."""
+    """Make the end of a step the start of the next one."""
     for k in range(run.contacts.shape[0]):
         for j in range(3):
             run.gaps[k, 0, j] = run.gaps[k, 1, j]
@@ -77,7 +77,7 @@ def advance_contact_watch(run):
 
 @inner_kernel
 def least_of_cubic(start, end, h):
-    """(fraction of a step, value) where a cubic that falls at its start and rises at its end is least."""
+    """Return (fraction of a step, value) where a cubic that falls at its start and rises at its end is least."""
     a, rise = start[1] * h, end[0] - start[0]
     b = 3.0 * rise - h * (2.0 * start[1] + end[1])
     c = h * (start[1] + end[1]) - 2.0 * rise
@@ -87,7 +87,7 @@ def least_of_cubic(start, end, h):
 
 @late_kernel
 def step_fraction_to_retry(m, d, run, h) -> float:
-    """Fraction of the step h, whose end is in d, that is to be tried instead; 1 if it hides no touch."""
+    """Return the fraction of the step h, whose end is in d, to retry; 1 if the step hides no contact."""
     watch_contacts(m, d, run, 1)
     part, shallow = 1.0, run.task.rtol * m.length
     for k in range(run.contacts.shape[0]):
@@ -105,7 +105,7 @@ def step_fraction_to_retry(m, d, run, h) -> float:
 
 @inner_kernel
 def may_hide_contact(m, d, run, h):
-    """True for an adaptive step h, whose end is in d, that could hide a touch: it is rejected."""
+    """Return True for an adaptive step h, whose end is in d, that could hide a contact; the step is rejected."""
     if run.contacts.shape[0] == 0 or run.task.steps > 0:
         return False
     part = step_fraction_to_retry(m, d, run, h)

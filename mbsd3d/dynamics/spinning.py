@@ -20,14 +20,17 @@ SPIN_ANGLE_MAX = 40.0  # [rad] in a step: longest turn of a body
 
 @inner_kernel
 def spin_of(fixed, y, u):
-    """Angular velocity about the axis of symmetry, body axes; all of it for bodies without a preferred axis."""
+    """Return the angular velocity about the axis of symmetry, body axes.
+
+    All of it for bodies of three equal moments.
+    """
     w = (y[u + 3], y[u + 4], y[u + 5])
     return w if fixed.symmetry == 2 else scale(dot(w, vec(fixed.axis)), vec(fixed.axis))
 
 
 @inner_kernel
 def limit_turn(m, run):
-    """Shorten the step to be tried so that no body turns too far in it."""
+    """Shorten the next step so that no body turns too far in it."""
     n = m.body.shape[0]
     for i in range(n):
         if m.body[i].symmetry > 0:
@@ -37,7 +40,7 @@ def limit_turn(m, run):
 
 @inner_kernel
 def steadier_without(fixed, y, dy, u, spin):
-    """True where the angular velocity across the axis changes less when the spin is taken out.
+    """Return True where the angular velocity across the axis changes less when the spin is taken out.
 
     It does for a wheel, for steady precession, and for free bodies that are longer than wide; nutation of a flat one
     is slower in body axes.
@@ -51,7 +54,7 @@ def steadier_without(fixed, y, dy, u, spin):
 
 @inner_kernel
 def find_spins(m, run, h):
-    """The spins that are taken out of the step h from run.y on."""
+    """Find the spins that are taken out of the step h from run.y on."""
     n = m.body.shape[0]
     run.now.spinning = 0
     for i in range(n):
@@ -66,7 +69,7 @@ def find_spins(m, run, h):
 
 @inner_kernel
 def find_turns(m, run, h):
-    """The mean angular velocities of a step from run.y to run.trial: what a cubic of the rotation goes beside."""
+    """Find the mean angular velocities of a step from run.y to run.trial, which a cubic of the rotation takes out."""
     n = m.body.shape[0]
     run.now.spinning = 0
     for i in range(n):
@@ -81,7 +84,7 @@ def find_turns(m, run, h):
 
 @inner_kernel
 def farthest_turn(run, h):
-    """The largest angle [rad] by which a spin taken out turns its body in the step h."""
+    """Return the largest angle [rad] by which a spin that is taken out turns its body in the step h."""
     square = 0.0
     for i in range(run.spin.shape[0] if run.now.spinning > 0 else 0):
         square = max(square, dot(vec(run.spin[i]), vec(run.spin[i])))
@@ -90,14 +93,14 @@ def farthest_turn(run, h):
 
 @inner_kernel
 def turned_by(w, n, c, s):
-    """w turned about the unit vector n; c, s: cosine and sine of half the angle."""
+    """Rotate w about the unit vector n; c, s are cosine and sine of half the angle."""
     cosine, sine = c * c - s * s, 2.0 * s * c
     return add(add(scale(cosine, w), scale(sine, cross(n, w))), scale((1.0 - cosine) * dot(n, w), n))
 
 
 @inner_kernel
 def rotate_body_state(x, q, u, spin, tau):
-    """e := e o exp(spin tau / 2), w := R(-spin tau) w in x, whose pose starts at q and velocities at u."""
+    """Set e := e o exp(spin tau / 2), w := R(-spin tau) w in x, whose pose starts at q and velocities at u."""
     rate = np.sqrt(dot(spin, spin))
     n, c, s = scale(1.0 / rate, spin), np.cos(0.5 * rate * tau), np.sin(0.5 * rate * tau)
     e0, e = x[q + 3], (x[q + 4], x[q + 5], x[q + 6])
@@ -111,7 +114,7 @@ def rotate_body_state(x, q, u, spin, tau):
 
 @kernel
 def restore_spin(m, run, tau, x):
-    """x' -> x, a state or a small part of one, tau after the start of the step; -tau: x -> x'."""
+    """Transform x' -> x, a state or a small part of one, tau after the start of the step; with -tau: x -> x'."""
     n = m.body.shape[0]
     for i in range(n if run.now.spinning > 0 else 0):
         spin = vec(run.spin[i])
@@ -121,7 +124,7 @@ def restore_spin(m, run, tau, x):
 
 @kernel
 def rate_without_spin(m, run, tau, y, dy):
-    """dy -> dy' at the state y, tau after the start of the step."""
+    """Transform dy -> dy' at the state y, tau after the start of the step."""
     n = m.body.shape[0]
     for i in range(n if run.now.spinning > 0 else 0):
         spin = vec(run.spin[i])

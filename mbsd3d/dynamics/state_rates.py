@@ -1,4 +1,4 @@
-"""State rates and projections.
+"""State rates, and projections of positions and velocities onto the constraints.
 
     [ M(q)  J' ] [ v_dot ]   [ Q(q, v, z, t) - h(q, v) ]
     [ J     0  ] [  lam  ] = [ gamma(q, v, t)          ]        e_dot = H(e) w / 2,   rows J v = b
@@ -27,7 +27,7 @@ FACTOR_FROM_OTHER_POSE, FACTOR_FROM_THIS_POSE = np.int64(0), np.int64(1)
 
 @inner_kernel
 def centre_of_mass(m, d):
-    """Centre of mass of all bodies; the origin if none has a mass."""
+    """Return the centre of mass of all bodies [m]; the origin if none has a mass."""
     total, centre = 0.0, (0.0, 0.0, 0.0)
     for i in range(m.body.shape[0]):
         mass, body = m.body[i].mass, d.body[i]
@@ -38,7 +38,7 @@ def centre_of_mass(m, d):
 
 @inner_kernel
 def audit_rates(m, d, dy):
-    """Rates of the audit states: work of forces and drivers, impulse, angular impulse about the centre of mass.
+    """Set the rates of the audit states: work of forces and drivers, impulse, angular impulse about the centre of mass.
 
     Joints between bodies cannot change the momentum of the whole: only applied loads and reactions of the ground count.
     """
@@ -68,7 +68,7 @@ def audit_rates(m, d, dy):
 
 @inner_kernel
 def right_sides(m, d, t):
-    """Q - h and gamma at the rows at hand, as the right side of the saddle point."""
+    """Set Q - h and gamma at the current rows as the right side of the saddle point."""
     loads(m, d, t)
     for i in range(m.body.shape[0]):
         body = d.body[i]
@@ -83,7 +83,7 @@ def right_sides(m, d, t):
 
 @kernel
 def accelerate(m, d, s, t):
-    """v_dot and lam from the rows, loads and factor at hand."""
+    """Solve for v_dot and lam with the current rows, loads and factorisation."""
     right_sides(m, d, t)
     status = solve(m, d, s)
     return refine(m, d, s) if status == SOLVED and s.state.graded == 1 else status
@@ -91,7 +91,7 @@ def accelerate(m, d, s, t):
 
 @inner_kernel
 def finish(m, d, s, t, dy):
-    """Accelerations and all state rates from the rows and the factor at hand."""
+    """Compute accelerations and all state rates from the current rows and factorisation."""
     status = accelerate(m, d, s, t)
     if status == SOLVED:
         rates(m, d, dy)
@@ -102,7 +102,7 @@ def finish(m, d, s, t, dy):
 @late
 @kernel
 def evaluate(m, d, s, t, y, dy) -> int:
-    """dy = dy/dt at (t, y); SOLVED or the reason why not."""
+    """Evaluate dy = dy/dt at (t, y); return SOLVED or the reason why there is none."""
     kinematics(m, d, y)
     rows(m, d, t)
     factor(m, d, s)
@@ -111,7 +111,7 @@ def evaluate(m, d, s, t, y, dy) -> int:
 
 @inner_kernel
 def largest_residual(m, d, s):
-    """Largest scaled |c| of the rows in use (units of the model's length, radians)."""
+    """Return the largest scaled |c| of the rows in use (units of the model's length, radians)."""
     largest = 0.0
     for k in s.used:
         size = abs(d.row[k].c) * m.row[k].scale
@@ -122,7 +122,7 @@ def largest_residual(m, d, s):
 
 @inner_kernel
 def rounding(m, y):
-    """Rounding level of a scaled residual: 1e-15 of the farthest coordinate in units of the model's length."""
+    """Return the rounding of a scaled residual: 1e-15 of the farthest coordinate in units of the model's length."""
     reach = 0.0
     for i in range(m.body.shape[0]):
         for j in range(3):
@@ -143,7 +143,7 @@ def correction(m, d, s):
 
 @inner_kernel
 def newton_step(m, d, s, t, y):
-    """One Newton step on c = 0 with the factor at hand, and the rows of the pose it leads to."""
+    """Take one Newton step on c = 0 with the current factor, and evaluate the rows of the new pose."""
     for k in range(m.row.shape[0]):
         d.row[k].bottom = -d.row[k].c
     if correction(m, d, s) != SOLVED:
@@ -156,7 +156,7 @@ def newton_step(m, d, s, t, y):
 
 @kernel
 def project_positions(m, d, s, t, y, near):
-    """Mass-weighted Newton of y onto c = 0, to rounding; the factor left behind belongs to the projected y.
+    """Project y onto c = 0 by mass-weighted Newton steps, to rounding; the factor then belongs to the projected y.
 
     ``near`` = NEAR: the factor at hand belongs to a pose close by, such as the last stage of a step. A first step
     with it leaves c smaller by that distance, mostly to rounding: one new factor, of the projected pose, is enough.
@@ -189,7 +189,7 @@ def project_positions(m, d, s, t, y, near):
 
 @kernel
 def project_velocities(m, d, s, y):
-    """Mass-weighted projection of the velocities onto J v = b; uses the factor at hand."""
+    """Project the velocities onto J v = b, weighted by mass, with the current factor."""
     for k in range(m.row.shape[0]):
         d.row[k].bottom = -row_speed(m, d, k)
     if correction(m, d, s) != SOLVED:
@@ -201,7 +201,7 @@ def project_velocities(m, d, s, y):
 @late
 @kernel
 def project_and_evaluate(m, d, s, t, y, dy, near) -> tuple[int, int]:
-    """Project y (if the model asks for it) and evaluate there; (projection status, evaluation status).
+    """Project y if the model asks for it, and evaluate there; return (projection status, evaluation status).
 
     ``near`` as in `project_positions`.
     """
@@ -219,7 +219,7 @@ def project_and_evaluate(m, d, s, t, y, dy, near) -> tuple[int, int]:
 
 @inner_kernel
 def skipped_residual(m, d, s):
-    """Largest scaled |c| and |J v - b| of the rows left out, after projection."""
+    """Return the largest scaled |c| and |J v - b| of the rows left out, after projection."""
     position, speed = 0.0, 0.0
     for i in range(s.skipped.shape[0]):
         k = s.skipped[i]

@@ -1,4 +1,4 @@
-"""Rotations over a step h: the turns that hinges count, the way from one orientation to the next, and places on it.
+"""Rotations over a step h: turns of hinges, the way from one orientation to the next, and orientations between.
 
 With w and alpha in body axes at both ends (' at the second one) a body turns, to fourth order, by the rotation vector
 
@@ -27,7 +27,7 @@ TURN_PER_STEP_MIN = 1e-12  # [rad] in a step: less is rounding
 
 @inner_kernel
 def turns_are_certain(m, d, run, t_new, h):
-    """False for an adaptive step, whose end is in d, over which hinges may miscount their turns: it is rejected."""
+    """Return False, and reject an adaptive step whose end is in d, if hinges may miscount their turns."""
     apart = miscount(m, d, t_new)
     if run.task.steps == 0 and not apart <= TURN_MISS_MAX:
         run.now.step = 0.5 * h
@@ -40,7 +40,7 @@ def turns_are_certain(m, d, run, t_new, h):
 
 @inner_kernel
 def without_spin(y, dy, q, u, spin, tau):
-    """(e, angular velocity, its rate) of a body beside an even spin, tau after the start of the step."""
+    """Return (e, angular velocity, its rate) of a body without an even spin, tau after the start of the step."""
     e, w = (y[q + 3], y[q + 4], y[q + 5], y[q + 6]), (y[u + 3], y[u + 4], y[u + 5])
     alpha = (dy[u + 3], dy[u + 4], dy[u + 5])
     if spin == (0.0, 0.0, 0.0):
@@ -53,7 +53,7 @@ def without_spin(y, dy, q, u, spin, tau):
 
 @inner_kernel
 def note_miss(run, i, e, missed, allowed):
-    """Add what a body has turned otherwise than by its angular velocity, beyond what is allowed, in world axes."""
+    """Add by how much more than allowed orientation and angular velocity of a body differ, as a world rotation."""
     x = (missed[1], missed[2], missed[3])
     sine = np.sqrt(dot(x, x))
     angle = max(2.0 * np.arctan2(sine, abs(missed[0])) - allowed, 0.0)
@@ -67,7 +67,7 @@ def note_miss(run, i, e, missed, allowed):
 
 @inner_kernel
 def compare_poses(m, run, h):
-    """Note how far bodies turn in the step h from run.y to run.trial, and by how much otherwise than by their Omega."""
+    """Record how far bodies turn in the step h from run.y to run.trial, and how far this differs from Omega."""
     n = m.body.shape[0]
     for i in range(n):
         q, u = 7 * i, 7 * n + 6 * i
@@ -93,14 +93,14 @@ def compare_poses(m, run, h):
 
 @inner_kernel
 def turn_back(rho, w):
-    """Rate of the rotation vector rho [rad] of a body that turns with w, body axes; exact to order 4 in rho."""
+    """Return the rate of the rotation vector rho [rad] of a body that turns with w, body axes; exact to order 4."""
     swept = cross(rho, w)
     return add(add(w, scale(0.5, swept)), scale(1.0 / 12.0, cross(rho, swept)))
 
 
 @inner_kernel
 def hermite_of_rotations(m, run, h, end):
-    """Coefficients F of orientations: cubics of rotation vectors from run.y to the end, beside the spins taken out."""
+    """Set coefficients F of orientations: cubics of rotation vectors from run.y to the end, without spins."""
     n = m.body.shape[0]
     for i in range(n):
         q, u = 7 * i + 3, 7 * n + 6 * i + 3
@@ -121,7 +121,7 @@ def hermite_of_rotations(m, run, h, end):
 
 @inner_kernel
 def turn_on(m, run, y):
-    """Rotation vectors in the place of orientations in y -> what is to be added to those of run.y."""
+    """Replace rotation vectors in y by what is to be added to the quaternions of run.y."""
     for i in range(m.body.shape[0]):
         q = 7 * i + 3
         e = (run.y[q], run.y[q + 1], run.y[q + 2], run.y[q + 3])

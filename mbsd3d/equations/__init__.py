@@ -1,1 +1,1 @@
-"""From a mechanism to the tables of the kernels, and the plain dense solvers beside the fast ones."""
+"""Tables of the kernels from a mechanism, and plain dense solvers beside the fast ones."""

@@ -1,4 +1,4 @@
-"""Kernels called from Python at one state: kinematics, rows and the scaled Jacobian."""
+"""Kernels at one state from Python: kinematics, rows and the scaled Jacobian."""
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from .jacobian import BlockRows, block_rows, displacement_units, scaled_rows
 
 
 def pack(compiled: Compiled, state: State) -> np.ndarray:
-    """y = (q, u, z) with u = (r_dot, R'w), audit states zero; own states that are not given start as declared."""
+    """Return y = (q, u, z) with u = (r_dot, R'w), audit states zero; missing internal states start as declared."""
     n = len(compiled.system.bodies)
     if state.q.size != 7 * n:
         raise InputError(f"state: {state.q.size // 7} bodies, the system has {n}; give a state of this system")
@@ -35,7 +35,7 @@ def pack(compiled: Compiled, state: State) -> np.ndarray:
 
 
 def load_state(compiled: Compiled, data: Data, state: State) -> np.ndarray:
-    """Fill kinematics and rows of ``data`` at a state; returns y."""
+    """Evaluate kinematics and rows of ``data`` at a state; return y."""
     y = pack(compiled, state)
     if state.coordinates is not None:
         known = state.coordinates.size  # a condition on other hinges adds coordinates at the end of the table
@@ -48,7 +48,7 @@ def load_state(compiled: Compiled, data: Data, state: State) -> np.ndarray:
 
 
 def driven_coordinates(compiled: Compiled, t: float) -> np.ndarray:
-    """Unwrapping references at a start: the signal where a coordinate is driven, else zero."""
+    """Return the references of hinge coordinates at a start: the signal where driven, else zero."""
     reference = np.zeros(compiled.model.coordinate.size)
     for joint, _ in compiled.drives:
         for row in joint.primitives:
@@ -58,7 +58,7 @@ def driven_coordinates(compiled: Compiled, t: float) -> np.ndarray:
 
 
 def coordinate_row(compiled: Compiled, data: Data, i: int, t: float) -> tuple[float, np.ndarray]:
-    """(value, gradient with respect to the world velocities (6 n,)) of hinge coordinate i."""
+    """Return (value, gradient with respect to the world velocities (6 n,)) of hinge coordinate i."""
     n = compiled.model.body.size
     x, _, linear_a, angular_a, linear_b, angular_b = coordinate(compiled.model, data, i, t)
     row = np.zeros((n + 1, 6))
@@ -69,13 +69,13 @@ def coordinate_row(compiled: Compiled, data: Data, i: int, t: float) -> tuple[fl
 
 
 def joint_point(compiled: Compiled, data: Data, joint: Joint) -> np.ndarray:
-    """(3,) where the point of a joint is at the pose in ``data``, carried by body b, world [m]."""
+    """Return the point (3,) of a joint at the pose in ``data``, carried by body b, world [m]."""
     body = data.body[compiled.body_index[id(joint.b)]]
     return body["r"] + body["R"].reshape(3, 3) @ joint.b.local_point(joint.point())
 
 
 def load_rows(compiled: Compiled, data: Data, y: np.ndarray, t: float, coordinates: np.ndarray | None = None) -> None:
-    """Kinematics and rows at y; hinge coordinates are near those given, else as the work space remembers them."""
+    """Evaluate kinematics and rows at y, hinge coordinates near those given or stored in the work space."""
     if coordinates is not None:
         data.coordinate["value"], data.coordinate["rate"], data.unwrap_time[0] = coordinates, 0.0, t
     kinematics(compiled.model, data, y)
@@ -83,13 +83,13 @@ def load_rows(compiled: Compiled, data: Data, y: np.ndarray, t: float, coordinat
 
 
 def rows_at(compiled: Compiled, data: Data, t: float, y: np.ndarray, coordinates: np.ndarray) -> BlockRows:
-    """Scaled rows at y, where the hinge coordinates are near those given."""
+    """Return scaled rows at y, where the hinge coordinates are near those given."""
     load_rows(compiled, data, y, t, coordinates)
     return scaled_rows(compiled.model, data)
 
 
 def check_quaternions(system: Mechanism, state: State) -> None:
-    """ValueError for an orientation that is not a unit quaternion."""
+    """Raise a ValueError for an orientation that is not a unit quaternion."""
     norms = np.linalg.norm(state.q.reshape(-1, 7)[:, 3:], axis=1)
     for i in np.flatnonzero(~(np.abs(norms - 1.0) <= 1e-6)):
         raise InputError(
@@ -99,7 +99,7 @@ def check_quaternions(system: Mechanism, state: State) -> None:
 
 
 def unmet(compiled: Compiled, data: Data, v: np.ndarray, tolerance: float) -> tuple[np.ndarray, str] | None:
-    """(residual of all rows, its unit) of a start, loaded in ``data``, whose c or J v - b is too large; else None.
+    """Return (residual of all rows, its unit) of a start in ``data`` whose c or J v - b is too large; else None.
 
     ``tolerance`` of c, in units of the model's length and radians; J v - b may reach ten times as much.
     """
@@ -117,7 +117,7 @@ def unmet(compiled: Compiled, data: Data, v: np.ndarray, tolerance: float) -> tu
 
 
 def worst_joint(compiled: Compiled, residual: np.ndarray) -> tuple[str, float]:
-    """(text naming the joint with the largest residual, its size)."""
+    """Return (text naming the joint with the largest residual, its size)."""
     size = np.abs(residual) * compiled.model.row["scale"]
     k = int(np.argmax(size))
     joint = compiled.system.joints[compiled.row_joint[k]]

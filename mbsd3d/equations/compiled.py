@@ -1,4 +1,4 @@
-"""From the description to the arrays of the kernels."""
+"""Compiled mechanisms: the description as arrays of the kernels."""
 
 from dataclasses import dataclass, replace
 from functools import cache
@@ -35,7 +35,7 @@ from .tables import (
 
 @dataclass(frozen=True)
 class Switches:
-    """Teaching switches and the way constraints are stabilised."""
+    """Teaching switches and the stabilisation of constraints."""
 
     gyroscopic: bool = True
     centripetal: bool = True
@@ -62,7 +62,7 @@ STABILISATIONS = {"none": kinds.NONE, "baumgarte": kinds.BAUMGARTE, "projection"
 
 @dataclass(frozen=True, eq=False)
 class Compiled:
-    """The arrays of a system, and where each part is in them."""
+    """Arrays of a system, and the place of each part in them."""
 
     system: Mechanism
     model: Model
@@ -81,7 +81,7 @@ class Compiled:
         )
 
     def coordinate(self, coordinate: Coordinate) -> int:
-        """Index of a hinge coordinate."""
+        """Return the index of a hinge coordinate."""
         return self.coordinate_index[key_of(coordinate)]
 
     @property
@@ -90,25 +90,25 @@ class Compiled:
         return len(tables_of(self.system).coordinate_index)
 
     def data(self, dtype: type = float) -> Data:
-        """A fresh work space; the functions of custom forces are compiled for ``dtype`` here."""
+        """Return a new work space; the functions of custom forces are compiled for ``dtype`` here."""
         link(self.system, self.model, dtype)
         return new_data(self.model, dtype)
 
 
 def link(system: Mechanism, model: Model, dtype: type) -> None:
-    """Put the addresses of the custom functions for real or complex numbers into the table of forces."""
+    """Store the addresses of the custom functions for real or complex numbers in the table of forces."""
     for i, force in enumerate(system.forces):
         if isinstance(force, FunctionForce):
             model.force["address"][i, int(dtype is complex)] = force.address(dtype)
 
 
 def initial_states(system: Mechanism) -> np.ndarray:
-    """(k,) initial values of the force elements' own states."""
+    """Return the initial values (k,) of the internal states of force elements."""
     return np.array([x for force in system.forces for x in force.record().states], float)
 
 
 def switch_fields(switches: Switches) -> dict[str, Any]:
-    """The fields of the model that the switches set."""
+    """Return the fields of the model that the switches set."""
     return {
         "gyroscopic": float(switches.gyroscopic),
         "centripetal": float(switches.centripetal),
@@ -120,7 +120,7 @@ def switch_fields(switches: Switches) -> dict[str, Any]:
 
 
 def compile_system(system: Mechanism, measures: tuple[Measure, ...] = (), switches: Switches | None = None) -> Compiled:
-    """The arrays of a system; what depends on neither measures nor switches is lowered once per system."""
+    """Return the arrays of a system; what depends on neither measures nor switches is lowered once a system."""
     announce_compilation()
     switches = switches or Switches()
     if measures:
@@ -132,7 +132,7 @@ def compile_system(system: Mechanism, measures: tuple[Measure, ...] = (), switch
 
 
 def tables_of(system: Mechanism) -> Compiled:
-    """The arrays of a mechanism with all terms of the equations; made once, nothing writes into them."""
+    """Return the arrays of a mechanism with all terms of the equations; made once, never written to."""
     if "tables" not in system.derived:
         system.derived["tables"] = lower(system, (), Switches())
     return system.derived["tables"]
@@ -193,7 +193,7 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
 def coordinates_of(
     system: Mechanism, primitives: list[Primitive], records: list[ForceRecord], measures: list[Measure]
 ) -> list[Coordinate]:
-    """Angles and slides that joints have or anything reads, each once; of measures last, as results leave those out."""
+    """Return the angles and slides that joints have or anything reads, each once; those of measures last."""
     wanted = [x for joint in system.joints for x in (joint.angle(), joint.slide())]
     wanted += [x for row in primitives for x in row.coordinates]
     wanted += [x.coordinate for x in (*records, *measures)]
@@ -201,7 +201,7 @@ def coordinates_of(
 
 
 def new_data(model: Model, dtype: type = float) -> Data:
-    """A fresh work space with the ground in its place."""
+    """Return a new work space with the ground in its place."""
     types = data_types(dtype)
     data = Data(
         body=np.zeros(model.body.size + 1, types["body"]),
@@ -220,5 +220,5 @@ def new_data(model: Model, dtype: type = float) -> Data:
 
 @cache
 def data_types(dtype: type) -> dict[str, np.dtype]:
-    """Types of the tables of the work space; even to look them up by their fields takes longer than to make a table."""
+    """Return the types of the tables of the work space, cached since looking them up is slow."""
     return {name: table(fields, 0).dtype for name, fields in data_records(dtype).items()}

@@ -1,4 +1,4 @@
-"""The readable truth: the saddle point of the textbook, dense, in numpy, next to the fast path that is tested equal.
+"""Dense saddle point of the textbook in numpy, beside the fast path that is tested to equal it.
 
     [ M(q)  J' ] [ v_dot ]   [ Q(q, v, z, t) - h(q, v) ]
     [ J     0  ] [  lam  ] = [ gamma(q, v, t)          ]
@@ -22,7 +22,7 @@ from .mass_matrix import inertia_about_origin
 
 
 class Terms(NamedTuple):
-    """The terms of the equations at a state, dense, in world axes about the reference points."""
+    """Terms of the equations at a state, dense, in world axes about the reference points."""
 
     M: np.ndarray  # (6 n, 6 n) mass matrix
     Q: np.ndarray  # (6 n,) applied forces and moments, gravity included
@@ -32,7 +32,7 @@ class Terms(NamedTuple):
 
 
 class DenseEquations:
-    """The equations of a system, formed at one state after the other.
+    """Equations of a system, formed at one state after the other.
 
     Examples
     --------
@@ -52,7 +52,7 @@ class DenseEquations:
         self.com, self.inertia = (np.array([getattr(body, x) for body in bodies]) for x in ("com", "inertia"))
 
     def at(self, state: State) -> Terms:
-        """All terms at a state."""
+        """Return all terms at a state."""
         compiled, data, n = self.compiled, self.data, self.mass.size
         load_state(compiled, data, state)
         loads(compiled.model, data, state.t)
@@ -61,7 +61,7 @@ class DenseEquations:
         return Terms(self.mass_matrix(state), Q, self.quadratic_term(state), J, gamma)
 
     def mass_matrix(self, state: State) -> np.ndarray:
-        """(6 n, 6 n) block diagonal."""
+        """Return the block-diagonal mass matrix (6 n, 6 n)."""
         n = self.mass.size
         M = np.zeros((n, 6, n, 6))
         blocks = inertia_about_origin(state.q.reshape(n, 7)[:, 3:], self.com, self.mass, self.inertia)
@@ -69,7 +69,7 @@ class DenseEquations:
         return M.reshape(6 * n, 6 * n)
 
     def quadratic_term(self, state: State) -> np.ndarray:
-        """(6 n,) per body (m w x (w x s), w x I_G w + m s x (w x (w x s)))."""
+        """Return h (6 n,), per body (m w x (w x s), w x I_G w + m s x (w x (w x s)))."""
         n = self.mass.size
         R, w = matrix(state.q.reshape(n, 7)[:, 3:]), state.v.reshape(n, 6)[:, 3:]
         s, spin = np.einsum("bij,bj->bi", R, self.com), np.einsum("bji,bj->bi", R, w)
@@ -79,26 +79,24 @@ class DenseEquations:
 
 
 def mass_matrix(system: Mechanism, state: State) -> np.ndarray:
-    """(6 n, 6 n) dense reference-point mass matrix."""
+    """Return the dense reference-point mass matrix (6 n, 6 n)."""
     return DenseEquations(system).mass_matrix(state)
 
 
 def equations(system: Mechanism, state: State) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, Compiled]:
-    """(M, Q - h, J, gamma, compiled) at a state."""
+    """Return (M, Q - h, J, gamma, compiled) at a state."""
     dense = DenseEquations(system)
     terms = dense.at(state)
     return terms.M, terms.Q - terms.h, terms.J, terms.gamma, dense.compiled
 
 
 def saddle_matrix(M: np.ndarray, J: np.ndarray) -> np.ndarray:
-    """The matrix [[M, J'], [J, 0]]."""
+    """Return the matrix [[M, J'], [J, 0]]."""
     return np.block([[M, J.T], [J, np.zeros((J.shape[0], J.shape[0]))]])
 
 
 def solve_plain(system: Mechanism, state: State) -> tuple[np.ndarray, np.ndarray]:
-    """(v_dot (6 n,), lam (m,)) from the dense matrix, for independent rows; LinAlgError if some are redundant: see
-    `solve_svd`.
-    """
+    """Return (v_dot (6 n,), lam (m,)) from the dense matrix; LinAlgError if rows are redundant."""
     M, force, J, gamma, _ = equations(system, state)
     n = M.shape[0]
     x = np.linalg.solve(saddle_matrix(M, J), np.concatenate([force, gamma]))
@@ -106,7 +104,7 @@ def solve_plain(system: Mechanism, state: State) -> tuple[np.ndarray, np.ndarray
 
 
 def solve_svd(system: Mechanism, state: State) -> tuple[np.ndarray, np.ndarray]:
-    """(v_dot, lam) with the rank of J revealed by its singular values; lam of least norm in the model's own units.
+    """Return (v_dot, lam) with the rank of J by its singular values; lam of least norm in the model's own units.
 
     J = U S V' (scaled): v_dot = V1 S^-1 U1' gamma + V2 y with V2' M v_dot = V2' (Q - h), and
     lam = U1 S^-1 V1' (Q - h - M v_dot).

@@ -1,4 +1,4 @@
-"""Values of inputs in the tables of the kernels: set during a run, and as the steps they made after it."""
+"""Values of inputs in the tables of the kernels, set during a run, and their history after it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -12,24 +12,24 @@ History = Mapping[str, Sequence[tuple[float, float]]]  # name -> (time [s], valu
 
 
 def starts(compiled: Compiled) -> dict[str, float]:
-    """Name -> value at the start."""
+    """Return the value of each input at the start, by name."""
     return {place.name: place.start for place in compiled.inputs}
 
 
 def with_own_inputs(compiled: Compiled) -> Compiled:
-    """The same tables with numbers of signals that `set_input` may overwrite."""
+    """Return the same tables with signal numbers that `set_input` may overwrite."""
     return replace(compiled, model=compiled.model._replace(term_data=compiled.model.term_data.copy()))
 
 
 def set_input(compiled: Compiled, name: str, value: float) -> None:
-    """Give all terms of an input a value."""
+    """Set the value of all terms of an input."""
     for place in compiled.inputs:
         if place.name == name:
             compiled.model.term_data[compiled.model.term["first"][place.term]] = place.factor * value
 
 
 def with_history(compiled: Compiled, history: History) -> Compiled:
-    """The tables with each input as the steps it made: up to and with the time of a change its old value holds.
+    """Return the tables with each input as a step function; at the time of a change its old value holds.
 
     So the sample at the end of a slice, taken before the change, meets the equations it was made with.
     """

@@ -1,4 +1,4 @@
-"""A sparse Jacobian by its blocks: rows that touch up to four bodies, six columns each."""
+"""Sparse Jacobian by its blocks: rows that touch up to four bodies, six columns each."""
 
 from typing import NamedTuple
 
@@ -12,7 +12,7 @@ RANK_TOLERANCE = 1e-10  # relative; must exceed the drift, else drift makes a re
 
 
 def displacement_units(length: float, n: int) -> np.ndarray:
-    """(6 n,) units in which displacements (metres) and rotations (radians) of n bodies are of order one."""
+    """Return the units (6 n,) in which displacements and rotations of n bodies are of order one [m, rad]."""
     return np.tile(np.repeat([length, 1.0], 3), n)
 
 
@@ -24,11 +24,11 @@ class BlockRows(NamedTuple):
     n: int
 
     def take(self, rows: np.ndarray) -> "BlockRows":
-        """Some of the rows."""
+        """Return some of the rows."""
         return BlockRows(self.body[rows], self.J[rows], self.n)
 
     def alone(self, rows: np.ndarray) -> "BlockRows":
-        """Some of the rows, and of the bodies those that they touch."""
+        """Return some of the rows, and of the bodies those that they touch."""
         body, J = self.body[rows], self.J[rows]
         on = (body >= 0) & (body < self.n)
         bodies, numbers = np.unique(body[on], return_inverse=True)
@@ -37,12 +37,12 @@ class BlockRows(NamedTuple):
         return BlockRows(renumbered, J, bodies.size)
 
     def scaled(self, rows: np.ndarray, length: float) -> "BlockRows":
-        """Rows times ``rows``, columns in units of ``length`` and radians."""
+        """Return rows times ``rows``, columns in units of ``length`` and radians."""
         columns = displacement_units(length, 1)
         return self._replace(J=self.J * (np.asarray(rows)[:, None, None] * columns))
 
     def dense(self) -> np.ndarray:
-        """(m, 6 n) matrix; faster than by `sparse` where there are few rows."""
+        """Return the matrix (m, 6 n), for few rows faster than by `sparse`."""
         m = self.body.shape[0]
         A, i = np.zeros((m, self.n + 1, 6), self.J.dtype), np.arange(m)
         on = np.where(self.body < 0, self.n, self.body)
@@ -51,13 +51,13 @@ class BlockRows(NamedTuple):
         return A[:, : self.n].reshape(m, 6 * self.n)
 
     def times(self, v: np.ndarray) -> np.ndarray:
-        """(m,) product with velocities v (6 n,)."""
+        """Return the product (m,) with velocities v (6 n,)."""
         each = np.append(v, np.zeros(6)).reshape(-1, 6)  # the ground last
         on = np.where(self.body < 0, self.n, self.body)
         return np.einsum("isj,isj->i", self.J, each[on])
 
     def sparse(self) -> csr_array:
-        """(m, 6 n) matrix."""
+        """Return the sparse matrix (m, 6 n)."""
         i, slot = np.nonzero((self.body >= 0) & (self.body < self.n))
         columns = 6 * self.body[i, slot][:, None] + np.arange(6)
         at = (np.repeat(i, 6), columns.ravel())
@@ -65,7 +65,7 @@ class BlockRows(NamedTuple):
 
 
 def islands(rows: BlockRows) -> list[np.ndarray]:
-    """Rows that hang together by bodies, each set ascending: sets share no body, so nothing couples them."""
+    """Return sets of rows that share no body with each other, each ascending."""
     m = rows.body.shape[0]
     i, slot = np.nonzero((rows.body >= 0) & (rows.body < rows.n))
     graph = coo_array((np.ones(i.size), (i, m + rows.body[i, slot])), shape=(m + rows.n,) * 2)
@@ -75,7 +75,7 @@ def islands(rows: BlockRows) -> list[np.ndarray]:
 
 
 def scaled(A: np.ndarray | csr_array, rows: np.ndarray, columns: np.ndarray) -> np.ndarray | csr_array:
-    """Rows and columns of a matrix times factors."""
+    """Return rows and columns of a matrix times factors."""
     if isinstance(A, np.ndarray):
         return A * rows[:, None] * columns
     data = A.data * np.repeat(rows, np.diff(A.indptr)) * columns[A.indices]
@@ -83,7 +83,7 @@ def scaled(A: np.ndarray | csr_array, rows: np.ndarray, columns: np.ndarray) -> 
 
 
 def largest_in_rows(A: np.ndarray | csr_array) -> np.ndarray:
-    """Largest absolute entry of every row, 0 for an empty one."""
+    """Return the largest absolute entry of every row, 0 for an empty one."""
     if isinstance(A, np.ndarray):
         return np.abs(A).max(axis=1, initial=0.0)
     largest = np.zeros(A.shape[0])
@@ -92,10 +92,10 @@ def largest_in_rows(A: np.ndarray | csr_array) -> np.ndarray:
 
 
 def block_rows(model: Model, data: Data) -> BlockRows:
-    """J by its blocks in ``data``, not scaled."""
+    """Return J by its blocks in ``data``, not scaled."""
     return BlockRows(model.row["body"], data.row["J"], model.body.size)
 
 
 def scaled_rows(model: Model, data: Data) -> BlockRows:
-    """J by its blocks, rows and columns in units of the model's length and radians: entries are of order one."""
+    """Return J by its blocks in units of the model's length and radians: entries are of order one."""
     return block_rows(model, data).scaled(model.row["scale"], model.length)

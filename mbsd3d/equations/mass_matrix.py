@@ -1,4 +1,4 @@
-"""The dense reference-point mass matrix, body by body."""
+"""Dense reference-point mass matrix, body by body."""
 
 import numpy as np
 from scipy.sparse import bsr_array, csr_array
@@ -10,7 +10,7 @@ from ..mechanism.state import State
 
 
 def inertia_about_origin(e: np.ndarray, com: np.ndarray, mass: float | np.ndarray, inertia: np.ndarray) -> np.ndarray:
-    """The 6x6 block M_b = [[m 1, -m [s]x], [m [s]x, I_O]] with s = R r_G, I_O = R I_G R' + m [s]x[s]x'; or a stack."""
+    """Return the 6x6 block M_b = [[m 1, -m [s]x], [m [s]x, I_O]] or a stack; I_O = R I_G R' + m [s]x[s]x'."""
     R, m = matrix(e), np.asarray(mass)[..., None, None]
     S = skew(np.einsum("...ij,...j->...i", R, com))
     block = np.empty((*R.shape[:-2], 6, 6))
@@ -22,7 +22,7 @@ def inertia_about_origin(e: np.ndarray, com: np.ndarray, mass: float | np.ndarra
 
 
 def mass_matrix_of(model: Model, pose: State, dense: bool) -> np.ndarray | csr_array:
-    """(6 n, 6 n) block diagonal of the reference-point mass matrices, dense or sparse."""
+    """Return the block diagonal (6 n, 6 n) of the reference-point mass matrices, dense or sparse."""
     n, body = model.body.size, model.body
     inertia = body["inertia"].reshape(n, 3, 3)
     blocks = inertia_about_origin(pose.q.reshape(n, 7)[:, 3:], body["com"], body["mass"], inertia)

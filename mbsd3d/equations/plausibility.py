@@ -1,4 +1,4 @@
-"""Parts that are legal and hardly meant: inertias in other units than the lengths, bodies that nothing acts on."""
+"""Parts that are legal but unlikely: inertias in other units than the lengths, bodies that nothing acts on."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""The tables of constraint rows: planned once for all mechanisms whose rows are alike, with the numbers of each.
+"""Tables of constraint rows: planned once for all mechanisms with the same kinds of rows, then filled with numbers.
 
 Rows are alike if they are of the same kinds between the same bodies: then all but points, axes, values and signals is
 the same. In a sweep over masses and lengths that is every cell.
@@ -20,7 +20,7 @@ Lists = tuple[tuple[int, ...], ...]  # one of each primitive
 
 
 class Plan(NamedTuple):
-    """The tables without their numbers, as bytes: numpy copies records field by field."""
+    """Tables without their numbers, as bytes, since numpy copies records field by field."""
 
     primitive: tuple[bytes, np.dtype]
     row: tuple[bytes, np.dtype]
@@ -32,7 +32,7 @@ def row_plan(
     kinds: tuple[int, ...], bodies: Lists, coordinates: Lists, driven: tuple[bool, ...], metres: tuple[bool, ...],
     holonomic: Lists,
 ) -> Plan:  # fmt: skip
-    """The plan of primitives of these kinds, between these bodies and hinge coordinates, with a signal or without."""
+    """Return the plan of primitives of these kinds, between these bodies and hinge coordinates."""
     out = table(PRIMITIVE, len(kinds))
     out["kind"], out["rows"] = kinds, [ROWS_OF[kind] for kind in kinds]
     out["row"] = np.cumsum(out["rows"]) - out["rows"]
@@ -50,7 +50,7 @@ def row_plan(
 
 @lru_cache(maxsize=128)
 def places(counts: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
-    """(lines, slots) of the first entries of each line, as many as counted."""
+    """Return (lines, slots) of the first entries of each line, as many as counted."""
     many = np.array(counts, int)
     lines = np.repeat(np.arange(many.size), many)
     return lines, np.arange(lines.size) - (np.cumsum(many) - many)[lines]
@@ -59,7 +59,7 @@ def places(counts: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
 def row_tables(
     primitives: list[Primitive], coordinates: Lists, signals: list[int], frames: Frames, length: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(table of primitives, table of rows).
+    """Return (table of primitives, table of rows).
 
     ``coordinates``: numbers of the hinge coordinates of each primitive; ``signals``: of the signals of those that have
     one; ``length``: of the model [m].
@@ -84,7 +84,10 @@ def row_tables(
 
 
 def fill(out: np.ndarray, name: str, given: list[tuple], local: Callable | None = None) -> None:
-    """Numbers of each primitive from its first slot on; world vectors by ``local`` in the axes of the bodies there."""
+    """Fill the numbers of each primitive from its first slot on.
+
+    World vectors by ``local`` in the axes of the bodies.
+    """
     lines, slots = places(tuple(map(len, given)))
     if lines.size:
         values = list(chain(*given))

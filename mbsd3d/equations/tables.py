@@ -1,4 +1,4 @@
-"""The tables of the kernels from the parts of a system: one function per table of `Model`."""
+"""Tables of the kernels from the parts of a system: one function per table of `Model`."""
 
 from typing import Any, NamedTuple
 
@@ -20,14 +20,14 @@ EQUAL_MOMENT_TOLERANCE = 1e-6  # [1] of the largest moment of inertia: differenc
 
 
 def key_of(x: Coordinate) -> tuple:
-    """Two coordinates are the same when kind, bodies and geometry are."""
+    """Return a key: two coordinates are the same when kind, bodies and geometry are."""
     zeros = () if x.zero_a is None else (x.zero_a, x.zero_b)
     geometry = np.concatenate([x.axis, x.axis_b, x.point_a, x.point_b, *zeros, x.numbers])
     return (x.kind, id(x.a), id(x.b), geometry.tobytes())
 
 
 def own_length(system: Mechanism, records: list[ForceRecord], frames: Frames) -> float:
-    """Length of the largest body [m]: farthest joint or force point from its centre of mass, or radius of gyration."""
+    """Return the length of the largest body [m]: farthest joint or force point from its centre of mass, or gyration."""
     largest = 0.0
     heavy = [body for body in system.bodies if body.mass > 0.0]
     if heavy:
@@ -43,14 +43,14 @@ def own_length(system: Mechanism, records: list[ForceRecord], frames: Frames) ->
 
 
 def signals_of(system: Mechanism) -> list[tuple[Any, Signal]]:
-    """(joint or force, signal) of all signals."""
+    """Return (joint or force, signal) of all signals."""
     found = [(joint, row.signal) for joint in system.joints for row in joint.primitives]
     found += [(force, signal) for force in system.forces for signal in force.record().signals]
     return [(part, signal) for part, signal in found if signal is not None]
 
 
 def check_inputs(system: Mechanism) -> None:
-    """ValueError, naming the parts, if inputs of one name start with different values: they are one input."""
+    """Raise a ValueError with the parts if inputs of one name start with different values."""
     first: dict[str, tuple[Any, float]] = {}
     for part, signal in signals_of(system):
         for name, start in (term.input for term in signal.terms() if term.input):
@@ -63,7 +63,7 @@ def check_inputs(system: Mechanism) -> None:
 
 
 class InputTerm(NamedTuple):
-    """Where the value of an `Input` stands in the tables."""
+    """Place of the value of an `Input` in the tables."""
 
     name: str
     start: float  # its value before anything is set
@@ -72,7 +72,7 @@ class InputTerm(NamedTuple):
 
 
 class Signals:
-    """Collects signals into the flat tables of the kernels."""
+    """Signals as the flat tables of the kernels."""
 
     def __init__(self) -> None:
         self.spans: list[tuple[int, int]] = []
@@ -82,7 +82,7 @@ class Signals:
         self.inputs: list[InputTerm] = []
 
     def add(self, signal: Signal | None) -> int:
-        """Index of a signal, -1 for none."""
+        """Return the index of a signal, -1 for none."""
         if signal is None:
             return -1
         first = len(self.terms)
@@ -97,7 +97,7 @@ class Signals:
         return len(self.spans) - 1
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """The fields of the model."""
+        """Return the fields of the model."""
         signal, term = table(SIGNAL, len(self.spans)), table(TERM, len(self.terms))
         signal[:] = self.spans
         term[:] = self.terms
@@ -105,7 +105,7 @@ class Signals:
 
 
 def body_table(system: Mechanism) -> tuple[np.ndarray, bool]:
-    """(masses, inertias and their inverses, whether one of them is singular)."""
+    """Return (masses, inertias and their inverses, whether one of them is singular)."""
     out = table(BODY, len(system.bodies))
     out["mass"] = [body.mass for body in system.bodies]
     out["com"] = [body.com for body in system.bodies]
@@ -122,7 +122,7 @@ def body_table(system: Mechanism) -> tuple[np.ndarray, bool]:
 
 
 def symmetry(moments: np.ndarray, C: np.ndarray, arm: np.ndarray) -> tuple[int, np.ndarray]:
-    """(kind, axis) in the table of bodies; ``arm``: centre of mass [m] times the root of the mass.
+    """Return (kind, axis) in the table of bodies; ``arm`` is the centre of mass [m] times the root of the mass.
 
     What is taken for symmetric decides on the length of steps only.
     """
@@ -138,14 +138,14 @@ def symmetry(moments: np.ndarray, C: np.ndarray, arm: np.ndarray) -> tuple[int, 
 
 
 def zero_directions(x: Coordinate) -> tuple[np.ndarray, np.ndarray]:
-    """Directions in a and b whose angle about the axis the coordinate is."""
+    """Return the directions in a and b whose angle about the axis is the coordinate."""
     if x.zero_a is not None:
         return x.zero_a, x.zero_b
     return perpendiculars(x.axis)[0], matched_perpendiculars(x.axis, x.axis_b)[0]
 
 
 def coordinate_table(coordinates: list[Coordinate], frames: Frames, first: int) -> np.ndarray:
-    """The table of hinge coordinates; the numbers of their curves follow each other from ``first``."""
+    """Return the table of hinge coordinates; numbers of their curves follow each other from ``first``."""
     out = table(COORDINATE, len(coordinates))
     if not coordinates:
         return out
@@ -162,7 +162,7 @@ def coordinate_table(coordinates: list[Coordinate], frames: Frames, first: int) 
 
 
 def axes_of(x: Coordinate) -> list[tuple[int, int, np.ndarray]]:
-    """(place in the table, 0 in a or 1 in b, world direction) of the axes of a coordinate."""
+    """Return (place in the table, 0 in a or 1 in b, world direction) of the axes of a coordinate."""
     if x.kind == "slide":
         return [(0, 0, x.axis)]
     if x.kind == "touch":
@@ -181,7 +181,7 @@ def force_table(
     signals: Signals,
     first_measure: int,
 ) -> np.ndarray:
-    """The table of force elements; the measures they read follow in order from ``first_measure``."""
+    """Return the table of force elements; the measures they read follow in order from ``first_measure``."""
     out = table(FORCE, len(records))
     for name, counts in (("state", "states"), ("measure", "measures"), ("number", "numbers")):
         out[counts] = [len(getattr(r, counts)) for r in records]
@@ -205,7 +205,7 @@ def force_table(
 def measure_table(
     measures: list[Measure], index: dict[int, int], where: dict[tuple, int], forces: dict[int, tuple[int, int]]
 ) -> np.ndarray:
-    """The table of measures; ``forces`` gives the number and the first state of each force by its id."""
+    """Return the table of measures; ``forces`` gives number and first state of each force by its id."""
     out = table(MEASURE, len(measures))
     for i, x in enumerate(measures):
         out["kind"][i], out["body"][i], out["axis"][i] = MEASURES[x.kind], (index[id(x.a)], index[id(x.b)]), x.axis
@@ -217,7 +217,7 @@ def measure_table(
 
 
 def state_layout(system: Mechanism, records: list[ForceRecord], n_driven: int, length: float) -> dict[str, Any]:
-    """Layout of z and the units its errors are measured in.
+    """Return the layout of z and the units of its errors.
 
     Angular impulse is about the centre of mass: of bodies far from it a tenth of the distance counts.
     """

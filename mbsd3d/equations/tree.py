@@ -1,4 +1,4 @@
-"""The order in which `solver` eliminates bodies and rows: a spanning tree, and the loop rows that each link feels.
+"""Order in which `solver` eliminates bodies and rows: a spanning tree, and the loop rows that each link feels.
 
 Joints with the most rows come into the tree first, so that few rows are left to close loops; of equal ones those near
 the ground, so that few bodies feel a loop. Joints of bodies far lighter than others come before all: a light body at
@@ -24,7 +24,7 @@ INERTIA_CLASSES = 8  # [classes]; lighter bodies belong to the last one
 
 
 def build_spanning_tree(model: Model, data: Data, rows: np.ndarray | None = None, dtype: type = float) -> Tree:
-    """Index tables and work space for the rows in use (all if None) at the state in ``data``.
+    """Build index tables and work space for the rows in use (all if None) at the state in ``data``.
 
     Rows of one link that depend on each other at this state become loop rows; ``state.worn`` asks for a new tree.
     """
@@ -61,7 +61,7 @@ def build_spanning_tree(model: Model, data: Data, rows: np.ndarray | None = None
 def planned_tables(
     bodies: bytes, light: bytes, chosen: bytes, kinds: bytes, metres: bytes, dtype: type
 ) -> dict[str, tuple[bytes, np.dtype]]:
-    """The tables of a tree as its plan fills them, as bytes: numpy copies records field by field.
+    """Return the tables of a tree as its plan fills them, as bytes, since numpy copies records field by field.
 
     ``kinds``: of the primitives; ``metres``: which rows are measured in them.
     """
@@ -78,7 +78,7 @@ def planned_tables(
 
 
 def turns_last(link: np.ndarray, joint: np.ndarray, kinds: np.ndarray, turns: np.ndarray) -> np.ndarray:
-    """The rows of each link, those last that only turn its body; sets how many others there are, if three at most."""
+    """Order the rows of each link, those last that only turn its body; set how many others there are, at most three."""
     owner, turns = np.repeat(np.arange(link.size), link["rows"]), turns[joint["row"]]
     order = np.lexsort((turns, owner))
     count = np.bincount(owner, turns, link.size).astype(np.int64)
@@ -92,7 +92,7 @@ def turns_last(link: np.ndarray, joint: np.ndarray, kinds: np.ndarray, turns: np
 
 
 def inertias_about_points(model: Model) -> np.ndarray:
-    """(n,) of each body [kg m^2], m L^2 included: what J M^-1 J' of scaled rows is the inverse of."""
+    """Return (n,) m L^2 and inertia of each body [kg m^2]: J M^-1 J' of scaled rows is their inverse."""
     body = model.body
     arms = (body["com"] ** 2).sum(axis=1)
     turning = np.abs(body["inertia"]).max(axis=1, initial=0.0) + body["mass"] * arms
@@ -100,14 +100,14 @@ def inertias_about_points(model: Model) -> np.ndarray:
 
 
 def lightness(inertias: np.ndarray) -> np.ndarray:
-    """(n,) class of each body: 0 for ordinary ones, 1 for those below `INERTIA_CLASS_RATIO` of the heaviest, ..."""
+    """Return the class (n,) of each body: 0 for ordinary ones, 1 below `INERTIA_CLASS_RATIO` of the heaviest, ..."""
     share = inertias / (inertias.max(initial=0.0) or 1.0)
     least = INERTIA_CLASS_RATIO**INERTIA_CLASSES
     return np.trunc(np.log(np.maximum(share, least)) / np.log(INERTIA_CLASS_RATIO) + 1e-9).astype(np.int64)
 
 
 def heaviest_in_loops(plan: dict[str, np.ndarray], inertias: np.ndarray) -> np.ndarray:
-    """Per loop row the largest inertia [kg m^2] of a body that its loop moves: of its links, and of all they carry."""
+    """Return per loop row the largest inertia [kg m^2] that its loop moves: of links and all they carry."""
     carried = inertias[plan["link.body"]]
     for i, up in enumerate(plan["link.up"].tolist()):
         if up >= 0:
@@ -120,7 +120,7 @@ def heaviest_in_loops(plan: dict[str, np.ndarray], inertias: np.ndarray) -> np.n
 
 
 def pairs_of(on: np.ndarray, n: int) -> np.ndarray:
-    """(m, 2) the two bodies of rows on one or two moving bodies, the ground (n) last; -1 for all other rows."""
+    """Return (m, 2) the two bodies of rows on one or two moving bodies, the ground (n) last; -1 for other rows."""
     moving = np.where((on >= 0) & (on < n), on, -1)
     high = moving.max(axis=1, initial=-1)
     low = np.where(moving >= 0, moving, n).min(axis=1, initial=n)
@@ -136,7 +136,7 @@ def pairs_of(on: np.ndarray, n: int) -> np.ndarray:
 
 @lru_cache(maxsize=32)
 def spanning_tree(rows: bytes, light: bytes) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """(bodies, children first; their parents, n = the ground; first candidate row of each; the candidates)."""
+    """Return (bodies, children first; their parents, n = the ground; first candidate row of each; the candidates)."""
     on, lightness = np.frombuffer(rows, np.int64).reshape(-1, 4), np.frombuffer(light, np.int64).tolist()
     n = len(lightness)
     lightness.append(0)  # the ground
@@ -179,7 +179,7 @@ def spanning_tree(rows: bytes, light: bytes) -> tuple[np.ndarray, np.ndarray, np
 
 
 def slots_on(on: np.ndarray, body: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(slot, second slot) of each row that is on its body; -1 for none."""
+    """Return (slot, second slot) of each row that is on its body; -1 for none."""
     hit = on == body[:, None]
     count = hit.sum(axis=1)
     slot = np.where(count > 0, hit.argmax(axis=1), -1)
@@ -189,7 +189,7 @@ def slots_on(on: np.ndarray, body: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 @lru_cache(maxsize=32)
 def loop_plan(rows: bytes, light: bytes, chosen: bytes) -> dict[str, np.ndarray]:
-    """Columns of the tables of `Tree`, and their lengths, when the links take the chosen candidates."""
+    """Return the columns of the tables of `Tree`, and their lengths, when the links take the chosen candidates."""
     on = np.frombuffer(rows, np.int64).reshape(-1, 4)
     bodies, parent, first, joint = spanning_tree(rows, light)
     n = bodies.size
@@ -231,7 +231,7 @@ def loop_plan(rows: bytes, light: bytes, chosen: bytes) -> dict[str, np.ndarray]
 
 
 def skyline(group: np.ndarray, entries: list[list[int]]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """(end of its group, first column, last line that reaches its column, start of its line) of each loop row in S.
+    """Return (end of its group, first column, last line with its column, start of its line) of each loop row in S.
 
     Rows that one link feels meet in S, and so do all rows of their groups.
     """
@@ -248,7 +248,7 @@ def skyline(group: np.ndarray, entries: list[list[int]]) -> tuple[np.ndarray, np
 
 
 def paths(on: np.ndarray, loops: np.ndarray, place: np.ndarray, up: np.ndarray, n: int) -> list[dict[int, bool]]:
-    """Links that each loop row is felt by, from its bodies down to the ground; True where not all its bodies are.
+    """Return the links that each loop row is felt by, down to the ground, and True where bodies of it are missing.
 
     Those that carry all its bodies cannot close its gap.
     """
@@ -266,7 +266,7 @@ def paths(on: np.ndarray, loops: np.ndarray, place: np.ndarray, up: np.ndarray, 
 
 
 def narrow_order(on: np.ndarray, felt: list[dict[int, bool]], n: int) -> tuple[np.ndarray, np.ndarray]:
-    """(order of the loop rows, the group of each then): rows between the same bodies are a group, side by side.
+    """Return (order of the loop rows, the group of each then): rows between the same bodies are a group.
 
     Reverse Cuthill-McKee: groups that share a link lie side by side.
     """

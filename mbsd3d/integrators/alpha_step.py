@@ -1,4 +1,4 @@
-"""The time loop of generalised alpha: one step by Newton's method, its local error, what it hands to the next step."""
+"""Time loop of generalised alpha: one step by Newton's method, its local error, and what it passes to the next step."""
 
 import numpy as np
 
@@ -47,7 +47,7 @@ STEP_GROWTH_MIN = 1.3  # [1] growth below which the step is kept, and with it th
 
 @inner_kernel
 def velocities(run, g, c, h, first):
-    """Velocities and z of the trial state from entry `first` on, and a at the end of the step."""
+    """Set velocities and z of the trial state from entry `first` on, and a at the end of the step."""
     for k in range(first, run.y.shape[0]):
         a = g.rate[k] + h * g.shift[k]
         a_new = ((1.0 - c.alpha_f) * g.newton.rate[k] + c.alpha_f * g.rate[k] - c.alpha_m * a) / (1.0 - c.alpha_m)
@@ -59,7 +59,7 @@ def velocities(run, g, c, h, first):
 
 @kernel
 def trial_state(m, d, s, run, g, c, t, h):
-    """The trial state at t for the rates in g.newton, on c = 0; False where the joints cannot be closed."""
+    """Set the trial state at t for the rates in g.newton, on c = 0; return False where the joints cannot close."""
     n, y = m.body.shape[0], run.y
     velocities(run, g, c, h, 7 * n)
     for i in range(n):
@@ -78,7 +78,7 @@ def trial_state(m, d, s, run, g, c, t, h):
 
 @inner_kernel
 def correct(m, s, run, w, h_v):
-    """Subtract the correction w.x from the unknowns; its largest velocity in the scales of the error."""
+    """Subtract the correction w.x from the unknowns; return its largest velocity in the scales of the error."""
     n, nz, largest = m.body.shape[0], m.z_work, 0.0
     speed, turn = run.now.speed, run.now.turn
     for j in range(6 * n + nz):
@@ -96,7 +96,7 @@ def correct(m, s, run, w, h_v):
 
 @inner_kernel
 def predict(g, c, h, steady):
-    """First guess of the rates and multipliers: those at the start, or rates that let the pose go on with v.
+    """Predict rates and multipliers: those at the start, or rates with which the pose moves on with v.
 
     Where the start rings in a stiff force, v_dot h^2 is large and the first guess far away: the steady one is not.
     """
@@ -112,7 +112,7 @@ def predict(g, c, h, steady):
 
 @inner_kernel
 def solve_step(m, d, s, run, g, c, t, h):
-    """Newton's method for the rates and multipliers at the end of the step from their guess; True if it converges.
+    """Solve for rates and multipliers at the end of the step by Newton's method; return True if it converges.
 
     The matrix is kept over steps of the same size and made anew where it contracts by less than SLOW. It belongs to
     velocities that meet J v = b: at others, rows that repeat each other differ, and what is open of lam would grow.
@@ -157,7 +157,7 @@ def solve_step(m, d, s, run, g, c, t, h):
 
 @inner_kernel
 def converged(m, d, s, run, g, c, t, h, h_v):
-    """The trial state of the converged rates, with the audit states (work, impulse) by the same formula."""
+    """Set the trial state of the converged rates, with the audit states (work, impulse) by the same formula."""
     w = g.newton
     if not trial_state(m, d, s, run, g, c, t, h):
         return False
@@ -171,7 +171,7 @@ def converged(m, d, s, run, g, c, t, h, h_v):
 
 @inner_kernel
 def local_error(m, d, s, run, g, c, h):
-    """Estimated local error over the allowed one, seen through the matrix: unresolved stiff motion does not count."""
+    """Return the estimated local error over the allowed one, filtered by the matrix: stiff motion does not count."""
     n, e = m.body.shape[0], run.work
     for k in range(7 * n, e.shape[0]):
         e[k] = c.error_q * h**3 * g.jerk_new[k]
@@ -193,7 +193,7 @@ def local_error(m, d, s, run, g, c, h):
 
 @inner_kernel
 def attempt(m, d, s, run, g, c):
-    """(RUNNING, t_new, h) after a step within the tolerance, or why there is none; adapts the step."""
+    """Return (RUNNING, t_new, h) after a step within the tolerance, or why there is none; adapt the step."""
     rejected, fixed = False, run.task.steps > 0
     while True:
         t_new, h = end_of_step(run)
@@ -223,7 +223,7 @@ def attempt(m, d, s, run, g, c):
 
 @inner_kernel
 def end_rates(m, run, g, h):
-    """Rates at both ends that make the dense output: velocities and z quadratic with the slopes of a."""
+    """Set the rates at both ends for the dense output: velocities and z quadratic with the slopes of a."""
     for k in range(7 * m.body.shape[0], run.y.shape[0]):
         slope = (run.trial[k] - run.y[k]) / h
         run.dy[k] = slope - 0.5 * h * g.jerk_new[k]
@@ -232,7 +232,7 @@ def end_rates(m, run, g, h):
 
 @inner_kernel
 def keep_multipliers(m, d, g):
-    """The multipliers of the step are the next guess; those of the saddle point at its end where the others have grown.
+    """Keep the multipliers of the step as the next guess, those of the saddle point where others have grown.
 
     Rows that repeat others leave a part of lam open. A first iteration, which does not meet J v = b yet, adds to it in
     every step, until the matrix belongs to forces a thousand times as large as there are.
@@ -247,7 +247,7 @@ def keep_multipliers(m, d, g):
 
 @inner_kernel
 def accept(m, d, run, g, h):
-    """The end of the step becomes the start of the next one."""
+    """Make the end of the step the start of the next one."""
     n, w = m.body.shape[0], g.newton
     theta = g.weights.alpha_m - g.weights.alpha_f
     for k in range(7 * n, run.y.shape[0]):
@@ -267,7 +267,7 @@ def accept(m, d, run, g, h):
 
 @inner_kernel
 def step(m, d, s, g, run):
-    """One accepted step with its outputs; RUNNING or a reason to come back to Python."""
+    """Take one accepted step with its outputs; return RUNNING or a reason to come back to Python."""
     c = g.first if g.past.first == 1 else g.weights
     status, t_new, h = attempt(m, d, s, run, g, c)
     if status != RUNNING:
@@ -293,7 +293,7 @@ def step(m, d, s, g, run):
 
 @inner_kernel
 def restart(m, d, s, g, run):
-    """Rates and multipliers of the start, or of a new choice of rows."""
+    """Set rates and multipliers of the start, or of a new choice of rows."""
     status = evaluate_start(m, d, s, run)
     if status == RUNNING:
         copy(g.rate, run.dy)
@@ -307,5 +307,5 @@ def restart(m, d, s, g, run):
 
 @kernel
 def integrate(m, d, s, g, run, budget):
-    """As `take_steps`."""
+    """Integrate as `take_steps` does."""
     return take_steps(m, d, s, g, run, budget, restart, step)

@@ -1,4 +1,4 @@
-"""The eighth-order method of Dormand and Prince with seventh-order dense output; coefficients as scipy holds them."""
+"""Dormand and Prince's method of order 8 with dense output of order 7; coefficients as scipy holds them."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ DENSE_NODES = [0, 6, 7, 8, 9, 10]  # stages of the interpolant: of all choices w
 
 
 def second_estimate(first: np.ndarray, c: np.ndarray) -> np.ndarray:
-    """Weights of a divided difference of the rates at `DENSE_NODES`, with the leading term of the first estimate.
+    """Return weights of a divided difference of the rates at `DENSE_NODES`, scaled like the first estimate.
 
     Where a rate has a kink within the step, as when a contact opens, any estimate vanishes for some places of the kink,
     and the step would be taken whatever it errs. Two estimates vanish at different places.
@@ -93,7 +93,7 @@ class DOP853(Method):
 
     @property
     def patience(self) -> float:
-        """Of a run with adaptive steps; steps that are fixed are not judged."""
+        """Return the work [steps times bodies] a stiff run with adaptive steps may take; fixed steps are not judged."""
         return STIFF_WORK_MAX if self.stiff == "stop" else np.inf
 
     def start(self, model: Model, data: Callable[[type], Data]) -> Stages:

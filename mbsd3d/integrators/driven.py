@@ -1,4 +1,4 @@
-"""Fully driven systems: at every sample the pose by assembly, velocity and acceleration by linear solves."""
+"""Fully driven systems: the pose by assembly at every sample, velocity and acceleration by linear solves."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -45,7 +45,7 @@ EXTRAPOLATION_WEIGHTS = np.array([6.0, -15.0, 20.0, -15.0, 6.0, -1.0])
 
 
 class Extrapolated(NamedTuple):
-    """A pose made of those before it."""
+    """Pose that is extrapolated from earlier ones."""
 
     y: np.ndarray
     dy: np.ndarray
@@ -82,18 +82,18 @@ class Kinematic(Method):
 
     @property
     def loop(self) -> Callable:
-        """The compiled loop over the output times."""
+        """Return the compiled loop over the output times."""
         return follow
 
     def start(self, model: Model, data: Callable[[type], Data]) -> Extrapolated:
-        """Its memory."""
+        """Return the memory of the method for a run."""
         n, z = model.body.size, model.state.size
         return Extrapolated(np.zeros(13 * n + z), np.zeros(13 * n + z), np.zeros((n, 6)))
 
 
 @inner_kernel
 def predict(m, run, h):
-    """Trial pose from the last one: y + h dy + h^2/2 d2y for positions, the rotation by its angular velocity."""
+    """Predict the next pose: y + h dy + h^2/2 d2y for positions, the rotation by its angular velocity."""
     n = m.body.shape[0]
     copy(run.trial, run.y)
     add_scaled(run.trial, h, run.dy)
@@ -104,7 +104,7 @@ def predict(m, run, h):
 
 @inner_kernel
 def advance_to(m, d, s, own, run, t, x, h):
-    """The trial pose at t, x after the last one, on c = 0, with its velocities and accelerations.
+    """Set the trial pose at t, x after the last one, on c = 0, with its velocities and accelerations.
 
     Work and own states, predicted by the rate at the last pose, are corrected by the mean of both rates.
     """
@@ -124,7 +124,7 @@ def advance_to(m, d, s, own, run, t, x, h):
 
 @inner_kernel
 def farthest(m, run):
-    """Time [s] to the next pose at most: in which a body may turn TURN_PER_POSE_MAX, or half the way to a singular pose.
+    """Return the longest time [s] to the next pose: by TURN_PER_POSE_MAX, or half the way to a singular pose.
 
     Turns are h w + h^2/2 alpha of now, and no distance is more than GROWTH of the last one: a dead point tells little
     of what follows. Two branches nearly meet where a mechanism passes close by a singular pose: longer steps would come
@@ -149,13 +149,13 @@ def farthest(m, run):
 
 @inner_kernel
 def poses_to(m, run, t):
-    """Number of poses to visit until t."""
+    """Return the number of poses to visit until t."""
     return max(1, int(np.ceil((t - run.now.t) / farthest(m, run))))
 
 
 @inner_kernel
 def watch(m, d, s, run, t_new, h):
-    """STOPPED, RUNNING or a failure: the run ends where the stop condition comes true before the trial pose."""
+    """Return STOPPED, RUNNING or a failure: the run ends where the stop condition comes true before the trial pose."""
     if may_come_true(m, d, run, h, t_new):
         hermite(run, h, run.trial, run.dy, run.trial_rate)
         x = first_crossing(m, d, run, h, t_new)
@@ -169,7 +169,7 @@ def watch(m, d, s, run, t_new, h):
 
 @inner_kernel
 def end_turn(m, run, h):
-    """Largest angle a body turns within h at its angular velocity in the trial pose."""
+    """Return the largest angle [rad] a body turns within h at its angular velocity in the trial pose."""
     n, fastest = m.body.shape[0], 0.0
     for i in range(n):
         u = 7 * n + 6 * i
@@ -179,7 +179,7 @@ def end_turn(m, run, h):
 
 @inner_kernel
 def next_pose(m, d, s, run, t_output):
-    """(RUNNING, t_new) with the next pose on the way to t_output as trial, or (reason to stop, t_new).
+    """Return (RUNNING, t_new) with the next pose on the way to t_output as trial, or (reason to stop, t_new).
 
     Nearer and nearer until its rows close and no body has turned further than expected.
     """
@@ -203,7 +203,7 @@ def next_pose(m, d, s, run, t_output):
 
 @late_kernel
 def extrapolate(m, d, s, own, run, t, apart) -> int:
-    """Bring trial and its rate to the singular pose at t, from the poses at t - apart, t - 2 apart, ...
+    """Extrapolate trial and its rate to the singular pose at t from the poses at t - apart, t - 2 apart, ...
 
     There the rows determine neither along which branch the mechanism moves nor how fast: the motion before it does.
     """
@@ -231,7 +231,7 @@ def extrapolate(m, d, s, own, run, t, apart) -> int:
 
 @inner_kernel
 def next_regular(m, d, s, own, run, t_output):
-    """As `next_pose`; a singular pose is reached from those shortly before it, which are visited first."""
+    """Find the next pose as `next_pose`, and a singular pose from those shortly before it, which are visited first."""
     status, t_new = next_pose(m, d, s, run, t_output)
     if status != RUNNING or t_new < t_output or s.state.pivot >= SINGULAR_PIVOT_MAX or run.now.turn == 0.0:
         return status, t_new
@@ -246,7 +246,7 @@ def next_regular(m, d, s, own, run, t_output):
 
 @inner_kernel
 def step(m, d, s, own, run, t_output):
-    """The next pose on the way to t_output; RUNNING or a reason to come back to Python."""
+    """Go to the next pose on the way to t_output; return RUNNING or a reason to come back to Python."""
     status, t_new = next_regular(m, d, s, own, run, t_output)
     h, before = t_new - run.now.t, run.rows.pivot
     note_rows(s, run)
@@ -269,9 +269,7 @@ def step(m, d, s, own, run, t_output):
 
 @kernel
 def follow(m, d, s, own, run, budget):
-    """Visit the output times, and those at which signals turn; DONE, RUNNING after `budget` poses, or a reason to come
-    back to Python.
-    """
+    """Visit the output times and the turns of signals; return DONE, RUNNING after `budget` poses, or a reason."""
     for _ in range(budget):
         if run.now.fresh > 0:
             status = evaluate_start(m, d, s, run)

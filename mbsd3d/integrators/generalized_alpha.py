@@ -43,7 +43,10 @@ class Weights(NamedTuple):
 
 
 def weights(rho: float) -> Weights:
-    """Chung and Hulbert's optimal choice; errors from inserting the exact solution."""
+    """Return the coefficients of Chung and Hulbert's optimal method.
+
+    Errors follow from inserting the exact solution.
+    """
     alpha_m, alpha_f = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
     theta = alpha_m - alpha_f
     gamma = 0.5 - theta

@@ -1,4 +1,4 @@
-"""Memory of a run with an explicit method: its task, what the time loop writes, its reasons to come back to Python."""
+"""Memory of a run: its task, what the time loop writes, and its reasons to come back to Python."""
 
 from typing import NamedTuple
 
@@ -112,7 +112,7 @@ def allocate_run(
     y: np.ndarray, bodies: int, times: np.ndarray, capacity: int, width: int, terms: int,
     turns: np.ndarray = NO_SIGNAL_KNOTS, contacts: np.ndarray = NONE, audits: int = 6,
 ) -> Run:  # fmt: skip
-    """Memory for a start at y; the fields of its records are zero."""
+    """Allocate the memory of a run that starts at y; the fields of its records are zero."""
     dy, trial, trial_rate, work, work_rate = np.zeros((5, y.size))
     return Run(
         y=y, dy=dy, trial=trial, trial_rate=trial_rate, work=work, work_rate=work_rate,
@@ -140,7 +140,7 @@ class Table(NamedTuple):
 
 
 def widest_gap(c: np.ndarray) -> tuple[float, float]:
-    """Two neighbours among nodes."""
+    """Return the two neighbouring nodes that are farthest apart."""
     nodes = np.sort(c)
     k = int(np.argmax(np.diff(nodes)))
     return float(nodes[k]), float(nodes[k + 1])
@@ -148,7 +148,7 @@ def widest_gap(c: np.ndarray) -> tuple[float, float]:
 
 @by_reference
 class Stages(NamedTuple):
-    """The table and the method's own memory."""
+    """Table of a method and its own memory."""
 
     table: Table
     K: np.ndarray  # (n + 1 + extra, ny) stage rates
@@ -157,6 +157,6 @@ class Stages(NamedTuple):
 
 
 def new_stages(table: Table, ny: int) -> Stages:
-    """Memory for states of ny numbers."""
+    """Allocate the memory for states of ny numbers."""
     stages = table.c.size + 1 + table.c_dense.size
     return Stages(table, np.zeros((stages, ny)), np.zeros(ny), np.zeros(ny))

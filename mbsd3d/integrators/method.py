@@ -1,4 +1,4 @@
-"""What the time loop and everyone else may ask of a method of integration."""
+"""Interface of a method of integration."""
 
 from collections.abc import Callable
 from typing import Protocol, runtime_checkable
@@ -11,13 +11,13 @@ from ..kernels.layout import Data, Model
 
 
 def check_max_step(step: float, method: str) -> None:
-    """InputError for a longest step that is neither a time above zero nor infinite."""
+    """Raise an InputError for a longest step that is neither a time above zero nor infinite."""
     if not (isinstance(step, float) and step == np.inf):
         number(step, f"{method}: max_step", positive=True)
 
 
 class ExplainedProtocol(Explained, type(Protocol)):
-    """Methods whose wrong calls are answered by their public names."""
+    """Protocol whose wrong calls are answered by the public names of its methods."""
 
 
 @runtime_checkable
@@ -43,7 +43,7 @@ class Method(Protocol, metaclass=ExplainedProtocol):
     """Compiled: ``loop(model, data, tree, own, run, budget)`` takes up to ``budget`` steps, returns a status."""
 
     def start(self, model: Model, data: Callable[[type], Data]) -> tuple | None:
-        """The memory ``own`` of a run of a model; ``data(dtype)`` makes a work space.
+        """Return the memory ``own`` of a run of a model; ``data(dtype)`` makes a work space.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""Newton's method for one implicit step: the equations as a residual r(x) and their matrix by complex steps.
+"""Newton's method for an implicit step: the equations as a residual r(x), and their matrix by complex steps.
 
         [ M v_dot + h - Q + J' lam ]
     r = [ z_dot - g                ]      x = (v_dot, z_dot, lam) at the end of the step, lam of the rows in use
@@ -43,7 +43,7 @@ class Newton(NamedTuple):
 
 
 def new_newton(model: Model, data: Data) -> Newton:
-    """Memory for steps of a model; ``data`` is a complex work space."""
+    """Allocate the memory for steps of a model; ``data`` is a complex work space."""
     n, m, ny = model.body.size, model.row.size, 13 * model.body.size + model.state.size
     size = 6 * n + model.z_work + m
     return Newton(
@@ -55,7 +55,7 @@ def new_newton(model: Model, data: Data) -> Newton:
 
 @inner_kernel
 def inertia_force(fixed, body, linear, alpha):
-    """M_b (r_ddot, alpha) as force and moment about O in world axes; alpha in body axes."""
+    """Return M_b (r_ddot, alpha) as force and moment about O in world axes; alpha in body axes."""
     s, R = vec(body.s), mat(body.R)
     force = scale(fixed.mass, add(linear, cross(rotate(R, alpha), s)))
     return force, add(cross(s, force), rotate(R, rotate(mat(fixed.inertia), alpha)))
@@ -63,7 +63,7 @@ def inertia_force(fixed, body, linear, alpha):
 
 @kernel
 def residual(m, d, s, t, y, rate, lam, h_v, r):
-    """r at (t, y) for the given rates and multipliers; leaves kinematics, rows and loads in d."""
+    """Evaluate r at (t, y) for the given rates and multipliers; leave kinematics, rows and loads in d."""
     kinematics(m, d, y)
     rows(m, d, t)
     loads(m, d, t)
@@ -89,7 +89,7 @@ def residual(m, d, s, t, y, rate, lam, h_v, r):
 
 @kernel
 def tangent(x, a):
-    """T(x) a: turn of the end of exp(x) when x changes by a, both in body axes (Bruels, Cardona, Arnold 2012)."""
+    """Return T(x) a: turn of the end of exp(x) when x changes by a, body axes (Bruels, Cardona, Arnold 2012)."""
     square = dot(x, x)
     first, second = 0.5 - square / 24.0, 1.0 / 6.0 - square / 120.0
     if square > 1e-3:
@@ -101,7 +101,7 @@ def tangent(x, a):
 
 @inner_kernel
 def displacement(d, w, j, h_q):
-    """(dr, dtheta) in world axes of the body that a unit of acceleration j moves."""
+    """Return (dr, dtheta) in world axes of the body that a unit of acceleration j moves."""
     b, k = j // 6, j % 6
     unit = (1.0 if k % 3 == 0 else 0.0, 1.0 if k % 3 == 1 else 0.0, 1.0 if k % 3 == 2 else 0.0)
     zero = scale(0.0, unit)
@@ -112,7 +112,7 @@ def displacement(d, w, j, h_q):
 
 @inner_kernel
 def push_pose(m, d, s, w, j, h_q):
-    """Imaginary part of the pose for a unit of acceleration j, projected onto the tangent of c = 0."""
+    """Set the imaginary part of the pose for a unit of acceleration j, projected onto the tangent of c = 0."""
     b, n = j // 6, m.body.shape[0]
     dr, turn = displacement(d, w, j, h_q)
     for i in range(n):
@@ -139,7 +139,7 @@ def push_pose(m, d, s, w, j, h_q):
 
 @inner_kernel
 def same_branch(d, data):
-    """The complex work space unwraps its angles against the same accepted state."""
+    """Make the complex work space unwrap its angles against the same accepted state."""
     for i in range(d.coordinate.shape[0]):
         data.coordinate[i].value = d.coordinate[i].value
         data.coordinate[i].rate = d.coordinate[i].rate
@@ -148,7 +148,7 @@ def same_branch(d, data):
 
 @kernel
 def fill_matrix(m, d, s, w, t, y, h_q, h_v):
-    """A = dr/dx at y; needs rows and factor of y's pose in d and s.
+    """Fill A = dr/dx at y; needs rows and factor of the pose of y in d and s.
 
     Exact but for the curvature of c = 0 over the distance that the projection moved y: fourth digit of a large step.
     """
@@ -180,7 +180,7 @@ def fill_matrix(m, d, s, w, t, y, h_q, h_v):
 
 @inner_kernel
 def lu_factor(A, pivot, n):
-    """P A = L U in place with row exchanges; False on a zero or NaN pivot."""
+    """Factorise P A = L U in place with row exchanges; return False for a zero or NaN pivot."""
     for k in range(n):
         p = k
         for i in range(k + 1, n):
@@ -203,7 +203,7 @@ def lu_factor(A, pivot, n):
 
 @inner_kernel
 def lu_solve(A, pivot, x, n):
-    """x := A^-1 x from the factors."""
+    """Solve x := A^-1 x from the factors."""
     for k in range(n):
         p = pivot[k]
         x[k], x[p] = x[p], x[k]
@@ -218,7 +218,7 @@ def lu_solve(A, pivot, x, n):
 
 @inner_kernel
 def filtered(m, d, s, w, e):
-    """e := A^-1 M e on velocities and own states: what stiff forces and joints leave of an error; h_v^2 K >> M dies."""
+    """Set e := A^-1 M e on velocities and internal states, which removes stiff motion: h_v^2 K >> M."""
     n, nz = m.body.shape[0], m.z_work
     size = 6 * n + nz + s.used.shape[0]
     for i in range(n):

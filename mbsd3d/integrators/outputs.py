@@ -1,4 +1,4 @@
-"""Samples of a run and its end where a condition comes true, both by dense output within an accepted step.
+"""Samples of a run, and its end where a condition comes true, both by dense output within an accepted step.
 
 A method hands in two functions of its own: ``dense(m, d, s, own, run, h)`` fills the coefficients F of its dense
 output, ``advance_to(m, d, s, own, run, t, x, h)`` brings trial and its rate to t, x after the start of the step h.
@@ -57,14 +57,14 @@ def write(m, d, run, t, y):
 
 @inner_kernel
 def output_until(run, t):
-    """True if the next output time is t or lies before it, or every step is a sample."""
+    """Return True if the next output time is t or lies before it, or if every step is a sample."""
     due = run.now.next_output < run.times.shape[0] and run.times[run.now.next_output] <= t
     return due or run.task.every_step == 1
 
 
 @inner_kernel
 def evaluate_start(m, d, s, run):
-    """Evaluate at the present state after a start, a jump of a signal or a new tree; RUNNING or a reason to stop."""
+    """Evaluate at the current state after a start, a jump of a signal or a new tree; return RUNNING or a reason."""
     now = run.now
     status, result = project_and_evaluate(m, d, s, now.t, run.y, run.dy, FACTOR_FROM_OTHER_POSE)
     now.evaluations += 1
@@ -86,7 +86,7 @@ def evaluate_start(m, d, s, run):
 
 @inner_kernel
 def next_inside(run, h):
-    """Time of the next sample within the step h: one asked for, or one in each radian of spin where steps are."""
+    """Return the time of the next sample within the step h, or in each radian of spin where steps are samples."""
     now = run.now
     if run.task.every_step == 0:
         return run.times[now.next_output] if now.next_output < run.times.shape[0] else np.inf
@@ -96,7 +96,7 @@ def next_inside(run, h):
 
 @inner_kernel
 def samples_before(m, d, s, run, h, t_last):
-    """Store the samples of the step before t_last, each projected and evaluated; RUNNING, FULL or NO_SOLUTION."""
+    """Store the samples of the step before t_last, each projected; return RUNNING, FULL or NO_SOLUTION."""
     t = next_inside(run, h)
     while t < t_last:
         if run.now.written == run.out.shape[0] - 2:
@@ -118,14 +118,14 @@ def samples_before(m, d, s, run, h, t_last):
 
 @inner_kernel
 def condition(m, d, run, t, y):
-    """Signed distance of the stop condition: it holds when this is >= 0."""
+    """Return the signed distance of the stop condition, which holds when it is >= 0."""
     kinematics(m, d, y)
     return run.task.direction * (measure(m, d, run.task.condition, t) - run.task.stop)
 
 
 @inner_kernel
 def slope(m, d, run, t, y, dy, h):
-    """Rate of the condition at (t, y), by a forward difference along the motion; work is overwritten."""
+    """Return the rate of the condition at (t, y), by a forward difference along the motion; work is overwritten."""
     dt = 1e-6 * h
     copy(run.work, y)
     add_scaled(run.work, dt, dy)
@@ -135,7 +135,7 @@ def slope(m, d, run, t, y, dy, h):
 
 @late_kernel
 def may_come_true(m, d, run, h, t_new) -> bool:
-    """True if the condition holds at the end of the step, rises and falls, or is not armed; or may, once in a turn."""
+    """Return True if the condition holds at the end of the step, may hold within it, or is not armed."""
     unsure = run.now.armed == 0 or run.now.hop > 0.0 or farthest_turn(run, h) > MONOTONE_TURN_MAX
     if unsure or condition(m, d, run, t_new, run.trial) >= 0.0:
         return True
@@ -145,14 +145,14 @@ def may_come_true(m, d, run, h, t_new) -> bool:
 
 @inner_kernel
 def condition_inside(m, d, run, h, x):
-    """The condition by dense output at the fraction x of the step."""
+    """Return the condition by dense output at the fraction x of the step."""
     interpolate(m, run, h, x, run.work)
     return condition(m, d, run, run.now.t + x * h, run.work)
 
 
 @inner_kernel
 def locate(m, d, run, h, low, high):
-    """Fraction of the step at which the condition comes true between low and high, by bisection."""
+    """Return the fraction of the step at which the condition comes true between low and high, by bisection."""
     for _ in range(60):
         middle = 0.5 * (low + high)
         if condition_inside(m, d, run, h, middle) >= 0.0:
@@ -166,7 +166,7 @@ def locate(m, d, run, h, low, high):
 
 @late_kernel
 def first_crossing(m, d, run, h, t_new) -> float:
-    """Fraction of the step at which the condition first comes true, by dense output; -1 if it does not.
+    """Return the fraction of the step at which the condition first comes true, by dense output; -1 for none.
 
     Looked for at many points and at the peak between them: two peaks less than h/SCAN apart may pass for one.
     """
@@ -208,14 +208,14 @@ def watch_on(m, d, run, t_new):
 
 @late_kernel
 def missing_time(m, d, run, h, t) -> float:
-    """Time from t until the condition comes true, by Newton from trial and its rate; 0 where that leads astray."""
+    """Return the time from t until the condition comes true, by Newton's method from trial; 0 where that fails."""
     dt = -condition(m, d, run, t, run.trial) / slope(m, d, run, t, run.trial, run.trial_rate, h)
     return dt if abs(dt) <= 0.1 * h else 0.0
 
 
 @merged_kernel
 def land(m, d, s, own, run, h, x, advance_to):
-    """(RUNNING, time) with the state where the condition comes true in trial, near x after the start of the step.
+    """Return (RUNNING, time) with the state where the condition comes true in trial, near x after the start.
 
     Newton on the time, each with a step of the method itself where its dense output would be less exact.
     """
@@ -246,7 +246,7 @@ def halt(m, d, s, run, t) -> int:
 
 @inner_kernel
 def cubic(m, d, s, own, run, h):
-    """The dense output of methods without one of their own: a cubic through both ends of the step and their rates.
+    """Set the dense output of methods without their own: a cubic through both ends of the step and their rates.
 
     That of an orientation is one of rotation vectors beside the mean rotation (`find_turns`): bodies may turn far.
     """
@@ -264,7 +264,7 @@ def cubic(m, d, s, own, run, h):
 
 @inner_kernel
 def along_cubic(m, d, s, own, run, t, x, h):
-    """The trial state at t by that cubic, x after the start of the step, projected, with its rate."""
+    """Set the trial state at t by that cubic, x after the start of the step, projected, with its rate."""
     interpolate(m, run, h, x / h, run.trial)
     status, result = project_and_evaluate(m, d, s, t, run.trial, run.trial_rate, FACTOR_FROM_OTHER_POSE)
     run.now.evaluations += 1
@@ -273,7 +273,7 @@ def along_cubic(m, d, s, own, run, t, x, h):
 
 @merged_kernel
 def outputs(m, d, s, own, run, t_new, h, dense, advance_to):
-    """Store the samples that fall into the accepted step; RUNNING, STOPPED, FULL or NO_SOLUTION."""
+    """Store the samples of the accepted step; return RUNNING, STOPPED, FULL or NO_SOLUTION."""
     t_last, stopped, watched = t_new, False, run.task.condition >= 0
     inside = next_inside(run, h) < t_new
     suspect = watched and may_come_true(m, d, run, h, t_new)

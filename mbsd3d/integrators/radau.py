@@ -28,7 +28,7 @@ A = (C[:, None] ** (POWERS + 1.0) / (POWERS + 1.0)) @ np.linalg.inv(C[:, None] *
 
 
 def split() -> tuple[float, complex, np.ndarray]:
-    """(real eigenvalue, complex one, T) of A^-1: A^-1 T = T [[g, 0, 0], [0, a, -b], [0, b, a]]."""
+    """Return (real eigenvalue, complex one, T) of A^-1: A^-1 T = T [[g, 0, 0], [0, a, -b], [0, b, a]]."""
     values, vectors = np.linalg.eig(np.linalg.inv(A))
     real, pair = int(np.argmin(np.abs(values.imag))), int(np.argmin(values.imag))
     T = np.column_stack([vectors[:, real].real, vectors[:, pair].real, vectors[:, pair].imag])

@@ -1,4 +1,4 @@
-"""The time loop of Radau IIA: stages by Newton's method, the error of a step, its length."""
+"""Time loop of Radau IIA: stages by Newton's method, the error of a step, its length."""
 
 import numpy as np
 
@@ -32,13 +32,13 @@ DIFFERENCE_SHARE = 1.5e-8  # [1] of the unit of a coordinate: step of the differ
 
 @inner_kernel
 def tolerance(run):
-    """What a step may err by its estimate of order 3, for one of order 5 within LOCAL_ERROR_SHARE rtol (ratio 2/3)."""
+    """Return the error allowed by the estimate of order 3, for a step of order 5 within LOCAL_ERROR_SHARE rtol."""
     return LOCAL_ERROR_SHARE * run.task.rtol ** (2.0 / 3.0)
 
 
 @inner_kernel
 def unit(m, run, k):
-    """Size of coordinate k of y against which its errors count."""
+    """Return the size of coordinate k of y against which its errors count."""
     n = m.body.shape[0]
     if k < 7 * n:
         return m.length if k % 7 < 3 else 1.0
@@ -49,8 +49,7 @@ def unit(m, run, k):
 
 @inner_kernel
 def differentiate(m, d, s, run, g):
-    """J = df/dy at the start of the step, by forward differences: Newton's method needs no more, at a fifth of the time
-    of complex steps."""
+    """Compute J = df/dy at the start of the step by forward differences, accurate enough for Newton's method."""
     N = g.J.shape[0]
     for j in range(N):
         copy(run.work, run.y)
@@ -67,7 +66,7 @@ def differentiate(m, d, s, run, g):
 
 @inner_kernel
 def factor_systems(g, h):
-    """Factors of real/h - J and pair/h - J."""
+    """Factorise real/h - J and pair/h - J."""
     N = g.J.shape[0]
     for i in range(N):
         for j in range(N):
@@ -81,7 +80,7 @@ def factor_systems(g, h):
 
 @inner_kernel
 def first_guess(g, h):
-    """Z of the last step's polynomial, carried on, and W = T^-1 Z."""
+    """Extrapolate Z by the polynomial of the last step, and set W = T^-1 Z."""
     N, ratio = g.J.shape[0], h / g.past.step if g.past.step > 0.0 else 0.0
     for k in range(N):
         a, b, c = g.old[0, k], g.old[1, k], g.old[2, k]
@@ -94,7 +93,7 @@ def first_guess(g, h):
 
 @inner_kernel
 def stage_rates(m, d, s, run, g, h):
-    """K_i = f(t + c_i h, y + Z_i); False where a stage has no solution."""
+    """Evaluate K_i = f(t + c_i h, y + Z_i); return False where a stage has no solution."""
     for i in range(3):
         copy(run.work, run.y)
         for k in range(g.J.shape[0]):
@@ -107,7 +106,7 @@ def stage_rates(m, d, s, run, g, h):
 
 @inner_kernel
 def correct(m, run, g, h):
-    """One Newton correction of W and Z; its size in the units of errors."""
+    """Take one Newton correction of W and Z; return its size in the units of errors."""
     N = g.J.shape[0]
     for k in range(N):
         a, b, c = g.K[0, k], g.K[1, k], g.K[2, k]
@@ -135,7 +134,7 @@ def correct(m, run, g, h):
 
 @inner_kernel
 def collocate(m, d, s, run, g, h):
-    """(True, iterations) when the stages of a step are found."""
+    """Return (True, iterations) when the stages of a step are found."""
     fixed = run.task.steps > 0  # dt alone sets the error, and what is left adds up
     enough = NEWTON_RESIDUAL_SHARE * LOCAL_ERROR_SHARE * (min(run.task.rtol, 1e-8) if fixed else run.task.rtol)
     allowed = enough / run.task.steps if fixed else enough
@@ -164,7 +163,7 @@ def collocate(m, d, s, run, g, h):
 
 @inner_kernel
 def stages(m, d, s, run, g, h):
-    """`collocate` with the matrix at hand, else with a new one."""
+    """Solve as `collocate` with the current matrix, else with a new one."""
     if g.past.jacobian == -1 and not differentiate(m, d, s, run, g):
         return False, 0
     for _ in range(2):
@@ -182,7 +181,7 @@ def stages(m, d, s, run, g, h):
 
 @inner_kernel
 def end_of_stages(m, d, s, run, g, h):
-    """The trial state: y + Z_3, and the audit states by the same quadrature, of rates after the last correction.
+    """Set the trial state y + Z_3, and the audit states by the same quadrature, of rates after the last correction.
 
     False where a stage has no solution.
     """
@@ -199,7 +198,7 @@ def end_of_stages(m, d, s, run, g, h):
 
 @inner_kernel
 def estimate(m, run, g, h, rate):
-    """Error of the step in units of its tolerance, (real/h - J)^-1 (rate + sum_i e_i Z_i / h): it damps stiffness."""
+    """Return the error over its tolerance, (real/h - J)^-1 (rate + sum_i e_i Z_i / h), which damps stiffness."""
     N, e = g.J.shape[0], run.work
     for k in range(e.shape[0]):
         e[k] = rate[k] + (g.error[0] * g.Z[0, k] + g.error[1] * g.Z[1, k] + g.error[2] * g.Z[2, k]) / h
@@ -215,7 +214,7 @@ def estimate(m, run, g, h, rate):
 
 @inner_kernel
 def local_error(m, d, s, run, g, h, careful):
-    """`estimate`; where it rejects and ``careful``, again with the rate at y + error: stiff errors shrink."""
+    """Return the estimate; where it rejects and ``careful``, again with the rate at y + error, for stiff errors."""
     error = estimate(m, run, g, h, run.dy)
     if careful and error > 1.0:
         for k in range(run.y.shape[0]):
@@ -229,7 +228,7 @@ def local_error(m, d, s, run, g, h, careful):
 
 @inner_kernel
 def attempt(m, d, s, run, g):
-    """(RUNNING, t_new, h) after a step within the tolerance, or why there is none; adapts the step."""
+    """Return (RUNNING, t_new, h) after a step within the tolerance, or why there is none; adapt the step."""
     rejected, fixed = False, run.task.steps > 0
     while True:
         t_new, h = end_of_step(run)
@@ -255,7 +254,7 @@ def attempt(m, d, s, run, g):
 
 @inner_kernel
 def accept(run, g, h):
-    """The end of the step becomes the start of the next one."""
+    """Make the end of the step the start of the next one."""
     for k in range(g.J.shape[0]):
         for i in range(3):
             g.old[i, k] = g.spread[i, 0] * g.Z[0, k] + g.spread[i, 1] * g.Z[1, k] + g.spread[i, 2] * g.Z[2, k]
@@ -267,7 +266,7 @@ def accept(run, g, h):
 
 @inner_kernel
 def step(m, d, s, g, run):
-    """One accepted step with its outputs; RUNNING or a reason to come back to Python."""
+    """Take one accepted step with its outputs; return RUNNING or a reason to come back to Python."""
     status, t_new, h = attempt(m, d, s, run, g)
     if status != RUNNING:
         return status
@@ -291,7 +290,7 @@ def step(m, d, s, g, run):
 
 @inner_kernel
 def restart(m, d, s, g, run):
-    """The rate of the start; no matrix, and no step before."""
+    """Set the rate of the start, without a matrix and without a step before."""
     status = evaluate_start(m, d, s, run)
     g.past.jacobian, g.past.step, g.past.contraction = -1, 0.0, 1.0
     return status
@@ -299,5 +298,5 @@ def restart(m, d, s, g, run):
 
 @kernel
 def collocation(m, d, s, g, run, budget):
-    """As `take_steps`."""
+    """Integrate as `take_steps` does."""
     return take_steps(m, d, s, g, run, budget, restart, step)

@@ -1,4 +1,4 @@
-"""The classical fourth-order method with fixed steps; dense output by cubic Hermite, which keeps the order."""
+"""Classical method of order 4 with fixed steps; dense output by cubic Hermite, which keeps the order."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Explicit Runge-Kutta with projection: a method is its table plus its order; one time loop serves all of them."""
+"""Explicit Runge-Kutta methods with projection: a method is its table and its order; one time loop serves all."""
 
 import numpy as np
 
@@ -55,7 +55,7 @@ STIFF_TESTS_TO_STOP, NONSTIFF_TESTS_TO_RESET = 15, 6
 
 @inner_kernel
 def stages(m, d, s, own, run, h):
-    """Stage rates K and the trial state; False where a stage has no solution.
+    """Evaluate stage rates K and the trial state; return False where a stage has no solution.
 
     Near a singular position (sigma -> 0 in J) an error eps of a stage state off c = 0 moves the acceleration by
     eps/sigma, and the step would shrink to nothing there. Stages are then projected first: eps becomes eps^2/sigma.
@@ -93,7 +93,7 @@ def stages(m, d, s, own, run, h):
 
 @inner_kernel
 def body_error(m, own, run, weights, h):
-    """`state_error` of the weighted sum of the stages, times h."""
+    """Return `state_error` of the weighted sum of the stages, times h."""
     clear(run.work)
     for j in range(weights.shape[0]):
         if weights[j] != 0.0:
@@ -103,7 +103,7 @@ def body_error(m, own, run, weights, h):
 
 @inner_kernel
 def error_norm(m, own, run, h):
-    """Estimated local error over STEP_ERROR_SHARE rtol (DOP853: two of fifth order, corrected by that of third order)."""
+    """Return the estimated local error over STEP_ERROR_SHARE rtol; for DOP853 two of order 5, corrected by order 3."""
     e5 = max(body_error(m, own, run, own.table.error[0], h), body_error(m, own, run, own.table.error[1], h))
     e3 = body_error(m, own, run, own.table.error[2], h)
     if e5 == 0.0 and e3 == 0.0:
@@ -116,7 +116,7 @@ def error_norm(m, own, run, h):
 
 @inner_kernel
 def dense(m, d, s, own, run, h):
-    """Coefficients F of the dense output: cubic Hermite through the projected ends, plus the method's own terms."""
+    """Set coefficients F of the dense output: cubic Hermite through the projected ends, and the terms of the method."""
     table, K = own.table, own.K
     n = table.c.shape[0]
     copy(run.work, run.trial)
@@ -145,7 +145,7 @@ def dense(m, d, s, own, run, h):
 
 @inner_kernel
 def advance_to(m, d, s, own, run, t, x, h):
-    """The trial state at t by one step of length x, projected, with its rate."""
+    """Set the trial state at t by one step of length x, projected, with its rate."""
     if not stages(m, d, s, own, run, x):
         return NO_SOLUTION
     status, result = project_and_evaluate(m, d, s, t, run.trial, run.trial_rate, FACTOR_FROM_OTHER_POSE)
@@ -155,13 +155,13 @@ def advance_to(m, d, s, own, run, t, x, h):
 
 @inner_kernel
 def step_factor(table, error, most):
-    """Factor to the next step, within 0.2 ... most."""
+    """Return the factor to the next step, within 0.2 ... most."""
     return most if error == 0.0 else min(most, max(0.2, STEP_SAFETY_FACTOR * error ** (-1.0 / table.order)))
 
 
 @inner_kernel
 def retry(run, step):
-    """Reject the step at hand; the next try has another length."""
+    """Reject the current step; the next try has another length."""
     run.now.step = step
     run.now.rejected += 1
     run.now.retried = 1
@@ -169,7 +169,7 @@ def retry(run, step):
 
 @inner_kernel
 def starts_to_turn(m, run, h, most):
-    """True if a body turns farther than ``most`` [rad] by its poses at both ends, or its angular velocity at the end.
+    """Return True if a body turns farther than ``most`` [rad] by its poses, or its angular velocity at the end.
 
     The greatest angular velocity so far says nothing of a fixed step in which the motion begins.
     """
@@ -186,7 +186,7 @@ def starts_to_turn(m, run, h, most):
 
 @inner_kernel
 def attempt(m, d, s, own, run):
-    """(RUNNING, t_new, h, error) after a step within the tolerance, projected and evaluated, or why there is none."""
+    """Return (RUNNING, t_new, h, error) after a step within the tolerance, projected, or why there is none."""
     fixed = run.task.steps > 0
     while True:
         run.rows.planned = 0.0
@@ -229,7 +229,7 @@ def attempt(m, d, s, own, run):
 
 @inner_kernel
 def accept(own, run, h, error):
-    """The end of the step becomes the start of the next one, whose length follows from the error."""
+    """Make the end of the step the start of the next one, whose length follows from the error."""
     copy(own.carry, own.trial_carry)
     copy(run.y, run.trial)
     copy(run.dy, run.trial_rate)
@@ -245,7 +245,7 @@ def accept(own, run, h, error):
 
 @inner_kernel
 def fastest_rate(m, own, run, h):
-    """h |lambda| from the last stage Y and the end y of the step, both at t + h: h |f(y) - f(Y)| / |y - Y|."""
+    """Return h |lambda| from the last stage Y and the end y of the step, both at t + h: h |f(y) - f(Y)| / |y - Y|."""
     table, n = own.table, own.table.c.shape[0]
     clear(run.work)
     for j in range(n):
@@ -259,7 +259,7 @@ def fastest_rate(m, own, run, h):
 
 @late_kernel
 def is_stiff(m, own, run, h) -> bool:
-    """True where stability limits the step again and again, and the rest of the run would exceed the patience."""
+    """Return True where stability limits the steps time and again, and the rest of the run would take too long."""
     found = run.stiffness
     if found.suspicious == 0 and run.now.steps % STIFFNESS_TEST_INTERVAL_STEPS > 0:
         return False
@@ -279,7 +279,7 @@ def is_stiff(m, own, run, h) -> bool:
 
 @inner_kernel
 def verdict(m, d, s, own, run, h):
-    """RUNNING, or what Python must look at after a step: the tree of the rows, or stiffness."""
+    """Return RUNNING, or what Python must look at after a step: the tree of the rows, or stiffness."""
     if not rows_hold(m, d, s, run):
         return NEW_TREE
     if run.task.steps == 0 and run.stiffness.patience < np.inf and is_stiff(m, own, run, h):
@@ -289,7 +289,7 @@ def verdict(m, d, s, own, run, h):
 
 @inner_kernel
 def is_compared(m, run, h):
-    """True for a step whose poses are compared with angular velocities."""
+    """Return True for a step whose poses are compared with angular velocities."""
     if h * run.now.turn <= NEGLIGIBLE_TURN_MAX:
         return run.task.steps > 0 and starts_to_turn(m, run, h, NEGLIGIBLE_TURN_MAX)
     return run.task.steps > 0 or run.task.rtol > CHECKED_RTOL_MAX or run.now.steps % CHECK_INTERVAL_STEPS == 0
@@ -297,7 +297,7 @@ def is_compared(m, run, h):
 
 @inner_kernel
 def step(m, d, s, own, run):
-    """One accepted step with its outputs; RUNNING or a reason to come back to Python."""
+    """Take one accepted step with its outputs; return RUNNING or a reason to come back to Python."""
     status, t_new, h, error = attempt(m, d, s, own, run)
     if status != RUNNING:
         return status
@@ -316,11 +316,11 @@ def step(m, d, s, own, run):
 
 @inner_kernel
 def start(m, d, s, own, run):
-    """The rate of the start."""
+    """Set the rate of the start."""
     return evaluate_start(m, d, s, run)
 
 
 @kernel
 def advance(m, d, s, own, run, budget):
-    """As `take_steps`."""
+    """Integrate as `take_steps` does."""
     return take_steps(m, d, s, own, run, budget, start, step)

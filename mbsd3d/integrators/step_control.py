@@ -1,4 +1,4 @@
-"""What all time loops share: steps up to a budget, their length, scales of errors, whether rows hold, dense output."""
+"""Steps that all time loops share: their budget and length, scales of errors, checks of rows, dense output."""
 
 import numpy as np
 
@@ -29,13 +29,16 @@ JUMP_ERROR_MAX = 1e2  # [1] of the allowed error in a step of the least length: 
 
 @inner_kernel
 def full(run):
-    """True if the buffer has no room for two more samples and one of an event."""
+    """Return True if the buffer has no room for two more samples and one of an event."""
     return run.now.written >= run.out.shape[0] - 2
 
 
 @merged_kernel
 def take_steps(m, d, s, own, run, budget, start, step):
-    """Take up to `budget` steps; DONE, RUNNING when the budget is used up, or a reason to come back to Python."""
+    """Take up to `budget` steps.
+
+    Return DONE, RUNNING when the budget is used up, or a reason to come back to Python.
+    """
     for _ in range(budget):
         if run.now.fresh > 0:
             status = start(m, d, s, own, run)
@@ -54,13 +57,13 @@ def take_steps(m, d, s, own, run, budget, start, step):
 
 @inner_kernel
 def least_step(run):
-    """The shortest step [s]."""
+    """Return the shortest step [s]."""
     return STEP_TIME_RATIO_MIN * max(abs(run.now.t), run.task.first_step)
 
 
 @inner_kernel
 def next_turn(run):
-    """The next time at which a signal turns; infinite if none does before the end."""
+    """Return the next time at which a signal turns [s]; infinite if none does before the end."""
     turns, k, least = run.turns, run.now.next_turn, least_step(run)
     while k < turns.shape[0] and turns[k, 1] <= run.now.t + least:
         k += 1
@@ -70,7 +73,7 @@ def next_turn(run):
 
 @inner_kernel
 def on_grid(run):
-    """(time at which the equal step at hand ends, what is no distance from it)."""
+    """Return (time at which the current equal step ends, distance that counts as none) [s]."""
     task, k = run.task, run.now.grid + 1
     apart = (task.t_end - task.t_start) / task.steps
     return task.t_end if k >= task.steps else task.t_start + k * apart, GRID_TOLERANCE * apart
@@ -78,7 +81,10 @@ def on_grid(run):
 
 @inner_kernel
 def end_of_step(run):
-    """(t_new, h): the next step, landing exactly on t_end and where a signal turns; h = 0: none is short enough."""
+    """Return (t_new, h) of the next step, which lands on t_end and where a signal turns.
+
+    H = 0: none is short enough.
+    """
     task, t, turn, least = run.task, run.now.t, next_turn(run), least_step(run)
     if task.steps > 0:
         end, close = on_grid(run)
@@ -96,7 +102,7 @@ def end_of_step(run):
 
 @inner_kernel
 def pass_turn(run):
-    """Go on behind the end of the step where the second derivative of a signal jumps there."""
+    """Continue behind the end of the step where the second derivative of a signal jumps there."""
     k = run.now.next_turn
     if k < run.turns.shape[0] and run.turns[k, 0] == run.now.t < run.turns[k, 1]:
         run.now.t = run.turns[k, 1]
@@ -105,7 +111,7 @@ def pass_turn(run):
 
 @inner_kernel
 def go_on(m, d, run, t_new):
-    """The end of a step, in d, is the start of the next."""
+    """Make the end of a step, which is in d, the start of the next one."""
     remember(m, d, t_new)
     update_scales(m, d, run)
     go_on_auditing(m, d, run, t_new - run.now.t)
@@ -124,7 +130,7 @@ def go_on(m, d, run, t_new):
 
 @inner_kernel
 def update_scales(m, d, run):
-    """Greatest speed relative to the mean and greatest angular velocity so far, and the units of z by that speed."""
+    """Update the largest speed relative to the mean, the largest angular velocity, and the units of z."""
     n, before = m.body.shape[0], run.now.speed
     x, y, z = 0.0, 0.0, 0.0
     for i in range(n):
@@ -143,7 +149,7 @@ def update_scales(m, d, run):
 
 @inner_kernel
 def state_error(m, run):
-    """Greatest square in run.work over bodies and states: |dr|/L, angle, |dv|, |dw|, z, in their units."""
+    """Return the largest square in run.work over bodies and states: |dr|/L, angle, |dv|, |dw|, z, in their units."""
     n, x = m.body.shape[0], run.work
     shorter, slower, calmer = 1.0 / m.length**2, 1.0 / run.now.speed**2, 1.0 / run.now.turn**2
     worst, total = 0.0, 0.0
@@ -167,19 +173,19 @@ def state_error(m, run):
 
 @inner_kernel
 def nearly_singular(run):
-    """True where loop rows were close to depending on each other at the end of the last step, but not always."""
+    """Return True where loop rows were nearly dependent at the end of the last step, but not always."""
     return run.rows.pivot < NEAR_SINGULAR_SHARE
 
 
 @inner_kernel
 def stuck(run, h):
-    """True close to a singular position where motion ends, as at a dead centre: rounding holds steps far from it."""
+    """Return True close to a singular pose where motion ends, as at a dead centre: rounding holds steps far from it."""
     return run.rows.pivot < PROJECTION_TOLERANCE and h < SINGULAR_PROGRESS_MIN * run.rows.ahead < np.inf
 
 
 @inner_kernel
 def note_rows(s, run):
-    """What the factor at the end of an accepted step says of its rows; samples of it have factors of their own."""
+    """Record what the factor at the end of an accepted step says of its rows."""
     rows = run.rows
     rows.pivot, rows.worn = s.state.pivot, s.state.worn
     rows.lowest = min(rows.lowest, rows.pivot)
@@ -191,13 +197,13 @@ def note_rows(s, run):
 
 @inner_kernel
 def way_to_singular(before, now, h):
-    """Time to where the pivots would vanish, after a step h: they fall with the square of the distance."""
+    """Return the time to where the pivots vanish, after a step h: they fall with the square of the distance."""
     return h / (np.sqrt(before / now) - 1.0) if 0.0 < now < before else np.inf
 
 
 @inner_kernel
 def pass_over_singular(run, gap, first):
-    """Shorten a step so that a singular position ahead lies in the widest gap between stages: of this step or the next.
+    """Shorten a step so that a singular pose ahead lies in the widest gap between stages.
 
     At a distance x from it a pose known to rounding leaves the acceleration known to rounding / x^3 only. The next
     step is as long as this one would have been.
@@ -214,7 +220,7 @@ def pass_over_singular(run, gap, first):
 
 @inner_kernel
 def good_enough(run, h, error):
-    """True for a step within the tolerance, or over a jump or a singular position where shorter ones gain nothing.
+    """Return True for a step within the tolerance, or over a jump or a singular pose that shorter steps do not mend.
 
     Their stages lie nearer to it, so rounding counts for more: by shortening on and on the run would end there.
     """
@@ -228,7 +234,7 @@ def good_enough(run, h, error):
 
 @inner_kernel
 def rows_hold(m, d, s, run):
-    """True while the rows of the tree are well independent and those left out are satisfied."""
+    """Return True while the rows of the tree are well independent and those left out are satisfied."""
     rows, tolerance = run.rows, run.task.tolerance
     rows.residual = 0.0
     if rows.worn == 1:
@@ -242,7 +248,7 @@ def rows_hold(m, d, s, run):
 
 @inner_kernel
 def hermite(run, h, end, rate, end_rate):
-    """Coefficients F of the cubic from run.y to the end of the step, with the rates there."""
+    """Set coefficients F of the cubic from run.y to the end of the step, with the rates there."""
     for k in range(run.y.shape[0]):
         step = end[k] - run.y[k]
         run.F[0, k] = step
@@ -252,7 +258,7 @@ def hermite(run, h, end, rate, end_rate):
 
 @inner_kernel
 def interpolate(m, run, h, x, y):
-    """Dense output of the last step at the fraction x of it (Horner form of Hairer, Norsett, Wanner)."""
+    """Set the dense output of the last step at the fraction x of it (Horner form of Hairer, Norsett, Wanner)."""
     clear(y)
     terms = run.F.shape[0]
     for i in range(terms):

@@ -34,23 +34,23 @@ from .vectors import add, arm, cross, dot, mat, point, point_velocity, rotate, s
 
 
 def number_of(d: Reference) -> types.Type:
-    """What is computed with: real numbers, complex ones in a complex step."""
+    """Return the number type of the computation: real, or complex in a complex step."""
     return d.fields.types[d.fields.fields.index("z")].dtype
 
 
 def of_measure(m: Reference, d: Reference, *given: types.Type) -> types.Type:
-    """What `measure` returns."""
+    """Return the types of the results of `measure`."""
     return number_of(d)
 
 
 def of_coordinate(m: Reference, d: Reference, *given: types.Type) -> types.Type:
-    """What `coordinate` returns."""
+    """Return the types of the results of `coordinate`."""
     return types.Tuple([*[number_of(d)] * 2, *[types.UniTuple(number_of(d), 3)] * 4])
 
 
 @kernel
 def arctan2(y, x):
-    """Angle of (x, y) [rad], for real numbers and for those of a complex step; for functions of `CustomForce`.
+    """Return the angle of (x, y) [rad] for real numbers and those of a complex step; for functions of `CustomForce`.
 
     The real angle plus the small rotation left over; (0, 0) has none.
     """
@@ -61,7 +61,7 @@ def arctan2(y, x):
 
 @inner_kernel
 def predicted(d, i, t, rate):
-    """Where coordinate i should be at time t, by the mean of its rate at the last accepted state and its rate at t.
+    """Predict coordinate i at time t from the mean of its rate at the last accepted state and its rate at t.
 
     It errs by h^3/12 of the third derivative: not at all under an even acceleration, over any number of turns.
     """
@@ -71,13 +71,13 @@ def predicted(d, i, t, rate):
 
 @inner_kernel
 def unwrapped(d, i, angle, rate, t):
-    """The branch of an angle nearest to where its rates say that it should be at time t."""
+    """Return the branch of an angle that is nearest to its predicted value at time t."""
     return angle + 2.0 * math.pi * math.floor((predicted(d, i, t, rate) - angle.real) / (2.0 * math.pi) + 0.5)
 
 
 @inner_kernel
 def turn(m, d, i):
-    """(x_a, y_a, x_b, sin, cos, f, g) of angle i with theta_dot = g . (w_b - w_a).
+    """Return (x_a, y_a, x_b, sin, cos, f, g) of angle i with theta_dot = g . (w_b - w_a).
 
     g = x_b x f / (sin^2 + cos^2), f = cos y_a - sin x_a.
     """
@@ -91,7 +91,7 @@ def turn(m, d, i):
 
 @inner_kernel
 def angle(m, d, i, t):
-    """(value, J_dot v, blocks on a and b as (linear, angular)) of angle i."""
+    """Return (value, J_dot v, blocks on a and b as (linear, angular)) of angle i."""
     a, b = d.body[m.coordinate[i].body[0]], d.body[m.coordinate[i].body[1]]
     xa, ya, xb, sine, cosine, f, g = turn(m, d, i)
     wa, w = vec(a.w), sub(vec(b.w), vec(a.w))
@@ -109,7 +109,7 @@ def angle(m, d, i, t):
 
 @inner_kernel
 def slide_along(a, b, n, sa, sb):
-    """(value, J_dot v, blocks) of n . (p_b - p_a) for n, s_a fixed in body a and s_b fixed in body b (world axes)."""
+    """Return (value, J_dot v, blocks) of n . (p_b - p_a), n and s_a fixed in body a, s_b in body b (world axes)."""
     wa, wb = vec(a.w), vec(b.w)
     reach = sub(point(b, sb), vec(a.r))  # from O of a to the point of b
     gap = sub(reach, sa)
@@ -122,7 +122,7 @@ def slide_along(a, b, n, sa, sb):
 
 @inner_kernel
 def slide(m, d, i):
-    """(value, J_dot v, blocks on a and b as (linear, angular)) of slide i."""
+    """Return (value, J_dot v, blocks on a and b as (linear, angular)) of slide i."""
     x = m.coordinate[i]
     a, b = d.body[x.body[0]], d.body[x.body[1]]
     return slide_along(a, b, arm(a, x.axis[0]), arm(a, x.point[0]), arm(b, x.point[1]))
@@ -130,7 +130,7 @@ def slide(m, d, i):
 
 @late_kernel
 def path(m, d, i, t) -> of_coordinate:
-    """(value, J_dot v, blocks on a and b as (linear, angular)) of path i."""
+    """Return (value, J_dot v, blocks on a and b as (linear, angular)) of path i."""
     x = m.coordinate[i]
     a, b = d.body[x.body[0]], d.body[x.body[1]]
     s, _, s_ddot, gradient, _, _, _, _, _, _ = nearest(m, d, i, t)
@@ -140,7 +140,7 @@ def path(m, d, i, t) -> of_coordinate:
 
 @late_kernel
 def touch(m, d, i, t) -> of_coordinate:
-    """(value, J_dot v, blocks on a and b as (linear, angular)) of touch i."""
+    """Return (value, J_dot v, blocks on a and b as (linear, angular)) of the contact of a curve and a face, i."""
     a = d.body[m.coordinate[i].body[0]]
     s, _, bias, gradient, _, _, _ = highest(m, d, i, t)
     turn = rotate(mat(a.R), gradient)
@@ -151,7 +151,7 @@ def touch(m, d, i, t) -> of_coordinate:
 @late
 @kernel
 def coordinate(m, d, i, t) -> of_coordinate:
-    """(value, J_dot v, linear a, angular a, linear b, angular b) of hinge coordinate i at time t."""
+    """Return (value, J_dot v, linear a, angular a, linear b, angular b) of hinge coordinate i at time t."""
     kind = m.coordinate[i].kind
     if kind == ANGLE:
         return angle(m, d, i, t)
@@ -164,7 +164,7 @@ def coordinate(m, d, i, t) -> of_coordinate:
 
 @inner_kernel
 def value_and_rate(m, d, i, t):
-    """Hinge coordinate i at time t and its rate [rad, rad/s or m, m/s]."""
+    """Return hinge coordinate i at time t and its rate [rad, rad/s or m, m/s]."""
     a, b = d.body[m.coordinate[i].body[0]], d.body[m.coordinate[i].body[1]]
     kind = m.coordinate[i].kind
     if kind == ANGLE:
@@ -177,13 +177,13 @@ def value_and_rate(m, d, i, t):
 
 @kernel
 def coordinate_rate(m, d, i, t):
-    """Rate of hinge coordinate i [rad/s or m/s]."""
+    """Return the rate of hinge coordinate i [rad/s or m/s]."""
     return value_and_rate(m, d, i, t)[1]
 
 
 @kernel
 def remember(m, d, t):
-    """Keep all hinge coordinates and their rates as what later angles are unwrapped against."""
+    """Store all hinge coordinates and their rates, against which later angles are unwrapped."""
     for i in range(m.coordinate.shape[0]):
         value, rate = value_and_rate(m, d, i, t)
         d.coordinate[i].value = np.real(value)
@@ -193,7 +193,7 @@ def remember(m, d, t):
 
 @inner_kernel
 def miscount(m, d, t):
-    """Largest distance [rad] of an angle at time t from `predicted`: near pi, its turns are not counted for certain.
+    """Return the largest distance [rad] of an angle from `predicted` at time t; near pi its turns are not certain.
 
     Lengths along closed curves count as angles: once round is 2 pi.
     """
@@ -210,7 +210,7 @@ def miscount(m, d, t):
 
 @late_kernel
 def of_contact(m, d, p) -> of_measure:
-    """Clearance or normal force of a contact."""
+    """Return clearance [m] or normal force [N] of a contact."""
     f = m.force[p.force]
     plane, _, _, gap, velocity = meeting(f, d.body[f.body[0]], d.body[f.body[1]])
     return gap if p.kind == CLEARANCE else pressure(f, gap, -dot(plane[2], velocity))[0]
@@ -219,8 +219,7 @@ def of_contact(m, d, p) -> of_measure:
 @late
 @kernel
 def measure(m, d, i, t) -> of_measure:
-    """Value of measure i: hinge coordinate or rate, point along an axis (b relative to a), w . axis, lean,
-    distance, own state of a force element, clearance or normal force of a contact."""
+    """Return measure i: hinge coordinate or rate, point along an axis (b relative to a), w . axis, lean, or others."""
     p = m.measure[i]
     if p.kind == COORDINATE:
         return coordinate(m, d, p.coordinate, t)[0]

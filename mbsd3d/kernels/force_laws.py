@@ -1,4 +1,4 @@
-"""What the laws of force elements are made of: forces at points and moments, with components that are signals.
+"""Parts of force laws: forces at points, moments, and components that are signals.
 
 A law reads its record ``p`` of the table FORCE. It fills Q of its bodies (reduced to O), the energy the element stores
 (``out.potential``) and the power of the part that stores none (``out.power``): Q'v = -d(potential)/dt + power. Along a
@@ -16,7 +16,7 @@ TANH_SATURATION = 20.0  # [1] argument from which on tanh is 1 to rounding
 
 @inner_kernel
 def tanh(x):
-    """That of a real or complex number; numpy's of a complex one is not a number from 355 on, where e^2x overflows."""
+    """Return tanh x of a real or complex number; that of numpy overflows for complex numbers from 355 on."""
     way = 1.0 + 0.0 * x
     if x.real < -TANH_SATURATION:
         way = -way
@@ -39,7 +39,7 @@ def add_moment(body, moment):
 
 @inner_kernel
 def components(m, p, t):
-    """The three signal components of an element at time t."""
+    """Return the three signal components of an element at time t."""
     x = signal(m, p.signal[0], t)[0] if p.signal[0] >= 0 else 0.0
     y = signal(m, p.signal[1], t)[0] if p.signal[1] >= 0 else 0.0
     z = signal(m, p.signal[2], t)[0] if p.signal[2] >= 0 else 0.0

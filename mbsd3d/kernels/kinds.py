@@ -1,4 +1,4 @@
-"""Numbers of the kinds that kernels switch on; importing this compiles nothing."""
+"""Numbers of the kinds that kernels switch on. Importing this module compiles nothing."""
 
 COINCIDE, DOT, DOT_DIFFERENCE, IN_PLANE, DISTANCE, RATIO, TURN_RATE, NO_SIDESLIP, ROLL, MESH = range(10)
 ON_CURVE, ON_FACE = 10, 11

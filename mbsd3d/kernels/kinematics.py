@@ -13,7 +13,7 @@ SERIES_ANGLE_SQUARE_MAX = 1e-9  # [rad^2] of half an angle: below it two terms o
 
 @inner_kernel
 def rotation_matrix(e0, e1, e2, e3):
-    """R(e) as a 9-tuple, exact for quaternions of any length."""
+    """Return R(e) as a 9-tuple, exact for quaternions of any length."""
     k = 2.0 / (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3)
     return (
         1.0 - k * (e2 * e2 + e3 * e3), k * (e1 * e2 - e0 * e3), k * (e1 * e3 + e0 * e2),
@@ -24,7 +24,7 @@ def rotation_matrix(e0, e1, e2, e3):
 
 @inner_kernel
 def quaternion_rate(e, w):
-    """e_dot = H(e) w / 2, w in world axes."""
+    """Return e_dot = H(e) w / 2, w in world axes."""
     return (
         0.5 * (-e[1] * w[0] - e[2] * w[1] - e[3] * w[2]),
         0.5 * (e[0] * w[0] + e[3] * w[1] - e[2] * w[2]),
@@ -35,7 +35,7 @@ def quaternion_rate(e, w):
 
 @kernel
 def kinematics(m, d, y):
-    """Fill r, e, R, s, velocity, w of all bodies and z from the state y."""
+    """Set r, e, R, s, velocity, w of all bodies and z from the state y."""
     n = m.body.shape[0]
     for i in range(n):
         q, u = 7 * i, 7 * n + 6 * i
@@ -57,7 +57,7 @@ def kinematics(m, d, y):
 
 @inner_kernel
 def rates(m, d, dy):
-    """State rates dy of q and u from velocities and accelerations: u_dot = (r_ddot, R'w_dot), since w x w = 0."""
+    """Set the rates dy of q and u from velocities and accelerations: u_dot = (r_ddot, R'w_dot), as w x w = 0."""
     n = m.body.shape[0]
     for i in range(n):
         q, u = 7 * i, 7 * n + 6 * i
@@ -73,7 +73,7 @@ def rates(m, d, dy):
 
 @inner_kernel
 def quaternion_of(turn):
-    """exp(turn / 2): the unit quaternion of a rotation vector [rad]."""
+    """Return exp(turn / 2): the unit quaternion of a rotation vector [rad]."""
     x, y, z = turn
     square = 0.25 * (x * x + y * y + z * z)
     if square.real < SERIES_ANGLE_SQUARE_MAX:
@@ -86,7 +86,7 @@ def quaternion_of(turn):
 
 @inner_kernel
 def product(p, e):
-    """p o e of two quaternions."""
+    """Return the product p o e of two quaternions."""
     p0, p1, p2, p3 = p
     e0, e1, e2, e3 = e
     return (
@@ -116,7 +116,7 @@ def displace(m, d, y):
 
 @inner_kernel
 def push_velocities(m, d, y):
-    """Add the world velocity changes that `solve` left in the accelerations; u keeps its digits where they are zero."""
+    """Add the world velocity changes that `solve` left in the accelerations; zeros change no digit of u."""
     n = m.body.shape[0]
     for i in range(n):
         u, body = 7 * n + 6 * i, d.body[i]
@@ -127,7 +127,7 @@ def push_velocities(m, d, y):
 
 @inner_kernel
 def normalise(m, y):
-    """|e| = 1 for every body."""
+    """Scale every quaternion to |e| = 1."""
     for i in range(m.body.shape[0]):
         q = 7 * i + 3
         norm = np.sqrt(y[q] * y[q] + y[q + 1] * y[q + 1] + y[q + 2] * y[q + 2] + y[q + 3] * y[q + 3])

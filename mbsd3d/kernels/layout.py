@@ -1,4 +1,4 @@
-"""What the kernels read and write: `Model` (constant), `Data` (work space), `Tree` (how the saddle point is solved).
+"""Tables that the kernels read and write: `Model` (constant), `Data` (work space), `Tree` (for the saddle point).
 
 Tables are arrays of records: ``m.body[i].mass``, ``d.row[k].gamma``; from Python ``data.row["gamma"]`` is the whole
 column. Vectors are in world axes unless a line says "body axes"; SI units. Body index n (one past the last) is the
@@ -85,7 +85,7 @@ STATE = [("unit", float), ("power", float)]  # error of a state of z is measured
 
 @by_reference
 class Model(NamedTuple):
-    """A compiled mechanism with n bodies, p primitives, m rows; constant during a run."""
+    """Compiled mechanism with n bodies, p primitives, m rows; constant during a run."""
 
     body: np.ndarray  # (n,) BODY
     primitive: np.ndarray  # (p,) PRIMITIVE
@@ -113,7 +113,7 @@ class Model(NamedTuple):
 
 
 def data_records(dtype: type) -> dict[str, list]:
-    """Record fields of the work space for real or complex numbers."""
+    """Return the record fields of the work space for real or complex numbers."""
     return {
         "body": [
             ("r", dtype, 3),  # m, reference point          } computed by kinematics
@@ -210,7 +210,7 @@ TREE_STATE = [
 
 
 def tree_records(dtype: type) -> dict[str, list]:
-    """Record fields of the tree for real or complex numbers; 6-vectors are (linear, angular) about O in world axes."""
+    """Return the record fields of the tree for real or complex numbers; 6-vectors are (linear, angular) about O."""
     return {
         "link": [
             ("body", int),
@@ -264,22 +264,22 @@ def tree_records(dtype: type) -> dict[str, list]:
 
 @cache
 def record(fields: tuple) -> np.dtype:
-    """The type of a record of fields, made once: that takes numpy longer than a table."""
+    """Return the type of a record of fields, made once, since numpy takes longer for it than for a table."""
     return np.dtype(list(fields))
 
 
 @cache
 def with_attributes(fields: tuple) -> np.dtype:
-    """The same of records whose fields are attributes in Python."""
+    """Return the same type for records whose fields are attributes in Python."""
     return np.dtype((np.record, record(fields)))
 
 
 def table(fields: list, count: int) -> np.ndarray:
-    """A table of zero records; with the compiler switched off, one whose records have attributes in Python too."""
+    """Return a table of zero records; without the compiler its records have attributes in Python too."""
     array = np.zeros(count, record(tuple(fields)))
     return array.view(np.recarray) if numba.config.DISABLE_JIT else array
 
 
 def single(fields: list) -> np.record:
-    """One zero record; its fields are attributes, in kernels and in Python, and there items too, which is faster."""
+    """Return one zero record, whose fields are attributes in kernels and in Python."""
     return np.zeros(1, with_attributes(tuple(fields)))[0]

@@ -31,7 +31,7 @@ from .vectors import add, add6, arm, cross, dot, mat, point, point_velocity, put
 
 @inner_kernel
 def coincide(d, p, a, b):
-    """c = p_b - p_a (3 rows, world components)."""
+    """Fill c = p_b - p_a (3 rows, world components)."""
     sa, sb = arm(a, p.point[0]), arm(b, p.point[1])
     c = sub(point(b, sb), point(a, sa))
     g = sub(turning(vec(a.w), sa), turning(vec(b.w), sb))
@@ -46,7 +46,7 @@ def coincide(d, p, a, b):
 
 @inner_kernel
 def axes_dot(x, y, wx, wy):
-    """(x . y, x cross y, J_dot v) for x turning with wx, y with wy: d(x.y)/dt = w . (x cross y), w = wx - wy.
+    """Return (x . y, x cross y, J_dot v) for x turning with wx and y with wy: d(x.y)/dt = (wx - wy) . (x cross y).
 
     With x_dot = wx cross x and y_dot = wy cross y, w . d(x cross y)/dt = (w.x)(wx.y) - (w.y)(wy.x) - w.w x.y.
     """
@@ -56,7 +56,7 @@ def axes_dot(x, y, wx, wy):
 
 @inner_kernel
 def axis_dot(row, p, a, b):
-    """c = x_a . y_b."""
+    """Fill c = x_a . y_b."""
     c, n, rest = axes_dot(arm(a, p.axis[0]), arm(b, p.axis[1]), vec(a.w), vec(b.w))
     zero = scale(0.0, n)
     row.c = c
@@ -67,7 +67,7 @@ def axis_dot(row, p, a, b):
 
 @late_kernel
 def axis_dot_difference(row, p, a, b):
-    """c = x_a . y_b - y_a . x_b: no relative rotation about the bisector of the shafts (constant velocity)."""
+    """Fill c = x_a . y_b - y_a . x_b: no relative rotation about the bisector of the shafts."""
     c1, n1, rest1 = axes_dot(arm(a, p.axis[0]), arm(b, p.second_axis[1]), vec(a.w), vec(b.w))
     c2, n2, rest2 = axes_dot(arm(a, p.second_axis[0]), arm(b, p.axis[1]), vec(a.w), vec(b.w))
     n = sub(n1, n2)
@@ -80,7 +80,7 @@ def axis_dot_difference(row, p, a, b):
 
 @inner_kernel
 def in_plane(row, p, a, b):
-    """c = n_a . (p_b - p_a)."""
+    """Fill c = n_a . (p_b - p_a)."""
     value, rest, la, ta, lb, tb = slide_along(a, b, arm(a, p.axis[0]), arm(a, p.point[0]), arm(b, p.point[1]))
     row.c = value
     row.gamma = -rest
@@ -90,7 +90,7 @@ def in_plane(row, p, a, b):
 
 @late_kernel
 def distance(row, p, a, b):
-    """c = |p_b - p_a| - L."""
+    """Fill c = |p_b - p_a| - L."""
     sa, sb = arm(a, p.point[0]), arm(b, p.point[1])
     gap = sub(point(b, sb), point(a, sa))
     gap_dot = sub(point_velocity(b, sb), point_velocity(a, sa))
@@ -106,7 +106,7 @@ def distance(row, p, a, b):
 
 @late_kernel
 def ratio(m, d, row, p, t):
-    """c = v0 x0 + v1 x1 for hinge coordinates x0 (slots 0, 1) and x1 (slots 2, 3): gear, screw, rack, driver."""
+    """Fill c = v0 x0 + v1 x1 for hinge coordinates x0 (slots 0, 1) and x1 (slots 2, 3): gear, screw, rack, driver."""
     row.c = 0.0
     row.gamma = 0.0
     for i in range(2):
@@ -121,7 +121,7 @@ def ratio(m, d, row, p, t):
 
 @late_kernel
 def mesh(m, d, row, p, t):
-    """Teeth of two gears on one carrier: c = sum_i of v_i theta_i + n_i . gap_i + (x_i - s_i n_i) . u_i.
+    """Fill c = sum_i of v_i theta_i + n_i . gap_i + (x_i - s_i n_i) . u_i: teeth of two gears on one carrier.
 
     Slots 2 i and 2 i + 1 are carrier and gear i; n_i, x_i are fixed in the carrier, u_i is the axis of the gear,
     s_i how far it has slid along it (only the part of n_i across the axis counts in the last product). All but theta
@@ -150,7 +150,7 @@ def mesh(m, d, row, p, t):
 
 @late_kernel
 def turn_rate(row, p, a, b):
-    """J v = x_a . (w_b - w_a): a prescribed relative speed about an axis of a; no residual."""
+    """Fill J v = x_a . (w_b - w_a): a prescribed relative speed about an axis of a; no residual."""
     x = arm(a, p.axis[0])
     zero = scale(0.0, x)
     row.c = 0.0
@@ -161,7 +161,7 @@ def turn_rate(row, p, a, b):
 
 @late_kernel
 def no_sideslip(row, p, a, b):
-    """Knife edge: the point of b does not move along the direction n_b relative to a; no residual."""
+    """Fill J v of a knife edge: the point of b has no velocity along n_b relative to a; no residual."""
     n, s = arm(b, p.axis[1]), arm(b, p.point[1])
     reach = sub(point(b, s), vec(a.r))
     reach_dot = sub(point_velocity(b, s), vec(a.velocity))
@@ -195,7 +195,7 @@ def roll(d, p, a, b):
 
 @late_kernel
 def on_curve(m, d, row, p, t):
-    """c = E(s) . (p_b - x(s)) - value[0] at the nearest point of the curve, E its group of directions value[1]."""
+    """Fill c = E(s) . (p_b - x(s)) - value[0] at the nearest point of the curve, E its group of directions value[1]."""
     a, b = d.body[p.body[0]], d.body[p.body[1]]
     _, s_dot, s_ddot, ds, k, u, off, along, bend, speed = nearest(m, d, p.coordinate[0], t)
     E, E_rate, E_bend, _ = group(m.number, k + GROUP_NUMBERS_COUNT * int(p.value[1]), u)
@@ -211,7 +211,7 @@ def on_curve(m, d, row, p, t):
 
 @late_kernel
 def on_face(m, d, row, p, t):
-    """c = n_b . (p_b - x(s)) where the curve is highest over the face of b with the normal n_b."""
+    """Fill c = n_b . (p_b - x(s)) where the curve is highest over the face of b with the normal n_b."""
     a, b = d.body[p.body[0]], d.body[p.body[1]]
     _, s_dot, _, _, x, along, _ = highest(m, d, p.coordinate[0], t)
     R, n, sb, wa, wb = mat(a.R), arm(b, p.axis[1]), arm(b, p.point[1]), vec(a.w), vec(b.w)
@@ -238,7 +238,7 @@ def prescribe(m, row, p, t):
 
 @inner_kernel
 def row_speed(m, d, k):
-    """(J v - b) of row k."""
+    """Return J v - b of row k."""
     row = d.row[k]
     total = -row.b
     for slot in range(4):
@@ -252,7 +252,7 @@ def row_speed(m, d, k):
 
 @inner_kernel
 def fill(m, d, p, t):
-    """Rows of one primitive."""
+    """Fill the rows of one primitive."""
     row, a, b = d.row[p.row], d.body[p.body[0]], d.body[p.body[1]]
     if p.kind == COINCIDE:
         coincide(d, p, a, b)

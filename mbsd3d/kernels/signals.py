@@ -1,4 +1,4 @@
-"""Value, first and second derivative of a prescribed motion at time t (a signal is a sum of terms)."""
+"""Value, first and second derivative of a signal at time t; a signal is a sum of terms."""
 
 import math
 
@@ -8,7 +8,7 @@ from .kinds import POLYNOMIAL, SINE
 
 @kernel
 def polynomial(data, first, count, x):
-    """c0 + c1 x + ... and its two derivatives, by Horner's rule."""
+    """Return c0 + c1 x + ... and its two derivatives, by Horner's rule."""
     f, g, h = 0.0, 0.0, 0.0
     for k in range(count - 1, -1, -1):
         h = h * x + 2.0 * g
@@ -19,7 +19,7 @@ def polynomial(data, first, count, x):
 
 @kernel
 def spline(data, first, x):
-    """Piecewise cubic: [pieces, breaks, 4 coefficients per piece with the highest power first]."""
+    """Return a piecewise cubic and two derivatives: [pieces, breaks, 4 coefficients a piece, highest power first]."""
     pieces = int(data[first])
     breaks = first + 1
     low, high = 0, pieces - 1
@@ -37,7 +37,7 @@ def spline(data, first, x):
 
 @kernel
 def signal(m, i, t):
-    """(f, f', f'') of signal i at time t."""
+    """Return (f, f', f'') of signal i at time t."""
     f, g, h = 0.0, 0.0, 0.0
     for k in range(m.signal[i].first, m.signal[i].end):
         term = m.term[k]

@@ -30,14 +30,14 @@ CURVE_END_MARGIN = 1e-6  # [1] of a piece: distance past the end of an open curv
 
 @inner_kernel
 def spread(r, u, n):
-    """A n for half axes r and directions u."""
+    """Return A n for half axes r and directions u."""
     first, second = scale(r[0] * r[0] * dot(u[0], n), u[0]), scale(r[1] * r[1] * dot(u[1], n), u[1])
     return add(add(first, second), scale(r[2] * r[2] * dot(u[2], n), u[2]))
 
 
 @inner_kernel
 def lowest(r, rho, u, n):
-    """(l, h, A n): the lowest point from the centre, and what its rate needs."""
+    """Return (l, h, A n): the lowest point from the centre, and what its rate needs."""
     q = spread(r, u, n)
     h = np.sqrt(dot(n, q) + DISC_REGULARISATION)
     return sub(scale(-1.0 / h, q), scale(rho, n)), h, q
@@ -45,7 +45,7 @@ def lowest(r, rho, u, n):
 
 @inner_kernel
 def lowest_rate(r, rho, u, low, h, q, n_dot, n, w):
-    """Rate of the lowest point of a body that turns with w over a plane whose normal changes by n_dot."""
+    """Return the rate of the lowest point of a body that turns with w over a plane whose normal changes by n_dot."""
     turn = sub(n_dot, cross(w, n))  # of the normal, seen from the body
     along = sub(spread(r, u, turn), scale(dot(turn, q) / (h * h), q))
     return sub(cross(w, low), add(scale(1.0 / h, along), scale(rho, turn)))
@@ -53,7 +53,7 @@ def lowest_rate(r, rho, u, low, h, q, n_dot, n, w):
 
 @inner_kernel
 def meeting(p, a, b):
-    """(axes of the plane, arms from O of a and of b to the lowest point, gap, velocity of b relative to a there).
+    """Return (axes of the plane, arms from O of a and b to the lowest point, gap, velocity of b relative to a).
 
     p: record of a `Contact` between a and b.
     """
@@ -67,7 +67,7 @@ def meeting(p, a, b):
 
 @inner_kernel
 def pressure(p, gap, speed):
-    """(N, k d^m, d) at the penetration d = -gap, which grows by ``speed``: N = k d^m (1 + x speed) + c speed >= 0."""
+    """Return (N, k d^m, d) at the penetration d = -gap, growing by ``speed``: N = k d^m (1 + x speed) + c speed."""
     depth = -gap if gap.real < 0.0 else 0.0 * gap
     elastic = p.value[4] * depth ** p.value[5] if gap.real < 0.0 else depth
     normal = elastic * (1.0 + p.value[7] * speed) + p.value[6] * speed if gap.real < 0.0 else depth
@@ -88,7 +88,7 @@ def contact_row(row, a, b, n, n_dot, arm_b, arm_a, arm_b_bias, arm_a_dot):
 
 @inner_kernel
 def power(data, k, u):
-    """c5 u^5 + ... + c0 and three derivatives."""
+    """Return c5 u^5 + ... + c0 and three derivatives."""
     c5, c4, c3, c2, c1, c0 = data[k], data[k + 1], data[k + 2], data[k + 3], data[k + 4], data[k + 5]
     return (
         ((((c5 * u + c4) * u + c3) * u + c2) * u + c1) * u + c0,
@@ -100,14 +100,14 @@ def power(data, k, u):
 
 @inner_kernel
 def group(data, k, u):
-    """Value and three derivatives of a group of a piece, as vectors."""
+    """Return value and three derivatives of a group of a piece, as vectors."""
     x, y, z = power(data, k, u), power(data, k + 6, u), power(data, k + 12, u)
     return (x[0], y[0], z[0]), (x[1], y[1], z[1]), (x[2], y[2], z[2]), (x[3], y[3], z[3])
 
 
 @inner_kernel
 def slope(data, k, u, e, weight):
-    """f = x' . (e - weight x) and its derivative."""
+    """Return f = x' . (e - weight x) and its derivative."""
     x, t, t_rate, _ = group(data, k, u)
     rest = sub(e, scale(weight, x))
     return dot(t, rest), dot(t_rate, rest) - weight * dot(t, t)
@@ -115,7 +115,7 @@ def slope(data, k, u, e, weight):
 
 @inner_kernel
 def piece_of(data, breaks, n, s):
-    """Number of the piece that holds s, the first or last one outside."""
+    """Return the number of the piece that holds s, the first or last one outside."""
     low, high = 0, n - 1
     while low < high:
         middle = (low + high + 1) // 2
@@ -174,7 +174,7 @@ def search(data, first, e, weight, expected):
 
 @inner_kernel
 def expected(d, i, t):
-    """Where the last accepted state and its rate say that coordinate i should be at time t."""
+    """Predict coordinate i at time t from the last accepted state and its rate."""
     last = d.coordinate[i]
     return last.value + last.rate * (t - d.unwrap_time[0])
 

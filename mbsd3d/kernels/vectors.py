@@ -1,4 +1,4 @@
-"""3-vectors as tuples: in compiled code they live in registers and cost no allocation.
+"""3-vectors as tuples, which compiled code keeps in registers without allocation.
 
 Matrices are 9-tuples in row order. Nothing here takes a norm or an absolute value, so every function is also right
 for complex arguments (complex-step derivatives); products are transposes, never conjugates.
@@ -9,25 +9,25 @@ from ..compiler.decorators import inner_kernel
 
 @inner_kernel
 def vec(a):
-    """An array of 3 as a tuple."""
+    """Return an array of 3 as a tuple."""
     return a[0], a[1], a[2]
 
 
 @inner_kernel
 def mat(a):
-    """An array of 9 as a tuple."""
+    """Return an array of 9 as a tuple."""
     return a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8]
 
 
 @inner_kernel
 def pair(a):
-    """An array of 6 as two 3-vectors."""
+    """Return an array of 6 as two 3-vectors."""
     return (a[0], a[1], a[2]), (a[3], a[4], a[5])
 
 
 @inner_kernel
 def put(array, a):
-    """array[:3] = a"""
+    """Set array[:3] = a."""
     array[0] = a[0]
     array[1] = a[1]
     array[2] = a[2]
@@ -35,7 +35,7 @@ def put(array, a):
 
 @inner_kernel
 def put6(array, a, b):
-    """array = (a, b)"""
+    """Set array = (a, b)."""
     array[0] = a[0]
     array[1] = a[1]
     array[2] = a[2]
@@ -46,7 +46,7 @@ def put6(array, a, b):
 
 @inner_kernel
 def add6(array, a, b):
-    """array += (a, b)"""
+    """Add array += (a, b)."""
     array[0] += a[0]
     array[1] += a[1]
     array[2] += a[2]
@@ -57,43 +57,43 @@ def add6(array, a, b):
 
 @inner_kernel
 def add(a, b):
-    """a + b"""
+    """Return a + b."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
 @inner_kernel
 def sub(a, b):
-    """a - b"""
+    """Return a - b."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
 @inner_kernel
 def scale(k, a):
-    """k a"""
+    """Return k a."""
     return k * a[0], k * a[1], k * a[2]
 
 
 @inner_kernel
 def dot(a, b):
-    """a . b"""
+    """Return a . b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @inner_kernel
 def cross(a, b):
-    """a x b"""
+    """Return a x b."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 @inner_kernel
 def turning(w, s):
-    """w x (w x s): centripetal acceleration of a point at s."""
+    """Return w x (w x s): centripetal acceleration of a point at s."""
     return cross(w, cross(w, s))
 
 
 @inner_kernel
 def rotate(R, a):
-    """R a"""
+    """Return R a."""
     return (
         R[0] * a[0] + R[1] * a[1] + R[2] * a[2],
         R[3] * a[0] + R[4] * a[1] + R[5] * a[2],
@@ -103,7 +103,7 @@ def rotate(R, a):
 
 @inner_kernel
 def rotate_back(R, a):
-    """R' a"""
+    """Return R' a."""
     return (
         R[0] * a[0] + R[3] * a[1] + R[6] * a[2],
         R[1] * a[0] + R[4] * a[1] + R[7] * a[2],
@@ -113,32 +113,32 @@ def rotate_back(R, a):
 
 @inner_kernel
 def arm(body, local):
-    """R p: a body-fixed vector in world axes."""
+    """Return R p: a body-fixed vector in world axes."""
     return rotate(mat(body.R), vec(local))
 
 
 @inner_kernel
 def columns(body, frame):
-    """Columns of R frame: the axes of an element in world axes."""
+    """Return the columns of R frame: the axes of an element in world axes."""
     R, F = mat(body.R), mat(frame)
     return rotate(R, (F[0], F[3], F[6])), rotate(R, (F[1], F[4], F[7])), rotate(R, (F[2], F[5], F[8]))
 
 
 @inner_kernel
 def point(body, s):
-    """World position of the point at s (world) from O."""
+    """Return the world position of the point at s (world) from O."""
     return add(vec(body.r), s)
 
 
 @inner_kernel
 def point_velocity(body, s):
-    """Velocity of the point of the body at s (world) from O."""
+    """Return the velocity of the point of the body at s (world) from O."""
     return add(vec(body.velocity), cross(vec(body.w), s))
 
 
 @inner_kernel
 def finite(array):
-    """True if no entry is NaN or infinite."""
+    """Return True if no entry is NaN or infinite."""
     total = 0.0
     for i in range(array.shape[0]):
         total += abs(array[i]) * 0.0
@@ -147,20 +147,20 @@ def finite(array):
 
 @inner_kernel
 def copy(target, source):
-    """target = source"""
+    """Set target = source."""
     for i in range(source.shape[0]):
         target[i] = source[i]
 
 
 @inner_kernel
 def add_scaled(target, k, source):
-    """target += k source"""
+    """Add target += k source."""
     for i in range(source.shape[0]):
         target[i] += k * source[i]
 
 
 @inner_kernel
 def clear(target):
-    """target = 0"""
+    """Set target = 0."""
     for i in range(target.shape[0]):
         target[i] = 0.0

@@ -1,4 +1,4 @@
-"""Static equilibrium: the pose at which a mechanism at rest stays at rest, and whether it comes back to it.
+"""Static equilibrium: the pose at which a mechanism at rest stays at rest, and its stability.
 
 At rest (v = 0) the constrained accelerations a and the rates of the own states z are functions of the pose alone. With
 xi the freedoms of velocity (v = N xi) the pose follows the flow ``xi' = a``, downhill in the metric of M, by steps
@@ -69,7 +69,7 @@ class Equilibrium:
 
     @cached_property
     def linearization(self) -> ModalAnalysis | ValueError | None:
-        """Small motions about it; None if nothing can move, the error where there are no linear equations."""
+        """Return small motions about it; None if nothing can move, an error where they are not linear."""
         if not self.freedoms:
             return None
         try:
@@ -97,12 +97,12 @@ class Equilibrium:
 
     @property
     def stability(self) -> str:
-        """What becomes of small deviations; see the class."""
+        """Return what becomes of small deviations; see the class."""
         return self._kind[0]
 
     @property
     def reason(self) -> str:
-        """What it is judged by."""
+        """Return the reason for this judgement of stability."""
         return self._kind[1]
 
     def __repr__(self) -> str:
@@ -113,12 +113,12 @@ class Equilibrium:
 
 
 def label_of(found: ModalAnalysis, value: complex) -> str:
-    """The label of the mode of an eigenvalue."""
+    """Return the label of the mode of an eigenvalue."""
     return min(found.modes, key=lambda mode: abs(mode.eigenvalue - value)).label
 
 
 def check_rest(system: Mechanism) -> None:
-    """A machine at rest has signals that stand still."""
+    """Raise an InputError if a signal moves: a machine at rest has constant ones."""
     for part in (*system.joints, *system.forces):
         signals = [x.signal for x in part.primitives] if part in system.joints else part.record().signals
         if any(signal is not None and varies(signal, 0) for signal in signals):
@@ -128,7 +128,7 @@ def check_rest(system: Mechanism) -> None:
 @solvable("equilibrium")
 @on_one_thread
 def find_equilibrium(system: Mechanism, start: State) -> Equilibrium:
-    """The equilibrium that the mechanism comes to from a pose; errors as `mbsd3d.System.equilibrium`."""
+    """Find the equilibrium that the mechanism comes to from a pose; errors as `mbsd3d.System.equilibrium`."""
     check_runnable(system)
     check_rest(system)
     compiled = compile_system(system)
@@ -153,7 +153,7 @@ def find_equilibrium(system: Mechanism, start: State) -> Equilibrium:
 
 
 def search(field: Field) -> tuple[np.ndarray, Variations, Tangent, Units, float, int]:
-    """(y, variations, tangent space, units, residual, steps) at the equilibrium."""
+    """Return (y, variations, tangent space, units, residual, steps) at the equilibrium."""
     model, y = field.compiled.model, field.y.copy()
     before, growth, n = None, 1.0, model.body.size
     begin = y[: 7 * n].reshape(n, 7)[:, :3].copy()
@@ -179,7 +179,7 @@ def search(field: Field) -> tuple[np.ndarray, Variations, Tangent, Units, float,
 
 
 def unrest(at: Variations, units: Units, length: float) -> float:
-    """Largest acceleration and rate of an own state, in units of length and rate."""
+    """Return the largest acceleration and rate of an internal state, in units of length and rate."""
     one = displacement_units(length, at.acceleration.shape[0])
     z_unit = units.x[12 * at.acceleration.shape[0] :]
     sizes = np.abs(at.acceleration.ravel()) / (one * units.rate**2), np.abs(at.z_rate) / (z_unit * units.rate)
@@ -187,7 +187,7 @@ def unrest(at: Variations, units: Units, length: float) -> float:
 
 
 def direction(at: Variations, space: Tangent, units: Units, n: int, d: float) -> tuple[np.ndarray, np.ndarray]:
-    """(X (6 n,), dz) of a step of pseudo-time d along the flow."""
+    """Return (X (6 n,), dz) of a step of pseudo-time d along the flow."""
     moves = slice(space.configuration, space.configuration + space.velocity)
     N = space.E[6 * n : 12 * n, moves]
     free = space.chosen[moves]  # rows of the velocities in X_dot: accelerations
@@ -210,7 +210,7 @@ def direction(at: Variations, space: Tangent, units: Units, n: int, d: float) ->
 
 
 def moved(field: Field, y: np.ndarray, X: np.ndarray, dz: np.ndarray) -> np.ndarray:
-    """The state after a step that the joints allow; halved until they close."""
+    """Return the state after a step that the joints allow; it is halved until they close."""
     compiled, model = field.compiled, field.compiled.model
     n = model.body.size
     tree = build_spanning_tree(model, field.real, field.rows_at(field.t, y))
@@ -230,7 +230,7 @@ def moved(field: Field, y: np.ndarray, X: np.ndarray, dz: np.ndarray) -> np.ndar
 
 
 def restless(compiled: Compiled, y: np.ndarray, at: Variations) -> str:
-    """The body that gives way: the one with the largest share ``m a_G^2 + alpha' I alpha`` of the unbalanced load.
+    """Return the body with the largest share ``m a_G^2 + alpha' I alpha`` of the unbalanced load.
 
     A light part may accelerate more, in its own units, than the one that carries it away.
     """

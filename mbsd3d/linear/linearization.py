@@ -1,4 +1,4 @@
-"""`linearize`: the equations of small motions about an equilibrium or a steady motion, as one matrix A."""
+"""Equations of small motions about an equilibrium or a steady motion, as one matrix A."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -28,7 +28,7 @@ SINGULAR_VALUE_ROUNDING = 1e-13  # [1] of the norm of A: singular values that ro
 
 @on_one_thread
 def spectrum(A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenvalues and vectors (columns) of a dimensionless matrix, zeros divided out first.
+    """Return eigenvalues and vectors (columns) of a dimensionless matrix, zeros divided out first.
 
     Cyclic coordinates leave Jordan blocks of zeros, of which an eigenvalue solver makes 1e-8, or 1e-5 where blocks are
     longer. Here null spaces are split off one by one, ``Q'AQ = [[N, X], [0, B]]`` with N nilpotent, so zeros are exact
@@ -55,13 +55,13 @@ def spectrum(A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def sorting(value: complex) -> tuple[int, int, bool]:
-    """Key that sorts by frequency, then growth, the conjugate last; rounding does not change the order."""
+    """Return the key that sorts by frequency, then growth, the conjugate last; rounding does not change the order."""
     return round(abs(value.imag) / 1e-9), round(value.real / 1e-9), value.imag < 0.0
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Linearization:
-    """``x_dot = A x`` for small deviations from a motion; see `mbsd3d.Linearization`."""
+    """Linear equations ``x_dot = A x`` of small deviations from a motion; see `mbsd3d.Linearization`."""
 
     compiled: Compiled
     state: State
@@ -76,38 +76,38 @@ class Linearization:
 
     @property
     def system(self) -> Mechanism:
-        """The system that was linearised."""
+        """Return the system that was linearised."""
         return self.compiled.system
 
     @property
     def states(self) -> tuple[str, ...]:
-        """Names of the states or outputs."""
+        """Return the names of the states or outputs."""
         return tuple(x.label for x in self.outputs) or self.space.names(self.system)
 
     @property
     def state_units(self) -> tuple[str, ...]:
-        """Units of `states`."""
+        """Return the units of `states`."""
         return tuple(x.unit for x in self.outputs) or self.space.unit_names(self.compiled.model)
 
     @cached_property
     def scale(self) -> np.ndarray:
-        """(n,) sizes of the states that belong to a motion of one model length."""
+        """Return the sizes (n,) of the states that belong to a motion of one model length."""
         x = self.units.x[self.space.chosen]
         return x if self.L is None else np.linalg.norm(self.L * x, axis=1)
 
     @cached_property
     def spectrum(self) -> tuple[np.ndarray, np.ndarray]:
-        """(eigenvalues, vectors of the states as columns)."""
+        """Return (eigenvalues, vectors of the states as columns)."""
         values, vectors = spectrum(self.A * self.scale / self.scale[:, None] / self.units.rate)
         return values * self.units.rate, vectors * self.scale[:, None]
 
     @property
     def eigenvalues(self) -> np.ndarray:
-        """Eigenvalues [1/s] sorted by frequency, then real part."""
+        """Return the eigenvalues [1/s] sorted by frequency, then real part."""
         return self.spectrum[0]
 
     def deviation(self, value: complex, vector: np.ndarray) -> np.ndarray:
-        """(N,) X of all bodies for a vector of the states, or for one of the outputs: L x = y, (A - s) x least."""
+        """Return (N,) X of all bodies for a vector of states, or of outputs: L x = y, (A - s) x least."""
         if self.L is None:
             return self.space.E @ vector
         x = self.units.x[self.space.chosen]
@@ -129,7 +129,7 @@ def linearize_at(
     tolerance: float = 1e-8,
     switches: Switches | None = None,
 ) -> Linearization:
-    """The linear equations of small motions; arguments and errors as `mbsd3d.linearize`."""
+    """Linearise the equations of motion; arguments and errors as `mbsd3d.linearize`."""
     check_system(system, "linearize")
     tolerance = number(tolerance, "linearize: tolerance", positive=True)
     outputs = checked_outputs(system, outputs)
@@ -154,7 +154,7 @@ def linearize_at(
 
 
 def checked_outputs(system: Mechanism, outputs: Sequence[Measure] | None) -> tuple[Measure, ...]:
-    """Measures of parts of this system."""
+    """Return the measures, after a check that they are of parts of this system."""
     if isinstance(outputs, Measure):
         outputs = (outputs,)
     if not isinstance(outputs, Sequence | None) or isinstance(outputs, str):
@@ -167,7 +167,7 @@ def checked_outputs(system: Mechanism, outputs: Sequence[Measure] | None) -> tup
 
 
 def check_regular(field: Field, space: Tangent) -> None:
-    """Small motions are linear only where the rank of the rows is the same all around."""
+    """Raise an error where the rank of the rows is not the same all around: small motions are not linear there."""
     model, chosen = field.compiled.model, field.rows_at(field.t, field.y)
     tree, random = build_spanning_tree(model, field.real, chosen), np.random.default_rng(0)
     unit = displacement_units(model.length, model.body.size)
@@ -186,7 +186,7 @@ def check_regular(field: Field, space: Tangent) -> None:
 def matrix_of(
     compiled: Compiled, at: Variations, space: Tangent, generator: Generator, units: Units, tolerance: float
 ) -> tuple[np.ndarray, float]:
-    """(A, largest residual of (F - [Omega]x) E = E A): the tangent space is carried into itself."""
+    """Return (A, largest residual of (F - [Omega]x) E = E A): the tangent space is carried into itself."""
     transported = (at.F - generator.transport(compiled.model.body.size, compiled.model.z_work)) @ space.E
     A = transported[space.chosen]
     columns = units.x[space.chosen]
@@ -202,7 +202,7 @@ def matrix_of(
 def with_outputs(
     found: Linearization, at: Variations, later: Variations, Q: np.ndarray, tolerance: float
 ) -> Linearization:
-    """Divide by what the outputs do not see: the unique A_y with L A = A_y L."""
+    """Divide by what the outputs do not see: return the unique A_y with L A = A_y L."""
     x, E = found.units.x[found.space.chosen], found.space.E
     L = at.L @ E
     size = np.linalg.norm(L * x, axis=1)

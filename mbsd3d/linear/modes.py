@@ -1,4 +1,4 @@
-"""Modes of a linearisation: numbers, labels, shapes that move."""
+"""Modes of a linearisation: numbers, labels and shapes that move."""
 
 from dataclasses import dataclass, fields
 from functools import cached_property
@@ -35,40 +35,40 @@ class Mode:
 
     @property
     def frequency(self) -> float:
-        """Damped frequency [Hz], 0 if it does not oscillate."""
+        """Return the damped frequency [Hz], 0 if it does not oscillate."""
         return abs(self.eigenvalue.imag) / (2.0 * np.pi)
 
     @property
     def natural_frequency(self) -> float:
-        """|eigenvalue| / 2 pi [Hz]."""
+        """Return |eigenvalue| / 2 pi [Hz]."""
         return abs(self.eigenvalue) / (2.0 * np.pi)
 
     @property
     def damping_ratio(self) -> float:
-        """-Re / |eigenvalue|, negative where the motion grows; 0 for a zero eigenvalue."""
+        """Return -Re / |eigenvalue|, negative where the motion grows; 0 for a zero eigenvalue."""
         return -self.eigenvalue.real / abs(self.eigenvalue) if self.eigenvalue else 0.0
 
     @property
     def time_to_double(self) -> float:
-        """Time in which the amplitude doubles [s], infinite unless the mode grows."""
+        """Return the time in which the amplitude doubles [s], infinite unless the mode grows."""
         return float(np.log(2.0) / self.eigenvalue.real) if self.eigenvalue.real > 0.0 else np.inf
 
     @property
     def time_to_half(self) -> float:
-        """Time in which the amplitude halves [s], infinite unless the mode decays."""
+        """Return the time in which the amplitude halves [s], infinite unless the mode decays."""
         return float(-np.log(2.0) / self.eigenvalue.real) if self.eigenvalue.real < 0.0 else np.inf
 
     def __repr__(self) -> str:
         return f"<mode: {self.label}, {self.eigenvalue:.6g} 1/s>"
 
     def shape(self, body: Body | str) -> tuple[np.ndarray, np.ndarray]:
-        """Complex (translation of the centre of mass [m], rotation [rad]) of a body, world axes."""
+        """Return the complex (translation of the centre of mass [m], rotation [rad]) of a body, world axes."""
         k = self.linearization.compiled.body_index[id(self.linearization.system.part(body))]
         return self.translation[k], self.rotation[k]
 
     @cached_property
     def label(self) -> str:
-        """The largest joint coordinate, or the largest displacement of a body if no joint moves a third as much."""
+        """Return the largest joint coordinate, or the largest displacement of a body if joints move little."""
         compiled, system = self.linearization.compiled, self.linearization.system
         length = compiled.model.length
         moves = np.hstack([self.translation / length, self.rotation])
@@ -86,7 +86,7 @@ class Mode:
         return f"{MOTION_NAMES[k % 6]} of '{system.name(system.bodies[k // 6])}'"
 
     def motion(self, amplitude: float = 0.2, cycles: float = 2.0, samples: int = 101) -> "Motion":
-        """The mechanism moving in this mode, all joints closed; a motion that goes on is shown at rest.
+        """Return the mechanism moving in this mode, all joints closed; a monotonic motion is shown at rest.
 
         ``amplitude``: the largest displacement at its largest [model lengths or radians]; ``cycles``: periods, or for a
         mode that does not oscillate time constants, for a zero eigenvalue to and fro; ``samples`` 2 ... 100 000. The
@@ -105,7 +105,7 @@ class Mode:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Motion(Poses):
-    """Poses of a mechanism over time (no forces, no energy): read like a `Solution`."""
+    """Poses of a mechanism over time, without forces or energy; read like a `Solution`."""
 
     compiled: Compiled
     t: np.ndarray
@@ -116,7 +116,7 @@ class Motion(Poses):
 
 
 def moving_poses(mode: Mode, t: np.ndarray, wave: np.ndarray) -> Motion:
-    """Poses r + Re(translation wave), exp(Re(rotation wave)) o e, then closed by the joints."""
+    """Return poses r + Re(translation wave), exp(Re(rotation wave)) o e, then closed by the joints."""
     found, compiled = mode.linearization, mode.linearization.compiled
     model, data, n = compiled.model, compiled.data(), compiled.model.body.size
     start = load_state(compiled, data, found.state)
@@ -136,7 +136,7 @@ def moving_poses(mode: Mode, t: np.ndarray, wave: np.ndarray) -> Motion:
 
 @on_one_thread
 def make_modes(linearization: "ModalAnalysis") -> tuple[Mode, ...]:
-    """Modes of all eigenvalues, one per complex pair."""
+    """Return the modes of all eigenvalues, one per complex pair."""
     n, values = linearization.compiled.model.body.size, linearization.eigenvalues
     size = linearization.units.x
     modes = []
@@ -157,20 +157,20 @@ def make_modes(linearization: "ModalAnalysis") -> tuple[Mode, ...]:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ModalAnalysis(Linearization):
-    """A linearisation with its modes; see `mbsd3d.Linearization`."""
+    """Linearisation with its modes; see `mbsd3d.Linearization`."""
 
     @classmethod
     def of(cls, found: Linearization) -> Self:
-        """The modal analysis of linear equations."""
+        """Return the modal analysis of linear equations."""
         return cls(**{x.name: getattr(found, x.name) for x in fields(Linearization)})
 
     @cached_property
     def modes(self) -> tuple[Mode, ...]:
-        """One per real eigenvalue and per complex pair, in the order of the eigenvalues."""
+        """Return one mode per real eigenvalue and per complex pair, in the order of the eigenvalues."""
         return make_modes(self)
 
     def mode(self, k: int) -> Mode:
-        """Mode number k, counted from zero."""
+        """Return mode number k, counted from zero."""
         if not isinstance(k, int | np.integer) or not -len(self.modes) <= k < len(self.modes):
             raise InputError(
                 f"linearization.mode: {shown(k)} is not one of the {len(self.modes)} modes 0 ... {len(self.modes) - 1}"
@@ -179,7 +179,7 @@ class ModalAnalysis(Linearization):
 
     @cached_property
     def joint_gradients(self) -> list[tuple[Joint, str, np.ndarray]]:
-        """(joint, "angle" or "slide", (6 n,) gradient with respect to (r_G, theta) of all bodies) of all joints."""
+        """Return (joint, "angle" or "slide", (6 n,) gradient with respect to (r_G, theta)) of all joints."""
         compiled, found = self.compiled, []
         data, n = compiled.data(), compiled.model.body.size
         load_state(compiled, data, self.state)
@@ -193,7 +193,7 @@ class ModalAnalysis(Linearization):
         return found
 
     def __repr__(self) -> str:
-        """One line per mode."""
+        """Return one line per mode."""
         g = self.generator
         steady = f", turning at {np.linalg.norm(g.rotation):.6g} rad/s as a whole" if g.turning else ""
         lines = [

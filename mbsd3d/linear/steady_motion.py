@@ -1,4 +1,4 @@
-"""Relative equilibria: is a state one, and are the linear equations the same all along the motion?
+"""Relative equilibria: whether a state is one, and whether its linear equations are constant along the motion.
 
 All bodies move with one velocity of translation c and one rotation Omega (about the vertical, where there is gravity),
 and each may spin at a constant rate about an axis through its centre of mass that moves along:
@@ -31,14 +31,14 @@ BALANCING_PASSES = 20  # [passes] over the matrix, each of which goes half of th
 
 @dataclass(frozen=True, eq=False)
 class Units:
-    """Sizes that make the linear equations dimensionless."""
+    """Units that make the linear equations dimensionless."""
 
     x: np.ndarray  # (N,) of the entries of X: length, radian, and their rates
     rate: float  # [1/s]
 
 
 def natural_units(model: Model, at: Variations, space: Tangent, damped: bool = True) -> Units:
-    """The model's length, and as rate the fastest of: stiffness, damping if wanted, angular velocity, gravity."""
+    """Return the model's length, and as rate the fastest of stiffness, damping if wanted, rotation, gravity."""
     n, c, v = 6 * model.body.size, space.configuration, space.velocity
     one = displacement_units(model.length, 2 * model.body.size)
     chosen = space.chosen[: c + v]
@@ -55,7 +55,7 @@ def natural_units(model: Model, at: Variations, space: Tangent, damped: bool = T
 
 
 def balance(F: np.ndarray, x: np.ndarray, first: int) -> None:
-    """Change the sizes x of the own states, from ``first``, until what each causes is as large as what causes it.
+    """Scale the internal states x from ``first`` on, until what each causes is as large as what causes it.
 
     Own states that drive each other may have sizes which the motion says nothing of.
     """
@@ -68,7 +68,7 @@ def balance(F: np.ndarray, x: np.ndarray, first: int) -> None:
 
 
 def check_signals(system: Mechanism) -> None:
-    """Motions may be uniform (a ramp), speeds and loads constant; anything else has no fixed linear equations."""
+    """Raise an InputError unless motions are uniform and speeds and loads constant: only these give fixed equations."""
     for joint in system.joints:
         for row in joint.rows():
             degree = 0 if row.kind in (kinds.TURN_RATE, kinds.NO_SIDESLIP) else 1
@@ -81,7 +81,7 @@ def check_signals(system: Mechanism) -> None:
 
 
 def varies(signal: Signal, degree: int) -> bool:
-    """True if a signal is more than a polynomial of this degree."""
+    """Return True if a signal is more than a polynomial of this degree."""
     for term in signal.terms():
         if term.kind == kinds.POLYNOMIAL:
             more = term.data[degree + 1 :]
@@ -97,7 +97,7 @@ def varies(signal: Signal, degree: int) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Generator:
-    """The motion along the symmetry: c [m/s] at the world origin, Omega [rad/s], spin (n, 3) [rad/s], world axes.
+    """Motion along the symmetry: c [m/s] at the world origin, Omega [rad/s], spin (n, 3) [rad/s], world axes.
 
     ``residual`` is the largest violation of the conditions, in the model's units of length and time.
     """
@@ -109,22 +109,22 @@ class Generator:
 
     @property
     def turning(self) -> bool:
-        """True if the mechanism turns as a whole."""
+        """Return True if the mechanism turns as a whole."""
         return bool(self.rotation.any())
 
     @property
     def axis_point(self) -> np.ndarray:
-        """(3,) point of the turn axis nearest to the origin [m]; NaN without a rotation."""
+        """Return the point (3,) of the turn axis nearest to the origin [m]; NaN without a rotation."""
         square = self.rotation @ self.rotation
         return np.cross(self.rotation, self.translation) / square if square else np.full(3, np.nan)
 
     def transport(self, n: int, k: int) -> np.ndarray:
-        """(N, N) the matrix that applies [Omega]x to every vector of X."""
+        """Return the matrix (N, N) that applies [Omega]x to every vector of X."""
         return scipy.linalg.block_diag(np.kron(np.eye(4 * n), skew(self.rotation)), np.zeros((k, k)))
 
 
 def symmetry_axes(model: Model) -> list[np.ndarray]:
-    """Per body (3, 3) projector (body axes) on the directions in which a spin would change its inertia."""
+    """Return for each body the projector (3, 3), body axes, on directions in which a spin changes its inertia."""
     out = []
     for record in model.body:
         moments, C = np.linalg.eigh(record["inertia"].reshape(3, 3))
@@ -135,7 +135,7 @@ def symmetry_axes(model: Model) -> list[np.ndarray]:
 
 
 def candidates(model: Model, at: Variations, y: np.ndarray, rate: float) -> list[Generator]:
-    """Generators that explain the velocities and accelerations best, the one with the least rotation first.
+    """Return the generators that explain velocities and accelerations best, the one with least rotation first.
 
     Least squares for (c, Omega). Where these leave a part of Omega open (everything on the axis), further ones follow:
     such that the inertia of all bodies is the same at any time, or that one of the bodies is carried along.
@@ -169,12 +169,12 @@ def candidates(model: Model, at: Variations, y: np.ndarray, rate: float) -> list
 
 
 def crosses(a: np.ndarray) -> np.ndarray:
-    """(3 n, 3) matrix of Omega -> Omega x a_i."""
+    """Return the matrix (3 n, 3) of Omega -> Omega x a_i."""
     return -skew(a).reshape(-1, 3)
 
 
 def motion_residuals(model: Model, at: Variations, g: Generator, rate: float) -> tuple[np.ndarray, np.ndarray]:
-    """(n,) violations per body of v_G = c + Omega x r_G, and of the two conditions on accelerations; dimensionless."""
+    """Return violations (n,) of v_G = c + Omega x r_G and of the two conditions on accelerations; dimensionless."""
     long, Omega = model.length * rate, g.rotation
     slip = np.abs(at.velocity[:, :3] - g.translation - np.cross(Omega, at.centre)).max(axis=1) / long
     a = np.abs(at.acceleration[:, :3] - np.cross(Omega, at.velocity[:, :3])).max(axis=1) / (long * rate)
@@ -183,7 +183,7 @@ def motion_residuals(model: Model, at: Variations, g: Generator, rate: float) ->
 
 
 def carried(model: Model, at: Variations, g: Generator, y: np.ndarray, tau: float) -> tuple[np.ndarray, np.ndarray]:
-    """(state y after the time tau along the generator, its rotation Q)."""
+    """Return (state y after the time tau along the generator, its rotation Q)."""
     n, later, twist = model.body.size, y.copy(), np.zeros((4, 4))
     twist[:3, :3], twist[:3, 3] = skew(g.rotation), g.translation
     motion = scipy.linalg.expm(twist * tau)
@@ -203,7 +203,7 @@ def carried(model: Model, at: Variations, g: Generator, y: np.ndarray, tau: floa
 def find_generator(
     field: Field, at: Variations, space: Tangent, units: Units, tolerance: float
 ) -> tuple[Generator, Variations, np.ndarray]:
-    """(generator, variations at a later state of the same motion, rotation of X up to there).
+    """Return (generator, variations at a later state of the same motion, rotation of X up to there).
 
     ValueError for any other motion, with the body or joint, the residual and the remedy.
     """
@@ -223,14 +223,14 @@ def find_generator(
 
 
 def rest_of_states(at: Variations, units: Units, model: Model) -> float:
-    """Largest rate of an own state of a force element, dimensionless."""
+    """Return the largest rate of an internal state of a force element, dimensionless."""
     return float(np.abs(at.z_rate / units.x[12 * model.body.size :]).max(initial=0.0)) / units.rate
 
 
 def motion_message(
     system: Mechanism, at: Variations, units: Units, slip: np.ndarray, drift: np.ndarray, model: Model
 ) -> str:
-    """Why the state is not a relative equilibrium, by body."""
+    """Return why the state is not a relative equilibrium, by body."""
     if max(slip.max(), drift.max()) <= rest_of_states(at, units, model):
         k = int(np.argmax(np.abs(at.z_rate)))
         return f"own state z{k} of a force element changes at {at.z_rate[k]:.3g} per s; start from its steady value"
@@ -246,7 +246,7 @@ def motion_message(
 
 
 def later_variations(field: Field, at: Variations, g: Generator, units: Units) -> tuple[Variations, np.ndarray]:
-    """Everything once more after a radian of the fastest rotation (or a length), and the rotation of X."""
+    """Return the variations after a radian of the fastest rotation (or a length), and the rotation of X."""
     model = field.compiled.model
     turn, drift = max(np.abs(g.spin).max(), np.abs(g.rotation).max()), np.abs(g.translation).max() / model.length
     speed = next((x for x in (turn, drift) if x > 1e-6 * units.rate), units.rate)  # below that: rounding, at rest
@@ -261,7 +261,7 @@ def later_variations(field: Field, at: Variations, g: Generator, units: Units) -
 def change_along(
     field: Field, at: Variations, later: Variations, Q: np.ndarray, space: Tangent, units: Units
 ) -> tuple[float, str]:
-    """(largest change of rows, accelerations and F along the motion, dimensionless; the part it is found at)."""
+    """Return (largest change of rows, accelerations and F along the motion, dimensionless; the part with it)."""
     compiled, x = field.compiled, units.x[space.chosen]
     model, E = compiled.model, Q @ space.E * x
     scale = model.row["scale"]
@@ -284,7 +284,7 @@ def change_along(
 
 
 def change_message(change: float, part: str) -> str:
-    """The equations are periodic at best."""
+    """Return the message that the equations are periodic at best."""
     return (
         f"the linear equations change along the motion (by {change:.2g}, most at {part}): something that turns is not "
         "symmetric about its axis, or a part holds the motion to a place or a time; eigenvalues do not exist, make it "

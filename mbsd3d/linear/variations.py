@@ -41,7 +41,7 @@ COMPLEX_STEP = 1e-30  # [1] imaginary part of a complex step: its square is lost
 
 @dataclass(frozen=True, eq=False)
 class Variations:
-    """The field and its derivatives at one state of n bodies, N = 12 n + own states of the force elements."""
+    """Vector field and its derivatives at one state of n bodies, N = 12 n + internal states of the force elements."""
 
     F: np.ndarray  # (N, N) X_dot = F X
     C: np.ndarray  # (rows, N) of the residuals c; zero in nonholonomic rows
@@ -57,7 +57,7 @@ class Variations:
 
 
 class Field:
-    """The equations of motion of a system near a state, for complex states."""
+    """Equations of motion of a system near a state, for complex states."""
 
     def __init__(self, compiled: Compiled, state: State, outputs: int) -> None:
         self.compiled, self.t, self.outputs = compiled, state.t, outputs
@@ -68,12 +68,12 @@ class Field:
         self.data.unwrap_time[:] = self.real.unwrap_time
 
     def rows_at(self, t: float, y: np.ndarray) -> np.ndarray:
-        """Independent rows at a state; they are frozen while it is varied."""
+        """Return independent rows at a state; they are fixed while the state is varied."""
         load_rows(self.compiled, self.real, y, t)
         return choose_rows(self.compiled.model, self.real)
 
     def at(self, t: float, y: np.ndarray) -> Variations:
-        """All variations at a state y."""
+        """Return all variations at a state y."""
         model, moves = self.compiled.model, directions(self.compiled.model, y)
         tree = build_spanning_tree(model, self.real, self.rows_at(t, y), complex)
         here, change = self.derivatives(tree, t, y, moves)
@@ -92,7 +92,7 @@ class Field:
     def derivatives(
         self, tree: Tree, t: float, y: np.ndarray, moves: np.ndarray
     ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
-        """(values at y, their derivatives along the columns of ``moves``): the kernels once per column."""
+        """Return (values at y, derivatives along the columns of ``moves``): one call of the kernels a column."""
         model, data, k = self.compiled.model, self.data, moves.shape[1]
         tables = {"body": data.body, "row": data.row}
         copies = {key: np.empty((k, table.nbytes), np.uint8) for key, table in tables.items()}  # bytes copy fastest
@@ -111,7 +111,7 @@ class Field:
         }
 
     def output_rates(self, t: float, y: np.ndarray, moves: np.ndarray) -> np.ndarray:
-        """(outputs, k) derivatives of the measures along the columns of ``moves``."""
+        """Return the derivatives (outputs, k) of the measures along the columns of ``moves``."""
         model, data = self.compiled.model, self.data
         found = np.empty((moves.shape[1], self.outputs))
         for j, move in enumerate(moves.T):
@@ -120,7 +120,7 @@ class Field:
         return found.T
 
     def check_finite(self, columns: dict[str, np.ndarray]) -> None:
-        """Every force has derivatives; a function of the user's that fails for complex numbers has none."""
+        """Raise an error if a force has no derivative: a user's function that fails for complex numbers has none."""
         system, power = self.compiled.system, self.data.force["power"]
         for force, value in zip(system.forces, power, strict=True):
             if not np.isfinite(value):
@@ -133,7 +133,7 @@ class Field:
 
 
 def directions(model: Model, y: np.ndarray) -> np.ndarray:
-    """(ny, N) the change of y = (q, u, z) with X: r = r_G - s, e_dot = H w / 2, u = (r_dot, R'w)."""
+    """Return (ny, N) the change of y = (q, u, z) with X: r = r_G - s, e_dot = H w / 2, u = (r_dot, R'w)."""
     n, k = model.body.size, model.z_work
     moves = np.zeros((y.size, 12 * n + k))
     for i in range(n):
@@ -155,7 +155,7 @@ def directions(model: Model, y: np.ndarray) -> np.ndarray:
 
 
 def solve(model: Model, data: Data, tree: Tree, t: float, y: np.ndarray) -> None:
-    """Fill ``data`` at a complex state."""
+    """Evaluate ``data`` at a complex state."""
     kinematics(model, data, y)
     rows(model, data, t)
     factor(model, data, tree)
@@ -167,7 +167,7 @@ def solve(model: Model, data: Data, tree: Tree, t: float, y: np.ndarray) -> None
 
 
 def values(model: Model, body: np.ndarray, row: np.ndarray) -> dict[str, np.ndarray]:
-    """Everything of bodies (k, n + 1) and rows (k, m) that is varied, (k, ...) at k complex states of one real part."""
+    """Return all varied quantities of bodies (k, n + 1) and rows (k, m) at k complex states of one real part."""
     k, n = body.shape[0], model.body.size
     moving, body = np.concatenate([body["velocity"], body["w"]], axis=-1), body[:, :n]  # the ground is at rest
     s, w = body["s"], body["w"]
@@ -187,19 +187,19 @@ def values(model: Model, body: np.ndarray, row: np.ndarray) -> dict[str, np.ndar
 
 
 def turns(e: np.ndarray) -> np.ndarray:
-    """(k, n, 3) the rotation delta theta of complex quaternions (k, n, 4): i delta theta = 2 H' e."""
+    """Return (k, n, 3) the rotation delta theta of complex quaternions (k, n, 4): i delta theta = 2 H' e."""
     return 2j * np.einsum("bij,kbi->kbj", H(e[0].real), e.imag)
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """(..., 3) a x b: numpy's takes several times as long for a few vectors."""
+    """Return (..., 3) a x b; that of numpy takes several times as long for a few vectors."""
     ahead, behind = [1, 2, 0], [2, 0, 1]
     return a[..., ahead] * b[..., behind] - a[..., behind] * b[..., ahead]
 
 
 @dataclass(frozen=True, eq=False)
 class Tangent:
-    """X = E x; x are the entries ``chosen`` of X: configuration, velocity and own states."""
+    """Tangent space X = E x; x are the entries ``chosen`` of X: configuration, velocity and internal states."""
 
     E: np.ndarray  # (N, n_x)
     chosen: np.ndarray  # (n_x,)
@@ -207,7 +207,7 @@ class Tangent:
     velocity: int
 
     def names(self, system: Mechanism) -> tuple[str, ...]:
-        """One name per state."""
+        """Return one name per state."""
         n, found = 6 * len(system.bodies), []
         for j in self.chosen:
             part = system.name(system.bodies[j % n // 6]) if j < 2 * n else None
@@ -215,13 +215,13 @@ class Tangent:
         return tuple(found)
 
     def unit_names(self, model: Model) -> tuple[str, ...]:
-        """One unit per state; own states of force elements have the element's unit."""
+        """Return one unit per state; internal states of force elements have the unit of the element."""
         n = 6 * model.body.size
         return tuple(UNITS[j % 6 // 3 + 2 * (j // n)] if j < 2 * n else "-" for j in self.chosen)
 
 
 def free_basis(A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(basis N of the null space of A with the unit matrix in the rows ``chosen``, these rows)."""
+    """Return (basis N of the null space of A with the unit matrix in the rows ``chosen``, these rows)."""
     _, s, Vt = scipy.linalg.svd(A)
     rank = int((s > RANK_TOLERANCE * s[0]).sum()) if s.size and s[0] > 0.0 else 0
     Z = Vt[rank:].T
@@ -231,7 +231,7 @@ def free_basis(A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def tangent_space(compiled: Compiled, at: Variations) -> Tangent:
-    """E at a state; ValueError at a singular position, where a redundant row is independent beside it."""
+    """Return E at a state; raise a ValueError at a singular pose, where a redundant row is independent beside it."""
     model, n = compiled.model, 6 * compiled.model.body.size
     columns = displacement_units(model.length, model.body.size)
     rows = model.row["scale"][:, None]
@@ -254,7 +254,7 @@ def tangent_space(compiled: Compiled, at: Variations) -> Tangent:
 
 
 def check_consistent(compiled: Compiled, left: np.ndarray, size: float) -> None:
-    """All rows, also the redundant ones, admit velocities at the neighbouring configurations."""
+    """Check that all rows, also the redundant ones, admit velocities at the neighbouring configurations."""
     miss = np.abs(left).max(axis=1, initial=0.0)
     if miss.max(initial=0.0) > 1e-7 * max(size, 1e-300):  # rows of a regular position agree to rounding
         part, residual = worst_joint(compiled, miss / compiled.model.row["scale"])

@@ -1,1 +1,1 @@
-"""The saddle point of masses and rows: joints of a spanning tree by what they leave free, then the rows of loops."""
+"""Solve the saddle point of masses and constraint rows: eliminate a spanning tree, then the rows that close loops."""

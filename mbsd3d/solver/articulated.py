@@ -1,4 +1,4 @@
-"""Bodies and the joints of a spanning tree eliminated from the leaves to the roots, by what each joint leaves free.
+"""Elimination of bodies and tree joints from the leaves to the roots, by what each joint holds and leaves free.
 
 The rows J of a link have directions Z with J Z = 1, and leave others free, J N = 0 (`joint_basis`). A body moves as its
 parent does and in its joint, a = X a_p + y + N x, y = Z b with b the right side of the rows, and its equation
@@ -32,14 +32,14 @@ ROUNDING = 1e-13  # [1] of its terms: pivot that is rounding of their difference
 
 @inner_kernel
 def put9(array, a):
-    """array = a"""
+    """Set array = a, nine numbers."""
     for j in range(9):
         array[j] = a[j]
 
 
 @fused_kernel
 def body_inertia(fixed, body):
-    """(A, B, C) of the mass matrix of a body about O: m 1, -m [s]x, R I_G R' - m [s]x[s]x."""
+    """Return (A, B, C) of the mass matrix of a body about O: m 1, -m [s]x, R I_G R' - m [s]x[s]x."""
     mass, s, R = fixed.mass, vec(body.s), mat(body.R)
     x, y, z = mass * s[0], mass * s[1], mass * s[2]
     zero = 0.0 * x
@@ -53,7 +53,7 @@ def body_inertia(fixed, body):
 
 @fused_kernel
 def take_out(m, s, link):
-    """Pivots of the free directions; inertia and loop rows without what they take up. False for a zero pivot."""
+    """Factor the free directions and take what they yield out of inertia and loop rows; False for a zero pivot."""
     A, B, C = mat(link.A), mat(link.B), mat(link.C)
     size = abs((A[0] + A[4] + A[8]).real) + abs((C[0] + C[4] + C[8]).real) / m.length**2
     for k in range(link.rows, 6):
@@ -85,7 +85,7 @@ def take_out(m, s, link):
 
 @fused_kernel
 def hand_down(s, link):
-    """Add what is left of the inertia and of the loop rows to the parent."""
+    """Add the remaining inertia and loop rows of a link to its parent."""
     if link.up < 0:
         return
     up, shift = s.link[link.up], vec(link.d)
@@ -107,7 +107,7 @@ def hand_down(s, link):
 
 @inner_kernel
 def start_links(m, d, s):
-    """Inertias, levers and direct loop rows of all links, before anything is eliminated."""
+    """Set inertias, levers and direct loop rows of all links, before the elimination."""
     for i in range(s.link.shape[0]):
         link = s.link[i]
         body = d.body[link.body]
@@ -132,7 +132,7 @@ def start_links(m, d, s):
 
 @inner_kernel
 def factor_links(m, d, s):
-    """All links from the leaves to the roots; sets ``dense`` or ``worn`` where that cannot be done."""
+    """Eliminate all links from the leaves to the roots; set ``dense`` or ``worn`` where that cannot be done."""
     start_links(m, d, s)
     for i in range(s.link.shape[0]):
         link = s.link[i]
@@ -150,7 +150,7 @@ def factor_links(m, d, s):
 
 @fused_kernel
 def prescribed(d, s, link):
-    """y: the acceleration that the right sides of the rows ask for, along the directions they hold."""
+    """Return y: the acceleration that the right sides of the rows prescribe along the directions they hold."""
     y = scale(0.0, vec(link.d)), scale(0.0, vec(link.d))
     for j in range(link.rows):
         y = along6(y, d.row[s.joint[link.joint + j].row].bottom, pair(link.basis[j]))
@@ -159,7 +159,7 @@ def prescribed(d, s, link):
 
 @inner_kernel
 def load_links(d, s):
-    """Loads of all links from the leaves to the roots, and the right side of the loop rows."""
+    """Carry the loads of all links from the leaves to the roots, and form the right side of the loop rows."""
     for i in range(s.link.shape[0]):
         for j in range(6):
             s.link[i].p[j] = 0.0
@@ -196,7 +196,7 @@ def load_links(d, s):
 
 @inner_kernel
 def solve_alone(fixed, body):
-    """Acceleration of a free body from force and moment about G, the moment in body axes."""
+    """Return the acceleration of a free body from force and moment about G, the moment in body axes."""
     force, moment = pair(body.top)
     s, R = vec(body.s), mat(body.R)
     moment = add(rotate_back(R, add(moment, cross(force, s))), vec(body.turn))
@@ -208,7 +208,7 @@ def solve_alone(fixed, body):
 
 @inner_kernel
 def move_links(m, d, s):
-    """Accelerations from the roots to the leaves and multipliers of the links; those of the loop rows are known."""
+    """Compute accelerations from the roots to the leaves and multipliers of links; those of loop rows are known."""
     for i in range(s.link.shape[0] - 1, -1, -1):
         link = s.link[i]
         body = d.body[link.body]

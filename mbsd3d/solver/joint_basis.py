@@ -1,4 +1,4 @@
-"""What the rows of a link hold and what they leave free: directions Z with J Z = 1, and then N with J N = 0.
+"""Directions that the rows of a link hold, Z with J Z = 1, and directions that they leave free, N with J N = 0.
 
 So an acceleration that meets J a = b is Z b + N x, and a load f = J' lam has lam = Z'f. Rows that only turn the body
 come last, J = [L A; 0 T]. Where the rows of L are as independent as those of T, both are inverted as three vectors
@@ -19,7 +19,7 @@ ROW_DEPENDENCE_MAX = 1e-5  # [1] of a row: part left, without the rows before it
 
 @fused_kernel
 def row_on_body(row, slot, twin):
-    """(force, moment about O) of a unit multiplier of a row on the body of a slot; of both slots if it has two."""
+    """Return (force, moment about O) of a unit multiplier on the body of a slot, of both slots if it has two."""
     force, moment = pair(row.J[slot])
     if twin >= 0:
         more_force, more_moment = pair(row.J[twin])
@@ -29,7 +29,7 @@ def row_on_body(row, slot, twin):
 
 @fused_kernel
 def row_of_link(d, joint, j):
-    """(force, moment about O) of a unit multiplier of row j of ``Tree.joint`` on the body of its link."""
+    """Return (force, moment about O) of a unit multiplier of row j of ``Tree.joint`` on the body of its link."""
     at = joint[j]
     return row_on_body(d.row[at.row], at.slot, at.twin)
 
@@ -64,7 +64,7 @@ def orthogonalise(m, d, s, link):
 
 @fused_kernel
 def unit(k, zero):
-    """Unit 6-vector k in the number type of ``zero``."""
+    """Return unit 6-vector k in the number type of ``zero``."""
     return (
         (zero + (1.0 if k == 0 else 0.0), zero + (1.0 if k == 1 else 0.0), zero + (1.0 if k == 2 else 0.0)),
         (zero + (1.0 if k == 3 else 0.0), zero + (1.0 if k == 4 else 0.0), zero + (1.0 if k == 5 else 0.0)),
@@ -73,7 +73,7 @@ def unit(k, zero):
 
 @fused_kernel
 def release(link):
-    """The orthogonal directions that those of the rows leave free."""
+    """Set the orthogonal directions that those of the rows leave free."""
     R, basis, left = link.u, link.basis, link.e
     for k in range(6):  # of the axes' squares, outside the directions there are
         left[k] = 1.0
@@ -95,7 +95,7 @@ def release(link):
 
 @fused_kernel
 def invert(m, link):
-    """From the orthogonal directions Q of the rows to Z = Q R^-1, and all from the scaled metric to SI units."""
+    """Turn the orthogonal directions Q of the rows into Z = Q R^-1, and all from the scaled metric into SI units."""
     R, to_angle = link.u, 1.0 / m.length
     for j in range(link.rows - 1, -1, -1):
         q = pair(link.basis[j])
@@ -110,7 +110,7 @@ def invert(m, link):
 
 @fused_kernel
 def three_rows(d, s, link, first, count):
-    """(linear, angular) of up to three rows of a link on its body; zeros for those beyond ``count``."""
+    """Return (linear, angular) of up to three rows of a link on its body; zeros beyond ``count``."""
     zero = 0.0 * link.d[0]
     none = (zero, zero, zero), (zero, zero, zero)
     return (
@@ -122,7 +122,7 @@ def three_rows(d, s, link, first, count):
 
 @fused_kernel
 def dual(x, y, z, count, least):
-    """(True, the dual basis of ``count`` vectors and of others across them); False if these depend on each other.
+    """Return (True, dual basis of ``count`` vectors and of others across them); False if the vectors are dependent.
 
     Their volume is then below ``least`` times that of a box.
     """
@@ -143,7 +143,7 @@ def dual(x, y, z, count, least):
 
 @fused_kernel
 def hold_blocks(d, s, link, least):
-    """basis of a link whose first ``lines`` rows are [L A] and whose others are [0 T]; False where they have worn.
+    """Set the basis of a link whose first ``lines`` rows are [L A], the others [0 T]; False where they are dependent.
 
     With l_i and t_i the dual vectors of L and T, each completed to three, the directions are (l_i, 0) and
     (-sum_j l_j (A_j . t_i), t_i). Where L = 1 or -1 holds a point, the sum is t_i cross its arm.
@@ -174,13 +174,13 @@ def hold_blocks(d, s, link, least):
 
 @fused_kernel
 def shift(x, y, z, ax, ay, az, t):
-    """-sum_j l_j (A_j . t): the shift by which a turn t moves none of the rows [L A]; A_j = 0 where there is no row."""
+    """Return -sum_j l_j (A_j . t): the shift by which a turn t moves none of the rows [L A]; A_j = 0 without a row."""
     return add(scale(-dot(ax, t), x), add(scale(-dot(ay, t), y), scale(-dot(az, t), z)))
 
 
 @fused_kernel
 def hold(m, d, s, link):
-    """basis := Z of the rows of a link, then N; False where a row has become dependent on the others."""
+    """Set basis := Z of the rows of a link, then N; False where a row has become dependent on the others."""
     if link.lines >= 0:
         return hold_blocks(d, s, link, BLOCK_PIVOT_MIN)
     if not orthogonalise(m, d, s, link):
@@ -192,7 +192,7 @@ def hold(m, d, s, link):
 
 @kernel
 def choose_blocks(d, s):
-    """Keep blocks for the links whose rows are well independent in both; lines = -1 for the others."""
+    """Keep blocks for the links whose rows are well independent in both; set lines = -1 for the others."""
     for i in range(s.link.shape[0]):
         link = s.link[i]
         if link.lines >= 0 and not hold_blocks(d, s, link, ROW_INDEPENDENCE_MIN):
@@ -201,7 +201,7 @@ def choose_blocks(d, s):
 
 @kernel
 def choose_joint_rows(m, d, joint, first, Q, chosen):
-    """chosen[j] = 1 for the rows of each link that are well independent of those before; Q (6, 6) is work space."""
+    """Set chosen[j] = 1 for rows of each link that are well independent of those before; Q (6, 6) is work space."""
     for i in range(first.shape[0] - 1):
         count = 0
         for j in range(first[i], first[i + 1]):

@@ -1,4 +1,4 @@
-"""Rows that close loops, and rows on more than two bodies: S lam = rhs on what the tree leaves of them.
+"""Loop-closure rows and rows on more than two bodies: S lam = rhs on what the tree leaves of them.
 
     S = sum over links of G N D^-1 N'G',   (S + mu) lam_k+1 = rhs + mu lam_k
 
@@ -30,7 +30,7 @@ PIVOT_ROUNDING = 1e-14  # [1] of the diagonal: rounding of a pivot
 
 @inner_kernel
 def assemble_loops(s):
-    """The lower triangle of S from the factored links."""
+    """Assemble the lower triangle of S from the factored links."""
     S = s.skyline[0]
     clear(S)
     for i in range(s.link.shape[0]):
@@ -46,7 +46,7 @@ def assemble_loops(s):
 
 @inner_kernel
 def start_group(s, begin, end):
-    """Lines of a group of rows: factor in the columns of the groups before, what these leave of S in its own."""
+    """Factor the lines of a group in the columns of earlier groups, and form what these leave of S in its own."""
     S, L, loop = s.skyline[0], s.skyline[1], s.loop
     first = loop[begin].first
     for i in range(begin, end):
@@ -66,7 +66,7 @@ def start_group(s, begin, end):
 
 @inner_kernel
 def exchange(s, i, k, end):
-    """Rows i < k of a group change places."""
+    """Swap rows i < k of a group, together with their columns."""
     L, loop = s.skyline[1], s.loop
     line_i, line_k = loop[i].line, loop[k].line
     loop[i].at, loop[k].at = loop[k].at, loop[i].at
@@ -83,7 +83,7 @@ def exchange(s, i, k, end):
 
 @inner_kernel
 def pivot_of(s, i):
-    """Pivot in units of the row's mu, zero for a row that nothing yields to; sets L_ii.
+    """Return the pivot in units of the row's mu, zero for a row that nothing yields to; set L_ii.
 
     Rows known to repeat others are left out: off c = 0 they contradict them.
     """
@@ -104,7 +104,7 @@ def pivot_of(s, i):
 
 @inner_kernel
 def factor_group(s, begin, end):
-    """Cholesky factor of what is left of S + mu in a group, the largest pivot first: those that repeat come last."""
+    """Compute the Cholesky factor of a group of S + mu, largest pivot first, so that redundant rows come last."""
     L, loop = s.skyline[1], s.loop
     for i in range(begin, end):
         best, most = i, -np.inf
@@ -125,7 +125,7 @@ def factor_group(s, begin, end):
 
 @inner_kernel
 def substitute(s, x):
-    """x := (S + mu)^-1 x by the factor."""
+    """Solve x := (S + mu)^-1 x by the factor."""
     L, loop, z = s.skyline[1], s.loop, s.vector[4]
     for i in range(loop.shape[0]):
         line, total = loop[i].line, x[loop[i].at]
@@ -154,7 +154,7 @@ def least_independent(s):
 
 @late_kernel
 def factor_loops(s):
-    """Factor of S + mu, group after group (symmetric also for complex steps), and how independent its rows are."""
+    """Factor S + mu, group after group, and judge how independent its rows are; symmetric for complex steps too."""
     assemble_loops(s)
     loop, begin = s.loop, 0
     while begin < loop.shape[0]:
@@ -186,7 +186,7 @@ def factor_loops(s):
 
 @fused_kernel
 def subtract_product(s, x, y):
-    """y -= S x"""
+    """Subtract y -= S x."""
     S = s.skyline[0]
     for i in range(s.loop.shape[0]):
         line, value = s.loop[i].line, x[i]
@@ -199,7 +199,7 @@ def subtract_product(s, x, y):
 
 @inner_kernel
 def settled(rhs, residual, step):
-    """True where ``step``, the new residual, is that of the sweep before, which it replaces."""
+    """Return True where ``step``, the new residual, equals that of the step before; store it in ``residual``."""
     real, imag, change_real, change_imag = 0.0, 0.0, 0.0, 0.0
     for i in range(rhs.shape[0]):
         change = step[i] - residual[i]
@@ -211,7 +211,7 @@ def settled(rhs, residual, step):
 
 @inner_kernel
 def sweeps(s, count):
-    """lam := S^-1 rhs by proximal sweeps, until what they leave no longer changes."""
+    """Solve lam := S^-1 rhs by refinement steps with S + mu, until the residual no longer changes."""
     rhs, lam, residual, step = s.vector[0], s.vector[1], s.vector[2], s.vector[3]
     copy(lam, rhs)
     copy(residual, rhs)
@@ -227,7 +227,7 @@ def sweeps(s, count):
 
 @late_kernel
 def solve_loops(s):
-    """rhs := multipliers of the loop rows."""
+    """Solve for the multipliers of the loop rows, in place of rhs."""
     rhs, lam, step = s.vector[0], s.vector[1], s.vector[3]
     count = REFINEMENT_STEPS_MAX if s.state.soft == 1 or s.state.pivot < WEAK_PIVOT_RATIO else REFINEMENT_STEPS_USUAL
     sweeps(s, count)

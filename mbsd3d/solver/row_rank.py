@@ -1,4 +1,4 @@
-"""Which loop rows are independent: a pivot of S + mu far above mu is that of a row of its own.
+"""Independence of loop rows: a pivot of S + mu far above mu belongs to an independent row.
 
 Which rows are found independent changes along the motion, how many does not. A pivot near mu belongs to a row that
 repeats others, or to one along which S resists little.
@@ -18,14 +18,14 @@ PIVOT_UNKNOWN = -1  # pivot before the first state
 
 @inner_kernel
 def fallen(row, classes):
-    """(class, share): how far a pivot has fallen, as a share of its largest so far and as a power of two."""
+    """Return (class, share): how far a pivot has fallen, as a power of two and as a share of its largest value."""
     share = row.pivot / max(row.most, row.pivot)
     return min(int(-np.log2(share)) if share > 0.0 else classes, classes - 1), share
 
 
 @inner_kernel
 def independence(s):
-    """How far the least of the independent rows has fallen: the share of its largest pivot so far.
+    """Return the share of its largest pivot that the least of the independent rows has left.
 
     Which rows are found independent changes along the motion, how many does not: all but that many may have no pivot.
     """
@@ -49,9 +49,9 @@ def independence(s):
 
 @inner_kernel
 def substitute_unit(s, i, z):
-    """(begin, end) of z := (S + mu)^-1 e of row i, zero before and outside.
+    """Return (begin, end) of z := (S + mu)^-1 e of row i, zero before and outside.
 
-    z decays from loop to loop, and is cut off where it is below `DIRECTION_PART_MIN`: so a row costs the same in any mechanism.
+    z decays from loop to loop and is cut off below `DIRECTION_PART_MIN`, so a row costs the same in any mechanism.
     """
     L, loop = s.skyline[1], s.loop
     begin, end, j, total = loop[i].first, loop[i].last + 1, i, 0.0
@@ -82,7 +82,7 @@ def substitute_unit(s, i, z):
 
 @inner_kernel
 def resists(s, i):
-    """Whether row i, with a pivot near mu, still does: elsewhere than at c = 0 those that repeat others do too.
+    """Return whether S resists along row i, whose pivot is near mu; off c = 0 redundant rows do so too.
 
     z = (S + mu)^-1 e is nearly the direction along which S resists least: z'Sz / z'mu z = z'e / z'mu z - 1.
     """
@@ -101,7 +101,7 @@ def resists(s, i):
 
 @late_kernel
 def note_independence(s):
-    """What the factor at a state with c = 0 says of the rows."""
+    """Record what the factor at a state with c = 0 says of the rows."""
     s.state.soft, independent = 0, 0
     clear(s.vector[3])
     for i in range(s.loop.shape[0]):

@@ -1,4 +1,4 @@
-"""The saddle point ``[M J'; J 0] [x; lam] = [top; bottom]`` over all rows in use.
+"""Solution of the saddle point ``[M J'; J 0] [x; lam] = [top; bottom]`` over all rows in use.
 
 Bodies and the joints of a spanning tree are eliminated from the leaves to the roots (`articulated`), rows that close
 loops by what the tree leaves of them (`loop_rows`). Rows may be redundant. Where a pivot of the tree vanishes (bodies
@@ -20,7 +20,7 @@ DENSE_REFINEMENT_STEPS = 3  # [steps] of iterative refinement of the dense matri
 
 @kernel
 def factor(m, d, s):
-    """Prepare `solve` at the present rows."""
+    """Factorise the saddle-point matrix for the rows at the current state."""
     s.state.dense, s.state.worn, s.state.graded, s.state.weak, s.state.pivot = 0, 0, 0, 0, 1.0
     factor_links(m, d, s)
     if s.state.dense == 0 and s.loop.shape[0] > 0:
@@ -29,7 +29,7 @@ def factor(m, d, s):
 
 @kernel
 def solve(m, d, s):
-    """acceleration, lam := solution for the right sides top, bottom."""
+    """Solve for acceleration and lam with the right sides top and bottom."""
     for k in s.skipped:
         d.row[k].lam = 0.0
     if s.state.dense == 1:
@@ -47,7 +47,7 @@ def solve(m, d, s):
 
 @inner_kernel
 def fill_dense(m, d, s, K, rhs):
-    """K0 = [M / w  J'; J  0] over the rows in use, and the right side [top / w; bottom], w the heaviest inertia.
+    """Fill K0 = [M / w  J'; J  0] over the rows in use and the right side [top / w; bottom], w the heaviest inertia.
 
     So the unknowns are the accelerations and lam / w, and pivots of rows that repeat others are not lost beside w.
     """
@@ -79,7 +79,7 @@ def fill_dense(m, d, s, K, rhs):
 @late
 @allocating_kernel
 def solve_dense(m, d, s) -> int:
-    """The saddle point as one matrix K0 - mu, and sweeps x += (K0 - mu)^-1 (b - K0 x) that take mu away again."""
+    """Solve the dense matrix K0 - mu, with refinement steps x += (K0 - mu)^-1 (b - K0 x) that remove mu."""
     n, c = 6 * m.body.shape[0], s.used.shape[0]
     K, rhs = np.zeros((n + c, n + c), d.row["c"].dtype), np.zeros(n + c, d.row["c"].dtype)
     fill_dense(m, d, s, K, rhs)
@@ -110,7 +110,7 @@ def solve_dense(m, d, s) -> int:
 
 @inner_kernel
 def subtract_known(m, d, acceleration, lam):
-    """[top; bottom] -= [M J'; J 0] [acceleration; lam]."""
+    """Subtract [top; bottom] -= [M J'; J 0] [acceleration; lam]."""
     n = m.body.shape[0]
     for i in range(n):
         body = d.body[i]
@@ -131,7 +131,7 @@ def subtract_known(m, d, acceleration, lam):
 @late
 @allocating_kernel
 def refine(m, d, s) -> int:
-    """Add to acceleration, alpha and lam what the residual of the whole saddle point still asks for.
+    """Correct acceleration, alpha and lam by the residual of the whole saddle point.
 
     S = J M^-1 J' has the square of the condition of J. The residual knows no S, so a solution with d digits gets 2 d,
     up to those that the condition of J leaves.

@@ -1,4 +1,4 @@
-"""The way to a pose: asked-for values and drivers go there along the motion, so that every hinge counts its turns.
+"""Continuation to a pose: asked-for values and drivers change along the motion, so that every hinge counts its turns.
 
 F(q) = (1 - s) F(q_0) for s from 0 to 1. A step goes along the motion that the rows allow, every body on a screw that
 rests in the body that carries it, and Newton's method corrects it. Where joints turn evenly, as in gears, steps grow.
@@ -25,7 +25,7 @@ STEP_GAP_MAX = 1e-10  # [1] residual on the way, a tenth of what counts as close
 
 @dataclass(frozen=True)
 class Heading:
-    """The motion that the rows allow at a pose, over the whole way."""
+    """Motion that the rows allow at a pose, over the whole way."""
 
     motion: np.ndarray  # (6 n,) m, rad
     rates: np.ndarray  # what stays even where joints turn evenly: relative motions of bodies, coordinates, joints
@@ -48,7 +48,7 @@ class Continuation:
         self.even = not np.isinf(self.units).any()  # joints along curves may turn evenly for a while, and then not
 
     def follow(self) -> bool:
-        """Go the way; False where it does not lead on, with the pose reached.
+        """Follow the way; return False where it does not lead on, with the pose reached.
 
         Rates are expected to change as they did in the last step.
         """

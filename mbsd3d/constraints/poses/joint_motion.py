@@ -1,4 +1,4 @@
-"""How bodies move relative to each other: the joints that carry them, their relative twists, poses along these."""
+"""Relative motion of bodies: the joints that carry them, their relative twists, and poses along these."""
 
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,4 +1,4 @@
-"""Joints and asked-for values as equations F(q) = 0 of a pose, and Newton's method on them."""
+"""Joints and asked-for values as equations F(q) = 0 of a pose, with Newton's method."""
 
 import numpy as np
 
