@@ -34,7 +34,7 @@ from mbsd3d import (
     accelerations,
     simulate,
 )
-from mbsd3d.equations.mass_matrix import inertia_about_origin
+from mbsd3d.equations.dense_solvers import inertia_about_origin
 from validation.twins.exudyn import EXPRESSES, twin
 
 

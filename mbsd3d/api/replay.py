@@ -9,8 +9,7 @@ import numpy as np
 
 from ..base.checks import number, shown
 from ..base.errors import InputError
-from ..equations.compiled import Switches
-from ..equations.inputs import History
+from ..equations.compiled import History, Switches
 from ..integrators.method import Method
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State

@@ -7,8 +7,7 @@ import numpy as np
 
 from ..base.checks import check_choice
 from ..base.errors import Explained, IntegrationError, explaining_methods
-from ..equations.compiled import Switches
-from ..equations.inputs import starts
+from ..equations.compiled import Switches, starts
 from ..integrators.method import Method
 from ..mechanism.measures import Measure
 from ..mechanism.signals.input import Input

@@ -14,8 +14,8 @@ from ..base.concurrency import one_thread
 from ..base.errors import AssemblyError, InputError
 from ..equations.at_state import coordinate_row, load_state
 from ..equations.compiled import Compiled
+from ..equations.dense_solvers import mass_matrix_of
 from ..equations.jacobian import block_rows, displacement_units, largest_in_rows, scaled
-from ..equations.mass_matrix import mass_matrix_of
 from ..kernels.layout import Data
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State

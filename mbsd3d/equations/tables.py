@@ -14,7 +14,7 @@ from ..mechanism.measures import MEASURES, Measure
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.primitives import COORDINATES, Coordinate
 from ..mechanism.signals import Signal
-from .frames import Frames
+from .row_tables import Frames
 
 EQUAL_MOMENT_TOLERANCE = 1e-6  # [1] of the largest moment of inertia: difference of moments that counts as none
 

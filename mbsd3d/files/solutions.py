@@ -12,8 +12,7 @@ import numpy as np
 
 from ..base.errors import InputError
 from ..base.paths import as_path, package_version, with_suffix, write_atomically
-from ..equations.compiled import Compiled, compile_system
-from ..equations.inputs import with_history
+from ..equations.compiled import Compiled, compile_system, with_history
 from ..mechanism.state import State
 from ..results.record import Record
 from ..results.run_result import RunResult

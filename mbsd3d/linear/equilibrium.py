@@ -24,7 +24,7 @@ from ..base.rotations import matrix
 from ..compiler.cache_folder import mark_warm
 from ..compiler.first_run import announce_compilation
 from ..constraints.assembly import moved_report
-from ..constraints.nearby_poses import closed
+from ..constraints.poses.pose_equations import closed
 from ..equations.at_state import load_rows, load_state, unmet, worst_joint
 from ..equations.compiled import Compiled, compile_system
 from ..equations.jacobian import displacement_units

@@ -12,7 +12,7 @@ from ..base.concurrency import on_one_thread
 from ..base.errors import InputError
 from ..compiler.cache_folder import mark_warm
 from ..compiler.first_run import announce_compilation
-from ..constraints.nearby_poses import closed
+from ..constraints.poses.pose_equations import closed
 from ..equations.compiled import Compiled, Switches, compile_system
 from ..equations.jacobian import RANK_TOLERANCE, displacement_units
 from ..equations.tree import build_spanning_tree

@@ -9,7 +9,7 @@ import numpy as np
 from ..base.checks import number, shown, whole
 from ..base.concurrency import on_one_thread
 from ..base.errors import AssemblyError, InputError
-from ..constraints.nearby_poses import closed
+from ..constraints.poses.pose_equations import closed
 from ..equations.at_state import coordinate_row, load_state
 from ..equations.compiled import Compiled
 from ..equations.tree import build_spanning_tree

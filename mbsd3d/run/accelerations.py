@@ -6,8 +6,7 @@ from ..base.errors import AssemblyError
 from ..base.rotations import matrix
 from ..dynamics.state_rates import FACTOR_FROM_OTHER_POSE, PROJECTED, project_and_evaluate
 from ..equations.at_state import load_state
-from ..equations.compiled import Switches, compile_system
-from ..equations.inputs import set_input, with_own_inputs
+from ..equations.compiled import Switches, compile_system, set_input, with_own_inputs
 from ..equations.tree import build_spanning_tree
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State

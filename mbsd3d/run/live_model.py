@@ -7,8 +7,7 @@ from typing import NamedTuple, Protocol
 
 from ..base.checks import listed, number, shown
 from ..base.errors import InputError, similar
-from ..equations.compiled import compile_system
-from ..equations.inputs import starts
+from ..equations.compiled import compile_system, starts
 from ..mechanism.measures import Measure, angle, check_members, slide, velocity
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.signals.input import Input

@@ -12,8 +12,7 @@ from ..base.rotations import matrix
 from ..compiler.cache_folder import mark_warm
 from ..compiler.first_run import announce_compilation
 from ..dynamics.auditing import AUDITED_FIELDS
-from ..equations.compiled import Switches, compile_system
-from ..equations.inputs import set_input, starts, with_history, with_own_inputs
+from ..equations.compiled import Switches, compile_system, set_input, starts, with_history, with_own_inputs
 from ..integrators.dop853 import DOP853
 from ..integrators.method import Method
 from ..integrators.step_control import STEP_TIME_RATIO_MIN

@@ -8,11 +8,11 @@ import scipy.linalg
 
 from ..base.errors import IntegrationError
 from ..base.rotations import matrix
-from ..constraints.nearby_poses import nudged
+from ..constraints.poses.pose_equations import nudged
 from ..dynamics.applied_forces import loads
 from ..equations.at_state import load_rows
 from ..equations.compiled import Compiled
-from ..equations.mass_matrix import inertia_about_origin
+from ..equations.dense_solvers import inertia_about_origin
 from ..integrators.runge_kutta import STIFFNESS_PRODUCT_MIN
 from ..kernels.layout import Data, Model
 from ..results.run_result import RunResult
