@@ -172,7 +172,7 @@ def test_pages_are_small():
 
 def test_frames_fall_only_if_nobody_asked_for_them(run, monkeypatch):
     full = run.animate()
-    monkeypatch.setattr(show, "LARGEST", 20_000)
+    monkeypatch.setattr(show, "MOTION_BYTES_MAX", 20_000)
     assert 2 <= run.animate().frames < full.frames
     assert run.animate(frames=full.frames).html == full.html
 

@@ -1,4 +1,4 @@
-"""Films of a run: animated GIF, and MP4 through ffmpeg. A file is whole or not there."""
+"""Films of a run: animated GIF, and MP4 through ffmpeg. A film file is complete or absent."""
 
 import contextlib
 import importlib
@@ -31,7 +31,7 @@ NO_FFMPEG = (
 
 
 def export_gif(motion: Poses, path: str | Path, *, fps: float, **options: object) -> Path:
-    """See `Solution.export_gif`; ``options`` as `FilmFrames`."""
+    """Write an animated GIF; see `Solution.export_gif`, ``options`` as `FilmFrames`."""
     if number(fps, "fps", positive=True) > GIF_FRAME_RATE_MAX:
         raise InputError(f"fps = {fps:g} is more than viewers show; give at most {GIF_FRAME_RATE_MAX:g}")
     path = ready_path(path, ".gif")
@@ -56,7 +56,7 @@ def export_gif(motion: Poses, path: str | Path, *, fps: float, **options: object
 
 
 def export_mp4(motion: Poses, path: str | Path, **options: object) -> Path:
-    """See `Solution.export_mp4`; ``options`` as `FilmFrames`."""
+    """Write an MP4; see `Solution.export_mp4`, ``options`` as `FilmFrames`."""
     command, path = ffmpeg(), ready_path(path, ".mp4")
     film = FilmFrames(motion, **options)
     for side, length in (("width", film.width), ("height", film.height)):
@@ -71,7 +71,7 @@ def export_mp4(motion: Poses, path: str | Path, **options: object) -> Path:
 
 
 def pour(command: list[str], film: FilmFrames, path: Path) -> None:
-    """Send all frames to a process; on Ctrl-C or an error it is ended, and its complaint is raised."""
+    """Send all frames to a process; end it on Ctrl-C or an error, and raise what it reports."""
     with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         try:
             with Progress(f"making {path.name}", 0, len(film)) as bar, contextlib.suppress(BrokenPipeError):
@@ -88,7 +88,7 @@ def pour(command: list[str], film: FilmFrames, path: Path) -> None:
 
 
 def ffmpeg() -> str:
-    """The program: on the PATH, or the one that imageio-ffmpeg brings."""
+    """Return the path of ffmpeg: the program on the PATH, or the one of imageio-ffmpeg."""
     found = shutil.which("ffmpeg")
     if found is None:
         with contextlib.suppress(ImportError, RuntimeError):
@@ -101,13 +101,13 @@ def ffmpeg() -> str:
 
 
 def with_paper(tones: np.ndarray, paper: str) -> np.ndarray:
-    """The (k, 3) tones, the one nearest to the paper made equal to it: else the ground of the film is tinted."""
+    """Return the tones (k, 3) with the one nearest to the paper made equal to it, so that the ground is not tinted."""
     exact = channels(paper).astype(np.uint8)
     return np.where((nearest_tones(exact[None, None], tones)[0, 0] == np.arange(len(tones)))[:, None], exact, tones)
 
 
 def nearest_tones(image: np.ndarray, tones: np.ndarray) -> np.ndarray:
-    """(h, w) uint8 places of the tones (k, 3) nearest to the pixels (h, w, 3); exact, which Pillow's own are not."""
+    """Return the places (h, w) uint8 of the tones (k, 3) nearest to the pixels (h, w, 3); exact, unlike Pillow's."""
     packed = (image.astype(np.int32) * (65536, 256, 1)).sum(axis=2)
     values, same = np.unique(packed, return_inverse=True)
     colours = np.stack([values >> 16, (values >> 8) & 255, values & 255], axis=1)

@@ -1,4 +1,4 @@
-"""The frames of a film: a painted scene, the time, and curves below it with a moving cursor; images, no file format."""
+"""Frames of a film as images: a painted scene, the time, and curves below it with a moving cursor."""
 
 import textwrap
 from collections.abc import Iterator, Sequence
@@ -30,7 +30,7 @@ EXTENT_POSES_COUNT = 60  # [poses] from which the extent of the motion is found
 
 
 def paced(t: np.ndarray, fps: float, speed: float | None, usual: tuple[float, float]) -> tuple[float, float, int]:
-    """(frames per second, model time per real time, number of frames), checked."""
+    """Check and return (frames per second, model time per real time, number of frames)."""
     if t.size < 2 or t[-1] <= t[0]:
         raise InputError("a film needs motion, this has one moment only; run it longer, or use solution.picture")
     fps, span = number(fps, "fps", positive=True), float(t[-1] - t[0])
@@ -45,7 +45,7 @@ def paced(t: np.ndarray, fps: float, speed: float | None, usual: tuple[float, fl
 
 
 class FilmFrames:
-    """The frames of a film, (height, width, 3) uint8, and its size; options as `Solution.export_mp4`.
+    """Frames of a film, (height, width, 3) uint8, and its size; options as `Solution.export_mp4`.
 
     ``usual``: if the speed is not given, the longest run shown in real time, and the length of any other film [s].
     """
@@ -98,7 +98,7 @@ class FilmFrames:
         return (self.frame(k) for k in range(len(self)))
 
     def frame(self, k: int) -> np.ndarray:
-        """(height, width, 3) image."""
+        """Return frame k as an image (height, width, 3)."""
         with house(self.sheet):
             figure, axes = new_sheet(self.painter.inches, self.sheet)
             figure.set_dpi(self.dpi)
@@ -113,7 +113,7 @@ class FilmFrames:
         return scene if self.strip is None else np.concatenate([scene, self.strip.at(k)])
 
     def clock(self, k: int) -> str:
-        """Time with as many digits as the steps need, and the speed if it is not 1."""
+        """Return the time with as many digits as the steps need, and the speed if it is not 1."""
         t = self.frames.t
         digits = max(0, int(np.ceil(-np.log10(t[1] - t[0]))))
         rate = "" if self.speed == 1.0 else f"   ({self.speed:g}× speed)"
@@ -151,7 +151,7 @@ class Strip:
         ]
 
     def at(self, k: int) -> np.ndarray:
-        """The image with the cursor at a frame: a line, and a dot on every curve."""
+        """Return the image with the cursor at a frame: a line, and a dot on every curve."""
         image, x, half = self.image.copy(), self.columns[k], 3 * self.pen
         for _, low, _, high in self.boxes:
             rows = slice(round(self.height - high), round(self.height - low))
@@ -166,7 +166,7 @@ class Strip:
 
 
 def pixels(figure: Figure) -> np.ndarray:
-    """(height, width, 3) uint8 of a figure at its own resolution."""
+    """Return the pixels (height, width, 3) uint8 of a figure at its own resolution."""
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     return np.array(canvas.buffer_rgba())[..., :3]

@@ -1,4 +1,4 @@
-"""A glTF 2.0 asset in the making: arrays, materials, meshes, nodes and one animation, then the bytes of a .glb file.
+"""A glTF 2.0 asset under construction: arrays, materials, meshes, nodes and an animation, then the .glb file.
 
 Equal arrays, materials and meshes are stored once. The binary chunk has three parts, each with one buffer view:
 vertices, indices and the arrays of the animation.
@@ -34,12 +34,12 @@ STRIP_RESTART_INDEX = 0xFFFF  # the one index of 16 bits that glTF reserves
 
 
 def short(values: np.ndarray) -> list[float]:
-    """Numbers as long as single precision needs."""
+    """Return numbers rounded to single precision."""
     return [float(str(x)) for x in np.asarray(values, np.float32)]
 
 
 class Asset:
-    """The parts so far."""
+    """Buffers, accessors and nodes of a glTF file under construction."""
 
     def __init__(self, about: dict[str, str | float], generator: str) -> None:
         if pygltflib is None:
@@ -52,7 +52,7 @@ class Asset:
         self.skins: dict[Hashable, Skin] = {}
 
     def once(self, key: Hashable, kind: str, make: Callable[[], object]) -> int:
-        """Place of a thing in the list ``kind``; made if the key is new."""
+        """Return the place of an object in the list ``kind``; make it if the key is new."""
         things = getattr(self.gltf, kind)
         if (kind, key) not in self.known:
             self.known[kind, key] = len(things)
@@ -60,7 +60,7 @@ class Asset:
         return self.known[kind, key]
 
     def array(self, values: np.ndarray, view: str, bounds: bool = False) -> int:
-        """Accessor of an array, with its lowest and highest values where glTF wants them."""
+        """Return the accessor of an array, with its lowest and highest values where glTF wants them."""
         values = np.ascontiguousarray(values)
 
         def make() -> object:
@@ -77,14 +77,14 @@ class Asset:
         return self.once((view, bounds, values.dtype.str, values.shape, values.tobytes()), "accessors", make)
 
     def skin(self, mesh: Mesh) -> Skin:
-        """A mesh with normals."""
+        """Add a mesh with normals."""
         key = (np.asarray(mesh.vertices, "<f4").tobytes(), mesh.faces.tobytes(), mesh.shade.tobytes())
         if key not in self.skins:
             self.skins[key] = skin(mesh)
         return self.skins[key]
 
     def material(self, colour: str, brightness: float = 1.0, double_sided: bool = False) -> int:
-        """A matt paint."""
+        """Add a matt paint."""
         factor = [*linear(brightness * channels(colour) / 255.0).round(6).tolist(), 1.0]
 
         def make() -> object:
@@ -104,7 +104,7 @@ class Asset:
         normals: np.ndarray | None = None,
         corners: np.ndarray | None = None,
     ) -> tuple:
-        """Triangles or lines of a mesh: mode, material, accessors of points, normals and corners."""
+        """Add triangles or lines of a mesh: mode, material, accessors of points, normals and corners."""
         if corners is not None:
             kind = np.dtype("<u2" if len(points) <= STRIP_RESTART_INDEX else "<u4")
             corners = self.array(np.asarray(corners, kind).ravel(), "indices")
@@ -113,7 +113,7 @@ class Asset:
         return mode, material, self.array(np.asarray(points, "<f4"), "vertices", bounds=True), normals, corners
 
     def mesh(self, name: str, primitives: list[tuple]) -> int:
-        """A mesh of primitives; one with the same primitives keeps the name of the first."""
+        """Add a mesh of primitives; one with the same primitives keeps the name of the first."""
 
         def make() -> object:
             parts = [
@@ -128,14 +128,17 @@ class Asset:
         return self.once(tuple(primitives), "meshes", make)
 
     def node(self, name: str, parent: int | None = None, mesh: int | None = None, **place: np.ndarray) -> int:
-        """A node below its parent; ``place``: translation (3,), rotation (x, y, z, w) and scale (3,) at the start."""
+        """Add a node below its parent.
+
+        ``place`` is translation (3,), rotation (x, y, z, w) and scale (3,) at the start.
+        """
         index, nodes = len(self.gltf.nodes), self.gltf.nodes
         nodes.append(pygltflib.Node(name=name, mesh=mesh, **{key: short(value) for key, value in place.items()}))
         (self.gltf.scenes[0].nodes if parent is None else nodes[parent].children).append(index)
         return index
 
     def moving(self, name: str, parent: int, t: np.ndarray, mesh: int | None = None, **places: np.ndarray) -> int:
-        """A node with places (frames, 3 or 4) at times (frames,) [s]; what does not move gets no channel."""
+        """Add a node with places (frames, 3 or 4) at times (frames,) [s]; what does not move gets no channel."""
         node = self.node(name, parent, mesh, **{key: values[0] for key, values in places.items()})
         for path, places_of in places.items():
             values = np.asarray(places_of, "<f4")
@@ -151,7 +154,7 @@ class Asset:
         return node
 
     def glb(self) -> bytes:
-        """The .glb file."""
+        """Return the bytes of the .glb file."""
         chunk = bytearray()
         for name, content in self.chunks.items():
             chunk += bytes(-len(chunk) % 4)

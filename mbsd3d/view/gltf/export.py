@@ -1,4 +1,4 @@
-"""A run as an animated glTF 2.0 file, which Blender, three.js and most viewers of solids open.
+"""Export of a run as an animated glTF 2.0 file, which Blender, three.js and most viewers of solids open.
 
 One node per body, named as it, carries its shape and the joints' glyphs; its translation and rotation are animated.
 glTF is y up: the root node turns the world, z up, by -90 degrees about x; it is shifted to mechanisms that are far from
@@ -45,7 +45,7 @@ def export_pose(system: Mechanism, path: str | Path) -> Path:
 
 
 def glb(system: Mechanism, frames: Frames, traces: list[Trace]) -> bytes:
-    """The bytes of the file."""
+    """Return the bytes of the file."""
     drawing = draw_system(system)
     origin = drawing.origin
     drawing, frames, _, traces = nearby(drawing, frames, traces=traces)
@@ -70,12 +70,12 @@ def glb(system: Mechanism, frames: Frames, traces: list[Trace]) -> bytes:
 
 
 def as_gltf(e: np.ndarray) -> np.ndarray:
-    """Quaternions with the scalar last."""
+    """Return quaternions with the scalar last."""
     return np.roll(e, -1, axis=-1)
 
 
 def add_bodies(asset: Asset, root: int, names: list[str], drawing: Drawing, frames: Frames) -> None:
-    """A node for every body and the ground; below it one for its shape and one for each of its joints."""
+    """Add a node for every body and the ground; below it one for its shape and one for each of its joints."""
     shown: list[dict[tuple[str, str], list[Piece | Wire]]] = [{} for _ in names]
     for item in (*drawing.pieces, *drawing.wires):
         if item.layer in LAYERS:
@@ -94,7 +94,7 @@ def add_bodies(asset: Asset, root: int, names: list[str], drawing: Drawing, fram
 
 
 def primitives_of(asset: Asset, item: Piece | Wire) -> Iterator[tuple]:
-    """Triangles of a piece, light and dark ones, or the strokes of a wire."""
+    """Return the triangles of a piece, light and dark ones, or the strokes of a wire."""
     if isinstance(item, Piece):
         yield from solid(asset, item.mesh, item.colour)
         return
@@ -107,7 +107,7 @@ def primitives_of(asset: Asset, item: Piece | Wire) -> Iterator[tuple]:
 
 
 def solid(asset: Asset, mesh: Mesh, colour: str) -> Iterator[tuple]:
-    """One set of triangles for each shade; they share their corners."""
+    """Return one set of triangles for each shade; they share their corners."""
     skin = asset.skin(mesh)
     for shade, brightness in ((0, 1.0), (1, SHADED)):
         faces = skin.faces[skin.shade == shade]
@@ -117,7 +117,7 @@ def solid(asset: Asset, mesh: Mesh, colour: str) -> Iterator[tuple]:
 
 
 def add_links(asset: Asset, root: int, drawing: Drawing, frames: Frames) -> None:
-    """Springs as coils, the links of joints as rods, from one end to the other."""
+    """Add springs as coils and the links of joints as rods, from one end to the other."""
     clock, least = frames.t - frames.t[0], ROD_RADIUS_RATIO * drawing.size
     for link in drawing.links:
         start, end = (moved(frames, body, point) for body, point in link.ends)

@@ -1,1 +1,1 @@
-"""The offline page and the live view."""
+"""Offline pages and live views."""

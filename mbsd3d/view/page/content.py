@@ -1,4 +1,4 @@
-"""The content of a page: the drawing and its motion, as numbers for the player.
+"""Content of a page: the drawing and its motion, as numbers for the player.
 
 Arrays become short texts: whole steps, second differences, deflate, base64. Motions are smooth, so that second
 differences of their steps are small numbers, whose bytes deflate well when all first bytes come first, then all second
@@ -29,7 +29,7 @@ TRACE_BYTES_PER_NUMBER = 10  # [characters] of a number of a trace; the scene ho
 
 
 class Content(NamedTuple):
-    """Everything a page or a live view shows."""
+    """Content of a page or a live view."""
 
     drawing: Drawing
     frames: Frames
@@ -46,7 +46,7 @@ class Content(NamedTuple):
 
 
 class Packed(TypedDict):
-    """An array as the player reads it."""
+    """Array as the player reads it."""
 
     shape: list[int]
     step: float  # of the whole numbers
@@ -54,7 +54,7 @@ class Packed(TypedDict):
 
 
 def weight_of(content: Content) -> int:
-    """Characters that what moves takes in a page, all but the curves."""
+    """Return the characters that the motion takes in a page, without the curves."""
     frames, size = content.frames, content.drawing.size
     arrays = [(frames.r, POSITION_RESOLUTION * size), (frames.e, QUATERNION_RESOLUTION)]
     for kind in content.arrows:
@@ -64,7 +64,7 @@ def weight_of(content: Content) -> int:
 
 
 def scene_and_data(content: Content, user: str) -> tuple[str, dict[str, object]]:
-    """The recorded scene (base64) and what the player needs to move it."""
+    """Return the recorded scene (base64) and the data by which the player moves it."""
     recording = Recording(user)
     options = {"near": content.followed >= 0, "view": content.view, "least": content.least}
     stage = Stage(recording.scene, recording.camera, *content[:4], content.shown, **options)
@@ -72,7 +72,7 @@ def scene_and_data(content: Content, user: str) -> tuple[str, dict[str, object]]
 
 
 def player_data(content: Content, stage: Stage) -> dict[str, object]:
-    """Numbers and names for player.js; lengths in metres."""
+    """Return numbers and names for player.js; lengths in metres."""
     drawing, frames = content.drawing, content.frames
     t, size = frames.t, drawing.size
     moving = [
@@ -100,13 +100,13 @@ def player_data(content: Content, stage: Stage) -> dict[str, object]:
 
 
 def links_data(links: Links) -> dict[str, object]:
-    """Springs or rods: ends in body axes, radii, and the directions from which they turn."""
+    """Return the ends of springs or rods in body axes, their radii, and the directions from which they turn."""
     ends = [[[int(body), [float(x) for x in point]] for body, point in pair] for pair in links.ends]
     return {"node": links.node.name, "ends": ends, "radii": links.radii.tolist(), "rest": links.rest.tolist()}
 
 
 def arrows_data(kind: Arrows, i: int, stage: Stage, size: float) -> dict[str, object]:
-    """Arrows of one kind: where, how large, and what the legend says."""
+    """Return the points, sizes and legend of the arrows of one kind."""
     return {
         "kind": kind.kind,
         "unit": raised(kind.unit),
@@ -122,7 +122,7 @@ def arrows_data(kind: Arrows, i: int, stage: Stage, size: float) -> dict[str, ob
 
 
 def layers_data(content: Content, stage: Stage) -> list[dict[str, object]]:
-    """Switches: name, nodes, whether they are shown first, and the mark of arrows."""
+    """Return the switches: name, nodes, whether they are shown first, and the mark of arrows."""
     marks = {kind.kind: {"colour": kind.colour, "heads": kind.heads} for kind in content.arrows}
     inner = (*marks, *MARKS)
     return [
@@ -139,7 +139,7 @@ def layers_data(content: Content, stage: Stage) -> list[dict[str, object]]:
 
 
 def curve_data(curve: Curve) -> dict[str, object]:
-    """One pair of axes."""
+    """Encode the curves of one plot for the page."""
     lines = []
     for name, values in curve.lines:
         values = np.asarray(values, float)
@@ -150,7 +150,7 @@ def curve_data(curve: Curve) -> dict[str, object]:
 
 
 def pack(values: np.ndarray, step: float) -> Packed:
-    """Values (frames, ...) rounded to multiples of ``step``, wider where they would not fit into 30 bits."""
+    """Return values (frames, ...) as multiples of ``step``, of a wider one where they would not fit into 30 bits."""
     values = np.asarray(values, float)
     finite = np.isfinite(values)
     largest = float(np.abs(values[finite]).max()) if finite.any() else 0.0

@@ -1,4 +1,4 @@
-"""Who may see a live view: the browser that was given its address, and no page of another site in the same browser.
+"""Access to a live view: only for the browser that was given its address, not for other sites in the same browser.
 
 Every request must name this machine as its host (a foreign name that points here is refused), come from no other
 origin, and carry the token of the address: in the query of the first request, in a cookie of all later ones.
@@ -21,7 +21,7 @@ SERVER_LOCK = threading.Lock()
 
 
 def new_token() -> str:
-    """Token of an address, which nobody guesses."""
+    """Return a random token of an address."""
     return secrets.token_urlsafe(16)
 
 
@@ -29,13 +29,13 @@ SINGLE_HEADERS = ("Host", "Origin", "Cookie")  # headers that a request may have
 
 
 def doubled(headers: Any) -> str | None:
-    """Why a request is no request: a header that decides who may see the view stands in it more than once."""
+    """Return why a request is refused if a header that decides on access stands in it more than once; else None."""
     names = [name for name in SINGLE_HEADERS if len(headers.get_all(name)) > 1]
     return f"a request has one header {names[0]}" if names else None
 
 
 def refusal(headers: Any, path: str, port: int, token: str) -> str | None:
-    """Why a request is refused; None = it is not."""
+    """Return why a request is refused; None = it is not."""
     if headers.get("Host") not in [f"{name}:{port}" for name in LOCAL_HOST_NAMES]:
         return "this address belongs to another machine"
     origin = headers.get("Origin")
@@ -47,7 +47,7 @@ def refusal(headers: Any, path: str, port: int, token: str) -> str | None:
 
 
 def given_token(headers: Any, path: str, port: int) -> str:
-    """The token of the query, else that of the cookie."""
+    """Return the token of the query, else that of the cookie."""
     query = parse_qs(path.partition("?")[2]).get("token", [""])[0]
     cookie = SimpleCookie()
     with suppress(CookieError):  # another page on this machine may have set what is none
@@ -57,7 +57,7 @@ def given_token(headers: Any, path: str, port: int) -> str:
 
 
 def guarded(process: Callable | None, token: str) -> Callable:
-    """The answer to a request behind the guard."""
+    """Return the function that answers requests behind the guard."""
 
     def answer(connection: Any, request: Any) -> Any:
         port, why = connection.local_address[1], doubled(request.headers)
@@ -76,13 +76,13 @@ def guarded(process: Callable | None, token: str) -> Callable:
 
 
 class Visitors:
-    """Connections of a server: it waits at its end for requests that are not whole, and browsers connect ahead."""
+    """Connections of a server, which must not wait at its end for incomplete requests of browsers."""
 
     def __init__(self) -> None:
         self.came: WeakSet[Any] = WeakSet()
 
     def connection(self, *arguments: Any, **options: Any) -> Any:
-        """A new one, for ``create_connection`` of websockets."""
+        """Return a new connection, for ``create_connection`` of websockets."""
         from websockets.asyncio.server import ServerConnection
 
         made = ServerConnection(*arguments, **options)
@@ -90,7 +90,7 @@ class Visitors:
         return made
 
     def dismiss(self) -> None:
-        """Hang up on those who have not said what they want; in the thread of the server."""
+        """Close the connections without a complete request; called in the thread of the server."""
         for connection in self.came:
             if connection.protocol.state.name == "CONNECTING" and connection.transport is not None:
                 connection.transport.abort()
@@ -98,7 +98,7 @@ class Visitors:
 
 @contextmanager
 def guarded_serving(token: str, visitors: Visitors) -> Iterator[None]:
-    """Servers of websockets that start inside are guarded, and end soon when they are stopped."""
+    """Guard servers of websockets that start inside, and let them stop soon."""
     from websockets.asyncio import server
 
     serve = server.serve

@@ -51,7 +51,7 @@ class View(HtmlPage):
 
 
 def has_browser() -> bool:
-    """True if a browser window can be opened here."""
+    """Return True if a browser window can be opened here."""
     if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         return False
     try:
@@ -63,12 +63,12 @@ def has_browser() -> bool:
 
 @cache
 def asset(name: str, package: str = "mbsd3d.view.page") -> str:
-    """A text of the folder assets of a package."""
+    """Return a text of the folder assets of a package."""
     return (resources(package) / "assets" / name).read_text(encoding="utf-8")
 
 
 def make_page(content: Content, dark: bool | None, user: str) -> str:
-    """The whole page."""
+    """Return the HTML of the whole page."""
     scene, data = scene_and_data(content, user)
     texts = {
         "style": asset("player.css"),
@@ -88,6 +88,6 @@ def make_page(content: Content, dark: bool | None, user: str) -> str:
 
 
 def as_script(data: dict[str, object]) -> str:
-    """JSON that cannot end the script element around it, whatever names it holds."""
+    """Return JSON that cannot end the script element around it, whatever names it holds."""
     text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return printable(re.sub("[<>&\u2028\u2029]", lambda found: f"\\u{ord(found[0]):04x}", text))

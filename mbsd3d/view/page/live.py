@@ -1,4 +1,4 @@
-"""A view served on this machine: the same scene as the page's, moved from Python, with viser's own panel.
+"""Live view served on this machine: the scene of the page, moved from Python, with viser's own panel.
 
 `LiveView` holds the server and the thread that moves the scene; `mbsd3d.view.page.panel` makes its panel.
 """
@@ -57,13 +57,13 @@ class LiveView(Served):
         self._thread.start()
 
     def _close(self) -> None:
-        """End the thread, then the server."""
+        """Stop the thread, then the server."""
         self._thread.join()
         self._server.get_event_loop().call_soon_threadsafe(self._visitors.dismiss)
         self._server.stop()
 
     def refresh(self) -> None:
-        """Redraw the picture: other layers are visible."""
+        """Redraw the scene after other layers became visible."""
         self._shown = None
 
     def _run(self) -> None:
@@ -80,12 +80,12 @@ class LiveView(Served):
                     self._show(self._shown)
 
     def _later(self, t: float) -> float:
-        """The time, from the start again after the end."""
+        """Return the next time, from the start again after the end."""
         first, last = float(self._content.frames.t[0]), float(self._content.frames.t[-1])
         return first if t > last and self.time >= last else min(t, last)
 
     def _show(self, t: float) -> None:
-        """Move everything to a time; traces grow in whole frames."""
+        """Move the scene to a time; traces grow in whole frames."""
         k, share = place(self._content.frames.t, t)
         r, e = (mixed(values, k, share) for values in (self._content.frames.r, self._content.frames.e))
         self._stage.move(r, e / np.linalg.norm(e, axis=1, keepdims=True))
@@ -98,18 +98,18 @@ class LiveView(Served):
 
 
 def place(t: np.ndarray, now: float) -> tuple[int, float]:
-    """The frame before a time, and the share of the way to the next."""
+    """Return the frame before a time, and the share of the way to the next one."""
     k = int(np.clip(np.searchsorted(t, now, side="right") - 1, 0, max(t.size - 2, 0)))
     return k, float((now - t[k]) / (t[k + 1] - t[k])) if t.size > 1 else 0.0
 
 
 def mixed(values: np.ndarray, k: int, share: float) -> np.ndarray:
-    """Between two frames along straight lines."""
+    """Interpolate linearly between two frames."""
     return (1.0 - share) * values[k] + share * values[k + 1] if share else values[k]
 
 
 def quiet_server(token: str, visitors: Visitors) -> "ViserServer":
-    """A guarded server of viser on a free port that writes nothing on the terminal: rich captures per thread."""
+    """Return a guarded server of viser on a free port that writes nothing to the terminal."""
     viser = import_viser("a live view")
     import rich  # which viser brings
 

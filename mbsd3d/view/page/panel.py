@@ -1,4 +1,4 @@
-"""The panel of a live view: play and pause, time, speed, switches and curves, made of viser's widgets."""
+"""Panel of a live view: play and pause, time, speed, switches and curves, made of viser's widgets."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Protocol
@@ -21,14 +21,14 @@ CURSOR_INTERVAL_FRAMES = 3  # [frames] from one move of the cursors to the next
 
 
 class Player(Protocol):
-    """What the widgets read and write."""
+    """Settings that the widgets read and write."""
 
     playing: bool
     speed: float  # seconds of the run per second
     time: float  # [s]
 
     def refresh(self) -> None:
-        """Redraw the picture."""
+        """Redraw the scene."""
 
 
 class Panel:
@@ -45,7 +45,7 @@ class Panel:
         self.plots = [Plot(gui, frames.t, curve, theme(dark)) for curve in content.curves]
 
     def add_player(self, frames: Frames) -> "GuiSliderHandle[float]":
-        """Button, slider and speeds; returns the slider."""
+        """Add button, slider and speeds; return the slider."""
         player, gui = self.player, self.gui
         button = gui.add_button("Pause", icon="player-pause")
         first, last = float(frames.t[0]), float(frames.t[-1])
@@ -70,7 +70,7 @@ class Panel:
         return slider
 
     def add_switches(self, arrows: Sequence[Arrows]) -> dict[str, "GuiCheckboxHandle"]:
-        """A check box for every layer that holds something."""
+        """Add a check box for every layer that holds something."""
         longest = {x.kind: x.longest for x in arrows}
         unit = {x.kind: x.unit for x in arrows}
         open_share = {x.kind for x in arrows if any(x.uncertain)}
@@ -90,11 +90,11 @@ class Panel:
         self.stage.show(layer, visible)
 
     def shown(self, layer: str) -> bool:
-        """Whether a layer is switched on."""
+        """Return whether a layer is switched on."""
         return layer in self.switches and self.switches[layer].value
 
     def show(self, t: float) -> None:
-        """Bring slider and cursors to a time [s]."""
+        """Move slider and cursors to a time [s]."""
         if self.slider is not None:
             self.slider.value = t
         if self.pictures % CURSOR_INTERVAL_FRAMES == 0 or not self.player.playing:
@@ -104,7 +104,7 @@ class Panel:
 
 
 class Plot:
-    """A curve with a cursor: a line of two points at the time, the last series."""
+    """Curve with a cursor: a line of two points at the time, the last series."""
 
     def __init__(self, gui: "GuiApi", t: np.ndarray, curve: Curve, look: Theme) -> None:
         self.t = np.linspace(t[0], t[-1], min(CURVE_POINTS_MAX, t.size))
@@ -124,7 +124,7 @@ class Plot:
         )  # fmt: skip
 
     def data(self, now: float) -> tuple[np.ndarray, ...]:
-        """Times and lines with the time of the cursor put in twice, and the cursor from bottom to top there."""
+        """Return times and lines with the time of the cursor inserted twice, and the cursor from bottom to top."""
         k = int(np.searchsorted(self.t, now))
         t = np.insert(self.t, k, [now, now])
         cursor = np.full(t.size, np.nan)
@@ -132,5 +132,5 @@ class Plot:
         return (t, *(np.interp(t, self.t, values) for values in self.lines), cursor)
 
     def move(self, now: float) -> None:
-        """Bring the cursor to a time [s]."""
+        """Move the cursor to a time [s]."""
         self.handle.data = self.data(now)

@@ -1,4 +1,4 @@
-"""A scene of viser without a server: no port, no thread, nothing on the terminal; the same calls give the same bytes.
+"""Scene of viser without a server: no port, no thread, nothing on the terminal; the same calls give the same bytes.
 
 viser's scene writes messages to whatever owns it; here they are kept, and its own serializer turns them into the text
 that its client reads. Private parts of viser are used here and nowhere else, and its version is checked.
@@ -22,7 +22,7 @@ CLIENT_VERSION_PREFIX = "1.1."  # of the client that the player of this package 
 
 
 def import_viser(user: str) -> "ModuleType":
-    """The package viser; a ValueError that starts with ``user`` if it is missing or of another version."""
+    """Import viser; raise an error that starts with ``user`` if it is missing or of another version."""
     try:
         with loading():
             import viser
@@ -50,7 +50,7 @@ def remember_hints() -> None:
 
 
 class Recorder:
-    """Owner and connection of viser's scene: keeps messages, receives nothing."""
+    """Owner and connection of viser's scene: it keeps messages and receives nothing."""
 
     client_id = ""  # the scope of all clients
 
@@ -61,7 +61,7 @@ class Recorder:
         self.messages: dict[str, Message] = {}  # by what makes a message replace an older one
 
     def register_handler(self, *_: object) -> None:
-        """Nothing is ever received."""
+        """Ignore the handler, since nothing is ever received."""
 
     def queue_message(self, message: "Message") -> None:
         """Keep a message."""
@@ -69,7 +69,7 @@ class Recorder:
 
 
 class Recording:
-    """A scene to draw into with viser's ``add_...``; then ``data()`` is what the client's page holds."""
+    """Scene to draw into with viser's ``add_...``; ``data()`` then returns what the client's page holds."""
 
     def __init__(self, user: str) -> None:
         viser = import_viser(user)
@@ -79,7 +79,7 @@ class Recording:
         self.scene.set_up_direction("+z")
 
     def data(self) -> str:
-        """The scene as base64 text."""
+        """Return the scene as base64 text."""
         from viser.infra import StateSerializer
 
         serializer = StateSerializer(self.recorder, lambda message: message.include_in_scene_serialization)
@@ -90,7 +90,7 @@ class Recording:
 
 
 def client_head() -> str:
-    """The scripts in the head of viser's client: all of it, in one text."""
+    """Return the scripts in the head of viser's client in one text."""
     import viser
 
     page = (Path(viser.__file__).parent / "client" / "build" / "index.html").read_text(encoding="utf-8")
@@ -101,5 +101,5 @@ def client_head() -> str:
 
 
 def printable(text: str) -> str:
-    """The text with "?" for what no file can hold (halves of surrogate pairs)."""
+    """Return the text with "?" for halves of surrogate pairs, which no file can hold."""
     return text.encode("utf-8", "replace").decode("utf-8")

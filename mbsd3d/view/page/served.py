@@ -1,4 +1,4 @@
-"""What is served on this machine: where a browser finds it, how it is opened, waited for and ended."""
+"""Pages served on this machine: their address, how they are opened, waited for and stopped."""
 
 import threading
 import webbrowser
@@ -13,7 +13,7 @@ HOST = "127.0.0.1"  # nobody else on the network sees it
 
 
 class Served:
-    """A page behind a guard; a context manager that stops it at its end. Subclasses set ``port``."""
+    """Page behind a guard; a context manager that stops it at its end. Subclasses set ``port``."""
 
     kind = "page"
     port: int
@@ -32,20 +32,20 @@ class Served:
 
     @property
     def url(self) -> str:
-        """Where a browser finds it, with the token that lets it in."""
+        """Return the address, with the token that grants access."""
         return f"http://{HOST}:{self.port}/?token={self._token}"
 
     def can_open(self) -> bool:
-        """True if this machine can open a browser window."""
+        """Return True if this machine can open a browser window."""
         return has_browser()
 
     def open(self) -> None:
-        """Show it in the default browser; raises ValueError if there is no browser."""
+        """Show the page in the default browser; raise a ValueError if there is no browser."""
         if not self.can_open() or not webbrowser.open(self.url):
             raise InputError(f"no browser was found on this machine; open {self.url} in one")
 
     def wait(self) -> None:
-        """Return after Ctrl-C or `stop`; it is stopped then."""
+        """Wait for Ctrl-C or `stop`; the page is stopped then."""
         try:
             while not self._ended.wait(0.2):
                 pass
@@ -55,11 +55,11 @@ class Served:
             self.stop()
 
     def stop(self) -> None:
-        """End it and free its port; browsers keep the last picture."""
+        """Stop the page and free its port; browsers keep the last picture."""
         if not self._ended.is_set():
             self._ended.set()
             self._close()
 
     def _close(self) -> None:
-        """What ends with it."""
+        """Close what ends with the page."""
         raise NotImplementedError

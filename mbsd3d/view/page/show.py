@@ -1,4 +1,4 @@
-"""Checks the options, gathers the content and shows it: as a page, or by a server on this machine."""
+"""Options and content of a page or a live view."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -41,7 +41,7 @@ def show_system(
     dark: bool | None,
     live: bool,
 ) -> View | LiveView:
-    """See `System.show`."""
+    """Show a system; see `System.show`."""
     check_options(path, title, dark, live)
     if not (state is None or isinstance(state, State)):
         raise InputError(f"show: state = {state!r}; give a State (see System.assemble, Solution.state), or None")
@@ -69,7 +69,7 @@ def animate(
     view: Sequence[float] | None = None,
     beside: Poses | None = None,
 ) -> View | LiveView:
-    """See `Solution.animate`."""
+    """Show a motion; see `Solution.animate`."""
     check_options(path, title, dark, live)
     if not isinstance(beside, Poses | None):
         raise InputError(f"solution.animate: beside {shown_text(beside)} is not a solution; give one, or None")
@@ -98,14 +98,14 @@ def animate(
 
 
 def reach_of(motion: Poses, frames: int | None, layers: Sequence[str], axes: np.ndarray, origin: np.ndarray) -> Reach:
-    """The space a motion takes about an origin, also along the directions of a view, and its longest arrows."""
+    """Return the space a motion takes about an origin, also along the directions of a view, and its longest arrows."""
     at = frames_of(motion, frames)
     drawing, near, _, _ = nearby(draw_system(motion.system)._replace(origin=origin), at)
     return Reach(*boxes(drawing, near, layers, axes), {kind.kind: kind.longest for kind in arrows_of(motion, at)})
 
 
 def followed_body(motion: Poses, follow: Body | Ground | str | None, live: bool) -> int:
-    """Number of the body that the camera goes along with, or -1; None = the heaviest of those that travel."""
+    """Return the number of the body that the camera follows, or -1; None = the heaviest of those that travel."""
     system = motion.system
     if follow is GROUND or follow == GROUND.name or (follow is None and live):
         return -1
@@ -122,18 +122,18 @@ def followed_body(motion: Poses, follow: Body | Ground | str | None, live: bool)
 
 
 def number_of(system: Mechanism, body: Body | str) -> int:
-    """Place of a body, given as such or by name, among the bodies."""
+    """Return the place of a body, given as such or by name, among the bodies."""
     found = system.part(body)
     return next(i for i, other in enumerate(system.bodies) if other is found)
 
 
 def page_layers(system: Mechanism, shown: Layers, hidden: Layers) -> tuple[str, ...]:
-    """The layers that a page shows first; all have switches."""
+    """Return the layers that a page shows first; all have switches."""
     return layers_of(shown, hidden, (*DEFAULT_LAYERS, "body names") if names_fit(system) else DEFAULT_LAYERS)
 
 
 def names_fit(system: Mechanism) -> bool:
-    """True for few bodies whose names, at the centres of mass of the reference pose, do not lie on each other."""
+    """Return True for few bodies whose names, at the centres of mass of the reference pose, do not overlap."""
     places = np.array([body.centre for body in system.bodies])
     if not 1 < len(places) <= NAMED_BODIES_MAX:
         return len(places) <= NAMED_BODIES_MAX
@@ -142,7 +142,7 @@ def names_fit(system: Mechanism) -> bool:
 
 
 def check_options(path: str | Path | None, title: str | None, dark: bool | None, live: bool) -> None:
-    """ValueError for options of another type, and for a folder that is not there: before the work, not after it."""
+    """Raise a ValueError for options of another type, and for a missing folder, before the work is done."""
     if path is not None:
         ready_path(path, ".html")
     if not (title is None or isinstance(title, str)):
@@ -154,7 +154,7 @@ def check_options(path: str | Path | None, title: str | None, dark: bool | None,
 
 
 def deliver(content: Content, path: str | Path | None, dark: bool | None, live: bool, user: str) -> View | LiveView:
-    """The page, written too if a path is given; or the live view."""
+    """Return the page, written to a path if one is given, or the live view."""
     frames = content.frames
     if live:
         return LiveView(content, dark)

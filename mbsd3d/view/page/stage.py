@@ -1,4 +1,4 @@
-"""The scene of viser made from a drawing: bodies as frames with their meshes, arrows, links, traces, a ground grid.
+"""Scene of viser from a drawing: bodies as frames with their meshes, arrows, links, traces, a ground grid.
 
 Node "/bodies/<i>" is the frame of body ``i``, so that one message pair moves all of it. Lengths in the scene are metres
 times ``Stage.scale``, a power of ten that makes every mechanism some units large: light and clipping are made for that.
@@ -47,7 +47,7 @@ Box = tuple[np.ndarray, np.ndarray]  # lowest and highest corner (3,) [m]
 
 
 class Reach(NamedTuple):
-    """What a view must hold, and by what its arrows are scaled."""
+    """Space that a view must hold, and lengths that scale its arrows."""
 
     world: Box
     seen: Box  # along the directions of the view
@@ -74,13 +74,13 @@ class Links:
         self.move(frames.r[0], frames.e[0])
 
     def move(self, r: np.ndarray, e: np.ndarray) -> None:
-        """Lay them between their ends at a pose."""
+        """Place the links between their ends at a pose."""
         ends = np.array([[r[k] + matrix(e[k]) @ p for k, p in pair] for pair in self.ends])
         lay(self.node, ends[:, 0], ends[:, 1] - ends[:, 0], self.scale, self.radii, self.rest)
 
 
 def add_copies(scene: "SceneApi", name: str, mesh: Mesh, colours: np.ndarray, count: int) -> "SceneNodeHandle":
-    """A node of ``count`` copies of a mesh, still without a place; colours (3,) or (count, 3), 0 ... 255."""
+    """Add a node of ``count`` copies of a mesh, still without a place; colours (3,) or (count, 3), 0 ... 255."""
     still = np.tile([1.0, 0.0, 0.0, 0.0], (count, 1)), np.zeros((count, 3))
     scales = np.full((count, 3), SCALE_MIN)
     tints = np.rint(255.0 * linear(colours / 255.0)).astype(np.uint8)  # viser takes those of copies as they are
@@ -97,7 +97,7 @@ def lay(
     radii: np.ndarray | None = None,
     rest: np.ndarray = Z_AXIS,
 ) -> None:
-    """Lay the copies along vectors (k, 3) [m] from points: as wide as they are long, or of given radii [m]."""
+    """Place the copies along vectors (k, 3) [m] from points: as wide as they are long, or of given radii [m]."""
     length = np.sqrt((vectors**2).sum(axis=1))
     wide = length if radii is None else radii
     node.batched_positions = (points * scale).astype(np.float32)
@@ -169,14 +169,14 @@ class Stage:
         scene.add_frame("/ready", show_axes=False)  # the last one: once it exists, so does everything else
 
     def move(self, r: np.ndarray, e: np.ndarray) -> None:
-        """Bring bodies (r (n + 1, 3), e (n + 1, 4)) and links to a pose."""
+        """Move bodies (r (n + 1, 3), e (n + 1, 4)) and links to a pose."""
         for body, position, orientation in zip(self.bodies, r, e, strict=True):
             body.position, body.wxyz = position * self.scale, orientation
         for links in self.links:
             links.move(r, e)
 
     def point(self, kind: int, points: np.ndarray, vectors: np.ndarray) -> None:
-        """Let the arrows of one kind show vectors (k, 3) at points (k, 3)."""
+        """Set the arrows of one kind to vectors (k, 3) at points (k, 3)."""
         lay(self.arrows[kind], points, vectors * self.factors[kind], self.scale)
 
     def show(self, layer: str, visible: bool) -> None:
@@ -185,7 +185,7 @@ class Stage:
             node.visible = visible
 
     def add_pieces(self, drawing: Drawing) -> None:
-        """One mesh for all pieces of a body that share layer, colour and shade."""
+        """Add one mesh for all pieces of a body that share layer, colour and shade."""
         groups: dict[tuple, list[Mesh]] = {}
         for piece in drawing.pieces:
             for shade in (0, 1):
@@ -199,7 +199,7 @@ class Stage:
             self.layers[layer].append(node)
 
     def add_wires(self, drawing: Drawing) -> None:
-        """One set of segments for all wires of a body that share layer and colour."""
+        """Add one set of segments for all wires of a body that share layer and colour."""
         groups: dict[tuple, list[np.ndarray]] = {}
         for wire in drawing.wires:
             segments = np.stack([wire.points[:-1], wire.points[1:]], axis=1)
@@ -210,21 +210,21 @@ class Stage:
             self.add_segments(f"/bodies/{body}/wire{k}", layer, np.concatenate(parts), colour, 2.0)
 
     def add_segments(self, name: str, layer: str, segments: np.ndarray, colour: str, width: float) -> "SceneNodeHandle":
-        """Lines (k, 2, 3) [m], as wide on the screen wherever they are."""
+        """Add lines (k, 2, 3) [m], equally wide on the screen wherever they are."""
         style = {"thickness": width, "thickness_units": "screen"}
         node = self.scene.add_line_segments(name, segments * self.scale, rgb(colour), **style)
         self.layers[layer].append(node)
         return node
 
     def add_tags(self, drawing: Drawing) -> None:
-        """Names, fixed in their bodies."""
+        """Add names, fixed in their bodies."""
         for k, tag in enumerate(drawing.tags):
             place, name = tag.point * self.scale, f"/bodies/{tag.body}/name{k}"
             node = self.scene.add_label(name, printable(tag.text), position=place, anchor="bottom-center")
             self.layers[tag.layer].append(node)
 
     def add_arrows(self, i: int, kind: Arrows) -> "SceneNodeHandle":
-        """Arrows of one kind, at the first frame."""
+        """Add arrows of one kind, at the first frame."""
         tints = np.array([channels(tint) for tint in kind.tints])
         node = add_copies(self.scene, f"/arrows/{i}", arrow(kind.heads), tints, len(kind.names))
         self.layers[kind.kind].append(node)
@@ -232,14 +232,14 @@ class Stage:
         return node
 
     def add_trace(self, i: int, trace: Trace) -> None:
-        """The whole path, pale, and the part that was passed, strong."""
+        """Add the whole path, pale, and the part that was passed, strong."""
         segments = np.stack([trace.points[:-1], trace.points[1:]], axis=1)
         if len(segments):
             self.add_segments(f"/traces/{i}/path", "traces", segments, paler(trace.colour), 1.5)
             self.traces.append(self.add_segments(f"/traces/{i}/passed", "traces", segments, trace.colour, 3.0))
 
     def add_grid(self, low: np.ndarray, high: np.ndarray, floor: float, endless: bool) -> None:
-        """A ground grid whose lines are at round coordinates."""
+        """Add a ground grid whose lines are at round coordinates."""
         thin, thick = CELLS["light"]
         distance = frame_camera(low, high, FIELD_OF_VIEW).distance * self.scale
         cell, span = self.cell, float((high - low)[:2].max())
@@ -255,7 +255,7 @@ class Stage:
         self.layers["ground grid"].append(node)
 
     def light(self) -> None:
-        """Even light with one sun: viser's own, of a photographed place, makes orange yellow."""
+        """Set even light with one sun; viser's default, of a photographed place, makes orange yellow."""
         self.scene.configure_environment_map(None)
         self.scene.configure_default_lights(False)
         sky = {"sky_color": (255, 255, 255), "ground_color": (205, 205, 205), "intensity": 3.0}
@@ -263,7 +263,7 @@ class Stage:
         self.scene.add_light_directional("/sun", intensity=2.8, cast_shadow=True, position=SUN_DIRECTION)
 
     def aim(self, camera: "InitialCameraConfig") -> None:
-        """Let the first view, in a window as wide as high, hold a whole box."""
+        """Set the first view so that a square window holds a whole box."""
         seen = self.sight.camera()
         distance = float(seen.distance * self.scale)
         camera.position, camera.look_at = seen.position * self.scale, seen.look_at * self.scale
@@ -271,17 +271,17 @@ class Stage:
 
 
 def boxes(drawing: Drawing, frames: Frames, layers: Sequence[str], axes: np.ndarray) -> tuple[Box, Box]:
-    """What some layers take up in all frames, along the axes of the world and those of a view."""
+    """Return the boxes of some layers in all frames, along the axes of the world and those of a view."""
     r, e = frames.r, frames.e
     return bounds(drawing, r, e, layers, WORLD_AXES), bounds(drawing, r, e, layers, axes)
 
 
 def around(one: Box, other: Box) -> Box:
-    """The box that holds both."""
+    """Return the smallest axis-aligned box that encloses two boxes."""
     return np.minimum(one[0], other[0]), np.maximum(one[1], other[1])
 
 
 def swing(pivot: np.ndarray, low: np.ndarray, high: np.ndarray, axes: np.ndarray) -> Reach:
-    """The space round a point on which all that is in a box at first hangs or stands."""
+    """Return the space round a point on which all that is in a box at first hangs or stands."""
     half = BOX_HALF_SIDE_RATIO * np.linalg.norm(np.maximum(np.abs(low - pivot), np.abs(high - pivot)))
     return Reach((pivot - half, pivot + half), (axes @ pivot - half, axes @ pivot + half), {})

@@ -1,4 +1,4 @@
-"""A shaded picture of a mechanism in perspective, drawn with matplotlib on plain axes; vector output stays vector.
+"""Shaded picture of a mechanism in perspective, drawn with matplotlib on plain axes; vector output stays vector.
 
 Everything is split into small triangles and strokes, which are painted from far to near.
 """
@@ -32,12 +32,12 @@ MANY = 3000  # more triangles and strokes than this are painted as an image, als
 
 
 def tone(colour: str) -> np.ndarray:
-    """(3,) of "#rrggbb" as matplotlib counts, 0 ... 1."""
+    """Return the colour "#rrggbb" (3,) as matplotlib counts, 0 ... 1."""
     return channels(colour) / 255.0
 
 
 def shadow_on(sheet: Theme) -> np.ndarray:
-    """The colour of shadows on a paper."""
+    """Return the colour of shadows on a paper."""
     paper = tone(sheet.paper)
     return paper * (0.93 if paper.mean() > 0.5 else 0.6)
 
@@ -61,7 +61,7 @@ class Mosaic(Artist):
 
     @allow_rasterization
     def draw(self, renderer: RendererBase) -> None:
-        """Draw all by one call."""
+        """Draw all polygons and bars by one call."""
         gc = renderer.new_gc()
         corners = self.axes.transData.transform(self.triangles.reshape(-1, 2)).reshape(-1, 3, 2)
         renderer.draw_gouraud_triangles(gc, corners, self.colours, IdentityTransform())
@@ -69,7 +69,7 @@ class Mosaic(Artist):
 
 
 class Painter:
-    """Paints poses of one drawing through one lens on sheets of one size."""
+    """Painter of poses of one drawing through one lens on sheets of one size."""
 
     def __init__(
         self,
@@ -111,11 +111,11 @@ class Painter:
         self.cell = round_down(0.22 * self.size)
 
     def on_paper(self, points: np.ndarray) -> np.ndarray:
-        """World points (..., 3) as points of the paper (..., 2), 1/72 inch from the lower left corner."""
+        """Return world points (..., 3) as points of the paper (..., 2), 1/72 inch from the lower left corner."""
         return (self.lens.project(points)[0] - self.corner) * self.scale
 
     def items(self, r: np.ndarray, e: np.ndarray) -> Items:
-        """Solids, wires and links at a pose (n + 1, 3), (n + 1, 4)."""
+        """Return solids, wires and links at a pose (n + 1, 3), (n + 1, 4)."""
         R = matrix(e)
         found = [self.solids.placed(r, R, self.lens, PEN)]
         for wire in self.wires:
@@ -129,7 +129,7 @@ class Painter:
         return join(found)
 
     def strokes(self, strokes: np.ndarray, colour: str, pen: float) -> Items:
-        """Straight lines (k, 2, 3) as items."""
+        """Return straight lines (k, 2, 3) as items."""
         return strokes_as_items(split_strokes(strokes, self.longest)[0], tone(colour), pen, 0.0)
 
     def paint(
@@ -180,7 +180,7 @@ class Painter:
         axes.add_collection(drawn, autolim=False)
 
     def paint_ground(self, axes: Axes, shadows: np.ndarray) -> None:
-        """A grid that fades into the paper, with the size of its cells, and what the bodies shade under a high sun."""
+        """Paint a grid that fades into the paper, the size of its cells, and shadows under a high sun."""
         floor, paper, grid = self.low[2], tone(self.sheet.paper), tone(self.sheet.grid)
         shade = shadow_on(self.sheet)
         axes.add_collection(
@@ -207,7 +207,7 @@ class Painter:
         axes.text(POINTS_PER_INCH * self.inches[0] - 8, 7, f"grid {length_text(self.cell)}", **style)
 
     def paint_directions(self, axes: Axes) -> None:
-        """The world's axes in the corner, as they lie in the middle of the picture."""
+        """Paint the axes of the world in the corner, as they lie in the middle of the picture."""
         for k, name in enumerate("xyz"):
             tip = 20.0 * self.lens.axes[:2, k]
             axes.plot(*np.array([(26.0, 24.0), tip + (26.0, 24.0)]).T, color=self.sheet.muted, linewidth=1.0, zorder=4)
@@ -215,7 +215,7 @@ class Painter:
             axes.text(*(1.32 * tip + (26.0, 24.0)), name, **style)
 
     def write_names(self, axes: Axes, r: np.ndarray, e: np.ndarray) -> None:
-        """Names of bodies above their points and of joints below them; those at one point share a line."""
+        """Write names of bodies above their points and of joints below them; those at one point share a line."""
         R, lines = matrix(e), []
         for tag in self.tags:
             point = self.on_paper(R[tag.body] @ tag.point + r[tag.body])
@@ -236,15 +236,15 @@ class Painter:
             axes.text(x, y + side * GAP, text, color=self.readable(tag.colour), **style)
 
     def write_note(self, axes: Axes, text: str) -> None:
-        """A line in the upper left corner."""
+        """Write a line in the upper left corner."""
         axes.text(8, POINTS_PER_INCH * self.inches[1] - 8, text, ha="left", va="top", fontsize=9, color=self.sheet.ink)
 
     def readable(self, colour: str) -> np.ndarray:
-        """A colour moved towards the ink, for letters."""
+        """Return a colour moved towards the ink, for letters."""
         return 0.6 * tone(colour) + 0.4 * tone(self.sheet.ink)
 
 
 def new_sheet(inches: tuple[float, float], sheet: Theme) -> tuple[Figure, Axes]:
-    """An empty figure and axes that fill it."""
+    """Return an empty figure and axes that fill it."""
     figure = Figure(figsize=inches, facecolor=sheet.paper)
     return figure, figure.add_axes((0.0, 0.0, 1.0, 1.0))

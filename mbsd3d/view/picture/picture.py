@@ -27,14 +27,14 @@ REACH = 0.4  # length of the longest arrow, of the size of what is seen
 
 @runtime_checkable
 class Continuous(Protocol):
-    """A run, which has a state at any time; a mode has samples only."""
+    """Run, which has a state at any time; a mode has samples only."""
 
     def at(self, t: float) -> State:
-        """The state at a time [s]."""
+        """Return the state at a time [s]."""
 
 
 def picture_layers(system: Mechanism, shown: Layers, hidden: Layers, *, moving: bool) -> tuple[str, ...]:
-    """The layers of a picture: with names where there are few; a system at rest has no arrows."""
+    """Return the layers of a picture: with names where there are few; a system at rest has no arrows."""
     few = len(system.bodies) + len(system.joints) <= LEGIBLE
     layers = layers_of(shown, hidden, (*DEFAULT_LAYERS, *NAMES) if few else DEFAULT_LAYERS)
     if not moving and set(ARROWS) & set(layers):
@@ -56,7 +56,7 @@ def painter_of(
     fine: float = TRIANGLE_SIZE_MAX,
     drawn: slice = slice(None),
 ) -> tuple[Painter, float]:
-    """A painter whose paper holds all poses, paths and drawn arrows, and the length of the longest arrow [m].
+    """Return a painter whose paper holds all poses, paths and arrows, and the length of the longest arrow [m].
 
     ``drawn``: the frames of the arrows that are shown; their scale is that of all.
     """
@@ -70,7 +70,7 @@ def painter_of(
 
 
 def paper_size(size: Sequence[float]) -> tuple[float, float]:
-    """Width and height [inch], positive, and no larger than memory holds."""
+    """Return width and height [inch], positive, and no larger than memory holds."""
     width, height = (number(side, "size", positive=True) for side in pair(size, "size"))
     if max(width, height) > LARGEST:
         raise InputError(f"size = {width:g} x {height:g} inch; give at most {LARGEST} each way")
@@ -87,7 +87,7 @@ def picture_of_system(
     size: Sequence[float],
     dark: bool = False,
 ) -> Figure:
-    """See `System.picture`."""
+    """Draw a system; see `System.picture`."""
     layers, inches = picture_layers(system, shown, hidden, moving=False), paper_size(size)
     r, e = poses_of(system, state)
     painter, _ = painter_of(system, r[None], e[None], inches, layers=layers, view=view, dark=dark)
@@ -108,7 +108,7 @@ def picture_of_solution(
     size: Sequence[float],
     dark: bool = False,
 ) -> Figure:
-    """See `Solution.picture`."""
+    """Draw a motion; see `Solution.picture`."""
     layers, inches = picture_layers(motion.system, shown, hidden, moving=True), paper_size(size)
     run = frames_of(motion)
     now = moments(motion, run, t)
@@ -131,7 +131,10 @@ def picture_of_solution(
 
 
 def moments(motion: Poses, run: Frames, t: float | Sequence[float] | None) -> Frames:
-    """The poses at the given times, at the last one for None; poses of a run are integrated, not interpolated."""
+    """Return the poses at the given times, at the last one for None.
+
+    Poses of a run are integrated, not interpolated.
+    """
     try:
         times = np.atleast_1d(np.asarray(run.t[-1] if t is None else t, float))
     except (TypeError, ValueError, OverflowError):
@@ -147,7 +150,7 @@ def moments(motion: Poses, run: Frames, t: float | Sequence[float] | None) -> Fr
 
 
 def run_until(run: Frames, shown: Frames) -> Frames:
-    """The frames before the last of the shown ones, and that one; of several, not before the first of them."""
+    """Return the frames before the last of the shown ones, and that one; of several, not before the first of them."""
     last = int(np.argmax(shown.t))
     since = shown.t.min() if shown.t.size > 1 else -np.inf
     path = (run.t >= since) & (run.t < shown.t[last])

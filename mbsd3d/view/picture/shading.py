@@ -32,7 +32,7 @@ ARROW_LENGTH_MIN = 0.04
 
 
 class Items(NamedTuple):
-    """What is painted far to near: triangles, and strokes from the first corner to the second."""
+    """Triangles, and strokes from the first corner to the second, painted from far to near."""
 
     corners: np.ndarray  # (k, 3, 3) world [m]
     fill: np.ndarray  # (k, 3) colours
@@ -41,7 +41,7 @@ class Items(NamedTuple):
 
 
 def join(parts: Sequence[Items]) -> Items:
-    """All items of several."""
+    """Return all items of several."""
     return Items(*(np.concatenate(field) for field in zip(*parts, strict=True)))
 
 
@@ -77,7 +77,7 @@ def split_strokes(strokes: np.ndarray, longest: float) -> tuple[np.ndarray, np.n
 
 
 class Prepared(NamedTuple):
-    """What does not change with the pose, body axes from O."""
+    """Triangles and edges that do not change with the pose, body axes from O."""
 
     whole: np.ndarray  # (w, 3, 3) triangles as given, for shadows
     whole_body: np.ndarray  # (w,)
@@ -94,7 +94,10 @@ class Prepared(NamedTuple):
 
 
 def prepare(piece: Piece, longest: float) -> Prepared:
-    """Split triangles and edges of a piece; down to ``FINER`` times ``longest`` if it is thin, or large and round."""
+    """Split triangles and edges of a piece.
+
+    Down to THIN_TRIANGLE_FACTOR times ``longest`` if thin, or large and round.
+    """
     faces, vertices = welded(piece.mesh.vertices, piece.mesh.faces)
     thickness, finest = float(np.ptp(vertices, axis=0).min()), THIN_TRIANGLE_FACTOR * longest
     limit = min(longest, max(thickness, finest))
@@ -133,7 +136,7 @@ class Solids:
         self.parts = Prepared(*(np.concatenate(field) for field in zip(*parts, strict=True))) if parts else None
 
     def placed(self, r: np.ndarray, R: np.ndarray, lens: Lens, pen: float) -> Items:
-        """Shaded front faces, creases and outlines at a pose (n + 1, 3), (n + 1, 3, 3); ``pen`` in points."""
+        """Return shaded front faces, creases and outlines at a pose (n + 1, 3), (n + 1, 3, 3); ``pen`` in points."""
         if self.parts is None:
             return strokes_as_items(np.zeros((0, 2, 3)), (0.0, 0.0, 0.0), pen, 0.0)
         whole, whole_body, triangles, flat, smooth, tints, body, edges, sides, inks, owner, lifts = self.parts
@@ -151,7 +154,7 @@ class Solids:
         return join([faces, strokes_as_items(edges[drawn], inks[drawn], pen, lifts[drawn])])
 
     def shadow(self, r: np.ndarray, R: np.ndarray, floor: float) -> np.ndarray:
-        """(k, 3, 3) triangles on the floor under the faces that look up."""
+        """Return triangles (k, 3, 3) on the floor under the faces that look up."""
         if self.parts is None:
             return np.zeros((0, 3, 3))
         body = self.parts.whole_body
@@ -162,14 +165,14 @@ class Solids:
 
 
 def strokes_as_items(strokes: np.ndarray, ink: np.ndarray | tuple, pen: float, lift: np.ndarray | float) -> Items:
-    """Strokes (k, 2, 3) as items."""
+    """Return strokes (k, 2, 3) as items."""
     k = len(strokes)
     corners = strokes[:, [0, 1, 1]]
     return Items(corners, np.broadcast_to(ink, (k, 3)), np.full(k, pen), np.broadcast_to(lift, k))
 
 
 def shaded(tints: np.ndarray, normals: np.ndarray, lens: Lens) -> np.ndarray:
-    """Colours of faces: the cosine law wrapped around the body (no face is black), and a soft highlight."""
+    """Return the colours of faces: the cosine law wrapped around the body (no face is black), and a soft highlight."""
     light = LIGHT_DIRECTION @ lens.axes / np.linalg.norm(LIGHT_DIRECTION)
     halfway = light - lens.axes[2]
     cosine = normals @ light
@@ -180,7 +183,7 @@ def shaded(tints: np.ndarray, normals: np.ndarray, lens: Lens) -> np.ndarray:
 
 
 def outlines(corners: np.ndarray, widths: np.ndarray) -> np.ndarray:
-    """(k, 4, 2) polygons of triangles (k, 3, 2), their last corner twice; items with a width are strokes: bars."""
+    """Return polygons (k, 4, 2) of triangles (k, 3, 2), their last corner twice; items with a width are bars."""
     polygons = corners[:, [0, 1, 2, 2]]
     pen = widths > 0.0
     start, end = corners[pen, 0], corners[pen, 1]
@@ -200,13 +203,13 @@ class Pointers(NamedTuple):
     lens: Lens
 
     def items(self, longest: float) -> Items:
-        """Shaded triangles and outlines."""
+        """Return shaded triangles and outlines."""
         here, R = np.zeros((1, 3)), np.eye(3)[None]
         return Solids(self.pieces, longest).placed(here, R, self.lens, 0.5)
 
 
 def arrow_along(start: np.ndarray, vector: np.ndarray, reach: float, heads: int) -> Mesh:
-    """An arrow that is a short one among arrows of up to ``reach`` [m]: thinner when it is too short for its head."""
+    """Return an arrow among arrows of up to ``reach`` [m]: thinner when it is too short for its head."""
     length = float(np.linalg.norm(vector))
     head, thin = (
         min(ARROW_HEAD_RATIO * reach, 0.8 * length / heads),
@@ -216,12 +219,15 @@ def arrow_along(start: np.ndarray, vector: np.ndarray, reach: float, heads: int)
 
 
 def tips_of(arrows: Arrows, reach: float, drawn: slice) -> np.ndarray:
-    """(k, 3) where the arrows of the drawn frames end if the longest of all has the length ``reach`` [m]."""
+    """Return (k, 3) the ends of the arrows of the drawn frames if the longest of all has the length ``reach`` [m]."""
     return (arrows.points + reach / arrows.longest * arrows.vectors)[drawn].reshape(-1, 3)
 
 
 def pointers_of(arrows: Arrows, frame: int, reach: float, lens: Lens) -> Pointers:
-    """Arrows of one kind at a frame, the longest of all frames as long as ``reach`` [m]; uncertain ones paler."""
+    """Return arrows of one kind at a frame, the longest of all frames as long as ``reach`` [m].
+
+    Uncertain ones paler.
+    """
     longest, pieces = arrows.longest, []
     for k, name in enumerate(arrows.names):
         vector = reach / longest * arrows.vectors[frame, k]

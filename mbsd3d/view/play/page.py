@@ -1,4 +1,4 @@
-"""The page of a ride: the scene at its start, and what its scripts need to move it."""
+"""Page of a live run: the scene at its start, and the data by which its scripts move it."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -31,7 +31,7 @@ Shapes = Mapping[str, Mapping[str, list[float]]]  # node -> what makes its shape
 
 
 class Look(NamedTuple):
-    """How a ride is shown."""
+    """Look of a live run."""
 
     title: str
     layers: tuple[str, ...]
@@ -41,7 +41,7 @@ class Look(NamedTuple):
 
 
 def ride_page(model: Playable, built: Built, look: Look) -> str:
-    """The whole page."""
+    """Return the HTML of the page."""
     recording, (r, e) = Recording("play"), poses_of(built.system, built.state)
     still, drawing = Frames(np.array([built.state.t]), r[None], e[None]), draw_system(built.system)
     content = Content(*nearby(drawing, still), [], 1.0, look.title, look.layers, followed=look.followed)
@@ -74,7 +74,7 @@ def ride_page(model: Playable, built: Built, look: Look) -> str:
 
 
 def pivot_of(system: Mechanism) -> np.ndarray | None:
-    """The one point of the ground that a mechanism hangs on or stands on [m]; None if there is none, or more.
+    """Return the one point of the ground that a mechanism hangs on or stands on [m]; None if there are none or more.
 
     What is held at several points does not leave far the box that it takes at first.
     """
@@ -87,7 +87,7 @@ def pivot_of(system: Mechanism) -> np.ndarray | None:
 
 
 def control_data(control: Control) -> dict[str, object]:
-    """What the page knows of a control."""
+    """Return the data of a control for the page."""
     return {
         "name": control.name, "low": control.low, "high": control.high, "value": control.value, "unit": control.unit,
         "keys": [list(pair) for pair in control.keys], "pad": control.pad, "springs": control.springs,
@@ -95,7 +95,7 @@ def control_data(control: Control) -> dict[str, object]:
 
 
 def shapes_of(system: Mechanism) -> Shapes:
-    """Meshes and lines of the bodies, as the nodes of the scene hold them."""
+    """Return meshes and lines of the bodies, as the nodes of the scene hold them."""
     recording = Recording("play")
     r, e = poses_of(system)
     still = Frames(np.zeros(1), r[None], e[None])

@@ -1,4 +1,4 @@
-"""A model that moves in real time while a browser shows it and changes its inputs."""
+"""Model that moves in real time while a browser shows it and changes its inputs."""
 
 import json
 import math
@@ -26,7 +26,7 @@ SLOW_LOOK_INTERVAL_FRAMES = 6  # [frames] from one look at what seldom changes t
 
 
 class Play(Served):
-    """A model that is played in a browser; see `mbsd3d.api.playing.Play`."""
+    """Live run in a browser; see `mbsd3d.api.playing.Play`."""
 
     kind = "play"
 
@@ -46,21 +46,21 @@ class Play(Served):
 
     @property
     def t(self) -> float:
-        """Time reached [s]."""
+        """Return the time reached so far [s]."""
         return self._playing.slices.t
 
     @property
     def late(self) -> int:
-        """Frames since the start or a reset that were ready after the next one was due."""
+        """Return the number of frames since the start or a reset that were ready after the next one was due."""
         return self._playing.late
 
     @property
     def values(self) -> dict[str, float]:
-        """What inputs have now, by name."""
+        """Return the values of the inputs now, by name."""
         return self._playing.now
 
     def set(self, name: str, value: float) -> None:
-        """Give an input a value, as its slider does.
+        """Set the value of an input, as its slider does.
 
         Raises
         ------
@@ -76,21 +76,21 @@ class Play(Served):
         self._playing.do(self._playing.set, name, value).result()
 
     def reset(self) -> None:
-        """Back to the start."""
+        """Go back to the start."""
         self._playing.do(self._playing.reset).result()
 
     def solution(self) -> RunResult:
-        """The ride so far, of at most the last ten minutes, with a sample every 1/60 s."""
+        """Return the run so far, of at most the last ten minutes, with a sample every 1/60 s."""
         return self._playing.do(self._playing.result).result()
 
     def _close(self) -> None:
-        """The model first, then the server."""
+        """Stop the model, then the server."""
         self._playing.stop()
         self._worker.shutdown(wait=False, cancel_futures=True)
         self._server.stop()
 
     def _publish(self, frame: Frame) -> None:
-        """Send a frame, and news if there are any; in the thread of the model."""
+        """Send a frame, and news if there are any; called in the thread of the model."""
         curves = np.asarray(frame.seen.curves, float)
         self._remember(frame.t, curves)
         self._good = frame.seen.good
@@ -104,14 +104,14 @@ class Play(Served):
         self._server.publish(news, np.concatenate([head, curves, frame.poses.ravel()]).astype("<f8").tobytes())
 
     def _remember(self, t: float, curves: np.ndarray) -> None:
-        """Keep the curves for those who open the page later."""
+        """Keep the curves for browsers that open the page later."""
         if self._history and self._history[-1][0] > t:  # it was reset
             self._history.clear()
         if not self._history or self._history[-1][0] < t:
             self._history.append([t, *(x if math.isfinite(x) else None for x in curves.tolist())])
 
     def _state(self) -> dict[str, object]:
-        """What seldom changes."""
+        """Return the values that seldom change."""
         playing = self._playing
         return {
             "values": playing.values, "held": playing.held, "good": self._good, "shapes": self._shapes,
@@ -120,15 +120,15 @@ class Play(Served):
         }  # fmt: skip
 
     def _news(self, **more: object) -> str:
-        """What has changed, as JSON."""
+        """Return what has changed, as JSON."""
         return json.dumps(self._state() | more, allow_nan=False)
 
     def _greeting(self) -> str:
-        """What a browser that has just connected needs."""
+        """Return what a browser needs that has just connected."""
         return self._news(history=list(self._history))
 
     def _hear(self, said: str) -> bool:
-        """What a browser says, in the thread of the server; False if it makes no sense."""
+        """Obey a message of a browser, in the thread of the server; return False if it makes no sense."""
         playing, do = self._playing, self._playing.do
         match parsed(said):
             case {"set": str(name), "to": float(x)} if name in self._controls:
@@ -153,24 +153,24 @@ class Play(Served):
         return True
 
     def _clipped(self, name: str, value: float) -> float:
-        """Within the range of a control."""
+        """Return the value within the range of a control."""
         control = self._controls[name]
         return min(max(value, control.low), control.high)
 
     def _leave(self, last: bool) -> None:
-        """A browser has gone: its keys are up; after the last one the model waits for another."""
+        """Release the keys of a browser that has gone; after the last one the model waits for another."""
         self._playing.do(self._playing.held.clear)
         if last:
             self._playing.do(self._playing.watch, False)
 
     def _redraw(self, system: Mechanism) -> None:
-        """The bodies have other shapes now; those that differ from the page's are told."""
+        """Send the shapes of bodies that differ from those of the page."""
         if system is self._drawn:  # no newer one waits
             found = shapes_of(system)
             self._shapes = {name: shape for name, shape in found.items() if shape != self._drawings.get(name)}
 
     def _save(self) -> None:
-        """Make a page of the ride, which the browser then asks for."""
+        """Make a page of the run, which the browser then asks for."""
         try:
             page = ride_so_far(self.solution(), self._playing.built.curves, self._look)
         except MbsError as error:
@@ -184,7 +184,7 @@ class Play(Served):
 
 
 def ride_so_far(solution: Poses, curves: Wanted | None, look: Look) -> str:
-    """A page of its own, that needs no server."""
+    """Return a page of the run that needs no server."""
     follow = solution.system.bodies[look.followed] if look.followed >= 0 else None
     hidden = [layer for layer in (*DEFAULT_LAYERS, "body names") if layer not in look.layers]
     view = animate(
@@ -195,7 +195,7 @@ def ride_so_far(solution: Poses, curves: Wanted | None, look: Look) -> str:
 
 
 def parsed(said: str) -> object:
-    """JSON with finite numbers, all of them floats; None for anything else."""
+    """Parse JSON with finite numbers, all of them floats; return None for anything else."""
     try:
         return json.loads(said, parse_int=float, parse_constant=refused)
     except (ValueError, RecursionError):
@@ -203,5 +203,5 @@ def parsed(said: str) -> object:
 
 
 def refused(word: str) -> None:
-    """NaN and Infinity are no numbers here."""
+    """Refuse NaN and Infinity as numbers."""
     raise InputError(f"{word} is not finite")

@@ -1,4 +1,4 @@
-"""A page and a socket, served on this machine behind the guard: frames go out, what keys and sliders do comes in."""
+"""Page and socket, served on this machine behind the guard: frames go out, keys and sliders come in."""
 
 import asyncio
 import logging
@@ -22,13 +22,13 @@ MESSAGE_BYTES_MAX = 2**12  # [bytes] of the message of a key or a slider
 
 
 class Outlet:
-    """What one browser gets next: the newest news and the newest frame, so that a slow one is not flooded."""
+    """Newest news and newest frame for one browser, so that a slow one is not flooded."""
 
     def __init__(self) -> None:
         self.due, self.news, self.frame = asyncio.Event(), "", b""
 
     def put(self, news: str = "", frame: bytes = b"") -> None:
-        """Something newer."""
+        """Replace the message that waits to be sent by a newer one."""
         self.news, self.frame = news or self.news, frame or self.frame
         self.due.set()
 
@@ -46,7 +46,7 @@ class Outlet:
 
 
 class Server:
-    """Serves the files of ``pages`` (path -> content), and at /live the newest of what `publish` is given.
+    """Server of the files of ``pages`` (path -> content), and at /live of the newest that `publish` was given.
 
     ``greet()`` gives the first message for a browser; ``hear(text)`` takes one of its own, and says if it made sense;
     ``leave(last)`` is called when one has gone.
@@ -76,17 +76,17 @@ class Server:
         self.loop.call_soon_threadsafe(lambda: [outlet.put(news, frame) for outlet in self.outlets])
 
     def stop(self) -> None:
-        """End all connections and free the port."""
+        """Close all connections and free the port."""
         self.loop.call_soon_threadsafe(self._close)
         self.thread.join()
 
     def _close(self) -> None:
-        """In the thread of the server."""
+        """Close the server, in its own thread."""
         self.server.close()
         self.visitors.dismiss()
 
     def _run(self, ready: threading.Event) -> None:
-        """The thread: until the server is closed."""
+        """Serve until closed; the function of the thread."""
         asyncio.set_event_loop(self.loop)
         try:
             self.loop.run_until_complete(self._serve(ready))
@@ -108,7 +108,7 @@ class Server:
         await self.server.wait_closed()
 
     def _answer(self, connection: "ServerConnection", request: "Request") -> "Response | None":
-        """A file; None = the socket."""
+        """Return a file; None = the socket."""
         path = request.path.partition("?")[0]
         if path == "/live" and "websocket" in map(str.lower, request.headers.get_all("Upgrade")):
             return None
@@ -142,7 +142,7 @@ class Server:
 
 
 def bound(port: int) -> socket.socket:
-    """A socket at a port of this machine, 0 = any that is free; ValueError if it cannot be had."""
+    """Return a socket at a port of this machine, 0 = any that is free; raise a ValueError if it cannot be had."""
     try:
         return socket.create_server((HOST, port))
     except OSError as error:

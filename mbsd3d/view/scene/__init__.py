@@ -1,1 +1,1 @@
-"""What is drawn of a mechanism: pieces, poses over time, arrows, traces."""
+"""Scene of a mechanism: pieces, poses over time, arrows, traces."""

@@ -1,4 +1,4 @@
-"""Makes the drawing of a system."""
+"""Construction of the drawing of a system."""
 
 import numpy as np
 
@@ -24,12 +24,12 @@ PEN_LIFT = np.full(3, np.nan)  # separates two strokes
 
 
 def draw_system(system: Mechanism) -> Drawing:
-    """What is drawn of a system, true to scale, except for the marks of joints and points."""
+    """Draw a system, true to scale, except for the marks of joints and points."""
     return Artist(system).draw()
 
 
 def thread(vertices: np.ndarray) -> np.ndarray:
-    """(2, 3) ends of the middle line of points that are so thin that a screen has no pixel for them; else (0, 3)."""
+    """Return the ends (2, 3) of the middle line of points too thin for a screen; else (0, 3)."""
     middle = vertices.mean(axis=0)
     axes = np.linalg.svd(vertices - middle, full_matrices=False)[2]
     along = (vertices - middle) @ axes.T
@@ -42,7 +42,7 @@ def thread(vertices: np.ndarray) -> np.ndarray:
 
 
 class Artist:
-    """Makes the drawing of a system, step by step: bodies first, since the marks are sized by them."""
+    """Builder of the drawing of a system: bodies first, since the marks are sized by them."""
 
     def __init__(self, system: Mechanism) -> None:
         self.system = system
@@ -53,7 +53,7 @@ class Artist:
         self.surfaces = {id(part.b): part.surface for part in touching}
 
     def bodies(self) -> None:
-        """Shapes of the bodies; those without one that roll as a disc are a lens of its radius."""
+        """Draw the shapes of the bodies; those without one that roll as a disc are a lens of its radius."""
         for i, body in enumerate(self.system.bodies):
             for shape in self.shapes(body):
                 tint = shape.colour or colour(i)
@@ -69,7 +69,7 @@ class Artist:
                     raise InputError(f"body '{body.name}': {error}") from error
 
     def shapes(self, body: Body) -> tuple[Shape, ...]:
-        """Those of a body: else the surface it rolls or touches with; a wheel's ellipsoid would reach into the road."""
+        """Return the shapes of a body, else the surface it rolls or touches with."""
         if body.shape is None and id(body) in self.surfaces:
             return (self.surfaces[id(body)],)
         disc = self.rolling.get(id(body))
@@ -81,7 +81,7 @@ class Artist:
         return (Ellipsoid((inner, inner, 0.1 * disc.radius), orientation=turn),)
 
     def arms(self) -> None:
-        """Wires from the centres of mass to joints and springs, and the links."""
+        """Draw wires from the centres of mass to joints and springs, and the links."""
         strokes: dict[int, list[np.ndarray]] = {}
         for part in (*self.system.joints, *self.system.forces):
             points = joints_of(part)
@@ -95,13 +95,13 @@ class Artist:
             self.drawing.wires.append(Wire(self.system.bodies[i].name, "bodies", i, np.array(points[:-1]), colour(i)))
 
     def circles(self) -> None:
-        """Rolling and pitch circles."""
+        """Draw rolling and pitch circles."""
         for joint in self.system.joints:
             for body, mesh in circles(joint):
                 self.drawing.pieces.append(Piece(self.system.name(joint), "joints", self.place[id(body)], mesh, MARK))
 
     def names(self) -> None:
-        """Names of bodies at their centres of mass, of joints at their points."""
+        """Write names of bodies at their centres of mass, of joints at their points."""
         add = self.drawing.tags.append
         for i, body in enumerate(self.system.bodies):
             add(Tag(body.name, "body names", i, body.com, colour(i)))
@@ -110,14 +110,14 @@ class Artist:
             add(Tag(self.system.name(joint), "joint names", self.place[id(body)], body.local_point(point), MARK))
 
     def grain(self, size: float) -> float:
-        """Size of joints: a twenty-fifth of the mechanism's, but no more than a part of a typical body's."""
+        """Return the size of joints: a twenty-fifth of the mechanism's, but no more than a part of a typical body's."""
         ground = self.place[id(GROUND)]
         extents = [float(np.ptp(own, axis=0).max()) for i, own in corners(self.drawing).items() if i != ground]
         extents = [extent for extent in extents if extent > 0.0]
         return min(0.04 * size, 0.15 * float(np.median(extents))) if extents else 0.04 * size
 
     def marks(self, size: float) -> None:
-        """Centres of mass, reference points, and balls for bodies that have no shape."""
+        """Draw centres of mass, reference points, and balls for bodies that have no shape."""
         bar = [scaled(block(), *np.where(np.arange(3) == k, 1.5, 0.12) * size) for k in range(3)]
         cross, dot = joined(*bar), scaled(ball(), *3 * (0.4 * size,))
         add = self.drawing.pieces.append
@@ -129,7 +129,7 @@ class Artist:
             add(Piece(body.name, "reference point", i, cross, GREY))
 
     def joints(self, size: float) -> None:
-        """Solids and axes of the joints."""
+        """Draw solids and axes of the joints."""
         for joint in self.system.joints:
             name = self.system.name(joint)
             for body, mesh in solids(joint, size):
@@ -138,7 +138,7 @@ class Artist:
                 self.drawing.wires.append(Wire(name, "joints", self.place[id(body)], ends, MARK))
 
     def draw(self) -> Drawing:
-        """The whole drawing: first everything to scale, which gives the size of the marks."""
+        """Return the whole drawing: first everything to scale, which gives the size of the marks."""
         self.bodies()
         self.arms()
         self.circles()

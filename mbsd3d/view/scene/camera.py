@@ -1,4 +1,4 @@
-"""The camera: position of the eye, perspective, and round lengths for the ground grid."""
+"""Camera: position of the eye, perspective, and round lengths for the ground grid."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -26,7 +26,7 @@ ROUND_NUMBERS = np.array([1.0, 2.0, 5.0, 10.0])
 
 
 class Camera(NamedTuple):
-    """Where one looks from, world [m]; z is up."""
+    """Eye and target, world [m]; z is up."""
 
     position: np.ndarray
     look_at: np.ndarray
@@ -34,7 +34,7 @@ class Camera(NamedTuple):
 
 
 def frame_camera(low: np.ndarray, high: np.ndarray, fov: float = 0.7) -> Camera:
-    """A camera that sees the whole box at an oblique angle, with a little air, in a picture at least as wide as high.
+    """Return a camera that sees the whole box at an oblique angle, in a picture at least as wide as high.
 
     A corner at w from the middle is seen if its distances across the view are below (d - w . u) tan(fov / 2), with u
     towards the camera, d the distance and fov the vertical angle of view [rad]. A point is taken as a box of 1 m.
@@ -50,7 +50,7 @@ def frame_camera(low: np.ndarray, high: np.ndarray, fov: float = 0.7) -> Camera:
 
 
 class Sight(NamedTuple):
-    """A box along the directions of a view: its middle, world [m], and what it takes of a camera's distance [m].
+    """Box along the directions of a view: its middle, world [m], and its extent in camera distances [m].
 
     A window of width over height ``a`` shows the whole box from ``depth + max(across / a, up)``.
     """
@@ -62,13 +62,13 @@ class Sight(NamedTuple):
     up: float
 
     def camera(self, aspect: float = 1.0) -> Camera:
-        """The camera that sees the box in a window of this width over its height."""
+        """Return the camera that sees the box in a window of this width over its height."""
         distance = self.depth + max(self.across / aspect, self.up)
         return Camera(self.middle + distance * self.axes[0], self.middle, distance)
 
 
 def sight(low: np.ndarray, high: np.ndarray, axes: np.ndarray, fov: float, *, turns: bool = False) -> Sight:
-    """How a box is seen whose corners are given along ``axes`` [m], with a little air.
+    """Return how a box is seen whose corners are given along ``axes`` [m], with a margin.
 
     Its nearer face, h tan(fov / 2) / (d - depth) of the window high, is what limits the distance d. What ``turns``
     about the vertical is as wide as it is deep, and higher when it tips over. A point is taken as a box of 1 m.
@@ -81,7 +81,7 @@ def sight(low: np.ndarray, high: np.ndarray, axes: np.ndarray, fov: float, *, tu
 
 
 def directions(view: Sequence[float] | None) -> np.ndarray:
-    """(3, 3) towards the camera, right and up at an azimuth and an elevation [degrees]; None = the usual ones."""
+    """Return (3, 3) towards the camera, right and up at an azimuth and an elevation [degrees]; None = the default."""
     if view is None:
         return VIEW_AXES
     azimuth, elevation = np.radians(checked_view(view))
@@ -90,7 +90,7 @@ def directions(view: Sequence[float] | None) -> np.ndarray:
 
 
 def stood_back(camera: Camera, points: np.ndarray) -> Camera:
-    """The camera so far back that points (k, 3), world [m], are before it and not much aside; else they are distorted.
+    """Return the camera moved back until points (k, 3), world [m], are before it and not distorted.
 
     With w from the point one looks at and u towards the camera this is ``|w - (w . u) u| <= ASIDE (d - w . u)``.
     """
@@ -103,18 +103,18 @@ def stood_back(camera: Camera, points: np.ndarray) -> Camera:
 
 
 def turned(camera: Camera, azimuth: float, elevation: float) -> Camera:
-    """The camera moved about the point it looks at: azimuth from x about z, elevation above the horizon [degrees]."""
+    """Return the camera turned about its target: azimuth from x about z, elevation above the horizon [degrees]."""
     towards = directions((azimuth, elevation))[0]
     return camera._replace(position=camera.look_at + camera.distance * towards)
 
 
 def seen_from(camera: Camera, view: Sequence[float] | None) -> Camera:
-    """The camera at an azimuth and an elevation [degrees]; None = as it is. ValueError for anything else."""
+    """Return the camera at an azimuth and an elevation [degrees]; None = as it is. ValueError for anything else."""
     return camera if view is None else turned(camera, *checked_view(view))
 
 
 def checked_view(view: Sequence[float]) -> tuple[float, float]:
-    """Azimuth and elevation [degrees] of a camera that stands upright."""
+    """Return azimuth and elevation [degrees] of a camera that stands upright."""
     azimuth, elevation = pair(view, "view")
     if not -89.0 <= elevation <= 89.0:
         raise InputError(f"view: elevation = {elevation:g}; give -89 ... 89 degrees")
@@ -122,21 +122,21 @@ def checked_view(view: Sequence[float]) -> tuple[float, float]:
 
 
 def pair(value: Sequence[float], what: str) -> tuple[float, float]:
-    """Two numbers."""
+    """Return two numbers."""
     if np.shape(value) != (2,):
         raise InputError(f"{what}: {shown(value)} is not a pair; give two numbers")
     return number(value[0], what), number(value[1], what)
 
 
 class Lens(NamedTuple):
-    """An eye, and the directions right, up and forward as rows."""
+    """Eye, and the directions right, up and forward as rows."""
 
     eye: np.ndarray  # (3,) world [m]
     axes: np.ndarray  # (3, 3) unit vectors, world
     distance: float  # to the point one looks at [m]
 
     def project(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """World points (..., 3) as (..., 2) on a paper at distance 1 from the eye, and their depths (...) [m].
+        """Return world points (..., 3) as (..., 2) on a paper at distance 1 from the eye, and their depths (...) [m].
 
         With d = p - eye: depth = d . forward, x = d . right / depth, y = d . up / depth.
         """
@@ -146,7 +146,7 @@ class Lens(NamedTuple):
 
 
 def lens_of(camera: Camera) -> Lens:
-    """The lens of an upright camera, which looks neither straight up nor straight down."""
+    """Return the lens of an upright camera, which looks neither straight up nor straight down."""
     forward = np.asarray(camera.look_at, float) - camera.position
     distance = float(np.linalg.norm(forward))
     forward = forward / distance
@@ -156,7 +156,7 @@ def lens_of(camera: Camera) -> Lens:
 
 
 def window(points: np.ndarray, shape: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
-    """Lower left and upper right corner of the part of the paper that holds all projected points (k, 2), with air.
+    """Return lower left and upper right corner of the part of the paper that holds all projected points (k, 2).
 
     ``shape`` is the width and height of the picture in any unit.
     """
@@ -167,18 +167,18 @@ def window(points: np.ndarray, shape: tuple[float, float]) -> tuple[np.ndarray, 
 
 
 def round_up(length: float) -> float:
-    """1, 2 or 5 times a power of ten, not below ``length``."""
+    """Return 1, 2 or 5 times a power of ten, not below ``length``."""
     steps = ROUND_NUMBERS * 10.0 ** np.floor(np.log10(length))
     return float(f"{steps[steps >= length][0]:.1g}")
 
 
 def round_down(length: float) -> float:
-    """1, 2 or 5 times a power of ten, not above ``length``."""
+    """Return 1, 2 or 5 times a power of ten, not above ``length``."""
     steps = ROUND_NUMBERS * 10.0 ** np.floor(np.log10(length))
     return float(f"{steps[steps <= length * (1.0 + 1e-9)][-1]:.1g}")
 
 
 def length_text(length: float) -> str:
-    """A length with a unit in which it is a usual number."""
+    """Return a length as text, in a unit in which it is a usual number."""
     unit, factor = ("mm", 1e3) if length < 0.01 else ("km", 1e-3) if length >= 1000.0 else ("m", 1.0)
     return f"{length * factor:g} {unit}"

@@ -1,4 +1,4 @@
-"""The drawing of a system: triangles, lines and names, each fixed in a body, and the layers that show and hide them.
+"""Drawing of a system: triangles, lines and names, each fixed in a body, and the layers that show and hide them.
 
 Bodies are given by their places in ``system.bodies``; the ground comes last (place ``len(system.bodies)``).
 """
@@ -66,7 +66,7 @@ class Tag(NamedTuple):
 
 
 class Drawing(NamedTuple):
-    """All that is drawn of a system; ``size`` is its largest extent at the reference pose [m]."""
+    """Drawing of a system; ``size`` is its largest extent at the reference pose [m]."""
 
     pieces: list[Piece]
     wires: list[Wire]
@@ -78,7 +78,7 @@ class Drawing(NamedTuple):
 
 
 def title_of(system: Mechanism) -> str:
-    """The name of the system, else those of its bodies, the first ones of many."""
+    """Return the name of the system, else those of its bodies, the first ones of many."""
     if system.title:
         return system.title
     names = [body.name for body in system.bodies]
@@ -90,7 +90,7 @@ def title_of(system: Mechanism) -> str:
 
 
 def layers_of(shown: Layers, hidden: Layers, usual: Collection[str]) -> tuple[str, ...]:
-    """The visible layers, in their order: the usual ones and ``shown``, without ``hidden``."""
+    """Return the visible layers, in their order: the default ones and ``shown``, without ``hidden``."""
     more, less = known(shown, "shown"), known(hidden, "hidden")
     for layer in more:
         if layer in less:
@@ -99,7 +99,7 @@ def layers_of(shown: Layers, hidden: Layers, usual: Collection[str]) -> tuple[st
 
 
 def known(wanted: Layers, option: str) -> tuple[str, ...]:
-    """Names of layers, checked; a text is a single one."""
+    """Check names of layers and return them; a text is a single one."""
     wanted = (wanted,) if isinstance(wanted, str) else listed(wanted, option, "a list, e.g. ['angular velocity']")
     for layer in wanted:
         if not isinstance(layer, str) or layer not in LAYERS:
@@ -108,7 +108,7 @@ def known(wanted: Layers, option: str) -> tuple[str, ...]:
 
 
 def poses_of(system: Mechanism, state: State | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """(n + 1, 3) positions and (n + 1, 4) unit quaternions with the ground last, at a state or the reference pose."""
+    """Return positions (n + 1, 3) and unit quaternions (n + 1, 4), ground last, at a state or the reference pose."""
     if state is None:
         r = np.array([body.position for body in system.bodies])
         e = np.array([body.orientation for body in system.bodies])
@@ -123,7 +123,7 @@ def poses_of(system: Mechanism, state: State | None = None) -> tuple[np.ndarray,
 
 
 def corners(drawing: Drawing, layers: Collection[str] = LAYERS) -> dict[int, np.ndarray]:
-    """Body -> (k, 3) all its points in some layers, body axes from O [m]."""
+    """Return for each body all its points (k, 3) in some layers, body axes from O [m]."""
     found: dict[int, list[np.ndarray]] = {}
     for piece in drawing.pieces:
         if piece.layer in layers:
@@ -140,7 +140,7 @@ def corners(drawing: Drawing, layers: Collection[str] = LAYERS) -> dict[int, np.
 def bounds(
     drawing: Drawing, r: np.ndarray, e: np.ndarray, layers: Collection[str] = LAYERS, axes: np.ndarray = WORLD_AXES
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Lowest and highest corner along ``axes`` (rows, world) [m], over poses.
+    """Return lowest and highest corner along ``axes`` (rows, world) [m], over poses.
 
     These are r (frames, n + 1, 3) and e (frames, n + 1, 4), the ground last. Of what is in some layers, of all if these
     are empty. In long runs of large systems every k-th pose is looked at.

@@ -37,12 +37,12 @@ class Frames(NamedTuple):
 
     @property
     def first(self) -> "Frames":
-        """The first one alone."""
+        """Return the frames reduced to the first one."""
         return Frames(self.t[:1], self.r[:1], self.e[:1])
 
 
 def frames_of(motion: Poses, count: int | None = None) -> Frames:
-    """Frames in equal steps of time from the first to the last sample, of a run or a mode.
+    """Return frames in equal steps of time from the first to the last sample, of a run or a mode.
 
     ``count`` >= 2; None = so many that no body turns by more than 0.2 rad in one and a film has 25 per second, at most
     1000, and fewer where that makes more than 200 000 poses.
@@ -58,7 +58,7 @@ def frames_of(motion: Poses, count: int | None = None) -> Frames:
 
 
 def frames_at(motion: Poses, t: np.ndarray) -> Frames:
-    """Frames at the given times [s] of a run."""
+    """Return frames at the given times [s] of a run."""
     r, e = poses(motion, between(motion, t))
     ground = np.broadcast_to([1.0, 0.0, 0.0, 0.0], (t.size, 1, 4))
     r = np.concatenate([r, np.zeros((t.size, 1, 3))], axis=1)
@@ -66,7 +66,7 @@ def frames_at(motion: Poses, t: np.ndarray) -> Frames:
 
 
 def enough_frames(motion: Poses) -> int:
-    """Frames for a smooth picture of a run."""
+    """Return the number of frames for a smooth picture of a run."""
     span = float(motion.t[-1] - motion.t[0])
     if isinstance(motion, RunResult):
         fastest = float(np.linalg.norm(motion.arrays["v"][..., 3:], axis=-1).max())
@@ -77,7 +77,7 @@ def enough_frames(motion: Poses) -> int:
 
 
 def sensible_speed(seconds: float, longest: float = REAL_TIME_SECONDS_MAX, sensible: float = FILM_SECONDS) -> float:
-    """Real time for a run of 2 s ... ``longest``, else a round factor that makes it about ``sensible`` seconds."""
+    """Return 1 for a run of 2 s ... ``longest``, else a round factor that makes it about ``sensible`` seconds."""
     if seconds <= 0.0 or REAL_TIME_SECONDS_MIN <= seconds <= longest:
         return 1.0
     exact = seconds / sensible
@@ -87,7 +87,7 @@ def sensible_speed(seconds: float, longest: float = REAL_TIME_SECONDS_MAX, sensi
 
 
 class Between(NamedTuple):
-    """Where each time lies among the samples; ``share`` is 0 or 1 where only the nearest sample is shown."""
+    """Places of times among the samples; ``share`` is 0 or 1 where only the nearest sample is shown."""
 
     left: np.ndarray  # (times,) number of the sample before
     right: np.ndarray  # (times,) and of the one after, the same one for a single sample
@@ -95,19 +95,19 @@ class Between(NamedTuple):
     step: np.ndarray  # (times,) distance of the two samples [s]
 
     def blend(self, values: np.ndarray) -> np.ndarray:
-        """(times, ...) straight lines between samples (samples, ...)."""
+        """Interpolate linearly, (times, ...), between samples (samples, ...)."""
         share = self.share.reshape(-1, *[1] * (values.ndim - 1))
         return (1.0 - share) * values[self.left] + share * values[self.right]
 
     def compact(self) -> tuple[np.ndarray, "Between"]:
-        """The samples that are used, in order, and the same places among these alone."""
+        """Return the samples that are used, in order, and the same places among these alone."""
         used, places = np.unique(np.concatenate([self.left, self.right]), return_inverse=True)
         left, right = np.split(places, 2)
         return used, self._replace(left=left, right=right)
 
 
 def between(motion: Poses, t: np.ndarray) -> Between:
-    """Places of the times [s] among the samples of a run or a mode."""
+    """Return the places of the times [s] among the samples of a run or a mode."""
     samples = motion.t
     left = np.clip(np.searchsorted(samples, t, side="right") - 1, 0, max(samples.size - 2, 0))
     right = np.minimum(left + 1, samples.size - 1)
@@ -118,7 +118,7 @@ def between(motion: Poses, t: np.ndarray) -> Between:
 
 
 def turns(motion: Poses) -> np.ndarray:
-    """(samples - 1,) the largest angle [rad] a body turns by from each sample to the next."""
+    """Return the largest angle [rad] (samples - 1,) a body turns by from each sample to the next."""
     e = unit(motion.arrays["q"][..., 3:])
     half = 0.5 * np.linalg.norm(e[1:] - same_sheet(e[:-1], e[1:]), axis=-1)
     angle = 4.0 * np.arcsin(np.minimum(half, 1.0))
@@ -129,7 +129,7 @@ def turns(motion: Poses) -> np.ndarray:
 
 
 def poses(motion: Poses, where: Between) -> tuple[np.ndarray, np.ndarray]:
-    """Positions (times, n, 3) [m] and unit quaternions (times, n, 4)."""
+    """Return positions (times, n, 3) [m] and unit quaternions (times, n, 4)."""
     q, s = motion.arrays["q"], where.share[:, None, None]
     (r0, e0), (r1, e1) = ((part[..., :3], unit(part[..., 3:])) for part in (q[where.left], q[where.right]))
     e1 = same_sheet(e1, e0)
@@ -143,21 +143,21 @@ def poses(motion: Poses, where: Between) -> tuple[np.ndarray, np.ndarray]:
 
 
 def e_dot(e: np.ndarray, omega: np.ndarray) -> np.ndarray:
-    """H(e) omega / 2."""
+    """Return H(e) omega / 2."""
     return 0.5 * np.einsum("...ij,...j->...i", H(e), omega)
 
 
 def unit(e: np.ndarray) -> np.ndarray:
-    """Quaternions of length 1: without stabilisation the norms of a run drift."""
+    """Return quaternions of length 1; without stabilisation the norms of a run drift."""
     return e / np.linalg.norm(e, axis=-1, keepdims=True)
 
 
 def same_sheet(e: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """e or -e, whichever is nearer to the other."""
+    """Return e or -e, whichever is nearer to the other."""
     return np.where((e * other).sum(axis=-1, keepdims=True) < 0.0, -e, e)
 
 
 def one_sheet(e: np.ndarray) -> np.ndarray:
-    """(times, n, 4) the same rotations with a positive product of neighbours in time."""
+    """Return (times, n, 4) the same rotations with a positive product of neighbours in time."""
     signs = np.where((e[1:] * e[:-1]).sum(axis=-1) < 0.0, -1.0, 1.0)
     return e * np.concatenate([np.ones((1, e.shape[1])), np.cumprod(signs, axis=0)])[..., None]

@@ -1,4 +1,4 @@
-"""The solids of joints, from the motion they allow, not from their names: a new joint needs nothing here.
+"""Solids of joints, from the motion they allow, not from their names: a new joint needs nothing here.
 
 An angle is a barrel about its axis, a slide a rail along it, a plane a plate, a curve a line, what turns and slides in
 no way a cube, a coupling or driver a ring about the axis it acts on, anything else a ball at its point.
@@ -31,25 +31,25 @@ class Glyph(NamedTuple):
 
 
 def placed(mesh: Mesh, body: Body | Ground, point: np.ndarray, axis: np.ndarray) -> Glyph:
-    """A mesh whose z lies along an axis and whose origin is a point, both world at the reference pose."""
+    """Return a mesh with its z along an axis and its origin at a point, both world at the reference pose."""
     frame = np.column_stack([body.local_axis(x) for x in (*perpendiculars(axis), axis)])
     return Glyph(body, moved(mesh, frame, body.local_point(point)))
 
 
 def scaled(mesh: Mesh, *sizes: float) -> Mesh:
-    """A unit mesh stretched along x, y, z."""
+    """Return a unit mesh stretched along x, y, z."""
     return moved(mesh, np.diag(sizes), np.zeros(3))
 
 
 def anchor(joint: Joint) -> tuple[Body | Ground, np.ndarray]:
-    """The body and the world point at the reference pose where the joint and its name are drawn."""
+    """Return the body and the world point at the reference pose where the joint and its name are drawn."""
     if isinstance(joint, RollingContact):
         return joint.b, joint.outline.centre  # the contact travels over both bodies
     return (joint.support() if isinstance(joint, GearMesh) else joint.b), joint.point()
 
 
 def circles(joint: Joint) -> list[Glyph]:
-    """The parts of a joint that are to scale: rolling and pitch circles."""
+    """Return the parts of a joint that are to scale: rolling and pitch circles."""
     if isinstance(joint, RollingDisc):
         return [circle(joint.b, joint.centre, joint.axis, joint.radius)]
     if isinstance(joint, GearMesh):
@@ -61,7 +61,7 @@ def circles(joint: Joint) -> list[Glyph]:
 
 
 def solids(joint: Joint, size: float) -> list[Glyph]:
-    """The other solids of a joint; ``size`` [m] is the length of a barrel."""
+    """Return the other solids of a joint; ``size`` [m] is the length of a barrel."""
     if isinstance(joint, RollingContact | GearMesh):
         return []
     if joint.partners():
@@ -70,7 +70,7 @@ def solids(joint: Joint, size: float) -> list[Glyph]:
 
 
 def guides(joint: Joint, size: float) -> list[Glyph]:
-    """Barrel, rail and plate, for an angle, a slide and a plane."""
+    """Return barrel, rail and plate, for an angle, a slide and a plane."""
     found, (angle, slide) = [], (joint.angle(), joint.slide())
     if angle is not None:
         found.append(placed(scaled(cylinder(24), 0.36 * size, 0.36 * size, size), angle.b, joint.point(), angle.axis_b))
@@ -82,7 +82,7 @@ def guides(joint: Joint, size: float) -> list[Glyph]:
 
 
 def ends(joint: Joint, body: Body | Ground, point: np.ndarray, size: float) -> list[Glyph]:
-    """What shows the point of a joint without an angle; a ball at the other end of a rod too."""
+    """Return the solid at the point of a joint without an angle; a ball at the other end of a rod too."""
     if joint.angle() is not None:
         return []
     if hasattr(joint, "speed"):
@@ -97,24 +97,24 @@ def ends(joint: Joint, body: Body | Ground, point: np.ndarray, size: float) -> l
 
 
 def circle(body: Body | Ground, centre: np.ndarray, axis: np.ndarray, radius: float) -> Glyph:
-    """A thin ring that turns with a body, with the outer radius in its true size."""
+    """Return a thin ring that turns with a body, with the outer radius in its true size."""
     return placed(torus((1.0 - RIM_RADIUS_RATIO) * radius, RIM_RADIUS_RATIO * radius, 60, 4), body, centre, axis)
 
 
 def pitch_circle(gear: Body | Ground, axle: Axle, at: np.ndarray) -> Glyph:
-    """The circle about the axis of a gear through the pitch point."""
+    """Return the circle about the axis of a gear through the pitch point."""
     arm = axle.arm(at)
     return circle(gear, at - arm, axle.axis, float(np.linalg.norm(arm)))
 
 
 def ring(partner: Joint, size: float) -> Glyph:
-    """About the axis of the joint on whose coordinate a coupling or driver acts."""
+    """Return a ring about the axis of the joint on whose coordinate a coupling or driver acts."""
     coordinate = partner.angle() or partner.slide()
     return placed(torus(0.62 * size, 0.1 * size), partner.b, partner.point(), coordinate.axis_b)
 
 
 def spokes(joint: Joint, length: float) -> list[tuple[Body | Ground, np.ndarray]]:
-    """(body, (2, 3) ends in its axes from O [m]) of the axes of a joint; (body, (n, 3) points) of its curve."""
+    """Return (body, (2, 3) ends in its axes from O [m]) of the axes of a joint; (body, (n, 3) points) of its curve."""
     own = {name: joint.a for name in AXES_OF_A} | {name: joint.b for name in AXES_OF_B}
     _, at = anchor(joint)
     if isinstance(joint, RollingDisc | GearMesh):
@@ -132,7 +132,7 @@ def spokes(joint: Joint, length: float) -> list[tuple[Body | Ground, np.ndarray]
 
 
 def joints_of(part: Joint | ForceElement) -> list[tuple[Body | Ground, np.ndarray]]:
-    """(body, world point at the reference pose) of the points of a part to which its bodies reach out."""
+    """Return (body, world point at the reference pose) of the points of a part to which its bodies reach out."""
     found = []
     if hasattr(part, "at_b"):
         found = [(part.a, part.at_a if hasattr(part, "at_a") else part.at), (part.b, part.at_b)]

@@ -23,7 +23,7 @@ ARROW_SECTIONS_COUNT = 12  # sections of an arrow about its axis
 
 
 class Skin(NamedTuple):
-    """A mesh without faces that have no area."""
+    """Mesh without faces of zero area."""
 
     vertices: np.ndarray  # (k, 3) [m]
     normals: np.ndarray  # (k, 3) unit vectors
@@ -33,7 +33,7 @@ class Skin(NamedTuple):
 
 
 def skin(mesh: Mesh) -> Skin:
-    """The mesh with its normals; a face with a corner whose faces cancel out has its own normal."""
+    """Return the mesh with its normals; a face with a corner whose faces cancel out has its own normal."""
     flat = flat_normals(mesh.vertices[mesh.faces])
     seen = flat.any(axis=1)
     faces, flat, shade = mesh.faces[seen], flat[seen], mesh.shade[seen]
@@ -48,32 +48,32 @@ def skin(mesh: Mesh) -> Skin:
 
 
 def is_closed(vertices: np.ndarray, faces: np.ndarray) -> bool:
-    """Whether every edge is passed in both directions, as the edges between faces of a solid are."""
+    """Return whether every edge is passed in both directions, as the edges between faces of a solid are."""
     _, places = np.unique(vertices.astype(np.float32), axis=0, return_inverse=True)  # sharp edges have vertices twice
     edges = places.reshape(-1)[faces[:, [0, 1, 1, 2, 2, 0]]].reshape(-1, 2)
     return np.array_equal(np.unique(edges, axis=0), np.unique(edges[:, ::-1], axis=0))
 
 
 def with_shade(mesh: Mesh, shade: int) -> Mesh:
-    """The faces of one shade, with those vertices only that they use."""
+    """Return the faces of one shade, with those vertices only that they use."""
     used, faces = np.unique(mesh.faces[mesh.shade == shade], return_inverse=True)
     return Mesh(mesh.vertices[used], faces.reshape(-1, 3), np.full(faces.size // 3, shade))
 
 
 def welded(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Faces (m, 3) with one number for all vertices at the same place, and those places."""
+    """Return faces (m, 3) with one number for all vertices at the same place, and those places."""
     grain = 1e-7 * float(np.ptp(vertices, axis=0).max() or 1.0)
     _, first, same = np.unique(np.round(vertices / grain), axis=0, return_index=True, return_inverse=True)
     return same.reshape(-1)[faces], vertices[first]
 
 
 def flat_normals(triangles: np.ndarray) -> np.ndarray:
-    """Unit normals of the planes of triangles (m, 3, 3); zero for one without area."""
+    """Return unit normals of the planes of triangles (m, 3, 3); zero for one without area."""
     return unit(np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]))
 
 
 def edges_of(faces: np.ndarray, vertices: np.ndarray, normals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(k, 2, 3) edges and (k, 2, 3) the normals of both faces at each; an open edge has its face twice."""
+    """Return edges (k, 2, 3) and the normals of both faces at each (k, 2, 3); an open edge has its face twice."""
     ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
     edges, first, same = np.unique(ends, axis=0, return_index=True, return_inverse=True)
     last = np.zeros_like(first)
@@ -82,12 +82,12 @@ def edges_of(faces: np.ndarray, vertices: np.ndarray, normals: np.ndarray) -> tu
 
 
 def unit(vectors: np.ndarray) -> np.ndarray:
-    """Vectors of length one; zero stays."""
+    """Return vectors of length one; zero stays."""
     return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-300)
 
 
 def unit_coil() -> Mesh:
-    """A coil spring of unit radius along z from 0 to 1 that closes to its axis at both ends."""
+    """Return a coil spring of unit radius along z from 0 to 1 that closes to its axis at both ends."""
     along = np.linspace(0.0, 1.0, COIL_TURNS_COUNT * COIL_POINTS_COUNT + 1)[:, None]
     radius = np.minimum(np.minimum(along, 1.0 - along) * COIL_TURNS_COUNT, 1.0)
     turn, zero = 2.0 * np.pi * COIL_TURNS_COUNT * along, np.zeros_like(along)
@@ -98,13 +98,13 @@ def unit_coil() -> Mesh:
 
 
 def unit_rod() -> Mesh:
-    """A rod of unit radius along z from 0 to 1."""
+    """Return a rod of unit radius along z from 0 to 1."""
     same = np.ones((2, 1))
     return tube(np.array([0.0 * Z_AXIS, Z_AXIS]), same * [1.0, 0.0, 0.0], same * [0.0, 1.0, 0.0])
 
 
 def tube(centres: np.ndarray, first: np.ndarray, second: np.ndarray) -> Mesh:
-    """An open tube about centres (k, 3) with elliptic sections of half axes ``first`` and ``second`` (k, 3)."""
+    """Return an open tube about centres (k, 3) with elliptic sections of half axes ``first`` and ``second`` (k, 3)."""
     turn = np.arange(WIRE_SIDES_COUNT) * 2.0 * np.pi / WIRE_SIDES_COUNT
     rings = centres[:, None] + np.cos(turn)[:, None] * first[:, None] + np.sin(turn)[:, None] * second[:, None]
     start = (np.arange(len(centres) - 1) * WIRE_SIDES_COUNT)[:, None] + np.arange(WIRE_SIDES_COUNT)
@@ -119,7 +119,7 @@ def tube(centres: np.ndarray, first: np.ndarray, second: np.ndarray) -> Mesh:
 
 
 def arrow(heads: int, length: float = 1.0, shaft: float = ARROW_RADIUS_RATIO, head: float = ARROW_HEAD_RATIO) -> Mesh:
-    """An arrow from the origin along z with one head or two, one behind the other; all lengths in one unit."""
+    """Return an arrow from the origin along z with one head or two, one behind the other; all lengths in one unit."""
     wide, corners = ARROW_HEAD_WIDTH_RATIO * shaft, [(0.0, 0.0), (shaft, 0.0), (shaft, length - heads * head)]
     for k in range(heads, 0, -1):
         corners += [(wide, length - k * head), (shaft if k > 1 else 0.0, length - (k - 1) * head)]
@@ -129,7 +129,7 @@ def arrow(heads: int, length: float = 1.0, shaft: float = ARROW_RADIUS_RATIO, he
 
 
 def rolled(spans: np.ndarray, least: float) -> tuple[np.ndarray, np.ndarray]:
-    """Lengths >= ``least`` (frames,) and unit quaternions (frames, 4) that turn z along spans (frames, 3).
+    """Return lengths >= ``least`` (frames,) and unit quaternions (frames, 4) that turn z along spans (frames, 3).
 
     The turn from frame to frame is the smallest one, so that nothing spins about its own axis.
     """
@@ -144,13 +144,16 @@ def rolled(spans: np.ndarray, least: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def laid(vectors: np.ndarray, rest: np.ndarray = Z_AXIS) -> np.ndarray:
-    """(k, 4) quaternions that turn z into the directions of vectors by way of the unit vectors ``rest``."""
+    """Return quaternions (k, 4) that turn z into the directions of vectors by way of the unit vectors ``rest``."""
     rest = np.broadcast_to(rest, vectors.shape)
     return multiply(smallest(rest, unit_or_z(vectors)), smallest(np.broadcast_to(Z_AXIS, rest.shape), rest))
 
 
 def smallest(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """(k, 4) unit quaternions of the smallest rotations of unit vectors a to b; half a turn about x if b = -a."""
+    """Return unit quaternions (k, 4) of the smallest rotations of unit vectors a to b.
+
+    Half a turn about x if b = -a.
+    """
     e = np.column_stack([1.0 + (a * b).sum(axis=1), np.cross(a, b)])
     norm = np.sqrt((e**2).sum(axis=1, keepdims=True))
     half = np.where(np.abs(a[:, :1]) < 0.9, np.cross(a, [1.0, 0.0, 0.0]), np.cross(a, [0.0, 1.0, 0.0]))
@@ -159,6 +162,6 @@ def smallest(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def unit_or_z(vectors: np.ndarray) -> np.ndarray:
-    """Unit vectors; z for vectors of length zero."""
+    """Return unit vectors; z for vectors of length zero."""
     length = np.sqrt((vectors**2).sum(axis=-1, keepdims=True))
     return np.divide(vectors, length, out=np.broadcast_to(Z_AXIS, vectors.shape).copy(), where=length > 0.0)

@@ -1,4 +1,4 @@
-"""Arrows, traces and curves over time of a motion; no plotting library."""
+"""Arrows, traces and curves over time of a motion, independent of a plotting library."""
 
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
@@ -39,22 +39,22 @@ class Arrows(NamedTuple):
 
     @property
     def longest(self) -> float:
-        """Largest magnitude over the frames [unit]."""
+        """Return the largest magnitude over the frames [unit]."""
         return float(np.linalg.norm(self.vectors, axis=-1).max(initial=0.0))
 
     @property
     def heads(self) -> int:
-        """Two for axial vectors (rotations, moments), as on paper; one for forces."""
+        """Return the heads of an arrow: two for axial vectors (rotations, moments), one for forces."""
         return 1 if self.kind == "reaction force" else 2
 
     @property
     def tints(self) -> list[str]:
-        """Colours of the arrows; uncertain ones are pale."""
+        """Return the colours of the arrows; uncertain ones are pale."""
         return [paler(self.colour) if unsure else self.colour for unsure in self.uncertain]
 
 
 class Vectors(NamedTuple):
-    """One vector on its way to be an arrow."""
+    """Vector that becomes an arrow."""
 
     name: str
     points: np.ndarray  # (frames, 3) world [m]
@@ -63,7 +63,7 @@ class Vectors(NamedTuple):
 
 
 class Trace(NamedTuple):
-    """The path of a point."""
+    """Path of a point."""
 
     name: str
     colour: str
@@ -71,7 +71,7 @@ class Trace(NamedTuple):
 
 
 class Curve(NamedTuple):
-    """One pair of axes: lines (frames,) over time."""
+    """Lines (frames,) over time of one plot."""
 
     label: str  # "angle of hinge"
     unit: str  # "rad"
@@ -79,7 +79,7 @@ class Curve(NamedTuple):
 
 
 def arrows_of(motion: Poses, frames: Frames) -> list[Arrows]:
-    """The four kinds, without those that are zero throughout; a mode has none.
+    """Return the four kinds of arrows, without those that are zero throughout; a mode has none.
 
     Angular velocities and angular momenta ``R I R' w`` are drawn at the centres of mass, reactions at the points at
     which `Solution.reaction` gives them; between samples vectors change along straight lines.
@@ -118,7 +118,7 @@ def arrows_of(motion: Poses, frames: Frames) -> list[Arrows]:
 
 
 def moved(frames: Frames, body: int, local: np.ndarray) -> np.ndarray:
-    """(frames, 3) world position of a point of a body, given in its axes from O: (3,), or (frames, 3)."""
+    """Return the world position (frames, 3) of a point of a body, given in its axes from O: (3,), or (frames, 3)."""
     r = frames.r[:, body]
     return r + np.einsum("tij,tj->ti", matrix(frames.e[:, body]), np.broadcast_to(local, r.shape))
 
@@ -126,7 +126,7 @@ def moved(frames: Frames, body: int, local: np.ndarray) -> np.ndarray:
 def carried(
     run: RunResult, frames: Frames, used: np.ndarray, where: Between, body: Body, points: np.ndarray
 ) -> np.ndarray:
-    """(frames, 3) a point given at the used samples, interpolated as the body sees it: it stays on its circle."""
+    """Return a point (frames, 3) given at the used samples, interpolated in body axes to stay on its circle."""
     if body is GROUND:
         return where.blend(points)
     local = np.einsum("tji,tj->ti", run.rotation(body)[used], points - run.position(body)[used])
@@ -136,7 +136,7 @@ def carried(
 def nearby(
     drawing: Drawing, frames: Frames, arrows: Sequence[Arrows] = (), traces: Sequence[Trace] = ()
 ) -> tuple[Drawing, Frames, list[Arrows], list[Trace]]:
-    """The same about the origin of the drawing: bodies are there, the ground stays and what is fixed to it moves."""
+    """Return frames, arrows and traces about the origin of the drawing; what is fixed to the ground moves."""
     o, ground = drawing.origin, frames.r.shape[1] - 1
 
     def there(body: int, points: np.ndarray) -> np.ndarray:
@@ -156,7 +156,7 @@ def nearby(
 
 
 def traces_of(motion: Poses, frames: Frames, points: Points | None = None) -> list[Trace]:
-    """Paths of points of bodies, in the colours of the bodies.
+    """Return the paths of points of bodies, in the colours of the bodies.
 
     ``points``: bodies or names, whose centres of mass are meant, and pairs of one and a world point at the reference
     pose [m], carried by the body; None = the centres of mass that move by more than 1 % of the mechanism's size, at
@@ -177,7 +177,7 @@ def traces_of(motion: Poses, frames: Frames, points: Points | None = None) -> li
 
 
 def trace_point(system: Mechanism, entry: tuple[Body | str, Iterable[float]]) -> tuple[Body, np.ndarray]:
-    """Body and point in its axes, of an entry (body or name, world point at the reference pose), or of a body alone."""
+    """Return body and point in its axes of an entry (body or name, world point at the reference pose), or of a body."""
     if isinstance(entry, Body | str):
         body = system.part(entry)
         return body, body.com
@@ -189,7 +189,7 @@ def trace_point(system: Mechanism, entry: tuple[Body | str, Iterable[float]]) ->
 
 
 def curves_of(motion: Poses, frames: Frames, wanted: Wanted | None = None) -> list[Curve]:
-    """The panels of `Solution.plot` over the time of the frames, with their labels and units; a mode has none.
+    """Return the panels of `Solution.plot` over the time of the frames; a mode has none.
 
     Of force and moment, momentum and angular momentum the one that is zero throughout is left out. ``wanted`` None =
     what tells most: angles or slides of at most 6 joints that move (else the angular velocity of the first body), the
@@ -204,7 +204,7 @@ def curves_of(motion: Poses, frames: Frames, wanted: Wanted | None = None) -> li
 
 
 def curve(samples: np.ndarray, t: np.ndarray, panel: Panel) -> Curve:
-    """A panel read at the times [s], between samples along Akima's cubic curves, which hardly swing beside a jump.
+    """Return a panel read at the times [s], between samples along Akima's curves, which hardly swing beside a jump.
 
     Along straight lines what is rounding (``log``), what is somewhere not finite, and what has two samples or a time
     twice.
