@@ -15,7 +15,7 @@ from engines.balance import looks, spatial
 from engines.balance.layouts import Engine, Layout
 from engines.balance.pages import drawings
 from mbsd3d import GROUND, Body, Joint, Solution, System
-from mbsd3d.extend import VIEW, matrix
+from mbsd3d.extend import VIEW_AXES, matrix
 
 ROOM, MARGIN = np.array([360.0, 250.0]), 12.0  # width and height
 ROUND = np.linspace(0, 2 * np.pi, 37)[:-1]
@@ -67,7 +67,7 @@ def shown(engine: Engine) -> Solution:
 def sketch(engine: Engine) -> Markup:
     """The engine upright and with its cylinders apart, as `shown` animates it."""
     engine = looks.pictured(engine)
-    to_paper = VIEW @ upright(engine.layout)  # towards the reader, right, up
+    to_paper = VIEW_AXES @ upright(engine.layout)  # towards the reader, right, up
     items = [item for i in range(len(engine.stations)) for item in cylinder(engine, spatial.place(engine, i))]
     stations, half, (low, high) = np.unique(np.round(engine.stations, 9)), 0.38 * looks.width(engine), engine.ends
     journals = zip([low, *(stations + half)], [*(stations - half), high], strict=True)
