@@ -8,7 +8,7 @@ that it may vanish, the step is tried anew up to where it is least.
 import numpy as np
 
 from ..compiler.decorators import inner_kernel, late_kernel
-from ..kernels.surfaces import meeting
+from ..kernels.surfaces import contact_parameters, meeting
 from ..kernels.vectors import arm, columns, cross, dot, sub, vec
 
 TURN_PER_STEP_MAX = 1.0  # [rad] of a surface in a step between two moments without contact
@@ -28,7 +28,8 @@ def changing_turn(m, d, p, normal):
     a, b = d.body[p.body[0]], d.body[p.body[1]]
     w_a, w_b = vec(a.w), vec(b.w)
     rate_a, rate_b = np.sqrt(dot(w_a, w_a)), np.sqrt(dot(w_b, w_b))
-    u, r, size = columns(b, p.frame[1]), vec(p.value), p.value[11]
+    own = contact_parameters(m.number, p.number)
+    u, r, size = columns(b, p.frame[1]), vec(own.radii), own.size
     w = (dot(u[0], w_b), dot(u[1], w_b), dot(u[2], w_b))
     squares = (r[0] * r[0], r[1] * r[1], r[2] * r[2])
     shape = (w[0] * (squares[1] - squares[2]), w[1] * (squares[2] - squares[0]), w[2] * (squares[0] - squares[1]))
@@ -44,7 +45,9 @@ def watch_contacts(m, d, run, end):
     """Store clearance, its rate and `changing_turn` of the contacts at the state in d: start or end of a step."""
     for k in range(run.contacts.shape[0]):
         p = m.force[run.contacts[k]]
-        plane, _, _, gap, velocity = meeting(p, d.body[p.body[0]], d.body[p.body[1]])
+        plane, _, _, gap, velocity = meeting(
+            contact_parameters(m.number, p.number), p, d.body[p.body[0]], d.body[p.body[1]]
+        )
         seen = run.gaps[k, end]
         seen[0], seen[1], seen[2] = gap, dot(plane[2], velocity), changing_turn(m, d, p, plane[2])
 

@@ -30,6 +30,7 @@ from .tables import (
     key_of,
     measure_table,
     own_length,
+    parameters_of,
     state_layout,
 )
 
@@ -147,13 +148,14 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
     rows_of_joint = [joint.primitives for joint in system.joints]
     primitives = [row for rows in rows_of_joint for row in rows]
     records = [force.record() for force in system.forces]
-    given = [x for r in records for x in r.numbers]
+    parameters = parameters_of(system, records)
+    given = np.array([x for own in parameters for x in own], float)
     read = [x for r in records for x in r.measures]
     coordinates = coordinates_of(system, primitives, records, [*read, *measures])
     where = {key_of(x): i for i, x in enumerate(coordinates)}
     signals, length = Signals(), own_length(system, records, frames)
     bodies, singular = body_table(system)
-    forces = force_table(system, records, index, where, signals, len(measures))
+    forces = force_table(system, records, parameters, index, where, signals, len(measures))
     places = {id(force): (i, int(forces["state"][i])) for i, force in enumerate(system.forces)}
     numbers = tuple([tuple([where[key_of(x)] for x in row.coordinates]) for row in primitives])
     driven = [signals.add(row.signal) for row in primitives if row.signal is not None]
@@ -165,10 +167,10 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
         body=bodies,
         primitive=rows_table,
         row=per_row,
-        coordinate=coordinate_table(coordinates, frames, len(given)),
+        coordinate=coordinate_table(coordinates, frames, given.size),
         force=forces,
         measure=measure_table([*measures, *read], index, where, places),
-        number=np.concatenate([np.array(given, float), *(x.numbers for x in coordinates)]),
+        number=np.concatenate([given, *(x.numbers for x in coordinates)]),
         **signals.arrays(),
         **state_layout(system, records, int((per_row["drive"] >= 0).sum()), length),
         gravity=np.array(system.gravity, float),

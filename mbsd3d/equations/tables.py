@@ -173,19 +173,30 @@ def axes_of(x: Coordinate) -> list[tuple[int, int, np.ndarray]]:
     return []
 
 
+def parameters_of(system: Mechanism, records: list[ForceRecord]) -> list[list[float]]:
+    """Return the parameters of each force: those its law declares by name, then its series of numbers."""
+    return [
+        [*force.law_parameters.pack(r.parameters), *(float(x) for one in r.series for x in one)]
+        for force, r in zip(system.forces, records, strict=True)
+    ]
+
+
 def force_table(
     system: Mechanism,
     records: list[ForceRecord],
+    numbers: list[list[float]],
     index: dict[int, int],
     where: dict[tuple, int],
     signals: Signals,
     first_measure: int,
 ) -> np.ndarray:
-    """Return the table of force elements; the measures they read follow in order from ``first_measure``."""
+    """Return the table of force elements with these parameters; measures they read stand from ``first_measure`` on."""
     out = table(FORCE, len(records))
-    for name, counts in (("state", "states"), ("measure", "measures"), ("number", "numbers")):
+    for name, counts in (("state", "states"), ("measure", "measures")):
         out[counts] = [len(getattr(r, counts)) for r in records]
         out[name] = np.cumsum([0, *out[counts]])[:-1]
+    out["numbers"], out["named"] = [len(given) for given in numbers], [f.law_parameters.size for f in system.forces]
+    out["number"] = np.cumsum([0, *out["numbers"]])[:-1]
     out["measure"] += first_measure
     for i, r in enumerate(records):
         out["kind"][i] = number_of_law(system.forces[i], system.name(system.forces[i]))
@@ -193,7 +204,7 @@ def force_table(
         out["body"][i, : len(r.bodies)] = [index[id(b)] for b in r.bodies]
         out["signal"][i] = [signals.add(s) for s in r.signals]
         out["coordinate"][i] = -1 if r.coordinate is None else where[key_of(r.coordinate)]
-        out["value"][i, : len(r.values)] = r.values
+        out["option"][i] = r.option
         for slot, (body, point) in enumerate(zip(r.bodies, r.points, strict=bool(r.points))):
             out["point"][i, slot] = body.local_point(point)
         for slot, body in enumerate(r.bodies[:2]):

@@ -29,7 +29,7 @@ from .kinds import (
     TURN,
     VELOCITY,
 )
-from .surfaces import highest, meeting, nearest, pressure
+from .surfaces import contact_parameters, highest, meeting, nearest, pressure
 from .vectors import add, arm, cross, dot, mat, point, point_velocity, rotate, scale, sub, turning, vec
 
 
@@ -212,8 +212,9 @@ def miscount(m, d, t):
 def of_contact(m, d, p) -> of_measure:
     """Return clearance [m] or normal force [N] of a contact."""
     f = m.force[p.force]
-    plane, _, _, gap, velocity = meeting(f, d.body[f.body[0]], d.body[f.body[1]])
-    return gap if p.kind == CLEARANCE else pressure(f, gap, -dot(plane[2], velocity))[0]
+    own = contact_parameters(m.number, f.number)
+    plane, _, _, gap, velocity = meeting(own, f, d.body[f.body[0]], d.body[f.body[1]])
+    return gap if p.kind == CLEARANCE else pressure(own, gap, -dot(plane[2], velocity))[0]
 
 
 @late

@@ -1,13 +1,14 @@
 """Parts of force laws: forces at points, moments, and components that are signals.
 
-A law reads its record ``p`` of the table FORCE. It fills Q of its bodies (reduced to O), the energy the element stores
+A law reads its record ``p`` of the table FORCE, and its parameters by name: ``own = read(m.number, p.number)``, see
+`compiler.records`. It fills Q of its bodies (reduced to O), the energy the element stores
 (``out.potential``) and the power of the part that stores none (``out.power``): Q'v = -d(potential)/dt + power. Along a
 hinge coordinate it reads the value ``out.x`` and ``out.rate`` and gives ``out.load``; Q is filled for it.
 """
 
 import numpy as np
 
-from ..compiler.decorators import inner_kernel
+from ..compiler.decorators import inner_kernel, merged_kernel
 from .signals import signal
 from .vectors import add6, cross, scale
 
@@ -35,6 +36,13 @@ def add_force(body, force, s):
 def add_moment(body, moment):
     """Add a moment to a body."""
     add6(body.Q, scale(0.0, moment), moment)
+
+
+@merged_kernel
+def series(m, p, k, count):
+    """Return the k-th array of ``count`` parameters of those that follow the named ones."""
+    first = p.number + p.named + k * count
+    return m.number[first : first + count]
 
 
 @inner_kernel

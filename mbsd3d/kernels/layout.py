@@ -58,15 +58,16 @@ FORCE = [
     ("bodies", int),  # their number
     ("point", float, (4, 3)),  # m, body axes
     ("frame", float, (2, 9)),  # axes of the element in a and b (columns), body axes
-    ("value", float, 12),  # stiffness, damping, ...: see the law
     ("signal", int, 3),  # signals of the components, -1 = none
     ("coordinate", int),  # hinge coordinate it acts along, -1 = none
     ("state", int),  # where the element's own states start in z
     ("states", int),  # their number
     ("measure", int),  # first of the measures it reads
     ("measures", int),  # their number
-    ("number", int),  # first of its numbers in Model.number
+    ("number", int),  # first of its parameters in Model.number: those its law declares by name, then series of numbers
     ("numbers", int),  # how many there are
+    ("named", int),  # how many have a name
+    ("option", int),  # choice that its law knows, as between world and body axes
     ("address", ADDRESS, 2),  # of a custom function, for real and for complex numbers; 0 = none
 ]
 SIGNAL = [("first", int), ("end", int)]  # its terms

@@ -19,7 +19,14 @@ import math
 import numpy as np
 
 from ..compiler.decorators import inner_kernel
+from ..compiler.records import Parameters
 from .vectors import add, arm, columns, cross, dot, mat, point, point_velocity, put6, rotate_back, scale, sub, vec
+
+CONTACT = Parameters(
+    radii=("m", 3), tube="m", stiffness="N/m^m", exponent="1", damping="N s/m", loss="s/m", grip="N/m",
+    grip_damping="N s/m", creep="m/s", size="m", friction="1", rolling="m", spinning="m",
+)  # fmt: skip
+contact_parameters = CONTACT.reader()
 
 # [m^2] added to n'A n: a flat disc that lies on the plane touches it at its centre, and nothing is NaN
 DISC_REGULARISATION = 1e-300
@@ -52,13 +59,13 @@ def lowest_rate(r, rho, u, low, h, q, n_dot, n, w):
 
 
 @inner_kernel
-def meeting(p, a, b):
+def meeting(own, p, a, b):
     """Return (axes of the plane, arms from O of a and b to the lowest point, gap, velocity of b relative to a).
 
-    p: record of a `Contact` between a and b.
+    p: record of a `Contact` between a and b; own: its parameters.
     """
     plane = columns(a, p.frame[0])
-    low, _, _ = lowest(vec(p.value), p.value[3], columns(b, p.frame[1]), plane[2])
+    low, _, _ = lowest(vec(own.radii), own.tube, columns(b, p.frame[1]), plane[2])
     place = add(point(b, arm(b, p.point[1])), low)
     gap = dot(plane[2], sub(place, point(a, arm(a, p.point[0]))))
     on_a, on_b = sub(place, vec(a.r)), sub(place, vec(b.r))
@@ -66,11 +73,11 @@ def meeting(p, a, b):
 
 
 @inner_kernel
-def pressure(p, gap, speed):
+def pressure(own, gap, speed):
     """Return (N, k d^m, d) at the penetration d = -gap, growing by ``speed``: N = k d^m (1 + x speed) + c speed."""
     depth = -gap if gap.real < 0.0 else 0.0 * gap
-    elastic = p.value[4] * depth ** p.value[5] if gap.real < 0.0 else depth
-    normal = elastic * (1.0 + p.value[7] * speed) + p.value[6] * speed if gap.real < 0.0 else depth
+    elastic = own.stiffness * depth**own.exponent if gap.real < 0.0 else depth
+    normal = elastic * (1.0 + own.loss * speed) + own.damping * speed if gap.real < 0.0 else depth
     return normal if normal.real > 0.0 else 0.0 * normal, elastic, depth
 
 

@@ -1,6 +1,6 @@
 """Base class of force elements: the record their laws read, and checks of input."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from ..base.checks import check_choice, shown
 from ..base.errors import InputError
+from ..compiler.records import Parameters
 from .bodies import Body, Ground, Part
 from .joints import Joint
 from .primitives import Coordinate
@@ -15,17 +16,18 @@ from .primitives import Coordinate
 
 @dataclass(frozen=True, eq=False)
 class ForceRecord:
-    """What the law of a force reads: bodies, world points, element axes, scalars, signals, coordinate, own states."""
+    """All that the law of a force reads: bodies, points, axes, parameters, signals, coordinate, internal states."""
 
     bodies: tuple
     points: tuple = ()  # one per body; none: it acts at no point (torques, loads along a coordinate)
     frame: np.ndarray = field(default_factory=lambda: np.eye(3))
     frame_b: np.ndarray | None = None  # other axes in b; None: the same
-    values: tuple = ()
+    parameters: Mapping[str, Any] = field(default_factory=dict)  # by the names that its law declares
+    option: int = 0  # a choice that its law knows
     signals: tuple = (None, None, None)
     coordinate: Coordinate | None = None
     measures: tuple = ()  # it reads
-    numbers: tuple = ()  # gains, references, parameters
+    series: tuple = ()  # sequences of numbers, as many as its law asks for: gains and references
     states: tuple = ()  # initial values of its own states
     scales: tuple = ()  # of their errors: (unit, k, j) is unit length^k speed^j
 
@@ -40,11 +42,16 @@ class ForceElement(Part):
 
     role = "force"
     law: ClassVar[Callable | None] = None
+    law_parameters: ClassVar[Parameters] = Parameters()  # that the law reads by name
     shows: ClassVar[tuple[str, ...]] = ()  # what its law shows besides, after the point at which it acts
 
     def record(self) -> ForceRecord:
         """What the law reads of this element."""
         raise NotImplementedError
+
+    def read_by_law(self, **own: Any) -> dict[str, Any]:
+        """Return the parameters of the law by name: ``own`` ones, else the attributes of that name."""
+        return {name: own[name] if name in own else getattr(self, name) for name in self.law_parameters.units}
 
     def bodies(self) -> tuple:
         """The bodies it acts on."""
@@ -83,10 +90,10 @@ def check_pair(a: Any, b: Any, what: str) -> None:
         raise InputError(f"{what}: acts between '{a.name}' and itself; give two different bodies")
 
 
-def in_body_frame(frame: str, what: str) -> float:
+def in_body_frame(frame: str, what: str) -> int:
     """1 for "body", 0 for "world"."""
     check_choice(frame, ("world", "body"), f"{what}: frame")
-    return float(frame == "body")
+    return int(frame == "body")
 
 
 def hinge_coordinate(hinge: Any, what: str) -> Coordinate:

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from ...base.checks import number, vector
 from ...compiler.decorators import inner_kernel
+from ...compiler.records import Parameters
 from ...kernels.force_laws import add_force, add_moment, components
 from ...kernels.vectors import add, arm, dot, mat, point_velocity, rotate, scale, sub, vec
 from ..bodies import GROUND, Body
@@ -17,9 +18,9 @@ from ..signals import Signal, three_signals
 
 @inner_kernel
 def given(m, d, p, t):
-    """The components of a load in world axes; value[0] = 1: they are given in body axes."""
+    """Return the components of a load in world axes; option 1: they are given in body axes."""
     body, x = d.body[p.body[1]], components(m, p, t)
-    return rotate(mat(body.R), x) if p.value[0] > 0.5 else add(x, scale(0.0, vec(body.w)))
+    return rotate(mat(body.R), x) if p.option == 1 else add(x, scale(0.0, vec(body.w)))
 
 
 @inner_kernel
@@ -60,8 +61,8 @@ class Force(ForceElement):
         self.set(force=three_signals(self.force, f"{what}: force"), at=at)
 
     def record(self) -> ForceRecord:
-        flag = (in_body_frame(self.frame, ""),)
-        return ForceRecord((GROUND, self.body), (self.at, self.at), values=flag, signals=self.force)
+        option = in_body_frame(self.frame, "")
+        return ForceRecord((GROUND, self.body), (self.at, self.at), option=option, signals=self.force)
 
 
 @inner_kernel
@@ -97,17 +98,21 @@ class Torque(ForceElement):
         self.set(torque=three_signals(self.torque, f"{what}: torque"))
 
     def record(self) -> ForceRecord:
-        flag = (in_body_frame(self.frame, ""),)
-        return ForceRecord((GROUND, self.body), values=flag, signals=self.torque)
+        return ForceRecord((GROUND, self.body), option=in_body_frame(self.frame, ""), signals=self.torque)
+
+
+DRAG = Parameters(density="kg/m^3", drag_area="m^2")
+drag_parameters = DRAG.reader()
 
 
 @inner_kernel
 def drag(m, d, p, out, t):
-    """Aerodynamic drag -k |v| v at a point, v relative to the wind; value[0] = k = density area coefficient / 2."""
+    """Aerodynamic drag -rho/2 (c_d A) |v| v at a point, v relative to the wind."""
+    own = drag_parameters(m.number, p.number)
     body = d.body[p.body[1]]
     s = arm(body, p.point[1])
     v = sub(point_velocity(body, s), components(m, p, t))
-    force = scale(-p.value[0] * np.sqrt(dot(v, v)), v)
+    force = scale(-(0.5 * own.density * own.drag_area) * np.sqrt(dot(v, v)), v)
     add_force(body, force, s)
     out.power = dot(force, point_velocity(body, s))
 
@@ -136,7 +141,7 @@ class AeroDrag(ForceElement):
     -10.0
     """
 
-    law = staticmethod(drag)
+    law, law_parameters = staticmethod(drag), DRAG
 
     body: Body
     drag_area: float = field(kw_only=True)
@@ -154,5 +159,4 @@ class AeroDrag(ForceElement):
         )
 
     def record(self) -> ForceRecord:
-        values = (0.5 * self.density * self.drag_area,)
-        return ForceRecord((GROUND, self.body), (self.at, self.at), values=values, signals=self.wind)
+        return ForceRecord((GROUND, self.body), (self.at, self.at), parameters=self.read_by_law(), signals=self.wind)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from ...base.checks import number
 from ...base.errors import InputError
 from ...compiler.decorators import inner_kernel
+from ...compiler.records import Parameters
 from ...kernels.signals import signal
 from ..force_element import ForceElement, ForceRecord, hinge_coordinate
 from ..joints import Joint
@@ -14,10 +15,15 @@ SMALL = 1e-3
 """rad or m: about what a brake yields before it slips."""
 
 
+BRAKE = Parameters(stiffness="N m/rad or N/m", damping="N m s/rad or N s/m")
+brake_parameters = BRAKE.reader()
+
+
 @inner_kernel
 def brake(m, d, p, out, t):
-    """Load -clip(k z + c x_dot, T) along a hinge coordinate; value = k, c; signal T."""
-    k, c, z = p.value[0], p.value[1], d.z[p.state]
+    """Load -clip(k z + c x_dot, T) along a hinge coordinate; signal T."""
+    own = brake_parameters(m.number, p.number)
+    k, c, z = own.stiffness, own.damping, d.z[p.state]
     most = signal(m, p.signal[0], t)[0]
     f = k * z + c * out.rate
     if most.real <= 0.0:
@@ -59,7 +65,7 @@ class Brake(ForceElement):
     3.124
     """
 
-    law = staticmethod(brake)
+    law, law_parameters = staticmethod(brake), BRAKE
 
     hinge: Joint
     torque: Signal | float = field(kw_only=True)
@@ -80,7 +86,7 @@ class Brake(ForceElement):
     def record(self) -> ForceRecord:
         x = hinge_coordinate(self.hinge, "")
         return ForceRecord(
-            (x.a, x.b), values=(self.stiffness, self.damping), signals=(self.torque, None, None), coordinate=x,
+            (x.a, x.b), parameters=self.read_by_law(), signals=(self.torque, None, None), coordinate=x,
             states=(0.0,), scales=((SMALL, 0.0, 0.0),),
         )  # fmt: skip
 

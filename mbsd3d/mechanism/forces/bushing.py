@@ -9,6 +9,7 @@ from ...base.checks import vector
 from ...base.errors import InputError
 from ...base.rotations import as_quaternion, matrix
 from ...compiler.decorators import inner_kernel
+from ...compiler.records import Parameters
 from ...kernels.force_laws import add_force, add_moment
 from ...kernels.vectors import add, arm, columns, dot, point, point_velocity, scale, sub, vec
 from ..bodies import Body, Ground
@@ -46,9 +47,15 @@ def relative_turn(A, B):
 
 
 @inner_kernel
-def scaled(p, first, x):
-    """Diagonal stiffness or damping times a vector: value[first + i] x_i."""
-    return p.value[first] * x[0], p.value[first + 1] * x[1], p.value[first + 2] * x[2]
+def scaled(k, x):
+    """Return a diagonal stiffness or damping times a vector: k_i x_i."""
+    return k[0] * x[0], k[1] * x[1], k[2] * x[2]
+
+
+BUSHING = Parameters(
+    stiffness=("N/m", 3), turning_stiffness=("N m/rad", 3), damping=("N s/m", 3), turning_damping=("N m s/rad", 3)
+)
+bushing_parameters = BUSHING.reader()
 
 
 @inner_kernel
@@ -59,6 +66,7 @@ def bushing(m, d, p, out, t):
     p_dot = (p0 w + w x p)/2 and the elastic moment on b is -2 (p0 K_r p + p x K_r p) in F; the first component of
     p x K_r p is (K_3 - K_2) p2 p3.
     """
+    own = bushing_parameters(m.number, p.number)
     a, b = d.body[p.body[0]], d.body[p.body[1]]
     A, B = columns(a, p.frame[0]), columns(b, p.frame[1])
     sb = arm(b, p.point[1])
@@ -67,8 +75,9 @@ def bushing(m, d, p, out, t):
     x_dot = into(A, sub(point_velocity(b, sb), point_velocity(a, reach)))
     w = into(A, sub(vec(b.w), vec(a.w)))
     away, mixed, squares = relative_turn(A, B)
-    Kx, Cx, Ka, Cw = scaled(p, 0, x), scaled(p, 6, x_dot), scaled(p, 3, away), scaled(p, 9, w)
-    k1, k2, k3 = p.value[3], p.value[4], p.value[5]
+    Kx, Cx = scaled(own.stiffness, x), scaled(own.damping, x_dot)
+    Ka, Cw = scaled(own.turning_stiffness, away), scaled(own.turning_damping, w)
+    k1, k2, k3 = vec(own.turning_stiffness)
     across = ((k3 - k2) * mixed[0], (k1 - k3) * mixed[1], (k2 - k1) * mixed[2])
     force = out_of(A, scale(-1.0, add(Kx, Cx)))
     moment = out_of(A, sub(scale(-0.5, add(Ka, across)), Cw))
@@ -111,7 +120,7 @@ class Bushing(ForceElement):
     -2.0
     """
 
-    law = staticmethod(bushing)
+    law, law_parameters = staticmethod(bushing), BUSHING
 
     a: Body | Ground
     b: Body | Ground
@@ -134,8 +143,7 @@ class Bushing(ForceElement):
             self.set(**{name: three})
 
     def record(self) -> ForceRecord:
-        values = (*self.stiffness, *self.turning_stiffness, *self.damping, *self.turning_damping)
-        return ForceRecord((self.a, self.b), (self.at, self.at), frame=matrix(self.axes), values=values)
+        return ForceRecord((self.a, self.b), (self.at, self.at), frame=matrix(self.axes), parameters=self.read_by_law())
 
     def acts_at(self, body: Body | Ground) -> tuple[Body | Ground, np.ndarray]:
         return self.b, self.at  # also on a: the force acts where the point of b is

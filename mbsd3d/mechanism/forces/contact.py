@@ -11,7 +11,7 @@ from ...base.directions import perpendiculars
 from ...base.errors import InputError
 from ...compiler.decorators import inner_kernel
 from ...kernels.force_laws import add_force, add_moment
-from ...kernels.surfaces import meeting, pressure
+from ...kernels.surfaces import CONTACT, contact_parameters, meeting, pressure
 from ...kernels.vectors import add, dot, scale, sub, vec
 from ..bodies import Body, Ground
 from ..contacts import checked_plane
@@ -44,13 +44,13 @@ def smooth(most, u, v, still):
 
 
 @inner_kernel
-def rub(m, d, p, out, normal, slip, turn):
+def rub(own, d, p, out, normal, slip, turn):
     """(friction, moment) in the axes of the plane, against the slip and the relative rotation; fills rates and energy.
 
     Own states: deflection (2) [m]; with rolling or spinning friction those of the rotation too (3) [rad].
     """
-    mu, rolling, spinning, still = m.number[p.number], m.number[p.number + 1], m.number[p.number + 2], p.value[10]
-    k, c, size = p.value[8], p.value[9], p.value[11]
+    mu, rolling, spinning, still = own.friction, own.rolling, own.spinning, own.creep
+    k, c, size = own.grip, own.grip_damping, own.size
     kr, cr = k * size * size, c * size * size
     if p.states == 0:
         f, g = smooth(mu * normal, slip[0], slip[1], still)
@@ -76,19 +76,17 @@ def rub(m, d, p, out, normal, slip, turn):
 
 @inner_kernel
 def contact(m, d, p, out, t):
-    """Normal force, friction, and moments against rolling and spinning, at the lowest point.
-
-    value = half axes (3), tube, k, exponent, c, loss; grip, its damping, creep, size.
-    """
+    """Normal force, friction, and moments against rolling and spinning, at the lowest point."""
+    own = contact_parameters(m.number, p.number)
     a, b = d.body[p.body[0]], d.body[p.body[1]]
-    plane, on_a, on_b, gap, velocity = meeting(p, a, b)
+    plane, on_a, on_b, gap, velocity = meeting(own, p, a, b)
     spin = sub(vec(b.w), vec(a.w))
     slip = (dot(plane[0], velocity), dot(plane[1], velocity), -dot(plane[2], velocity))
     turn = (dot(plane[0], spin), dot(plane[1], spin), dot(plane[2], spin))
-    normal, elastic, depth = pressure(p, gap, slip[2])
-    out.potential = elastic * depth / (p.value[5] + 1.0)
+    normal, elastic, depth = pressure(own, gap, slip[2])
+    out.potential = elastic * depth / (own.exponent + 1.0)
     out.power = (elastic - normal) * slip[2]
-    friction, moment = rub(m, d, p, out, normal, slip, turn)
+    friction, moment = rub(own, d, p, out, normal, slip, turn)
     out.power -= friction[0] * slip[0] + friction[1] * slip[1]
     out.power -= moment[0] * turn[0] + moment[1] * turn[1] + moment[2] * turn[2]
     force = sub(scale(normal, plane[2]), add(scale(friction[0], plane[0]), scale(friction[1], plane[1])))
@@ -154,7 +152,7 @@ class Contact(ForceElement):
     10.19
     """
 
-    law = staticmethod(contact)
+    law, law_parameters = staticmethod(contact), CONTACT
 
     a: Body | Ground
     b: Body | Ground
@@ -218,12 +216,12 @@ class Contact(ForceElement):
     def record(self) -> ForceRecord:
         (at, normal), form, states = self.plane, self.outline, self.states()
         along = perpendiculars(normal)[0]
-        law = (self.stiffness, self.exponent, self.damping, self.loss)
-        grip = (*self.bristles, self.creep or 1.0, form.size)
+        grip, grip_damping = self.bristles
+        own = {"radii": form.radii, "tube": form.tube, "size": form.size, "creep": self.creep or 1.0}
         return ForceRecord(
             (self.a, self.b), (at, form.centre), frame=np.column_stack([along, np.cross(normal, along), normal]),
-            frame_b=form.axes, values=(*form.radii, form.tube, *law, *grip),
-            numbers=(self.friction, self.rolling, self.spinning), states=(0.0,) * states,
+            frame_b=form.axes, states=(0.0,) * states,
+            parameters=self.read_by_law(**own, grip=grip, grip_damping=grip_damping),
             scales=((1.0, 1.0, 0.0),) * 2 * (states > 0) + ((1.0, 0.0, 0.0),) * 3 * (states > 2),
         )  # fmt: skip
 

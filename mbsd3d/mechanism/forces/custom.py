@@ -13,6 +13,7 @@ from ...base.checks import listed, number, sequence, shown, vector
 from ...base.errors import InputError
 from ...compiler.decorators import inner_kernel
 from ...compiler.pointer_call import call
+from ...kernels.force_laws import series
 from ...kernels.layout import CUSTOM_FORCE_BODIES_MAX
 from ...kernels.vectors import add, add6, arm, clear, cross, dot, mat, pair, point, point_velocity, put, sub, vec
 from ..bodies import GROUND, Body, Ground
@@ -46,7 +47,7 @@ def custom(m, d, p, out, t):
     clear(z_dot)
     address = p.address[1] if np.iscomplexobj(d.wrench) else p.address[0]
     if address != 0:
-        numbers = m.number[p.number : p.number + p.numbers]
+        numbers = series(m, p, 0, p.numbers)
         call(address, t, d.pose, p.bodies, z, p.states, numbers, p.numbers, d.wrench, z_dot)
     out.power = d.wrench[RETURNED]
     for i in range(p.bodies):
@@ -106,7 +107,7 @@ class FunctionForce(ForceElement):
 
     def record(self) -> ForceRecord:
         scales = tuple((scale, 0.0, 0.0) for scale in self.scales)
-        return ForceRecord(self.on, self.points, numbers=self.parameters, states=self.states, scales=scales)
+        return ForceRecord(self.on, self.points, series=(self.parameters,), states=self.states, scales=scales)
 
     def state_names(self) -> tuple[str, ...]:
         return self.labels

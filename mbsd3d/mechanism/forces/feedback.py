@@ -6,7 +6,9 @@ from dataclasses import dataclass, field
 from ...base.checks import number, sequence
 from ...base.errors import InputError
 from ...compiler.decorators import inner_kernel
+from ...compiler.records import Parameters
 from ...kernels.coordinates import measure
+from ...kernels.force_laws import series
 from ..force_element import ForceElement, ForceRecord, hinge_coordinate
 from ..joints import Joint
 from ..measures import Measure, unit_powers
@@ -20,17 +22,22 @@ def one_each(values: Sequence[float], count: int, what: str) -> tuple[float, ...
     return given
 
 
+FEEDBACK = Parameters(time_constant="s")
+feedback_parameters = FEEDBACK.reader()
+
+
 @inner_kernel
 def feedback(m, d, p, out, t):
     """Load -sum g_i (x_i - r_i); x_i is measure i or its filtered value z_i with z_dot_i = (y_i - z_i) / tau."""
-    load = 0.0
+    own, load = feedback_parameters(m.number, p.number), 0.0
+    gains, references = series(m, p, 0, p.measures), series(m, p, 1, p.measures)
     for i in range(p.measures):
         x = measure(m, d, p.measure + i, t)
         if p.states > 0:
             z = d.z[p.state + i]
-            d.state_rate[p.state + i] = (x - z) / p.value[0]
+            d.state_rate[p.state + i] = (x - z) / own.time_constant
             x = z
-        load -= m.number[p.number + i] * (x - m.number[p.number + p.measures + i])
+        load -= gains[i] * (x - references[i])
     out.load = load
     out.power = load * out.rate
 
@@ -73,7 +80,7 @@ class StateFeedback(ForceElement):
     6.0
     """
 
-    law = staticmethod(feedback)
+    law, law_parameters = staticmethod(feedback), FEEDBACK
 
     measures: Sequence[Measure] = field(kw_only=True)
     gains: Sequence[float] = field(kw_only=True)
@@ -102,10 +109,10 @@ class StateFeedback(ForceElement):
         x, filtered = hinge_coordinate(self.on, ""), self.time_constant is not None
         return ForceRecord(
             (x.a, x.b),
-            values=(self.time_constant,) if filtered else (),
+            parameters=self.read_by_law(time_constant=self.time_constant or 0.0),
             coordinate=x,
             measures=self.measures,
-            numbers=(*self.gains, *self.reference),
+            series=(self.gains, self.reference),
             states=self.reference if filtered else (),
             scales=tuple(unit_powers(x) for x in self.measures) if filtered else (),
         )

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from ...base.checks import number, vector
 from ...base.errors import InputError
 from ...compiler.decorators import inner_kernel
+from ...compiler.records import Parameters
 from ...kernels.force_laws import add_force, add_moment
 from ...kernels.vectors import (
     add,
@@ -28,13 +29,16 @@ from ..bodies import Body, Ground
 from ..force_element import ForceElement, ForceRecord, check_body, check_pair
 from .bushing import out_of
 
+WEIGHT = Parameters(acceleration=("m/s^2", 3))
+weight_parameters = WEIGHT.reader()
+
 
 @inner_kernel
 def weight(m, d, p, out, t):
-    """Force mass g at the centre of mass of b, g = value resting in a."""
+    """Force mass g at the centre of mass of b, g resting in a."""
     a, b = d.body[p.body[0]], d.body[p.body[1]]
     s = vec(b.s)
-    g = out_of(columns(a, p.frame[0]), (p.value[0], p.value[1], p.value[2]))
+    g = out_of(columns(a, p.frame[0]), vec(weight_parameters(m.number, p.number).acceleration))
     pull = scale(m.body[p.body[1]].mass, g)
     add_force(b, pull, s)
     out.power = dot(pull, point_velocity(b, s))
@@ -65,7 +69,7 @@ class Weight(ForceElement):
     -9.81
     """
 
-    law = staticmethod(weight)
+    law, law_parameters = staticmethod(weight), WEIGHT
 
     a: Body | Ground
     b: Body
@@ -77,12 +81,16 @@ class Weight(ForceElement):
         self.set(acceleration=vector(self.acceleration, f"{what}: acceleration"))
 
     def record(self) -> ForceRecord:
-        return ForceRecord((self.a, self.b), (self.b.centre, self.b.centre), values=tuple(self.acceleration))
+        return ForceRecord((self.a, self.b), (self.b.centre, self.b.centre), parameters=self.read_by_law())
+
+
+ATTRACTION = Parameters(mu="m^3/s^2")
+attraction_parameters = ATTRACTION.reader()
 
 
 @inner_kernel
 def attraction(m, d, p, out, t):
-    """Force and moment of U = -k (m/r + (tr I - 3 n.I n)/(2 r^3)) on b, and their opposites on a; value[0] = k.
+    """Force and moment of U = -mu (m/r + (tr I - 3 n.I n)/(2 r^3)) on b, and their opposites on a.
 
     n = unit vector from the centre to the centre of mass; its moment about the centre vanishes, as a centre turns
     nothing about itself.
@@ -93,7 +101,7 @@ def attraction(m, d, p, out, t):
     r = np.sqrt(dot(reach, reach))
     n, I, R = scale(1.0 / r, reach), mat(m.body[i].inertia), mat(b.R)
     In = rotate(R, rotate(I, rotate_back(R, n)))
-    along, trace, k = dot(n, In), I[0] + I[4] + I[8], p.value[0] / (r * r)
+    along, trace, k = dot(n, In), I[0] + I[4] + I[8], attraction_parameters(m.number, p.number).mu / (r * r)
     outwards = scale(-k * (m.body[i].mass + 1.5 * (trace - 5.0 * along) / (r * r)), n)
     pull = add(outwards, scale(-3.0 * k / (r * r), In))
     add_force(b, pull, s)
@@ -130,7 +138,7 @@ class CentralGravity(ForceElement):
     -3.0
     """
 
-    law = staticmethod(attraction)
+    law, law_parameters = staticmethod(attraction), ATTRACTION
 
     a: Body | Ground
     b: Body
@@ -145,4 +153,4 @@ class CentralGravity(ForceElement):
             raise InputError(f"{what}: the centre of mass of '{self.b.name}' lies in the centre; move one of them")
 
     def record(self) -> ForceRecord:
-        return ForceRecord((self.a, self.b), (self.at, self.b.centre), values=(self.mu,))
+        return ForceRecord((self.a, self.b), (self.at, self.b.centre), parameters=self.read_by_law())

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from ...base.checks import number, vector
 from ...base.errors import InputError
 from ...compiler.decorators import inner_kernel
+from ...compiler.records import Parameters
 from ...kernels.force_laws import add_force, tanh
 from ...kernels.vectors import add, arm, dot, point, point_velocity, scale, sub
 from ..bodies import Body, Ground
@@ -17,9 +18,14 @@ from ..joints import Joint
 COINCIDENCE_ROUNDING = 1e-15  # [1] of the lengths that make the gap; 5 roundings: one below has no direction
 
 
+SPRING = Parameters(stiffness="N/m", damping="N s/m", length="m")
+spring_parameters = SPRING.reader()
+
+
 @inner_kernel
 def spring(m, d, p, out, t):
-    """Force -(k (l - l0) + c l_dot) n on b along the line from a to b; value = k, c, l0."""
+    """Force -(k (l - l0) + c l_dot) n on b along the line from a to b."""
+    own = spring_parameters(m.number, p.number)
     a, b = d.body[p.body[0]], d.body[p.body[1]]
     sa, sb = arm(a, p.point[0]), arm(b, p.point[1])
     pa, pb = point(a, sa), point(b, sb)
@@ -27,16 +33,16 @@ def spring(m, d, p, out, t):
     length = np.sqrt(dot(gap, gap))
     reach = np.sqrt(dot(pa, pa) + dot(pb, pb) + dot(sa, sa) + dot(sb, sb))
     coincide = length.real <= COINCIDENCE_ROUNDING * reach.real
-    if coincide and p.value[2] == 0.0:
-        pull = add(scale(p.value[0], gap), scale(p.value[1], rate))  # -k gap is smooth; the gap opens along the rate
-        out.potential = 0.5 * p.value[0] * dot(gap, gap)
-        out.power = -p.value[1] * dot(rate, rate)
+    if coincide and own.length == 0.0:
+        pull = add(scale(own.stiffness, gap), scale(own.damping, rate))  # smooth; the gap opens along the rate
+        out.potential = 0.5 * own.stiffness * dot(gap, gap)
+        out.power = -own.damping * dot(rate, rate)
     else:
         n = scale(np.nan if coincide else 1.0 / length, gap)  # no direction: the run names the spring
-        stretch, speed = length - p.value[2], dot(n, rate)
-        pull = scale(p.value[0] * stretch + p.value[1] * speed, n)
-        out.potential = 0.5 * p.value[0] * stretch * stretch
-        out.power = -p.value[1] * speed * speed
+        stretch, speed = length - own.length, dot(n, rate)
+        pull = scale(own.stiffness * stretch + own.damping * speed, n)
+        out.potential = 0.5 * own.stiffness * stretch * stretch
+        out.power = -own.damping * speed * speed
     add_force(a, pull, sa)
     add_force(b, scale(-1.0, pull), sb)
 
@@ -73,7 +79,7 @@ class SpringDamper(ForceElement):
     1.5
     """
 
-    law = staticmethod(spring)
+    law, law_parameters = staticmethod(spring), SPRING
 
     a: Body | Ground
     b: Body | Ground
@@ -102,17 +108,21 @@ class SpringDamper(ForceElement):
         )
 
     def record(self) -> ForceRecord:
-        values = (self.stiffness, self.damping, self.length)
-        return ForceRecord((self.a, self.b), (self.at_a, self.at_b), values=values)
+        return ForceRecord((self.a, self.b), (self.at_a, self.at_b), parameters=self.read_by_law())
+
+
+TORSION = Parameters(stiffness="N m/rad or N/m", damping="N m s/rad or N s/m", angle="rad or m")
+torsion_parameters = TORSION.reader()
 
 
 @inner_kernel
 def torsion(m, d, p, out, t):
-    """Load -(k (x - x0) + c x_dot) along a hinge coordinate; value = k, c, x0."""
-    stretch = out.x - p.value[2]
-    out.load = -p.value[0] * stretch - p.value[1] * out.rate
-    out.potential = 0.5 * p.value[0] * stretch * stretch
-    out.power = -p.value[1] * out.rate * out.rate
+    """Load -(k (x - x0) + c x_dot) along a hinge coordinate."""
+    own = torsion_parameters(m.number, p.number)
+    stretch = out.x - own.angle
+    out.load = -own.stiffness * stretch - own.damping * out.rate
+    out.potential = 0.5 * own.stiffness * stretch * stretch
+    out.power = -own.damping * out.rate * out.rate
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,7 +148,7 @@ class TorsionSpring(ForceElement):
     6.0
     """
 
-    law = staticmethod(torsion)
+    law, law_parameters = staticmethod(torsion), TORSION
 
     hinge: Joint
     stiffness: float = field(kw_only=True)
@@ -155,17 +165,21 @@ class TorsionSpring(ForceElement):
 
     def record(self) -> ForceRecord:
         x = hinge_coordinate(self.hinge, "")
-        values = (self.stiffness, self.damping, self.angle)
-        return ForceRecord((x.a, x.b), values=values, coordinate=x)
+        return ForceRecord((x.a, x.b), parameters=self.read_by_law(), coordinate=x)
 
     def partners(self) -> tuple:
         return (self.hinge,)
 
 
+FRICTION = Parameters(coulomb="N m or N", viscous="N m s/rad or N s/m", transition="rad/s or m/s")
+friction_parameters = FRICTION.reader()
+
+
 @inner_kernel
 def friction(m, d, p, out, t):
-    """Load -(T tanh(x_dot / v0) + c x_dot) along a hinge coordinate; value = T, c, v0."""
-    out.load = -p.value[0] * tanh(out.rate / p.value[2]) - p.value[1] * out.rate
+    """Load -(T tanh(x_dot / v0) + c x_dot) along a hinge coordinate."""
+    own = friction_parameters(m.number, p.number)
+    out.load = -own.coulomb * tanh(out.rate / own.transition) - own.viscous * out.rate
     out.power = out.load * out.rate
 
 
@@ -192,7 +206,7 @@ class JointFriction(ForceElement):
     -0.8
     """
 
-    law = staticmethod(friction)
+    law, law_parameters = staticmethod(friction), FRICTION
 
     hinge: Joint
     coulomb: float = field(default=0.0, kw_only=True)
@@ -209,8 +223,7 @@ class JointFriction(ForceElement):
 
     def record(self) -> ForceRecord:
         x = hinge_coordinate(self.hinge, "")
-        values = (self.coulomb, self.viscous, self.transition)
-        return ForceRecord((x.a, x.b), values=values, coordinate=x)
+        return ForceRecord((x.a, x.b), parameters=self.read_by_law(), coordinate=x)
 
     def partners(self) -> tuple:
         return (self.hinge,)

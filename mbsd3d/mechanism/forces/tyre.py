@@ -12,6 +12,7 @@ from ...base.checks import number, vector
 from ...base.directions import unit
 from ...base.errors import InputError
 from ...compiler.decorators import inner_kernel
+from ...compiler.records import Parameters
 from ...kernels.force_laws import add_force, add_moment, tanh
 from ...kernels.signals import signal
 from ...kernels.vectors import add, arm, cross, dot, mat, point, point_velocity, put, rotate, scale, sub, vec
@@ -30,10 +31,19 @@ FULL = 0.1
 """Size of the deflections at full grip."""
 
 
+TYRE = Parameters(
+    ring="m", crown="m", stiffness="N/m", damping="N s/m", longitudinal="1/rad", cornering="1/rad", camber="1/rad",
+    relaxation_x="m", relaxation="m", trail="m", rolling_resistance="1", nominal_load="N", grip_sensitivity="1",
+    stiffness_sensitivity="1", standing_damping="s/m", standing_speed="m/s", twisting="m",
+)  # fmt: skip
+tyre_parameters = TYRE.reader()
+
+
 @inner_kernel
 def tyre(m, d, p, out, t):
-    """Forces of a tyre at its contact point and its rates of deflection; values, numbers: see `Tyre.record`."""
-    ground, wheel, x, z = d.body[p.body[0]], d.body[p.body[1]], p.value, d.z[p.state : p.state + 2]
+    """Forces of a tyre at its contact point and its rates of deflection; option 1: the camber force has no lag."""
+    own = tyre_parameters(m.number, p.number)
+    ground, wheel, z = d.body[p.body[0]], d.body[p.body[1]], d.z[p.state : p.state + 2]
     n = rotate(mat(ground.R), (p.frame[0, 2], p.frame[0, 5], p.frame[0, 8]))
     axle = rotate(mat(wheel.R), (p.frame[1, 0], p.frame[1, 3], p.frame[1, 6]))
     lean = dot(axle, n)  # its sine, to the right
@@ -41,7 +51,7 @@ def tyre(m, d, p, out, t):
     ahead = scale(level, cross(axle, n))
     left = cross(n, ahead)
     hub = arm(wheel, p.point[1])
-    lowest = add(hub, scale(x[0] * level, sub(scale(lean, axle), n)))  # of the circle of tube centres
+    lowest = add(hub, scale(own.ring * level, sub(scale(lean, axle), n)))  # of the circle of tube centres
     above = sub(point(wheel, lowest), point(ground, arm(ground, p.point[0])))
     height = dot(above, n)
     s = sub(lowest, scale(height, n))  # the contact point from O of the wheel,
@@ -51,28 +61,28 @@ def tyre(m, d, p, out, t):
     speed = dot(sub(point_velocity(wheel, hub), there), ahead)
     slip_x, slip_y, climb = dot(v, ahead), dot(v, left), dot(v, n)
 
-    sink = x[1] - height
-    spring = x[2] * sink if sink.real > 0.0 else 0.0 * sink
-    N = spring - x[3] * climb
+    sink = own.crown - height
+    spring = own.stiffness * sink if sink.real > 0.0 else 0.0 * sink
+    N = spring - own.damping * climb
     if sink.real <= 0.0 or N.real <= 0.0:
         N = 0.0 * N  # neither tension nor a pull on release
-    load = N / m.number[p.number]
-    share = sensitive(m.number[p.number + 2], load)
-    C_x, C_y, C_g = share * x[4], share * x[5], share * x[6]
-    instant = m.number[p.number + 5]
+    load = N / own.nominal_load
+    share = sensitive(own.stiffness_sensitivity, load)
+    C_x, C_y, C_g = share * own.longitudinal, share * own.cornering, share * own.camber
+    instant = float(p.option)
 
     V = speed if speed.real >= 0.0 else -speed
     grip = speed * 0.0 + np.inf
     limit = 0.0 * V
     if p.signal[0] >= 0:
-        grip = at_least(signal(m, p.signal[0], t)[0], SLIPPERY) * sensitive(m.number[p.number + 1], load)
+        grip = at_least(signal(m, p.signal[0], t)[0], SLIPPERY) * sensitive(own.grip_sensitivity, load)
         limit = np.sqrt(C_x * C_x * slip_x * slip_x + C_y * C_y * slip_y * slip_y) / (3.0 * grip)
-    d.state_rate[p.state] = (-slip_x - (V + limit) * z[0]) / x[7]
+    d.state_rate[p.state] = (-slip_x - (V + limit) * z[0]) / own.relaxation_x
     lag = (1.0 - instant) * V * C_g / C_y * lean
-    d.state_rate[p.state + 1] = (-slip_y - lag - (V + limit) * z[1]) / x[8]
+    d.state_rate[p.state + 1] = (-slip_y - lag - (V + limit) * z[1]) / own.relaxation
 
-    slow = speed / m.number[p.number + 4]
-    damping = m.number[p.number + 3] / (1.0 + slow * slow)
+    slow = speed / own.standing_speed
+    damping = own.standing_damping / (1.0 + slow * slow)
     pull_x, pull_y = C_x * z[0] - damping * slip_x, C_y * z[1] - damping * slip_y
     q, force, trail = 0.0 * V, 1.0 + 0.0 * V, 1.0 + 0.0 * V
     if p.signal[0] >= 0:
@@ -80,10 +90,10 @@ def tyre(m, d, p, out, t):
         force, trail = brush(q)
     F_x, F_y = N * force * pull_x, N * (force * pull_y - instant * C_g * lean)
     by_slip = N * force * (pull_y + (1.0 - instant) * C_g * lean)
-    M_z = tanh(speed / TURNING) * (N * m.number[p.number + 6] * lean - x[9] * trail * by_slip)
+    M_z = tanh(speed / TURNING) * (N * own.twisting * lean - own.trail * trail * by_slip)
     reach = sub(s, hub)
     radius = np.sqrt(dot(reach, reach))
-    M_y = -x[10] * N * radius * tanh(dot(w, axle) * radius / CREEP)
+    M_y = -own.rolling_resistance * N * radius * tanh(dot(w, axle) * radius / CREEP)
 
     F = add(scale(N, n), add(scale(F_x, ahead), scale(F_y, left)))
     M = add(scale(M_y, left), scale(M_z, n))
@@ -161,7 +171,7 @@ class Tyre(ForceElement):
     -2.31
     """
 
-    law = staticmethod(tyre)
+    law, law_parameters = staticmethod(tyre), TYRE
     shows: ClassVar[tuple[str, ...]] = (
         "normal", "longitudinal", "lateral", "aligning", "slip_x", "slip_y", "speed", "camber", "saturation",
     )  # fmt: skip
@@ -240,23 +250,14 @@ class Tyre(ForceElement):
         return circle(self.centre, self.axis, self.radius - self.crown, self.crown)
 
     def record(self) -> ForceRecord:
-        """Values: R, rho, k, c, C_x, C_y, C_g, s_x, s_y, t, f; numbers: N0, sensitivities, c_0, V_0, instant, m_g."""
         C_x, s_x = self.ahead
         return ForceRecord(
-            (self.a, self.b),
-            (self.plane[0], self.centre),
-            frame=np.column_stack([self.axis, np.zeros(3), self.plane[1]]),
-            values=(
-                self.radius - self.crown, self.crown, self.stiffness, self.damping, C_x, self.cornering,
-                self.camber, s_x, self.relaxation, self.trail, self.rolling_resistance,
+            (self.a, self.b), (self.plane[0], self.centre), signals=(self.mu, None, None),
+            frame=np.column_stack([self.axis, np.zeros(3), self.plane[1]]), option=int(not self.camber_lag),
+            parameters=self.read_by_law(
+                ring=self.radius - self.crown, longitudinal=C_x, relaxation_x=s_x, nominal_load=self.nominal_load or 1.0
             ),
-            signals=(self.mu, None, None),
-            numbers=(
-                self.nominal_load or 1.0, self.grip_sensitivity, self.stiffness_sensitivity, self.standing_damping,
-                self.standing_speed, float(not self.camber_lag), self.twisting,
-            ),
-            states=(0.0, 0.0),
-            scales=((FULL, 0.0, 0.0), (FULL, 0.0, 0.0)),
+            states=(0.0, 0.0), scales=((FULL, 0.0, 0.0), (FULL, 0.0, 0.0)),
         )  # fmt: skip
 
     def state_names(self) -> tuple[str, ...]:
