@@ -7,6 +7,8 @@ import numba
 import numpy as np
 from numba.extending import intrinsic
 
+from ..base.errors import InputError
+
 
 class Parameters:
     """The parameters that a force law reads, in the order of their declaration: name -> unit, or (unit, count).
@@ -25,9 +27,11 @@ class Parameters:
         return np.dtype([(name, number) if k == 1 else (name, number, k) for name, k in self.counts.items()])
 
     def pack(self, given: Mapping[str, Any]) -> list[float]:
-        """Return the numbers in their order; KeyError unless exactly the declared names are given."""
+        """Return the numbers in their order; InputError unless exactly the declared names are given."""
         if given.keys() != self.counts.keys():
-            raise KeyError(f"parameters {sorted(given)}, the law declares {sorted(self.counts)}")
+            raise InputError(
+                f"force law: record() gives {sorted(given)}, the law declares {sorted(self.counts)}; give these"
+            )
         return [float(x) for name in self.counts for x in np.ravel(given[name])]
 
     def reader(self) -> Callable:
