@@ -81,6 +81,14 @@ class IntegrationError(MbsError):
     """
 
 
+class KernelError(MbsError):
+    """A compiled function could not be made: a fault of this package, or a numba that it does not know.
+
+    >>> print(KernelError("kernel tyre cannot be compiled: TypingError: ...; MBSD3D_PLAIN_NUMBA=1 shows where"))
+    kernel tyre cannot be compiled: TypingError: ...; MBSD3D_PLAIN_NUMBA=1 shows where
+    """
+
+
 class EquilibriumError(MbsError):
     """No equilibrium was found, or none near the start of the search.
 

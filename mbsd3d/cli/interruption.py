@@ -75,12 +75,11 @@ def end_now() -> None:
 
 def compiling() -> bool:
     """Whether another thread holds the lock of numba's compiler, for longer than it takes to read a kernel."""
-    module = sys.modules.get("numba.core.compiler_lock")
+    module = sys.modules.get("mbsd3d.compiler.numba_private")
     if module is None:
         return False
     for _ in range(5):
-        if module.global_compiler_lock._lock.acquire(blocking=False):
-            module.global_compiler_lock._lock.release()
+        if not module.is_compiling():
             return False
         time.sleep(0.01)
     return True

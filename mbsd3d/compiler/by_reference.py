@@ -7,10 +7,7 @@ address of what was found and load what they read. Tuples do not change, so load
 
 from typing import TypeVar
 
-from llvmlite import ir
-from numba.core import cgutils, types
-from numba.core.imputils import impl_ret_borrowed
-from numba.core.typing.templates import AttributeTemplate
+from numba import types
 from numba.extending import (
     NativeValue,
     infer_getattr,
@@ -20,6 +17,8 @@ from numba.extending import (
     typeof_impl,
     unbox,
 )
+
+from .numba_private import AttributeTemplate, cgutils, impl_ret_borrowed, ir
 
 Kind = TypeVar("Kind", bound=type)
 

@@ -13,7 +13,8 @@ from functools import cache
 from pathlib import Path
 
 import numba
-from numba.core.registry import cpu_target
+
+from .numba_private import cpu_target
 
 PACKAGE = Path(__file__).resolve().parent.parent
 A_KERNEL = re.compile(rb"^\s*@\w*kernel\b", re.MULTILINE)

@@ -6,11 +6,10 @@ from threading import Thread, current_thread, main_thread
 from typing import Any
 
 import numba
-from numba.core.compiler_lock import global_compiler_lock
-from numba.core.dispatcher import Dispatcher
 
 from .cache_folder import CACHE, EQUATIONS, INTEGRATORS, PACKAGE
-from .late import late
+from .late import PLAIN_NUMBA, late
+from .numba_private import Dispatcher, global_compiler_lock
 from .object_files import keep_code
 
 
@@ -18,7 +17,12 @@ def compiled(
     function: Callable, counting: bool = False, from_python: bool = True, fused: bool = False, merged: bool = False,
     apart: bool = False,
 ) -> Callable:  # fmt: skip
-    """Compile in nopython mode, kept on disk under a digest of every kernel source that it may use."""
+    """Compile in nopython mode, kept on disk under a digest of every kernel source that it may use.
+
+    With ``MBSD3D_PLAIN_NUMBA=1`` in the environment by numba alone: slow, but its errors and warnings are its own.
+    """
+    if PLAIN_NUMBA:
+        return numba.njit(error_model="numpy", nogil=True, inline="always" if merged else "never")(function)
     made = numba.njit(
         error_model="numpy", nogil=True, _nrt=counting, no_cfunc_wrapper=True,
         no_cpython_wrapper=not from_python, fastmath={"contract", "reassoc", "nsz"} if fused else False,

@@ -7,7 +7,8 @@ finds zero there: addresses of functions that have the kernel compiled, or found
 It is compiled in a thread of its own. No exception can pass the compiled code that waits, so nothing may raise one
 there: neither the compiler nor the handler of a signal, which Python runs in the main thread. All that the main thread
 does meanwhile is written in C, and without Python's lock, which the compiler needs. What a signal raises, Ctrl-C or an
-alarm, is raised once the kernels have returned.
+alarm, is raised once the kernels have returned. A kernel that does not compile is replaced by one that raises
+`KernelError` as all compiled code does, by its status.
 """
 
 import _thread
@@ -15,7 +16,6 @@ import ctypes
 import hashlib
 import inspect
 import os
-import traceback
 from collections.abc import Callable, Sequence
 from functools import partial
 from importlib import import_module
@@ -23,21 +23,18 @@ from typing import Any, NamedTuple
 
 import numba
 import numpy as np
-from llvmlite import binding as llvm
-from llvmlite import ir
-from numba.core import cgutils, types
-from numba.core.dispatcher import Dispatcher
-from numba.core.extending import _Intrinsic
+from numba import types
 
-from ..base.errors import InputError
+from ..base.errors import InputError, KernelError
 from .first_run import not_silent
+from .numba_private import Dispatcher, Intrinsic, address_of, cgutils, ir, llvm
 
 WORD = ir.IntType(64)
 IN_C = ir.FunctionType(ir.VoidType(), [])
 NAP_SECONDS = 1e-4  # [s] between two looks at a cell; a kernel takes some milliseconds from disk
+REASON_LENGTH_MAX = 600  # [characters] of an error of the compiler that a message repeats
 NAPS_MAX = 20_000  # [1] some seconds in which no thread has begun: Python starts none while it ends
 CODE, START, BEGUN, FILL = range(WORDS := 4)  # words of a cell
-FAILED = 70  # exit status where a kernel cannot be compiled
 
 RESULTS = {
     None: types.void, int: types.int64, float: types.float64, bool: types.boolean,
@@ -60,10 +57,12 @@ def in_c(function: Callable, *given: Any) -> Any:
     return ctypes.CFUNCTYPE(None)(partial(function, *given))
 
 
-def address_of(function: Any) -> int:
+def address_in_c(function: Any) -> int:
     """Return the address of a function of C."""
     return ctypes.cast(function, ctypes.c_void_p).value
 
+
+PLAIN_NUMBA = os.environ.get("MBSD3D_PLAIN_NUMBA", "") == "1"  # no files and no late kernels: to look for a culprit
 
 PAUSE, PAUSED = ("Sleep", 1) if os.name == "nt" else ("usleep", round(1e6 * NAP_SECONDS))
 POINTER, NUMBER = ir.IntType(8).as_pointer(), ir.IntType(32)
@@ -74,7 +73,7 @@ PLAIN_C = {  # functions that compiled code calls by name
     "PyEval_RestoreThread": (ctypes.pythonapi.PyEval_RestoreThread, ir.VoidType(), [POINTER]),
 }
 for name, (function, *_) in PLAIN_C.items():
-    llvm.add_symbol(name, address_of(function))
+    llvm.add_symbol(name, address_in_c(function))
 
 
 def call_c(builder: Any, name: str, *given: Any) -> Any:
@@ -113,7 +112,7 @@ def waiting_function(module: ir.Module) -> ir.Function:
     return made
 
 
-class Late(_Intrinsic):
+class Late(Intrinsic):
     """Kernels of the same arguments that callers do not compile; ``numbered``: a number in front of them says which."""
 
     def __init__(self, where: str, name: str, kernels: Sequence[Dispatcher], result: Any, numbered: bool) -> None:
@@ -172,9 +171,9 @@ class Late(_Intrinsic):
         if passed not in self.cells:
             words, functions = np.zeros((len(self.kernels), WORDS), np.uint64), []
             for i in range(len(self.kernels)):
-                fill = in_c(self.fill_or_end, passed, i)
-                start = in_c(_thread.start_new_thread, self.fill_or_end, (passed, i))
-                words[i, [START, FILL]] = address_of(start), address_of(fill)
+                fill = in_c(self.fill_or_fail, passed, i)
+                start = in_c(_thread.start_new_thread, self.fill_or_fail, (passed, i))
+                words[i, [START, FILL]] = address_in_c(start), address_in_c(fill)
                 functions += [start, fill]
             self.cells[passed] = Cells(words, functions)
             LATE[symbol] = self.__module__, self.__name__, passed
@@ -188,13 +187,26 @@ class Late(_Intrinsic):
         with not_silent(self.kernels[number].__name__):
             words[CODE] = self.compiled(passed, number)
 
-    def fill_or_end(self, passed: tuple, number: int) -> None:
-        """The same for a caller that waits for it: if the kernel cannot be compiled, it would for ever."""
+    def fill_or_fail(self, passed: tuple, number: int) -> None:
+        """Fill the cell for compiled code that waits; where the kernel does not compile, with one that raises."""
         try:
             self.fill(passed, number)
-        except BaseException:
-            traceback.print_exc()
-            os._exit(FAILED)
+        except BaseException as error:
+            self.cells[passed].words[number, CODE] = self.failing(passed, number, error)
+
+    def failing(self, passed: tuple, number: int, error: BaseException) -> int:
+        """Return the address of a kernel of the same arguments that raises a `KernelError` with the reason."""
+        reason = " ".join(str(error).split())[:REASON_LENGTH_MAX]
+        names = ", ".join(f"x{k}" for k in range(len(passed)))
+        text = (
+            f"kernel {self.kernels[number].__name__} cannot be compiled: {type(error).__name__}: {reason}; "
+            "MBSD3D_PLAIN_NUMBA=1 shows where"
+        )
+        scope: dict[str, Any] = {"KernelError": KernelError}
+        exec(f"def failing({names}):\n    raise KernelError({text!r})", scope)  # of a text that is made here
+        kernel = numba.njit(_nrt=False, no_cfunc_wrapper=True, no_cpython_wrapper=True)(scope["failing"])
+        kernel.compile(passed)
+        return address_of(kernel.overloads[passed])
 
     def compiled(self, passed: tuple, number: int) -> int:
         """Address of the code of a kernel."""
@@ -204,12 +216,12 @@ class Late(_Intrinsic):
         found, wanted = types.unliteral(made.signature.return_type), self.returned(passed)
         if found != wanted:
             raise InputError(f"{kernel.__name__} returns {found}, not {wanted}")
-        return made.library.get_pointer_to_function(made.fndesc.llvm_func_name)
+        return address_of(made)
 
 
 def late(kernel: Callable) -> Callable:
     """A kernel that callers do not compile; what it returns is annotated, see `RESULTS`."""
-    if numba.config.DISABLE_JIT:
+    if numba.config.DISABLE_JIT or PLAIN_NUMBA:
         return kernel
     return Late(kernel.__module__, kernel.__name__, [kernel], kernel.py_func.__annotations__.get("return"), False)
 
@@ -218,7 +230,27 @@ def late_choice(where: str, name: str, kernels: Sequence[Callable]) -> Callable:
     """``name(number, *arguments)`` calls one of some kernels, which return nothing; module ``where`` must hold it."""
     if numba.config.DISABLE_JIT:
         return lambda number, *given: kernels[number](*given)
+    if PLAIN_NUMBA:
+        return plain_choice(kernels)
     return Late(where, name, kernels, None, True)
+
+
+def plain_choice(kernels: Sequence[Callable]) -> Callable:
+    """Return the choice of one of some kernels as numba compiles it without this module."""
+    first, rest = kernels[0], plain_choice(kernels[1:]) if len(kernels) > 1 else kernels[0]
+
+    @numba.njit(error_model="numpy")
+    def chosen(number, *given):
+        if number == 0:
+            first(*given)
+        else:
+            rest(number - 1, *given)
+
+    @numba.njit(error_model="numpy")
+    def last(number, *given):
+        first(*given)
+
+    return chosen if len(kernels) > 1 else last
 
 
 def empty_cells() -> list[tuple[Late, tuple, int]]:

@@ -19,16 +19,23 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from llvmlite import binding as llvm
-from numba.core.caching import NullCache
-from numba.core.compiler import CompileResult
-from numba.core.dispatcher import Dispatcher
-from numba.core.serialize import dumps
-
 from ..base.errors import InputError
 from ..base.paths import in_its_place
 from .cache_folder import conditions, make_private, weak_folders, weakness
 from .late import LATE, Late
+from .numba_private import (
+    CompileResult,
+    Dispatcher,
+    NullCache,
+    address_of,
+    declarations,
+    dumps,
+    empty_library,
+    llvm,
+    rebuilt,
+    strip_to_symbols,
+    symbol_of,
+)
 from .written_code import FormError, packed, unpacked
 
 SUM = 16  # bytes
@@ -43,25 +50,14 @@ def check_sum(content: bytes) -> bytes:
 
 def stand_apart(function: Callable, made: CompileResult) -> None:
     """Let callers find it by name: what numba links into them is empty."""
-    APART[made.fndesc.llvm_func_name] = (function.__module__, function.__name__, made.signature.args)
-    made.library._shared_module = llvm.parse_assembly("")
-
-
-def names_only(made: CompileResult) -> None:
-    """Keep the names that it defines, without their code, for numba to look up when it is loaded."""
-    defined = [function for function in made.library._final_module.functions if not function.is_declaration]
-    names = [function.name for function in defined if function.linkage == llvm.Linkage.external]
-    made.library._shared_module = llvm.parse_assembly(
-        "\n".join(f'define void @"{name}"() {{\n  unreachable\n}}' for name in names)
-    )
+    APART[symbol_of(made)] = (function.__module__, function.__name__, made.signature.args)
+    empty_library(made)
 
 
 def called(made: CompileResult) -> list[tuple]:
     """The kernels apart that a compiled function calls."""
-    module = made.library._final_module
-    names = [found.name for found in (*module.functions, *module.global_variables) if found.is_declaration]
     known = APART | LATE
-    return [(name, *known[name]) for name in names if name in known]
+    return [(name, *known[name]) for name in declarations(made) if name in known]
 
 
 def find(called_ones: list[tuple]) -> None:
@@ -74,8 +70,7 @@ def find(called_ones: list[tuple]) -> None:
         dispatcher.compile(arguments)
         made = dispatcher.overloads[arguments]
         APART[symbol] = (module, name, arguments)
-        address = made.library.get_pointer_to_function(made.fndesc.llvm_func_name)
-        llvm.add_symbol(symbol, address)  # another process may have compiled the caller, under another name
+        llvm.add_symbol(symbol, address_of(made))  # another process may have compiled the caller, under another name
 
 
 class CodeFiles(NullCache):
@@ -112,7 +107,7 @@ class CodeFiles(NullCache):
             find(needed)
         except (LookupError, AttributeError, TypeError, ValueError):  # a function of a script that is another one today
             return None
-        made = CompileResult._rebuild(target, *parts)
+        made = rebuilt(target, parts)
         if self.apart:
             stand_apart(self.function, made)
         return made
@@ -145,7 +140,7 @@ class CodeFiles(NullCache):
         """Write it, unless it holds addresses of this process or what cannot be written."""
         kept = not (compiled.lifted or compiled.library.has_dynamic_globals)
         if self.apart:
-            names_only(compiled)
+            strip_to_symbols(compiled)
         try:
             content = packed(called(compiled), compiled) if kept else b""
         except FormError:

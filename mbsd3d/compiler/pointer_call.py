@@ -6,9 +6,10 @@ makes of the user's function. With the compiler switched off the address is that
 """
 
 import numba
-from llvmlite import ir
-from numba.core import types
+from numba import types
 from numba.extending import intrinsic
+
+from .numba_private import ir
 
 
 def pointer_call(typingctx, address, t, poses, k, z, states, numbers, n, wrench, z_dot):

@@ -11,14 +11,19 @@ from functools import cache
 from operator import attrgetter
 from typing import Any
 
-from numba.core import sigutils, types
-from numba.core.compiler import CompileResult
-from numba.core.environment import Environment, lookup_environment
-from numba.core.funcdesc import PythonFunctionDescriptor
-from numba.core.typing import signature as signature_of
+from numba import types
 
 from ..base.errors import InputError
 from .by_reference import Reference
+from .numba_private import (
+    CompileResult,
+    Environment,
+    PythonFunctionDescriptor,
+    lookup_environment,
+    object_code,
+    signature_of,
+    sigutils,
+)
 
 SIZE = 8  # bytes of a number in front of each of three blocks
 PLAIN = {str(kind): kind for kind in (*types.number_domain, types.boolean, types.none)}
@@ -30,7 +35,7 @@ class FormError(InputError):
 
 def packed(needed: list[tuple], made: CompileResult) -> bytes:
     """Return a compiled function and the kernels it needs, as (symbol, module, name, types), as bytes."""
-    symbol, kind, (code, linked) = made.library.serialize_using_object_code()
+    symbol, kind, (code, linked) = object_code(made)
     around = [made.environment, *made._find_referenced_environments()]
     known: dict[str, int] = {}  # text of a type -> its number: the same ones come again and again
     about = {

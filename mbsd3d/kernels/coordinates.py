@@ -9,7 +9,7 @@ the rates there and now, never by a counter; curves are searched from there.
 import math
 
 import numpy as np
-from numba.core import types
+from numba import types
 
 from ..compiler.by_reference import Reference
 from ..compiler.decorators import inner_kernel, kernel, late_kernel

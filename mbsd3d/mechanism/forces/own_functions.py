@@ -6,11 +6,11 @@ from collections.abc import Callable
 
 import numba
 import numpy as np
-from numba.core import types
-from numba.core.ccallback import CFunc
+from numba import types
 from numba.extending import is_jitted
 
 from ...base.errors import InputError
+from ...compiler.numba_private import CFunc
 from ...kernels.layout import CUSTOM_FORCE_BODIES_MAX, data_records
 
 RETURNED = 6 * CUSTOM_FORCE_BODIES_MAX  # place in Data.wrench that the wrapper sets to 0 when the function has returned
