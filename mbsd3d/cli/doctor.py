@@ -3,8 +3,10 @@
 import os
 import platform
 import re
+import subprocess
 import sys
 from importlib import metadata
+from pathlib import Path
 
 import click
 
@@ -12,6 +14,19 @@ from ..base.version import __version__
 
 NAME, EXTRA = re.compile(r"[\w.-]+"), re.compile(r"extra == ['\"]([\w-]+)")
 BASE = "base"
+
+
+def revision() -> str:
+    """Return what ``git describe`` says of a source tree, after a space; nothing for an installed package."""
+    root = Path(__file__).resolve().parents[2]
+    if not (root / ".git").exists():
+        return ""
+    command = ["git", "-C", str(root), "describe", "--tags", "--always", "--dirty"]
+    try:
+        found = subprocess.run(command, capture_output=True, text=True, timeout=10.0, check=True).stdout.strip()
+    except (OSError, subprocess.SubprocessError):
+        return ""
+    return f" (source tree at {found})"
 
 
 def needed() -> dict[str, list[str]]:
@@ -78,7 +93,7 @@ def threads() -> list[str]:
 def doctor() -> None:
     """Print versions, compiled kernels, threads and what is missing."""
     lines = [
-        f"mbsd3d      {__version__}",
+        f"mbsd3d      {__version__}{revision()}",
         f"python      {platform.python_version()} ({sys.executable})",
         f"system      {platform.platform()}, {platform.machine()}",
         *threads(),

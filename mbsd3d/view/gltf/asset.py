@@ -43,7 +43,7 @@ class Asset:
 
     def __init__(self, about: dict[str, str | float], generator: str) -> None:
         if pygltflib is None:
-            raise InputError("export_glb needs pygltflib; install it: pip install 'mbsd3d[view]'")
+            raise InputError("export_glb needs pygltflib, which mbsd3d comes with; install it: pip install pygltflib")
         self.gltf = pygltflib.GLTF2(scene=0, scenes=[pygltflib.Scene()])
         self.gltf.asset = pygltflib.Asset(generator=generator, extras=about)
         self.animation = pygltflib.Animation(name="motion")
