@@ -1,24 +1,23 @@
 """What a file may hold: one msgspec Struct per class, derived from the fields of its dataclass.
 
-A new joint, force, signal or method needs nothing here. Annotations decide; where one is ``ArrayLike`` or ``Any``, the
-name of the field does: the same word means the same thing in all parts.
+A new joint, force, signal or method needs nothing here: the annotations of its fields decide (see `base.fields`).
 """
 
 import pkgutil
 import typing
 from collections.abc import Mapping, Sequence
-from dataclasses import MISSING, Field, fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass
 from functools import cache
 from importlib import import_module
 from types import MappingProxyType, NoneType, UnionType
-from typing import Annotated, Any
+from typing import Any
 
 import msgspec
 import numpy as np
-from numpy.typing import ArrayLike
 
 from .. import integrators, mechanism
 from ..base.errors import InputError
+from ..base.fields import VECTOR, kind_of
 from ..equations.compiled import Switches
 from ..integrators.method import Method
 from ..mechanism.bodies import Body, Ground
@@ -31,16 +30,6 @@ from ..mechanism.signals import Signal
 from ..mechanism.state import State
 from ..results.record import Record
 
-VECTOR = Annotated[list[float], msgspec.Meta(min_length=3, max_length=3)]
-ROWS = Annotated[list[float | VECTOR], msgspec.Meta(min_length=3, max_length=4)]  # (3,), (4,) or (3, 3)
-WORDS = MappingProxyType(
-    dict.fromkeys(("at", "at_a", "at_b", "axis", "axis_a", "axis_b", "normal", "lateral", "centre"), VECTOR)
-    | dict.fromkeys(("direction", "heading"), VECTOR)
-    | dict.fromkeys(("com", "position", "velocity", "omega"), VECTOR)
-    | dict.fromkeys(("inertia", "orientation", "axes"), ROWS)
-    | dict.fromkeys(("lengths", "radii"), VECTOR)
-    | {"shape": Shape | str | list}
-)
 BASES = (Joint, ForceElement, Signal, Shape, Method)
 ROLES = (("body", Body | Ground), ("joint", Joint), ("signal", Signal), ("shape", Shape), ("array", np.ndarray))
 PLAIN = (float, int, str, bool, NoneType)
@@ -63,13 +52,6 @@ def below(base: type) -> set[type]:
     return own.union(*(below(kind) for kind in own))
 
 
-def meaning(field: Field) -> Any:
-    """The annotation of a field, or what its name means where the annotation leaves it open."""
-    if field.name in ("a", "b") and Body in members(field.type):
-        return Body | Ground  # a SpeedDriver is also made from a joint and a speed; a file has the bodies
-    return WORDS.get(field.name, Any) if field.type in (Any, ArrayLike, ArrayLike | None) else field.type
-
-
 def members(annotation: Any) -> tuple:
     """The alternatives of a union, through the items of tuples: ``tuple[Body, ...] | None`` -> (Body, None)."""
     inner = typing.get_args(annotation) if isinstance(typing.get_origin(annotation), type | UnionType) else ()
@@ -83,7 +65,10 @@ def roles(kind: type) -> Mapping[str, str]:
     """Field -> "body" or "joint" where a name refers to a part, "signal", "shape", or "array" of numbers."""
     found = {}
     for field in fields(kind):
-        classes = [x for x in members(meaning(field)) if isinstance(x, type)]
+        if stored := kind_of(field.type):
+            found |= {field.name: stored.role} if stored.role else {}
+            continue
+        classes = [x for x in members(field.type) if isinstance(x, type)]
         for role, base in ROLES:
             if any(issubclass(x, base) for x in classes):
                 found[field.name] = role
@@ -92,7 +77,9 @@ def roles(kind: type) -> Mapping[str, str]:
 
 def json_type(annotation: Any) -> Any:
     """The type of the JSON value for an annotation."""
-    if annotation in (VECTOR, ROWS, *PLAIN):
+    if stored := kind_of(annotation):
+        return stored.file_type
+    if annotation in PLAIN:
         return annotation
     origin = typing.get_origin(annotation)
     if origin in (UnionType, typing.Union):
@@ -118,7 +105,7 @@ def struct(kind: type) -> type[msgspec.Struct]:
     for field in fields(kind):
         if not field.init:
             continue
-        accepted = json_type(meaning(field))
+        accepted = json_type(field.type)
         if field.default is MISSING and field.default_factory is MISSING:
             wanted.append((field.name, accepted))
             continue

@@ -1,15 +1,15 @@
 """The mechanism as data: bodies, joints, forces and gravity, checked for what can be checked without numbers."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import KW_ONLY, field
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..base.checks import Frozen, check_choice, check_name, shown, vector
+from ..base.checks import check_choice, check_name, shown
 from ..base.errors import InputError
+from ..base.fields import Frozen, Members, Vector, derive, kept, part_class
 from .bodies import GROUND, Body, called
 from .force_element import ForceElement
 from .joints import Joint
@@ -17,12 +17,19 @@ from .joints import Joint
 KINDS = MappingProxyType({"bodies": Body, "joints": Joint, "forces": ForceElement})
 
 
-def parts_of(given: Any, key: str) -> tuple:
-    """A sequence of parts as a tuple."""
+def as_parts(value: Any, what: str, part: Any) -> tuple[Any, ...]:
+    """A sequence of parts of the kind that belongs there, each once."""
+    key = what.removeprefix("System: ")
     try:
-        return tuple(given)
+        parts = tuple(value)
     except TypeError:
-        raise InputError(f"System: {key} = {short(given)} is not a sequence; give a list, {key}=[...]") from None
+        raise InputError(f"{what} = {short(value)} is not a sequence; give a list, {key}=[...]") from None
+    for each in parts:
+        if not isinstance(each, KINDS[key]):
+            raise InputError(misplaced(each, key))
+    if len({id(each) for each in parts}) < len(parts):
+        raise InputError(f"System: a part appears twice in {key}; list every part once")
+    return parts
 
 
 def misplaced(part: Any, key: str) -> str:
@@ -47,7 +54,7 @@ def made_of(cls: type["Mechanism"], parts: tuple, gravity: np.ndarray, title: st
     return cls(*parts, gravity, title=title)
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Mechanism(Frozen):
     """Bodies, joints and forces with their names; the public `System` adds what can be asked of it.
 
@@ -55,30 +62,27 @@ class Mechanism(Frozen):
     nothing in it is part of the description.
     """
 
-    bodies: Sequence[Body]
-    joints: Sequence[Joint] = ()
-    forces: Sequence[ForceElement] = ()
-    gravity: ArrayLike = (0.0, 0.0, -9.81)
-    title: str | None = field(default=None, kw_only=True)  # of pages, files and tables
+    bodies: Members[Body] = kept(by=as_parts)
+    joints: Members[Joint] = kept(default=(), by=as_parts)
+    forces: Members[ForceElement] = kept(default=(), by=as_parts)
+    gravity: Vector = kept(default=(0.0, 0.0, -9.81))
+    _: KW_ONLY
+    title: str | None = None  # of pages, files and tables
     names: Mapping[int, str] = field(init=False, repr=False)
     derived: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
 
+    def what(self) -> str:
+        return "System"
+
     def __post_init__(self) -> None:
+        super().__post_init__()
         if self.title is not None and (not isinstance(self.title, str) or not self.title.strip()):
             raise InputError(f"System: name {self.title!r} is not a name; give a text, or None")
         if self.title is not None:
             check_name(self.title, "System:")
-        for key, kind in KINDS.items():
-            parts = parts_of(getattr(self, key), key)
-            for part in parts:
-                if not isinstance(part, kind):
-                    raise InputError(misplaced(part, key))
-            if len({id(part) for part in parts}) < len(parts):
-                raise InputError(f"System: a part appears twice in {key}; list every part once")
-            self._store(**{key: parts})
         if not self.bodies:
             raise InputError("System: no bodies; give at least one Body")
-        self._store(gravity=vector(self.gravity, "System: gravity"), names=self._names())
+        derive(self, names=self._names())
         self._check_members()
 
     def __reduce__(self) -> tuple:

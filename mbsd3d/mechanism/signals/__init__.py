@@ -1,3 +1,15 @@
 """Functions of time for drivers and forces: sums of polynomials, sines, pulses and cubic splines."""
 
-from .signal import Constant, Scaled, Signal, Sum, as_signal, check_interval, three_signals
+from .signal import (
+    Constant,
+    Scaled,
+    Signal,
+    SignalField,
+    SignalOrNone,
+    Sum,
+    ThreeSignals,
+    ThreeSignalsOrFree,
+    as_signal,
+    check_interval,
+    signal_of,
+)
