@@ -74,13 +74,13 @@ def numbers(values: Any, what: str) -> np.ndarray:
         raise InputError(f"{what}: {shown(values)} is not numeric; give numbers") from None
 
 
-def check_choice(value: Any, choices: Sequence, what: str) -> None:
+def check_choice(value: Any, choices: Sequence[Any], what: str) -> None:
     """InputError for anything but one of the choices."""
     if not isinstance(value, Hashable) or value not in choices:
         raise InputError(f"{what} {shown(value)} is unknown; give {' or '.join(map(repr, choices))}")
 
 
-def listed(values: Any, what: str, remedy: str) -> tuple:
+def listed(values: Any, what: str, remedy: str) -> tuple[Any, ...]:
     """The members of a sequence, or an InputError that names ``what``."""
     try:
         return tuple(values)

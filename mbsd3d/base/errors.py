@@ -130,7 +130,9 @@ def similar(name: object, known: Iterable[str]) -> list[str]:
     return [lower[text] for text in get_close_matches(str(name).lower(), lower)]
 
 
-def explained(name: str, signature: inspect.Signature, args: tuple, given: Mapping[str, Any]) -> ArgumentError | None:
+def explained(
+    name: str, signature: inspect.Signature, args: tuple[Any, ...], given: Mapping[str, Any]
+) -> ArgumentError | None:
     """What is wrong with a call, by the public name of what was called; None if it fits."""
     try:
         signature.bind(*args, **given)
@@ -169,7 +171,7 @@ class Explained(ABCMeta):
     @property
     def __signature__(cls) -> inspect.Signature:
         """That of ``__init__``: for help and completion."""
-        whole = inspect.signature(cls.__init__)
+        whole = inspect.signature(cls.__init__)  # type: ignore[misc]  # the class itself is meant
         own = [x.replace(annotation=Written(x.annotation)) for x in whole.parameters.values() if x.name != "self"]
         return whole.replace(parameters=own, return_annotation=inspect.Signature.empty)
 

@@ -34,7 +34,6 @@ from .rotations import as_quaternion
 
 Accepted = TypeVar("Accepted")  # by the constructor
 Kept = TypeVar("Kept")  # by the part
-Class = TypeVar("Class", bound=type)
 P = TypeVar("P")
 VECTOR = Annotated[list[float], msgspec.Meta(min_length=3, max_length=3)]  # in files
 ROWS = Annotated[list[float | VECTOR], msgspec.Meta(min_length=3, max_length=4)]  # (3,), (4,) or (3, 3)
@@ -55,7 +54,7 @@ def kept(
 
 
 @dataclass_transform(eq_default=False, field_specifiers=(kept, field))
-def part_class(*, eq: bool = False, repr: bool = True, init: bool = True) -> Callable[[Class], Class]:  # noqa: A002
+def part_class(*, eq: bool = False, repr: bool = True, init: bool = True) -> Callable[[type[P]], type[P]]:  # noqa: A002
     """A frozen dataclass whose fields are converted; it is compared by identity."""
     return dataclass(frozen=True, eq=eq, repr=repr, init=init)
 
@@ -78,6 +77,7 @@ class Stored(Generic[Accepted, Kept]):
         def __get__(self, part: None, owner: Any) -> Self: ...
         @overload
         def __get__(self, part: object, owner: Any) -> Kept: ...
+        def __get__(self, part: object, owner: Any) -> Any: ...
         def __set__(self, part: Never, value: Accepted) -> None: ...
 
 

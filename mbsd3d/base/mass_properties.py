@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -29,7 +30,7 @@ class MassProperties(metaclass=Explained):
 
 
 @explaining
-def combine(parts: Iterable[tuple | MassProperties]) -> MassProperties:
+def combine(parts: Iterable[tuple[Any, ...] | MassProperties]) -> MassProperties:
     """Rigid body made of parts: ``m = sum m_i``, ``c = sum m_i c_i / m``, Steiner's rule as a tensor for the inertia.
 
     ``I = sum R_i I_i R_i' + m_i (d_i'd_i 1 - d_i d_i')`` with ``d_i = c_i - c``.
@@ -49,8 +50,8 @@ def combine(parts: Iterable[tuple | MassProperties]) -> MassProperties:
     mass = sum(m for m, _, _ in checked)
     if mass == 0.0:
         raise InputError(f"combine: the mass of {len(checked)} parts is 0, without a centre of mass; give one a mass")
-    com = sum(m * c for m, c, _ in checked) / mass
-    total = sum(I + steiner(m, c - com) for m, c, I in checked)
+    com = sum((m * c for m, c, _ in checked), np.zeros(3)) / mass
+    total = sum((I + steiner(m, c - com) for m, c, I in checked), np.zeros((3, 3)))
     return MassProperties(mass, com, total)
 
 
@@ -138,7 +139,7 @@ def _finite_inertia(inertia: ArrayLike, what: str) -> tuple[np.ndarray, float]:
     return I, largest
 
 
-def _part(number: int, part: tuple | MassProperties) -> tuple[float, np.ndarray, np.ndarray]:
+def _part(number: int, part: tuple[Any, ...] | MassProperties) -> tuple[float, np.ndarray, np.ndarray]:
     """Mass, centre of mass and inertia of one part, turned into the common axes."""
     what = f"combine: part {number}"
     if isinstance(part, MassProperties):

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, fields, is_dataclass
 from functools import cache
 from importlib import import_module
-from types import MappingProxyType, NoneType, UnionType
+from types import GenericAlias, MappingProxyType, NoneType, UnionType
 from typing import Any
 
 import msgspec
@@ -30,8 +30,14 @@ from ..mechanism.signals import Signal
 from ..mechanism.state import State
 from ..results.record import Record
 
-BASES = (Joint, ForceElement, Signal, Shape, Method)
-ROLES = (("body", Body | Ground), ("joint", Joint), ("signal", Signal), ("shape", Shape), ("array", np.ndarray))
+BASES: tuple[type, ...] = (Joint, ForceElement, Signal, Shape, Method)
+ROLES: tuple[tuple[str, Any], ...] = (
+    ("body", Body | Ground),
+    ("joint", Joint),
+    ("signal", Signal),
+    ("shape", Shape),
+    ("array", np.ndarray),
+)
 PLAIN = (float, int, str, bool, NoneType)
 
 
@@ -41,18 +47,19 @@ def types() -> Mapping[str, type]:
     for package in (mechanism, integrators):  # so that all classes are known
         for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
             import_module(module.name)
-    found = {kind.__name__: kind for base in BASES for kind in below(base) if not below(kind)}
-    others = (Body, Measure, Condition, Coordinate, State, Switches, Record)
+    found: dict[str, type] = {kind.__name__: kind for base in BASES for kind in below(base) if not below(kind)}
+    others: tuple[type, ...] = (Body, Measure, Condition, Coordinate, State, Switches, Record)
     return MappingProxyType(found | {kind.__name__: kind for kind in others})
 
 
-def below(base: type) -> set[type]:
+def below(base: Any) -> set[type]:
     """All classes of the package derived from ``base``."""
-    own = {kind for kind in base.__subclasses__() if kind.__module__.startswith(f"{__name__.split('.')[0]}.")}
+    subclasses: list[type] = base.__subclasses__()
+    own = {kind for kind in subclasses if kind.__module__.startswith(f"{__name__.split('.')[0]}.")}
     return own.union(*(below(kind) for kind in own))
 
 
-def members(annotation: Any) -> tuple:
+def members(annotation: Any) -> tuple[Any, ...]:
     """The alternatives of a union, through the items of tuples: ``tuple[Body, ...] | None`` -> (Body, None)."""
     inner = typing.get_args(annotation) if isinstance(typing.get_origin(annotation), type | UnionType) else ()
     if typing.get_origin(annotation) is typing.Union:
@@ -61,9 +68,9 @@ def members(annotation: Any) -> tuple:
 
 
 @cache
-def roles(kind: type) -> Mapping[str, str]:
+def roles(kind: Any) -> Mapping[str, str]:
     """Field -> "body" or "joint" where a name refers to a part, "signal", "shape", or "array" of numbers."""
-    found = {}
+    found: dict[str, str] = {}
     for field in fields(kind):
         if stored := kind_of(field.type):
             found |= {field.name: stored.role} if stored.role else {}
@@ -95,13 +102,13 @@ def json_type(annotation: Any) -> Any:
     if not issubclass(kind, Sequence | np.ndarray):
         return Any
     items = [x for x in typing.get_args(annotation) if x is not ...]
-    return list[json_type(items[0])] if len(items) == 1 and issubclass(kind, Sequence) else list
+    return GenericAlias(list, json_type(items[0])) if len(items) == 1 and issubclass(kind, Sequence) else list
 
 
 @cache
-def struct(kind: type) -> type[msgspec.Struct]:
+def struct(kind: Any) -> type[msgspec.Struct]:
     """The Struct of a class: its fields, the optional ones unset, no others."""
-    wanted = []
+    wanted: list[Any] = []
     for field in fields(kind):
         if not field.init:
             continue
@@ -127,12 +134,12 @@ class Document(msgspec.Struct, forbid_unknown_fields=True):
     name: str | None = None
 
 
-def place_of(path: tuple) -> str:
+def place_of(path: tuple[Any, ...]) -> str:
     """("bodies", 3, "mass") as ``$.bodies[3].mass``."""
     return "$" + "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in path)
 
 
-def check(data: Any, schema: type[msgspec.Struct], path: tuple, what: str) -> None:
+def check(data: Any, schema: type[msgspec.Struct], path: tuple[Any, ...], what: str) -> None:
     """Refuse data that do not fit a schema.
 
     ValueError with what was expected and where, e.g. "Expected `float`, got `str` - at `$.bodies[3].mass`".

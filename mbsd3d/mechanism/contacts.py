@@ -23,7 +23,7 @@ from ..base.fields import (
     part_class,
 )
 from ..kernels import kinds
-from .bodies import GROUND, Body, Ground, as_body_or_ground
+from .bodies import GROUND, Body, Ground, as_body
 from .joints import Joint, PointJoint
 from .motion import Motion
 from .primitives import ZERO, Primitive
@@ -85,7 +85,7 @@ class Plane(Stored[Sequence[ArrayLike] | None, tuple[np.ndarray, np.ndarray]]):
     convert = staticmethod(lambda value, what, part: checked_plane(value, what.removesuffix(": plane")))
 
 
-def checked_plane(plane: Sequence | None, what: str) -> tuple[np.ndarray, np.ndarray]:
+def checked_plane(plane: Sequence[ArrayLike] | None, what: str) -> tuple[np.ndarray, np.ndarray]:
     """(point, unit normal) of a plane, world at the reference pose; None = z = 0."""
     given = ((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)) if plane is None else plane
     if not isinstance(given, Sequence) or isinstance(given, str) or len(given) != 2:
@@ -99,19 +99,21 @@ def level_plane(part: Any) -> tuple[np.ndarray, np.ndarray]:
     return checked_plane(None, part.what())
 
 
+def as_rolling(value: Any, what: str, part: Any) -> Body:
+    """A body, not the ground."""
+    if value is GROUND:
+        raise InputError(f"{what.removesuffix(': b')}: the ground cannot roll; give (ground, body)")
+    return as_body(value, what, part)
+
+
 @part_class()
 class RollingContact(Joint):
     """A smooth surface of body b rolls without slip on a plane of body a (1 holonomic and 2 nonholonomic rows)."""
 
     a: Body | Ground
-    b: Body | Ground = kept(by=as_body_or_ground)
+    b: Body = kept(by=as_rolling)
     _: KW_ONLY
     plane: Plane = kept(default=None, derived=level_plane)
-
-    def check(self, what: str) -> None:
-        super().check(what)
-        if self.b is GROUND:
-            raise InputError(f"{what}: the ground cannot roll; give (ground, body)")
 
     def check_tilt(self, what: str) -> None:
         """ValueError for a disc that touches in a circle."""

@@ -9,7 +9,7 @@ from ..base.errors import InputError
 from ..base.fields import Number, Vector, kept, part_class
 from ..kernels import kinds
 from .bodies import GROUND, Body, Ground
-from .joints import AxisJoint, Joint, coordinate_of
+from .joints import AxisJoint, Joint, angle_of, coordinate_of, slide_of
 from .motion import LoadedMotion, Motion
 from .primitives import ZERO, Coordinate, Primitive, ratio
 from .tooth_contact import Axle, line_of_action
@@ -74,7 +74,7 @@ class Gear(Coupling):
             raise InputError(f"{what}: ratio is 0; give angle_b / angle_a, or lock hinge_b with Fixed")
 
     def rows(self) -> list[Primitive]:
-        return [ratio(self.hinge_a.angle(), -self.ratio, self.hinge_b.angle(), 1.0)]
+        return [ratio(angle_of(self.hinge_a), -self.ratio, angle_of(self.hinge_b), 1.0)]
 
 
 @part_class()
@@ -107,7 +107,7 @@ class RackPinion(Coupling):
         coordinate_of(self.rack, "slide", what)
 
     def rows(self) -> list[Primitive]:
-        return [ratio(self.pinion.angle(), -self.radius, self.rack.slide(), 1.0, in_metres=True)]
+        return [ratio(angle_of(self.pinion), -self.radius, slide_of(self.rack), 1.0, in_metres=True)]
 
 
 @part_class()
@@ -154,8 +154,8 @@ class GearMesh(Coupling):
     (1, -0.5)
     """
 
-    hinge_a: Joint
-    hinge_b: Joint
+    hinge_a: AxisJoint
+    hinge_b: AxisJoint
     _: KW_ONLY
     at: Vector = kept()
     pressure_angle: Number = kept(default=np.pi / 9)
@@ -213,18 +213,18 @@ class GearMesh(Coupling):
                 return body
         raise InputError(f"{what}: '{first.name}' and '{second.name}' share no body; give carrier=")
 
-    def gear(self, hinge: Joint) -> Body | Ground:
+    def gear(self, hinge: AxisJoint) -> Body | Ground:
         """The gear on a hinge: the body that is not the carrier."""
         return hinge.a if hinge.b is self.support() else hinge.b
 
-    def axle(self, hinge: Joint) -> Axle:
+    def axle(self, hinge: AxisJoint) -> Axle:
         """Axis of the gear on a hinge, as the carrier has it."""
         return Axle(hinge.at, hinge.axis) if self.gear(hinge) is hinge.b else Axle(hinge.at_b, hinge.axis_b)
 
     def direction(self, what: str = "GearMesh") -> np.ndarray:
         """Line of action n: unit direction of the force on gear b, world at the reference pose."""
-        axles = [self.axle(hinge) for hinge in (self.hinge_a, self.hinge_b)]
-        return line_of_action(*axles, self.at, self.pressure_angle, self.helix_angle, self.flank, what)
+        first, second = self.axle(self.hinge_a), self.axle(self.hinge_b)
+        return line_of_action(first, second, self.at, self.pressure_angle, self.helix_angle, self.flank, what)
 
     def levers(self) -> list[float]:
         """n . (u_i x d_i) of both gears: their pitch velocities along n per angular velocity [m]."""
@@ -245,7 +245,8 @@ class GearMesh(Coupling):
 
     def rows(self) -> list[Primitive]:
         n, carrier = self.direction(), self.support()
-        bodies, points, axes, tilts, levers, angles = [], [], [], [], [], []
+        bodies: list[Body | Ground] = []
+        points, axes, tilts, levers, angles = [], [], [], [], []
         for sign, hinge in ((-1.0, self.hinge_a), (1.0, self.hinge_b)):
             gear, mount = self.gear(hinge), self.axle(hinge)
             hub, spin = (hinge.at_b, hinge.axis_b) if gear is hinge.b else (hinge.at, hinge.axis)

@@ -11,7 +11,7 @@ from ..base.fields import DirectionOrNone, Stored, Vector, VectorOrNone, derive,
 from ..kernels import kinds
 from .bodies import GROUND, Body, Ground
 from .couplings import Coupling
-from .joints import Joint, coordinate_of
+from .joints import Joint, angle_of, coordinate_of, slide_of
 from .primitives import ZERO, Primitive, in_plane, ratio
 from .signals import Signal, SignalField, ThreeSignalsOrFree, as_signal
 
@@ -54,7 +54,7 @@ class AngleDriver(Coupling, Driver):
         coordinate_of(self.hinge, "angle", what)
 
     def rows(self) -> list[Primitive]:
-        return [ratio(self.hinge.angle(), 1.0, signal=self.signal)]
+        return [ratio(angle_of(self.hinge), 1.0, signal=self.signal)]
 
 
 @part_class()
@@ -80,7 +80,7 @@ class SlideDriver(Coupling, Driver):
         coordinate_of(self.slider, "slide", what)
 
     def rows(self) -> list[Primitive]:
-        return [ratio(self.slider.slide(), 1.0, signal=self.signal, in_metres=True)]
+        return [ratio(slide_of(self.slider), 1.0, signal=self.signal, in_metres=True)]
 
 
 @part_class()
@@ -230,8 +230,14 @@ class SpeedDriver(Driver):
             )
         if slide is not None and slide.kind != "slide":
             raise InputError(f"{what}: '{joint.name}' leads along a curve; give a SlideDriver with Ramp(speed)")
-        x = turn or slide
-        own = {"a": x.a, "b": x.b, "axis": turn and x.axis, "direction": slide and x.axis_b, "at": slide and x.point_b}
+        x: Any = turn or slide
+        own: dict[str, Any] = {
+            "a": x.a,
+            "b": x.b,
+            "axis": turn and x.axis,
+            "direction": slide and x.axis_b,
+            "at": slide and x.point_b,
+        }
         for name, value in own.items():
             given = getattr(self, name)
             if given is not None and not np.array_equal(given, value):

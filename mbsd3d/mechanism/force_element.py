@@ -8,6 +8,7 @@ import numpy as np
 
 from ..base.checks import check_choice, shown
 from ..base.errors import InputError
+from ..base.fields import part_class
 from .bodies import Body, Ground, Part
 from .joints import Joint
 from .primitives import Coordinate
@@ -30,7 +31,7 @@ class ForceRecord:
     scales: tuple = ()  # of their errors: (unit, k, j) is unit length^k speed^j
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class ForceElement(Part):
     """Base class of force elements.
 
@@ -46,11 +47,11 @@ class ForceElement(Part):
         """What the law reads of this element."""
         raise NotImplementedError
 
-    def bodies(self) -> tuple:
+    def bodies(self) -> tuple[Any, ...]:
         """The bodies it acts on."""
         return self.record().bodies
 
-    def partners(self) -> tuple:
+    def partners(self) -> tuple[Any, ...]:
         """Joints and forces it refers to."""
         return ()
 

@@ -10,7 +10,7 @@ import numpy as np
 from ..base.checks import check_choice, check_name, shown
 from ..base.errors import InputError
 from ..base.fields import Frozen, Members, Vector, derive, kept, part_class
-from .bodies import GROUND, Body, called
+from .bodies import GROUND, Body, Part, called
 from .force_element import ForceElement
 from .joints import Joint
 
@@ -44,14 +44,15 @@ def misplaced(part: Any, key: str) -> str:
 
 def short(part: Any) -> str:
     """A part by its type and name, anything else by what it prints, cut."""
-    if isinstance(part, tuple(KINDS.values())):
+    if isinstance(part, Body | Joint | ForceElement):
         return called(part)
     return shown(part)
 
 
-def made_of(cls: type["Mechanism"], parts: tuple, gravity: np.ndarray, title: str | None) -> "Mechanism":
+def made_of(cls: type["Mechanism"], parts: tuple[Any, ...], gravity: np.ndarray, title: str | None) -> "Mechanism":
     """What a copy or a pickle of a mechanism is."""
-    return cls(*parts, gravity, title=title)
+    bodies, joints, forces = parts
+    return cls(bodies, joints, forces, gravity, title=title)
 
 
 @part_class()
@@ -85,7 +86,7 @@ class Mechanism(Frozen):
         derive(self, names=self._names())
         self._check_members()
 
-    def __reduce__(self) -> tuple:
+    def __reduce__(self) -> tuple[Any, ...]:
         """Copies are made anew of copied parts: names and tables are kept by the identity of the parts."""
         return made_of, (type(self), (self.bodies, self.joints, self.forces), self.gravity, self.title)
 
@@ -94,7 +95,8 @@ class Mechanism(Frozen):
         names: dict[int, str] = {id(GROUND): "ground"}
         counts: dict[str, int] = {}
         taken = {"ground"}
-        for part in (*self.bodies, *self.joints, *self.forces):
+        parts: tuple[Body | Part, ...] = (*self.bodies, *self.joints, *self.forces)
+        for part in parts:
             name = part.name
             if name is None:
                 kind = type(part).__name__
@@ -109,8 +111,9 @@ class Mechanism(Frozen):
     def _check_members(self) -> None:
         """Every joint and force acts on bodies of this system and refers to joints and forces of it."""
         members = {id(body) for body in self.bodies} | {id(GROUND)}
-        known = {id(part) for part in (*self.joints, *self.forces)}
-        for part in (*self.joints, *self.forces):
+        parts: tuple[Joint | ForceElement, ...] = (*self.joints, *self.forces)
+        known = {id(part) for part in parts}
+        for part in parts:
             for body in part.bodies():
                 if id(body) not in members:
                     raise InputError(
@@ -140,7 +143,7 @@ class Mechanism(Frozen):
                 if self.names[id(part)] == key:
                     return part
         have = ", ".join(f"'{self.name(part)}'" for part in parts) or "none"
-        if isinstance(key, Body | Joint | ForceElement) and key.name in map(self.name, parts):
+        if isinstance(key, Body | Joint | ForceElement) and key.name in [self.name(part) for part in parts]:
             raise InputError(f"the '{key.name}' given is a part of another system; give its name instead")
         key = getattr(key, "name", None) or key
         raise InputError(f"{shown(key)} is not one of the {kind} of this system; there are {have}")

@@ -277,7 +277,7 @@ class CustomForce(FunctionForce):
         self.address(float)
 
     def address(self, dtype: type) -> int | Callable:
-        if numba.config.DISABLE_JIT:
+        if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]  # numba sets it by name
             return uncompiled(self.function)
         if dtype not in self.callbacks:
             try:

@@ -117,7 +117,7 @@ class CurveContact(Joint):
         if self.face is not None:
             self.check_face(what)
         elif self.pin is not None:
-            self.check_pin(what)
+            self.check_pin(what, self.pin)
         elif self.radius is not None:
             raise InputError(f"{what}: a radius without pin=; give the direction of the axis of the roller")
 
@@ -138,9 +138,9 @@ class CurveContact(Joint):
                 "give a convex curve, or a roller"
             )
 
-    def check_pin(self, what: str) -> None:
+    def check_pin(self, what: str, pin: np.ndarray) -> None:
         """A pin stands across its curve, and a roller is smaller than what it rolls in."""
-        sine = np.linalg.norm(np.cross(self.line.tangents, self.pin), axis=1)
+        sine = np.linalg.norm(np.cross(self.line.tangents, pin), axis=1)
         if sine.min() < ALONG:
             raise InputError(f"{what}: the pin lies along the curve at point {sine.argmin()}; turn it across")
         if self.radius is None:
@@ -204,7 +204,8 @@ class CurveContact(Joint):
     @property
     def pin_here(self) -> np.ndarray:
         """Axis of the roller at the reference pose, world."""
-        return self.pin if self.pin.ndim == 1 else self.pin[self.line.point_at(self.start)]
+        pin: np.ndarray = np.asarray(self.pin)
+        return pin if pin.ndim == 1 else pin[self.line.point_at(self.start)]
 
     def slide(self) -> Coordinate:
         return self.way

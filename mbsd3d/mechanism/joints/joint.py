@@ -50,7 +50,7 @@ class Joint(Part):
         if self.a is self.b:
             raise InputError(f"{what}: joins '{self.a.name}' to itself; give two different bodies")
 
-    def bodies(self) -> list:
+    def bodies(self) -> list[Body | Ground]:
         """All bodies the joint acts on."""
         return list({id(body): body for row in self.primitives for body in row.bodies}.values())
 
@@ -110,10 +110,10 @@ class AxisJoint(PointJoint):
     axis: Direction = kept()
     axis_b: DirectionOrDerived = kept(default=None, derived=attrgetter("axis"))
 
-    def angle(self) -> Coordinate:
+    def angle(self) -> Coordinate | None:
         return Coordinate("angle", self.a, self.b, self.axis, self.axis_b)
 
-    def slide(self) -> Coordinate:
+    def slide(self) -> Coordinate | None:
         return Coordinate("slide", self.a, self.b, self.axis, self.axis_b, self.at, self.at_b)
 
     @cached_property
@@ -140,8 +140,18 @@ def coordinate_of(part: Any, kind: str, what: str) -> Coordinate:
     """The angle or slide of a joint, or a ValueError that names both."""
     if not isinstance(part, Joint):
         raise InputError(f"{what}: {shown(part)} is not a joint; give the part itself")
-    found = getattr(part, kind)()
+    found: Coordinate | None = getattr(part, kind)()
     if found is None:
         example = "Revolute or Cylindrical" if kind == "angle" else "Prismatic or Cylindrical"
         raise InputError(f"{what}: {called(part)} has no {kind}; give a joint that has one, e.g. a {example}")
     return found
+
+
+def angle_of(joint: Joint) -> Coordinate:
+    """The angle of a joint that has one."""
+    return coordinate_of(joint, "angle", "angle_of")
+
+
+def slide_of(joint: Joint) -> Coordinate:
+    """The slide of a joint that has one."""
+    return coordinate_of(joint, "slide", "slide_of")

@@ -9,7 +9,7 @@ from ...base.directions import NEARLY_SQUARE, cross, perpendiculars, squared, un
 from ...base.errors import InputError
 from ...base.fields import Direction, Number, kept, locked, part_class
 from ..primitives import Coordinate, Primitive, coincide, in_plane, perpendicular, ratio
-from .joint import AxisJoint, PointJoint
+from .joint import AxisJoint, PointJoint, angle_of, slide_of
 
 
 class Spherical(PointJoint):
@@ -158,5 +158,5 @@ class Screw(AxisJoint):
     pitch: Number = kept()
 
     def rows(self) -> list[Primitive]:
-        lead = ratio(self.slide(), 1.0, self.angle(), -self.pitch / (2 * np.pi), in_metres=True)
+        lead = ratio(slide_of(self), 1.0, angle_of(self), -self.pitch / (2 * np.pi), in_metres=True)
         return [*self.line_rows(), *self.parallel_rows(), lead]

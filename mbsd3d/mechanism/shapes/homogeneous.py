@@ -68,7 +68,7 @@ def homogeneous(body: Shaped, kind: str) -> Shape:
             f"body '{body.name}': shape '{kind}' follows from its inertia, which is 0; give a shape with sizes or None"
         )
     moments, axes = principal(body.inertia / body.mass)
-    place = {"orientation": quaternion_from_matrix(axes)}
+    place: dict[str, Any] = {"orientation": quaternion_from_matrix(axes)}
     squares = np.maximum(moments.sum() - 2.0 * moments, 0.0)
     if kind == "cylinder":
         return round_solid(body, moments, place)

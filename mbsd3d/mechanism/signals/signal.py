@@ -87,9 +87,10 @@ class Signal(Checked, ABC):
 
 def finite(value: Any, what: str, part: Any) -> float:
     """A finite real number, of a size that can be computed with."""
-    if type(value) is not float and not isinstance(value, Real) or value != value or abs(value) == np.inf:
+    real: Any = value if isinstance(value, float | Real) else np.nan
+    if real != real or abs(real) == np.inf:
         raise InputError(f"{what} is {shown(value)}; give a finite number")
-    return number(value, what)
+    return number(real, what)
 
 
 class FiniteNumber(Stored[float, float]):
@@ -134,7 +135,7 @@ def as_summands(value: Any, what: str, part: Any) -> tuple[Signal, ...]:
 class Summands(Stored[Sequence[Signal], tuple[Signal, ...]]):
     """Signals that are added up."""
 
-    accepts, role, file_type = "Sequence[Signal]", "signal", list[dict]
+    accepts, role, file_type = "Sequence[Signal]", "signal", list[dict[str, Any]]
     convert = staticmethod(as_summands)
 
 
@@ -268,14 +269,14 @@ class SignalOrNone(Stored[Signal | float | None, Signal | None]):
 class ThreeSignals(Stored[Sequence[Signal | float], tuple[Signal, Signal, Signal]]):
     """Three signals or numbers."""
 
-    accepts, role, file_type = "Sequence[Signal | float]", "signal", list[dict | float]
+    accepts, role, file_type = "Sequence[Signal | float]", "signal", list[dict[str, Any] | float]
     convert = staticmethod(three_signals_of)
 
 
 class ThreeSignalsOrFree(Stored[Sequence[Signal | float | None], tuple[Signal | None, Signal | None, Signal | None]]):
     """Three signals, numbers, or None where a direction is free."""
 
-    accepts, role, file_type = "Sequence[Signal | float | None]", "signal", list[dict | float | None]
+    accepts, role, file_type = "Sequence[Signal | float | None]", "signal", list[dict[str, Any] | float | None]
     convert = staticmethod(three_or_free)
 
 
