@@ -87,7 +87,7 @@ class DOP853(Method):
         check_choice(self.stiff, ("stop", "run"), "DOP853: stiff")
 
     @property
-    def patience(self) -> float:
+    def patience(self) -> float:  # type: ignore[override]  # frozen, as a field is
         """Of a run with adaptive steps; steps that are fixed are not judged."""
         return PATIENCE if self.stiff == "stop" else np.inf
 
