@@ -93,6 +93,9 @@ coverage: warm
 lint: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	@mkdir -p out && $(BIN)/python tests/types/blocks.py README.md > out/readme_blocks.py
+	$(BIN)/mypy
+	$(BIN)/mypy out/readme_blocks.py
 
 clean:
 	rm -rf .venv out site build *.egg-info .pytest_cache .ruff_cache

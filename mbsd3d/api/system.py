@@ -1,7 +1,6 @@
 """The public `System`: a mechanism, and what can be asked of it."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from ..base.checks import number
 from ..base.errors import explaining_methods
+from ..base.fields import part_class
 from ..base.style import counted, html_table
 from ..mechanism.bodies import Body
 from ..mechanism.drivers import Driver
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 @explaining_methods
-@dataclass(frozen=True, eq=False, init=False, repr=False)
+@part_class(init=False, repr=False)
 class System(Mechanism, Drawable):
     """A mechanism.
 

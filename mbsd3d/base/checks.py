@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .errors import CONTROL, Explained, InputError, MbsError
+from .errors import CONTROL, InputError, MbsError
 
 LARGEST, SMALLEST = 1e60, 1e-60  # sizes of numbers in SI units whose squares and ratios can be computed with
 FEW = 16  # numbers that Python looks through in less time than numpy
+PLAIN = frozenset((float, int, np.float64))  # types of numbers that need no closer look than at their size
 
 
 def shown(value: Any) -> str:
@@ -48,6 +49,8 @@ def holds_truth(values: Any) -> bool:
 
 def floats(values: Any, what: str, remedy: str) -> np.ndarray:
     """An own array of finite floats, or a ValueError that names ``what``; texts, True and False are no numbers."""
+    if type(values) is np.ndarray and values.dtype == np.float64 and all_within(values, sys.float_info.max):
+        return values.copy()
     try:
         raw = np.asarray(values)
         array = raw.astype(float) if raw.dtype.kind in "fiuO" else None
@@ -71,13 +74,13 @@ def numbers(values: Any, what: str) -> np.ndarray:
         raise InputError(f"{what}: {shown(values)} is not numeric; give numbers") from None
 
 
-def check_choice(value: Any, choices: Sequence, what: str) -> None:
+def check_choice(value: Any, choices: Sequence[Any], what: str) -> None:
     """InputError for anything but one of the choices."""
     if not isinstance(value, Hashable) or value not in choices:
         raise InputError(f"{what} {shown(value)} is unknown; give {' or '.join(map(repr, choices))}")
 
 
-def listed(values: Any, what: str, remedy: str) -> tuple:
+def listed(values: Any, what: str, remedy: str) -> tuple[Any, ...]:
     """The members of a sequence, or an InputError that names ``what``."""
     try:
         return tuple(values)
@@ -93,29 +96,36 @@ def check_size(array: np.ndarray, what: str) -> None:
         )
 
 
-class Frozen(metaclass=Explained):
-    """Base of frozen dataclasses that check and convert their fields when they are made."""
-
-    def _store(self, **values: Any) -> None:
-        """Write converted values into the fields; arrays become read-only."""
-        for name, value in values.items():
-            if isinstance(value, np.ndarray):
-                value.setflags(write=False)
-            object.__setattr__(self, name, value)
+def plain_three(value: Any) -> np.ndarray | None:
+    """An own (3,) array of plain numbers of usual size; None for whatever needs a closer look."""
+    if type(value) is np.ndarray and value.dtype == np.float64:
+        value = value.tolist() if value.shape == (3,) else ()
+    if type(value) not in (tuple, list) or len(value) != 3:
+        return None
+    x, y, z = value
+    if not (type(x) in PLAIN and type(y) in PLAIN and type(z) in PLAIN):
+        return None
+    usual = -LARGEST <= x <= LARGEST and -LARGEST <= y <= LARGEST and -LARGEST <= z <= LARGEST
+    return np.array((x, y, z), float) if usual else None
 
 
 def vector(value: ArrayLike, what: str) -> np.ndarray:
     """A finite (3,) float array, or a ValueError that names ``what``."""
-    array = floats(value, what, "three numbers")
-    if array.shape != (3,):
-        raise InputError(f"{what}: expected three numbers, got {shown(value)}")
-    check_size(array, what)
+    array = plain_three(value)
+    if array is None:
+        array = floats(value, what, "three numbers")
+        if array.shape != (3,):
+            raise InputError(f"{what}: expected three numbers, got {shown(value)}")
+        check_size(array, what)
     array.setflags(write=False)
     return array
 
 
 def number(value: float, what: str, *, minimum: float | None = None, positive: bool = False) -> float:
     """A finite float within its range, or a ValueError that names ``what``."""
+    if type(value) in PLAIN and -LARGEST <= value <= LARGEST:
+        if not (positive and value < SMALLEST) and (minimum is None or value >= minimum):
+            return float(value)
     try:
         x = None if isinstance(value, str | bytes) or holds_truth(value) else float(value)
     except (TypeError, ValueError, OverflowError):

@@ -1,5 +1,7 @@
 """Unit vectors and their perpendiculars."""
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -14,10 +16,14 @@ NEARLY_SQUARE = 1e-6  # cosine of an angle that is meant to be right
 def unit(value: ArrayLike, what: str) -> np.ndarray:
     """A (3,) unit vector along ``value``, which is kept if it is one; zero length is a ValueError."""
     axis = vector(value, what)
-    length = np.sqrt(axis @ axis)
+    length = math.sqrt(axis @ axis)
     if length < 1e-12:
         raise InputError(f"{what} has zero length; give a direction")
-    return axis if abs(length - 1.0) < UNIT else axis / length
+    if abs(length - 1.0) < UNIT:
+        return axis
+    axis = axis / length
+    axis.setflags(write=False)
+    return axis
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:

@@ -9,6 +9,8 @@ from difflib import get_close_matches
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
+from numpy.typing import ArrayLike
+
 P = ParamSpec("P")
 T = TypeVar("T")
 CONTROL = re.compile(  # what no name may hold, and no line on a terminal
@@ -136,7 +138,9 @@ def similar(name: object, known: Iterable[str]) -> list[str]:
     return [lower[text] for text in get_close_matches(str(name).lower(), lower)]
 
 
-def explained(name: str, signature: inspect.Signature, args: tuple, given: Mapping[str, Any]) -> ArgumentError | None:
+def explained(
+    name: str, signature: inspect.Signature, args: tuple[Any, ...], given: Mapping[str, Any]
+) -> ArgumentError | None:
     """What is wrong with a call, by the public name of what was called; None if it fits."""
     try:
         signature.bind(*args, **given)
@@ -157,14 +161,27 @@ def explained(name: str, signature: inspect.Signature, args: tuple, given: Mappi
     return None
 
 
+class Written:
+    """A type as one writes it: without the modules it comes from, fields by what they accept."""
+
+    def __init__(self, annotation: Any) -> None:
+        plain = "array_like" if annotation == ArrayLike else inspect.formatannotation(annotation)
+        text = getattr(annotation, "accepts", "") or plain
+        self.text = re.sub(r"\b(\w+\.)+(?=\w)", "", text)
+
+    def __repr__(self) -> str:
+        return self.text
+
+
 class Explained(ABCMeta):
     """Classes whose wrong calls are answered by their public names, with the argument that was meant."""
 
     @property
     def __signature__(cls) -> inspect.Signature:
         """That of ``__init__``: for help and completion."""
-        whole = inspect.signature(cls.__init__)
-        return whole.replace(parameters=[x for x in whole.parameters.values() if x.name != "self"])
+        whole = inspect.signature(cls.__init__)  # type: ignore[misc]  # the class itself is meant
+        own = [x.replace(annotation=Written(x.annotation)) for x in whole.parameters.values() if x.name != "self"]
+        return whole.replace(parameters=own, return_annotation=inspect.Signature.empty)
 
     if not TYPE_CHECKING:
 

@@ -2,11 +2,12 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import SMALLEST, check_size, floats, listed, number, vector
+from .checks import LARGEST, PLAIN, SMALLEST, check_size, floats, listed, number, plain_three, vector
 from .errors import Explained, InputError, explaining
 from .rotations import _text, as_quaternion, matrix
 
@@ -29,7 +30,7 @@ class MassProperties(metaclass=Explained):
 
 
 @explaining
-def combine(parts: Iterable[tuple | MassProperties]) -> MassProperties:
+def combine(parts: Iterable[tuple[Any, ...] | MassProperties]) -> MassProperties:
     """Rigid body made of parts: ``m = sum m_i``, ``c = sum m_i c_i / m``, Steiner's rule as a tensor for the inertia.
 
     ``I = sum R_i I_i R_i' + m_i (d_i'd_i 1 - d_i d_i')`` with ``d_i = c_i - c``.
@@ -49,8 +50,8 @@ def combine(parts: Iterable[tuple | MassProperties]) -> MassProperties:
     mass = sum(m for m, _, _ in checked)
     if mass == 0.0:
         raise InputError(f"combine: the mass of {len(checked)} parts is 0, without a centre of mass; give one a mass")
-    com = sum(m * c for m, c, _ in checked) / mass
-    total = sum(I + steiner(m, c - com) for m, c, I in checked)
+    com = sum((m * c for m, c, _ in checked), np.zeros(3)) / mass
+    total = sum((I + steiner(m, c - com) for m, c, I in checked), np.zeros((3, 3)))
     return MassProperties(mass, com, total)
 
 
@@ -68,6 +69,9 @@ def check_inertia(inertia: ArrayLike, mass: float, what: str) -> np.ndarray:
     z^2 dm`` (tolerance 1e-9 of the largest entry). A mass without inertia is a point; without mass there is no inertia
     either. ``inertia`` (3,) or (3, 3) [kg m^2], body axes; ``what`` names the part, "body 'wheel'".
     """
+    plain = _plain_inertia(inertia, mass)
+    if plain is not None:
+        return plain
     m = _size(mass, what, "mass")
     I, largest = _finite_inertia(inertia, what)
     if largest > 0.0 and m == 0.0:
@@ -80,6 +84,33 @@ def check_inertia(inertia: ArrayLike, mass: float, what: str) -> np.ndarray:
     I = 0.5 * (I + I.T)
     _check_moments(np.linalg.eigvalsh(I), TOLERANCE * largest, what)
     return I
+
+
+def _plain_inertia(inertia: ArrayLike, mass: float) -> np.ndarray | None:
+    """An own matrix of an inertia that a body has beyond doubt; None for whatever needs a closer look.
+
+    Beyond doubt: moments within the triangle rule, or a matrix that is symmetric to the last bit and has a positive
+    definite ``tr(I) 1 - 2 I``.
+    """
+    if type(mass) not in PLAIN or not SMALLEST <= mass <= LARGEST:
+        return None
+    moments = plain_three(inertia)
+    if moments is not None:
+        a, b, c = moments.tolist()
+        total = a + b + c
+        if not (b + c >= a and a + c >= b and a + b >= c and (total == 0.0 or total > 3.0 * SMALLEST)):
+            return None
+        I = np.zeros((3, 3))
+        I[0, 0], I[1, 1], I[2, 2] = a, b, c
+        return I
+    if type(inertia) is not np.ndarray or inertia.shape != (3, 3) or inertia.dtype != np.float64:
+        return None
+    (a, d, e), (d_T, b, f), (e_T, f_T, c) = inertia.tolist()
+    x, y, z = b + c - a, a + c - b, a + b - c
+    if not (d == d_T and e == e_T and f == f_T and x > 0.0 and SMALLEST < a + b + c < LARGEST):
+        return None
+    y, z, w = y - 4.0 * d * d / x, z - 4.0 * e * e / x, 2.0 * f + 4.0 * d * e / x  # Cholesky
+    return inertia.copy() if y > 0.0 and z - w * w / y > 0.0 else None
 
 
 def _check_moments(moments: np.ndarray, tolerance: float, what: str) -> None:
@@ -108,7 +139,7 @@ def _finite_inertia(inertia: ArrayLike, what: str) -> tuple[np.ndarray, float]:
     return I, largest
 
 
-def _part(number: int, part: tuple | MassProperties) -> tuple[float, np.ndarray, np.ndarray]:
+def _part(number: int, part: tuple[Any, ...] | MassProperties) -> tuple[float, np.ndarray, np.ndarray]:
     """Mass, centre of mass and inertia of one part, turned into the common axes."""
     what = f"combine: part {number}"
     if isinstance(part, MassProperties):

@@ -94,7 +94,7 @@ def drop_orphans(folder: Path) -> None:
                         os.unlink(entry)
 
 
-def _may_be_written(entry: os.DirEntry, machine: str | None, process: str | None) -> bool:
+def _may_be_written(entry: os.DirEntry[str], machine: str, process: str) -> bool:
     """Return whether a file that is not whole may still become whole, or belongs to another user."""
     state = entry.stat(follow_symlinks=False)
     if not stat.S_ISREG(state.st_mode) or (hasattr(os, "geteuid") and state.st_uid != os.geteuid()):

@@ -70,7 +70,9 @@ class Progress:
         piped = "lines" if Heartbeat.on is not None else False
         self.show = (sys.stderr.isatty() or piped) if show is None else show
         self.said = 0.0
-        self.began, self.bar, self.task = time.perf_counter(), None, None
+        self.began = time.perf_counter()
+        self.bar: Any = None  # of rich, imported late
+        self.task: Any = None
 
     def __enter__(self) -> "Progress":
         self.began = time.perf_counter()

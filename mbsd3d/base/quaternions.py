@@ -78,8 +78,7 @@ def skew(a: ArrayLike) -> np.ndarray:
 
 def _check_nonzero(square: float | np.ndarray) -> None:
     """Refuse quaternions whose squares are zero or not finite."""
-    fine = (square > 0.0) & (square < np.inf)
-    if not (fine if isinstance(square, float) else fine.all()):
+    if not np.all((square > 0.0) & (square < np.inf)):
         raise InputError("quaternion: one is zero or not finite, not an orientation; give unit quaternions")
 
 

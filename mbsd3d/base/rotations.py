@@ -4,6 +4,8 @@ A quaternion is ``e = (e0, e1, e2, e3) = (e0, e_v)``: scalar first, active, body
 All functions but `as_quaternion` work on stacks: any number of leading dimensions, the last ones hold the object.
 """
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -51,13 +53,13 @@ def as_quaternion(orientation: ArrayLike, what: str = "orientation") -> np.ndarr
         return _largest_column(values)
     if values.shape != (4,):
         raise InputError(f"{what}: shape {values.shape} is not an orientation; give {ORIENTATION}")
-    norm = np.sqrt(values @ values)
+    norm = math.sqrt(values @ values)
     if abs(norm - 1.0) > TOLERANCE:
         raise InputError(
             f"{what}: the quaternion {_text(values)} has norm {norm:.9g} instead of 1; "
             f"divide it by its norm, or give rotation(axis, angle)"
         )
-    return values.copy() if abs(norm - 1.0) < UNIT else values / norm
+    return values if abs(norm - 1.0) < UNIT else values / norm
 
 
 def matrix(e: ArrayLike) -> np.ndarray:

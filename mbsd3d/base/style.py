@@ -153,7 +153,7 @@ class Sampled:
 
     def __repr__(self) -> str:
         shown = []
-        for x in (x for x in fields(self) if x.repr):
+        for x in (x for x in fields(self) if x.repr):  # type: ignore[arg-type]  # the heirs are dataclasses
             value = getattr(self, x.name)
             if isinstance(value, np.ndarray):
                 value = f"{value.shape} up to {np.abs(value[np.isfinite(value)]).max(initial=0.0):.4g}"

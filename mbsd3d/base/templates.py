@@ -33,7 +33,7 @@ def page_template(name: str, *folders: Path) -> Template:
 
     It knows the themes ``light`` and ``dark`` and the ``version`` of this package.
     """
-    options = {"autoescape": True, "undefined": StrictUndefined, "trim_blocks": True, "lstrip_blocks": True}
-    found = Environment(loader=FileSystemLoader([*folders, FOLDER]), **options)
+    loader = FileSystemLoader([*folders, FOLDER])
+    found = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     found.globals |= {"light": LIGHT, "dark": DARK, "version": package_version()}
     return found.get_template(name)

@@ -88,10 +88,10 @@ class Writer:
 
     def part(self, part: Any, what: str) -> dict[str, Any]:
         """Type and fields of a part, a signal or a method."""
-        kind = type(part)
+        kind: Any = type(part)
         if hasattr(part, "saved"):
             raise InputError(f"{what}: its function cannot be written to a file; build this {kind.__name__} in Python")
-        if types().get(kind.__name__) is not kind:
+        if kind not in types().values():
             raise InputError(
                 f"{what}: a {kind.__name__} cannot be written to a file; only numbers, texts, arrays and the parts of "
                 "mbsd3d can, no functions and no classes of your own"
@@ -116,11 +116,11 @@ class Reader:
                 )
             self.bodies[body.name] = body
         self.places = {kind: places(data.get(f"{kind}s", []), kind) for kind in ("joint", "force")}
-        self.made: dict[tuple, Any] = {}
+        self.made: dict[tuple[Any, ...], Any] = {}
         self.joints = [self.listed("joint", name, ()) for name in self.places["joint"]]
         self.forces = [self.listed("force", name, ()) for name in self.places["force"]]
 
-    def value(self, value: Any, path: tuple, role: str = "") -> Any:
+    def value(self, value: Any, path: tuple[Any, ...], role: str = "") -> Any:
         """One value at ``path``; ``role`` is its field's."""
         if isinstance(value, list):
             if set(map(type, value)) == {float} and all(map(math.isfinite, value)):
@@ -136,7 +136,7 @@ class Reader:
             return self.referred(role, value, path)
         return value
 
-    def tagged(self, value: dict, path: tuple) -> Any:
+    def tagged(self, value: dict[str, Any], path: tuple[Any, ...]) -> Any:
         """What an object stands for: a part, or a value that JSON has no form for."""
         if "type" in value:
             return self.part(value, path)
@@ -149,7 +149,7 @@ class Reader:
             return float(inner)
         raise InputError(f"{str(value)[:80]} is not understood - at `{place_of(path)}`; give a part with its type")
 
-    def referred(self, kind: str, name: str, path: tuple) -> Any:
+    def referred(self, kind: str, name: str, path: tuple[Any, ...]) -> Any:
         """The part of a name."""
         known = self.bodies if kind == "body" else self.places[kind]
         if name not in known:
@@ -157,7 +157,7 @@ class Reader:
             raise InputError(f"there is no {kind} '{name}' - at `{place_of(path)}`; there are {have}")
         return self.bodies[name] if kind == "body" else self.listed(kind, name, path)
 
-    def listed(self, kind: str, name: str, path: tuple) -> Any:
+    def listed(self, kind: str, name: str, path: tuple[Any, ...]) -> Any:
         """The joint or force of a name; one that is under construction refers to itself."""
         if (kind, name) not in self.made:
             self.made[kind, name] = None
@@ -167,11 +167,12 @@ class Reader:
             raise InputError(f"{kind} '{name}' refers to itself - at `{place_of(path)}`; refer to another {kind}")
         return self.made[kind, name]
 
-    def part(self, data: dict, path: tuple, base: type = object) -> Any:
+    def part(self, data: dict[str, Any], path: tuple[Any, ...], base: type = object) -> Any:
         """A part from its type and fields, checked against the schema and by its own constructor."""
         if not isinstance(data, dict):
             raise InputError(f"{str(data)[:80]} is not a part - at `{place_of(path)}`; give an object with its type")
-        kind = types().get(data.get("type")) if isinstance(data.get("type"), str) else None
+        name_of_type = data.get("type")
+        kind: Any = types().get(name_of_type) if isinstance(name_of_type, str) else None
         if kind is None or not issubclass(kind, base):
             have = ", ".join(sorted(name for name, known in types().items() if issubclass(known, base)))
             raise InputError(f"type {data.get('type')!r} is unknown - at `{place_of(path)}`; give one of {have}")
@@ -190,9 +191,9 @@ class Reader:
             raise InputError(f"{error} - at `{place_of(path)}`") from error
 
 
-def places(entries: list[dict], kind: str) -> dict[str, tuple[int, dict]]:
+def places(entries: list[dict[str, Any]], kind: str) -> dict[str, tuple[int, dict[str, Any]]]:
     """Name -> (place, entry) of all joints or forces; nameless ones are numbered by type, as `System` does."""
-    found: dict[str, tuple[int, dict]] = {}
+    found: dict[str, tuple[int, dict[str, Any]]] = {}
     counts: dict[str, int] = {}
     for i, entry in enumerate(entries):
         name, cls = entry.get("name"), str(entry.get("type"))
@@ -212,7 +213,7 @@ def describe(system: Mechanism, *, without_functions: bool = False) -> dict[str,
     ValueError for that else, and for anything but numbers, texts, arrays and the parts of the package.
     """
     write = Writer(system)
-    lists: dict[str, list] = {"bodies": [], "joints": [], "forces": []}
+    lists: dict[str, list[Any]] = {"bodies": [], "joints": [], "forces": []}
     for kind, entries in lists.items():
         for part in getattr(system, kind):
             stored = part.saved() if without_functions and hasattr(part, "saved") else part
@@ -236,7 +237,7 @@ def read_system(data: Any) -> tuple[Mechanism, Reader]:
     check_count(data)
     reader = Reader(data)
     gravity = reader.value(data["gravity"], ("gravity",))
-    bodies = list(reader.bodies.values())[1:]
+    bodies = [body for body in reader.bodies.values() if isinstance(body, Body)]
     return Mechanism(bodies, reader.joints, reader.forces, gravity=gravity, title=data.get("name")), reader
 
 

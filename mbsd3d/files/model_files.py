@@ -76,7 +76,7 @@ def exchanged(value: Any, old: Any, new: Any) -> Any:
 class Form(NamedTuple):
     """A kind of file: how it is written and read, and how large it may be [bytes] to be read within seconds."""
 
-    write: Callable[[dict], str]
+    write: Callable[[dict[str, Any]], str]
     read: Callable[[str], Any]
     limit: int
 

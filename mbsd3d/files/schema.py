@@ -1,24 +1,23 @@
 """What a file may hold: one msgspec Struct per class, derived from the fields of its dataclass.
 
-A new joint, force, signal or method needs nothing here. Annotations decide; where one is ``ArrayLike`` or ``Any``, the
-name of the field does: the same word means the same thing in all parts.
+A new joint, force, signal or method needs nothing here: the annotations of its fields decide (see `base.fields`).
 """
 
 import pkgutil
 import typing
 from collections.abc import Mapping, Sequence
-from dataclasses import MISSING, Field, fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass
 from functools import cache
 from importlib import import_module
-from types import MappingProxyType, NoneType, UnionType
-from typing import Annotated, Any
+from types import GenericAlias, MappingProxyType, NoneType, UnionType
+from typing import Any
 
 import msgspec
 import numpy as np
-from numpy.typing import ArrayLike
 
 from .. import integrators, mechanism
 from ..base.errors import InputError
+from ..base.fields import VECTOR, kind_of
 from ..equations.compiled import Switches
 from ..integrators.method import Method
 from ..mechanism.bodies import Body, Ground
@@ -31,18 +30,14 @@ from ..mechanism.signals import Signal
 from ..mechanism.state import State
 from ..results.record import Record
 
-VECTOR = Annotated[list[float], msgspec.Meta(min_length=3, max_length=3)]
-ROWS = Annotated[list[float | VECTOR], msgspec.Meta(min_length=3, max_length=4)]  # (3,), (4,) or (3, 3)
-WORDS = MappingProxyType(
-    dict.fromkeys(("at", "at_a", "at_b", "axis", "axis_a", "axis_b", "normal", "lateral", "centre"), VECTOR)
-    | dict.fromkeys(("direction", "heading"), VECTOR)
-    | dict.fromkeys(("com", "position", "velocity", "omega"), VECTOR)
-    | dict.fromkeys(("inertia", "orientation", "axes"), ROWS)
-    | dict.fromkeys(("lengths", "radii"), VECTOR)
-    | {"shape": Shape | str | list}
+BASES: tuple[type, ...] = (Joint, ForceElement, Signal, Shape, Method)
+ROLES: tuple[tuple[str, Any], ...] = (
+    ("body", Body | Ground),
+    ("joint", Joint),
+    ("signal", Signal),
+    ("shape", Shape),
+    ("array", np.ndarray),
 )
-BASES = (Joint, ForceElement, Signal, Shape, Method)
-ROLES = (("body", Body | Ground), ("joint", Joint), ("signal", Signal), ("shape", Shape), ("array", np.ndarray))
 PLAIN = (float, int, str, bool, NoneType)
 
 
@@ -52,25 +47,19 @@ def types() -> Mapping[str, type]:
     for package in (mechanism, integrators):  # so that all classes are known
         for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
             import_module(module.name)
-    found = {kind.__name__: kind for base in BASES for kind in below(base) if not below(kind)}
-    others = (Body, Measure, Condition, Coordinate, State, Switches, Record)
+    found: dict[str, type] = {kind.__name__: kind for base in BASES for kind in below(base) if not below(kind)}
+    others: tuple[type, ...] = (Body, Measure, Condition, Coordinate, State, Switches, Record)
     return MappingProxyType(found | {kind.__name__: kind for kind in others})
 
 
-def below(base: type) -> set[type]:
+def below(base: Any) -> set[type]:
     """All classes of the package derived from ``base``."""
-    own = {kind for kind in base.__subclasses__() if kind.__module__.startswith(f"{__name__.split('.')[0]}.")}
+    subclasses: list[type] = base.__subclasses__()
+    own = {kind for kind in subclasses if kind.__module__.startswith(f"{__name__.split('.')[0]}.")}
     return own.union(*(below(kind) for kind in own))
 
 
-def meaning(field: Field) -> Any:
-    """The annotation of a field, or what its name means where the annotation leaves it open."""
-    if field.name in ("a", "b") and Body in members(field.type):
-        return Body | Ground  # a SpeedDriver is also made from a joint and a speed; a file has the bodies
-    return WORDS.get(field.name, Any) if field.type in (Any, ArrayLike, ArrayLike | None) else field.type
-
-
-def members(annotation: Any) -> tuple:
+def members(annotation: Any) -> tuple[Any, ...]:
     """The alternatives of a union, through the items of tuples: ``tuple[Body, ...] | None`` -> (Body, None)."""
     inner = typing.get_args(annotation) if isinstance(typing.get_origin(annotation), type | UnionType) else ()
     if typing.get_origin(annotation) is typing.Union:
@@ -79,11 +68,14 @@ def members(annotation: Any) -> tuple:
 
 
 @cache
-def roles(kind: type) -> Mapping[str, str]:
+def roles(kind: Any) -> Mapping[str, str]:
     """Field -> "body" or "joint" where a name refers to a part, "signal", "shape", or "array" of numbers."""
-    found = {}
+    found: dict[str, str] = {}
     for field in fields(kind):
-        classes = [x for x in members(meaning(field)) if isinstance(x, type)]
+        if stored := kind_of(field.type):
+            found |= {field.name: stored.role} if stored.role else {}
+            continue
+        classes = [x for x in members(field.type) if isinstance(x, type)]
         for role, base in ROLES:
             if any(issubclass(x, base) for x in classes):
                 found[field.name] = role
@@ -92,7 +84,9 @@ def roles(kind: type) -> Mapping[str, str]:
 
 def json_type(annotation: Any) -> Any:
     """The type of the JSON value for an annotation."""
-    if annotation in (VECTOR, ROWS, *PLAIN):
+    if stored := kind_of(annotation):
+        return stored.file_type
+    if annotation in PLAIN:
         return annotation
     origin = typing.get_origin(annotation)
     if origin in (UnionType, typing.Union):
@@ -108,17 +102,17 @@ def json_type(annotation: Any) -> Any:
     if not issubclass(kind, Sequence | np.ndarray):
         return Any
     items = [x for x in typing.get_args(annotation) if x is not ...]
-    return list[json_type(items[0])] if len(items) == 1 and issubclass(kind, Sequence) else list
+    return GenericAlias(list, json_type(items[0])) if len(items) == 1 and issubclass(kind, Sequence) else list
 
 
 @cache
-def struct(kind: type) -> type[msgspec.Struct]:
+def struct(kind: Any) -> type[msgspec.Struct]:
     """The Struct of a class: its fields, the optional ones unset, no others."""
-    wanted = []
+    wanted: list[Any] = []
     for field in fields(kind):
         if not field.init:
             continue
-        accepted = json_type(meaning(field))
+        accepted = json_type(field.type)
         if field.default is MISSING and field.default_factory is MISSING:
             wanted.append((field.name, accepted))
             continue
@@ -140,12 +134,12 @@ class Document(msgspec.Struct, forbid_unknown_fields=True):
     name: str | None = None
 
 
-def place_of(path: tuple) -> str:
+def place_of(path: tuple[Any, ...]) -> str:
     """("bodies", 3, "mass") as ``$.bodies[3].mass``."""
     return "$" + "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in path)
 
 
-def check(data: Any, schema: type[msgspec.Struct], path: tuple, what: str) -> None:
+def check(data: Any, schema: type[msgspec.Struct], path: tuple[Any, ...], what: str) -> None:
     """Refuse data that do not fit a schema.
 
     ValueError with what was expected and where, e.g. "Expected `float`, got `str` - at `$.bodies[3].mass`".

@@ -50,7 +50,7 @@ def save(solution: RunResult, path: str | Path) -> Path:
     arrays["coordinate"] = arrays["coordinate"][:, :count]
     text = np.frombuffer(json.dumps(document, allow_nan=False).encode(), np.uint8)
     buffer = io.BytesIO()
-    np.savez(buffer, json=text, **arrays)
+    np.savez(buffer, allow_pickle=False, json=text, **arrays)
     return write_atomically(with_suffix(path, ".npz"), buffer.getvalue())
 
 

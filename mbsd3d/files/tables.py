@@ -72,7 +72,8 @@ def to_xarray(solution: RunResult) -> "Dataset":
     for column in found:
         grouped.setdefault((column.kind, column.quantity), []).append(column)
     variables = {key[1]: variable(key[0], group, names, solution.t.size) for key, group in grouped.items()}
-    labels = {"axis": ["x", "y", "z"], "quaternion": ["e0", "e1", "e2", "e3"]} | {k: v for k, v in names.items() if v}
+    labels: dict[str, Any] = {"axis": ["x", "y", "z"], "quaternion": ["e0", "e1", "e2", "e3"]}
+    labels |= {k: v for k, v in names.items() if v}
     labels["time"] = ("time", solution.t, {"units": "s", "description": "time"})
     if efforts:
         labels["driver_unit"] = ("driver", [column.unit for column in efforts])
@@ -81,7 +82,9 @@ def to_xarray(solution: RunResult) -> "Dataset":
     return xarray.Dataset(variables, labels, attributes(solution))
 
 
-def variable(kind: str, group: list[Column], names: dict[str, list[str]], samples: int) -> tuple[list[str], Any, dict]:
+def variable(
+    kind: str, group: list[Column], names: dict[str, list[str]], samples: int
+) -> tuple[list[str], Any, dict[str, Any]]:
     """Dimensions, values and attributes of one quantity of all parts of a kind."""
     unit, frame, description = QUANTITIES[group[0].quantity]
     attrs = {"units": unit, "frame": frame, "description": description}

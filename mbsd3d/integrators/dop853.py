@@ -92,7 +92,7 @@ class DOP853(Method):
         check_choice(self.stiff, ("stop", "run"), "DOP853: stiff")
 
     @property
-    def patience(self) -> float:
+    def patience(self) -> float:  # type: ignore[override]  # frozen, as a field is
         """Return the work [steps times bodies] a stiff run with adaptive steps may take; fixed steps are not judged."""
         return STIFF_WORK_MAX if self.stiff == "stop" else np.inf
 

@@ -81,7 +81,7 @@ class Kinematic(Method):
         check_max_step(self.max_step, "Kinematic")
 
     @property
-    def loop(self) -> Callable:
+    def loop(self) -> Callable:  # type: ignore[override]  # frozen, as a field is
         """Return the compiled loop over the output times."""
         return follow
 

@@ -16,7 +16,7 @@ def check_max_step(step: float, method: str) -> None:
         number(step, f"{method}: max_step", positive=True)
 
 
-class ExplainedProtocol(Explained, type(Protocol)):
+class ExplainedProtocol(Explained, type(Protocol)):  # type: ignore[misc]  # its name is private
     """Protocol whose wrong calls are answered by the public names of its methods."""
 
 

@@ -13,6 +13,7 @@ followed to the second order of a step, so where a rolling body comes to rest de
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -119,7 +120,8 @@ def label_of(found: ModalAnalysis, value: complex) -> str:
 
 def check_rest(system: Mechanism) -> None:
     """Raise an InputError if a signal moves: a machine at rest has constant ones."""
-    for part in (*system.joints, *system.forces):
+    parts: tuple[Any, ...] = (*system.joints, *system.forces)
+    for part in parts:
         signals = [x.signal for x in part.primitives] if part in system.joints else part.record().signals
         if any(signal is not None and varies(signal, 0) for signal in signals):
             raise InputError(f"equilibrium: the signal of '{system.name(part)}' varies with time; give a constant")

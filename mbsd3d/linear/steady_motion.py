@@ -10,6 +10,7 @@ any time does not follow from those equations (think of an unbalanced wheel) and
 """
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -158,7 +159,7 @@ def candidates(model: Model, at: Variations, y: np.ndarray, rate: float) -> list
         P = np.vstack([r @ p @ r.T for r, p in zip(R, symmetry_axes(model), strict=True)])
         extras.append((P @ up, np.concatenate([p @ x for p, x in zip(P.reshape(n, 3, 3), w, strict=True)])))
         extras += [(up, x) for x in w]
-    found = []
+    found: list[Any] = []
     for rows, right in extras:
         more = np.hstack([np.zeros((rows.shape[0], 3)), rows / rate])
         x = columns * np.linalg.lstsq(np.vstack([A, more]) * columns, np.r_[b, right / rate], rcond=1e-9)[0]

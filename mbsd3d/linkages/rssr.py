@@ -84,7 +84,7 @@ def rssr(
     )
     across = np.cross(axis, far - pin)
     if spin:
-        last = Spherical(bodies[1], bodies[2], at=world(far), name="rocker pin")
+        last: Spherical | Universal = Spherical(bodies[1], bodies[2], at=world(far), name="rocker pin")
     elif np.linalg.norm(across) > 1e-6 * rod:
         last = Universal(bodies[1], bodies[2], at=world(far), axis_a=R @ across, axis_b=R @ axis, name="rocker pin")
     else:

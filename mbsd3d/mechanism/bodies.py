@@ -1,17 +1,17 @@
 """Bodies: frozen descriptions of rigid parts at one reference pose, in world coordinates."""
 
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY
 from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import Frozen, check_name, number, vector
-from ..base.errors import explaining_methods
-from ..base.mass_properties import check_inertia
-from ..base.rotations import as_quaternion, matrix
-from .shapes.homogeneous import as_shape
+from ..base.checks import check_name, shown, vector
+from ..base.errors import InputError, explaining_methods
+from ..base.fields import Checked, Frozen, Inertia, Number, Orientation, Vector, VectorOrNone, kept, part_class
+from ..base.rotations import matrix
+from .shapes.homogeneous import ShapeOfBody
 
 
 class Ground:
@@ -42,7 +42,7 @@ GROUND = Ground()
 
 
 @explaining_methods
-@dataclass(frozen=True, eq=False, repr=False)
+@part_class(repr=False)
 class Body(Frozen):
     """A rigid body at the reference pose.
 
@@ -80,29 +80,19 @@ class Body(Frozen):
     """
 
     name: str
-    mass: float
-    inertia: ArrayLike
-    com: ArrayLike = field(default=(0.0, 0.0, 0.0), kw_only=True)
-    position: ArrayLike = field(default=(0.0, 0.0, 0.0), kw_only=True)
-    orientation: ArrayLike = field(default=(1.0, 0.0, 0.0, 0.0), kw_only=True)
-    velocity: ArrayLike | None = field(default=None, kw_only=True)
-    omega: ArrayLike | None = field(default=None, kw_only=True)
-    shape: Any = field(default=None, kw_only=True)
+    mass: Number = kept(minimum=0.0)
+    inertia: Inertia = kept()
+    _: KW_ONLY
+    com: Vector = kept(default=(0.0, 0.0, 0.0))
+    position: Vector = kept(default=(0.0, 0.0, 0.0))
+    orientation: Orientation = kept(default=(1.0, 0.0, 0.0, 0.0))
+    velocity: VectorOrNone = kept(default=None)
+    omega: VectorOrNone = kept(default=None)
+    shape: ShapeOfBody = kept(default=None)
 
-    def __post_init__(self) -> None:
+    def what(self) -> str:
         check_name(self.name, "body")
-        what = f"body '{self.name}'"
-        mass = number(self.mass, f"{what}: mass", minimum=0.0)
-        self._store(
-            mass=mass,
-            inertia=check_inertia(self.inertia, mass, what),
-            com=vector(self.com, f"{what}: com"),
-            position=vector(self.position, f"{what}: position"),
-            velocity=None if self.velocity is None else vector(self.velocity, f"{what}: velocity"),
-            omega=None if self.omega is None else vector(self.omega, f"{what}: omega"),
-            orientation=as_quaternion(self.orientation, f"{what}: orientation"),
-        )
-        self._store(shape=as_shape(self))
+        return f"body '{self.name}'"
 
     def __repr__(self) -> str:
         return f"Body('{self.name}', mass={self.mass:g})"
@@ -130,25 +120,35 @@ class Body(Frozen):
         return self.axes.T @ vector(axis, "local_axis: axis")
 
 
-@dataclass(frozen=True, eq=False)
-class Part(Frozen):
+@part_class()
+class Part(Checked):
     """Base class of joints and force elements: a name, and fields that are checked and converted once."""
 
-    name: str | None = field(default=None, kw_only=True)
+    _: KW_ONLY
+    name: str | None = None
 
     role: ClassVar[str] = "part"
 
-    def __post_init__(self) -> None:
+    def what(self) -> str:
         kind = type(self).__name__
-        if self.name is not None:
-            check_name(self.name, kind)
-        self.check(f"{self.role} '{self.name}' ({kind})" if self.name else f"{kind} without a name")
+        if self.name is None:
+            return f"{kind} without a name"
+        check_name(self.name, kind)
+        return f"{self.role} '{self.name}' ({kind})"
 
-    set = Frozen._store
 
-    def check(self, what: str) -> None:
-        """Validate and convert the fields; errors start with ``what``."""
-        raise NotImplementedError
+def as_body(value: Any, what: str, part: Any) -> Body:
+    """A body."""
+    if not isinstance(value, Body):
+        raise InputError(f"{what} = {shown(value)} is not a body; give a Body")
+    return value
+
+
+def as_body_or_ground(value: Any, what: str, part: Any) -> Body | Ground:
+    """A body or the ground."""
+    if not isinstance(value, (Body, Ground)):
+        raise InputError(f"{what} = {shown(value)} is not a body; give a Body or GROUND")
+    return value
 
 
 def called(part: Body | Part) -> str:

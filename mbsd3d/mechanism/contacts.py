@@ -1,25 +1,62 @@
 """Contacts without slip: knife edge, and smooth surfaces that roll."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY
 from functools import cached_property
+from operator import attrgetter
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import number, shown, vector
+from ..base.checks import shown, vector
 from ..base.directions import perpendiculars, unit
 from ..base.errors import InputError
+from ..base.fields import (
+    VECTOR,
+    Direction,
+    DirectionOrDerived,
+    Number,
+    Stored,
+    VectorOrDerived,
+    kept,
+    part_class,
+)
 from ..kernels import kinds
-from .bodies import GROUND, Body, Ground
+from .bodies import GROUND, Body, Ground, as_body
 from .joints import Joint, PointJoint
 from .motion import Motion
 from .primitives import ZERO, Primitive
 from .rounded import Rounded, circle, rounded
 from .shapes import Shape
 
+ONE_OF = "give the direction it cannot move along, or the one it points"
 
-@dataclass(frozen=True, eq=False)
+
+def as_lateral(value: Any, what: str, part: Any) -> np.ndarray:
+    """The direction that a knife edge cannot move along."""
+    if part.heading is not None:
+        raise InputError(f"{part.what()}: both lateral and heading; {ONE_OF}")
+    return unit(value, what)
+
+
+def level_across(part: Any) -> np.ndarray:
+    """The level direction across the heading of a knife edge."""
+    what = part.what()
+    if part.heading is None:
+        raise InputError(f"{what}: neither lateral nor heading; {ONE_OF}")
+    ahead = unit(part.heading, f"{what}: heading")
+    return unit(np.cross((0.0, 0.0, 1.0), ahead), f"{what}: heading seen from above")
+
+
+class Heading(Stored[ArrayLike | None, None]):
+    """The way a horizontal blade points; what is kept of it is ``lateral``."""
+
+    accepts, file_type = "array_like | None", VECTOR
+    convert = staticmethod(lambda value, what, part: None)
+
+
+@part_class()
 class KnifeEdge(PointJoint):
     """The point of b does not move along ``lateral`` (fixed in b) relative to a (1 nonholonomic row).
 
@@ -33,24 +70,22 @@ class KnifeEdge(PointJoint):
     1
     """
 
-    lateral: ArrayLike | None = field(default=None, kw_only=True)
-    heading: ArrayLike | None = field(default=None, kw_only=True)
-
-    def check(self, what: str) -> None:
-        super().check(what)
-        if (self.lateral is None) == (self.heading is None):
-            given = "neither lateral nor heading" if self.lateral is None else "both lateral and heading"
-            raise InputError(f"{what}: {given}; give the direction it cannot move along, or the one it points")
-        if self.lateral is None:
-            ahead = unit(self.heading, f"{what}: heading")
-            self.set(heading=None, lateral=unit(np.cross((0.0, 0.0, 1.0), ahead), f"{what}: heading seen from above"))
-        self.set(lateral=unit(self.lateral, f"{what}: lateral"))
+    _: KW_ONLY
+    lateral: DirectionOrDerived = kept(default=None, by=as_lateral, derived=level_across)
+    heading: Heading = kept(default=None)
 
     def rows(self) -> list[Primitive]:
         return [Primitive(kinds.NO_SIDESLIP, (self.a, self.b), points=(self.at, self.at_b), axes=(ZERO, self.lateral))]
 
 
-def checked_plane(plane: Sequence | None, what: str) -> tuple[np.ndarray, np.ndarray]:
+class Plane(Stored[Sequence[ArrayLike] | None, tuple[np.ndarray, np.ndarray]]):
+    """(point, normal) of a plane, world at the reference pose; None = z = 0. The normal is kept as a unit vector."""
+
+    accepts, file_type = "tuple[array_like, array_like] | None", list
+    convert = staticmethod(lambda value, what, part: checked_plane(value, what.removesuffix(": plane")))
+
+
+def checked_plane(plane: Sequence[ArrayLike] | None, what: str) -> tuple[np.ndarray, np.ndarray]:
     """(point, unit normal) of a plane, world at the reference pose; None = z = 0."""
     given = ((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)) if plane is None else plane
     if not isinstance(given, Sequence) or isinstance(given, str) or len(given) != 2:
@@ -59,19 +94,26 @@ def checked_plane(plane: Sequence | None, what: str) -> tuple[np.ndarray, np.nda
     return vector(at, f"{what}: plane point"), unit(normal, f"{what}: plane normal")
 
 
-@dataclass(frozen=True, eq=False)
+def level_plane(part: Any) -> tuple[np.ndarray, np.ndarray]:
+    """The plane z = 0."""
+    return checked_plane(None, part.what())
+
+
+def as_rolling(value: Any, what: str, part: Any) -> Body:
+    """A body, not the ground."""
+    if value is GROUND:
+        raise InputError(f"{what.removesuffix(': b')}: the ground cannot roll; give (ground, body)")
+    return as_body(value, what, part)
+
+
+@part_class()
 class RollingContact(Joint):
     """A smooth surface of body b rolls without slip on a plane of body a (1 holonomic and 2 nonholonomic rows)."""
 
     a: Body | Ground
-    b: Body | Ground
-    plane: Sequence | None = field(default=None, kw_only=True)
-
-    def check(self, what: str) -> None:
-        super().check(what)
-        if self.b is GROUND:
-            raise InputError(f"{what}: the ground cannot roll; give (ground, body)")
-        self.set(plane=checked_plane(self.plane, what))
+    b: Body = kept(by=as_rolling)
+    _: KW_ONLY
+    plane: Plane = kept(default=None, derived=level_plane)
 
     def check_tilt(self, what: str) -> None:
         """ValueError for a disc that touches in a circle."""
@@ -102,7 +144,7 @@ class RollingContact(Joint):
         ]  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Rolling(RollingContact):
     """A sphere, an ellipsoid or a torus of body b rolls without slip on a plane of body a (3 rows, 1 holonomic).
 
@@ -143,7 +185,7 @@ class Rolling(RollingContact):
         return rounded(self.surface, self.b, "surface")
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class RollingDisc(RollingContact):
     """A disc of body b rolls without slip on a plane of body a (3 rows, 1 holonomic); see `Rolling`.
 
@@ -172,19 +214,16 @@ class RollingDisc(RollingContact):
     (5, 3)
     """
 
-    axis: ArrayLike = field(kw_only=True)
-    radius: float = field(kw_only=True)
-    crown: float = field(default=0.0, kw_only=True)
-    centre: ArrayLike | None = field(default=None, kw_only=True)
+    _: KW_ONLY
+    axis: Direction = kept()
+    radius: Number = kept(positive=True)
+    crown: Number = kept(default=0.0, minimum=0.0)
+    centre: VectorOrDerived = kept(default=None, derived=attrgetter("b.centre"))
 
     def check(self, what: str) -> None:
         super().check(what)
-        radius = number(self.radius, f"{what}: radius", positive=True)
-        crown = number(self.crown, f"{what}: crown", minimum=0.0)
-        if crown > radius:
-            raise InputError(f"{what}: crown {crown} exceeds the outer radius {radius}; give crown <= radius")
-        centre = self.b.centre if self.centre is None else vector(self.centre, f"{what}: centre")
-        self.set(axis=unit(self.axis, f"{what}: axis"), radius=radius, crown=crown, centre=centre)
+        if self.crown > self.radius:
+            raise InputError(f"{what}: crown {self.crown} exceeds the outer radius {self.radius}; give crown <= radius")
         self.check_tilt(what)
 
     @cached_property

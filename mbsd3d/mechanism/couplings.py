@@ -1,21 +1,21 @@
 """Couplings: rows on the angles and slides of other joints."""
 
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..base.checks import check_choice, number, shown, vector
+from ..base.checks import check_choice, shown
 from ..base.errors import InputError
+from ..base.fields import Number, Vector, kept, part_class
 from ..kernels import kinds
 from .bodies import GROUND, Body, Ground
-from .joints import AxisJoint, Joint, coordinate_of
+from .joints import AxisJoint, Joint, angle_of, coordinate_of, slide_of
 from .motion import LoadedMotion, Motion
 from .primitives import ZERO, Coordinate, Primitive, ratio
 from .tooth_contact import Axle, line_of_action
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Coupling(Joint):
     """Row on the coordinates of other joints; a and b are those of the joint it acts through."""
 
@@ -40,7 +40,7 @@ class Coupling(Joint):
         return [self.through()]
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Gear(Coupling):
     """Two hinges turn in a fixed ratio = angle_b / angle_a (1 row); ratio < 0 for an external mesh.
 
@@ -56,7 +56,8 @@ class Gear(Coupling):
 
     hinge_a: Joint
     hinge_b: Joint
-    ratio: float = field(kw_only=True)
+    _: KW_ONLY
+    ratio: Number = kept()
 
     def through(self) -> Joint:
         return self.hinge_b
@@ -69,15 +70,14 @@ class Gear(Coupling):
             coordinate_of(hinge, "angle", what)
         if self.hinge_a is self.hinge_b:
             raise InputError(f"{what}: both hinges are '{self.hinge_a.name}'; give two")
-        self.set(ratio=number(self.ratio, f"{what}: ratio"))
         if self.ratio == 0.0:
             raise InputError(f"{what}: ratio is 0; give angle_b / angle_a, or lock hinge_b with Fixed")
 
     def rows(self) -> list[Primitive]:
-        return [ratio(self.hinge_a.angle(), -self.ratio, self.hinge_b.angle(), 1.0)]
+        return [ratio(angle_of(self.hinge_a), -self.ratio, angle_of(self.hinge_b), 1.0)]
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class RackPinion(Coupling):
     """A rack moves by ``radius`` [m] times the angle of a pinion (1 row): slide = radius angle; radius may be < 0.
 
@@ -93,7 +93,8 @@ class RackPinion(Coupling):
 
     pinion: Joint
     rack: Joint
-    radius: float = field(kw_only=True)
+    _: KW_ONLY
+    radius: Number = kept()
 
     def through(self) -> Joint:
         return self.rack
@@ -104,13 +105,12 @@ class RackPinion(Coupling):
     def check(self, what: str) -> None:
         coordinate_of(self.pinion, "angle", what)
         coordinate_of(self.rack, "slide", what)
-        self.set(radius=number(self.radius, f"{what}: radius"))
 
     def rows(self) -> list[Primitive]:
-        return [ratio(self.pinion.angle(), -self.radius, self.rack.slide(), 1.0, in_metres=True)]
+        return [ratio(angle_of(self.pinion), -self.radius, slide_of(self.rack), 1.0, in_metres=True)]
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class GearMesh(Coupling):
     """Teeth of two gears in contact at a pitch point (1 row): n . (v_b - v_a) = 0 there, n the line of action.
 
@@ -154,13 +154,14 @@ class GearMesh(Coupling):
     (1, -0.5)
     """
 
-    hinge_a: Joint
-    hinge_b: Joint
-    at: ArrayLike = field(kw_only=True)
-    pressure_angle: float = field(default=np.pi / 9, kw_only=True)
-    helix_angle: float = field(default=0.0, kw_only=True)
-    flank: int = field(default=1, kw_only=True)
-    carrier: Body | Ground | None = field(default=None, kw_only=True)
+    hinge_a: AxisJoint
+    hinge_b: AxisJoint
+    _: KW_ONLY
+    at: Vector = kept()
+    pressure_angle: Number = kept(default=np.pi / 9)
+    helix_angle: Number = kept(default=0.0)
+    flank: int = 1
+    carrier: Body | Ground | None = None
 
     def partners(self) -> list[Joint]:
         return [self.hinge_a, self.hinge_b]
@@ -188,14 +189,12 @@ class GearMesh(Coupling):
                 raise InputError(f"{what}: '{hinge.name}' is a {type(hinge).__name__}; give a Revolute or Cylindrical")
         if self.carrier is not None and not isinstance(self.carrier, Body | Ground):
             raise InputError(f"{what}: carrier = {shown(self.carrier)} is not a body; give a Body or GROUND")
-        angles = [number(getattr(self, key), f"{what}: {key}") for key in ("pressure_angle", "helix_angle")]
-        if not 0.0 <= angles[0] < np.pi / 2 or abs(angles[1]) >= np.pi / 2:
+        if not 0.0 <= self.pressure_angle < np.pi / 2 or abs(self.helix_angle) >= np.pi / 2:
             raise InputError(
-                f"{what}: pressure_angle {angles[0]:g} rad and helix_angle {angles[1]:g} rad: give radians, "
-                "0 <= pressure_angle < pi/2 and |helix_angle| < pi/2"
+                f"{what}: pressure_angle {self.pressure_angle:g} rad and helix_angle {self.helix_angle:g} rad: "
+                "give radians, 0 <= pressure_angle < pi/2 and |helix_angle| < pi/2"
             )
         check_choice(self.flank, (1, -1), f"{what}: flank")
-        self.set(at=vector(self.at, f"{what}: at"), pressure_angle=angles[0], helix_angle=angles[1])
         bodies = {id(body) for body in (self.support(what), self.a, self.b)}
         if len(bodies) < 3:
             raise InputError(f"{what}: carrier and gears are not three bodies; give hinges of two gears on one carrier")
@@ -214,18 +213,18 @@ class GearMesh(Coupling):
                 return body
         raise InputError(f"{what}: '{first.name}' and '{second.name}' share no body; give carrier=")
 
-    def gear(self, hinge: Joint) -> Body | Ground:
+    def gear(self, hinge: AxisJoint) -> Body | Ground:
         """The gear on a hinge: the body that is not the carrier."""
         return hinge.a if hinge.b is self.support() else hinge.b
 
-    def axle(self, hinge: Joint) -> Axle:
+    def axle(self, hinge: AxisJoint) -> Axle:
         """Axis of the gear on a hinge, as the carrier has it."""
         return Axle(hinge.at, hinge.axis) if self.gear(hinge) is hinge.b else Axle(hinge.at_b, hinge.axis_b)
 
     def direction(self, what: str = "GearMesh") -> np.ndarray:
         """Line of action n: unit direction of the force on gear b, world at the reference pose."""
-        axles = [self.axle(hinge) for hinge in (self.hinge_a, self.hinge_b)]
-        return line_of_action(*axles, self.at, self.pressure_angle, self.helix_angle, self.flank, what)
+        first, second = self.axle(self.hinge_a), self.axle(self.hinge_b)
+        return line_of_action(first, second, self.at, self.pressure_angle, self.helix_angle, self.flank, what)
 
     def levers(self) -> list[float]:
         """n . (u_i x d_i) of both gears: their pitch velocities along n per angular velocity [m]."""
@@ -246,7 +245,8 @@ class GearMesh(Coupling):
 
     def rows(self) -> list[Primitive]:
         n, carrier = self.direction(), self.support()
-        bodies, points, axes, tilts, levers, angles = [], [], [], [], [], []
+        bodies: list[Body | Ground] = []
+        points, axes, tilts, levers, angles = [], [], [], [], []
         for sign, hinge in ((-1.0, self.hinge_a), (1.0, self.hinge_b)):
             gear, mount = self.gear(hinge), self.axle(hinge)
             hub, spin = (hinge.at_b, hinge.axis_b) if gear is hinge.b else (hinge.at, hinge.axis)

@@ -1,20 +1,19 @@
 """Drivers: rows with a prescribed motion. Displacements count from the reference pose."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..base.checks import shown, vector
-from ..base.directions import unit
+from ..base.checks import shown
 from ..base.errors import InputError
+from ..base.fields import DirectionOrNone, Stored, Vector, VectorOrNone, derive, kept, or_none, part_class
 from ..kernels import kinds
 from .bodies import GROUND, Body, Ground
 from .couplings import Coupling
-from .joints import Joint, coordinate_of
+from .joints import Joint, angle_of, coordinate_of, slide_of
 from .primitives import ZERO, Primitive, in_plane, ratio
-from .signals import Signal, as_signal, three_signals
+from .signals import Signal, SignalField, ThreeSignalsOrFree, as_signal
 
 
 class Driver(Joint):
@@ -30,7 +29,7 @@ class Driver(Joint):
     """
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class AngleDriver(Coupling, Driver):
     """The angle of a hinge follows ``signal`` [rad] (1 row): theta = f(t), zero at the reference pose.
 
@@ -46,20 +45,19 @@ class AngleDriver(Coupling, Driver):
     """
 
     hinge: Joint
-    signal: Signal | float
+    signal: SignalField = kept()
 
     def through(self) -> Joint:
         return self.hinge
 
     def check(self, what: str) -> None:
         coordinate_of(self.hinge, "angle", what)
-        self.set(signal=as_signal(self.signal, f"{what}: signal"))
 
     def rows(self) -> list[Primitive]:
-        return [ratio(self.hinge.angle(), 1.0, signal=self.signal)]
+        return [ratio(angle_of(self.hinge), 1.0, signal=self.signal)]
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class SlideDriver(Coupling, Driver):
     """The slide of a joint follows ``signal`` [m] (1 row).
 
@@ -73,20 +71,19 @@ class SlideDriver(Coupling, Driver):
     """
 
     slider: Joint
-    signal: Signal | float
+    signal: SignalField = kept()
 
     def through(self) -> Joint:
         return self.slider
 
     def check(self, what: str) -> None:
         coordinate_of(self.slider, "slide", what)
-        self.set(signal=as_signal(self.signal, f"{what}: signal"))
 
     def rows(self) -> list[Primitive]:
-        return [ratio(self.slider.slide(), 1.0, signal=self.signal, in_metres=True)]
+        return [ratio(slide_of(self.slider), 1.0, signal=self.signal, in_metres=True)]
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class PositionDriver(Driver):
     """A point of a body follows three signals [m], its displacement along the world axes; None leaves one free.
 
@@ -107,8 +104,9 @@ class PositionDriver(Driver):
     """
 
     body: Body
-    at: ArrayLike = field(kw_only=True)
-    signal: Sequence[Signal | float | None] = field(kw_only=True)
+    _: KW_ONLY
+    at: Vector = kept()
+    signal: ThreeSignalsOrFree = kept()
 
     @property
     def a(self) -> Body | Ground:
@@ -120,13 +118,6 @@ class PositionDriver(Driver):
         """The driven body."""
         return self.body
 
-    def check(self, what: str) -> None:
-        super().check(what)
-        signals = three_signals(self.signal, f"{what}: signal", free=True)
-        if not any(signals):
-            raise InputError(f"{what}: all three directions are free; give at least one signal")
-        self.set(at=vector(self.at, f"{what}: at"), signal=signals)
-
     def point(self) -> np.ndarray:
         return self.at
 
@@ -135,7 +126,40 @@ class PositionDriver(Driver):
         return [in_plane(GROUND, self.body, axis, self.at, self.at, s) for axis, s in axes if s is not None]
 
 
-@dataclass(frozen=True, eq=False)
+def as_given(value: Any, what: str, part: Any) -> Any:
+    """The value itself."""
+    return value
+
+
+class BodyOrJoint(Stored[Body | Ground | Joint | None, Body | Ground]):
+    """A body, or the joint that says which one."""
+
+    accepts, role, file_type = "Body | Ground | Joint | None", "body", str
+    convert = staticmethod(as_given)
+
+
+class BodyOrSpeed(Stored[Body | Ground | Signal | float | None, Body | Ground]):
+    """A body, or the speed of a joint."""
+
+    accepts, role, file_type = "Body | Ground | Signal | float | None", "body", str
+    convert = staticmethod(as_given)
+
+
+def as_speed(value: Any, what: str, part: Any) -> Signal:
+    """A signal, where no other one is given."""
+    if isinstance(part.a, Joint) and part.b is not None:
+        raise InputError(f"{part.what()}: two speeds, {shown(part.b)} and {shown(value)}; give one")
+    return as_signal(value, what)
+
+
+class SpeedOrDerived(Stored[Signal | float | None, Signal]):
+    """A signal or a number; None = what was given in place of a body."""
+
+    accepts, role, file_type = "Signal | float | None", "signal", dict | float | None
+    convert = staticmethod(or_none(as_speed))
+
+
+@part_class()
 class SpeedDriver(Driver):
     """A joint, or b relative to a, turns [rad/s] or moves [m/s] at a prescribed speed (1 row without residual).
 
@@ -166,39 +190,36 @@ class SpeedDriver(Driver):
     [0.2, 0.0, 0.0]
     """
 
-    a: Body | Ground | Joint | None = None
-    b: Body | Ground | Signal | float | None = None
-    axis: ArrayLike | None = field(default=None, kw_only=True)
-    speed: Signal | float | None = field(default=None, kw_only=True)
-    direction: ArrayLike | None = field(default=None, kw_only=True)
-    at: ArrayLike | None = field(default=None, kw_only=True)
-    joint: Joint | None = field(default=None, kw_only=True)
+    a: BodyOrJoint = kept(default=None)
+    b: BodyOrSpeed = kept(default=None)
+    _: KW_ONLY
+    axis: DirectionOrNone = kept(default=None)
+    speed: SpeedOrDerived = kept(default=None)
+    direction: DirectionOrNone = kept(default=None)
+    at: VectorOrNone = kept(default=None)
+    joint: Joint | None = None
 
     def check(self, what: str) -> None:
-        if isinstance(self.a, Joint):
-            if self.speed is not None and self.b is not None:
-                raise InputError(f"{what}: two speeds, {shown(self.b)} and {shown(self.speed)}; give one")
-            self.set(joint=self.a, a=None, b=None, speed=self.b if self.speed is None else self.speed)
+        a: Any = self.a
+        b: Any = self.b
+        if isinstance(a, Joint):
+            speed = self.speed if b is None else as_signal(b, f"{what}: speed")
+            derive(self, joint=a, a=None, b=None, speed=speed)
         if self.joint is not None:
-            self.follow_joint(what)
+            self.follow_joint(what, self.joint)
         super().check(what)
         if self.speed is None:
             raise InputError(f"{what}: no speed; give speed= in rad/s about axis=, or in m/s along direction=")
         if (self.axis is None) == (self.direction is None):
             given = "neither axis nor direction" if self.axis is None else "both axis and direction"
             raise InputError(f"{what}: {given}; give axis= for a speed in rad/s, or direction= for one in m/s")
-        if self.direction is not None:
-            at = self.b.centre if self.at is None else vector(self.at, f"{what}: at")
-            self.set(direction=unit(self.direction, f"{what}: direction"), at=at)
-        else:
-            if self.at is not None:
-                raise InputError(f"{what}: at = {self.at} with an axis: a turn has no point; leave at= out")
-            self.set(axis=unit(self.axis, f"{what}: axis"))
-        self.set(speed=as_signal(self.speed, f"{what}: speed"))
+        if self.direction is None and self.at is not None:
+            raise InputError(f"{what}: at = {self.at} with an axis: a turn has no point; leave at= out")
+        if self.direction is not None and self.at is None:
+            derive(self, at=self.b.centre)
 
-    def follow_joint(self, what: str) -> None:
+    def follow_joint(self, what: str, joint: Joint) -> None:
         """Bodies and axis of the joint that is driven."""
-        joint = self.joint
         turn, slide = (joint.angle(), joint.slide()) if isinstance(joint, Joint) else (None, None)
         if (turn is None) == (slide is None):
             name = f"'{joint.name}' ({type(joint).__name__})" if isinstance(joint, Joint) else shown(joint)
@@ -209,13 +230,19 @@ class SpeedDriver(Driver):
             )
         if slide is not None and slide.kind != "slide":
             raise InputError(f"{what}: '{joint.name}' leads along a curve; give a SlideDriver with Ramp(speed)")
-        x = turn or slide
-        own = {"a": x.a, "b": x.b, "axis": turn and x.axis, "direction": slide and x.axis_b, "at": slide and x.point_b}
+        x: Any = turn or slide
+        own: dict[str, Any] = {
+            "a": x.a,
+            "b": x.b,
+            "axis": turn and x.axis,
+            "direction": slide and x.axis_b,
+            "at": slide and x.point_b,
+        }
         for name, value in own.items():
             given = getattr(self, name)
             if given is not None and not np.array_equal(given, value):
                 raise InputError(f"{what}: {name} = {shown(given)}, but '{joint.name}' says what moves; leave it out")
-        self.set(**own)
+        derive(self, **own)
 
     def point(self) -> np.ndarray:
         return self.b.position if self.at is None else self.at

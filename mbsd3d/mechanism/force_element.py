@@ -8,6 +8,7 @@ import numpy as np
 
 from ..base.checks import check_choice, shown
 from ..base.errors import InputError
+from ..base.fields import part_class
 from ..compiler.records import Parameters
 from .bodies import Body, Ground, Part
 from .joints import Joint
@@ -32,7 +33,7 @@ class ForceRecord:
     scales: tuple = ()  # of their errors: (unit, k, j) is unit length^k speed^j
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class ForceElement(Part):
     """Base class of force elements.
 
@@ -53,11 +54,11 @@ class ForceElement(Part):
         """Return the parameters of the law by name: ``own`` ones, else the attributes of that name."""
         return {name: own[name] if name in own else getattr(self, name) for name in self.law_parameters.units}
 
-    def bodies(self) -> tuple:
+    def bodies(self) -> tuple[Any, ...]:
         """The bodies it acts on."""
         return self.record().bodies
 
-    def partners(self) -> tuple:
+    def partners(self) -> tuple[Any, ...]:
         """Joints and forces it refers to."""
         return ()
 

@@ -1,28 +1,35 @@
 """The mechanism as data: bodies, joints, forces and gravity, checked for what can be checked without numbers."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import KW_ONLY, field
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..base.checks import Frozen, check_choice, check_name, shown, vector
+from ..base.checks import check_choice, check_name, shown
 from ..base.errors import InputError
-from .bodies import GROUND, Body, called
+from ..base.fields import Frozen, Members, Vector, derive, kept, part_class
+from .bodies import GROUND, Body, Part, called
 from .force_element import ForceElement
 from .joints import Joint
 
 KINDS = MappingProxyType({"bodies": Body, "joints": Joint, "forces": ForceElement})
 
 
-def parts_of(given: Any, key: str) -> tuple:
-    """A sequence of parts as a tuple."""
+def as_parts(value: Any, what: str, part: Any) -> tuple[Any, ...]:
+    """A sequence of parts of the kind that belongs there, each once."""
+    key = what.removeprefix("System: ")
     try:
-        return tuple(given)
+        parts = tuple(value)
     except TypeError:
-        raise InputError(f"System: {key} = {short(given)} is not a sequence; give a list, {key}=[...]") from None
+        raise InputError(f"{what} = {short(value)} is not a sequence; give a list, {key}=[...]") from None
+    for each in parts:
+        if not isinstance(each, KINDS[key]):
+            raise InputError(misplaced(each, key))
+    if len({id(each) for each in parts}) < len(parts):
+        raise InputError(f"System: a part appears twice in {key}; list every part once")
+    return parts
 
 
 def misplaced(part: Any, key: str) -> str:
@@ -37,17 +44,18 @@ def misplaced(part: Any, key: str) -> str:
 
 def short(part: Any) -> str:
     """A part by its type and name, anything else by what it prints, cut."""
-    if isinstance(part, tuple(KINDS.values())):
+    if isinstance(part, Body | Joint | ForceElement):
         return called(part)
     return shown(part)
 
 
-def made_of(cls: type["Mechanism"], parts: tuple, gravity: np.ndarray, title: str | None) -> "Mechanism":
+def made_of(cls: type["Mechanism"], parts: tuple[Any, ...], gravity: np.ndarray, title: str | None) -> "Mechanism":
     """What a copy or a pickle of a mechanism is."""
-    return cls(*parts, gravity, title=title)
+    bodies, joints, forces = parts
+    return cls(bodies, joints, forces, gravity, title=title)
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Mechanism(Frozen):
     """Bodies, joints and forces with their names; the public `System` adds what can be asked of it.
 
@@ -55,33 +63,30 @@ class Mechanism(Frozen):
     nothing in it is part of the description.
     """
 
-    bodies: Sequence[Body]
-    joints: Sequence[Joint] = ()
-    forces: Sequence[ForceElement] = ()
-    gravity: ArrayLike = (0.0, 0.0, -9.81)
-    title: str | None = field(default=None, kw_only=True)  # of pages, files and tables
+    bodies: Members[Body] = kept(by=as_parts)
+    joints: Members[Joint] = kept(default=(), by=as_parts)
+    forces: Members[ForceElement] = kept(default=(), by=as_parts)
+    gravity: Vector = kept(default=(0.0, 0.0, -9.81))
+    _: KW_ONLY
+    title: str | None = None  # of pages, files and tables
     names: Mapping[int, str] = field(init=False, repr=False)
     derived: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
 
+    def what(self) -> str:
+        return "System"
+
     def __post_init__(self) -> None:
+        super().__post_init__()
         if self.title is not None and (not isinstance(self.title, str) or not self.title.strip()):
             raise InputError(f"System: name {self.title!r} is not a name; give a text, or None")
         if self.title is not None:
             check_name(self.title, "System:")
-        for key, kind in KINDS.items():
-            parts = parts_of(getattr(self, key), key)
-            for part in parts:
-                if not isinstance(part, kind):
-                    raise InputError(misplaced(part, key))
-            if len({id(part) for part in parts}) < len(parts):
-                raise InputError(f"System: a part appears twice in {key}; list every part once")
-            self._store(**{key: parts})
         if not self.bodies:
             raise InputError("System: no bodies; give at least one Body")
-        self._store(gravity=vector(self.gravity, "System: gravity"), names=self._names())
+        derive(self, names=self._names())
         self._check_members()
 
-    def __reduce__(self) -> tuple:
+    def __reduce__(self) -> tuple[Any, ...]:
         """Copies are made anew of copied parts: names and tables are kept by the identity of the parts."""
         return made_of, (type(self), (self.bodies, self.joints, self.forces), self.gravity, self.title)
 
@@ -90,7 +95,8 @@ class Mechanism(Frozen):
         names: dict[int, str] = {id(GROUND): "ground"}
         counts: dict[str, int] = {}
         taken = {"ground"}
-        for part in (*self.bodies, *self.joints, *self.forces):
+        parts: tuple[Body | Part, ...] = (*self.bodies, *self.joints, *self.forces)
+        for part in parts:
             name = part.name
             if name is None:
                 kind = type(part).__name__
@@ -105,8 +111,9 @@ class Mechanism(Frozen):
     def _check_members(self) -> None:
         """Every joint and force acts on bodies of this system and refers to joints and forces of it."""
         members = {id(body) for body in self.bodies} | {id(GROUND)}
-        known = {id(part) for part in (*self.joints, *self.forces)}
-        for part in (*self.joints, *self.forces):
+        parts: tuple[Joint | ForceElement, ...] = (*self.joints, *self.forces)
+        known = {id(part) for part in parts}
+        for part in parts:
             for body in part.bodies():
                 if id(body) not in members:
                     raise InputError(
@@ -136,7 +143,7 @@ class Mechanism(Frozen):
                 if self.names[id(part)] == key:
                     return part
         have = ", ".join(f"'{self.name(part)}'" for part in parts) or "none"
-        if isinstance(key, Body | Joint | ForceElement) and key.name in map(self.name, parts):
+        if isinstance(key, Body | Joint | ForceElement) and key.name in [self.name(part) for part in parts]:
             raise InputError(f"the '{key.name}' given is a part of another system; give its name instead")
         key = getattr(key, "name", None) or key
         raise InputError(f"{shown(key)} is not one of the {kind} of this system; there are {have}")

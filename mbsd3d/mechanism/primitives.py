@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -74,11 +75,11 @@ class Primitive:
     """Rows between up to four bodies: kind, bodies of the slots, points, axes, scalars; see kernels/rows.py."""
 
     kind: int
-    bodies: tuple
-    points: tuple = ()
-    axes: tuple = ()
-    second_axes: tuple = ()
-    values: tuple = ()
+    bodies: tuple[Any, ...]
+    points: tuple[Any, ...] = ()
+    axes: tuple[Any, ...] = ()
+    second_axes: tuple[Any, ...] = ()
+    values: tuple[Any, ...] = ()
     coordinates: tuple[Coordinate, ...] = ()
     signal: Signal | None = None
     in_metres: bool = True

@@ -8,9 +8,10 @@ import numpy as np
 from ..base.checks import shown
 from ..base.directions import perpendiculars
 from ..base.errors import InputError
-from ..base.rotations import AXES, matrix
+from ..base.rotations import matrix
 from .bodies import Body, Ground
 from .motion import Motion
+from .shapes.base import along
 from .shapes.kinds import Ellipsoid, Sphere, Torus
 
 Smooth = Sphere | Ellipsoid | Torus
@@ -64,7 +65,7 @@ def rounded(surface: Any, body: Body, what: str) -> Rounded:
     elif isinstance(surface, Ellipsoid):
         radii = surface.radii
     else:
-        axis = axes @ np.asarray(AXES[surface.axis] if isinstance(surface.axis, str) else surface.axis, float)
+        axis = axes @ along(surface.axis)
         return circle(centre, axis / np.linalg.norm(axis), surface.radius, surface.tube)
     return Rounded(centre, axes, radii, tube)
 

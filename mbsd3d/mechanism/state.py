@@ -1,17 +1,35 @@
 """The state of a mechanism, at the start and the end of a run."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ..base.checks import number, numbers
-from ..base.errors import Explained, InputError
+from ..base.checks import numbers
+from ..base.errors import InputError
+from ..base.fields import Checked, Number, Stored, kept, part_class
 from ..base.style import html_table
 
 
-@dataclass(frozen=True, eq=False)
-class State(metaclass=Explained):
+def as_entries(value: Any, what: str, part: Any) -> np.ndarray:
+    """An own array of finite numbers."""
+    array = numbers(value, what).copy()
+    if not np.isfinite(array).all():
+        raise InputError(f"{what} has an entry that is not finite; give finite numbers")
+    return array
+
+
+class Entries(Stored[ArrayLike, np.ndarray]):
+    """Finite numbers in the order of the bodies."""
+
+    accepts, file_type = "array_like", list
+    convert = staticmethod(as_entries)
+
+
+@part_class()
+class State(Checked):
     """Coordinates, velocities and own states of the force elements at one time; not what `Input` signals are set to.
 
     Parameters
@@ -51,21 +69,15 @@ class State(metaclass=Explained):
     3.0
     """
 
-    t: float
-    q: np.ndarray
-    v: np.ndarray
-    z: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    t: Number = kept()
+    q: Entries = kept()
+    v: Entries = kept()
+    z: Entries = kept(default=())
     coordinates: np.ndarray | None = None
     moved: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "t", number(self.t, "State: t"))
-        for name in ("q", "v", "z"):
-            array = numbers(getattr(self, name), f"State: {name}").copy()
-            if not np.isfinite(array).all():
-                raise InputError(f"State: {name} has an entry that is not finite; give finite numbers")
-            object.__setattr__(self, name, array)
+    def check(self, what: str) -> None:
         if self.q.size % 7 or self.v.size % 6 or self.q.size // 7 != self.v.size // 6:
             raise InputError(f"State: {self.q.size} coordinates and {self.v.size} velocities; give 7 and 6 per body")
 

@@ -43,7 +43,7 @@ def pitch_frame(a: Axle, b: Axle, at: np.ndarray, what: str) -> tuple[np.ndarray
     ValueError where the point cannot be the pitch point of two pitch surfaces that touch.
     """
     arms = [axle.arm(at) for axle in (a, b)]
-    radii = [np.linalg.norm(arm) for arm in arms]
+    radii = [float(np.linalg.norm(arm)) for arm in arms]
     if min(radii) < ALIGNED * max(1.0, *radii):
         raise InputError(f"{what}: at = {at.tolist()} lies on an axis; give the point where the pitch circles touch")
     t, t_b = (np.cross(axle.axis, arm) / r for axle, arm, r in zip((a, b), arms, radii, strict=True))

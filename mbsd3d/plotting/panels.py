@@ -2,7 +2,7 @@
 
 import textwrap
 from collections.abc import Callable, Iterable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -275,7 +275,9 @@ def panels_of_several(solution: RunResult, wanted: Wanted, parts: tuple[Part, ..
     if parts:
         raise InputError(f"curves: with several quantities each has its own parts; give {example}")
     try:
-        entries = [(entry,) if isinstance(entry, str | Measure) else tuple(entry) for entry in wanted]
+        entries: list[tuple[Any, ...]] = [
+            (entry,) if isinstance(entry, str | Measure) else tuple(entry) for entry in wanted
+        ]
     except TypeError:
         entries = []
     if not entries or not all(entry and isinstance(entry[0], str | Measure) for entry in entries):

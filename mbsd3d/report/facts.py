@@ -1,7 +1,8 @@
 """The contents of a report: facts, tables and sentences about a run as plain text; no layout."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 
@@ -27,7 +28,7 @@ class Table:
 
     caption: str
     head: tuple[str, ...]
-    rows: list[tuple[str, ...]]
+    rows: Sequence[tuple[str, ...]]
     words: int = 1
     note: str = ""
 
@@ -61,7 +62,7 @@ def run_facts(solution: RunResult) -> list[tuple[str, str]]:
     return [*facts, ("stabilisation", record.switches.stabilisation)]
 
 
-def method_text(method: object) -> str:
+def method_text(method: Any) -> str:
     """A method with its settings that are not defaults."""
     chosen = [(x.name, getattr(method, x.name)) for x in fields(method) if getattr(method, x.name) != x.default]
     return " ".join([type(method).__name__, ", ".join(f"{name} = {value}" for name, value in chosen)]).strip()
@@ -159,10 +160,10 @@ def joint_table(solution: RunResult, few: RunResult, diagnosis: Diagnosis) -> Ta
         n_rows = sum(row.n_rows for row in joint.primitives)
         repeated = f"{share.involved} of {n_rows}" if share else f"0 of {n_rows}"
         (force, of_force), (moment, of_moment) = reaction.shown("force"), reaction.shown("moment")
-        force, moment = largest_load(force, few.t, scale.force), largest_load(moment, few.t, scale.moment)
+        pushed, turned = largest_load(force, few.t, scale.force), largest_load(moment, few.t, scale.moment)
         known = KNOWN[of_force] if of_force == of_moment else f"force {KNOWN[of_force]}, moment {KNOWN[of_moment]}"
         between = " – ".join("ground" if body is None else body.name for body in (joint.a, joint.b))
-        rows.append((name, type(joint).__name__, between, known, repeated, *force, *moment))
+        rows.append((name, type(joint).__name__, between, known, repeated, *pushed, *turned))
     loads = ("force [N]", "at [s]", "moment [N\u00a0m]", "at [s]")
     head = ("joint", "type", "between", "reaction", "redundant rows", *loads)
     text = "Largest reactions on the second body, at the joint's point."

@@ -2,8 +2,6 @@
 
 from collections.abc import Iterable
 
-import numpy as np
-
 from ..base.style import RAISED
 
 ROUNDING = 1e-9  # of the size of a quantity: what is smaller is what rounding left of zero
@@ -32,5 +30,6 @@ def typeset(text: str) -> str:
 
 def triple(values: Iterable[float], size: float = 0.0) -> str:
     """Components of a vector; those that are rounding beside its largest are 0."""
-    size = max(size, float(np.abs(values).max()))
-    return "(" + ", ".join(digits(float(value), size) for value in values) + ")"
+    given = [float(value) for value in values]
+    size = max(size, *map(abs, given))
+    return "(" + ", ".join(digits(value, size) for value in given) + ")"

@@ -5,13 +5,14 @@
 with L10 in millions of revolutions, p = 3 for balls and 10/3 for rollers; the ratings come from the catalogue.
 """
 
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import Frozen, number
+from ..base.checks import number
 from ..base.errors import InputError, explaining
+from ..base.fields import Frozen, Number, kept, part_class
 from .bearings import BearingLoad
 
 BALL, ROLLER = 3.0, 10.0 / 3.0
@@ -36,7 +37,7 @@ class RatingLife:
     hours: float  # L10h [h]
 
 
-@dataclass(frozen=True, kw_only=True)
+@part_class(eq=True)
 class Rating(Frozen):
     """Base class of rolling bearings.
 
@@ -44,19 +45,10 @@ class Rating(Frozen):
     tilting moment it can carry besides [N m].
     """
 
-    C: float
-    p: float = BALL
-    tilting: float = 0.0
-
-    def __post_init__(self) -> None:
-        self.check("C", "p", positive=True)
-        self.check("tilting")
-
-    def check(self, *names: str, positive: bool = False) -> None:
-        """Convert fields to numbers > 0 or >= 0."""
-        for name in names:
-            what = f"{type(self).__name__}: {name}"
-            self._store(**{name: number(getattr(self, name), what, minimum=0.0, positive=positive)})
+    _: KW_ONLY
+    C: Number = kept(positive=True)
+    p: Number = kept(default=BALL, positive=True)
+    tilting: Number = kept(default=0.0, minimum=0.0)
 
     def factors(self, axial: np.ndarray) -> tuple[ArrayLike, ArrayLike, ArrayLike]:
         """(X, Y, e) under axial forces >= 0 [N]."""
@@ -100,7 +92,7 @@ class Rating(Frozen):
         )
 
 
-@dataclass(frozen=True, kw_only=True)
+@part_class(eq=True)
 class RollingBearing(Rating):
     """A bearing with the factors of its catalogue; the defaults are those of one that carries radial loads alone.
 
@@ -112,19 +104,16 @@ class RollingBearing(Rating):
     3000.0
     """
 
-    X: float = 1.0
-    Y: float = 0.0
-    e: float = 0.0
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self.check("X", "Y", "e")
+    _: KW_ONLY
+    X: Number = kept(default=1.0, minimum=0.0)
+    Y: Number = kept(default=0.0, minimum=0.0)
+    e: Number = kept(default=0.0, minimum=0.0)
 
     def factors(self, axial: np.ndarray) -> tuple[float, float, float]:
         return self.X, self.Y, self.e
 
 
-@dataclass(frozen=True, kw_only=True)
+@part_class(eq=True)
 class DeepGrooveBallBearing(Rating):
     """A single-row deep groove ball bearing of normal clearance: Y and e from f0 F_a / C0 by the table of ISO 281.
 
@@ -137,12 +126,9 @@ class DeepGrooveBallBearing(Rating):
     [0.56, 1.5, 0.29]
     """
 
-    C0: float
-    f0: float
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self.check("C0", "f0", positive=True)
+    _: KW_ONLY
+    C0: Number = kept(positive=True)
+    f0: Number = kept(positive=True)
 
     def factors(self, axial: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
         ratio = self.f0 * np.asarray(axial, float) / self.C0

@@ -10,7 +10,7 @@ import multiprocessing
 import os
 import signal
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, ProcessPoolExecutor, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from functools import partial
@@ -34,7 +34,9 @@ WINDOW = 1000  # cells in flight on an executor of the user's, whose workers are
 NO_START = "put the call of sweep under if __name__ == '__main__':, since new processes import the script"
 
 
-def outcomes(call: Callable, cells: list[dict], todo: list[int], executor: Any) -> Iterator[tuple[int, Outcome]]:
+def outcomes(
+    call: Callable, cells: list[dict], todo: list[int], executor: Any
+) -> Generator[tuple[int, Outcome], None, None]:
     """(cell, outcome) in the order in which they finish."""
     if executor is None or executor == "threads":
         turns = Turns()
@@ -44,7 +46,8 @@ def outcomes(call: Callable, cells: list[dict], todo: list[int], executor: Any) 
         yield from on_processes(call, cells, deque(todo))
     else:
         pool = executor if isinstance(executor, Executor) else executor.get_executor()
-        left, suspects = deque(todo), deque()
+        left: deque[int] = deque(todo)
+        suspects: deque[int] = deque()
         yield from stream(pool, call, cells, left, WINDOW, left, suspects)
         again = partial(call)  # a cluster knows a task by its content, and would return the old answer
         yield from stream(pool, again, cells, suspects, 1, left)  # alone, only the culprit loses its worker again
@@ -111,7 +114,7 @@ def stream(
     window: int,
     lost: deque,
     suspects: deque | None = None,
-) -> Iterator[tuple[int, Outcome]]:
+) -> Generator[tuple[int, Outcome], None, None]:
     """Run the queue with at most ``window`` cells in flight; if the pool breaks, those in flight go to ``lost``.
 
     A cluster blames every cell that its dead workers held, the culprit or not: these go to ``suspects`` where given.
@@ -189,7 +192,7 @@ def process_pool(workers: int) -> ProcessPoolExecutor:
     return Deaf(workers, multiprocessing.get_context("spawn"), begin_worker)
 
 
-def on_processes(call: Callable, cells: list[dict], queue: deque) -> Iterator[tuple[int, Outcome]]:
+def on_processes(call: Callable, cells: list[dict], queue: deque) -> Generator[tuple[int, Outcome], None, None]:
     """Own processes; cells in flight when one dies are tried once more, each alone, and the rest goes on."""
     while queue:
         lost: deque[int] = deque()
@@ -209,7 +212,7 @@ def start(pool: Executor, workers: int) -> None:
         raise SweepError("the worker processes do not start", advice=NO_START) from error
 
 
-def one_by_one(call: Callable, cells: list[dict], queue: deque) -> Iterator[tuple[int, Outcome]]:
+def one_by_one(call: Callable, cells: list[dict], queue: deque) -> Generator[tuple[int, Outcome], None, None]:
     """Run each cell in a new process: one that kills it is the culprit."""
     while queue:
         lost: deque[int] = deque()

@@ -1,22 +1,40 @@
 """The cells of a sweep: a full factorial grid of named values, or points sampled from named ranges."""
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import Frozen, check_choice, listed, number, numbers, shown
+from ..base.checks import check_choice, listed, number, numbers, shown
 from ..base.errors import InputError, explaining
+from ..base.fields import Array, Checked, Stored, kept, locked, part_class
 
 METHODS = ("sobol", "latin hypercube", "random")
 MOST = 10_000_000  # points
 
 
-@dataclass(frozen=True, eq=False)
-class Samples(Frozen):
+def as_names(value: Any, what: str, part: Any) -> tuple[str, ...]:
+    """Names of parameters."""
+    return listed(value, what, "a tuple of names")
+
+
+def as_points(value: Any, what: str, part: Any) -> np.ndarray:
+    """An own array of numbers."""
+    return locked(numbers(value, what).copy())
+
+
+class Names(Stored[Sequence[str], tuple[str, ...]]):
+    """Names of parameters."""
+
+    accepts, file_type = "Sequence[str]", list[str]
+    convert = staticmethod(as_names)
+
+
+@part_class()
+class Samples(Checked):
     """Points (count, k) of k named parameters, in their units: one cell of a sweep per row.
 
     ValueError if the shape does not fit the names, or a number is not finite.
@@ -25,12 +43,11 @@ class Samples(Frozen):
     (2, 2)
     """
 
-    names: tuple[str, ...]
-    points: ArrayLike
+    names: Names = kept()
+    points: Array = kept(by=as_points)
 
-    def __post_init__(self) -> None:
-        names = listed(self.names, "Samples: names", "a tuple of names")
-        points = numbers(self.points, "Samples: points").copy()
+    def check(self, what: str) -> None:
+        names, points = self.names, self.points
         if points.ndim != 2 or points.shape[1] != len(names) or not points.size:
             raise InputError(
                 f"Samples: points have shape {points.shape}; give (count, {len(names)}), names {shown(names)}"
@@ -39,7 +56,6 @@ class Samples(Frozen):
         bad = np.argwhere(~np.isfinite(points))
         if bad.size:
             raise InputError(f"Samples: '{names[bad[0, 1]]}' of point {bad[0, 0]} is not finite; give finite numbers")
-        self._store(names=names, points=points)
 
 
 @explaining
@@ -138,9 +154,9 @@ def check_values(name: str, given: Any) -> np.ndarray:
     if array.dtype.kind == "f" and not np.isfinite(array).all():
         where = int(np.flatnonzero(~np.isfinite(array))[0])
         raise InputError(f"sweep: '{name}': value {where} is {array[where]}; give finite numbers")
-    for value, kept in zip(given, array.tolist(), strict=True):
-        if value != kept:
-            raise InputError(f"sweep: '{name}': {shown(value)} would become {kept!r}; give one kind of values")
+    for value, stored in zip(given, array.tolist(), strict=True):
+        if value != stored:
+            raise InputError(f"sweep: '{name}': {shown(value)} would become {stored!r}; give one kind of values")
     if np.unique(array).size < array.size:
         raise InputError(f"sweep: '{name}': a value appears twice in {array.tolist()}; list every value once")
     return array

@@ -192,7 +192,7 @@ class Ledger(Store):
             raise self.unreadable(error) from error
         if any(not isinstance(cell, int) or not 0 <= cell < self.cells for cell in stored):
             raise LedgerError(f"sweep: ledger '{self.path}' holds cells that the grid does not have; delete it")
-        kept = {cell: Outcome(x.values, "", x.settings) for cell, x in stored.items() if not x.error}
+        kept = {int(cell): Outcome(x.values, "", x.settings) for cell, x in stored.items() if not x.error}
         shapes = {tuple((name, np.shape(value)) for name, value in sorted(x.values.items())) for x in kept.values()}
         if len(shapes) > 1:
             raise LedgerError(f"sweep: ledger '{self.path}' holds cells with different values; delete it")

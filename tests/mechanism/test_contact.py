@@ -248,7 +248,7 @@ BAD = {
     "no surface": (lambda: Rolling(GROUND, STONE, None), "surface None has no rule"),
     "stiffness": (lambda: Contact(GROUND, STONE, shapes.Sphere(0.1), stiffness=0.0, name="floor"), "stiffness"),
     "exponent": (lambda: Contact(GROUND, STONE, shapes.Sphere(0.1), stiffness=1.0, exponent=0.5), "exponent"),
-    "ground": (lambda: Contact(STONE, GROUND, shapes.Sphere(0.1), stiffness=1.0), "b: .* is not a body"),
+    "ground": (lambda: Contact(STONE, GROUND, shapes.Sphere(0.1), stiffness=1.0), "b = .* is not a body"),
     "ground rolls": (lambda: Rolling(STONE, GROUND, shapes.Sphere(0.1)), "the ground cannot roll"),
     "flat": (lambda: Rolling(GROUND, STONE, shapes.Torus(0.1, 0.02)), "lies flat"),
     "no mass": (

@@ -302,7 +302,7 @@ def test_loads_between_bodies_balance_or_are_external():
         with pytest.raises(ValueError, match="force 'band' .CustomForce.: its loads on 'a', 'ball' leave .*external"):
             run(*parameters)
         assert run(*parameters, external=True).certificate.passed
-    with pytest.raises(ValueError, match="'band'.*: external 'yes'; give True or False"):
+    with pytest.raises(ValueError, match="'band'.*: external = 'yes'; give True or False"):
         run(1.0, 0.0, external="yes")
 
 

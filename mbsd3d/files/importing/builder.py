@@ -222,7 +222,7 @@ def joint_of(a: Any, b: Any, parts: list[dict[str, Any]], name: str) -> Joint | 
     return None
 
 
-def drawn(geoms: list[dict], r: np.ndarray, e: np.ndarray, R: np.ndarray) -> list[Shape] | None:
+def drawn(geoms: list[dict[str, Any]], r: np.ndarray, e: np.ndarray, R: np.ndarray) -> list[Shape] | None:
     """Shapes of the geoms of a body at (r, e), R = matrix(e); None where none can: meshes, planes, height fields."""
     found = []
     for geom in geoms:

@@ -162,13 +162,13 @@ class Facts:
                 add(("frictionloss", name))
             if m.jnt_stiffnesspoly[i].any() or m.dof_dampingpoly[v].any():
                 add(("passive", f"polynomial stiffness or damping of {name}"))
-        for i in np.flatnonzero(m.body_gravcomp):
+        for i in np.flatnonzero(m.body_gravcomp).tolist():
             add(("gravcomp", self.name("body", i)))
         for i in self.guessed:
             if m.body_weldid[i] and m.body_mass[i]:
                 body, mass = self.name("body", i), m.body_mass[i]
                 add(("inertial", f"the {mass:.3g} kg that MuJoCo makes of the shapes of {body}"))
-        for i in np.flatnonzero(m.body_mocapid >= 0):
+        for i in np.flatnonzero(m.body_mocapid >= 0).tolist():
             add(("mocap", self.name("body", i)))
         if m.nplastic:
             add(("passive", f"{m.nplastic} plastic joints"))

@@ -1,19 +1,18 @@
 """Forces and torques that act on one body."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY
+from operator import attrgetter
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ...base.checks import number, vector
+from ...base.fields import Number, VectorOrDerived, kept, part_class
 from ...compiler.decorators import inner_kernel
 from ...compiler.records import Parameters
 from ...kernels.force_laws import add_force, add_moment, components
 from ...kernels.vectors import add, arm, dot, mat, point_velocity, rotate, scale, sub, vec
-from ..bodies import GROUND, Body
-from ..force_element import ForceElement, ForceRecord, check_body, in_body_frame
-from ..signals import Signal, three_signals
+from ..bodies import GROUND, Body, as_body
+from ..force_element import ForceElement, ForceRecord, in_body_frame
+from ..signals import ThreeSignals
 
 
 @inner_kernel
@@ -32,7 +31,7 @@ def force(m, d, p, out, t):
     out.power = dot(load, point_velocity(body, s))
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Force(ForceElement):
     """A force [N] at a point of a body; components are numbers or signals, in world or body axes.
 
@@ -49,16 +48,13 @@ class Force(ForceElement):
 
     law = staticmethod(force)
 
-    body: Body
-    force: Sequence[Signal | float]
-    at: ArrayLike | None = None
+    body: Body = kept(by=as_body)
+    force: ThreeSignals = kept()
+    at: VectorOrDerived = kept(default=None, derived=attrgetter("body.centre"))
     frame: str = "world"
 
     def check(self, what: str) -> None:
-        check_body(self.body, what)
-        at = self.body.centre if self.at is None else vector(self.at, f"{what}: at")
         in_body_frame(self.frame, what)
-        self.set(force=three_signals(self.force, f"{what}: force"), at=at)
 
     def record(self) -> ForceRecord:
         option = in_body_frame(self.frame, "")
@@ -73,7 +69,7 @@ def torque(m, d, p, out, t):
     out.power = dot(load, vec(body.w))
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Torque(ForceElement):
     """A torque [N m] on a body; components are numbers or signals, in world or body axes.
 
@@ -88,14 +84,12 @@ class Torque(ForceElement):
 
     law = staticmethod(torque)
 
-    body: Body
-    torque: Sequence[Signal | float]
+    body: Body = kept(by=as_body)
+    torque: ThreeSignals = kept()
     frame: str = "world"
 
     def check(self, what: str) -> None:
-        check_body(self.body, what)
         in_body_frame(self.frame, what)
-        self.set(torque=three_signals(self.torque, f"{what}: torque"))
 
     def record(self) -> ForceRecord:
         return ForceRecord((GROUND, self.body), option=in_body_frame(self.frame, ""), signals=self.torque)
@@ -117,7 +111,7 @@ def drag(m, d, p, out, t):
     out.power = dot(force, point_velocity(body, s))
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class AeroDrag(ForceElement):
     """Drag -rho/2 (c_d A) |u| u at a point of a body, u its velocity relative to the wind.
 
@@ -143,20 +137,12 @@ class AeroDrag(ForceElement):
 
     law, law_parameters = staticmethod(drag), DRAG
 
-    body: Body
-    drag_area: float = field(kw_only=True)
-    density: float = field(default=1.225, kw_only=True)
-    at: ArrayLike | None = field(default=None, kw_only=True)
-    wind: Sequence[Signal | float] = field(default=(0.0, 0.0, 0.0), kw_only=True)
-
-    def check(self, what: str) -> None:
-        check_body(self.body, what)
-        self.set(
-            drag_area=number(self.drag_area, f"{what}: drag_area", minimum=0.0),
-            density=number(self.density, f"{what}: density", positive=True),
-            at=self.body.centre if self.at is None else vector(self.at, f"{what}: at"),
-            wind=three_signals(self.wind, f"{what}: wind"),
-        )
+    body: Body = kept(by=as_body)
+    _: KW_ONLY
+    drag_area: Number = kept(minimum=0.0)
+    density: Number = kept(default=1.225, positive=True)
+    at: VectorOrDerived = kept(default=None, derived=attrgetter("body.centre"))
+    wind: ThreeSignals = kept(default=(0.0, 0.0, 0.0))
 
     def record(self) -> ForceRecord:
         return ForceRecord((GROUND, self.body), (self.at, self.at), parameters=self.read_by_law(), signals=self.wind)

@@ -1,15 +1,15 @@
 """A brake or a clutch: dry friction in a hinge or slide that slips at a torque of your own, and holds at rest."""
 
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY
 
-from ...base.checks import number
 from ...base.errors import InputError
+from ...base.fields import Number, kept, part_class
 from ...compiler.decorators import inner_kernel
 from ...compiler.records import Parameters
 from ...kernels.signals import signal
 from ..force_element import ForceElement, ForceRecord, hinge_coordinate
 from ..joints import Joint
-from ..signals import Constant, Signal, as_signal
+from ..signals import Constant, SignalField
 
 SMALL = 1e-3
 """rad or m: about what a brake yields before it slips."""
@@ -39,7 +39,7 @@ def brake(m, d, p, out, t):
     out.power = k * z * z_dot - f * out.rate
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Brake(ForceElement):
     """Dry friction in a hinge or slide with a torque (or force) T that may change: load -clip(k z + c x_dot, T) on b.
 
@@ -68,20 +68,15 @@ class Brake(ForceElement):
     law, law_parameters = staticmethod(brake), BRAKE
 
     hinge: Joint
-    torque: Signal | float = field(kw_only=True)
-    stiffness: float = field(kw_only=True)
-    damping: float = field(kw_only=True)
+    _: KW_ONLY
+    torque: SignalField = kept()
+    stiffness: Number = kept(positive=True)
+    damping: Number = kept(positive=True)
 
     def check(self, what: str) -> None:
         hinge_coordinate(self.hinge, what)
-        torque = as_signal(self.torque, f"{what}: torque")
-        if isinstance(torque, Constant) and torque.value < 0.0:
-            raise InputError(f"{what}: torque = {torque.value:g}; a brake has none below 0")
-        self.set(
-            torque=torque,
-            stiffness=number(self.stiffness, f"{what}: stiffness", positive=True),
-            damping=number(self.damping, f"{what}: damping", positive=True),
-        )
+        if isinstance(self.torque, Constant) and self.torque.value < 0.0:
+            raise InputError(f"{what}: torque = {self.torque.value:g}; a brake has none below 0")
 
     def record(self) -> ForceRecord:
         x = hinge_coordinate(self.hinge, "")

@@ -1,13 +1,15 @@
 """Elastic mounts between two bodies."""
 
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ...base.checks import vector
 from ...base.errors import InputError
-from ...base.rotations import as_quaternion, matrix
+from ...base.fields import Orientation, Stored, Vector, kept, part_class
+from ...base.rotations import matrix
 from ...compiler.decorators import inner_kernel
 from ...compiler.records import Parameters
 from ...kernels.force_laws import add_force, add_moment
@@ -89,7 +91,23 @@ def bushing(m, d, p, out, t):
     out.power = -dot(x_dot, Cx) - dot(w, Cw)
 
 
-@dataclass(frozen=True, eq=False)
+def as_three(value: Any, what: str, part: Any) -> np.ndarray:
+    """Three numbers >= 0, or one that counts for all."""
+    several = isinstance(value, list | tuple) or np.ndim(value)
+    three = vector(value if several else (value,) * 3, what)
+    if min(three.tolist()) < 0.0:
+        raise InputError(f"{what} {three.tolist()} has a negative entry; give numbers >= 0")
+    return three
+
+
+class OneOrThree(Stored[ArrayLike, np.ndarray]):
+    """One number >= 0, or one for each axis."""
+
+    accepts = "float | array_like"
+    convert = staticmethod(as_three)
+
+
+@part_class()
 class Bushing(ForceElement):
     """Elastic joint between a and b: linear in the displacement of a point and in the relative rotation.
 
@@ -124,23 +142,16 @@ class Bushing(ForceElement):
 
     a: Body | Ground
     b: Body | Ground
-    at: ArrayLike = field(kw_only=True)
-    stiffness: ArrayLike = field(kw_only=True)
-    turning_stiffness: ArrayLike = field(default=0.0, kw_only=True)
-    damping: ArrayLike = field(default=0.0, kw_only=True)
-    turning_damping: ArrayLike = field(default=0.0, kw_only=True)
-    axes: ArrayLike = field(default=(1.0, 0.0, 0.0, 0.0), kw_only=True)
+    _: KW_ONLY
+    at: Vector = kept()
+    stiffness: OneOrThree = kept()
+    turning_stiffness: OneOrThree = kept(default=0.0)
+    damping: OneOrThree = kept(default=0.0)
+    turning_damping: OneOrThree = kept(default=0.0)
+    axes: Orientation = kept(default=(1.0, 0.0, 0.0, 0.0))
 
     def check(self, what: str) -> None:
         check_pair(self.a, self.b, what)
-        self.set(at=vector(self.at, f"{what}: at"), axes=as_quaternion(self.axes, f"{what}: axes"))
-        for name in ("stiffness", "turning_stiffness", "damping", "turning_damping"):
-            value = getattr(self, name)
-            several = isinstance(value, list | tuple) or np.ndim(value)
-            three = vector(value if several else (value,) * 3, f"{what}: {name}")
-            if (three < 0).any():
-                raise InputError(f"{what}: {name} {three.tolist()} has a negative entry; give numbers >= 0")
-            self.set(**{name: three})
 
     def record(self) -> ForceRecord:
         return ForceRecord((self.a, self.b), (self.at, self.at), frame=matrix(self.axes), parameters=self.read_by_law())

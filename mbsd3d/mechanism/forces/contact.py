@@ -1,21 +1,20 @@
 """Contact of a smooth surface with a plane: it presses, rubs, resists rolling, and lifts off."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY
 from functools import cached_property
 
 import numpy as np
 
-from ...base.checks import number
 from ...base.directions import perpendiculars
 from ...base.errors import InputError
+from ...base.fields import Number, NumberOrNone, kept, part_class
 from ...compiler.decorators import inner_kernel
 from ...kernels.force_laws import add_force, add_moment
 from ...kernels.surfaces import CONTACT, contact_parameters, meeting, pressure
 from ...kernels.vectors import add, dot, scale, sub, vec
-from ..bodies import Body, Ground
-from ..contacts import checked_plane
-from ..force_element import ForceElement, ForceRecord, check_body, check_pair
+from ..bodies import Body, Ground, as_body
+from ..contacts import Plane, level_plane
+from ..force_element import ForceElement, ForceRecord, check_pair
 from ..motion import Motion
 from ..rounded import Rounded, rounded
 from ..shapes import Shape
@@ -97,7 +96,7 @@ def contact(m, d, p, out, t):
     add_moment(a, couple)
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Contact(ForceElement):
     """A sphere, an ellipsoid or a torus of body b touches a plane of body a: it presses, rubs and lifts off.
 
@@ -155,36 +154,25 @@ class Contact(ForceElement):
     law, law_parameters = staticmethod(contact), CONTACT
 
     a: Body | Ground
-    b: Body | Ground
+    b: Body = kept(by=as_body)
     surface: Shape
-    stiffness: float = field(kw_only=True)
-    exponent: float = field(default=1.0, kw_only=True)
-    damping: float = field(default=0.0, kw_only=True)
-    loss: float = field(default=0.0, kw_only=True)
-    friction: float = field(default=0.0, kw_only=True)
-    rolling: float = field(default=0.0, kw_only=True)
-    spinning: float = field(default=0.0, kw_only=True)
-    grip: float | None = field(default=None, kw_only=True)
-    grip_damping: float | None = field(default=None, kw_only=True)
-    creep: float | None = field(default=None, kw_only=True)
-    plane: Sequence | None = field(default=None, kw_only=True)
+    _: KW_ONLY
+    stiffness: Number = kept(positive=True)
+    exponent: Number = kept(default=1.0, minimum=1.0)
+    damping: Number = kept(default=0.0, minimum=0.0)
+    loss: Number = kept(default=0.0, minimum=0.0)
+    friction: Number = kept(default=0.0, minimum=0.0)
+    rolling: Number = kept(default=0.0, minimum=0.0)
+    spinning: Number = kept(default=0.0, minimum=0.0)
+    grip: NumberOrNone = kept(default=None, positive=True)
+    grip_damping: NumberOrNone = kept(default=None, positive=True)
+    creep: NumberOrNone = kept(default=None, positive=True)
+    plane: Plane = kept(default=None, derived=level_plane)
 
     def check(self, what: str) -> None:
         check_pair(self.a, self.b, what)
-        check_body(self.b, f"{what}: b")
         rounded(self.surface, self.b, what)
-        self.set(
-            plane=checked_plane(self.plane, what),
-            stiffness=number(self.stiffness, f"{what}: stiffness", positive=True),
-            exponent=number(self.exponent, f"{what}: exponent", minimum=1.0),
-        )
-        for name in ("damping", "loss", "friction", "rolling", "spinning"):
-            self.set(**{name: number(getattr(self, name), f"{what}: {name}", minimum=0.0)})
-        if self.creep is not None:
-            self.set(creep=number(self.creep, f"{what}: creep", positive=True))
         given = [name for name in ("grip", "grip_damping") if getattr(self, name) is not None]
-        for name in given:
-            self.set(**{name: number(getattr(self, name), f"{what}: {name}", positive=True)})
         if given and not self.states():
             other = "creep" if self.creep is not None else "no friction, rolling or spinning"
             raise InputError(f"{what}: {given[0]} does nothing with {other}; leave out one of them")

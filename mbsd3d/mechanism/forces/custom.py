@@ -2,7 +2,7 @@
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, field
 from typing import Any
 
 import numba
@@ -11,12 +11,20 @@ from numpy.typing import ArrayLike
 
 from ...base.checks import listed, number, sequence, shown, vector
 from ...base.errors import InputError
+from ...base.fields import (
+    Number,
+    Numbers,
+    NumbersOrDerived,
+    Stored,
+    kept,
+    part_class,
+    true_or_false,
+)
 from ...compiler.decorators import inner_kernel
 from ...compiler.pointer_call import call
 from ...kernels.force_laws import series
-from ...kernels.layout import CUSTOM_FORCE_BODIES_MAX
 from ...kernels.vectors import add, add6, arm, clear, cross, dot, mat, pair, point, point_velocity, put, sub, vec
-from ..bodies import GROUND, Body, Ground
+from ..bodies import Body, Ground, as_body_or_ground
 from ..force_element import ForceElement, ForceRecord
 from ..mechanism import Mechanism
 from .own_functions import RETURNED, callback, reason, uncompiled
@@ -57,53 +65,108 @@ def custom(m, d, p, out, t):
         add6(body.Q, force, add(moment, cross(sub(vec(pose.r), vec(body.r)), force)))
 
 
-@dataclass(frozen=True, eq=False)
+def as_bodies(value: Any, what: str, part: Any) -> tuple[Body | Ground, ...]:
+    """One body or up to as many as a function can act on."""
+    if not isinstance(value, Body | Ground | list | tuple):
+        raise InputError(f"{what} {shown(value)}; give a Body, GROUND or a tuple of them")
+    on = (value,) if isinstance(value, Body | Ground) else tuple(value)
+    if not 1 <= len(on) <= MOST_BODIES:
+        raise InputError(f"{what.removesuffix(': on')}: acts on {len(on)} bodies; give 1 to {MOST_BODIES}")
+    return tuple(as_body_or_ground(body, what, part) for body in on)
+
+
+def as_points(value: Any, what: str, part: Any) -> tuple[np.ndarray, ...]:
+    """World points at the reference pose."""
+    given = listed(value, what, "one per body")
+    return tuple(vector(point, f"{what.removesuffix('s')} no. {k + 1}") for k, point in enumerate(given))
+
+
+def reference_points(force: Any) -> tuple[np.ndarray, ...]:
+    """The reference point of each body."""
+    return tuple(body.position for body in force.on)
+
+
+def as_labels(value: Any, what: str, part: Any) -> tuple[str, ...]:
+    """Names of own states: those of a mapping of states, else as given."""
+    return listed(part.states if isinstance(part.states, Mapping) else value, what, "names")
+
+
+def names_of_states(force: Any) -> tuple[str, ...]:
+    """Names of a mapping of states, else numbers."""
+    if isinstance(force.states, Mapping):
+        return tuple(force.states)
+    return tuple(map(str, range(len(sequence(force.states, f"{force.what()}: states")))))
+
+
+def as_states(value: Any, what: str, part: Any) -> tuple[float, ...]:
+    """Initial values of own states, with or without names."""
+    return sequence(value.values() if isinstance(value, Mapping) else value, what)
+
+
+def as_times(value: Any, what: str, part: Any) -> tuple[float, ...]:
+    """Times in their order, each once."""
+    return tuple(sorted(set(sequence(value, what))))
+
+
+def as_longest_step(value: Any, what: str, part: Any) -> float:
+    """A number > 0, or infinity."""
+    return value if isinstance(value, float) and value == np.inf else number(value, what, positive=True)
+
+
+class BodiesOrGround(Stored[Body | Ground | Sequence[Body | Ground], tuple[Body | Ground, ...]]):
+    """Bodies; one may stand alone."""
+
+    accepts = "Body | Ground | Sequence[Body | Ground]"
+    convert = staticmethod(as_bodies)
+
+
+class PointsOrDerived(Stored[Sequence[ArrayLike] | None, tuple[np.ndarray, ...]]):
+    """Points; None = the reference points of the bodies."""
+
+    accepts, file_type = "Sequence[array_like] | None", list
+    convert = staticmethod(as_points)
+
+
+class LabelsOrDerived(Stored[Sequence[str] | None, tuple[str, ...]]):
+    """Names; None = those of the states, or numbers."""
+
+    accepts, file_type = "Sequence[str] | None", list[str]
+    convert = staticmethod(as_labels)
+
+
+class States(Stored[Sequence[float] | Mapping[str, float], tuple[float, ...]]):
+    """Numbers, or a mapping of names to numbers."""
+
+    accepts, file_type = "Sequence[float] | Mapping[str, float]", list[float] | dict
+    convert = staticmethod(as_states)
+
+
+@part_class()
 class FunctionForce(ForceElement):
     """What a force by a function is besides its function; see `CustomForce`."""
 
     law = staticmethod(custom)
 
-    on: Any = field(kw_only=True)
-    points: Sequence[ArrayLike] | None = field(default=None, kw_only=True)
-    parameters: Sequence[float] = field(default=(), kw_only=True)
-    states: Sequence[float] | Mapping[str, float] = field(default=(), kw_only=True)
-    scales: Sequence[float] | None = field(default=None, kw_only=True)
-    labels: Sequence[str] | None = field(default=None, kw_only=True)
-    external: bool = field(default=False, kw_only=True)
-    times: Sequence[float] = field(default=(), kw_only=True)
-    max_step: float = field(default=np.inf, kw_only=True)
+    _: KW_ONLY
+    on: BodiesOrGround = kept()
+    points: PointsOrDerived = kept(default=None, derived=reference_points)
+    parameters: Numbers = kept(default=())
+    labels: LabelsOrDerived = kept(default=None, derived=names_of_states)
+    states: States = kept(default=())
+    scales: NumbersOrDerived = kept(default=None, derived=lambda force: (1.0,) * len(force.states))
+    external: bool = kept(default=False, by=true_or_false)
+    times: Numbers = kept(default=(), by=as_times)
+    max_step: Number = kept(default=np.inf, by=as_longest_step)
 
     def check(self, what: str) -> None:
-        if not isinstance(self.on, Body | Ground | list | tuple):
-            raise InputError(f"{what}: on {shown(self.on)}; give a Body, GROUND or a tuple of them")
-        on = (self.on,) if isinstance(self.on, Body | Ground) else tuple(self.on)
-        if not 1 <= len(on) <= CUSTOM_FORCE_BODIES_MAX:
-            raise InputError(f"{what}: acts on {len(on)} bodies; give 1 to {CUSTOM_FORCE_BODIES_MAX}")
-        for body in on:
-            if not isinstance(body, Body | Ground):
-                raise InputError(f"{what}: {shown(body)} is not a body; give a Body or GROUND")
-        given = [np.zeros(3) if b is GROUND else b.position for b in on] if self.points is None else self.points
-        given = listed(given, f"{what}: points", "one per body")
-        points = tuple(vector(point, f"{what}: point no. {k + 1}") for k, point in enumerate(given))
-        if len(points) != len(on):
-            raise InputError(f"{what}: {len(points)} points for {len(on)} bodies; give one per body")
-        named = isinstance(self.states, Mapping)
-        states = sequence(self.states.values() if named else self.states, f"{what}: states")
-        names = list(map(str, range(len(states)))) if self.labels is None else self.labels
-        labels = listed(self.states if named else names, f"{what}: labels", "names")
-        if len(labels) != len(states) or len(set(labels)) < len(labels) or not all(isinstance(x, str) for x in labels):
-            raise InputError(f"{what}: labels {shown(labels)} for {len(states)} states; name each once")
-        scales = (1.0,) * len(states) if self.scales is None else sequence(self.scales, f"{what}: scales")
-        if len(scales) != len(states) or min(scales, default=1.0) <= 0.0:
-            raise InputError(f"{what}: scales {shown(scales)} for {len(states)} states; give one number > 0 per state")
-        parameters = sequence(self.parameters, f"{what}: parameters")
-        if not isinstance(self.external, bool):
-            raise InputError(f"{what}: external {shown(self.external)}; give True or False")
-        times = tuple(sorted(set(sequence(self.times, f"{what}: times"))))
-        unbound = isinstance(self.max_step, float) and self.max_step == np.inf
-        longest = np.inf if unbound else number(self.max_step, f"{what}: max_step", positive=True)
-        self.set(on=on, points=points, parameters=parameters, states=states, scales=scales, labels=labels)
-        self.set(times=times, max_step=longest)
+        count = len(self.states)
+        if len(self.points) != len(self.on):
+            raise InputError(f"{what}: {len(self.points)} points for {len(self.on)} bodies; give one per body")
+        fits = len(self.labels) == len(set(self.labels)) == count and all(isinstance(x, str) for x in self.labels)
+        if not fits:
+            raise InputError(f"{what}: labels {shown(self.labels)} for {count} states; name each once")
+        if len(self.scales) != count or min(self.scales, default=1.0) <= 0.0:
+            raise InputError(f"{what}: scales {shown(self.scales)} for {count} states; give one number > 0 per state")
 
     def record(self) -> ForceRecord:
         scales = tuple((scale, 0.0, 0.0) for scale in self.scales)
@@ -117,7 +180,7 @@ class FunctionForce(ForceElement):
         raise NotImplementedError
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class SavedForce(FunctionForce):
     """A `CustomForce` read back with a saved solution: without its function, so the system cannot be run again."""
 
@@ -125,7 +188,7 @@ class SavedForce(FunctionForce):
         return 0
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class CustomForce(FunctionForce):
     """Loads of a function of your own, plain or jitted by numba; the time loop calls it without being recompiled.
 
@@ -214,7 +277,7 @@ class CustomForce(FunctionForce):
         self.address(float)
 
     def address(self, dtype: type) -> int | Callable:
-        if numba.config.DISABLE_JIT:
+        if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]  # numba sets it by name
             return uncompiled(self.function)
         if dtype not in self.callbacks:
             try:

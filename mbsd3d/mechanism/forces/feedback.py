@@ -1,10 +1,11 @@
 """Feedback of measures: what a controller, a rider or a governor does with what it sees."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY
+from typing import Any
 
-from ...base.checks import number, sequence
 from ...base.errors import InputError
+from ...base.fields import NumberOrNone, Numbers, NumbersOrDerived, Stored, kept, part_class
 from ...compiler.decorators import inner_kernel
 from ...compiler.records import Parameters
 from ...kernels.coordinates import measure
@@ -12,15 +13,6 @@ from ...kernels.force_laws import series
 from ..force_element import ForceElement, ForceRecord, hinge_coordinate
 from ..joints import Joint
 from ..measures import Measure, unit_powers
-
-
-def one_each(values: Sequence[float], count: int, what: str) -> tuple[float, ...]:
-    """One finite number per measure."""
-    given = sequence(values, what)
-    if len(given) != count:
-        raise InputError(f"{what}: {len(given)} values for {count} measures; give one per measure")
-    return given
-
 
 FEEDBACK = Parameters(time_constant="s")
 feedback_parameters = FEEDBACK.reader()
@@ -42,7 +34,26 @@ def feedback(m, d, p, out, t):
     out.power = load * out.rate
 
 
-@dataclass(frozen=True, eq=False)
+def as_measures(value: Any, what: str, part: Any) -> tuple[Measure, ...]:
+    """Measures, at least one."""
+    what = what.removesuffix(": measures")
+    seen = tuple(value) if isinstance(value, Sequence) else (value,)
+    if not seen:
+        raise InputError(f"{what}: no measures; give at least one of mbsd3d.measures")
+    for x in seen:
+        if not isinstance(x, Measure):
+            raise InputError(f"{what}: {x!r} is not a measure; build one with mbsd3d.measures")
+    return seen
+
+
+class Measures(Stored[Measure | Sequence[Measure], tuple[Measure, ...]]):
+    """Measures; one may stand alone."""
+
+    accepts, file_type = "Measure | Sequence[Measure]", list[dict]
+    convert = staticmethod(as_measures)
+
+
+@part_class()
 class StateFeedback(ForceElement):
     """Load ``-sum_i g_i (x_i - r_i)`` on body b of a hinge, the opposite one on a; its work is counted.
 
@@ -82,28 +93,20 @@ class StateFeedback(ForceElement):
 
     law, law_parameters = staticmethod(feedback), FEEDBACK
 
-    measures: Sequence[Measure] = field(kw_only=True)
-    gains: Sequence[float] = field(kw_only=True)
-    on: Joint = field(kw_only=True)
-    reference: Sequence[float] | None = field(default=None, kw_only=True)
-    time_constant: float | None = field(default=None, kw_only=True)
+    _: KW_ONLY
+    measures: Measures = kept()
+    gains: Numbers = kept()
+    on: Joint
+    reference: NumbersOrDerived = kept(default=None, derived=lambda feedback: (0.0,) * len(feedback.measures))
+    time_constant: NumberOrNone = kept(default=None, positive=True)
 
     def check(self, what: str) -> None:
         hinge_coordinate(self.on, f"{what}: on")
-        seen = (self.measures,) if not isinstance(self.measures, Sequence) else tuple(self.measures)
-        if not seen:
-            raise InputError(f"{what}: no measures; give at least one of mbsd3d.measures")
-        for x in seen:
-            if not isinstance(x, Measure):
-                raise InputError(f"{what}: {x!r} is not a measure; build one with mbsd3d.measures")
-        tau = self.time_constant
-        wanted = (0.0,) * len(seen) if self.reference is None else self.reference
-        self.set(
-            measures=seen,
-            gains=one_each(self.gains, len(seen), f"{what}: gains"),
-            reference=one_each(wanted, len(seen), f"{what}: reference"),
-            time_constant=None if tau is None else number(tau, f"{what}: time_constant", positive=True),
-        )
+        for name, values in (("gains", self.gains), ("reference", self.reference)):
+            if len(values) != len(self.measures):
+                raise InputError(
+                    f"{what}: {name}: {len(values)} values for {len(self.measures)} measures; give one per measure"
+                )
 
     def record(self) -> ForceRecord:
         x, filtered = hinge_coordinate(self.on, ""), self.time_constant is not None

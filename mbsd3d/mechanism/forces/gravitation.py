@@ -1,12 +1,11 @@
 """Weight where the vertical turns, and the pull of a centre that is near enough to be felt as one."""
 
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ...base.checks import number, vector
 from ...base.errors import InputError
+from ...base.fields import Number, Vector, kept, part_class
 from ...compiler.decorators import inner_kernel
 from ...compiler.records import Parameters
 from ...kernels.force_laws import add_force, add_moment
@@ -44,7 +43,7 @@ def weight(m, d, p, out, t):
     out.power = dot(pull, point_velocity(b, s))
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Weight(ForceElement):
     """Weight m g of body ``b`` at its centre of mass, g fixed in body ``a``: a laboratory that turns with the Earth.
 
@@ -73,12 +72,12 @@ class Weight(ForceElement):
 
     a: Body | Ground
     b: Body
-    acceleration: ArrayLike = field(kw_only=True)
+    _: KW_ONLY
+    acceleration: Vector = kept()
 
     def check(self, what: str) -> None:
         check_pair(self.a, self.b, what)
         check_body(self.b, what)
-        self.set(acceleration=vector(self.acceleration, f"{what}: acceleration"))
 
     def record(self) -> ForceRecord:
         return ForceRecord((self.a, self.b), (self.b.centre, self.b.centre), parameters=self.read_by_law())
@@ -110,7 +109,7 @@ def attraction(m, d, p, out, t):
     out.potential = -k * r * (m.body[i].mass + 0.5 * (trace - 3.0 * along) / (r * r))
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class CentralGravity(ForceElement):
     """Newton's attraction of body ``b`` by a centre in body ``a``, to second order in the size of ``b`` (MacCullagh).
 
@@ -142,13 +141,13 @@ class CentralGravity(ForceElement):
 
     a: Body | Ground
     b: Body
-    at: ArrayLike = field(kw_only=True)
-    mu: float = field(kw_only=True)
+    _: KW_ONLY
+    at: Vector = kept()
+    mu: Number = kept(positive=True)
 
     def check(self, what: str) -> None:
         check_pair(self.a, self.b, what)
         check_body(self.b, what)
-        self.set(at=vector(self.at, f"{what}: at"), mu=number(self.mu, f"{what}: mu", positive=True))
         if np.linalg.norm(self.b.centre - self.at) < 1e-12:
             raise InputError(f"{what}: the centre of mass of '{self.b.name}' lies in the centre; move one of them")
 

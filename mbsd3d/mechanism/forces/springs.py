@@ -1,12 +1,12 @@
 """Springs, dampers and friction between two bodies."""
 
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ...base.checks import number, vector
 from ...base.errors import InputError
+from ...base.fields import Number, NumberOrDerived, Vector, kept, part_class
 from ...compiler.decorators import inner_kernel
 from ...compiler.records import Parameters
 from ...kernels.force_laws import add_force, tanh
@@ -14,6 +14,7 @@ from ...kernels.vectors import add, arm, dot, point, point_velocity, scale, sub
 from ..bodies import Body, Ground
 from ..force_element import ForceElement, ForceRecord, check_pair, hinge_coordinate
 from ..joints import Joint
+from ..joints.conditions import span
 
 COINCIDENCE_ROUNDING = 1e-15  # [1] of the lengths that make the gap; 5 roundings: one below has no direction
 
@@ -47,7 +48,23 @@ def spring(m, d, p, out, t):
     add_force(b, scale(-1.0, pull), sb)
 
 
-@dataclass(frozen=True, eq=False)
+def without_direction(what: str, length: float | None) -> str:
+    """What to say of end points that coincide."""
+    return (
+        f"{what}: at_a and at_b coincide, so a force of length={length} has no direction; "
+        f"give length=0 for a pull of stiffness times distance, or move one of them"
+    )
+
+
+def free_length(part: Any) -> float:
+    """Distance between the end points of a spring [m]."""
+    length = span(part)
+    if length < 1e-12:
+        raise InputError(without_direction(part.what(), None))
+    return length
+
+
+@part_class()
 class SpringDamper(ForceElement):
     """Spring and damper between a point of body ``a`` and a point of body ``b``.
 
@@ -83,29 +100,17 @@ class SpringDamper(ForceElement):
 
     a: Body | Ground
     b: Body | Ground
-    at_a: ArrayLike = field(kw_only=True)
-    at_b: ArrayLike = field(kw_only=True)
-    stiffness: float = field(kw_only=True)
-    damping: float = field(default=0.0, kw_only=True)
-    length: float | None = field(default=None, kw_only=True)
+    _: KW_ONLY
+    at_a: Vector = kept()
+    at_b: Vector = kept()
+    stiffness: Number = kept(minimum=0.0)
+    damping: Number = kept(default=0.0, minimum=0.0)
+    length: NumberOrDerived = kept(default=None, minimum=0.0, derived=free_length)
 
     def check(self, what: str) -> None:
         check_pair(self.a, self.b, what)
-        at_a, at_b = vector(self.at_a, f"{what}: at_a"), vector(self.at_b, f"{what}: at_b")
-        span = float(np.linalg.norm(at_b - at_a))
-        length = span if self.length is None else number(self.length, f"{what}: length", minimum=0.0)
-        if span < 1e-12 and (self.length is None or length > 0.0):
-            raise InputError(
-                f"{what}: at_a and at_b coincide, so a force of length={self.length} has no direction; "
-                f"give length=0 for a pull of stiffness times distance, or move one of them"
-            )
-        self.set(
-            at_a=at_a,
-            at_b=at_b,
-            stiffness=number(self.stiffness, f"{what}: stiffness", minimum=0.0),
-            damping=number(self.damping, f"{what}: damping", minimum=0.0),
-            length=length,
-        )
+        if self.length > 0.0 and span(self) < 1e-12:
+            raise InputError(without_direction(what, self.length))
 
     def record(self) -> ForceRecord:
         return ForceRecord((self.a, self.b), (self.at_a, self.at_b), parameters=self.read_by_law())
@@ -125,7 +130,7 @@ def torsion(m, d, p, out, t):
     out.power = -own.damping * out.rate * out.rate
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class TorsionSpring(ForceElement):
     """Spring and damper about a hinge (or along a Prismatic): load -(k (x - x0) + c x_dot) on b, angles unwrapped.
 
@@ -151,17 +156,13 @@ class TorsionSpring(ForceElement):
     law, law_parameters = staticmethod(torsion), TORSION
 
     hinge: Joint
-    stiffness: float = field(kw_only=True)
-    damping: float = field(default=0.0, kw_only=True)
-    angle: float = field(default=0.0, kw_only=True)
+    _: KW_ONLY
+    stiffness: Number = kept(minimum=0.0)
+    damping: Number = kept(default=0.0, minimum=0.0)
+    angle: Number = kept(default=0.0)
 
     def check(self, what: str) -> None:
         hinge_coordinate(self.hinge, what)
-        self.set(
-            stiffness=number(self.stiffness, f"{what}: stiffness", minimum=0.0),
-            damping=number(self.damping, f"{what}: damping", minimum=0.0),
-            angle=number(self.angle, f"{what}: angle"),
-        )
 
     def record(self) -> ForceRecord:
         x = hinge_coordinate(self.hinge, "")
@@ -183,7 +184,7 @@ def friction(m, d, p, out, t):
     out.power = out.load * out.rate
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class JointFriction(ForceElement):
     """Dry and viscous friction in a hinge or slide: load -(T tanh(x_dot / v0) + c x_dot) on b; smooth at rest.
 
@@ -209,17 +210,13 @@ class JointFriction(ForceElement):
     law, law_parameters = staticmethod(friction), FRICTION
 
     hinge: Joint
-    coulomb: float = field(default=0.0, kw_only=True)
-    viscous: float = field(default=0.0, kw_only=True)
-    transition: float = field(default=1e-2, kw_only=True)
+    _: KW_ONLY
+    coulomb: Number = kept(default=0.0, minimum=0.0)
+    viscous: Number = kept(default=0.0, minimum=0.0)
+    transition: Number = kept(default=1e-2, positive=True)
 
     def check(self, what: str) -> None:
         hinge_coordinate(self.hinge, what)
-        self.set(
-            coulomb=number(self.coulomb, f"{what}: coulomb", minimum=0.0),
-            viscous=number(self.viscous, f"{what}: viscous", minimum=0.0),
-            transition=number(self.transition, f"{what}: transition", positive=True),
-        )
 
     def record(self) -> ForceRecord:
         x = hinge_coordinate(self.hinge, "")

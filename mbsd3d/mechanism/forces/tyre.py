@@ -1,26 +1,34 @@
 """Tyres: a torus pressed into a plane, two deflections with relaxation lengths, and the brush curve of their forces."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY
 from functools import cached_property
-from typing import ClassVar
+from operator import attrgetter
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ...base.checks import number, vector
-from ...base.directions import unit
+from ...base import directions
+from ...base.checks import number
 from ...base.errors import InputError
+from ...base.fields import (
+    Direction,
+    Number,
+    NumberOrNone,
+    VectorOrDerived,
+    kept,
+    part_class,
+    true_or_false,
+)
 from ...compiler.decorators import inner_kernel
 from ...compiler.records import Parameters
 from ...kernels.force_laws import add_force, add_moment, tanh
 from ...kernels.signals import signal
 from ...kernels.vectors import add, arm, cross, dot, mat, point, point_velocity, put, rotate, scale, sub, vec
-from ..bodies import GROUND, Body, Ground
-from ..contacts import checked_plane
+from ..bodies import GROUND, Body, Ground, as_body
+from ..contacts import Plane, level_plane
 from ..force_element import ForceElement, ForceRecord, check_pair
 from ..rounded import Rounded, circle
-from ..signals import Signal, as_signal
+from ..signals import Signal, SignalOrNone, as_signal
 from .tread import at_least, brush, sensitive
 
 CREEP, TURNING = 0.05, 0.01
@@ -109,7 +117,21 @@ def tyre(m, d, p, out, t):
     put(out.shown[9:12], (V, lean, force * q))
 
 
-@dataclass(frozen=True, eq=False)
+def as_wheel(value: Any, what: str, part: Any) -> Body:
+    """A body, not the ground."""
+    if value is GROUND:
+        raise InputError(f"{what.removesuffix(': b')}: the ground has no tyre; give (ground, wheel)")
+    return as_body(value, what, part)
+
+
+def as_grip(value: Any, what: str, part: Any) -> Signal | None:
+    """A signal, a number above 0, or None."""
+    if value is not None and not isinstance(value, Signal):
+        number(value, what, positive=True)
+    return None if value is None else as_signal(value, what)
+
+
+@part_class()
 class Tyre(ForceElement):
     """A tyre of wheel b on a plane of a: spring and damper along the normal, slip forces with relaxation lengths.
 
@@ -177,64 +199,39 @@ class Tyre(ForceElement):
     )  # fmt: skip
 
     a: Body | Ground
-    b: Body
-    axis: ArrayLike = field(kw_only=True)
-    radius: float = field(kw_only=True)
-    crown: float = field(default=0.0, kw_only=True)
-    stiffness: float = field(kw_only=True)
-    damping: float = field(default=400.0, kw_only=True)
-    cornering: float = field(default=14.0, kw_only=True)
-    longitudinal: float | None = field(default=None, kw_only=True)
-    camber: float = field(default=0.0, kw_only=True)
-    relaxation: float = field(default=0.1, kw_only=True)
-    relaxation_x: float | None = field(default=None, kw_only=True)
-    mu: Signal | float | None = field(default=0.9, kw_only=True)
-    trail: float = field(default=0.0, kw_only=True)
-    twisting: float = field(default=0.0, kw_only=True)
-    rolling_resistance: float = field(default=0.0, kw_only=True)
-    nominal_load: float | None = field(default=None, kw_only=True)
-    grip_sensitivity: float = field(default=0.0, kw_only=True)
-    stiffness_sensitivity: float = field(default=0.0, kw_only=True)
-    standing_damping: float = field(default=0.0, kw_only=True)
-    standing_speed: float = field(default=0.1, kw_only=True)
-    camber_lag: bool = field(default=True, kw_only=True)
-    centre: ArrayLike | None = field(default=None, kw_only=True)
-    plane: Sequence | None = field(default=None, kw_only=True)
+    b: Body = kept(by=as_wheel)
+    _: KW_ONLY
+    axis: Direction = kept()
+    radius: Number = kept(positive=True)
+    crown: Number = kept(default=0.0, minimum=0.0)
+    stiffness: Number = kept(positive=True)
+    damping: Number = kept(default=400.0, minimum=0.0)
+    cornering: Number = kept(default=14.0, positive=True)
+    longitudinal: NumberOrNone = kept(default=None, positive=True)  # None stays, and follows what `replace` changes
+    camber: Number = kept(default=0.0)
+    relaxation: Number = kept(default=0.1, positive=True)
+    relaxation_x: NumberOrNone = kept(default=None, positive=True)
+    mu: SignalOrNone = kept(default=0.9, by=as_grip)
+    trail: Number = kept(default=0.0, minimum=0.0)
+    twisting: Number = kept(default=0.0)
+    rolling_resistance: Number = kept(default=0.0, minimum=0.0)
+    nominal_load: NumberOrNone = kept(default=None, positive=True)
+    grip_sensitivity: Number = kept(default=0.0, minimum=0.0)
+    stiffness_sensitivity: Number = kept(default=0.0, minimum=0.0)
+    standing_damping: Number = kept(default=0.0, minimum=0.0)
+    standing_speed: Number = kept(default=0.1, positive=True)
+    camber_lag: bool = kept(default=True, by=true_or_false)
+    centre: VectorOrDerived = kept(default=None, derived=attrgetter("b.centre"))
+    plane: Plane = kept(default=None, derived=level_plane)
 
     def check(self, what: str) -> None:
         check_pair(self.a, self.b, what)
-        if self.b is GROUND:
-            raise InputError(f"{what}: the ground has no tyre; give (ground, wheel)")
-        self.set(**self.checked_numbers(what))
         if self.crown > self.radius:
             raise InputError(f"{what}: crown {self.crown} exceeds the outer radius {self.radius}; give crown <= radius")
         if self.nominal_load is None and (self.grip_sensitivity or self.stiffness_sensitivity):
             raise InputError(f"{what}: sensitive to the load, but without nominal_load; give it in N")
-        if not isinstance(self.camber_lag, bool):
-            raise InputError(f"{what}: camber_lag = {self.camber_lag!r}; give True or False")
-        if self.mu is not None and not isinstance(self.mu, Signal):
-            number(self.mu, f"{what}: mu", positive=True)
-        plane = checked_plane(self.plane, what)
-        axis = unit(self.axis, f"{what}: axis")
-        if np.linalg.norm(np.cross(axis, plane[1])) < 1e-9:
+        if abs(directions.cross(self.axis, self.plane[1])).max() < 1e-9:
             raise InputError(f"{what}: the wheel lies flat on the plane, so it has no contact point; tilt its axis")
-        self.set(
-            mu=None if self.mu is None else as_signal(self.mu, f"{what}: mu"),
-            axis=axis,
-            plane=plane,
-            centre=self.b.centre if self.centre is None else vector(self.centre, f"{what}: centre"),
-        )
-
-    def checked_numbers(self, what: str) -> dict[str, float]:
-        """The plain numbers that are given; None stays None, and follows what `replace` changes."""
-        positive = ("radius", "stiffness", "cornering", "relaxation", "standing_speed")
-        at_least_zero = ("crown", "damping", "trail", "rolling_resistance", "standing_damping")
-        at_least_zero += ("grip_sensitivity", "stiffness_sensitivity")
-        or_none = ("longitudinal", "relaxation_x", "nominal_load")
-        positive += tuple(key for key in or_none if getattr(self, key) is not None)
-        found = {key: number(getattr(self, key), f"{what}: {key}", positive=True) for key in positive}
-        found |= {key: number(getattr(self, key), f"{what}: {key}", minimum=0.0) for key in at_least_zero}
-        return found | {key: number(getattr(self, key), f"{what}: {key}") for key in ("camber", "twisting")}
 
     @cached_property
     def ahead(self) -> tuple[float, float]:

@@ -1,13 +1,15 @@
 """Single conditions between two bodies: a point on a line, a distance, a direction."""
 
-from dataclasses import dataclass, field
+import math
+from dataclasses import KW_ONLY
+from operator import attrgetter
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ...base.checks import number, vector
 from ...base.directions import NEARLY_SQUARE, perpendiculars, squared, unit
 from ...base.errors import InputError
+from ...base.fields import Direction, DirectionOrDerived, NumberOrDerived, Vector, kept, locked, part_class
 from ...kernels import kinds
 from ..bodies import Body, Ground
 from ..primitives import Coordinate, Primitive, coincide, in_plane, perpendicular
@@ -30,7 +32,7 @@ class PointOnLine(AxisJoint):
         return None
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class PointOnPlane(PointJoint):
     """A point of b moves in a plane fixed in a (1 row).
 
@@ -40,17 +42,20 @@ class PointOnPlane(PointJoint):
     1
     """
 
-    normal: ArrayLike = field(kw_only=True)
-
-    def check(self, what: str) -> None:
-        super().check(what)
-        self.set(normal=unit(self.normal, f"{what}: normal"))
+    _: KW_ONLY
+    normal: Direction = kept()
 
     def rows(self) -> list[Primitive]:
         return [in_plane(self.a, self.b, self.normal, self.at, self.at_b)]
 
 
-@dataclass(frozen=True, eq=False)
+def span(part: Any) -> float:
+    """Distance between the end points ``at_a`` and ``at_b`` of a part [m]."""
+    d = part.at_b - part.at_a
+    return math.sqrt(d.dot(d))
+
+
+@part_class()
 class Distance(Joint):
     """A massless rod between a point of a and a point of b keeps their distance (1 row).
 
@@ -62,18 +67,15 @@ class Distance(Joint):
 
     a: Body | Ground
     b: Body | Ground
-    at_a: ArrayLike = field(kw_only=True)
-    at_b: ArrayLike = field(kw_only=True)
-    length: float | None = field(default=None, kw_only=True)
+    _: KW_ONLY
+    at_a: Vector = kept()
+    at_b: Vector = kept()
+    length: NumberOrDerived = kept(default=None, positive=True, derived=span)
 
     def check(self, what: str) -> None:
         super().check(what)
-        at_a, at_b = vector(self.at_a, f"{what}: at_a"), vector(self.at_b, f"{what}: at_b")
-        span = np.linalg.norm(at_b - at_a)
-        length = span if self.length is None else number(self.length, f"{what}: length", positive=True)
-        if span < 1e-12:
+        if span(self) < 1e-12:
             raise InputError(f"{what}: the end points coincide, so the rod has no direction; use Spherical or move one")
-        self.set(at_a=at_a, at_b=at_b, length=float(length))
 
     def point(self) -> np.ndarray:
         return self.at_b
@@ -82,7 +84,7 @@ class Distance(Joint):
         return [Primitive(kinds.DISTANCE, (self.a, self.b), points=(self.at_a, self.at_b), values=(self.length,))]
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Parallel(Joint):
     """An axis of b stays parallel to an axis of a (2 rows).
 
@@ -94,13 +96,9 @@ class Parallel(Joint):
 
     a: Body | Ground
     b: Body | Ground
-    axis: ArrayLike = field(kw_only=True)
-    axis_b: ArrayLike | None = field(default=None, kw_only=True)
-
-    def check(self, what: str) -> None:
-        super().check(what)
-        axis = unit(self.axis, f"{what}: axis")
-        self.set(axis=axis, axis_b=axis if self.axis_b is None else unit(self.axis_b, f"{what}: axis_b"))
+    _: KW_ONLY
+    axis: Direction = kept()
+    axis_b: DirectionOrDerived = kept(default=None, derived=attrgetter("axis"))
 
     def rows(self) -> list[Primitive]:
         return [perpendicular(self.a, self.b, x, self.axis_b) for x in perpendiculars(self.axis)]
@@ -109,7 +107,16 @@ class Parallel(Joint):
         return Coordinate("angle", self.a, self.b, self.axis, self.axis_b)
 
 
-@dataclass(frozen=True, eq=False)
+def square_to_axis_a(value: Any, what: str, part: Any) -> np.ndarray:
+    """The second axis, squared to the first one."""
+    x, y = part.axis_a, unit(value, what)
+    if abs(x @ y) > NEARLY_SQUARE:
+        angle = np.degrees(np.arccos(x @ y))
+        raise InputError(f"{what.removesuffix(': axis_b')}: the axes enclose {angle:.6g} degrees; give 90 degrees")
+    return locked(squared(x, y))
+
+
+@part_class()
 class Perpendicular(Joint):
     """``axis_b`` of b stays perpendicular to ``axis_a`` of a (1 row), squared if off by up to 1e-6.
 
@@ -121,21 +128,15 @@ class Perpendicular(Joint):
 
     a: Body | Ground
     b: Body | Ground
-    axis_a: ArrayLike = field(kw_only=True)
-    axis_b: ArrayLike = field(kw_only=True)
-
-    def check(self, what: str) -> None:
-        super().check(what)
-        x, y = unit(self.axis_a, f"{what}: axis_a"), unit(self.axis_b, f"{what}: axis_b")
-        if abs(x @ y) > NEARLY_SQUARE:
-            raise InputError(f"{what}: the axes enclose {np.degrees(np.arccos(x @ y)):.6g} degrees; give 90 degrees")
-        self.set(axis_a=x, axis_b=squared(x, y))
+    _: KW_ONLY
+    axis_a: Direction = kept()
+    axis_b: Direction = kept(by=square_to_axis_a)
 
     def rows(self) -> list[Primitive]:
         return [perpendicular(self.a, self.b, self.axis_a, self.axis_b)]
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class ConstantVelocity(PointJoint):
     """Constant-velocity joint between shafts along ``axis_a`` and ``axis_b``: no turn about their bisector (4 rows).
 
@@ -148,15 +149,14 @@ class ConstantVelocity(PointJoint):
     4
     """
 
-    axis_a: ArrayLike = field(kw_only=True)
-    axis_b: ArrayLike = field(kw_only=True)
+    _: KW_ONLY
+    axis_a: Direction = kept()
+    axis_b: Direction = kept()
 
     def check(self, what: str) -> None:
         super().check(what)
-        axis_a, axis_b = unit(self.axis_a, f"{what}: axis_a"), unit(self.axis_b, f"{what}: axis_b")
-        if axis_a @ axis_b < 1e-6:
+        if self.axis_a @ self.axis_b < 1e-6:
             raise InputError(f"{what}: axis_a and axis_b enclose 90 degrees or more; point both along the power flow")
-        self.set(axis_a=axis_a, axis_b=axis_b)
 
     def rows(self) -> list[Primitive]:
         normal = np.cross(self.axis_a, self.axis_b)

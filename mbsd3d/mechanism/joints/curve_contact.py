@@ -1,15 +1,16 @@
 """Higher pairs: a point, a roller or a flat face of one body stays on a curve of another."""
 
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import PPoly
 
-from ...base.checks import check_choice, floats, number, vector
-from ...base.directions import unit
+from ...base.checks import check_choice, floats
 from ...base.errors import InputError
+from ...base.fields import Array, DirectionOrNone, NumberOrNone, Stored, Vector, kept, locked, or_none, part_class
 from ...base.rotations import UNIT
 from ...kernels import kinds
 from ..bodies import Body, Ground
@@ -22,7 +23,31 @@ ALONG = 0.05  # sine of the least angle between a pin and its curve
 PULLED = 1e-9  # of the largest force: rounding
 
 
-@dataclass(frozen=True, eq=False)
+def as_curve(value: Any, what: str, part: Any) -> np.ndarray:
+    """The points of a curve that has no corners and no gaps."""
+    check_choice(part.closed, (True, False), f"{part.what()}: closed")
+    return locked(Curve(value, part.closed, what).points)
+
+
+def as_pin(value: Any, what: str, part: Any) -> np.ndarray:
+    """A unit vector, or one for each point of the curve."""
+    pin = floats(value, what, "a direction, or one for each point")
+    if pin.shape not in ((3,), part.curve.shape):
+        raise InputError(f"{what} has shape {pin.shape}; give (3,), or {part.curve.shape} as the curve has")
+    size = np.linalg.norm(pin, axis=-1, keepdims=True)
+    if size.min() < 1e-12:
+        raise InputError(f"{what} has zero length; give a direction")
+    return locked(np.where(np.abs(size - 1.0) < UNIT, pin, pin / size))
+
+
+class Pin(Stored[ArrayLike | None, np.ndarray | None]):
+    """Direction of a pin, or one for each point of a curve, or None."""
+
+    accepts = "array_like | None"
+    convert = staticmethod(or_none(as_pin))
+
+
+@part_class()
 class CurveContact(Joint):
     """A point, a roller or a flat face of b stays on a curve fixed in a: cams, grooves, rails (2 rows or 1).
 
@@ -79,21 +104,20 @@ class CurveContact(Joint):
 
     a: Body | Ground
     b: Body | Ground
-    curve: ArrayLike
-    at: ArrayLike = field(kw_only=True)
-    pin: ArrayLike | None = field(default=None, kw_only=True)
-    radius: float | None = field(default=None, kw_only=True)
-    face: ArrayLike | None = field(default=None, kw_only=True)
-    closed: bool = field(default=True, kw_only=True)
+    curve: Array = kept(by=as_curve)
+    _: KW_ONLY
+    at: Vector = kept()
+    pin: Pin = kept(default=None)
+    radius: NumberOrNone = kept(default=None, minimum=0.0)
+    face: DirectionOrNone = kept(default=None)
+    closed: bool = True
 
     def check(self, what: str) -> None:
         super().check(what)
-        check_choice(self.closed, (True, False), f"{what}: closed")
-        self.set(curve=Curve(self.curve, self.closed, f"{what}: curve").points, at=vector(self.at, f"{what}: at"))
         if self.face is not None:
             self.check_face(what)
         elif self.pin is not None:
-            self.check_pin(what)
+            self.check_pin(what, self.pin)
         elif self.radius is not None:
             raise InputError(f"{what}: a radius without pin=; give the direction of the axis of the roller")
 
@@ -101,7 +125,6 @@ class CurveContact(Joint):
         """A face lies on a convex curve in a plane across it."""
         if self.pin is not None or self.radius is not None:
             raise InputError(f"{what}: both face and pin or radius; give face= for a flat one, pin= for a roller")
-        self.set(face=unit(self.face, f"{what}: face"))
         plane = self.line.normal
         if plane is None or abs(plane @ self.face) > 1e-6:
             raise InputError(f"{what}: the curve is not in a plane that holds the normal of the face; give such a one")
@@ -115,21 +138,13 @@ class CurveContact(Joint):
                 "give a convex curve, or a roller"
             )
 
-    def check_pin(self, what: str) -> None:
+    def check_pin(self, what: str, pin: np.ndarray) -> None:
         """A pin stands across its curve, and a roller is smaller than what it rolls in."""
-        pin = floats(self.pin, f"{what}: pin", "a direction, or one for each point")
-        if pin.shape not in ((3,), self.curve.shape):
-            raise InputError(f"{what}: pin has shape {pin.shape}; give (3,), or {self.curve.shape} as the curve has")
-        size = np.linalg.norm(pin, axis=-1, keepdims=True)
-        if size.min() < 1e-12:
-            raise InputError(f"{what}: pin has zero length; give a direction")
-        self.set(pin=np.where(np.abs(size - 1.0) < UNIT, pin, pin / size))
-        sine = np.linalg.norm(np.cross(self.line.tangents, self.pin), axis=1)
+        sine = np.linalg.norm(np.cross(self.line.tangents, pin), axis=1)
         if sine.min() < ALONG:
             raise InputError(f"{what}: the pin lies along the curve at point {sine.argmin()}; turn it across")
         if self.radius is None:
             return
-        self.set(radius=number(self.radius, f"{what}: radius", minimum=0.0))
         s = self.line.fine
         room = 1.0 - self.radius * np.einsum("ij,ij->i", self.line.x(s, 2), self.across[0](s))
         if room.min() <= 0.0:
@@ -189,7 +204,8 @@ class CurveContact(Joint):
     @property
     def pin_here(self) -> np.ndarray:
         """Axis of the roller at the reference pose, world."""
-        return self.pin if self.pin.ndim == 1 else self.pin[self.line.point_at(self.start)]
+        pin: np.ndarray = np.asarray(self.pin)
+        return pin if pin.ndim == 1 else pin[self.line.point_at(self.start)]
 
     def slide(self) -> Coordinate:
         return self.way

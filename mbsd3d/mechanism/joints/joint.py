@@ -3,22 +3,23 @@
 ``at_b``, ``axis_b`` give the part on ``b`` as built, where that differs.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY
 from functools import cached_property
-from typing import Any
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ...base.checks import shown, vector
-from ...base.directions import matched_perpendiculars, perpendiculars, unit
+from ...base.checks import shown
+from ...base.directions import matched_perpendiculars, perpendiculars
 from ...base.errors import InputError
-from ..bodies import Body, Ground, Part, called
+from ...base.fields import Direction, DirectionOrDerived, Vector, VectorOrDerived, kept, part_class
+from ..bodies import Body, Ground, Part, as_body_or_ground, called
 from ..motion import LoadedMotion, Motion
 from ..primitives import Coordinate, Primitive, in_plane, perpendicular
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Joint(Part):
     """Base class of joints and drivers: two bodies, a name, rows, and perhaps an angle or a slide.
 
@@ -33,15 +34,23 @@ class Joint(Part):
 
     role = "joint"
 
+    if TYPE_CHECKING:
+
+        @property
+        def a(self) -> Body | Ground:
+            """The body that comes first."""
+
+        @property
+        def b(self) -> Body | Ground:
+            """The body that carries the reaction."""
+
     def check(self, what: str) -> None:
-        """Validate and convert the fields; errors start with ``what``."""
-        for side in ("a", "b"):
-            if not isinstance(getattr(self, side), Body | Ground):
-                raise InputError(f"{what}: {side} = {shown(getattr(self, side))} is not a body; give a Body or GROUND")
+        as_body_or_ground(self.a, f"{what}: a", self)
+        as_body_or_ground(self.b, f"{what}: b", self)
         if self.a is self.b:
             raise InputError(f"{what}: joins '{self.a.name}' to itself; give two different bodies")
 
-    def bodies(self) -> list:
+    def bodies(self) -> list[Body | Ground]:
         """All bodies the joint acts on."""
         return list({id(body): body for row in self.primitives for body in row.bodies}.values())
 
@@ -79,40 +88,32 @@ class Joint(Part):
         return []
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class PointJoint(Joint):
     """A joint at a point."""
 
     a: Body | Ground
     b: Body | Ground
-    at: ArrayLike = field(kw_only=True)
-    at_b: ArrayLike | None = field(default=None, kw_only=True)
-
-    def check(self, what: str) -> None:
-        super().check(what)
-        at = vector(self.at, f"{what}: at")
-        self.set(at=at, at_b=at if self.at_b is None else vector(self.at_b, f"{what}: at_b"))
+    _: KW_ONLY
+    at: Vector = kept()
+    at_b: VectorOrDerived = kept(default=None, derived=attrgetter("at"))
 
     def point(self) -> np.ndarray:
         return self.at_b
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class AxisJoint(PointJoint):
     """A joint at a point with an axis."""
 
-    axis: ArrayLike = field(kw_only=True)
-    axis_b: ArrayLike | None = field(default=None, kw_only=True)
+    _: KW_ONLY
+    axis: Direction = kept()
+    axis_b: DirectionOrDerived = kept(default=None, derived=attrgetter("axis"))
 
-    def check(self, what: str) -> None:
-        super().check(what)
-        axis = unit(self.axis, f"{what}: axis")
-        self.set(axis=axis, axis_b=axis if self.axis_b is None else unit(self.axis_b, f"{what}: axis_b"))
-
-    def angle(self) -> Coordinate:
+    def angle(self) -> Coordinate | None:
         return Coordinate("angle", self.a, self.b, self.axis, self.axis_b)
 
-    def slide(self) -> Coordinate:
+    def slide(self) -> Coordinate | None:
         return Coordinate("slide", self.a, self.b, self.axis, self.axis_b, self.at, self.at_b)
 
     @cached_property
@@ -139,8 +140,18 @@ def coordinate_of(part: Any, kind: str, what: str) -> Coordinate:
     """The angle or slide of a joint, or a ValueError that names both."""
     if not isinstance(part, Joint):
         raise InputError(f"{what}: {shown(part)} is not a joint; give the part itself")
-    found = getattr(part, kind)()
+    found: Coordinate | None = getattr(part, kind)()
     if found is None:
         example = "Revolute or Cylindrical" if kind == "angle" else "Prismatic or Cylindrical"
         raise InputError(f"{what}: {called(part)} has no {kind}; give a joint that has one, e.g. a {example}")
     return found
+
+
+def angle_of(joint: Joint) -> Coordinate:
+    """The angle of a joint that has one."""
+    return coordinate_of(joint, "angle", "angle_of")
+
+
+def slide_of(joint: Joint) -> Coordinate:
+    """The slide of a joint that has one."""
+    return coordinate_of(joint, "slide", "slide_of")

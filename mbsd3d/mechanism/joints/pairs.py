@@ -1,15 +1,15 @@
 """Pairs of bodies as machines have them: hinges, sliders, ball joints. A joint is data that lowers to rows."""
 
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ...base.checks import number
 from ...base.directions import NEARLY_SQUARE, cross, perpendiculars, squared, unit
 from ...base.errors import InputError
+from ...base.fields import Direction, Number, kept, locked, part_class
 from ..primitives import Coordinate, Primitive, coincide, in_plane, perpendicular, ratio
-from .joint import AxisJoint, PointJoint
+from .joint import AxisJoint, PointJoint, angle_of, slide_of
 
 
 class Spherical(PointJoint):
@@ -41,7 +41,19 @@ class Revolute(AxisJoint):
         return None
 
 
-@dataclass(frozen=True, eq=False)
+def square_to_axis_a(value: Any, what: str, part: Any) -> np.ndarray:
+    """The second axis of a cross, squared to the first one."""
+    what, x, y = what.removesuffix(": axis_b"), part.axis_a, unit(value, what)
+    off = cross(x, y)
+    if off @ off < 1e-12:
+        raise InputError(f"{what}: axis_a and axis_b are parallel; a cross needs two perpendicular axes")
+    if abs(x @ y) > NEARLY_SQUARE:
+        angle = np.degrees(np.arccos(x @ y))
+        raise InputError(f"{what}: axis_a and axis_b enclose {angle:.6g} degrees; give perpendicular axes")
+    return locked(squared(x, y))
+
+
+@part_class()
 class Universal(PointJoint):
     """Cardan joint: the points coincide and ``axis_a`` of a stays perpendicular to ``axis_b`` of b (4 rows).
 
@@ -54,19 +66,9 @@ class Universal(PointJoint):
     4
     """
 
-    axis_a: ArrayLike = field(kw_only=True)
-    axis_b: ArrayLike = field(kw_only=True)
-
-    def check(self, what: str) -> None:
-        super().check(what)
-        x, y = unit(self.axis_a, f"{what}: axis_a"), unit(self.axis_b, f"{what}: axis_b")
-        off = cross(x, y)
-        if off @ off < 1e-12:
-            raise InputError(f"{what}: axis_a and axis_b are parallel; a cross needs two perpendicular axes")
-        if abs(x @ y) > NEARLY_SQUARE:
-            angle = np.degrees(np.arccos(x @ y))
-            raise InputError(f"{what}: axis_a and axis_b enclose {angle:.6g} degrees; give perpendicular axes")
-        self.set(axis_a=x, axis_b=squared(x, y))
+    _: KW_ONLY
+    axis_a: Direction = kept()
+    axis_b: Direction = kept(by=square_to_axis_a)
 
     def rows(self) -> list[Primitive]:
         return [coincide(self.a, self.b, self.at, self.at_b), perpendicular(self.a, self.b, self.axis_a, self.axis_b)]
@@ -101,7 +103,7 @@ class Cylindrical(AxisJoint):
         return [*self.line_rows(), *self.parallel_rows()]
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Planar(PointJoint):
     """b moves in a plane fixed in a, turning about its normal only (3 rows).
 
@@ -111,11 +113,8 @@ class Planar(PointJoint):
     3
     """
 
-    normal: ArrayLike = field(kw_only=True)
-
-    def check(self, what: str) -> None:
-        super().check(what)
-        self.set(normal=unit(self.normal, f"{what}: normal"))
+    _: KW_ONLY
+    normal: Direction = kept()
 
     def rows(self) -> list[Primitive]:
         flat = [perpendicular(self.a, self.b, x, self.normal) for x in perpendiculars(self.normal)]
@@ -140,7 +139,7 @@ class Fixed(PointJoint):
         return [coincide(self.a, self.b, self.at, self.at_b), *locks]
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Screw(AxisJoint):
     """b advances along the axis by ``pitch`` [m] per turn (5 rows): slide = pitch angle / (2 pi).
 
@@ -155,12 +154,9 @@ class Screw(AxisJoint):
     0.51
     """
 
-    pitch: float = field(kw_only=True)
-
-    def check(self, what: str) -> None:
-        super().check(what)
-        self.set(pitch=number(self.pitch, f"{what}: pitch"))
+    _: KW_ONLY
+    pitch: Number = kept()
 
     def rows(self) -> list[Primitive]:
-        lead = ratio(self.slide(), 1.0, self.angle(), -self.pitch / (2 * np.pi), in_metres=True)
+        lead = ratio(slide_of(self), 1.0, angle_of(self), -self.pitch / (2 * np.pi), in_metres=True)
         return [*self.line_rows(), *self.parallel_rows(), lead]

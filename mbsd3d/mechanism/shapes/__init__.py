@@ -5,5 +5,12 @@ centre of mass of its body and aligned with its axes unless ``at`` and ``orienta
 shapes is drawn as the homogeneous ellipsoid of its mass and inertia (`guesses`).
 """
 
-from .base import Shape, Solid
-from .surfaces import Mesh
+from .base import (
+    Shape as Shape,
+)
+from .base import (
+    Solid as Solid,
+)
+from .surfaces import (
+    Mesh as Mesh,
+)

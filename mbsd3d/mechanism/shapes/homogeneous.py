@@ -1,10 +1,13 @@
 """The shapes of a body: as given, or the homogeneous solid of its mass and inertia."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...base.errors import InputError
+from ...base.fields import Stored
 from ...base.rotations import quaternion_from_matrix
 from .base import Shape, Shaped
 from .kinds import Box, Cylinder, Ellipsoid, Lines
@@ -18,12 +21,11 @@ EQUAL = 1e-6  # relative difference of principal moments that counts as none
 THIN = 0.02  # thickness in parts of the largest extent that rods and plates have at least, so that one sees them
 
 
-def as_shape(body: Shaped) -> str | Shape | tuple[Shape, ...] | None:
+def as_shape(shape: Any, what: str, body: Shaped) -> str | Shape | tuple[Shape, ...] | None:
     """The shape of a body as it is kept: None, one of the texts, a shape, or a tuple of shapes.
 
     ValueError, naming the body, for an unknown shape or a solid that cannot have the inertia of this body.
     """
-    shape = body.shape
     if shape is None or isinstance(shape, Shape):
         return shape
     if isinstance(shape, list | tuple) and shape and all(isinstance(item, Shape) for item in shape):
@@ -35,6 +37,13 @@ def as_shape(body: Shaped) -> str | Shape | tuple[Shape, ...] | None:
         return Lines(shape)
     except ValueError:
         raise InputError(f"body '{body.name}': shape {repr(shape)[:80]} is unknown; {SHAPES}") from None
+
+
+class ShapeOfBody(Stored[Shape | Sequence[Shape] | str | ArrayLike | None, Shape | tuple[Shape, ...] | str | None]):
+    """How a body is drawn: shapes, the name of a homogeneous solid, or a polyline; None = the ellipsoid."""
+
+    accepts, role, file_type = "Shape | Sequence[Shape] | str | array_like | None", "shape", dict | str | list
+    convert = staticmethod(as_shape)
 
 
 def shapes_of(body: Shaped) -> tuple[Shape, ...]:
@@ -59,7 +68,7 @@ def homogeneous(body: Shaped, kind: str) -> Shape:
             f"body '{body.name}': shape '{kind}' follows from its inertia, which is 0; give a shape with sizes or None"
         )
     moments, axes = principal(body.inertia / body.mass)
-    place = {"orientation": quaternion_from_matrix(axes)}
+    place: dict[str, Any] = {"orientation": quaternion_from_matrix(axes)}
     squares = np.maximum(moments.sum() - 2.0 * moments, 0.0)
     if kind == "cylinder":
         return round_solid(body, moments, place)

@@ -1,24 +1,23 @@
 """The kinds of shapes."""
 
 import os
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...base.checks import number, shown
+from ...base.checks import shown
 from ...base.errors import InputError
+from ...base.fields import Array, Number, NumberOrDerived, Stored, kept, locked, part_class
 from ...base.rotations import matrix
-from .base import Round, Shape, Shaped, Solid, positive
+from .base import AxisOrLetter, Round, Shape, Shaped, Sizes, Solid
 from .surfaces import SUFFIXES, Mesh, ball, block, capsule, cylinder, hull, moved, read_mesh, torus
 
 MOST = 1000  # corners of a hull
 FLAT = 1e-6  # depth over width of points that lie in a plane
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Box(Solid):
     """Box with edges ``lengths`` (3,) > 0 [m] along its axes.
 
@@ -30,16 +29,13 @@ class Box(Solid):
     array([0.9 , 0.02, 1.  ])
     """
 
-    lengths: ArrayLike
-
-    def check(self, what: str) -> None:
-        self.set(lengths=positive(self.lengths, f"{what}: lengths"))
+    lengths: Sizes = kept()
 
     def surface(self) -> Mesh:
         return moved(block(), np.diag(self.lengths), np.zeros(3))
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Ellipsoid(Solid):
     """Ellipsoid with half axes ``radii`` (3,) > 0 [m] along its axes.
 
@@ -47,16 +43,13 @@ class Ellipsoid(Solid):
     3.0
     """
 
-    radii: ArrayLike
-
-    def check(self, what: str) -> None:
-        self.set(radii=positive(self.radii, f"{what}: radii"))
+    radii: Sizes = kept()
 
     def surface(self) -> Mesh:
         return moved(ball(), np.diag(self.radii), np.zeros(3))
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Sphere(Solid):
     """Sphere of ``radius`` > 0 [m].
 
@@ -64,14 +57,13 @@ class Sphere(Solid):
     0.5
     """
 
-    sizes: ClassVar = ("radius",)
-    radius: float
+    radius: Number = kept(positive=True)
 
     def surface(self) -> Mesh:
         return moved(ball(), self.radius * np.eye(3), np.zeros(3))
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Cylinder(Round):
     """Cylinder of ``radius`` and ``length`` > 0 [m] about ``axis``: "x", "y", "z" or a (3,) vector.
 
@@ -79,16 +71,15 @@ class Cylinder(Round):
     array([1. , 0.5, 0.5])
     """
 
-    sizes: ClassVar = ("radius", "length")
-    radius: float
-    length: float
-    axis: str | Sequence[float] = "z"
+    radius: Number = kept(positive=True)
+    length: Number = kept(positive=True)
+    axis: AxisOrLetter = kept(default="z")
 
     def about_z(self) -> Mesh:
         return moved(cylinder(), np.diag((self.radius, self.radius, self.length)), np.zeros(3))
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Disc(Round):
     """Flat cylinder: ``radius`` > 0, ``thickness`` > 0 along ``axis`` [m]; None is a tenth of the radius.
 
@@ -96,21 +87,15 @@ class Disc(Round):
     0.05
     """
 
-    sizes: ClassVar = ("radius", "thickness")
-    radius: float
-    thickness: float | None = None
-    axis: str | Sequence[float] = "z"
-
-    def check(self, what: str) -> None:
-        if self.thickness is None:
-            self.set(thickness=0.1 * number(self.radius, f"{what}: radius", positive=True))
-        super().check(what)
+    radius: Number = kept(positive=True)
+    thickness: NumberOrDerived = kept(default=None, positive=True, derived=lambda disc: 0.1 * disc.radius)
+    axis: AxisOrLetter = kept(default="z")
 
     def about_z(self) -> Mesh:
         return moved(cylinder(), np.diag((self.radius, self.radius, self.thickness)), np.zeros(3))
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Torus(Round):
     """Ring: a tube of radius ``tube`` [m] about a circle of ``radius`` > tube [m]; outer radius = radius + tube.
 
@@ -118,13 +103,11 @@ class Torus(Round):
     array([0.32 , 0.017, 0.32 ])
     """
 
-    sizes: ClassVar = ("radius", "tube")
-    radius: float
-    tube: float
-    axis: str | Sequence[float] = "z"
+    radius: Number = kept(positive=True)
+    tube: Number = kept(positive=True)
+    axis: AxisOrLetter = kept(default="z")
 
     def check(self, what: str) -> None:
-        super().check(what)
         if self.tube >= self.radius:
             raise InputError(
                 f"{what}: tube {self.tube} is not below radius {self.radius}; give the radius of the centre line"
@@ -134,7 +117,7 @@ class Torus(Round):
         return torus(self.radius, self.tube)
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Capsule(Round):
     """Cylinder with half balls on both ends; ``length`` [m] is that of the cylinder alone, overall length + 2 radius.
 
@@ -142,10 +125,9 @@ class Capsule(Round):
     1.5
     """
 
-    sizes: ClassVar = ("radius", "length")
-    radius: float
-    length: float
-    axis: str | Sequence[float] = "z"
+    radius: Number = kept(positive=True)
+    length: Number = kept(positive=True)
+    axis: AxisOrLetter = kept(default="z")
 
     def about_z(self) -> Mesh:
         return capsule(self.radius, self.length)
@@ -162,7 +144,50 @@ def rows_of_three(points: ArrayLike, what: str, remedy: str) -> np.ndarray:
     return found
 
 
-@dataclass(frozen=True, eq=False)
+def as_corners(value: Any, what: str, part: Any) -> np.ndarray:
+    """(k, 3) corners of a convex body that do not lie in a plane."""
+    what = what.removesuffix(": points")
+    remedy = f"give 4 to {MOST} corners (k, 3) [m] that do not lie in a plane"
+    points = rows_of_three(value, what, remedy)
+    if not 4 <= len(points) <= MOST or not np.isfinite(points).all():
+        raise InputError(f"{what}: points have shape {points.shape}, or some are not finite; {remedy}")
+    away = points - points.mean(axis=0)
+    width, _, depth = np.linalg.svd(away, compute_uv=False)
+    if depth <= FLAT * width:
+        raise InputError(f"{what}: points lie in a plane; {remedy}")
+    return locked(points)
+
+
+def as_polyline(value: Any, what: str, part: Any) -> np.ndarray:
+    """(k, 3) points, with rows of NaN between strokes."""
+    what = what.removesuffix(": points")
+    remedy = "give (k, 3) numbers [m], at least two points, with rows of NaN between strokes"
+    points = rows_of_three(value, what, remedy)
+    lifted = np.isnan(points).all(axis=1)
+    if np.sum(~lifted) < 2 or not np.isfinite(points[~lifted]).all():
+        raise InputError(f"{what}: {np.sum(~lifted)} points, or some not finite; {remedy}")
+    return locked(points)
+
+
+def as_path(value: Any, what: str, part: Any) -> str:
+    """The name of a mesh file."""
+    try:
+        path = os.fspath(value)
+    except TypeError:
+        raise InputError(f"{what} is {shown(value)}; give the name of a file") from None
+    if not isinstance(path, str) or not path.lower().endswith(SUFFIXES):
+        raise InputError(f"{what} {shown(path)} is not a mesh; give one that ends in {', '.join(SUFFIXES)}")
+    return path
+
+
+class Path(Stored[str | os.PathLike[str], str]):
+    """The name of a file."""
+
+    accepts, file_type = "str | PathLike", str
+    convert = staticmethod(as_path)
+
+
+@part_class()
 class Hull(Solid):
     """The convex body with corners among ``points`` (k, 3) [m], k >= 4 and at most 1000, from O or ``at``.
 
@@ -171,24 +196,13 @@ class Hull(Solid):
     """
 
     centred: ClassVar = False
-    points: ArrayLike
-
-    def check(self, what: str) -> None:
-        remedy = f"give 4 to {MOST} corners (k, 3) [m] that do not lie in a plane"
-        points = rows_of_three(self.points, what, remedy)
-        if not 4 <= len(points) <= MOST or not np.isfinite(points).all():
-            raise InputError(f"{what}: points have shape {points.shape}, or some are not finite; {remedy}")
-        away = points - points.mean(axis=0)
-        width, _, depth = np.linalg.svd(away, compute_uv=False)
-        if depth <= FLAT * width:
-            raise InputError(f"{what}: points lie in a plane; {remedy}")
-        self.set(points=points)
+    points: Array = kept(by=as_corners)
 
     def surface(self) -> Mesh:
         return hull(self.points)
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class MeshFile(Solid):
     """Triangles of an STL, OBJ, PLY or GLB file times ``scale`` [m per unit of the file], from O or ``at``.
 
@@ -200,23 +214,14 @@ class MeshFile(Solid):
     """
 
     centred: ClassVar = False
-    path: str
-    scale: float = 1.0
-
-    def check(self, what: str) -> None:
-        try:
-            path = os.fspath(self.path)
-        except TypeError:
-            raise InputError(f"{what}: path is {shown(self.path)}; give the name of a file") from None
-        if not isinstance(path, str) or not path.lower().endswith(SUFFIXES):
-            raise InputError(f"{what}: path {shown(path)} is not a mesh; give one that ends in {', '.join(SUFFIXES)}")
-        self.set(path=path, scale=number(self.scale, f"{what}: scale", positive=True))
+    path: Path = kept()
+    scale: Number = kept(default=1.0, positive=True)
 
     def surface(self) -> Mesh:
         return moved(read_mesh(self.path, f"MeshFile '{self.path}'"), self.scale * np.eye(3), np.zeros(3))
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Lines(Shape):
     """Polyline through ``points`` (k, 3) [m], from O unless ``at`` is given; rows of NaN separate its strokes.
 
@@ -225,15 +230,7 @@ class Lines(Shape):
     """
 
     centred: ClassVar = False
-    points: ArrayLike
-
-    def check(self, what: str) -> None:
-        remedy = "give (k, 3) numbers [m], at least two points, with rows of NaN between strokes"
-        points = rows_of_three(self.points, what, remedy)
-        lifted = np.isnan(points).all(axis=1)
-        if np.sum(~lifted) < 2 or not np.isfinite(points[~lifted]).all():
-            raise InputError(f"{what}: {np.sum(~lifted)} points, or some not finite; {remedy}")
-        self.set(points=points)
+    points: Array = kept(by=as_polyline)
 
     def line(self, body: Shaped) -> np.ndarray:
         """(k, 3) points in body axes from O [m]."""

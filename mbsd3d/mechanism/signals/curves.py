@@ -1,7 +1,7 @@
 """Functions of time: ramps, sines, polynomials, tables, pulses."""
 
-from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -9,13 +9,14 @@ from scipy.interpolate import CubicSpline
 
 from ...base.checks import check_size
 from ...base.errors import InputError
-from .signal import Signal, _row, _store_finite
+from ...base.fields import Stored, kept, part_class
+from .signal import FiniteNumber, FiniteNumberOrNone, Row, Signal, as_row
 from .terms import POLYNOMIAL, SINE, SPLINE, Term
 
 STEEPEST = 1e90  # coefficients of splines, whose squares can be computed with
 
 
-@dataclass(frozen=True)
+@part_class(eq=True)
 class Ramp(Signal):
     """``f = offset + rate t``, with ``rate`` in the unit of f per second.
 
@@ -25,18 +26,15 @@ class Ramp(Signal):
     7.0
     """
 
-    rate: float
-    offset: float = 0.0
-
-    def __post_init__(self) -> None:
-        _store_finite(self, "rate", "offset")
+    rate: FiniteNumber = kept()
+    offset: FiniteNumber = kept(default=0.0)
 
     def terms(self) -> list[Term]:
         """The polynomial (offset, rate)."""
         return [Term(POLYNOMIAL, np.array([self.offset, self.rate]))]
 
 
-@dataclass(frozen=True)
+@part_class(eq=True)
 class Sine(Signal):
     """``f = offset + amplitude sin(2 pi frequency t + phase)``, with ``frequency`` in Hz and ``phase`` in rad.
 
@@ -46,13 +44,10 @@ class Sine(Signal):
     array([1., 4.])
     """
 
-    amplitude: float
-    frequency: float
-    phase: float = 0.0
-    offset: float = 0.0
-
-    def __post_init__(self) -> None:
-        _store_finite(self, "amplitude", "frequency", "phase", "offset")
+    amplitude: FiniteNumber = kept()
+    frequency: FiniteNumber = kept()
+    phase: FiniteNumber = kept(default=0.0)
+    offset: FiniteNumber = kept(default=0.0)
 
     def terms(self) -> list[Term]:
         """The sine, and the polynomial (offset) if there is one."""
@@ -60,7 +55,22 @@ class Sine(Signal):
         return [sine, Term(POLYNOMIAL, np.array([self.offset]))] if self.offset else [sine]
 
 
-@dataclass(frozen=True)
+def as_coefficients(value: Any, what: str, part: Any) -> tuple[float, ...]:
+    """Coefficients, at least one."""
+    row = as_row(value, what, part)
+    if row.size == 0:
+        raise InputError(f"{what} is empty; give at least the constant c0")
+    return tuple(row.tolist())
+
+
+class Coefficients(Stored[ArrayLike, tuple[float, ...]]):
+    """Coefficients in ascending powers."""
+
+    accepts = "array_like"
+    convert = staticmethod(as_coefficients)
+
+
+@part_class(eq=True)
 class Polynomial(Signal):
     """``f = c0 + c1 t + c2 t^2 + ...`` from coefficients in ascending powers, ``c_k`` in the unit of f per s^k.
 
@@ -70,20 +80,14 @@ class Polynomial(Signal):
     12.0
     """
 
-    coefficients: ArrayLike
-
-    def __post_init__(self) -> None:
-        values = _row(self.coefficients, "Polynomial: coefficients")
-        if values.size == 0:
-            raise InputError("Polynomial: coefficients is empty; give at least the constant c0")
-        self._store(coefficients=tuple(values.tolist()))
+    coefficients: Coefficients = kept()
 
     def terms(self) -> list[Term]:
         """The polynomial itself."""
         return [Term(POLYNOMIAL, np.array(self.coefficients))]
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Table(Signal):
     """Cubic spline through measured points (not-a-knot: the third derivative is continuous next to both ends).
 
@@ -95,11 +99,11 @@ class Table(Signal):
     (27.0, (0.0, 4.0))
     """
 
-    times: ArrayLike
-    values: ArrayLike
+    times: Row = kept()
+    values: Row = kept()
 
-    def __post_init__(self) -> None:
-        times, values = _row(self.times, "Table: times"), _row(self.values, "Table: values")
+    def check(self, what: str) -> None:
+        times, values = self.times, self.values
         if times.size != values.size:
             raise InputError(f"Table: {times.size} times but {values.size} values; give one value per time")
         if times.size < 4:
@@ -111,7 +115,6 @@ class Table(Signal):
                 f"Table: times[{i + 1}] = {times[i + 1]:.9g} does not come after times[{i}] = {times[i]:.9g}; "
                 f"sort the points and keep one per time"
             )
-        self._store(times=times, values=values)
         check_size(times, "Table: times")
         if np.abs(values).max() >= STEEPEST * min(np.diff(times).min(), 1.0) ** 3:
             raise InputError(
@@ -134,7 +137,7 @@ class Table(Signal):
         return Term(SPLINE, np.concatenate([[len(pieces)], self.times, pieces.ravel()]))
 
 
-@dataclass(frozen=True)
+@part_class(eq=True)
 class Pulse(Signal):
     """From zero to ``height`` and back; zero before ``start`` [s] and again ``duration`` >= 2 edge [s] later (None = a
     step).
@@ -147,13 +150,12 @@ class Pulse(Signal):
     array([0. , 1.5, 3. , 0. ])
     """
 
-    height: float
-    start: float
-    edge: float
-    duration: float | None = None
+    height: FiniteNumber = kept()
+    start: FiniteNumber = kept()
+    edge: FiniteNumber = kept()
+    duration: FiniteNumberOrNone = kept(default=None)
 
-    def __post_init__(self) -> None:
-        _store_finite(self, "height", "start", "edge", *(() if self.duration is None else ("duration",)))
+    def check(self, what: str) -> None:
         if not self.edge > 0.0:
             raise InputError(f"Pulse: edge is {self.edge:g} s; give a positive time")
         if abs(self.height) >= STEEPEST * min(self.edge, 1.0) ** 3:

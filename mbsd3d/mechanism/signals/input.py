@@ -1,16 +1,15 @@
 """A number that is set from outside while a model runs."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...base.checks import check_name
 from ...base.errors import InputError
-from .signal import Signal, _store_finite
+from ...base.fields import kept, part_class
+from .signal import FiniteNumber, Signal
 from .terms import POLYNOMIAL, Term
 
 
-@dataclass(frozen=True)
+@part_class(eq=True)
 class Input(Signal):
     """``f = value`` until `Stepper.set` gives another number, which holds until the next one.
 
@@ -34,13 +33,12 @@ class Input(Signal):
     """
 
     name: str
-    value: float = 0.0
+    value: FiniteNumber = kept(default=0.0)
 
-    def __post_init__(self) -> None:
+    def check(self, what: str) -> None:
         if not isinstance(self.name, str) or not self.name:
             raise InputError(f"Input: name {self.name!r}; give a text, e.g. Input('throttle')")
         check_name(self.name, "Input:")
-        _store_finite(self, "value")
 
     def terms(self) -> list[Term]:
         """The polynomial (value)."""

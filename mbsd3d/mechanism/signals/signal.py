@@ -6,21 +6,22 @@ so the plotted signal is the one that drives the model.
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import chain
 from numbers import Real
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...base.checks import Frozen, floats, listed, number, shown
+from ...base.checks import LARGEST, floats, listed, number, shown
 from ...base.errors import InputError
+from ...base.fields import Checked, Stored, derive, kept, locked, or_none, part_class
 from .terms import POLYNOMIAL, Term, evaluate, scaled
 
 EVERYWHERE = (-np.inf, np.inf)
 
 
-class Signal(Frozen, ABC):
+class Signal(Checked, ABC):
     """A function of time f(t), twice differentiable, in the unit of the driven quantity; t in s.
 
     Signals add up, with each other and with numbers, and are multiplied by numbers.
@@ -84,7 +85,29 @@ class Signal(Frozen, ABC):
         return self * factor
 
 
-@dataclass(frozen=True)
+def finite(value: Any, what: str, part: Any) -> float:
+    """A finite real number, of a size that can be computed with."""
+    real: Any = value if isinstance(value, float | Real) else np.nan
+    if real != real or abs(real) == np.inf:
+        raise InputError(f"{what} is {shown(value)}; give a finite number")
+    return number(real, what)
+
+
+class FiniteNumber(Stored[float, float]):
+    """A finite number of a signal."""
+
+    accepts, file_type = "float", float
+    convert = staticmethod(finite)
+
+
+class FiniteNumberOrNone(Stored[float | None, float | None]):
+    """A finite number of a signal, or None."""
+
+    accepts, file_type = "float | None", float | None
+    convert = staticmethod(or_none(finite))
+
+
+@part_class(eq=True)
 class Constant(Signal):
     """``f = value``.
 
@@ -94,17 +117,29 @@ class Constant(Signal):
     array([0., 0.])
     """
 
-    value: float
-
-    def __post_init__(self) -> None:
-        _store_finite(self, "value")
+    value: FiniteNumber = kept()
 
     def terms(self) -> list[Term]:
         """The polynomial (value)."""
         return [Term(POLYNOMIAL, np.array([self.value]))]
 
 
-@dataclass(frozen=True)
+def as_summands(value: Any, what: str, part: Any) -> tuple[Signal, ...]:
+    """The signals of a sum, none of which is a sum itself."""
+    signals = listed(value, what, "a tuple of signals")
+    if not signals or not all(isinstance(signal, Signal) for signal in signals):
+        raise InputError(f"{what} {shown(value)}; give a tuple of signals")
+    return tuple(chain.from_iterable(map(_summands, signals)))
+
+
+class Summands(Stored[Sequence[Signal], tuple[Signal, ...]]):
+    """Signals that are added up."""
+
+    accepts, role, file_type = "Sequence[Signal]", "signal", list[dict[str, Any]]
+    convert = staticmethod(as_summands)
+
+
+@part_class(eq=True)
 class Sum(Signal):
     """Sum of signals; ``a + b`` makes it. A sum in a sum, or a multiple of one, is taken apart.
 
@@ -115,13 +150,9 @@ class Sum(Signal):
     True
     """
 
-    signals: tuple[Signal, ...]
+    signals: Summands = kept()
 
-    def __post_init__(self) -> None:
-        signals = listed(self.signals, "Sum: signals", "a tuple of signals")
-        if not signals or not all(isinstance(signal, Signal) for signal in signals):
-            raise InputError(f"Sum: signals {shown(self.signals)}; give a tuple of signals")
-        self._store(signals=tuple(chain.from_iterable(map(_summands, signals))))
+    def check(self, what: str) -> None:
         start, end = self.interval
         if not start < end:
             raise InputError(
@@ -140,7 +171,7 @@ class Sum(Signal):
         return [term for signal in self.signals for term in signal.terms()]
 
 
-@dataclass(frozen=True)
+@part_class(eq=True)
 class Scaled(Signal):
     """``factor`` times a signal; ``2 * signal`` and ``-signal`` make it. A multiple of a multiple is one.
 
@@ -152,13 +183,12 @@ class Scaled(Signal):
     """
 
     signal: Signal
-    factor: float
+    factor: FiniteNumber = kept()
 
-    def __post_init__(self) -> None:
-        _store_finite(self, "factor")
+    def check(self, what: str) -> None:
         if isinstance(self.signal, Scaled):
-            self._store(signal=self.signal.signal, factor=self.signal.factor * self.factor)
-            _store_finite(self, "factor")
+            factor = finite(self.signal.factor * self.factor, f"{what}: factor", self)
+            derive(self, signal=self.signal.signal, factor=factor)
 
     @property
     def interval(self) -> tuple[float, float]:
@@ -184,6 +214,8 @@ def as_signal(value: "Signal | float", what: str) -> Signal:
     remedy = "give a finite number or a signal (Constant, Ramp, Sine, Polynomial, Pulse, Table, Input or a sum of them)"
     if isinstance(value, Signal):
         return value
+    if type(value) is float and abs(value) <= LARGEST:
+        return Constant(value)
     if not isinstance(value, Real):
         raise InputError(f"{what} is {shown(value)}; {remedy}; any other function can be sampled into a Table")
     if value != value or abs(value) == np.inf:
@@ -191,7 +223,25 @@ def as_signal(value: "Signal | float", what: str) -> Signal:
     return Constant(number(value, what))
 
 
-def three_signals(value: "Sequence[Signal | float | None]", what: str, free: bool = False) -> tuple[Signal | None, ...]:
+def signal_of(value: Any, what: str, part: Any) -> Signal:
+    """A signal."""
+    return as_signal(value, what)
+
+
+def three_signals_of(value: Any, what: str, part: Any) -> tuple[Signal | None, ...]:
+    """Three signals."""
+    return three_signals(value, what)
+
+
+def three_or_free(value: Any, what: str, part: Any) -> tuple[Signal | None, ...]:
+    """Three signals, or None for free directions, but not for all of them."""
+    signals = three_signals(value, what, free=True)
+    if not any(signals):
+        raise InputError(f"{what.removesuffix(': signal')}: all three directions are free; give at least one signal")
+    return signals
+
+
+def three_signals(value: Any, what: str, free: bool = False) -> tuple[Signal | None, ...]:
     """Three components, each a number or a signal, or None where ``free`` allows it."""
     try:
         x, y, z = value
@@ -200,6 +250,34 @@ def three_signals(value: "Sequence[Signal | float | None]", what: str, free: boo
         raise InputError(f"{what}: give three components, three signals or numbers{none}") from None
     named = zip("xyz", (x, y, z), strict=True)
     return tuple(None if free and s is None else as_signal(s, f"{what} along {k}") for k, s in named)
+
+
+class SignalField(Stored[Signal | float, Signal]):
+    """A signal, or a number that is kept as a `Constant`."""
+
+    accepts, role, file_type = "Signal | float", "signal", dict | float
+    convert = staticmethod(signal_of)
+
+
+class SignalOrNone(Stored[Signal | float | None, Signal | None]):
+    """A signal, a number, or None."""
+
+    accepts, role, file_type = "Signal | float | None", "signal", dict | float | None
+    convert = staticmethod(or_none(signal_of))
+
+
+class ThreeSignals(Stored[Sequence[Signal | float], tuple[Signal, Signal, Signal]]):
+    """Three signals or numbers."""
+
+    accepts, role, file_type = "Sequence[Signal | float]", "signal", list[dict[str, Any] | float]
+    convert = staticmethod(three_signals_of)
+
+
+class ThreeSignalsOrFree(Stored[Sequence[Signal | float | None], tuple[Signal | None, Signal | None, Signal | None]]):
+    """Three signals, numbers, or None where a direction is free."""
+
+    accepts, role, file_type = "Sequence[Signal | float | None]", "signal", list[dict[str, Any] | float | None]
+    convert = staticmethod(three_or_free)
 
 
 def check_interval(signal: Signal, start: float, end: float, what: str) -> None:
@@ -216,18 +294,16 @@ def check_interval(signal: Signal, start: float, end: float, what: str) -> None:
         )
 
 
-def _store_finite(signal: Signal, *names: str) -> None:
-    """Store the named fields as floats, or say which one is not a finite number."""
-    for name in names:
-        value = getattr(signal, name)
-        if not isinstance(value, Real) or value != value or abs(value) == np.inf:
-            raise InputError(f"{type(signal).__name__}: {name} is {shown(value)}; give a finite number")
-        signal._store(**{name: number(value, f"{type(signal).__name__}: {name}")})
-
-
-def _row(values: ArrayLike, what: str) -> np.ndarray:
+def as_row(values: Any, what: str, part: Any) -> np.ndarray:
     """Own copy of a row of finite floats."""
     row = floats(values, what, "a row of finite numbers")
     if row.ndim != 1:
         raise InputError(f"{what} has shape {row.shape}; give a row of finite numbers")
-    return row
+    return locked(row)
+
+
+class Row(Stored[ArrayLike, np.ndarray]):
+    """A row of finite numbers."""
+
+    accepts = "array_like"
+    convert = staticmethod(as_row)
