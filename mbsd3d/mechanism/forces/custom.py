@@ -70,8 +70,8 @@ def as_bodies(value: Any, what: str, part: Any) -> tuple[Body | Ground, ...]:
     if not isinstance(value, Body | Ground | list | tuple):
         raise InputError(f"{what} {shown(value)}; give a Body, GROUND or a tuple of them")
     on = (value,) if isinstance(value, Body | Ground) else tuple(value)
-    if not 1 <= len(on) <= MOST_BODIES:
-        raise InputError(f"{what.removesuffix(': on')}: acts on {len(on)} bodies; give 1 to {MOST_BODIES}")
+    if not 1 <= len(on) <= CUSTOM_FORCE_BODIES_MAX:
+        raise InputError(f"{what.removesuffix(': on')}: acts on {len(on)} bodies; give 1 to {CUSTOM_FORCE_BODIES_MAX}")
     return tuple(as_body_or_ground(body, what, part) for body in on)
 
 
