@@ -42,7 +42,7 @@ class Engaged(Joint):
     Examples
     --------
     >>> from mbsd3d import GROUND, Body, Revolute, System
-    >>> bar = Body("bar", mass=1.0, inertia=(0.1, 0.1, 0.1), position=(2.0, 0, 0), velocity=(0, 0, 0), omega=(0, 0, 1.5))
+    >>> bar = Body("bar", mass=1.0, inertia=(0.1, 0.1, 0.1), position=(2.0, 0, 0), omega=(0, 0, 1.5))
     >>> flight = System([bar])
     >>> caught = flight.engage(Revolute(GROUND, bar, at=(1.5, 0, 0), axis=(0, 0, 1), name="pin"), flight.state())
     >>> type(caught.joint).__name__, round(float(caught.state.v[5]), 9)  # 0.1 * 1.5 / (0.1 + 1 * 0.5^2)
