@@ -14,7 +14,7 @@ from .bodies import GROUND, Body, Ground
 from .couplings import Coupling
 from .joints import Joint, coordinate_of
 from .primitives import ZERO, Primitive, in_plane, ratio
-from .signals import Signal, as_signal, three_signals
+from .signals import Constant, Signal, as_signal, three_signals
 
 
 class Driver(Joint):
@@ -133,6 +133,59 @@ class PositionDriver(Driver):
     def rows(self) -> list[Primitive]:
         axes = zip(np.eye(3), self.signal, strict=True)
         return [in_plane(GROUND, self.body, axis, self.at, self.at, s) for axis, s in axes if s is not None]
+
+
+@dataclass(frozen=True, eq=False)
+class LengthDriver(Driver):
+    """The distance of two points follows a signal [m], as of a hydraulic cylinder or a linear actuator (1 row).
+
+    ``|p_b - p_a| = f(t)``; `Solution.effort` is the force along the line that pushes the points apart [N].
+
+    Parameters
+    ----------
+    at_a, at_b : (3,) array_like
+        The points, world at the reference pose [m].
+    length : Signal or float
+        The length itself [m], above 0. One that starts at another length than that of the reference pose needs
+        ``system.assemble()``.
+
+    Raises
+    ------
+    ValueError
+        If the points coincide, so that the line has no direction, or a constant length is not above 0.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, LengthDriver, Prismatic, Ramp, System, accelerations
+    >>> ram = Body("ram", mass=5.0, inertia=(0.1, 0.1, 0.1), position=(0, 0, 0.8))
+    >>> guide = Prismatic(GROUND, ram, at=(0, 0, 0), axis=(0, 0, 1))
+    >>> cylinder = LengthDriver(GROUND, ram, at_a=(0, 0, 0), at_b=(0, 0, 0.8), length=Ramp(0.1, 0.8), name="lift")
+    >>> round(float(accelerations(System([ram], [guide, cylinder])).effort("lift")[0]), 9)  # it carries 5 kg
+    49.05
+    """
+
+    a: Body | Ground
+    b: Body | Ground
+    at_a: ArrayLike = field(kw_only=True)
+    at_b: ArrayLike = field(kw_only=True)
+    length: Signal | float = field(kw_only=True)
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        at_a, at_b = vector(self.at_a, f"{what}: at_a"), vector(self.at_b, f"{what}: at_b")
+        if not np.linalg.norm(at_b - at_a) > 1e-12:
+            raise InputError(f"{what}: at_a and at_b coincide, so the line has no direction; move one of them")
+        length = as_signal(self.length, f"{what}: length")
+        if isinstance(length, Constant) and not length.value > 0.0:
+            raise InputError(f"{what}: length is {length.value:g} m; give a length above 0")
+        self.set(at_a=at_a, at_b=at_b, length=length)
+
+    def point(self) -> np.ndarray:
+        return self.at_b
+
+    def rows(self) -> list[Primitive]:
+        ends = (self.at_a, self.at_b)
+        return [Primitive(kinds.DISTANCE, (self.a, self.b), points=ends, values=(0.0,), signal=self.length)]
 
 
 @dataclass(frozen=True, eq=False)

@@ -142,6 +142,11 @@ def _position_driver(rng: Generator, a: Any, b: Any) -> list[mbsd3d.Joint]:
     return [mbsd3d.PositionDriver(b, at=b.position + direction(rng), signal=(signal(rng), None, signal(rng)))]
 
 
+def _length_driver(rng: Generator, a: Any, b: Any) -> mbsd3d.Joint:
+    at_a, at_b = a.position + 0.3 * direction(rng), b.position + 0.3 * direction(rng)
+    return mbsd3d.LengthDriver(a, b, at_a=at_a, at_b=at_b, length=signal(rng, float(np.linalg.norm(at_b - at_a))))
+
+
 def middle(rng: Generator, a: Any, b: Any) -> np.ndarray:
     """A general point near the middle of two bodies."""
     return (a.position + b.position) / 2 + 0.3 * direction(rng)
@@ -192,6 +197,7 @@ EXAMPLES: dict[type, Factory] = {
     mbsd3d.SlideDriver: lambda rng, a, b, c, d: _slide_driver(rng, a, b),
     mbsd3d.PositionDriver: lambda rng, a, b, c, d: _position_driver(rng, a, b),
     mbsd3d.SpeedDriver: lambda rng, a, b, c, d: [mbsd3d.SpeedDriver(a, b, axis=direction(rng), speed=signal(rng, 0.4))],
+    mbsd3d.LengthDriver: lambda rng, a, b, c, d: [_length_driver(rng, a, b)],
     mbsd3d.Engaged: lambda rng, a, b, c, d: _engaged(rng, a, b),
 }
 """The same of couplings, which use all four bodies, and drivers: lists of joints that end with one of the class."""
