@@ -39,9 +39,11 @@ from .mechanism.couplings import GearMesh as GearMesh
 from .mechanism.couplings import RackPinion as RackPinion
 from .mechanism.drivers import AngleDriver as AngleDriver
 from .mechanism.drivers import Driver as Driver
+from .mechanism.drivers import LengthDriver as LengthDriver
 from .mechanism.drivers import PositionDriver as PositionDriver
 from .mechanism.drivers import SlideDriver as SlideDriver
 from .mechanism.drivers import SpeedDriver as SpeedDriver
+from .mechanism.engaged import Engaged as Engaged
 from .mechanism.forces.applied import AeroDrag as AeroDrag
 from .mechanism.forces.applied import Force as Force
 from .mechanism.forces.applied import Torque as Torque

@@ -20,6 +20,7 @@ from ..mechanism.state import State
 from .drawable import Drawable
 
 if TYPE_CHECKING:
+    from ..constraints.engagement import Engagement
     from ..constraints.redundancy import Diagnosis
     from ..equations.compiled import Compiled
     from ..linear.equilibrium import Equilibrium
@@ -165,6 +166,60 @@ class System(Mechanism, Drawable):
 
         check_state(near, "assemble")
         return assemble(self, angles, slides, rates, measures, pinned, near, number(t, "assemble: t"))
+
+    def engage(self, joint: Joint, state: State) -> "Engagement":
+        """Return this system with a joint more, which engages at the pose of a state, and the motion after the impact.
+
+        Points and axes of the joint are given at the reference pose, as those of any joint, and rest in body a; body b
+        is taken as it stands. A `Distance` takes the length and a coupling of hinges the offset of that moment. The
+        impact is plastic: M (u - v) + J' L = 0 and J u = b over all joints, so momentum is kept.
+
+        Parameters
+        ----------
+        joint : Joint
+            A joint between bodies of this system that is not in it; drivers are refused.
+        state : State
+            A state of this system, as ``solution.state()`` gives it.
+
+        Returns
+        -------
+        Engagement
+            ``.system`` and ``.state`` to go on with, ``.joint`` as part of that system, ``.lost`` energy [J], ``.work``
+            of drivers [J], ``.impulse`` of the joint and ``.impulses`` of all joints by name [N s, N m s].
+
+        Raises
+        ------
+        AssemblyError
+            If the joints do not close at this state, or no velocities meet all of them.
+
+        Examples
+        --------
+        >>> from mbsd3d import GROUND, Body, Fixed, Revolute, System
+        >>> one = Body("one", mass=1.0, inertia=(0.5, 0.5, 1.0), omega=(0, 0, 6.5))
+        >>> two = Body("two", mass=1.0, inertia=(0.5, 0.5, 2.0), position=(0, 0, 0.2), omega=(0, 0, 0))
+        >>> bearings = [Revolute(GROUND, shaft, at=shaft.position, axis=(0, 0, 1)) for shaft in (one, two)]
+        >>> shafts = System([one, two], bearings)
+        >>> joined = shafts.engage(Fixed(one, two, at=(0, 0, 0.1), name="clutch"), shafts.state())
+        >>> round(float(joined.state.v[5]), 9), round(joined.lost, 9)  # 6.5 / 3; 1 * 2 / (1 + 2) * 6.5^2 / 2
+        (2.166666667, 14.083333333)
+        """
+        from ..constraints.engagement import engage
+        from ..run.simulation import check_state
+
+        check_state(state, "engage")
+        return engage(self, joint, state)
+
+    def release(self, joint: Joint | str, state: State) -> "Engagement":
+        """Return this system without a joint, and its state, in which hinges keep their count of turns.
+
+        joint : Joint or str
+            A joint of this system through which no other part acts.
+        """
+        from ..constraints.engagement import release
+        from ..run.simulation import check_state
+
+        check_state(state, "release")
+        return release(self, joint, state)
 
     def equilibrium(self, state: State | None = None) -> "Equilibrium":
         """The equilibrium that the mechanism reaches from a pose, moving downhill as if through honey.

@@ -95,8 +95,10 @@ def json_type(annotation: Any) -> Any:
     kind = origin or annotation
     if not isinstance(kind, type):
         return Any
-    if issubclass(kind, Body | Ground | Joint):
+    if issubclass(kind, Body | Ground):
         return str
+    if issubclass(kind, Joint):
+        return str | dict  # a name, or a joint that is no part of the system, as of one that has engaged
     if issubclass(kind, Mapping | Signal | Shape) or is_dataclass(kind):
         return dict
     if not issubclass(kind, Sequence | np.ndarray):

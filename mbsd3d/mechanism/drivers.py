@@ -13,7 +13,7 @@ from .bodies import GROUND, Body, Ground
 from .couplings import Coupling
 from .joints import Joint, angle_of, coordinate_of, slide_of
 from .primitives import ZERO, Primitive, in_plane, ratio
-from .signals import Signal, SignalField, ThreeSignalsOrFree, as_signal
+from .signals import Constant, Signal, SignalField, ThreeSignalsOrFree, as_signal
 
 
 class Driver(Joint):
@@ -124,6 +124,57 @@ class PositionDriver(Driver):
     def rows(self) -> list[Primitive]:
         axes = zip(np.eye(3), self.signal, strict=True)
         return [in_plane(GROUND, self.body, axis, self.at, self.at, s) for axis, s in axes if s is not None]
+
+
+@part_class()
+class LengthDriver(Driver):
+    """The distance of two points follows a signal [m], as of a hydraulic cylinder or a linear actuator (1 row).
+
+    ``|p_b - p_a| = f(t)``; `Solution.effort` is the force along the line that pushes the points apart [N].
+
+    Parameters
+    ----------
+    at_a, at_b : (3,) array_like
+        The points, world at the reference pose [m].
+    length : Signal or float
+        The length itself [m], above 0. One that starts at another length than that of the reference pose needs
+        ``system.assemble()``.
+
+    Raises
+    ------
+    ValueError
+        If the points coincide, so that the line has no direction, or a constant length is not above 0.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, LengthDriver, Prismatic, Ramp, System, accelerations
+    >>> ram = Body("ram", mass=5.0, inertia=(0.1, 0.1, 0.1), position=(0, 0, 0.8))
+    >>> guide = Prismatic(GROUND, ram, at=(0, 0, 0), axis=(0, 0, 1))
+    >>> cylinder = LengthDriver(GROUND, ram, at_a=(0, 0, 0), at_b=(0, 0, 0.8), length=Ramp(0.1, 0.8), name="lift")
+    >>> round(float(accelerations(System([ram], [guide, cylinder])).effort("lift")[0]), 9)  # it carries 5 kg
+    49.05
+    """
+
+    a: Body | Ground
+    b: Body | Ground
+    _: KW_ONLY
+    at_a: Vector = kept()
+    at_b: Vector = kept()
+    length: SignalField = kept()
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        if not np.linalg.norm(self.at_b - self.at_a) > 1e-12:
+            raise InputError(f"{what}: at_a and at_b coincide, so the line has no direction; move one of them")
+        if isinstance(self.length, Constant) and not self.length.value > 0.0:
+            raise InputError(f"{what}: length is {self.length.value:g} m; give a length above 0")
+
+    def point(self) -> np.ndarray:
+        return self.at_b
+
+    def rows(self) -> list[Primitive]:
+        ends = (self.at_a, self.at_b)
+        return [Primitive(kinds.DISTANCE, (self.a, self.b), points=ends, values=(0.0,), signal=self.length)]
 
 
 def as_given(value: Any, what: str, part: Any) -> Any:

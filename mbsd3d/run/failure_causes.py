@@ -12,7 +12,7 @@ from ..equations.at_state import load_rows
 from ..equations.compiled import Compiled
 from ..integrators import memory
 from ..kernels.layout import Data
-from ..mechanism.drivers import AngleDriver, Driver, PositionDriver, SlideDriver
+from ..mechanism.drivers import AngleDriver, Driver, LengthDriver, PositionDriver, SlideDriver
 from ..mechanism.forces.custom import FunctionForce
 from ..mechanism.joints.curve_contact import CurveContact
 from ..mechanism.state import State
@@ -38,7 +38,7 @@ FAILURES = {
         "Newton's method finds no end of the step", "take a smaller dt, or dt=None for adaptive steps",
     ),
 }  # fmt: skip
-UNITS = {AngleDriver: "rad", SlideDriver: "m", PositionDriver: "m"}
+UNITS = {AngleDriver: "rad", SlideDriver: "m", PositionDriver: "m", LengthDriver: "m"}
 
 
 def driven_to(compiled: Compiled, t: float) -> str:

@@ -142,9 +142,22 @@ def _position_driver(rng: Generator, a: Any, b: Any) -> list[mbsd3d.Joint]:
     return [mbsd3d.PositionDriver(b, at=b.position + direction(rng), signal=(signal(rng), None, signal(rng)))]
 
 
+def _length_driver(rng: Generator, a: Any, b: Any) -> mbsd3d.Joint:
+    at_a, at_b = a.position + 0.3 * direction(rng), b.position + 0.3 * direction(rng)
+    return mbsd3d.LengthDriver(a, b, at_a=at_a, at_b=at_b, length=signal(rng, float(np.linalg.norm(at_b - at_a))))
+
+
 def middle(rng: Generator, a: Any, b: Any) -> np.ndarray:
     """A general point near the middle of two bodies."""
     return (a.position + b.position) / 2 + 0.3 * direction(rng)
+
+
+def _engaged(rng: Generator, a: Any, b: Any) -> list[mbsd3d.Joint]:
+    """A hinge whose parts meet at the reference pose because it engaged where b stood elsewhere."""
+    at, axis, shift, turn = middle(rng, a, b), direction(rng), direction(rng), random_orientation(rng)
+    back = mbsd3d.rotations.matrix(turn).T
+    hinge = mbsd3d.Revolute(a, b, at=at, at_b=back @ (at - shift), axis=axis, axis_b=back @ axis)
+    return [mbsd3d.Engaged(hinge, shift=shift, turn=turn)]
 
 
 Factory = Callable[..., list[mbsd3d.Joint]]
@@ -184,6 +197,8 @@ EXAMPLES: dict[type, Factory] = {
     mbsd3d.SlideDriver: lambda rng, a, b, c, d: _slide_driver(rng, a, b),
     mbsd3d.PositionDriver: lambda rng, a, b, c, d: _position_driver(rng, a, b),
     mbsd3d.SpeedDriver: lambda rng, a, b, c, d: [mbsd3d.SpeedDriver(a, b, axis=direction(rng), speed=signal(rng, 0.4))],
+    mbsd3d.LengthDriver: lambda rng, a, b, c, d: [_length_driver(rng, a, b)],
+    mbsd3d.Engaged: lambda rng, a, b, c, d: _engaged(rng, a, b),
 }
 """The same of couplings, which use all four bodies, and drivers: lists of joints that end with one of the class."""
 

@@ -23,6 +23,7 @@ from ...base.fields import (
 from ...compiler.decorators import inner_kernel
 from ...compiler.pointer_call import call
 from ...kernels.force_laws import series
+from ...kernels.layout import CUSTOM_FORCE_BODIES_MAX
 from ...kernels.vectors import add, add6, arm, clear, cross, dot, mat, pair, point, point_velocity, put, sub, vec
 from ..bodies import Body, Ground, as_body_or_ground
 from ..force_element import ForceElement, ForceRecord

@@ -1,0 +1,256 @@
+"""Joints that engage or let go at the pose of the moment: the new system, and the plastic impact that starts it.
+
+The joint engages at once, at the pose q and with all other joints closed. With the velocities v before and u after it
+
+    M (u - v) + J' L = 0,   J u = b,        lost = (u - v)' M (u - v) / 2
+
+over the rows J of all joints; L are the impulses of the multipliers. u is the motion nearest to v in the sense of
+kinetic energy, so momentum is kept and energy is lost. Where rows are redundant, L has the least norm.
+"""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from scipy.sparse import csr_array, eye_array
+
+from ..base.concurrency import one_thread
+from ..base.errors import AssemblyError, InputError
+from ..base.quaternions import conjugate, multiply
+from ..base.rotations import matrix
+from ..base.style import html_table
+from ..equations.at_state import joint_point, load_state, worst_joint
+from ..equations.compiled import Compiled, compile_system
+from ..equations.dense_solvers import mass_matrix_of
+from ..equations.jacobian import BlockRows, block_rows, displacement_units, scaled
+from ..kernels import kinds
+from ..kernels.layout import Data
+from ..mechanism.bodies import GROUND, Body, Ground
+from ..mechanism.couplings import Coupling
+from ..mechanism.drivers import Driver
+from ..mechanism.engaged import Engaged
+from ..mechanism.joints import Joint
+from ..mechanism.mechanism import Mechanism
+from ..mechanism.state import State
+from .least_squares import SMALL_SYSTEM_BODIES_MAX, deficient, least
+from .poses.pose_equations import CLOSED_GAP_MAX, gap_size
+from .rank import redundant_combinations
+from .velocities import least_energy
+
+OPEN_SHARE_MAX = (
+    1e-7  # [1] of a unit impulse: what redundant rows may change of one that counts as determined; rounding
+)
+
+
+@dataclass(frozen=True, repr=False)
+class Impulse:
+    """Impulse of a joint on body b at its point, world axes: force [N s], moment [N m s], and point [m], (3,) each.
+
+    ``unique`` says whether the constraints determine it; if not, it is the share of least norm.
+    """
+
+    force: np.ndarray
+    moment: np.ndarray
+    point: np.ndarray
+    unique: bool
+
+    def __repr__(self) -> str:
+        force, moment = (np.array2string(x, precision=6, separator=", ") for x in (self.force, self.moment))
+        return f"<impulse {force} N s, {moment} N m s{'' if self.unique else ', not unique'}>"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Engagement:
+    """A system after a joint has engaged or been released, and the state from which it moves on.
+
+    ``joint`` is the part of the new system, None after a release. ``lost`` [J] is the energy that the impact takes,
+    ``work`` [J] what drivers give to it; ``impulses`` has the impulse of every joint by name.
+    """
+
+    system: Mechanism
+    joint: Joint | None
+    state: State
+    lost: float
+    work: float
+    impulses: dict[str, Impulse] = field(default_factory=dict)
+
+    @property
+    def impulse(self) -> Impulse:
+        """Return the impulse of the joint that engaged; ValueError after a release."""
+        if self.joint is None:
+            raise InputError("a release has no impulse; read .state")
+        return self.impulses[self.system.name(self.joint)]
+
+    def __repr__(self) -> str:
+        if self.joint is None:
+            return f"<released at t = {self.state.t:g} s>"
+        name = self.system.name(self.joint)
+        return f"<'{name}' engaged at t = {self.state.t:g} s, {self.lost:.6g} J lost>"
+
+    def _repr_html_(self) -> str:
+        rows = [(name, str(x.force.round(6)), str(x.moment.round(6)), "" if x.unique else "no")
+                for name, x in self.impulses.items()]  # fmt: skip
+        return html_table(repr(self).strip("<>"), ("joint", "impulse [N s]", "[N m s]", "unique"), rows)
+
+
+def engage(system: Mechanism, joint: Joint, state: State) -> Engagement:
+    """Engage a joint at a state; see `System.engage`."""
+    joint = joint.joint if isinstance(joint, Engaged) else joint
+    check_engaging(system, joint)
+    compiled, data = loaded(system, state)
+    made = joint_at(compiled, data, joint, state)
+    new = type(system)(system.bodies, (*system.joints, made), system.forces, system.gravity, title=system.title)
+    after = compile_system(new)
+    pose = replace(state, coordinates=carried_coordinates(compiled, data, after), moved={}, notes=())
+    data = after.data()
+    load_state(after, data, pose)
+    if not gap_size(after, data.row["c"]) <= CLOSED_GAP_MAX:
+        part, gap = worst_joint(after, data.row["c"])
+        raise AssemblyError(
+            f"'{new.name(made)}' cannot engage: the joints do not close at this state (m or rad)", part=part,
+            residual=gap, time=state.t, advice="give a state of a run of this system, or one from assemble",
+        )  # fmt: skip
+    return impact(after, data, pose, made)
+
+
+def release(system: Mechanism, joint: Joint | str, state: State) -> Engagement:
+    """Release a joint at a state; see `System.release`."""
+    gone = system.part(joint, "joints")
+    for other in (*system.joints, *system.forces):
+        if gone in other.partners():
+            raise InputError(
+                f"release: '{system.name(other)}' acts through '{system.name(gone)}'; release or leave out that first"
+            )
+    compiled, data = loaded(system, state)
+    rest = [other for other in system.joints if other is not gone]
+    new = type(system)(system.bodies, rest, system.forces, system.gravity, title=system.title)
+    pose = replace(state, coordinates=carried_coordinates(compiled, data, compile_system(new)), moved={}, notes=())
+    return Engagement(new, None, pose, lost=0.0, work=0.0)
+
+
+def check_engaging(system: Mechanism, joint: Joint) -> None:
+    """Raise an InputError for a joint that cannot engage."""
+    if not isinstance(joint, Joint):
+        raise InputError(f"engage: {joint!r} is not a joint; give a joint that is not in the system")
+    what = f"engage: {type(joint).__name__} '{joint.name or ''}'".replace(" ''", "")
+    if joint in system.joints:
+        raise InputError(f"{what} is in the system already; give a joint that is not")
+    if isinstance(joint, Driver):
+        raise InputError(f"{what} is a driver, which moves by its signal at any time; engage a joint instead")
+    for body in joint.bodies():
+        if body is not GROUND and body not in system.bodies:
+            raise InputError(f"{what}: body '{body.name}' is not in the system; give joints between its bodies")
+
+
+def loaded(system: Mechanism, state: State) -> tuple[Compiled, Data]:
+    """Return the tables of a system, and its work space at a state."""
+    compiled = compile_system(system)
+    if state.q.size != 7 * len(system.bodies):
+        raise InputError(
+            f"the state has {state.q.size // 7} bodies, the system {len(system.bodies)}; give a state of this system"
+        )
+    data = compiled.data()
+    load_state(compiled, data, state)
+    return compiled, data
+
+
+def pose_of(system: Mechanism, state: State, body: Body | Ground) -> tuple[np.ndarray, np.ndarray]:
+    """Return (reference point [m], unit quaternion) of a body at a state, world."""
+    if body is GROUND:
+        return GROUND.position, GROUND.orientation
+    r, e = np.split(state.q.reshape(-1, 7)[system.bodies.index(body)], [3])
+    return r, e / np.linalg.norm(e)
+
+
+def joint_at(compiled: Compiled, data: Data, joint: Joint, state: State) -> Engaged:
+    """Return the joint as it engages at a state, which is loaded in ``data``."""
+    system = compiled.system
+    if isinstance(joint, Coupling):
+        return Engaged(joint, offset=coupling_offset(compiled, data, joint, state), name=joint.name)
+    a, b = joint.a, joint.b
+    (r_a, e_a), (r_b, e_b) = (pose_of(system, state, body) for body in (a, b))
+    # What rests in a at its reference pose is carried by a to this pose, and by b back to the reference pose of b.
+    back = multiply(b.orientation, conjugate(e_b))
+    turn = multiply(back, multiply(e_a, conjugate(a.orientation)))
+    shift = b.position + matrix(back) @ (r_a - r_b) - matrix(turn) @ a.position
+    return Engaged(joint, shift=shift, turn=turn, length=rod_length(joint, (r_a, e_a), (r_b, e_b)), name=joint.name)
+
+
+def rod_length(joint: Joint, *poses: tuple[np.ndarray, np.ndarray]) -> float | None:
+    """Return the length [m] that a `Distance` takes at the poses of its bodies, None for other joints."""
+    for row in joint.rows():
+        if row.kind == kinds.DISTANCE:
+            first, second = (
+                r + matrix(e) @ body.local_point(x)
+                for (r, e), body, x in zip(poses, row.bodies, row.points, strict=True)
+            )
+            length = float(np.linalg.norm(second - first))
+            if length > 0.0:
+                return length
+            raise InputError(
+                f"engage: the end points of '{joint.name}' coincide, so it has no direction; engage a ball"
+            )
+    return None
+
+
+def coupling_offset(compiled: Compiled, data: Data, joint: Coupling, state: State) -> float:
+    """Return the residual [rad or m] of a coupling of hinges at a state, which is loaded in ``data``."""
+    system = compiled.system
+    for other in joint.partners():
+        if other not in system.joints:
+            raise InputError(
+                f"engage: '{joint.name}' couples '{other.name}', which is not in the system; couple joints of it"
+            )
+    after = compile_system(type(system)(system.bodies, (*system.joints, joint), system.forces, system.gravity))
+    work = after.data()
+    load_state(after, work, replace(state, coordinates=carried_coordinates(compiled, data, after)))
+    return float(work.row["c"][np.flatnonzero(after.row_joint == len(system.joints))[0]])
+
+
+def carried_coordinates(before: Compiled, data: Data, after: Compiled) -> np.ndarray:
+    """Return the hinge coordinates of another system of the same bodies: those it shares, and zero of new joints."""
+    known = {key: data.coordinate["value"][i] for key, i in before.coordinate_index.items()}
+    return np.array([known.get(key, 0.0) for key in after.coordinate_index])
+
+
+def impact(compiled: Compiled, data: Data, pose: State, joint: Joint) -> Engagement:
+    """Return the motion after the joint has engaged at a pose, which is loaded in ``data``."""
+    model = compiled.model
+    rows, few = block_rows(model, data), model.body.size < SMALL_SYSTEM_BODIES_MAX
+    J, M = rows.dense() if few else rows.sparse(), mass_matrix_of(model, pose, few)
+    free = np.full(6 * model.body.size, np.nan)
+    with one_thread():
+        u = least_energy(compiled, pose, J, data.row["b"].copy(), free, pose.v, [], 1e-8)
+        change = M @ (u - pose.v)
+        lam = multipliers(compiled, rows, change)
+    lost = 0.5 * float((u - pose.v) @ change)
+    work = 0.5 * float((u + pose.v) @ change) + lost
+    return Engagement(compiled.system, joint, replace(pose, v=u), lost, work, impulses(compiled, data, rows, lam))
+
+
+def multipliers(compiled: Compiled, rows: BlockRows, change: np.ndarray) -> np.ndarray:
+    """Return the impulses L (m,) of the rows with J' L = -change of the momenta, of least norm in scaled rows."""
+    model, n = compiled.model, compiled.model.body.size
+    scale, units = model.row["scale"], displacement_units(model.length, n)
+    few = n < SMALL_SYSTEM_BODIES_MAX
+    A = scaled(rows.dense() if few else rows.sparse(), scale, units).T
+    b = -change * units
+    size = max(float(np.abs(b).max(initial=0.0)), 1e-300)
+    found = deficient(A, b / size)[0] if few else least(eye_array(scale.size), csr_array(A), b / size, passes=3)
+    return found * size * scale
+
+
+def impulses(compiled: Compiled, data: Data, rows: BlockRows, lam: np.ndarray) -> dict[str, Impulse]:
+    """Return the impulse of every joint on its body b, by name."""
+    system, scale = compiled.system, compiled.model.row["scale"]
+    N = redundant_combinations(rows.scaled(scale, compiled.model.length)) * scale[:, None]
+    found = {}
+    for k, joint in enumerate(system.joints):
+        own, body = np.flatnonzero(compiled.row_joint == k), compiled.body_index[id(joint.b)]
+        W = -np.where((rows.body[own] == body)[:, :, None], rows.J[own], 0.0).sum(axis=1)  # (k, 6) of unit multipliers
+        point = joint_point(compiled, data, joint)
+        force, moment = np.split(W.T @ lam[own], [3])
+        moment = moment - np.cross(point - data.body["r"][body], force)
+        open_share = np.abs(W.T @ N[own]).max(initial=0.0)
+        unique = bool(open_share <= OPEN_SHARE_MAX * np.abs(W).max(initial=0.0))
+        found[system.name(joint)] = Impulse(force, moment, point, unique)
+    return found
