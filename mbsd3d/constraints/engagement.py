@@ -28,6 +28,7 @@ from ..mechanism.bodies import GROUND, Body, Ground
 from ..mechanism.couplings import Coupling
 from ..mechanism.drivers import Driver
 from ..mechanism.engaged import Engaged
+from ..mechanism.force_element import ForceElement
 from ..mechanism.joints import Joint
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
@@ -115,7 +116,8 @@ def engage(system: Mechanism, joint: Joint, state: State) -> Engagement:
 def release(system: Mechanism, joint: Joint | str, state: State) -> Engagement:
     """Release a joint at a state; see `System.release`."""
     gone = system.part(joint, "joints")
-    for other in (*system.joints, *system.forces):
+    others: tuple[Joint | ForceElement, ...] = (*system.joints, *system.forces)
+    for other in others:
         if gone in other.partners():
             raise InputError(
                 f"release: '{system.name(other)}' acts through '{system.name(gone)}'; release or leave out that first"
