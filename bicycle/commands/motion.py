@@ -42,7 +42,7 @@ def ride(
     parameters: "Parameters", manoeuvre: str, only_list: bool, speed: float | None, t_end: float | None, fallen: float,
     held_down: bool, viewed: bool, fittings: dict[str, Any], out: str,
 ) -> None:  # fmt: skip
-    """Let a bicycle go without hands: nonlinear motion, forces of the ground, friction they need, and falls.
+    """Simulate a bicycle without hands: nonlinear motion, forces of the ground, friction they need, and falls.
 
     Writes a figure, a table (.csv) and the whole run (.npz, read by mbsd3d.load; not with --unphysical), named after
     bicycle, manoeuvre and the settings that were changed. Ctrl-C keeps what was computed. The exit code is 1 if the
@@ -88,7 +88,7 @@ def ride(
 
 
 def changes(chosen: Manoeuvre, arguments: Mapping[str, Any], fallen: float, held_down: bool) -> list[str]:
-    """Settings that differ from the manoeuvre, for the names of files: no ride replaces a different one."""
+    """Return the settings that differ from the manoeuvre, for names of files: no ride replaces a different one."""
     numbers = {"speed": (arguments["speed"], chosen.speed), "t-end": (arguments["t_end"], chosen.t_end)}
     numbers["fallen"] = fallen, np.degrees(FALLEN)
     texts = {key: [f"{value:.12g}" for value in pair] for key, pair in numbers.items()}
@@ -96,7 +96,7 @@ def changes(chosen: Manoeuvre, arguments: Mapping[str, Any], fallen: float, held
 
 
 def refitted(parameters: "Parameters", fittings: Mapping[str, Any]) -> list[str]:
-    """For names of files too: "tyres", and what of them and of the head is not as usual."""
+    """Return the unusual settings of tyres and head for names of files, after "tyres"."""
     if not fittings:
         return []
     own = own_fittings(parameters)
@@ -156,7 +156,7 @@ def circles(
 
 
 def circles_on_tyres(parameters: "Parameters", speeds: tuple[float, ...], tyres: "Tyres", out: str) -> None:
-    """Held turns at every speed up to the limit of grip."""
+    """Compute held turns at every speed up to the limit of grip."""
     from ..turns import circles as study
     from ..turns.on_tyres import figure, to_csv, turns
 

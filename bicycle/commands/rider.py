@@ -1,4 +1,4 @@
-"""The command on riders: five loops over a course, and balance assist."""
+"""Command on riders: five loops over a course, and balance assist."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -40,7 +40,8 @@ def rider(
     parameters: "Parameters", course: str, speed: float, gains: tuple[float, ...] | None, t_end: float,
     fittings: dict[str, Any], dark: bool, out: str,
 ) -> None:  # fmt: skip
-    """A rider who closes five loops: gains, handling quality over the speed, and a course in the nonlinear model.
+    """Simulate a rider who closes five loops: gains, handling quality over the speed, and a course in the nonlinear
+    model.
 
     Gains, factors of the closed loops, handling quality, and the self-stable speeds with roll-rate feedback (balance
     assist) are those of ideal wheels; with --tyres the course is ridden on tyres. Writes figures and tables (.csv) of
@@ -75,7 +76,7 @@ def rider(
 
 
 def quality(parameters: "Parameters", speed: float, gains: "Gains") -> str:
-    """The peak of the metric as text, or why there is none."""
+    """Return the peak of the metric as text, or why there is none."""
     from ..riders.handling import peak
 
     try:

@@ -19,18 +19,18 @@ FALLEN = 0.9  # rad of lean, at which nobody looks on
 
 
 def bicycle(spin):
-    """The benchmark, the moments of its wheels about their axles multiplied by a factor."""
+    """Return the benchmark with the moments of its wheels about their axles multiplied by a factor."""
     found = Meijaard2007()
     return replace(found, IRyy=spin * found.IRyy, IFyy=spin * found.IFyy)
 
 
 def mechanism(*, v=5.0, spin=1.0, push=0.0) -> System:
-    """The bicycle of the benchmark, straight on at v [m/s]; spin 0: wheels without moment about their axles."""
+    """Build the bicycle of the benchmark, straight on at v [m/s]; spin 0: wheels without moment about their axles."""
     return whipple(bicycle(spin), speed=v, lean_rate=push)
 
 
 def theory(*, v, spin):
-    """M q'' + v C1 q' + (g K0 + v^2 K2) q = 0 of the benchmark: its eigenvalues at v and its critical speeds."""
+    """Solve M q'' + v C1 q' + (g K0 + v^2 K2) q = 0 of the benchmark: its eigenvalues at v and its critical speeds."""
     critical, weave = critical_speeds(bicycle(spin)), weave_of(canonical(bicycle(spin)).eigenvalues([v])[0])
     speeds = (x if np.isfinite(x) and x > 0 else np.inf for x in (critical.weave, critical.capsize))
     names = ("weave_speed_m_s", "capsize_speed_m_s", "weave_damping_1_s", "weave_rad_s")
@@ -38,22 +38,22 @@ def theory(*, v, spin):
 
 
 def weave_of(values):
-    """The eigenvalue that oscillates."""
+    """Return the oscillating eigenvalue [1/s]."""
     return values[np.argmax(values.imag)]
 
 
 def capsize_of(values):
-    """The greatest real eigenvalue."""
+    """Return the greatest real eigenvalue [1/s]."""
     return max(values[abs(values.imag) < 1e-9].real, default=np.nan)
 
 
 def small_motions(system: System, terms) -> Linearization:
-    """The linear equations in lean and steer."""
+    """Linearize the motion in lean and steer."""
     return linearize(system, outputs=outputs(system), **terms)
 
 
 def first_zero(function):
-    """The first speed at which a rate changes its sign; infinite if none does."""
+    """Return the first speed at which a rate changes its sign [m/s]; infinite if none does."""
     found = [function(v) for v in SPEEDS]
     for k in range(len(SPEEDS) - 1):
         if found[k] * found[k + 1] < 0:
@@ -62,7 +62,7 @@ def first_zero(function):
 
 
 def measure(build, terms, *, v, spin) -> Measured:
-    """Eigenvalues of the general model, and the speeds at which they cross zero."""
+    """Measure eigenvalues of the general model, and the speeds at which they cross zero."""
 
     @cache
     def values(speed):

@@ -1,4 +1,4 @@
-"""The linear equations of a bicycle from the general model, for all speeds from two of them.
+"""Linear equations of a bicycle from the general model, for all speeds from two of them.
 
 Velocities enter the equations of motion only in the quadratic terms of the accelerations, and all velocities of a
 straight run are proportional to the speed v. So the derivative of the accelerations by velocities is linear in v, that
@@ -38,7 +38,7 @@ ALLOWED = 1e-9  # Largest residual of the rows along a deviation, in units of th
 
 
 def linearization(build: Build, parameters: Parameters, speed: float) -> Linearization:
-    """`mbsd3d.linearize` of the straight run at a speed [m/s], with lean, steer and their rates as outputs."""
+    """Return `mbsd3d.linearize` of the straight run at a speed [m/s], with lean, steer and their rates as outputs."""
     system = build(parameters, speed=float(speed))
     return linearize(system, outputs=outputs(system))
 
@@ -46,7 +46,8 @@ def linearization(build: Build, parameters: Parameters, speed: float) -> Lineari
 def linear_equations(
     build: Build, parameters: Parameters, speed: float = 5.0, *, check: bool = True
 ) -> Canonical | None:
-    """The linear equations of a model in the form of the paper, divided by M; None if they do not have that form.
+    """Return the linear equations of a model in the form of the paper, divided by M; None if they do not have that
+    form.
 
     Parameters
     ----------
@@ -78,7 +79,7 @@ def linear_equations(
 
 
 def required_equations(build: Build, parameters: Parameters, speed: float = 5.0, *, check: bool = True) -> Canonical:
-    """`linear_equations`, or a ValueError for a model that does not have their form."""
+    """Return `linear_equations`; raise ValueError for a model that does not have their form."""
     found = linear_equations(build, parameters, speed, check=check)
     if found is None:
         raise InputError(
@@ -89,13 +90,13 @@ def required_equations(build: Build, parameters: Parameters, speed: float = 5.0,
 
 
 def matrices(build: Build, parameters: Parameters, speed: float) -> tuple[np.ndarray, np.ndarray]:
-    """A at rest and at a speed: from four deviations where these are known, else by `linearize`."""
+    """Return A at rest and at a speed: from four deviations where these are known, else by `linearize`."""
     known = output_matrices(build(parameters, speed=float(speed)), parameters, float(speed))
     return known or tuple(linearization(build, parameters, v).A for v in (0.0, speed))
 
 
 def deviations(p: Parameters, centres: np.ndarray, speed: float) -> np.ndarray:
-    """(48, 4) X of `mbsd3d.variations` for unit lean, steer, lean rate and steer rate, by complex steps.
+    """Return X of `mbsd3d.variations` for unit lean, steer, lean rate and steer rate, by complex steps, shape (48, 4).
 
     The pitch that goes with lean and steer is the same to the left and to the right, so it is of second order.
     ``centres`` (4, 3) are the centres of mass of rear wheel, frame, fork, front wheel from their O at the hubs [m].
@@ -116,7 +117,9 @@ def deviations(p: Parameters, centres: np.ndarray, speed: float) -> np.ndarray:
 
 @on_one_thread
 def output_matrices(system: System, p: Parameters, speed: float) -> tuple[np.ndarray, np.ndarray] | None:
-    """A (4, 4) of lean, steer and rates, at rest and at the speed [m/s] at which ``system`` runs; None: `linearize`."""
+    """Return A (4, 4) of lean, steer and rates, at rest and at the speed [m/s] at which ``system`` runs; None:
+    `linearize`.
+    """
     if [body.name for body in system.bodies] != [*NAMES.values()]:
         return None
     start, seen = system.state(), outputs(system)
@@ -136,7 +139,7 @@ def output_matrices(system: System, p: Parameters, speed: float) -> tuple[np.nda
 
 
 def matrix_at(field: Field, tree: object, y: np.ndarray, X: np.ndarray) -> np.ndarray | None:
-    """The rates of the outputs along the deviations; None if the joints or the motion do not allow these."""
+    """Return the rates of the outputs along the deviations; None if the joints or the motion do not allow them."""
     model = field.compiled.model
     moves = directions(model, y)
     try:
@@ -152,7 +155,7 @@ def matrix_at(field: Field, tree: object, y: np.ndarray, X: np.ndarray) -> np.nd
 
 
 def eigenvalues(build: Build, parameters: Parameters, speeds: ArrayLike) -> np.ndarray:
-    """Eigenvalues of the lean and steer motion of the general model about straight runs.
+    """Compute eigenvalues of the lean and steer motion of the general model about straight runs [1/s].
 
     Parameters
     ----------

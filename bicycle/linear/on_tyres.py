@@ -39,7 +39,7 @@ FOOT = 0.3048
 
 @dataclass(frozen=True, eq=False)
 class TyreStability:
-    """Sideways modes of a bicycle on tyres over the speed, as `study` finds them; a column of ``values`` per mode."""
+    """Lateral modes of a bicycle on tyres over the speed, as `study` finds them; a column of ``values`` per mode."""
 
     build: Build
     parameters: Parameters
@@ -51,11 +51,11 @@ class TyreStability:
 
     @property
     def growth(self) -> np.ndarray:
-        """(n,) of the fastest growing mode [1/s]; the bicycle is self-stable where it is negative."""
+        """Return the growth of the fastest growing mode [1/s], negative where the bicycle is self-stable, shape (n,)."""
         return self.values.real.max(axis=1)
 
     def mode(self, name: str, speed: float) -> Mode:
-        """A mode by its name at a speed [m/s]; ``.animate()`` shows it in motion."""
+        """Return a mode by its name at a speed [m/s]; ``.animate()`` shows it in motion."""
         if name not in self.names:
             raise InputError(f"mode '{name}' is unknown; give one of {', '.join(self.names)}")
         if not self.speeds[0] <= speed <= self.speeds[-1]:
@@ -68,7 +68,7 @@ class TyreStability:
         return min(found, key=lambda mode: min(abs(mode.eigenvalue - s) for s in (wanted, wanted.conjugate())))
 
     def figure(self, *, dark: bool = False) -> "Figure":
-        """Growth and frequency of the modes over the speed, with the self-stable ranges shaded."""
+        """Plot growth and frequency of the modes over the speed, with the self-stable ranges shaded."""
         return figure(self, dark=dark)
 
     def to_csv(self, path: str | Path) -> Path:
@@ -84,7 +84,7 @@ class TyreStability:
 
 
 def study(parameters: Parameters, speeds: ArrayLike, build: Build) -> TyreStability:
-    """Follow the sideways modes over rising speeds [m/s]; see `bicycle.stability.study`."""
+    """Follow the lateral modes over rising speeds [m/s]; see `bicycle.stability.study`."""
     speeds = np.unique(np.asarray(speeds, float))
     if speeds.size < 2:
         raise InputError("stability on tyres: give at least two different speeds, between which limits are sought")
@@ -102,14 +102,16 @@ def study(parameters: Parameters, speeds: ArrayLike, build: Build) -> TyreStabil
 def found_equations(
     build: Build, parameters: Parameters, fastest: float
 ) -> tuple[Affine | SpeedBySpeed, Callable[[float], np.ndarray]]:
-    """(equations of rolling ahead, A(v) at any speed): those of rolling back are others."""
+    """Return (equations of rolling forwards, A(v) at any speed); rolling backwards has other equations."""
     direct = SpeedBySpeed(build, parameters)
     linear = equations(build, parameters, fastest) if fastest > 0.0 else direct
     return linear, lambda speed: (linear if speed > 0.0 else direct).A(speed)
 
 
 def followed(A: Callable[[float], np.ndarray], speeds: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
-    """(values with a column per mode, their names), from the fastest of rising speeds down; there modes are named."""
+    """Return (values with a column per mode, their names), from the fastest of rising speeds down; modes are named
+    there.
+    """
     here, modes = np.linalg.eig(A(speeds[-1]))
     names = named(here)
     order = sorted(
@@ -124,7 +126,9 @@ def followed(A: Callable[[float], np.ndarray], speeds: np.ndarray) -> tuple[np.n
 
 
 def named(values: np.ndarray) -> list[str]:
-    """Names of modes at the fastest speed: oscillations from weave on by frequency, decays from capsize on by rate."""
+    """Return names of modes at the fastest speed: oscillations from weave on by frequency, decays from capsize on by
+    rate.
+    """
     waves, decays = iter(WAVES), iter(DECAYS)
     names = [""] * len(values)
     for k in np.lexsort((-values.real, np.abs(values.imag))):
@@ -137,7 +141,7 @@ def named(values: np.ndarray) -> list[str]:
 
 
 def published(found: TyreStability, axes: "Sequence[Axes]", ink: str) -> None:
-    """Printed eigenvalues of a published machine as points."""
+    """Draw printed eigenvalues of a published machine as points."""
     rows = np.array(machines().get(found.parameters.name, {}).get("printed", {"rows": []})["rows"])
     if rows.size:
         v, capsize, weave, weave_w, wobble, wobble_w = rows.T
@@ -148,7 +152,7 @@ def published(found: TyreStability, axes: "Sequence[Axes]", ink: str) -> None:
 
 
 def figure(found: TyreStability, *, dark: bool = False) -> "Figure":
-    """Growth and frequency of the sideways modes over the speed."""
+    """Plot growth and frequency of the lateral modes over the speed."""
     title = f"{found.parameters.name} on tyres: small motions about a straight run"
     with modes_figure(title, dark) as (sheet, growth, frequency, look):
         for axes in (growth, frequency):

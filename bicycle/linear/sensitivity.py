@@ -1,4 +1,4 @@
-"""How the critical speeds of a bicycle depend on its parameters: exact derivatives, Monte Carlo, maps.
+"""Dependence of the critical speeds of a bicycle on its parameters: exact derivatives, Monte Carlo, maps.
 
 A critical speed v solves f(v, x) = 0 with f one of e (capsize), h (weave), and p at the double root s, where dp/ds = 0:
 
@@ -51,7 +51,7 @@ SHOWN = 14  # parameters of a figure: those that matter most
 
 
 class NoSpeedsError(InputError):
-    """A bicycle without any critical speed."""
+    """Error for a bicycle without any critical speed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,15 +63,15 @@ class Derivatives:
     by: Mapping[str, Mapping[str, float]]
 
     def per_percent(self, speed: str) -> dict[str, float]:
-        """Change of a speed [m/s] by one percent of each parameter."""
+        """Return the change of a speed [m/s] by one percent of each parameter."""
         return {key: 0.01 * getattr(self.parameters, key) * slope for key, slope in self.by[speed].items()}
 
     def spread(self, speed: str, deviations: Mapping[str, float]) -> float:
-        """Standard deviation of a speed [m/s], to first order, from those of independent parameters."""
+        """Return the standard deviation of a speed [m/s], to first order, from those of independent parameters."""
         return float(np.sqrt(sum((self.by[speed][key] * std) ** 2 for key, std in deviations.items())))
 
     def to_csv(self, path: str | Path) -> Path:
-        """One row per parameter; returns the file."""
+        """Write one row per parameter; return the file."""
         head = ["parameter", "value [SI]", *(f"d {name} [m/s per SI unit]" for name in self.speeds), "SI unit"]
         keys = next(iter(self.by.values()))
         rows = [[key, getattr(self.parameters, key), *(x[key] for x in self.by.values()), UNIT[key]] for key in keys]
@@ -88,7 +88,7 @@ class Derivatives:
 
 
 def derivatives(parameters: Parameters, build: Build | None = None) -> Derivatives:
-    """Derivatives of weave, capsize and double-root speed with respect to all parameters.
+    """Compute derivatives of weave, capsize and double-root speed with respect to all parameters.
 
     Parameters
     ----------
@@ -126,14 +126,14 @@ def derivatives(parameters: Parameters, build: Build | None = None) -> Derivativ
 
 
 def perturbed(parameters: Parameters) -> SimpleNamespace:
-    """The parameters as (26,) arrays: entry k has the complex step in parameter k."""
+    """Return the parameters as (26,) arrays: entry k has the complex step in parameter k."""
     steps = 1j * STEP * np.eye(len(SYMBOLS))
     values = {key: getattr(parameters, key) + steps[k] for k, key in enumerate(SYMBOLS)}
     return SimpleNamespace(**values, tR=parameters.tR, tF=parameters.tF, name=parameters.name)
 
 
 def varied(parameters: Parameters, keys: list[str], build: Build) -> tuple[Quartic, Quartic]:
-    """(p, p with the complex step in parameter k as entry k) of the general model."""
+    """Return (p, p with the complex step in parameter k as entry k) of the general model."""
     q, slopes = critical.model_polynomial(parameters, build), []
     for key in keys:
         step = COARSE * max(abs(getattr(parameters, key)), LEAST)
@@ -144,7 +144,7 @@ def varied(parameters: Parameters, keys: list[str], build: Build) -> tuple[Quart
 
 
 def neighbours(parameters: Parameters, key: str, step: float) -> tuple[list[Parameters], tuple[float, ...]]:
-    """Bicycles with one parameter changed, and their weights in its difference: central where all can be built."""
+    """Return bicycles with one parameter changed, and their weights in its difference: central where all can be built."""
     here = getattr(parameters, key)
     for places, weights in DIFFERENCES.values():
         try:
@@ -157,7 +157,7 @@ def neighbours(parameters: Parameters, key: str, step: float) -> tuple[list[Para
 
 
 def conditions(q: Quartic) -> list[tuple[str, float, Callable[[Quartic, complex], np.ndarray]]]:
-    """(name, speed, f) with f(quartic, speed) = 0, for each critical speed of the bicycle."""
+    """Return (name, speed, f) with f(quartic, speed) = 0, for each critical speed of the bicycle."""
     found = [
         ("weave", critical.weave(q), lambda q, v: value(q.h, v * v)),
         ("capsize", critical.capsize(q), lambda q, v: value(q.e, v * v)),
@@ -170,7 +170,7 @@ def conditions(q: Quartic) -> list[tuple[str, float, Callable[[Quartic, complex]
 
 
 def plot_derivatives(found: Derivatives, *, dark: bool = False) -> "Figure":
-    """Matplotlib figure: change of the critical speeds by one percent of the parameters that matter most."""
+    """Plot the change of the critical speeds by one percent of the parameters that matter most."""
     changes = {name: found.per_percent(name) for name in found.speeds}
     sizes = {key: max(abs(change[key]) for change in changes.values()) for key in next(iter(changes.values()))}
     keys = sorted(sizes, key=lambda key: -sizes[key])[:SHOWN]

@@ -48,13 +48,15 @@ class Stability:
 
     @cached_property
     def difference(self) -> float:
-        """Largest distance of an eigenvalue in closed form from the next of the general model [1/s]; NaN for none."""
+        """Return the largest distance of an eigenvalue in closed form from the next of the general model [1/s]; NaN for
+        none.
+        """
         if self.closed is None:
             return float("nan")
         return float(np.abs(self.values[:, :, None] - self.closed[:, None, :]).min(axis=1).max())
 
     def mode(self, name: str, speed: float) -> Mode:
-        """Weave, capsize or castering of the general model at a speed [m/s]; ``.animate()`` shows it in motion."""
+        """Return weave, capsize or castering of the general model at a speed [m/s]; ``.animate()`` shows it in motion."""
         check_mode(name)
         speed = number(speed, f"mode '{name}': speed")
         fastest = np.copysign(max(np.abs([*self.speeds, speed, 1.0])), speed)
@@ -64,7 +66,7 @@ class Stability:
         return min(found.modes, key=lambda mode: min(abs(mode.eigenvalue - s) for s in (value, value.conjugate())))
 
     def figure(self, *, dark: bool = False) -> "Figure":
-        """Growth and frequency over the speed: lines of the general model, dots of the closed form, ranges shaded."""
+        """Plot growth and frequency over the speed: lines of the general model, dots of the closed form, ranges shaded."""
         return figure(self, dark=dark)
 
     def to_csv(self, path: str | Path) -> Path:
@@ -73,7 +75,7 @@ class Stability:
 
 
 def check_mode(name: str) -> None:
-    """A name of a mode, or a ValueError."""
+    """Check the name of a mode; raise ValueError for others."""
     if name not in MODES:
         raise InputError(f"mode '{name}' is unknown; give weave, capsize or castering")
 
@@ -126,7 +128,7 @@ def study(
 
 
 def figure(found: Stability, *, dark: bool = False) -> "Figure":
-    """The figure of a study: growth and frequency of the modes over the speed."""
+    """Plot growth and frequency of the modes over the speed."""
     title = f"{found.parameters.name}: small motions about a straight run"
     with modes_figure(title, dark) as (sheet, growth, frequency, look):
         for axes in (growth, frequency):
@@ -140,7 +142,7 @@ def figure(found: Stability, *, dark: bool = False) -> "Figure":
 
 
 def window(found: Stability) -> tuple[float, float]:
-    """Limits of the growth: all that matters for stability; a fast castering mode may leave the frame."""
+    """Return limits of the growth that matter for stability [1/s]; a fast castering mode may leave the frame."""
     real = found.values.real
     slow = real[:, :3]
     low, high = min(slow.min(), 0.0), max(slow.max(), 0.0)
@@ -160,7 +162,7 @@ def shade(axes: "Axes", found: Stability, look: Theme) -> None:
 
 
 def lines(axes: "Axes", found: Stability, look: Theme, part: Callable[[np.ndarray], np.ndarray]) -> None:
-    """Lines of the general model by mode, dots of the closed form."""
+    """Draw lines of the general model by mode, and dots of the closed form."""
     split = np.abs(found.values.imag[:, 0]) <= 1e-9 * np.abs(found.values).max()
     split = split | np.r_[split[1:], False] | np.r_[False, split[:-1]]  # up to where they are one
     for side in (found.speeds < 0.0, found.speeds >= 0.0):  # at rest the modes get their names anew
@@ -179,7 +181,7 @@ def lines(axes: "Axes", found: Stability, look: Theme, part: Callable[[np.ndarra
 
 
 def mark(axes: "Axes", found: Stability, look: Theme) -> None:
-    """Weave and capsize speed, where they are in the frame; the lower has its name on the left, to be read beside."""
+    """Mark weave and capsize speed where they are in the frame; the lower has its name on the left, to be legible."""
     speeds = {"weave": found.critical.weave, "capsize": found.critical.capsize}
     for name, speed in speeds.items():
         if found.speeds.min() < speed < found.speeds.max():

@@ -1,4 +1,4 @@
-"""Variants of a bicycle and what becomes of them: the changes, their self-stable ranges, table and bars."""
+"""Variants of a bicycle: their changes, their self-stable ranges, table and bars."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -48,7 +48,7 @@ CHANGES: dict[str, Callable[[Parameters], dict[str, float]]] = {
 
 
 def on_axis(p: Parameters) -> float:
-    """x_H [m] such that the common centre of mass of fork and front wheel lies on the steer axis."""
+    """Return x_H [m] such that the common centre of mass of fork and front wheel lies on the steer axis."""
     if p.mH == 0.0:
         raise InputError(f"bicycle '{p.name}': the fork has no mass (mH = 0) that could be moved; give it one")
     mass = p.mH + p.mF
@@ -57,14 +57,14 @@ def on_axis(p: Parameters) -> float:
 
 
 def lock(bicycle: System) -> System:
-    """The bicycle with its steering held."""
+    """Return the bicycle with its steering locked."""
     driver = AngleDriver(bicycle.part("steer", "joints"), Constant(0.0), name="lock")
     return replace(bicycle, joints=[*bicycle.joints, driver])
 
 
 @dataclass(frozen=True)
 class Ablation:
-    """A bicycle with something changed, and at which speeds it is self-stable."""
+    """Changed bicycle, and the speeds at which it is self-stable."""
 
     name: str  # of the change
     parameters: Parameters  # with the change
@@ -77,13 +77,15 @@ class Ablation:
 
     @property
     def difference(self) -> float:
-        """Largest difference between the ends of both [m/s]; infinite if not equally many, NaN without a model."""
+        """Return the largest difference between the ends of both [m/s]; infinite if not equally many, NaN without a
+        model.
+        """
         return float("nan") if self.model is None else critical.difference(self.ranges, self.model)
 
 
 @dataclass(frozen=True)
 class Ablations:
-    """What `ablations` found; growths are those at ``speed`` [m/s]; ``missing`` counts the rows lost to Ctrl-C."""
+    """Result of `ablations`; growths are those at ``speed`` [m/s]; ``missing`` counts the rows lost to Ctrl-C."""
 
     parameters: Parameters
     speed: float
@@ -102,7 +104,7 @@ class Ablations:
 
 
 def to_csv(found: Ablations, path: str | Path) -> Path:
-    """One row per variant and range; returns the file."""
+    """Write one row per variant and range; return the file."""
     growth = f"growth at {found.speed!r} m/s [1/s]"
     head = ["variant", "low [m/s]", "high [m/s]", growth, "difference of the model [m/s]", "not possible"]
     head += ["ideal wheels low [m/s]", "ideal wheels high [m/s]"]
@@ -115,7 +117,7 @@ def to_csv(found: Ablations, path: str | Path) -> Path:
 
 
 def plot_ablations(found: Ablations, *, dark: bool = False) -> "Figure":
-    """Figure of the self-stable ranges, one bar per variant."""
+    """Plot the self-stable ranges, one bar per variant."""
     title = f"{found.parameters.name}: at which speeds does it stay upright by itself?"
     shown = [row for row in found.rows if not row.problem]
     beside = [row.ideal for row in shown] if any(row.ideal is not None for row in shown) else []
@@ -126,7 +128,7 @@ def plot_ranges(
     rows: Sequence[tuple[str, Sequence[Range] | None]], title: str, *, beside: Sequence[Sequence[Range] | None] = (),
     dark: bool = False,
 ) -> "Figure":  # fmt: skip
-    """Self-stable ranges of several bicycles by name, a bar per range; one that ends far out reaches the edge.
+    """Plot self-stable ranges of several bicycles by name, a bar per range; a range that ends far out reaches the edge.
 
     ``beside`` has ranges of ideal wheels for the same rows, drawn as thin bars below; None = not possible.
     """
@@ -156,7 +158,7 @@ def plot_ranges(
 
 
 def draw_row(axes: "Axes", k: int, found: Sequence[Range] | None, top: float, look: Theme, *, height: float) -> None:
-    """The ranges of one bicycle in row k."""
+    """Draw the ranges of one bicycle in row k."""
     for part in found or ():
         draw_bar(axes, k, part, top, look, height)
     if not found:
@@ -165,7 +167,7 @@ def draw_row(axes: "Axes", k: int, found: Sequence[Range] | None, top: float, lo
 
 
 def draw_bar(axes: "Axes", k: int, part: Range, top: float, look: Theme, height: float) -> None:
-    """A range in row k with its ends as numbers; both on the right where there is no room on the left."""
+    """Draw a range in row k with its ends as numbers; both on the right where there is no room on the left."""
     high, gap = min(part.high, top), 0.008 * top
     style = {"va": "center", "fontsize": 8.5}
     if part.low > (1.0 - ROOM_OF_LABEL) * top:

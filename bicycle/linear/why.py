@@ -1,4 +1,4 @@
-"""Why a bicycle stays upright: take something away, or move it, and see at which speeds it still does.
+"""Causes of the self-stability of a bicycle: variants with something removed or moved, and their stable speeds.
 
 Ranges are roots of polynomials, see `bicycle.critical`: none is too narrow to be found. The general model confirms
 them: its linear equations give the same ranges, and its fastest growth changes sign within 1e-6 m/s of every end.
@@ -31,19 +31,19 @@ STEP = 1e-6
 
 
 def two_mass_skate() -> Parameters:
-    """Two point masses on skates, with neither trail nor spin momentum; the tilt of 5 degrees to all digits."""
+    """Return two point masses on skates, with neither trail nor spin momentum; the tilt of 5 degrees to all digits."""
     return replace(named("Tms"), lam=np.pi / 36.0, name="two-mass skate")
 
 
 def quartic_of(parameters: Parameters, build: Build | None) -> Quartic:
-    """Characteristic quartic in closed form; from the general model for round tyres, which that form does not know."""
+    """Return the characteristic quartic in closed form, or from the general model for round tyres."""
     if build is not None and (parameters.tR or parameters.tF):
         return critical.model_polynomial(parameters, build)
     return critical.polynomial(parameters)
 
 
 def ablated(name: str, parameters: Parameters, build: Build | None, speed: float) -> Ablation:
-    """Ranges of a bicycle, confirmed by a model."""
+    """Compute the ranges of a changed bicycle, confirmed by a model."""
     q = quartic_of(parameters, build)
     found = Ablation(name, parameters, critical.ranges(q), fastest(q, speed))
     if build is None:
@@ -53,7 +53,7 @@ def ablated(name: str, parameters: Parameters, build: Build | None, speed: float
 
 
 def in_spectrum(found: Ablation, build: Build, speed: float) -> bool:
-    """Whether the spectrum of the model has the same fastest growth, which changes sign at every end of a range."""
+    """Return whether the spectrum of the model has the same fastest growth, which changes sign at every end of a range."""
 
     def growth(v: float) -> float:
         A = linearization(build, found.parameters, v).A  # its own spectrum rounds small values to zero
@@ -65,12 +65,14 @@ def in_spectrum(found: Ablation, build: Build, speed: float) -> bool:
 
 
 def fastest(q: Quartic, v: float) -> float:
-    """Largest real part [1/s] of the roots at a speed."""
+    """Return the largest real part [1/s] of the roots at a speed."""
     return float(Polynomial(q.at(v)).roots().real.max())
 
 
 def locked(parameters: Parameters, build: Build | None, speed: float) -> Ablation:
-    """Only lean is left: a pendulum with +-sqrt(-g K0_11 / M_11) at any speed, which falls unless it hangs."""
+    """Return the bicycle with lean only: a pendulum with +-sqrt(-g K0_11 / M_11) at any speed, which falls unless it
+    hangs.
+    """
     name, falls = "steering locked", []
     if build is None or not (parameters.tR or parameters.tF):
         linear = canonical(parameters)
@@ -82,7 +84,7 @@ def locked(parameters: Parameters, build: Build | None, speed: float) -> Ablatio
 
 
 def falling(bicycle: System) -> float:
-    """Growth [1/s] of the lean of a bicycle whose steering is held."""
+    """Return the growth [1/s] of the lean of a bicycle whose steering is locked."""
     frame = bicycle.part("frame")
     seen = [measures.lean(frame), measures.lean_rate(frame)]
     return float(linearize(lock(bicycle), outputs=seen).eigenvalues.real.max())
@@ -92,7 +94,8 @@ def ablations(
     parameters: Parameters, build: Build | None = whipple, *, tyres: Tyres | None = None, progress: bool | None = None,
     **fittings: float,
 ) -> Ablations:  # fmt: skip
-    """Self-stable ranges of a bicycle, of its variants (`CHANGES`), with locked steering, and of a two-mass skate.
+    """Compute self-stable ranges of a bicycle, of its variants (`CHANGES`), with locked steering, and of a two-mass
+    skate.
 
     On tyres, of variants of the tyres instead of the skate, and beside those of ideal wheels.
 
@@ -125,7 +128,7 @@ def ablations(
 
 
 def one_by_one(parameters: Parameters, build: Build | None, speed: float) -> Iterator[Ablation]:
-    """The variants, the bicycle with locked steering, and a two-mass skate."""
+    """Yield the variants, the bicycle with locked steering, and a two-mass skate."""
     for name in CHANGES:
         yield changed(parameters, name, build, speed)
     yield locked(parameters, build, speed)
@@ -133,7 +136,7 @@ def one_by_one(parameters: Parameters, build: Build | None, speed: float) -> Ite
 
 
 def changed(parameters: Parameters, name: str, build: Build | None, speed: float) -> Ablation:
-    """A variant, or why it is not possible for this bicycle."""
+    """Return a variant, or why it is not possible for this bicycle."""
     try:
         variant = replace(parameters, **CHANGES[name](parameters), name=f"{parameters.name}, {name}")
         return ablated(name, variant, build, speed)

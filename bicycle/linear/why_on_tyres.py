@@ -1,4 +1,4 @@
-"""Why a bicycle on tyres stays upright: variants of the bicycle and of its tyres, beside those on ideal wheels.
+"""Causes of the self-stability of a bicycle on tyres: variants of bicycle and tyres, compared with ideal wheels.
 
 Ranges are eigenvalues of pencils, not read off a grid of speeds, see `bicycle.linear.tyre_equations`. A variant of the
 tyres alone has no counterpart on ideal wheels, which know only the crown.
@@ -38,7 +38,7 @@ TYRE_CHANGES: dict[str, Callable[[Numbers], Numbers]] = {
 def ablations(
     parameters: Parameters, tyres: tuple[Numbers, Numbers], fittings: Mapping[str, float], progress: bool | None
 ) -> Ablations:
-    """Ranges of the variants, and how fast they fall at one speed; see `bicycle.why.ablations`."""
+    """Compute ranges of the variants, and their growth at one speed [1/s]; see `bicycle.why.ablations`."""
     linear = required_equations(partial(whipple, tyres=tyres, **fittings), parameters)
     speed = critical.typical_speed(linear.stable())
     rows = variants(parameters, tyres, fittings, speed)
@@ -50,7 +50,7 @@ def ablations(
 def variants(
     parameters: Parameters, tyres: tuple[Numbers, Numbers], fittings: Mapping[str, float], speed: float
 ) -> Iterator[Ablation]:
-    """The changes of the bicycle, its steering locked, more crown, and the changes of the tyres."""
+    """Yield the changes of the bicycle, its locked steering, more crown, and the changes of the tyres."""
     for name, change in CHANGES.items():
         yield changed(parameters, name, change, {"tyres": tyres, **fittings}, speed)
     held = lock(whipple(parameters, speed, tyres=tyres, **fittings))
@@ -67,7 +67,7 @@ def changed(
     parameters: Parameters, name: str, change: Callable[[Parameters], dict[str, float]], fittings: Mapping[str, Any],
     speed: float,
 ) -> Ablation:  # fmt: skip
-    """A variant on tyres and on ideal wheels, or why it is not possible."""
+    """Return a variant on tyres and on ideal wheels, or why it is not possible."""
     try:
         variant = replace(parameters, **change(parameters), name=f"{parameters.name}, {name}")
         turns = {key: LIGHT * getattr(parameters, key) for key in ("IRyy", "IFyy") if getattr(variant, key) == 0.0}

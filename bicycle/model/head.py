@@ -1,4 +1,4 @@
-"""A head tube that yields: a hinge between frame and steer axis, at right angles to it, with spring and damper."""
+"""Flexible head tube: a hinge between frame and steer axis, at right angles to it, with spring and damper."""
 
 from collections.abc import Sequence
 
@@ -16,7 +16,7 @@ LENGTH = 0.12  # of the head tube as it is drawn [m]
 def head_of(
     p: Parameters, bodies: Sequence[Body], stiffness: float, damping: float
 ) -> tuple[Body, Revolute, Revolute, TorsionSpring]:  # fmt: skip
-    """(body "head" without mass, joint "steer" on it, joint "head twist" on the frame, spring "head spring").
+    """Return (body "head" without mass, joint "steer" on it, joint "head twist" on the frame, spring "head spring").
 
     The axis of twist lies in the plane of the frame, goes through the head and points ahead: the frame gives about it
     as its tubes twist, and the front wheel moves sideways.
@@ -31,7 +31,7 @@ def head_of(
 
 
 def head_state(place: Pose, q: np.ndarray, motion: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(q, v) of the bicycle and of its head, which moves with the frame (row 1 of q and ``motion`` (4, 6))."""
+    """Return (q, v) of the bicycle and of its head, which moves with the frame (row 1 of q and ``motion`` (4, 6))."""
     v, omega = motion[1, :3], motion[1, 3:]
     there = v + cross(omega, place.head - place.rear)
     return np.concatenate([q, place.head, q[10:14]]), np.concatenate([motion.ravel(), there, omega])

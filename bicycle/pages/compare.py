@@ -1,4 +1,4 @@
-"""Several bicycles on one page: what they are, at which speeds they stay upright by themselves, how they look and move.
+"""Several bicycles on one page: their parameters, self-stable speeds, shape and motion.
 
 The page (``index.html``) needs no network; a few of the bicycles have a page of their own with the weave mode in motion
 (``views/``), about 0.8 MB each. Critical speeds are those of the closed form, confirmed by the general model; round
@@ -40,7 +40,7 @@ AGREES = 1e-6  # [m/s] Largest difference of critical speeds that counts as the 
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """A bicycle of the page."""
+    """Bicycle of the page."""
 
     parameters: Parameters
     critical: CriticalSpeeds
@@ -51,23 +51,23 @@ class Entry:
 
     @cached_property
     def left_out(self) -> "Figure":
-        """What ideal wheels leave out."""
+        """Draw what ideal wheels leave out."""
         return ideal_or_tyres.figure(self.parameters, self.fittings)
 
     @cached_property
     def gripping(self) -> list[Range] | None:
-        """Self-stable ranges on tyres; None if there are none to ask for."""
+        """Return self-stable ranges on tyres; None for a bicycle without tyres."""
         return None if self.on_tyres is None else self.on_tyres.stable()
 
     @property
     def height(self) -> float:
-        """Height of the centre of mass [m]."""
+        """Return the height of the centre of mass [m]."""
         p = self.parameters
         return (p.mR * p.rR - p.mB * p.zB - p.mH * p.zH + p.mF * p.rF) / p.mass
 
     @property
     def source(self) -> str:
-        """Where the parameters were published, and whether with a rider."""
+        """Return where the parameters were published, and whether with a rider."""
         if self.parameters.name in machines():
             return machines()[self.parameters.name]["source"]
         if self.parameters.name not in names():
@@ -78,12 +78,12 @@ class Entry:
 
     @property
     def file(self) -> str:
-        """Name of its page."""
+        """Return the file name of the page of the bicycle."""
         return file_of(self.parameters.name)
 
 
 def check_names(bicycles: Sequence[Parameters]) -> None:
-    """Refuse two bicycles of one name, whose pages would be one file."""
+    """Raise ValueError for two bicycles of one name, whose pages would be one file."""
     known: set[str] = set()
     for parameters in bicycles:
         if file_of(parameters.name).lower() in known:  # some file systems do not tell "a" from "A"
@@ -92,12 +92,12 @@ def check_names(bicycles: Sequence[Parameters]) -> None:
 
 
 def file_of(name: str) -> str:
-    """Name of the page of a bicycle."""
+    """Return the file name of the page of a bicycle."""
     return re.sub(r"[^A-Za-z0-9_.+-]+", "-", name).strip(".") + ".html"
 
 
 def entry(parameters: Parameters, fittings: Mapping[str, Any] | None = None) -> Entry:
-    """Critical speeds of a bicycle, by closed form and general model; with tyres in ``fittings`` also on them."""
+    """Compute critical speeds of a bicycle by closed form and general model; with tyres in ``fittings`` also on them."""
     model, rest = critical_speeds(parameters, whipple), {}
     if fittings:
         try:
@@ -115,13 +115,13 @@ def entries(
     bicycles: Sequence[Parameters], fittings: Sequence[Mapping[str, Any]] | None = None, *,
     progress: bool | None = None,
 ) -> list[Entry]:  # fmt: skip
-    """The entries of bicycles, and of their tyres if there are fittings; after Ctrl-C those that were finished."""
+    """Compute the entries of bicycles, and of their tyres if there are fittings; after Ctrl-C those that were finished."""
     found = map(entry, bicycles, fittings or [None] * len(bicycles))
     return collected(f"{len(bicycles)} bicycles", found, len(bicycles), progress)
 
 
 def table(found: Sequence[Entry]) -> str:
-    """Critical speeds as text."""
+    """Return critical speeds as text."""
     wide = max(len(x.parameters.name) for x in found)
     more = any(x.fittings or x.problem for x in found)
     lines = [f"{'':{wide}}  {'weave':>8}  {'capsize':>8}  self-stable [m/s]" + "         on tyres" * more]
@@ -136,7 +136,7 @@ def table(found: Sequence[Entry]) -> str:
 
 
 def to_csv(found: Sequence[Entry], path: str | Path) -> Path:
-    """One row per bicycle, critical speeds and parameters; returns the file."""
+    """Write one row per bicycle, critical speeds and parameters; return the file."""
     keys = list(found[0].parameters.values())
     head = ["bicycle", "weave [m/s]", "capsize [m/s]", "stable from [m/s]", "to [m/s]", "model differs by [m/s]", *keys]
     head[5:5] = ["on tyres from [m/s]", "on tyres to [m/s]"]
@@ -149,7 +149,7 @@ def to_csv(found: Sequence[Entry], path: str | Path) -> Path:
 
 
 def chosen(wanted: Sequence[str], unphysical: bool) -> tuple[list[Parameters], list[str]]:
-    """Bicycles by name or file, all sets if none is named, and why others were left out."""
+    """Return bicycles by name or file, all sets if none is named, and why others were left out."""
     if wanted:
         return [find(text, unphysical=unphysical) for text in wanted], []
     found, left_out = [Meijaard2007()], []
@@ -201,7 +201,7 @@ def write_page(
 
 
 def write_view(folder: Path, x: Entry) -> Path:
-    """A page with the weave of a bicycle in motion, at a speed in its self-stable range or at 5 m/s."""
+    """Write a page with the weave of a bicycle in motion, at a speed in its self-stable range or at 5 m/s."""
     folder.mkdir(parents=True, exist_ok=True)
     speed = critical.typical_speed(x.critical.stable)
     mode = stability.study(x.parameters, [speed]).mode("weave", speed)
@@ -210,7 +210,9 @@ def write_view(folder: Path, x: Entry) -> Path:
 
 
 def growth_svg(x: Entry, prefix: str) -> Markup:
-    """Growth of the modes over the speed as a small figure, on tyres where there are some; stable ranges are shaded."""
+    """Draw growth of the modes over the speed as a small figure, on tyres where there are some; stable ranges are
+    shaded.
+    """
     speeds = np.linspace(0.0, FASTEST, 121)
     growth = np.sort(eigenvalues(whipple, x.parameters, speeds).real, axis=1)
     stable = x.critical.stable if x.gripping is None else x.gripping

@@ -1,4 +1,6 @@
-"""What ideal wheels leave out, in one figure: growth over the speed, a shaken handlebar, and turns up to the limit."""
+"""Effects that ideal wheels leave out, in one figure: growth over the speed, steering response, and turns up to the
+limit.
+"""
 
 from collections.abc import Mapping
 from functools import partial
@@ -30,7 +32,7 @@ SHOWN = (-8.0, 6.0)  # [1/s] of the growth
 
 
 def figure(parameters: Parameters, fittings: Mapping[str, Any], *, speed: float = 5.0, dark: bool = False) -> "Figure":
-    """A bicycle on tyres in colour, on ideal wheels in grey.
+    """Plot a bicycle on tyres in colour, on ideal wheels in grey.
 
     Growth of the sideways modes over the speed: ideal wheels know no wobble. Steer by a steer torque over the
     frequency, at one speed: tyres give way to fast steering. Torque that holds a turn at this speed, and the grip that
@@ -66,7 +68,7 @@ def figure(parameters: Parameters, fittings: Mapping[str, Any], *, speed: float 
 
 
 def draw_growth(axes: "Axes", parameters: Parameters, linear: Affine | SpeedBySpeed, look: Theme) -> None:
-    """Largest growths over the speed as dots, which need no names."""
+    """Draw the largest growths over the speed as dots, which need no names."""
     ideal = eigenvalues(whipple, parameters, SPEEDS).real
     found = [np.linalg.eigvals(linear.A(v)).real for v in SPEEDS.tolist()]
     style = {"linestyle": "none", "marker": ".", "markersize": 3.0}
@@ -81,7 +83,7 @@ def draw_growth(axes: "Axes", parameters: Parameters, linear: Affine | SpeedBySp
 
 
 def draw_steering(axes: "Axes", parameters: Parameters, fittings: Mapping[str, Any], speed: float, look: Theme) -> None:
-    """Steer by steer torque over the frequency."""
+    """Draw steer by steer torque over the frequency."""
     ideal = partial(whipple, steer_damping=fittings.get("steer_damping", 0.0))
     for colour, H in (
         (look.muted, frequency.response(parameters, speed, OMEGA, ideal).H),
@@ -97,7 +99,7 @@ def draw_steering(axes: "Axes", parameters: Parameters, fittings: Mapping[str, A
 def draw_turns(
     panels: tuple["Axes", "Axes"], parameters: Parameters, fittings: Mapping[str, Any], speed: float, look: Theme
 ) -> None:  # fmt: skip
-    """Steer torque and friction over the lean, with a rigid head; a dot where there is no more grip."""
+    """Draw steer torque and friction over the lean, with a rigid head; a dot marks the limit of grip."""
     found: list[list[Turn]] = []
     held_if_possible(parameters, [speed], found, lambda text: None, progress=False)
     on_grip = on_tyres.turns(parameters, fittings["tyres"], speed, LEANS)

@@ -1,4 +1,4 @@
-"""A bicycle from the side, to scale, as a small SVG from its parameters alone; colours are variables of the page.
+"""Bicycle from the side, to scale, as a small SVG from its parameters alone; colours are variables of the page.
 
 Frame and fork are uniform ellipsoids with their mass, centre of mass and inertia, so that one sees where the mass is.
 """
@@ -16,11 +16,13 @@ MARGIN = 8.0  # below the ground
 
 
 def side_view(parameters: Parameters) -> Markup:
-    """SVG element, forward to the right: wheels, frame, fork, steer axis, trail, and ellipsoids of frame and fork."""
+    """Draw an SVG element, forward to the right: wheels, frame, fork, steer axis, trail, and ellipsoids of frame and
+    fork.
+    """
     p = parameters
 
     def at(x: float, z: float) -> str:
-        """Place of a point of the paper's axes, z down from the ground."""
+        """Return the coordinates on paper, z down from the ground, of a point."""
         return f"{SCALE * (LEFT + x):.1f} {SCALE * (HEIGHT + z):.1f}"
 
     def line(kind: str, *points: tuple[float, float]) -> str:
@@ -43,7 +45,7 @@ def side_view(parameters: Parameters) -> Markup:
 
 
 def ellipse(p: Parameters, part: str, tint: str, at: Callable[[float, float], str]) -> str:
-    """The ellipsoid of a part seen from the side, with its centre of mass; nothing if it has no mass."""
+    """Draw the ellipsoid of a part seen from the side, with its centre of mass; nothing if it has no mass."""
     mass = getattr(p, f"m{part}")
     if mass == 0.0:
         return ""
@@ -57,7 +59,8 @@ def ellipse(p: Parameters, part: str, tint: str, at: Callable[[float, float], st
 
 
 def semi_axes(inertia: np.ndarray, mass: float) -> tuple[np.ndarray, float]:
-    """(2,) semi-axes [m] of the uniform ellipsoid in the plane of x and z, and the turn of the first from x to z [deg].
+    """Return the semi-axes (2,) [m] of the uniform ellipsoid in the plane of x and z, and the angle of the first from x
+    to z [deg].
 
     Negative second moments, which only impossible inertias have, are drawn as zero.
     """

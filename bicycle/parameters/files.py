@@ -21,12 +21,12 @@ UNCERTAIN = re.compile(r"^\(?([^()]+?)\s*\+/-\s*([^()]+?)\)?(e[+-]?\d+)?$", re.I
 
 
 def is_file(path: str | Path) -> bool:
-    """Whether a name belongs to a parameter file, by its ending."""
+    """Return whether a name belongs to a parameter file, by its ending."""
     return Path(path).suffix.lower() in FORMATS
 
 
 def read_values(path: str | Path) -> tuple[Numbers, Numbers]:
-    """The numbers of a parameter file.
+    """Read the numbers of a parameter file.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def read_values(path: str | Path) -> tuple[Numbers, Numbers]:
 
 
 def text_entries(path: Path, text: str) -> tuple[Numbers, Numbers]:
-    """Lines ``symbol = value +/- deviation, ...``."""
+    """Read lines ``symbol = value +/- deviation, ...``."""
     values, deviations = {}, {}
     for i, line in enumerate(text.splitlines(), 1):
         content = line.split("#")[0].strip()
@@ -79,7 +79,7 @@ def text_entries(path: Path, text: str) -> tuple[Numbers, Numbers]:
 
 
 def value_and_deviation(text: str, what: str) -> tuple[float, float | None]:
-    """(value, deviation or None) of "0.1", "0.1 +/- 0.02" or "(1.2 +/- 0.3)e-05"."""
+    """Read (value, deviation or None) of "0.1", "0.1 +/- 0.02" or "(1.2 +/- 0.3)e-05"."""
     match = UNCERTAIN.match(text)
     parts = [part + (match[3] or "") for part in match.groups()[:2]] if match else [text]
     try:
@@ -92,7 +92,7 @@ def value_and_deviation(text: str, what: str) -> tuple[float, float | None]:
 
 
 def yaml_entries(path: Path, text: str) -> tuple[Numbers, Numbers]:
-    """The mapping ``values`` of a YAML file; references are refused, since they can expand without end."""
+    """Read the mapping ``values`` of a YAML file; raise ValueError for references, since they can expand without end."""
     if NESTED.search(text):
         raise InputError(
             f"'{path}': lists in lists, numbers to base 60 or without end; a parameter file has names and numbers only"
@@ -116,7 +116,7 @@ def yaml_entries(path: Path, text: str) -> tuple[Numbers, Numbers]:
 
 
 def repeated(node: yaml.Node | None) -> list[str]:
-    """Keys given twice in a mapping of a YAML tree; the loader would keep the last."""
+    """Return keys given twice in a mapping of a YAML tree; the loader would keep the last."""
     if not isinstance(node, yaml.MappingNode):
         return []
     keys = [key.value for key, _ in node.value]
@@ -125,12 +125,12 @@ def repeated(node: yaml.Node | None) -> list[str]:
 
 
 def short(value: Any) -> str:
-    """A value as it prints, cut; a text of digits where Python prints no number of so many."""
+    """Return a value as it prints, cut; a text of digits for integers too long to print."""
     return str(value)[:80] if isinstance(value, int) and abs(value) > 10**80 else repr(value)[:80]
 
 
 def plain_number(value: Any, what: str) -> float:
-    """A number of a YAML file; YAML reads 7e-3, without a point, as a text."""
+    """Read a number of a YAML file; YAML reads 7e-3, without a point, as a text."""
     if isinstance(value, int | float) and not isinstance(value, bool) or POWER_OF_TEN.fullmatch(str(value)):
         number = float(str(value))
         if abs(number) < inf:

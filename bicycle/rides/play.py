@@ -1,4 +1,4 @@
-"""A bicycle on tyres that is ridden in the browser: torques by keys, and its own numbers by sliders while it rides."""
+"""Live ride of a bicycle on tyres in the browser: torques by keys, and its parameters by sliders while it rides."""
 
 import threading
 from collections.abc import Mapping, Sequence
@@ -52,7 +52,7 @@ def play(
     port: int = 0,
     **fittings: Any,
 ) -> Play:
-    """Ride a bicycle on tyres in real time, in a browser on this machine; see `mbsd3d.System.play`.
+    """Simulate a bicycle on tyres in real time, in a browser on this machine; see `mbsd3d.System.play`.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def play(
 
 
 class Riding:
-    """A bicycle that is played: its controls, its curves, and how it is made anew."""
+    """Live model of a bicycle: its controls, its curves, and its rebuilding after a change."""
 
     panels = PANELS
 
@@ -96,7 +96,7 @@ class Riding:
         self.thread: threading.Thread | None = None
 
     def built(self, values: Mapping[str, float], state: State | None) -> Built:
-        """The bicycle of these numbers, at its start or going on."""
+        """Build the bicycle of these numbers, at its start or from a state."""
         p = changed(self.parameters, values)
         if state is not None:
             begun = state if p == self.now else carried(state, self.now, p)
@@ -109,17 +109,17 @@ class Riding:
         return Built(system, system.state() if state is None else begun, seen, shown)
 
     def system(self, p: Parameters, assist: float, speed: float) -> Bicycle:
-        """The bicycle with its rider's torques, straight ahead."""
+        """Build the bicycle with its rider's torques, straight ahead."""
         names = {"torque": "steer torque", "drive": "pedal", "brake": "brake"}
         loads = {load: Input(name) for load, name in names.items()}
         return with_assist(ridden(p, push=0.0, speed=speed, **loads, **self.fittings), assist)
 
     def inputs(self, values: Mapping[str, float], measured: Sequence[float]) -> Mapping[str, float]:
-        """Torques of the rider."""
+        """Return the torques of the rider [N m]."""
         return {name: values[name] for name in ("steer torque", "pedal", "brake")}
 
     def seen(self, values: Mapping[str, float], measured: Sequence[float]) -> Seen:
-        """Angles, speed, growth of small motions about straight running at this speed, torques."""
+        """Return angles, speed, growth of small motions about straight running at this speed, torques."""
         lean, steer, lean_rate, upward, *v = map(float, measured)
         speed = self.held = float(np.hypot(*v))
         over = "" if upward > np.pi / 2 - FALLEN else "fallen: reset (R) stands it up again"
@@ -130,7 +130,7 @@ class Riding:
         return Seen(curves, {"speed": speed}, {"speed": good}, over)
 
     def linearised(self) -> "Straight | None":
-        """Small motions of the present bicycle; None as long as a thread of its own looks for them."""
+        """Return small motions of the present bicycle; None while its thread computes them."""
         if self.straight is not None and self.straight.key == self.wanted:
             return self.straight
         if self.thread is None or not self.thread.is_alive():
@@ -160,7 +160,7 @@ class Straight(NamedTuple):
     ranges: list[tuple[float, float]]  # in which it stays up by itself [m/s]
 
     def growth(self, speed: float) -> list[float]:
-        """Fastest [1/s] of the motions that oscillate and of those that do not; NaN where there are none."""
+        """Return the fastest growth [1/s] of oscillating and of other motions; NaN where there are none."""
         if self.equations is None:
             return [np.nan, np.nan]
         values = np.linalg.eigvals(self.equations.A(speed))
@@ -169,7 +169,7 @@ class Straight(NamedTuple):
 
 
 def controls_of(p: Parameters, speed: float, assist: float, torque: float) -> list[Control]:
-    """What is changed while riding: torques by keys, the rest by sliders."""
+    """Return the controls of a live ride: torques by keys, the rest by sliders."""
     torque, speed = number(torque, "play: torque", positive=True), number(speed, "play: speed")
     fastest, angle = min(max(12.0, 2.0 * speed), FASTEST), 90.0 - float(np.degrees(p.lam))
     made = [
@@ -190,7 +190,7 @@ def controls_of(p: Parameters, speed: float, assist: float, torque: float) -> li
 
 
 def changed(p: Parameters, values: Mapping[str, float]) -> Parameters:
-    """The bicycle with the trail, head angle and spin of the sliders; a slider at its start changes nothing."""
+    """Return the bicycle with the trail, head angle and spin of the sliders; a slider at its start changes nothing."""
     spin = values["wheel spin"] / 100.0
     changes = {"c": values["trail"], "IRyy": spin * p.IRyy, "IFyy": spin * p.IFyy}
     if values["head angle"] != 90.0 - np.degrees(p.lam):
@@ -199,14 +199,14 @@ def changed(p: Parameters, values: Mapping[str, float]) -> Parameters:
 
 
 def with_assist(system: Bicycle, gain: float) -> Bicycle:
-    """Steer torque k lean_rate between frame and fork."""
+    """Add the steer torque k lean_rate between frame and fork."""
     seen = [measures.lean_rate(system.part("frame"))]
     feedback = StateFeedback(measures=seen, gains=[-gain], on=system.part("steer", "joints"), name="assist")
     return replace(system, forces=[*system.forces, feedback])
 
 
 def measures_of(system: Bicycle) -> list[Measure]:
-    """Lean, steer, lean rate, elevation of the frame, velocity of the rear hub along x and y."""
+    """Return measures of lean, steer, lean rate, elevation of the frame, velocity of the rear hub along x and y."""
     frame, wheel = system.part("frame"), system.part("rear wheel")
     angle = measures.angle(system.part("steer", "joints"))
     seen = [measures.lean(frame), angle, measures.lean_rate(frame), elevation(system)]

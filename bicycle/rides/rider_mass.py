@@ -1,4 +1,4 @@
-"""A bicycle that becomes another one while it rides: the state of the new one that goes on from that of the old."""
+"""Change of a bicycle during a ride: the state of the new one that continues that of the old."""
 
 import numpy as np
 
@@ -14,14 +14,15 @@ TURNS = 6  # of the pitch until both wheels stand as before: each leaves a hundr
 
 
 def faster(state: State, speed: float, now: float) -> State:
-    """All velocities in proportion, so that the rear hub moves at another speed [m/s]."""
+    """Scale all velocities so that the rear hub moves at another speed [m/s]."""
     if now < SLOW:
         raise InputError(f"the bicycle moves at {now:.2g} m/s, too slowly to be made faster; reset it")
     return State(state.t, state.q, state.v * speed / now, state.z, state.coordinates)
 
 
 def carried(state: State, old: Parameters, new: Parameters) -> State:
-    """Frame and rear wheel go on as they are, the front end at the same steer angle and rates where it is mounted now.
+    """Return the state with frame and rear wheel unchanged, the front end at the same steer angle and rates in its new
+    mounting.
 
     Then all is turned about the rear hub until the front wheel stands as deep in the ground as before. Bodies: rear
     wheel, frame, fork, front wheel, as in `whipple`; both bicycles have the same wheels.
@@ -57,5 +58,5 @@ def carried(state: State, old: Parameters, new: Parameters) -> State:
 
 
 def lowest(hub: np.ndarray, R: np.ndarray, p: Parameters) -> float:
-    """Height of the lowest point of a front wheel [m]: it stands where this is zero."""
+    """Return the height of the lowest point of a front wheel [m], zero where it stands."""
     return float(hub[2] + foot(R[:, 1], p.rF, p.tF)[2])

@@ -40,7 +40,7 @@ STEADY = 1e-8
 
 @dataclass(frozen=True, eq=False)
 class TyreTurn(SteadyTurn):
-    """A steady turn; angles, yaw rate and torques are positive to the right, drive ahead."""
+    """Steady turn; angles, yaw rate and torques are positive to the right, drive ahead."""
 
     parameters: Parameters
     speed: float  # [m/s] of the rear hub, ahead
@@ -52,46 +52,46 @@ class TyreTurn(SteadyTurn):
 
     @property
     def steer(self) -> float:
-        """Steer angle [rad]."""
+        """Return the steer angle [rad]."""
         return float(self.x[0])
 
     @property
     def yaw_rate(self) -> float:
-        """Yaw rate [rad/s]."""
+        """Return the yaw rate [rad/s]."""
         return -float(self.x[4])
 
     @property
     def radius(self) -> float:
-        """Radius of the way of the rear hub [m]; infinite straight ahead."""
+        """Return the radius of the path of the rear hub [m]; infinite straight ahead."""
         return float(np.hypot(self.speed, self.x[3]) / abs(self.x[4])) if self.x[4] else np.inf
 
     @property
     def steer_torque(self) -> float:
-        """That holds the turn [N m]."""
+        """Return the steer torque that holds the turn [N m]."""
         return float(self.x[7])
 
     @property
     def drive_torque(self) -> float:
-        """Torque on the rear wheel, against the drag of the tyres in the turn [N m]."""
+        """Return the torque on the rear wheel, against the drag of the tyres in the turn [N m]."""
         return float(self.x[8])
 
     @cached_property
     def forces(self) -> list[Any]:
-        """Of the ground on the rear and the front wheel, one sample each."""
+        """Return the forces of the ground on the rear and the front wheel, one sample each [N]."""
         return [self.at.force(f"{wheel} tyre") for wheel in WHEELS]
 
     @property
     def saturation(self) -> float:
-        """The larger part of the grip that a tyre uses."""
+        """Return the larger share of the grip that a tyre uses [-]."""
         return max(float(load.saturation[0]) for load in self.forces)
 
     @property
     def friction(self) -> float:
-        """The larger horizontal force of a wheel over its load."""
+        """Return the larger ratio of horizontal force to load of a wheel [-]."""
         return max(float(np.hypot(x.longitudinal[0], x.lateral[0]) / x.normal[0]) for x in self.forces)
 
     def columns(self) -> dict[str, float]:
-        """The line of the table that `to_csv` writes."""
+        """Return the line of the table that `to_csv` writes."""
         found = {"speed [m/s]": self.speed, "lean [rad]": self.lean, "steer [rad]": self.steer}
         found |= {"yaw rate [rad/s]": self.yaw_rate, "radius [m]": self.radius}
         found |= {"steer torque [N m]": self.steer_torque, "drive torque [N m]": self.drive_torque}
@@ -102,7 +102,7 @@ class TyreTurn(SteadyTurn):
 
 
 class Balance:
-    """Steady turns at one speed, and what a state lacks to be one."""
+    """Steady turns at one speed, and the residual of a state against a steady turn."""
 
     def __init__(self, parameters: Parameters, tyres: Tyres, speed: float) -> None:
         self.parameters, self.speed = parameters, speed
@@ -113,13 +113,13 @@ class Balance:
         self.rates = Rates(self.held(Input("steer"), Input("drive")), self.state(self.straight, 0.0)[0])
 
     def held(self, steer: Signal | float, drive: Signal | float) -> Bicycle:
-        """The bicycle under a steer and a drive torque [N m]."""
+        """Build the bicycle under a steer and a drive torque [N m]."""
         forces = [*self.free.forces, *steer_torque(self.free, self.parameters, steer)]
         forces += axle_torque(self.free, "rear wheel", "frame", as_signal(drive, "turn: drive"), "drive")
         return replace(self.free, forces=forces)
 
     def state(self, x: np.ndarray, lean: float) -> tuple[State, Pose]:
-        """State and pose of the unknowns at a lean [rad]."""
+        """Return state and pose of the unknowns at a lean [rad]."""
         at = placed(self.parameters, lean, x[0], x[1])
         shift = np.array([0.0, -at.rear[1], x[2]])
         at = at._replace(rear=at.rear + shift, front=at.front + shift)
@@ -130,7 +130,9 @@ class Balance:
         return State(0.0, at.q, np.concatenate(v), z=x[9:], coordinates=np.array([0.0, x[0], 0.0])), at
 
     def lack(self, x: np.ndarray, lean: float) -> np.ndarray:
-        """(13,) accelerations of frame, fork and wheels over those of a steady turn, and rates of the deflections."""
+        """Return accelerations of frame, fork and wheels over those of a steady turn, and rates of the deflections,
+        shape (13,).
+        """
         state, at = self.state(x, lean)
         self.rates.set("steer", x[7])
         self.rates.set("drive", x[8])
@@ -140,14 +142,14 @@ class Balance:
         return np.r_[gap, frame[3:], about, at.fork @ Y @ (front - fork)[3:], z_dot]
 
     def slope(self, at: "TyreTurn") -> np.ndarray:
-        """(13,) change of the unknowns with the lean along the turns [1/rad]."""
+        """Return the change of the unknowns with the lean along the turns [1/rad], shape (13,)."""
         here = self.lack(at.x, at.lean)
         columns = [self.lack(at.x + change, at.lean) - here for change in np.diag(DIFFERENCE * SIZES)]
         by_lean = self.lack(at.x, at.lean + DIFFERENCE) - here
         return -SIZES * np.linalg.solve(np.transpose(columns), by_lean)
 
     def turn(self, start: np.ndarray, lean: float) -> "TyreTurn | None":
-        """The turn at a lean [rad] near unknowns (13,); None if none presses both wheels to the ground."""
+        """Return the turn at a lean [rad] near unknowns (13,); None if none presses both wheels to the ground."""
         try:
             found = root(lambda x: self.lack(SIZES * x, lean), start / SIZES, tol=1e-14)
         except AssemblyError:
@@ -160,7 +162,8 @@ class Balance:
         return made if min(load.normal[0] for load in made.forces) > 0.0 else None
 
     def followed(self, last: "TyreTurn", lean: float) -> "TyreTurn":
-        """The turn at a lean [rad], followed from another one along the tangent; the last of them if there is none.
+        """Return the turn at a lean [rad], followed from another one along the tangent; the last of them if there is
+        none.
 
         A turn far from where the tangent leads, in view of the step, is another one: then the step is halved.
         """
@@ -180,12 +183,12 @@ class Balance:
 
 
 def size(change: np.ndarray) -> float:
-    """Of a change of the unknowns."""
+    """Return the scaled size of a change of the unknowns [-]."""
     return float(np.linalg.norm(change / SIZES))
 
 
 def turn(parameters: Parameters, tyres: Tyres, *, speed: float, lean: float) -> TyreTurn:
-    """The steady turn at a speed of the rear hub [m/s] and a lean [rad], followed from straight running.
+    """Compute the steady turn at a speed of the rear hub [m/s] and a lean [rad], followed from straight running.
 
     Raises
     ------
@@ -202,7 +205,8 @@ def turn(parameters: Parameters, tyres: Tyres, *, speed: float, lean: float) -> 
 
 
 def turns(parameters: Parameters, tyres: Tyres, speed: float, leans: Iterable[float]) -> list[TyreTurn]:
-    """Turns at leans of rising size [rad], until there are no more, and one within `LEAST` of the last that there is.
+    """Compute turns at leans of rising size [rad] until there are no more, and one within `LEAN_STEP_MIN` of the last
+    that exists.
 
     Raises
     ------
@@ -237,7 +241,7 @@ def to_csv(found: Iterable[TyreTurn], path: str | Path) -> Path:
 def figure(
     found: Sequence[Sequence[TyreTurn]], ideal: Sequence[Sequence[Turn]], title: str, *, dark: bool = False
 ) -> "Figure":
-    """Steer, steer torque, drive torque and grip over the lean, a colour per speed; dashed: ideal wheels."""
+    """Plot steer, steer torque, drive torque and grip over the lean, a colour per speed; dashed: ideal wheels."""
     with new_figure(10.0, 7.0, dark) as (sheet, look):
         axes = sheet.subplots(2, 2, sharex=True)
         labels = ("steer [°]", "steer torque that holds it [N m]", "drive torque that keeps the speed [N m]")

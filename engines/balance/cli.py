@@ -19,7 +19,7 @@ DISAGREE = 1  # exit code
 
 
 def masses(context: click.Context, option: click.Parameter, text: str | None) -> dict[str, float]:
-    """``crank=2,rod=4`` as fields of `Engine`."""
+    """Read ``crank=2,rod=4`` as fields of `Engine`."""
     found = {}
     for item in (text or "").split(","):
         name, _, number = item.partition("=")
@@ -59,7 +59,7 @@ def main(
     layout: str | None, masses: dict, gravity: Any, driver: str, gas: float | None, shafts: bool, sweep: bool,
     ways: bool, truth: bool, pages: str | None, **sizes: Any,
 ) -> None:  # fmt: skip
-    """Balance of the engine LAYOUT, or of all layouts: forces and moments on the block, order by order.
+    """Show the balance of the engine LAYOUT, or of all layouts: forces and moments on the block, order by order.
 
     A toy engine unless sizes are given: a crank of 1 m at 10 rpm. `mbsd3d nvh --list` has engines with real dimensions.
     Every figure is computed three ways: in closed form, as a sum of planar models, and from the reaction of the whole
@@ -87,7 +87,7 @@ def main(
 
 
 def alone(switch: str, allowed: set[str]) -> None:
-    """Refuse options that `switch` does not use; it takes LAYOUT."""
+    """Raise a usage error for options that `switch`, which takes LAYOUT, does not use."""
     context = click.get_current_context()
     given = [
         option.opts[0]
@@ -100,7 +100,7 @@ def alone(switch: str, allowed: set[str]) -> None:
 
 
 def published(name: str | None) -> str:
-    """The truth table of the toy engines, or its rows about one layout."""
+    """Return the truth table of the toy engines, or its rows about one layout."""
     from engines.balance import report
     from engines.balance.layouts import layout
     from engines.balance.published import truth
@@ -116,7 +116,7 @@ def published(name: str | None) -> str:
 
 
 def written(folder: str, engines: list, gravity: Any, driver: str, gas: float | None) -> list:
-    """Write the pages, say where; the comparisons they show."""
+    """Write the pages, print their paths and return the comparisons they show."""
     from engines.balance.pages.site import write_pages
 
     if not folder:
@@ -128,7 +128,7 @@ def written(folder: str, engines: list, gravity: Any, driver: str, gas: float | 
 
 
 def tables(engines: list, gravity: Any, driver: str, gas: float | None, shafts: bool, sweep: bool, ways: bool) -> list:
-    """Show harmonics of one engine or of all, and the studies asked for; the comparisons shown."""
+    """Print harmonics of one engine or of all, and the requested studies; return the comparisons shown."""
     from engines.balance import report
     from engines.balance.balance import compare
 
@@ -156,7 +156,7 @@ def tables(engines: list, gravity: Any, driver: str, gas: float | None, shafts: 
 
 
 def show(comparison: Any) -> None:
-    """One engine: components three ways, turning vectors, and how well the ways agree."""
+    """Print one engine: components by three methods, rotating vectors, and how well the methods agree."""
     from engines.balance import report
     from engines.balance.gas import firing_order
 

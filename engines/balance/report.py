@@ -37,7 +37,7 @@ class Table(NamedTuple):
     rows: list[list[str]]
 
     def __str__(self) -> str:
-        """Columns side by side; words to the left, numbers to the right."""
+        """Return the table with aligned columns; words to the left, numbers to the right."""
         lines = [self.header, *self.rows]
         widths = [max(len(line[k]) for line in lines) for k in range(len(self.header))]
         sides = [str.ljust if name in WORDS else str.rjust for name in self.header]
@@ -48,24 +48,27 @@ class Table(NamedTuple):
 
     @property
     def filled(self) -> "Table":
-        """Without the columns that hold no text."""
+        """Return the table without empty columns."""
         kept = [k for k in range(len(self.header)) if any(row[k] for row in self.rows)]
         return Table([self.header[k] for k in kept], [[row[k] for k in kept] for row in self.rows])
 
 
 def amplitudes(h: Harmonics) -> dict[str, np.ndarray]:
-    """Amplitudes of force and couple (long half axes), torque reaction and driving torque, (orders + 1,) each."""
+    """Return the amplitudes of force and couple (long half axes), torque reaction and driving torque, (orders + 1,)
+    each.
+    """
     turned = [half_axes(h.forward[:, k], h.backward[:, k])[0] for k in (0, 1)]
     return dict(force=turned[0], couple=turned[1], reaction=np.abs(h.moment[:, 2]), torque=np.abs(h.torque))
 
 
 def value(x: float | None, noise: float = NOISE) -> str:
-    """Six digits, nothing for None, 0 for rounding."""
+    """Format a value: six digits, nothing for None, 0 for rounding."""
     return "" if x is None else "0" if abs(x) < noise else f"{x:.6g}"
 
 
 def ways(comparison: Comparison) -> Table:
-    """Every order and quantity three ways and as published; what is 0 all ways and not published is left out.
+    """Tabulate every order and quantity by three methods and as published, without rows of zeros that are not
+    published.
 
     Force and couple are long half axes; figures were published for the toy engine only.
     """
@@ -84,7 +87,7 @@ def ways(comparison: Comparison) -> Table:
 
 
 def components(comparison: Comparison) -> Table:
-    """Amplitudes of the components of the block load, three ways, and their largest difference."""
+    """Tabulate the amplitudes of the components of the block load by three methods, and their largest difference."""
     noise, found = NOISE * comparison.scale, []
     names = ("F_x", "F_y", "F_z", "M_x", "M_y", "M_z", "T")
     for order in range(1, len(comparison.ways["phasor"].torque)):
@@ -97,7 +100,7 @@ def components(comparison: Comparison) -> Table:
 
 
 def turning(comparison: Comparison) -> Table:
-    """Forces and couples as vectors that turn with the crank and against it, and the ellipse they draw."""
+    """Tabulate forces and couples as vectors that turn with and against the crank, and their ellipse."""
     noise, h, found = NOISE * comparison.scale, comparison.ways["spatial"], []
     for order in range(1, len(h.torque)):
         for k, (name, unit) in enumerate((("force", "N"), ("couple", "N m"))):
@@ -108,7 +111,7 @@ def turning(comparison: Comparison) -> Table:
 
 
 def overview(comparisons: Sequence[Comparison]) -> Table:
-    """One line per layout: what is not balanced."""
+    """Tabulate what is not balanced, one line per layout."""
     header = "layout,F 1x,F 2x,F 4x,F 6x,M 1x fwd,M 1x bwd,M 2x fwd,M 2x bwd,T ripple,spread".split(",")
     found = []
     for comparison in comparisons:
@@ -125,7 +128,7 @@ def overview(comparisons: Sequence[Comparison]) -> Table:
 
 
 def truth(rows: Sequence[Row]) -> Table:
-    """Published beside assumed and actual, under a heading for each source."""
+    """Tabulate published, assumed and actual figures, under a heading for each source."""
     found, source = [], None
     for row in rows:
         if row.source != source:
@@ -138,7 +141,8 @@ def truth(rows: Sequence[Row]) -> Table:
 
 
 def gas_harmonics(engine: Engine, peak: float, orders: int = 6) -> Table:
-    """Half sines of the gas: their sum in closed form, the torque on the crank, and what the block of the model feels.
+    """Tabulate half sines of the gas: their sum in closed form, the torque on the crank, and the load on the block of
+    the model.
 
     The torque follows from virtual power; M_z of the block and its largest other component come from the spatial
     model on a dyno, with gas less without.
@@ -160,7 +164,9 @@ def gas_harmonics(engine: Engine, peak: float, orders: int = 6) -> Table:
 
 
 def balance_shafts(engine: Engine) -> Table:
-    """What counterweights and shafts in two planes leave of 1x and 2x, by theory, and how the spatial model differs."""
+    """Tabulate the remainder of 1x and 2x with counterweights and shafts in two planes, by theory and in the spatial
+    model.
+    """
     load, noise = phasor.block_load(engine), NOISE * engine.single
     size, found = amplitudes(load), []
     for order in (1, 2):
@@ -184,7 +190,7 @@ def balance_shafts(engine: Engine) -> Table:
 
 
 def shaft_set(engine: Engine, order: int, way: str) -> list[shafts.Shaft]:
-    """A forward shaft (1x: counterweights on the crank) and a backward one beside it, weights at both ends."""
+    """Return a forward shaft (1x: counterweights on the crank) and a backward one beside it, weights at both ends."""
     z = engine.stations
     planes = (float(z.min()), float(z.max())) if np.ptp(z) > 0 else (0.0,)
     beside = 0.0 if order == 1 else engine.radius
@@ -193,7 +199,7 @@ def shaft_set(engine: Engine, order: int, way: str) -> list[shafts.Shaft]:
 
 
 def rod_ratios(engine: Engine) -> Table:
-    """Force and couple 2x over the rod length, three ways."""
+    """Tabulate force and couple 2x over the rod length by three methods."""
     found = []
     for ratio in LENGTHS:
         longer = replace(engine, rod_length=ratio * engine.radius)
@@ -205,7 +211,7 @@ def rod_ratios(engine: Engine) -> Table:
 
 
 def single_cylinder() -> Table:
-    """The toy cylinder with and without weight and m w x (w x s): peaks over a turn."""
+    """Tabulate peaks over a turn of the toy cylinder with and without weight and m w x (w x s)."""
     found = []
     for weight in (False, True):
         for centripetal in (True, False):

@@ -34,7 +34,7 @@ class Spectrum:
     window: str
 
     def at(self, order: float) -> np.ndarray:
-        """c at an order: of the bin itself; under a window, of the nearest one.
+        """Return c at an order: of the bin itself; under a window, of the nearest one.
 
         ValueError if there is no such bin.
         """
@@ -49,7 +49,7 @@ class Spectrum:
 
 
 def spectrum(t: ArrayLike, values: ArrayLike, *, rate: float | None = None, window: str = "none") -> Spectrum:
-    """Complex amplitudes of evenly sampled values; a last sample that repeats the first is left out.
+    """Compute the complex amplitudes of evenly sampled values; a last sample that repeats the first is left out.
 
     ``t`` (n,): evenly spaced times [s]; ``values`` (n,) or (n, k): real; ``rate``: of the shaft whose turn is order 1
     [rad/s], of either sign, amplitudes are those of time; without it orders are frequencies in Hz, and the last sample
@@ -80,7 +80,7 @@ def spectrum(t: ArrayLike, values: ArrayLike, *, rate: float | None = None, wind
 
 
 def _checked(t: ArrayLike, values: ArrayLike) -> tuple[np.ndarray, np.ndarray, float]:
-    """Times, values and step, finite and even."""
+    """Check that times and values are finite and evenly spaced; return them with the step [s]."""
     t, values = np.asarray(t), np.asarray(values)
     for name, array in (("t", t), ("values", values)):
         if array.dtype.kind not in "iuf":
@@ -105,7 +105,7 @@ def _checked(t: ArrayLike, values: ArrayLike) -> tuple[np.ndarray, np.ndarray, f
 
 
 def _extent(n: int, step: float, values: np.ndarray, rate: float | None, window: str) -> tuple[int, float, float]:
-    """Number of samples to use, the time they cover [s] and the period of order 1 [s].
+    """Return the number of samples to use, the time they cover [s] and the period of order 1 [s].
 
     Of whole periods that time is exact, while the step is rounded: far from t = 0 a phase w t would show it.
     """

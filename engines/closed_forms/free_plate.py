@@ -1,4 +1,4 @@
-"""A thin rectangular plate with free edges, by Ritz with products of the modes of free beams.
+"""Thin rectangular plate with free edges, by Ritz with products of the modes of free beams.
 
 36 products, as the published tables have them: upper bounds of the frequencies, up to 1 % above.
 """
@@ -11,7 +11,7 @@ TERMS, POINTS = 6, 4001  # beam functions each way, rigid ones among them; of th
 
 
 def free_plate(ratio: float, poisson: float, count: int) -> np.ndarray:
-    """(count,) lowest elastic ``w a^2 sqrt(rho h / D)`` of a plate with sides a and a / ratio.
+    """Return the lowest elastic ``w a^2 sqrt(rho h / D)`` of a plate with sides a and a / ratio, shape (count,).
 
     ``int w_ss^2 + r^4 w_tt^2 + 2 nu r^2 w_ss w_tt + 2 (1 - nu) r^2 w_st^2`` over ``int w^2``, s = x / a, t = r y / a.
     """

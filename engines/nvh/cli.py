@@ -1,4 +1,4 @@
-"""``mbsd3d nvh``: an engine in a car, from its gas and inertia to what the car gets; and the car on a rough road."""
+"""Command ``mbsd3d nvh``: an engine in a car, from its gas and inertia to the seat rail; and the car on a rough road."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -43,7 +43,7 @@ TAKES = {
 @click.option("--planes", is_flag=True, help="What planar models get right: exact, approximate, impossible.")
 @click.option("--list", "only_list", is_flag=True, help="List engines and cars and end.")
 def nvh(engine: str | None, only_list: bool, **options: Any) -> None:
-    """What an engine does to its bearings, its mounts and the car it is in.
+    """Compute the loads of an engine on its bearings, its mounts and its car.
 
     LAYOUT is an engine with real dimensions, such as inline_4, or a file (.json) with one. Orders of forces and moments
     on the block, loads of the main bearings, modes on the mounts, and what the mounts hand on: by a linear map over the
@@ -156,7 +156,7 @@ def in_car(
 
 
 def check_study(study: "Study", **of_shell: str | None) -> None:
-    """Refuse options of a shell that is not known, mounts that leave a motion free, a table that lacks a place."""
+    """Check the study: the shell is known, mounts leave no motion free, and a table has every place."""
     for option, given in of_shell.items():
         if given is not None and study.cabin is None:
             raise InputError(
@@ -169,7 +169,7 @@ def check_study(study: "Study", **of_shell: str | None) -> None:
 
 
 def on_road(car: Any, road: str, speed: float = 20.0, page: str | None = None) -> None:
-    """Quarter, half and whole car on a road, on slides and on links; show them, write their page."""
+    """Show quarter, half and whole car on a road, on slides and on links, and write their page."""
     from engines.nvh.road import report
 
     rides = report.rides_of(car, road, speed)
@@ -187,7 +187,7 @@ def on_road(car: Any, road: str, speed: float = 20.0, page: str | None = None) -
 
 
 def on_cam(valve: str, rpm: float | None = None, follower: str = "flat", page: str | None = None) -> None:
-    """A valve train over the speed; show it, write its page."""
+    """Show a valve train over the speed, and write its page."""
     from engines.nvh.valvetrain.report import Valve, write_page
 
     found = Valve(valve, rpm, follower)
@@ -198,7 +198,7 @@ def on_cam(valve: str, rpm: float | None = None, follower: str = "flat", page: s
 
 
 def show(title: str, rows: list[list[str]]) -> None:
-    """A table under its title."""
+    """Print a table under its title."""
     from mbsd3d.extend import aligned
 
     click.echo(f"\n{title}\n" + "\n".join(aligned(rows)))

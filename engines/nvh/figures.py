@@ -1,4 +1,4 @@
-"""Figures of a study, in the house style."""
+"""Figures of a study."""
 
 from typing import TYPE_CHECKING
 
@@ -20,18 +20,20 @@ TALL = 5.0  # speeds of the map that its highest peak takes
 
 
 def largest(size: np.ndarray) -> np.ndarray:
-    """Numbers of the orders of (s, n) with the largest values, in order."""
+    """Return the numbers of the orders of (s, n) with the largest values, in order."""
     ranked = np.argsort(-size.max(axis=0))[:SHOWN]
     return np.sort(ranked[size.max(axis=0)[ranked] > 1e-4 * size.max()])
 
 
 def handed(force: np.ndarray) -> np.ndarray:
-    """(s, n) size of the force of the hardest mount of (s, n, mounts, 3) phasors [N]."""
+    """Return the force of the mount with the largest force, from (s, n, mounts, 3) phasors [N], shape (s, n)."""
     return np.linalg.norm(np.abs(force), axis=-1).max(axis=2)
 
 
 def waterfall(study: Study, size: np.ndarray, unit: str) -> "Figure":
-    """Orders over the speed, (s, n): a line a speed, with a peak at the frequency of every order, in decades."""
+    """Plot the orders over the speed, (s, n): one line per speed, with a peak at the frequency of every order, in
+    decades.
+    """
     chosen, (rpm, orders) = largest(size), (study.map.rpm, study.map.orders)
     stacked = np.arange(0, rpm.size, STACKED)
     tall, most = TALL * np.ptp(rpm) / (rpm.size - 1), size[:, chosen].max()
@@ -56,7 +58,9 @@ def waterfall(study: Study, size: np.ndarray, unit: str) -> "Figure":
 
 
 def on_block(study: Study) -> tuple[np.ndarray, str]:
-    """((s, n) size of the engine's forces on its block, unit); of its moments for an engine without forces."""
+    """Return the size (s, n) of the engine's forces on its block and its unit; of its moments for an engine without
+    forces.
+    """
     parts = (np.linalg.norm(np.abs(study.map.load[:, :, k : k + 3]), axis=2) for k in (0, 3))
     force, moment = (np.where(study.map.orders > 0, part, 0.0) for part in parts)
     single = study.preset.engine(study.preset.redline).single
@@ -64,7 +68,7 @@ def on_block(study: Study) -> tuple[np.ndarray, str]:
 
 
 def order_lines(study: Study, swept: Sweep | None = None) -> "Figure":
-    """Force of the hardest mount over speed, order by order; dots are full motions."""
+    """Plot the force of the most loaded mount over speed, order by order; dots are full motions."""
     size = handed(study.map.force)
     chosen = largest(size)
     speeds, full = (study.rpm, study.run_force[None]) if swept is None else (swept.map.rpm, swept.full)
@@ -82,8 +86,8 @@ def order_lines(study: Study, swept: Sweep | None = None) -> "Figure":
 
 
 def transmitted(study: Study, map: Map, force: np.ndarray) -> list[np.ndarray]:
-    """(s, n) on the car over the engine's, order by order, nan for orders without: [force, or couple for an engine
-    without forces, about y and z; moment about the crank].
+    """Return the transmissibility from engine to car, order by order, nan for orders without load, shape (s, n):
+    [force, or couple for an engine without forces, about y and z; moment about the crank].
     """
     at = np.array([mount.at for mount in study.placed])
     taken = np.concatenate([force.sum(axis=2), np.cross(at, force).sum(axis=2)], axis=2)
@@ -98,7 +102,7 @@ def transmitted(study: Study, map: Map, force: np.ndarray) -> list[np.ndarray]:
 
 
 def transmissibility(study: Study, swept: Sweep | None = None) -> "Figure":
-    """Force and roll moment on the car over the engine's, order by order; dots are full motions."""
+    """Plot force and roll moment on the car over those of the engine, order by order; dots are full motions."""
     lines = transmitted(study, study.map, study.map.force)
     dots = transmitted(study, study.here, study.run_force[None])
     speeds, size = np.array([study.rpm]), 6
@@ -124,8 +128,8 @@ def transmissibility(study: Study, swept: Sweep | None = None) -> "Figure":
 
 
 def seat_lines(study: Study) -> "Figure":
-    """Acceleration of the seat rail over speed by order, root of the sum of all directions; all orders in black, and
-    dashed at the load of idling.
+    """Plot the acceleration of the seat rail over speed by order, root of the sum of all directions; all orders in
+    black, and dashed at the load of idling.
     """
     fine = [(x.cabin, x.over(FINE)) for x in (study, study.idling)]
     seat, idle = (np.sqrt((np.abs(cabin.seat(found)) ** 2).sum(axis=2) / 2) for cabin, found in fine)
@@ -144,7 +148,7 @@ def seat_lines(study: Study) -> "Figure":
 
 
 def working_cycle(study: Study) -> "Figure":
-    """Pressure over volume and over the crank angle; torque of gas and inertia over the crank angle."""
+    """Plot the pressure over volume and over the crank angle, and the torque of gas and inertia over the crank angle."""
     angle, cycle = np.linspace(0.0, 4 * np.pi, 1441), study.source.cycle
     gases, turning = study.source.over_the_cycle(study.rpm, angle)
     with new_figure(7.5, 5.0 if cycle else 2.6) as (made, look):
@@ -166,7 +170,9 @@ def working_cycle(study: Study) -> "Figure":
 
 
 def bearing_loads(study: Study) -> "Figure":
-    """Radial loads of the main bearings over a cycle, and the paths of the load vectors on the block, seen along x."""
+    """Plot the radial loads of the main bearings over a cycle, and the paths of the load vectors on the block, seen
+    along x.
+    """
     R = upright(study.preset.layout)
     with new_figure(7.5, 3.6) as (made, look):
         over, path = made.subplots(1, 2, width_ratios=(2.0, 1.0))

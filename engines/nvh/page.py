@@ -1,4 +1,4 @@
-"""The page of a study: one HTML file, and beside it the animation."""
+"""Page of a study: one HTML file, with the animation in a second one."""
 
 import os
 from pathlib import Path
@@ -24,8 +24,8 @@ def write_page(
     swept: Sweep | None = None,
     sound: str | Path | None = None,
 ) -> Path:
-    """Write ``ENGINE-CAR.html`` and its view into a folder that exists: with an active mount, full motions
-    over the speed and a sound if given; where the page is.
+    """Write ``ENGINE-CAR.html`` and its view into a folder that exists, with an active mount, full motions over the
+    speed and a sound if given; return the path of the page.
     """
     folder, name = Path(folder), f"{study.preset.name}-{study.car.name}"
     view = f"{name}-view.html"
@@ -62,7 +62,7 @@ def write_page(
 
 
 def shown(study: Study) -> str:
-    """The moving engine on its mounts, as a page."""
+    """Render the moving engine on its mounts as a page."""
     cycle = 4 * np.pi / study.preset.engine(study.rpm).rate
     return study.run.animate(
         curves=(), traces=(), hidden=("body names",), speed=cycle / PERIOD, title=study.preset.title

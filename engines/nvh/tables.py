@@ -19,12 +19,12 @@ HIGHEST = 200.0  # Hz: modes of a shell beyond it are left out
 
 
 def figure(x: float, size: float = 0.0) -> str:
-    """Four digits, 0 for rounding of something of this size."""
+    """Format a number: four digits, 0 for rounding of a value of this size."""
     return "0" if abs(x) <= 1e-9 * size else f"{x:.4g}"
 
 
 def engines() -> Rows:
-    """All engines, with the orders that their layout leaves at the redline."""
+    """Tabulate all engines, with the orders that their layout leaves at the redline."""
     rows = [["", "engine", "1/min", "1x [N]", "2x [N]", "1x [N m]", "2x [N m]"]]
     for name in presets.names():
         chosen = presets.preset(name)
@@ -36,7 +36,7 @@ def engines() -> Rows:
 
 
 def on_engine(study: Study) -> list[tuple[str, Rows]]:
-    """(title, table) from the block to what the mounts hand on."""
+    """Return (title, table) from the block to the forces on the car."""
     found = [("load on the block", loads(study))]
     if study.source.fitted:
         found.append(("balance shafts fitted wrongly", faults(study)))
@@ -49,8 +49,8 @@ def on_engine(study: Study) -> list[tuple[str, Rows]]:
 
 
 def loads(study: Study) -> Rows:
-    """Orders of the load on the block at the study's speed, forces and moments about the middle of the crank, and of
-    the torque that turns the crank.
+    """Tabulate the orders of the load on the block at the study's speed: forces and moments about the middle of the
+    crank, and the torque that turns the crank.
     """
     load = study.source.at(study.rpm)
     found = [["order", "Hz", "F_x [N]", "F_y [N]", "F_z [N]", "M_x [N m]", "M_y [N m]", "M_z [N m]", "crank [N m]"]]
@@ -64,8 +64,8 @@ def loads(study: Study) -> Rows:
 
 
 def faults(study: Study) -> Rows:
-    """What balance shafts leave of their order at the study's speed if they are fitted wrongly, in closed form; and how
-    far the engine with its geared shafts in space is from it, over the 1x force of a cylinder.
+    """Tabulate the remainder of the order of wrongly fitted balance shafts at the study's speed in closed form, and its
+    difference to the engine with geared shafts in space, over the 1x force of a cylinder.
     """
     rows = [["fault", "force [N]", "couple [N m]", "torque [N m]", "in space off by"]]
     preset, size = study.preset, study.preset.engine(study.rpm).single
@@ -79,8 +79,8 @@ def faults(study: Study) -> Rows:
 
 
 def heights(study: Study) -> Rows | None:
-    """What a pair of shafts leaves of the roll of its order, by how far they are apart in height; None for no pair, or
-    where no height helps.
+    """Tabulate the remaining roll moment of a pair of shafts at its order over its distance in height; None for no
+    pair, or where no height helps.
     """
     fitted, preset, source = study.source.fitted, study.preset, study.source
     if len(fitted) != 2 or fitted[0].order != 2:
@@ -99,7 +99,7 @@ def heights(study: Study) -> Rows | None:
 
 
 def modes(study: Study) -> Rows:
-    """Rigid-body modes with their kinetic energy by direction [%]."""
+    """Tabulate the rigid-body modes with their kinetic energy by direction [%]."""
     rows = [["mode", "mostly", "Hz", *DIRECTIONS]]
     for k, mode in enumerate(study.modes, start=1):
         shares = (f"{round(100 * share, 1) + 0.0:.1f}" for share in mode.shares)
@@ -108,8 +108,8 @@ def modes(study: Study) -> Rows:
 
 
 def shapes(study: Study) -> Rows:
-    """Shapes of the rigid-body modes: motion of the centre of mass, scaled such that the mount that moves most moves by
-    1 mm.
+    """Tabulate the shapes of the rigid-body modes: motion of the centre of mass, scaled to 1 mm at the mount that moves
+    most.
     """
     rows = [["mode", "mostly", "Hz", "x", "y", "z [mm]", "about x", "about y", "about z [mrad]"]]
     arms = np.array([mount.at for mount in study.placed]) - study.body.rigid.com
@@ -122,7 +122,7 @@ def shapes(study: Study) -> Rows:
 
 
 def mounts(study: Study) -> Rows:
-    """Places [mm] and rates [N/mm], as built and decoupled."""
+    """Tabulate places [mm] and rates [N/mm] of the mounts, as built and decoupled."""
     rows = [["mount", "", "x", "y", "z [mm]", "k_1", "k_2", "k_3 [N/mm]"]]
     for kind, placed in (("as built", study.placed), ("decoupled", study.decoupled.mounts)):
         for mount in placed:
@@ -132,7 +132,7 @@ def mounts(study: Study) -> Rows:
 
 
 def handed_on(study: Study) -> Rows:
-    """What the mounts hand on at the study's speed: by order, linear and in the full run."""
+    """Tabulate the forces of the mounts on the car at the study's speed: by order, linear and in the full run."""
     rows = [["order", "Hz", "engine [N]", "car [N]", "car / engine", "mount [N]", "full run off by [%]"]]
     here, (size, off), single = study.here, study.differences, study.preset.engine(study.rpm).single
     engine, car = (np.linalg.norm(np.abs(part), axis=-1) for part in (here.load[0, 1:, :3], here.total[0, 1:]))
@@ -145,8 +145,8 @@ def handed_on(study: Study) -> Rows:
 
 
 def why(study: Study) -> str:
-    """In which order full run and map differ most, how near to resonance it is, and whether the map has that order at
-    all; nothing if they agree.
+    """Return the order of the largest difference between full run and map, its distance to resonance, and whether the
+    map has that order; nothing if they agree.
     """
     if study.difference <= AGREES:
         return ""
@@ -158,8 +158,8 @@ def why(study: Study) -> str:
 
 
 def sweep(found: Sweep, most: int | None = None) -> Rows:
-    """Largest force of a mount over the speed, linear and in the full motion, and how far they are apart; ``most``:
-    rows of a shorter table, the speed where they differ most among them.
+    """Tabulate the largest force of a mount over the speed, linear and in the full motion, and their difference;
+    ``most``: rows of a shorter table, with the speed of the largest difference.
     """
     rows, count = [["1/min", "order", "linear [N]", "full motion [N]", "differ by [%]"]], found.map.rpm.size
     chosen = np.linspace(0, count - 1, min(most or count, count)).astype(int)
@@ -172,7 +172,7 @@ def sweep(found: Sweep, most: int | None = None) -> Rows:
 
 
 def felt(study: Study) -> Rows:
-    """Acceleration of the seat rail by order, at the study's speed and load and at idle."""
+    """Tabulate the acceleration of the seat rail by order, at the study's speed and load and at idle."""
     rows = [["", "order", "Hz", "x", "y", "z [mm/s2]"]]
     for one in (study, study.idling):
         seat = np.abs(one.cabin.seat(one.here)[0])
@@ -184,8 +184,8 @@ def felt(study: Study) -> Rows:
 
 
 def shell(study: Study) -> Rows:
-    """Elastic modes of the shell, and how far the seat rail and the mount that moves most move in each for a modal mass
-    of 1 kg.
+    """Tabulate the elastic modes of the shell, and the motion of the seat rail and of the mount that moves most in each
+    for a modal mass of 1 kg.
     """
     rows, cabin = [["mode of the shell", "Hz", "damping", "seat rail", "hardest mount [1/sqrt(kg)]"]], study.cabin
     sizes = (
@@ -198,7 +198,7 @@ def shell(study: Study) -> Rows:
 
 
 def paths(study: Study) -> tuple[str, Rows]:
-    """(what is felt most, the share of every path in it)."""
+    """Return (the largest component at the seat, the share of every path in it)."""
     parts = study.cabin.paths(study.here)[0]
     seat = parts.sum(axis=(1, 2))
     order, way = np.unravel_index(np.abs(seat).argmax(), seat.shape)
@@ -214,7 +214,7 @@ def paths(study: Study) -> tuple[str, Rows]:
 
 
 def bearings(study: Study) -> Rows:
-    """Loads of the main bearings over a cycle."""
+    """Tabulate the loads of the main bearings over a cycle."""
     rows = [["bearing", "", "peak [N]", "mean [N]", "peak pressure [MPa]", "roller: P_m [N]", "L10h [h]"]]
     for bearing in study.bearings:
         radial = bearing.radial
@@ -224,7 +224,7 @@ def bearings(study: Study) -> Rows:
 
 
 def seat_rail(study: Study) -> str:
-    """Root mean squares in a line; nothing if the shell is not known."""
+    """Return the root mean squares at the seat rail in a line; nothing if the shell is not known."""
     if study.cabin is None:
         return ""
     here, idle = (float(rms(s.cabin.seat(s.here))[0]) for s in (study, study.idling))
@@ -232,7 +232,9 @@ def seat_rail(study: Study) -> str:
 
 
 def ripple(study: Study) -> str:
-    """Range of the torque that gas and inertia give to an even crank, and how unevenly a free one would turn."""
+    """Return the range of the torque of gas and inertia at constant crank speed, and the speed fluctuation of a free
+    crank.
+    """
     angle = np.linspace(0.0, 4 * np.pi, 2881)
     torque = sum(study.source.over_the_cycle(study.rpm, angle))
     energy = cumulative_simpson(torque - torque[:-1].mean(), x=angle, initial=0.0)
@@ -241,7 +243,7 @@ def ripple(study: Study) -> str:
 
 
 def facts(study: Study) -> list[tuple[str, str]]:
-    """The engine and its mounts in a few lines."""
+    """Return the engine and its mounts in a few lines."""
     p, (shift, turn) = study.preset, study.sag
     (built, f_built), (free, f_free) = study.roll_shares
     cycle, gas, pressure = study.source.cycle, "motored, no gas", ""

@@ -17,7 +17,7 @@ EXACT = 1e-9  # Relative to the size of the model [m], its speed [rad/s], its mo
 
 
 class Failure(NamedTuple):
-    """A hypothesis that does not hold."""
+    """Hypothesis that does not hold, with its cause and size."""
 
     hypothesis: str
     """"H1" to "H4"."""
@@ -31,7 +31,7 @@ class Failure(NamedTuple):
 
 
 class Shaft(NamedTuple):
-    """The shaft and what is at rest around it."""
+    """Shaft of an engine and the bodies at rest around it."""
 
     body: Any
     driver: Any
@@ -42,17 +42,17 @@ class Shaft(NamedTuple):
     parts: tuple  # The body itself and what is welded to it
 
     def moves(self, body: Any) -> bool:
-        """Whether a body is not part of the frame."""
+        """Return whether a body is not part of the frame."""
         return not contains(self.frame, body)
 
 
 def contains(bodies: Sequence[Any], body: Any) -> bool:
-    """Whether it is one of them."""
+    """Return whether a body is among some bodies."""
     return any(body is other for other in bodies)
 
 
 def turning_rows(joint: Joint) -> list[tuple[Any, Any, np.ndarray, Any, float]]:
-    """(a, b, axis, signal, order of the derivative that the signal prescribes) of the rows that drive an angle."""
+    """Return (a, b, axis, signal, order of the derivative that the signal prescribes) of the rows that drive an angle."""
     found = []
     for row in joint.primitives:
         if row.signal is not None and row.kind == kinds.RATIO and row.coordinates[0].kind == "angle":
@@ -64,7 +64,7 @@ def turning_rows(joint: Joint) -> list[tuple[Any, Any, np.ndarray, Any, float]]:
 
 
 def find_shaft(system: System) -> tuple[Shaft | None, list[Failure]]:
-    """The shaft, or None, and what contradicts H1."""
+    """Return the shaft, or None, and what contradicts H1."""
     drivers = [joint for joint in system.joints if any(row.signal is not None for row in joint.primitives)]
     turning = [(joint, *row) for joint in drivers for row in turning_rows(joint)]
     if not turning:
@@ -98,7 +98,9 @@ def find_shaft(system: System) -> tuple[Shaft | None, list[Failure]]:
 
 
 def welded(rows: Rows, root: Any) -> list:
-    """A body or the ground and all that hang rigidly on it, nearest first (a piston at a dead centre does not)."""
+    """Return a body or the ground with all bodies fixed rigidly to it, nearest first (a piston at dead centre is not
+    fixed).
+    """
     found = [root]
     joints = [joint for joint in rows.system.joints if all(row.signal is None for row in joint.primitives)]
     for fixed in found:
@@ -110,7 +112,7 @@ def welded(rows: Rows, root: Any) -> list:
 
 
 def unsteady(system: System, joint: Joint, signal: Any, order: int, speed: float) -> list[Failure]:
-    """A speed that changes."""
+    """Return a failure of H1 for a speed that changes [rad/s^2]."""
     change = bound(signal.terms(), 1 if order else 2, 2 * np.pi / abs(speed))
     if change <= EXACT * speed**2:
         return []
@@ -118,7 +120,8 @@ def unsteady(system: System, joint: Joint, signal: Any, order: int, speed: float
 
 
 def bound(terms: Sequence[Any], order: int, time: float) -> float:
-    """No |d^order f / dt^order| of a sum of terms is larger: polynomials for |t| <= time, sines and splines always.
+    """Return an upper bound of |d^order f / dt^order| of a sum of terms: polynomials for |t| <= time, sines and splines
+    always.
 
     From the terms themselves; samples can miss a sine whose period they repeat. Terms of one shape, as components of a
     force have them, are added up first; others that cancel are taken for more than they are.
@@ -144,7 +147,7 @@ def bound(terms: Sequence[Any], order: int, time: float) -> float:
 
 
 def loose_axis(system: System, shaft: Shaft) -> list[Failure]:
-    """Freedoms that the joints between shaft and frame leave besides the turn, or a turn about another axis."""
+    """Return degrees of freedom between shaft and frame other than the rotation, or a rotation about another axis."""
     bearings = [joint for joint in system.joints if joint is not shaft.driver and between(shaft, joint)]
     name, rows = shaft.body.name, shaft.rows
     if not bearings:
@@ -164,33 +167,33 @@ def loose_axis(system: System, shaft: Shaft) -> list[Failure]:
 
 
 def between(shaft: Shaft, joint: Joint) -> bool:
-    """Whether a joint connects the shaft with the frame and nothing else."""
+    """Return whether a joint connects the shaft with the frame and nothing else."""
     moving = [body for body in joint.bodies() if shaft.moves(body)]
     return len(moving) == 1 and moving[0] is shaft.body
 
 
 def tensor(shaft: Shaft, body: Any) -> np.ndarray:
-    """(3, 3) moments of inertia of a body about its centre of mass along e1, e2, n [kg m^2]."""
+    """Return the inertia of a body about its centre of mass along e1, e2, n [kg m^2], shape (3, 3)."""
     R = shaft.rows.axes @ body.axes
     return R @ body.inertia @ R.T
 
 
 def throw(shaft: Shaft, joints: list, bodies: dict) -> complex:
-    """Sum of the arms from the axis to the pins of a unit [m], x + i y; welds do not count."""
+    """Sum the arms from the axis to the pins of a unit [m], x + i y; welds do not count."""
     crank = bodies[id(shaft.body)]
     pins = [joint for joint in joints if joint.a is crank and not isinstance(joint, planar.Fixed)]
     return complex(*sum((pin(joint, crank) - shaft.point for joint in pins), np.zeros(2)))
 
 
 def pin(joint: planar.Joint, body: planar.Body) -> np.ndarray:
-    """Where a hinge, massless rod or weld holds a body (2,) [m]."""
+    """Return the point where a hinge, massless rod or weld holds a body [m], shape (2,)."""
     if isinstance(joint, planar.Distance):
         return joint.at_a if joint.a is body else joint.at_b
     return joint.at
 
 
 def cut(shaft: Shaft, z: np.ndarray, throws: np.ndarray) -> tuple[np.ndarray, list[planar.Body], list[Failure]]:
-    """Heights and bodies of the slices of the shaft, and the product of inertia that they leave out.
+    """Return heights and bodies of the slices of the shaft, and the product of inertia that they leave out [kg m^2].
 
     With U = m r_G and P = int (z - z_G) r dm as complex numbers x + i y from the axis: slice i of mass mu_i carries
     u s_i + (U - u sum s) mu_i / m, u by least squares from ``u sum s_i = U``, ``u sum (z_i - z_G) s_i = P``. Masses

@@ -1,4 +1,4 @@
-"""The shell of a car as a uniform thin plate with free edges, by Ritz with Legendre polynomials.
+"""Shell of a car as a uniform thin plate with free edges, by Ritz with Legendre polynomials.
 
     w = sum a_ij P_i(2 x / L) P_j(2 y / B),
     strain energy  D/2 int w_xx^2 + w_yy^2 + 2 nu w_xx w_yy + 2 (1 - nu) w_xy^2
@@ -20,7 +20,8 @@ POISSON = 0.3
 
 
 def plate_modes(length: float, width: float, poisson: float = POISSON) -> tuple[np.ndarray, np.ndarray]:
-    """(w sqrt(m / D) of all modes [1/m^2], m per area; (modes, i, j) coefficients with mean square 1 over the plate).
+    """Return w sqrt(m / D) of all modes [1/m^2], m per area, and (modes, i, j) coefficients with mean square 1 over the
+    plate.
 
     ValueError for a size that is not positive, or a Poisson's ratio outside 0 ... 0.5.
     """
@@ -41,8 +42,8 @@ def plate_modes(length: float, width: float, poisson: float = POISSON) -> tuple[
 def plate_shell(
     mass: float, length: float, width: float, first: float, damping: float, poisson: float = POISSON
 ) -> ModalShell:
-    """A uniform plate: ``mass`` [kg], ``length`` along x, ``width`` along y [m], its ``first`` elastic frequency [Hz],
-    ``damping`` of all elastic modes [-].
+    """Return the modes of a uniform plate: ``mass`` [kg], ``length`` along x, ``width`` along y [m], its ``first``
+    elastic frequency [Hz], ``damping`` of all elastic modes [-].
 
     ValueError for a number that is not positive, a negative damping, or a place beyond the edges.
     """

@@ -1,4 +1,4 @@
-"""The orders at the seat rail as a sound: a run-up from idle to redline."""
+"""Run-up from idle to redline as sound, from the orders at the seat rail."""
 
 from io import BytesIO
 from pathlib import Path
@@ -15,7 +15,8 @@ LOUD = 0.9  # of full scale
 
 
 def run_up(found: Map, seat: np.ndarray) -> np.ndarray:
-    """(samples,) vertical acceleration over a run-up at even angular acceleration, its largest value 1.
+    """Return the vertical acceleration over a run-up at even angular acceleration, scaled to a maximum of 1, shape
+    (samples,).
 
     Phasors (s, n, 3) of the map are splines over the speed; the crank angle is the integral of the speed.
     """
@@ -29,7 +30,7 @@ def run_up(found: Map, seat: np.ndarray) -> np.ndarray:
 
 
 def write_sound(found: Map, seat: np.ndarray, path: str | Path) -> Path:
-    """Write the run-up as a WAV file of 16 bits, one channel; where it is."""
+    """Write the run-up as a WAV file of 16 bits, one channel, and return its path."""
     file = BytesIO()
     wavfile.write(file, RATE, np.round(LOUD * 32767 * run_up(found, seat)).astype(np.int16))
     return write_atomically(Path(path), file.getvalue())

@@ -1,4 +1,4 @@
-"""An active mount in a study: which order it takes, how fast, at what power; and how far a skyhook may go."""
+"""Active mount in a study: the order it cancels, its settling time and power, and the limit of a skyhook."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -26,13 +26,13 @@ HOOK = 0.1  # gain of the skyhook over its limit
 
 @dataclass(frozen=True)
 class ActiveMount:
-    """The upright mount with the largest force along z, and the order that makes it; ValueError if none is upright."""
+    """Upright mount with the largest force along z and the order that causes it; ValueError if none is upright."""
 
     study: Study
 
     @cached_property
     def cancel(self) -> Cancel:
-        """Feed-forward on the order."""
+        """Return the feed-forward control of the order."""
         study, force = self.study, np.abs(self.study.here.force[0, :, :, 2])
         upright = [not mount.angle for mount in study.placed]
         if not any(upright):
@@ -42,29 +42,29 @@ class ActiveMount:
 
     @cached_property
     def steps(self) -> tuple[float, float]:
-        """(step of the controller, the one from which on it is unstable)."""
+        """Return (step of the controller, the step from which it is unstable)."""
         most = self.cancel.path.limit(self.cancel.W)
         return SHARE * most, most
 
     @cached_property
     def force(self) -> np.ndarray:
-        """(samples,) at the car in the general model [N]."""
+        """Return the force on the car in the general model [N], shape (samples,)."""
         return self.cancel.run(self.steps[0], int(LASTS * RATE))
 
     @cached_property
     def known(self) -> np.ndarray:
-        """(samples,) the same by the poles [N]."""
+        """Return the force on the car by the poles of the linear loop [N], shape (samples,)."""
         return self.cancel.predicted(self.steps[0], self.force.size)
 
     @property
     def difference(self) -> float:
-        """Difference of general model and poles, over the force at the start."""
+        """Return the difference of general model and poles over the force at the start [-]."""
         return float(np.abs(self.force - self.known).max() / abs(self.cancel.force))
 
     @cached_property
     def hook(self) -> tuple[float, float, float]:
-        """(limit of the gain [N s/m], damping of the mode that lifts the mount most, without a skyhook and with `HOOK`
-        of the limit).
+        """Return (limit of the gain [N s/m], damping ratio of the mode that lifts the mount most, without a skyhook and
+        with `HOOK` of the limit).
         """
         body, placed, at = self.study.body.rigid, self.study.placed, self.cancel.mount.at
         most = limit(lambda gain: on_mounts(body, placed, Skyhook(at, gain)))
@@ -74,7 +74,7 @@ class ActiveMount:
 
     @property
     def rows(self) -> list[list[str]]:
-        """Rows of the table."""
+        """Return the rows of the table."""
         cancel, (step, most), (gain, before, after) = self.cancel, self.steps, self.hook
         left = np.abs(self.force[-int(RATE / 10) :]).max()
         size, power = cancel.actuator
@@ -92,7 +92,9 @@ class ActiveMount:
 
 
 def figure(found: ActiveMount) -> "Figure":
-    """Force at the car from the start of the controller on: general model, sample by sample, and its linear loop."""
+    """Plot the force on the car from the start of the controller on: general model, sample by sample, and its linear
+    loop.
+    """
     ends = (slice(0, SHOWN), slice(found.force.size - SHOWN, None))
     t = 1e3 * np.arange(found.force.size) / RATE
     with new_figure(7.5, 2.8) as (made, look):
@@ -109,7 +111,7 @@ def figure(found: ActiveMount) -> "Figure":
 
 
 def lifting(system: System, body: Body, at: tuple[float, float, float]) -> Mode:
-    """The mode that lifts a point of the body most for its energy."""
+    """Return the mode that lifts a point of the body most for its energy."""
     M, arm = mass_matrix(body), np.array(at) - body.com
 
     def lift(mode: Mode) -> float:

@@ -1,4 +1,4 @@
-"""Balance shafts for engines with real dimensions, and what their place and timing do.
+"""Balance shafts for engines with real dimensions, and the effect of their position and timing.
 
 "lanchester": two shafts of order 2 that turn opposite ways on both sides of the crank, at its height; "raised": the
 same, one higher and one lower such that they also take the 2x torque of the inertia; "first": one shaft of order 1 that
@@ -27,7 +27,7 @@ LEAST = 1e-9  # of a piston on the crank radius, or m: smaller unbalances and he
 
 
 def fitted(preset: Preset, kind: str) -> list[Shaft]:
-    """The shafts of a kind for an engine; ValueError for an unknown kind, or an engine that they cannot help."""
+    """Return the shafts of a kind for an engine; raise ValueError for an unknown kind or an engine they cannot balance."""
     if kind not in KINDS:
         raise InputError(f"balance shafts '{kind}' are unknown; there are {', '.join(KINDS)}")
     engine = preset.engine(RPM)
@@ -49,7 +49,7 @@ def fitted(preset: Preset, kind: str) -> list[Shaft]:
 
 @dataclass(frozen=True)
 class Fault:
-    """How shafts are fitted wrongly, counterweights of the crank apart: ``title``; late by ``phase`` [rad]; ``moved``
+    """Wrong installation of shafts, counterweights of the crank excepted: ``title``; late by ``phase`` [rad]; ``moved``
     (3,) along the crank, to its left and up [m]; ``heavy``: share of too much unbalance; ``one``: only the first shaft.
     """
 
@@ -70,7 +70,7 @@ FAULTS = (
 
 
 def faulty(preset: Preset, shafts: Sequence[Shaft], fault: Fault) -> list[Shaft]:
-    """The shafts with a fault; a late one is turned back by the angle at its order, as seen from the crank."""
+    """Return the shafts with a fault; a late shaft is turned back by the angle at its order, as seen from the crank."""
     found, (x, y, z) = list(shafts), upright(preset.layout).T @ fault.moved
     loose = [k for k, shaft in enumerate(shafts) if not shaft.on_crank]
     for k in loose[:1] if fault.one else loose:
@@ -86,20 +86,24 @@ def faulty(preset: Preset, shafts: Sequence[Shaft], fault: Fault) -> list[Shaft]
 
 
 def left(preset: Preset, shafts: Sequence[Shaft], rpm: float) -> np.ndarray:
-    """(5,) phasors of forces [N], couples and torque [N m] of the shafts' order that engine and shafts leave."""
+    """Return the phasors of forces [N], couples and torque [N m] that engine and shafts leave at the order of the
+    shafts, shape (5,).
+    """
     engine = preset.engine(rpm)
     return remainder(engine, phasor.block_load(engine, dyno=True), shafts)
 
 
 def left_in_space(preset: Preset, shafts: Sequence[Shaft], rpm: float) -> np.ndarray:
-    """The same by the reaction of the block, held, of the engine with its geared shafts in space."""
+    """Return the same phasors from the reaction of the fixed block of the engine with its geared shafts in space."""
     engine = preset.engine(rpm)
     turn = spatial.turn(with_shafts(spatial.build(engine, driver="dyno"), engine, shafts), engine)
     return engine_load(spatial.harmonics(turn, engine), shafts[0].order)
 
 
 def apart(preset: Preset, shafts: Sequence[Shaft], height: float) -> list[Shaft]:
-    """A pair of shafts as far apart in height as given, its middle where it was [m]; ValueError for others."""
+    """Return a pair of shafts with the given distance in height about its middle [m]; raise ValueError for other
+    shafts.
+    """
     pair = [shaft for shaft in shafts if not shaft.on_crank]
     if len(pair) != 2 or len(shafts) != 2:
         raise InputError(f"engine '{preset.name}': {len(pair)} shafts have no height between them; give a pair")
@@ -113,7 +117,7 @@ def apart(preset: Preset, shafts: Sequence[Shaft], height: float) -> list[Shaft]
 
 
 def described(preset: Preset, shafts: Sequence[Shaft]) -> str:
-    """Unbalances and places in a line."""
+    """Return unbalances and positions of the shafts in a line."""
     parts, R = [], upright(preset.layout)
     for shaft in shafts:
         grams = 1e6 * max(abs(u) for u in shaft.unbalance)

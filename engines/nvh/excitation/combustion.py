@@ -29,7 +29,7 @@ SWITCH = np.radians(20.0)  # half the angle over which pressure goes from outlet
 
 @dataclass(frozen=True)
 class Cycle:
-    """The working cycle of a cylinder.
+    """Working cycle of a cylinder.
 
     ``bore, radius, rod_length`` [m]; ``compression`` > 1; ``inlet, outlet``: pressures [Pa]; ``temperature``: at the
     start of compression [K]; ``gamma``; ``start, duration``: of burning, from firing dead centre [degrees]; ``form``:
@@ -65,34 +65,34 @@ class Cycle:
 
     @property
     def area(self) -> float:
-        """Area of the piston [m^2]."""
+        """Return the area of the piston [m^2]."""
         return np.pi / 4 * self.bore**2
 
     @property
     def swept(self) -> float:
-        """Volume that one piston sweeps [m^3]."""
+        """Return the volume that one piston sweeps [m^3]."""
         return 2 * self.radius * self.area
 
     @property
     def heat(self) -> float:
-        """Q that the gas keeps of a charge [J]."""
+        """Return the heat Q that the gas keeps of a charge [J]."""
         volume = self.swept * self.compression / (self.compression - 1)
         return self.used * HEAT * self.inlet * volume / (GAS * self.temperature) / (1 + AIR_FUEL)
 
     def volume(self, psi: np.ndarray) -> np.ndarray:
-        """V at crank angles [rad] [m^3]."""
+        """Return the volume V at crank angles [rad] [m^3]."""
         R, L = self.radius, self.rod_length
         fall = R + L - R * np.cos(psi) - np.sqrt(L**2 - (R * np.sin(psi)) ** 2)
         return self.swept / (self.compression - 1) + self.area * fall
 
     def burnt(self, psi: np.ndarray) -> np.ndarray:
-        """x, from 0 to 1."""
+        """Return the burnt fraction x, from 0 to 1, at crank angles [rad]."""
         share = np.clip((np.degrees(psi) - self.start) / self.duration, 0.0, None)
         return 1 - np.exp(-np.log(1000.0) * share ** (self.form + 1))
 
     @cached_property
     def samples(self) -> tuple[np.ndarray, np.ndarray]:
-        """(psi, p) from -pi to 3 pi, ``COUNT`` + 1 each, first and last the same [rad], [Pa]."""
+        """Return (psi, p) from -pi to 3 pi, ``COUNT`` + 1 each, first and last the same [rad], [Pa]."""
         psi = -np.pi + CYCLE * np.arange(COUNT + 1) / COUNT
         closed = psi <= np.pi
         V, g = self.volume(psi[closed]), self.gamma
@@ -109,28 +109,30 @@ class Cycle:
 
     @cached_property
     def spline(self) -> CubicSpline:
-        """p over psi, periodic."""
+        """Return the pressure p over psi as a periodic spline."""
         return CubicSpline(*self.samples, bc_type="periodic")
 
     def force(self, psi: np.ndarray) -> np.ndarray:
-        """Force on the piston towards the crank, against the pressure of the crankcase [N]; psi [rad], any array."""
+        """Return the force on the piston towards the crank, against the pressure of the crankcase [N]; psi [rad], any
+        array.
+        """
         return self.area * (self.spline(psi) - CRANKCASE)
 
     @cached_property
     def work(self) -> float:
-        """Indicated work of a cycle, the integral of p dV [J]."""
+        """Return the indicated work of a cycle, the integral of p dV [J]."""
         psi = np.linspace(-np.pi, 3 * np.pi, 8 * COUNT + 1)
         V = CubicSpline(psi, self.volume(psi))
         return float(np.trapezoid(self.spline(psi) * V(psi, 1), psi))
 
     @property
     def mean_pressure(self) -> float:
-        """Indicated mean effective pressure [Pa]."""
+        """Return the indicated mean effective pressure [Pa]."""
         return self.work / self.swept
 
 
 def blend(psi: np.ndarray, start: float, end: float, before: np.ndarray, after: float) -> np.ndarray:
-    """Pressure that goes from one to another along half a cosine."""
+    """Return the pressure that goes from one value to another along half a cosine [Pa]."""
     if end <= start:
         return before
     share = 0.5 - 0.5 * np.cos(np.pi * np.clip((psi - start) / (end - start), 0.0, 1.0))
@@ -138,7 +140,7 @@ def blend(psi: np.ndarray, start: float, end: float, before: np.ndarray, after: 
 
 
 def cycle_of(preset: Preset, load: float = 1.0) -> Cycle:
-    """The cycle of an engine under a load from `LEAST` to 1 (full): inlet pressure as share of 0.95 bar.
+    """Return the cycle of an engine under a load from `LEAST` to 1 (full): inlet pressure as share of 0.95 bar.
 
     ValueError for another load.
     """

@@ -40,14 +40,14 @@ class Load:
 
     @property
     def six(self) -> np.ndarray:
-        """(n, 6) forces and moments."""
+        """Return forces and moments, shape (n, 6)."""
         return np.hstack([self.force, self.moment])
 
 
 @dataclass(frozen=True)
 class Source:
-    """An engine that shakes: ``preset``; ``load``: share of full load, 0 for a motored engine without gas; ``fitted``:
-    balance shafts.
+    """Engine as a source of vibration: ``preset``; ``load``: share of full load, 0 for a motored engine without gas;
+    ``fitted``: balance shafts.
     """
 
     preset: Preset
@@ -56,12 +56,12 @@ class Source:
 
     @cached_property
     def cycle(self) -> Cycle | None:
-        """The gas; None without."""
+        """Return the working cycle of the gas, None without gas."""
         return None if self.load == 0.0 else cycle_of(self.preset, self.load)
 
     @cached_property
     def inertia(self) -> Load:
-        """Inertia loads at 1000 rpm."""
+        """Return the inertia loads at 1000 rpm."""
         engine = self.preset.engine(RPM)
         h = phasor.block_load(engine, ORDERS, dyno=True)
         R = upright(engine.layout)
@@ -78,7 +78,7 @@ class Source:
 
     @cached_property
     def gas_torque(self) -> np.ndarray:
-        """(2 ORDERS + 1,) phasors of the torque of the gas on the crank [N m]."""
+        """Return the phasors of the torque of the gas on the crank [N m], shape (2 ORDERS + 1,)."""
         if self.cycle is None:
             return np.zeros(2 * ORDERS + 1, dtype=complex)
         engine = self.preset.engine(RPM)
@@ -87,7 +87,7 @@ class Source:
         return np.array([seen.at(k / 2) for k in range(2 * ORDERS + 1)])
 
     def at(self, rpm: float) -> Load:
-        """The load at a speed [1/min]; signs do not matter to it, 0 has no inertia."""
+        """Return the load at a speed [1/min]; the sign does not matter, and 0 has no inertia load."""
         share, moment = (rpm / RPM) ** 2, self.inertia.moment * (rpm / RPM) ** 2
         moment[:, 0] -= self.gas_torque
         return Load(
@@ -95,7 +95,9 @@ class Source:
         )
 
     def over_the_cycle(self, rpm: float, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(torque of the gas, of the inertia) on a crank that turns evenly, at its angles [rad], all orders [N m]."""
+        """Return (torque of the gas, of the inertia) on a crank at constant speed, at its angles [rad], all orders [N
+        m].
+        """
         engine = self.preset.engine(rpm)
         waves = phasor.block_load(engine, 3 * ORDERS, dyno=True).torque
         inertia = -np.real(np.exp(1j * np.outer(angle, np.arange(waves.size))) @ waves)
@@ -104,10 +106,10 @@ class Source:
 
     @property
     def mean_torque(self) -> float:
-        """Indicated, at the crank [N m]."""
+        """Return the indicated mean torque at the crank [N m]."""
         return float(self.gas_torque[0].real)
 
 
 def along(direction: np.ndarray, push: Signal) -> tuple[Signal | float, ...]:
-    """Components of a push along a unit vector; a number where there is none: it costs no table."""
+    """Return the components of a force along a unit vector, as a number where there is none so that it costs no table."""
     return tuple(float(x) * push if x else 0.0 for x in direction)

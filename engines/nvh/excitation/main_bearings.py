@@ -54,12 +54,13 @@ class Bearing:
 
     @property
     def radial(self) -> np.ndarray:
-        """(s,) [N]."""
+        """Return the radial force [N], shape (s,)."""
         return np.linalg.norm(self.force, axis=1)
 
 
 def cut_engine(source: Source, rpm: float) -> tuple[System, np.ndarray]:
-    """The engine with a throw of the crank for cylinders side by side, and the places of its main bearings [m].
+    """Build the engine with a throw of the crank for cylinders side by side; return it with the places of its main
+    bearings [m].
 
     Joints "front k", "rear k" of throw k, "bore i"; axes of `engines.balance`: the crank along z.
     """
@@ -95,21 +96,21 @@ def cut_engine(source: Source, rpm: float) -> tuple[System, np.ndarray]:
 
 
 def throw_of(centres: list[np.ndarray], mass: float, radius: float, name: str) -> Body:
-    """The throws of one station as one body with its reference point on the axis."""
+    """Return the throws of one station as one body with its reference point on the axis."""
     own = mass * radius**2 * np.array(THROW)
     whole = inertia.combine([(mass, centre, own) for centre in centres])
     return Body(name, whole.mass, whole.inertia, com=whole.com)
 
 
 def cycle_run(source: Source, rpm: float) -> tuple[Solution, np.ndarray]:
-    """Two turns of the cut engine by kinematics, and the places of its main bearings."""
+    """Simulate two turns of the cut engine by kinematics; return them with the places of its main bearings."""
     system, mains = cut_engine(source, rpm)
     end = 4 * np.pi / source.preset.engine(rpm).rate
     return simulate(system, end, method=Kinematic(), output=2 * COUNT + 1), mains
 
 
 def main_bearings(source: Source, rpm: float) -> list[Bearing]:
-    """The main bearings over a cycle, from the free end on."""
+    """Return the main bearings over a cycle, from the free end on."""
     solution, mains = cycle_run(source, rpm)
     rate, preset, found = source.preset.engine(rpm).rate, source.preset, []
     roller = RollingBearing(C=preset.roller_rating, p=ROLLERS)

@@ -1,4 +1,4 @@
-"""Engines with the dimensions of real ones, as `engines.balance.Engine` and with what else a powertrain needs.
+"""Engines with real dimensions, as `engines.balance.Engine` with the other data of a powertrain.
 
 The rod is known by mass and length; its centre of mass lies at `FRACTION` of the length from the crankpin and its
 inertia is that of two masses at the ends over `TWO_MASSES`, the average of measured rods. Counterweights carry all that
@@ -34,7 +34,7 @@ THROW = (0.5, 0.5, 0.8)  # inertia of a throw with counterweights over its mass 
 
 @dataclass(frozen=True)
 class Block:
-    """All of a powertrain that does not move relative to its block.
+    """All parts of a powertrain that do not move relative to its block.
 
     ``mass`` [kg]; ``box`` (3,): edges of the uniform box of its inertia [m]; ``com`` (3,): from the middle of the
     crank, x along it, z up [m]; ``tilt``: of the box about y [degrees].
@@ -53,7 +53,7 @@ class Block:
 
     @property
     def inertia(self) -> np.ndarray:
-        """(3, 3) about the centre of mass [kg m^2]."""
+        """Return the inertia about the centre of mass [kg m^2], shape (3, 3)."""
         R = matrix(rotation("y", self.tilt, degrees=True))
         return R @ np.diag(inertia.box(self.mass, self.box)) @ R.T
 
@@ -98,11 +98,11 @@ class Preset:
 
     @property
     def displacement(self) -> float:
-        """Displacement of all cylinders [m^3]."""
+        """Return the displacement of all cylinders [m^3]."""
         return len(self.layout.pins) * np.pi / 4 * self.bore**2 * self.stroke
 
     def engine(self, rpm: float) -> Engine:
-        """The engine at a speed [1/min] > 0; ValueError for others."""
+        """Return the engine at a speed [1/min] > 0; raise ValueError for others."""
         rpm = number(rpm, f"engine '{self.name}': rpm", positive=True)
         R, f = self.stroke / 2, FRACTION
         carried = (1 - f) * self.rod_mass + self.balanced * (self.piston_mass + f * self.rod_mass)
@@ -115,12 +115,12 @@ class Preset:
 
 
 def names() -> tuple[str, ...]:
-    """Names of all engines of the data file."""
+    """Return the names of all engines of the data file."""
     return tuple(data("engines")["engines"])
 
 
 def preset(name: str) -> Preset:
-    """An engine by its name, or of a file (.json) with the same fields; ValueError for others."""
+    """Return an engine by its name, or from a file (.json) with the same fields; raise ValueError for others."""
     if name in layout_names() and name not in names():
         raise InputError(
             f"'{name}' is a layout of the toy engine (python -m engines.balance {name}); "
@@ -137,7 +137,7 @@ def preset(name: str) -> Preset:
 
 
 def own_layout(name: str, found: Record, parts: Record) -> Layout:
-    """The layout of cylinders given one by one; ValueError for a firing order that the crank cannot do."""
+    """Return the layout of cylinders given one by one; raise ValueError for a firing order that the crank cannot have."""
     plan = Layout(name, found["title"], spacing=found["spacing"], **parts)
     if plan.firing_order is not None:
         order = plan.firing_order.split("-")

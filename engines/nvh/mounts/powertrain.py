@@ -1,4 +1,4 @@
-"""An engine whose block is free: the moving crank train in space, and the rigid body and rotor that stand for it.
+"""Engine with a free block: the moving crank train in space, and its equivalent rigid body and rotor.
 
 The moving engine is that of `engines.balance.spatial`, turned into car axes (x along the crank, z up the middle of the
 bores), with a dyno on the ground that turns the crank evenly and bears torque alone. Of its mass matrix about the
@@ -53,7 +53,8 @@ ROTOR = 0.01  # of the mass is in the rotor; only the sum counts
 def moving_engine(
     preset: Preset, engine: Engine, fitted: Sequence[Shaft], *, frame: bool = True
 ) -> tuple[list[Body], list[Any]]:
-    """(bodies, joints) of the engine with a free block, car axes, at q = 0: "block", "crank", "rod 1" ..., "dyno".
+    """Return (bodies, joints) of the engine with a free block, car axes, at q = 0: "block", "crank", "rod 1" ...,
+    "dyno".
 
     ``fitted``: balance shafts, geared to the crank; ``frame``: draw the block as an open frame: the crank is seen.
     """
@@ -76,7 +77,9 @@ def moving_engine(
 
 
 def crankshaft(preset: Preset, engine: Engine, places: list[spatial.Place]) -> Body:
-    """Throws with their counterweights, and the flywheel behind the last main bearing; axis along z."""
+    """Return the throws with their counterweights, and the flywheel behind the last main bearing, as one body; axis
+    along z.
+    """
     swing, end = preset.throw_mass * engine.radius**2, engine.ends[1] + engine.spacing / 2
     parts = [(preset.throw_mass, where.throw, swing * np.array(THROW)) for where in places]
     J, radius = preset.flywheel, max(2.2 * engine.radius, 0.09)
@@ -87,7 +90,7 @@ def crankshaft(preset: Preset, engine: Engine, places: list[spatial.Place]) -> B
 
 @dataclass(frozen=True)
 class Equivalent:
-    """The rigid body and the rotor that stand for an engine, about the middle of the crank, car axes.
+    """Rigid body and rotor equivalent to an engine, about the middle of the crank, car axes.
 
     ``mass`` [kg]; ``com`` (3,) [m]; ``inertia`` (3, 3): about the centre of mass [kg m^2], without what turns evenly
     about x; ``rotor``: J of H = J w [kg m^2].
@@ -100,7 +103,7 @@ class Equivalent:
 
     @cached_property
     def bodies(self) -> tuple[Body, Body]:
-        """ "powertrain" and "rotor": the rotor has `ROTOR` of the mass, on the crank."""
+        """Return the bodies "powertrain" and "rotor": the rotor has `ROTOR` of the mass, on the crank."""
         light = ROTOR * self.mass
         disc = np.diag([self.rotor, self.rotor / 2, self.rotor / 2])
         com = self.com * self.mass / (self.mass - light)
@@ -110,7 +113,7 @@ class Equivalent:
         return Body("powertrain", self.mass - light, left, com=com), Body("rotor", light, disc)
 
     def system(self, forces: Any, rate: float) -> System:
-        """Both with forces that take the powertrain, ``forces(body)``, the rotor at a rate [rad/s]; no weight."""
+        """Build both bodies with ``forces(body)`` on the powertrain and the rotor at a rate [rad/s]; no weight."""
         body, rotor = self.bodies
         hinge = Revolute(body, rotor, at=(0, 0, 0), axis=X, name="crank axis")
         even = SpeedDriver(GROUND, rotor, axis=X, speed=rate, name="even speed")
@@ -118,25 +121,27 @@ class Equivalent:
 
     @property
     def rigid(self) -> Body:
-        """All as one body at rest, "powertrain", the rotor locked."""
+        """Return both bodies as one body at rest, "powertrain", the rotor locked."""
         locked = self.inertia + np.diag([self.rotor, 0.0, 0.0])
         return Body("powertrain", self.mass, locked, com=self.com)
 
 
 def free_mass(dense: DenseEquations, state: State) -> np.ndarray:
-    """(6, 6) mass matrix N'M N of a system whose first body may move by all six freedoms and carries the rest."""
+    """Return the mass matrix N'M N of a system whose first body has six degrees of freedom and carries the rest, shape
+    (6, 6).
+    """
     terms = dense.at(state)
     N = carried(terms.J)
     return N.T @ terms.M @ N
 
 
 def carried(J: np.ndarray) -> np.ndarray:
-    """(6 n, 6) N: velocities of all bodies that a velocity of the first one causes, for rows J."""
+    """Return N, the velocities of all bodies that a velocity of the first one causes, for rows J, shape (6 n, 6)."""
     return np.vstack([np.eye(6), -np.linalg.lstsq(J[:, 6:], J[:, :6], rcond=1e-11)[0]])
 
 
 def equivalent(preset: Preset, fitted: Sequence[Shaft] = ()) -> Equivalent:
-    """The mean of the moving engine with its balance shafts; ValueError if it is not that of a rigid body."""
+    """Return the mean of the moving engine with its balance shafts; raise ValueError if it is not that of a rigid body."""
     engine = preset.engine(1000.0)
     bodies, joints = moving_engine(preset, engine, fitted, frame=False)
     system = System(bodies, joints, gravity=(0, 0, 0))
@@ -156,7 +161,7 @@ def equivalent(preset: Preset, fitted: Sequence[Shaft] = ()) -> Equivalent:
 
 
 def held(bodies: list[Body], joints: list[Any], engine: Engine) -> Solution:
-    """A turn with the block held, ``ANGLES`` samples and the first again."""
+    """Simulate a turn with the block fixed, ``ANGLES`` samples and the first again."""
     mount = Fixed(GROUND, bodies[0], at=(0, 0, 0), name="mount")
     system = System(bodies, [*joints, mount], gravity=(0, 0, 0))
     return simulate(system, 2 * np.pi / engine.rate, method=Kinematic(), output=ANGLES + 1)

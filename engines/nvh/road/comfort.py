@@ -15,13 +15,13 @@ WORDS = ((0.315, "not uncomfortable"), (0.63, "a little uncomfortable"), (1.0, "
 
 
 def quadratic(frequency: float, Q: float) -> np.ndarray:
-    """Coefficients of ``1 + s / (Q w) + s^2 / w^2``, highest power first."""
+    """Return the coefficients of ``1 + s / (Q w) + s^2 / w^2``, highest power first."""
     w = 2 * np.pi * frequency
     return np.array([1 / w**2, 1 / (Q * w), 1.0])
 
 
 def weighting() -> TransferFunction:
-    """W_k as a transfer function of s."""
+    """Return W_k as a transfer function of s."""
     above = np.array([1 / (2 * np.pi * LOW) ** 2, 0.0, 0.0])
     numerator = np.polymul(above, [1 / (2 * np.pi * F3), 1.0])
     numerator = (F5 / F6) ** 2 * np.polymul(numerator, quadratic(F5, Q5))
@@ -32,13 +32,13 @@ def weighting() -> TransferFunction:
 
 
 def weight(frequency: np.ndarray) -> np.ndarray:
-    """W_k at frequencies [Hz], complex."""
+    """Return W_k at frequencies [Hz], complex."""
     H, s = weighting(), 2j * np.pi * np.asarray(frequency)
     return np.polyval(H.num, s) / np.polyval(H.den, s)
 
 
 def verdict(acceleration: float) -> str:
-    """Likely reaction of people in public transport to a weighted acceleration [m/s^2] (annex C).
+    """Return the likely reaction of people in public transport to a weighted acceleration [m/s^2] (annex C).
 
     The ranges of the standard overlap; the milder word is taken up to the end of its range.
     """

@@ -1,4 +1,4 @@
-"""A road given by its heights: a table of the user, from a file.
+"""Road given by its heights: a table of the user, from a file.
 
     x,left,right        or        x,z          [m], one line a point, in order, evenly spaced (up to half a step)
 
@@ -32,7 +32,7 @@ HEADERS = ["x", "left", "right"], ["x", "z"]
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """``title``; ``x`` (n,): places [m]; ``z`` (2, n): heights of the left and the right track [m].
+    """Measured road: ``title``; ``x`` (n,): places [m]; ``z`` (2, n): heights of the left and the right track [m].
 
     ValueError for fewer than 20 points or more than 20 000, less than 5 m or more than 5 km, places that do not grow,
     a gap between them, or a step that no wheel climbs.
@@ -76,12 +76,12 @@ class Measured:
 
     @property
     def length(self) -> float:
-        """After which it repeats itself, with its mirror image [m]."""
+        """Return the length after which the road repeats itself, with its mirror image [m]."""
         return 2 * float(self.x[-1] - self.x[0])
 
     @cached_property
     def parts(self) -> np.ndarray:
-        """(2, n) a_k of both tracks [m]; uneven points are joined by straight lines."""
+        """Return the coefficients a_k of both tracks [m]; uneven points are joined by straight lines; shape (2, n)."""
         even = np.linspace(self.x[0], self.x[-1], self.x.size)
         values = [np.interp(even, self.x, side) for side in self.z]
         found = dct(values, type=1) / (self.x.size - 1)
@@ -90,27 +90,29 @@ class Measured:
 
     @cached_property
     def waves(self) -> np.ndarray:
-        """(k,) n_k that count [1/m]."""
+        """Return the spatial frequencies n_k in use [1/m], shape (k,)."""
         n = np.arange(1, self.x.size) / self.length
         return n[n <= SHORTEST]
 
     @cached_property
     def amplitudes(self) -> np.ndarray:
-        """(2, k) complex: z = Re sum c_k exp(2 pi i n_k (x - x_1)) of left and right track [m]."""
+        """Return the complex amplitudes of z = Re sum c_k exp(2 pi i n_k (x - x_1)) of left and right track [m], shape
+        (2, k).
+        """
         return self.parts[:, 1 : self.waves.size + 1] + 0j
 
     @property
     def left_out(self) -> float:
-        """Root mean square of the waves that are too short to count, of the rougher track [m]."""
+        """Return the root mean square of the waves too short for the model, of the rougher track [m]."""
         return float(np.sqrt((self.parts[:, self.waves.size + 1 :] ** 2).sum(axis=1).max() / 2))
 
     def height(self, x: np.ndarray, side: int) -> np.ndarray:
-        """z of the left (0) or right (1) track about its mean, x from the first point on [m]."""
+        """Return z of the left (0) or right (1) track about its mean, x from the first point on [m]."""
         return summed(self.waves, self.amplitudes[side], x)
 
 
 def read_road(path: str | Path) -> Measured:
-    """The road of a file of comma-separated values with a header.
+    """Read the road of a file of comma-separated values with a header.
 
     ValueError for a file that cannot be read, another header, or a cell that is not a number, with its line.
     """

@@ -25,7 +25,7 @@ COHERENT = 0.3  # 1/m
 
 @dataclass(frozen=True)
 class Road:
-    """A rough road: ``kind``: "A" (smooth) to "H"; ``length``: after which it repeats itself [m]; ``seed``.
+    """Rough road: ``kind``: "A" (smooth) to "H"; ``length``: after which it repeats itself [m]; ``seed``.
 
     ValueError for an unknown class, or a length that holds no wave of the standard.
 
@@ -48,22 +48,22 @@ class Road:
 
     @property
     def title(self) -> str:
-        """The road in words."""
+        """Return the road in words."""
         return f"a road of class {self.kind}"
 
     @cached_property
     def waves(self) -> np.ndarray:
-        """(k,) n_k within the range of the standard [1/m]."""
+        """Return the spatial frequencies n_k within the range of the standard [1/m], shape (k,)."""
         n = np.arange(1, int(SHORTEST * self.length) + 1) / self.length
         return n[n >= LONGEST]
 
     def spectrum(self, n: np.ndarray) -> np.ndarray:
-        """G at spatial frequencies [m^3]."""
+        """Return the spectral density G at spatial frequencies [m^3]."""
         return G0 * 4.0 ** CLASSES.index(self.kind) * (np.asarray(n) / N0) ** -2
 
     @cached_property
     def amplitudes(self) -> np.ndarray:
-        """(2, k) complex: z = Re sum c_k exp(2 pi i n_k x) of left and right track [m]."""
+        """Return the complex amplitudes of z = Re sum c_k exp(2 pi i n_k x) of left and right track [m], shape (2, k)."""
         phases = np.exp(2j * np.pi * np.random.default_rng(self.seed).random((2, self.waves.size)))
         size, shared = np.sqrt(2 * self.spectrum(self.waves) / self.length), np.exp(-self.waves / COHERENT)
         left, other = phases
@@ -72,10 +72,10 @@ class Road:
         return size * np.stack([left, right / np.abs(right)])
 
     def height(self, x: np.ndarray, side: int) -> np.ndarray:
-        """z of the left (0) or right (1) track at places along the road [m]."""
+        """Return z of the left (0) or right (1) track at places along the road [m]."""
         return summed(self.waves, self.amplitudes[side], x)
 
 
 def summed(waves: np.ndarray, amplitudes: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Re sum c_k exp(2 pi i n_k x)."""
+    """Return Re sum c_k exp(2 pi i n_k x)."""
     return (np.exp(2j * np.pi * np.multiply.outer(np.asarray(x, dtype=float), waves)) @ amplitudes).real

@@ -1,4 +1,4 @@
-"""Tables, figure and page of a ride."""
+"""Tables, figure and page of a ride on a road."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -31,8 +31,8 @@ BRAKES = 0.5  # of gravity
 
 
 def ride_of(car: Car, kind: str, road: str, speed: float, linked: bool = False) -> Ride:
-    """A car over a road, of a class or of a file (with a dot in its name); ValueError if nothing is known of its
-    wheels.
+    """Return a car on a road of a class or of a file (with a dot in its name); raise ValueError if its wheels are
+    unknown.
     """
     if car.ride is None:
         raise InputError(f"car '{car.name}' is not known on its wheels; give compact or saloon")
@@ -41,12 +41,12 @@ def ride_of(car: Car, kind: str, road: str, speed: float, linked: bool = False) 
 
 
 def rides_of(car: Car, road: str, speed: float) -> list[Ride]:
-    """Quarter, half and whole car, with wheels on slides and on links; the last is the whole car on its links."""
+    """Return quarter, half and whole car with wheels on slides and on links; the last is the whole car on its links."""
     return [ride_of(car, kind, road, speed, linked) for linked in (False, True) for kind in KINDS]
 
 
 def quarter_car(ride: Ride) -> np.ndarray:
-    """(k,) phasors of the acceleration at the seat of a quarter car in closed form [m/s^2]."""
+    """Return the phasors of the acceleration at the seat of a quarter car in closed form [m/s^2], shape (k,)."""
     (corner,) = ride.vehicle.corners
     rates = (corner.spring, corner.damper), (corner.tyre, corner.tyre_damping)
     body, _ = closed_forms.quarter_car(ride.rates, (ride.vehicle.mass, corner.mass), *rates)
@@ -54,7 +54,7 @@ def quarter_car(ride: Ride) -> np.ndarray:
 
 
 def comfort(rides: list[Ride]) -> Rows:
-    """Vibration at the seat of every car, by small motions and in the full motion."""
+    """Tabulate the vibration at the seat of every car, by small motions and in the full motion."""
     rows = [["car", "verdict", "a [m/s2]", "a_w [m/s2]", "a_w, full motion", "differ by [%]", "freedoms"]]
     for ride in rides:
         full = rms(weight(ride.rates / (2 * np.pi)) * ride.run_seat)
@@ -64,7 +64,7 @@ def comfort(rides: list[Ride]) -> Rows:
 
 
 def modes(ride: Ride) -> Rows:
-    """Small motions of the car on its wheels."""
+    """Tabulate the small motions of the car on its wheels."""
     rows, r = [["mode", "mostly", "Hz", "damping"]], ride.vehicle.ride
     system = ride.vehicle.system()
     for mode in linearize(system).modes:
@@ -78,7 +78,7 @@ def modes(ride: Ride) -> Rows:
 
 
 def struts(ride: Ride) -> Rows:
-    """What springs, dampers and tyres see in the full motion."""
+    """Tabulate the loads of springs, dampers and tyres in the full motion."""
     rows = [["wheel", "", "travel rms [mm]", "most [mm]", "damper most [m/s]", "strut most [N]", "tyre rms [N]",
              "tyre least [N]"]]  # fmt: skip
     for corner in ride.vehicle.corners:
@@ -90,7 +90,7 @@ def struts(ride: Ride) -> Rows:
 
 
 def lifted(ride: Ride) -> str:
-    """The wheel that would leave the road most, and for how long, in a line; nothing if none does."""
+    """Return in a line which wheel would leave the road most, and for how long; nothing if none does."""
     loads = {corner.name: ride.tyre_load(corner) for corner in ride.vehicle.corners}
     name = min(loads, key=lambda wheel: loads[wheel].min())
     least, share = loads[name].min(), (loads[name] < 0.0).mean()
@@ -103,7 +103,7 @@ def lifted(ride: Ride) -> str:
 
 
 def guides(vehicle: Vehicle) -> Rows:
-    """What the links of both axles make of the wheel's travel."""
+    """Tabulate the suspension kinematics of both axles over the wheel travel."""
     rows = [["axle", "guide", "up [mm]", "toe-in [min]", "camber [deg]", "outwards [mm]", "motion ratio",
              "roll centre [mm]"]]  # fmt: skip
     for axle, held in zip(("front", "rear"), vehicle.guides, strict=True):
@@ -117,7 +117,7 @@ def guides(vehicle: Vehicle) -> Rows:
 
 
 def braking(vehicle: Vehicle) -> str:
-    """Anti-dive and anti-lift in a line, and what they do to a car under brakes."""
+    """Return anti-dive and anti-lift in a line, and their effect on the car under braking."""
     (dive, lift), front = vehicle.anti, vehicle.ride["brakes"]
     linked, slid = (np.degrees(Vehicle("whole", vehicle.ride, on).braked(BRAKES)) for on in (True, False))
     return (
@@ -127,7 +127,7 @@ def braking(vehicle: Vehicle) -> str:
 
 
 def preloads(vehicle: Vehicle) -> str:
-    """What the loads of the struts make of the springs at the wheels, in a line."""
+    """Return in a line the effect of the loads of the struts on the stiffness at the wheels."""
     front, rear = vehicle.by_load
     return (
         f"as the motion ratio changes over the travel, the load of the strut is {front:+.1%} of the stiffness at the "
@@ -136,7 +136,7 @@ def preloads(vehicle: Vehicle) -> str:
 
 
 def guide_figure(vehicle: Vehicle) -> "Figure":
-    """Toe-in, camber and motion ratio of both axles over the travel."""
+    """Plot toe-in, camber and motion ratio of both axles over the travel."""
     degree = np.degrees(1.0)
     shown = ("toe", "toe-in [min]", 60 * degree), ("camber", "camber [°]", degree), ("ratio", "motion ratio", -1.0)
     with new_figure(7.5, 2.8) as (made, look):
@@ -153,7 +153,7 @@ def guide_figure(vehicle: Vehicle) -> "Figure":
 
 
 def figure(ride: Ride) -> "Figure":
-    """Acceleration at the seat over frequency, and weighted over the speed on several roads."""
+    """Plot the acceleration at the seat over frequency, and weighted over the speed on several roads."""
     f = ride.rates / (2 * np.pi)
     with new_figure(7.5, 5.4) as (made, look):
         upper, lower = made.subplots(2, 1)
@@ -179,7 +179,7 @@ def figure(ride: Ride) -> "Figure":
 
 
 def response_figure(rides: list[Ride]) -> "Figure":
-    """Acceleration of the body over that of the road: quarter cars by small motions, and in closed form."""
+    """Plot the acceleration of the body over that of the road: quarter cars by small motions, and in closed form."""
     slid, linked = (ride for ride in rides if ride.vehicle.kind == "quarter")
     f = slid.rates / (2 * np.pi)
     with new_figure(7.5, 2.8) as (made, look):
@@ -199,15 +199,15 @@ def response_figure(rides: list[Ride]) -> "Figure":
 
 
 def left_out(ride: Ride) -> str:
-    """What of a road from a file does not count; nothing of a class."""
+    """Return in a line the waves of a road from a file that are left out; nothing for a road class."""
     if not isinstance(ride.road, Measured):
         return ""
     return f"waves below {1e3 / SHORTEST:.0f} mm do not count: {1e3 * ride.road.left_out:.2g} mm rms of the road"
 
 
 def write_page(car: Car, rides: list[Ride], folder: str | Path) -> Path:
-    """Write ``ride-CAR.html`` and its view into a folder that exists, of the last of some rides and the others beside
-    it; where the page is.
+    """Write ``ride-CAR.html`` and its view into a folder that exists, of the last of some rides with the others for
+    comparison; return the path of the page.
     """
     folder, view, ride = Path(folder), f"ride-{car.name}-view.html", rides[-1]
     run, end = ride.run, float(ride.run.t[0]) + FILM

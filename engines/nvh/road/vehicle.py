@@ -1,4 +1,4 @@
-"""A car on its wheels: quarter, half and whole, as mechanisms in space, and their small motions.
+"""Car on its wheels: quarter, half and whole, as mechanisms in space, and their small motions.
 
 The body heaves, rolls and pitches; wheels slide along the z axis of the body, or hang on the five links of their axle
 (`Guide`), on springs and dampers; tyres are springs and dampers to the ground. Links move them sideways, too, at y_dot
@@ -49,7 +49,7 @@ SPOTS = {"quarter": [(0, 0)], "half": [(1, 0), (-1, 0)], "whole": [(1, 0), (-1, 
 
 @dataclass(frozen=True)
 class Corner:
-    """A wheel: ``name``; ``x, y`` from the centre of mass [m]; ``side``: 0 left, 1 right; masses and rates [SI];
+    """Wheel of a car: ``name``; ``x, y`` from the centre of mass [m]; ``side``: 0 left, 1 right; masses and rates [SI];
     ``load``: of the body on it [N].
     """
 
@@ -66,15 +66,15 @@ class Corner:
 
     @property
     def borne(self) -> float:
-        """By the tyre at rest [N]."""
+        """Return the static wheel load [N]."""
         return self.load + self.mass * GRAVITY
 
 
 @dataclass(frozen=True)
 class Vehicle:
-    """``kind``: "quarter" (front left corner), "half" (left half) or "whole"; ``ride``: as in the data file;
-    ``linked``: whether wheels hang on the links of their axles or slide along the body's z; ``speed``: at which those
-    on links roll [m/s], None: tyres bear no side force.
+    """Vehicle of a ``kind``: "quarter" (front left corner), "half" (left half) or "whole"; ``ride``: as in the data
+    file; ``linked``: whether wheels hang on the links of their axles or slide along the body's z; ``speed``: at which
+    those on links roll [m/s], None: tyres bear no side force.
 
     ValueError for an unknown kind, a mass, a rate or a speed that is not positive, or a negative damping.
     """
@@ -114,12 +114,12 @@ class Vehicle:
 
     @property
     def title(self) -> str:
-        """The car in words."""
+        """Return the car in words."""
         return f"{self.kind} car{' on links' * self.linked}"
 
     @cached_property
     def corners(self) -> list[Corner]:
-        """Front left, front right, rear left, rear right, as far as there are."""
+        """Return the existing corners of front left, front right, rear left, rear right."""
         r, found = self.ride, []
         ahead = (1 - r["front"]) * r["wheelbase"], -r["front"] * r["wheelbase"]
         for axle, (end, x) in enumerate(zip(("front", "rear"), ahead, strict=True)):
@@ -134,36 +134,36 @@ class Vehicle:
 
     @property
     def part(self) -> float:
-        """Share of the car that is there."""
+        """Return the share of the car in the model [-]."""
         return {"quarter": self.ride["front"] / 2, "half": 0.5}.get(self.kind, 1.0)
 
     @property
     def mass(self) -> float:
-        """Carried by the springs [kg]."""
+        """Return the sprung mass [kg]."""
         return self.ride["mass"] * self.part
 
     @property
     def seat(self) -> tuple[float, float]:
-        """(x, y) where the driver sits; over the wheel of a quarter car [m]."""
+        """Return (x, y) of the driver's seat [m]; above the wheel of a quarter car."""
         x, y = self.ride["seat"]
         return {"half": (x, 0.0), "whole": (x, y)}.get(self.kind, (0.0, 0.0))
 
     @cached_property
     def guides(self) -> list[Guide]:
-        """Guides of the front and the rear left wheel."""
+        """Return the suspensions of the front and the rear left wheel."""
         track = self.ride["track"]
         return [made("own", x, track) if isinstance(x, dict) else guide(x, track) for x in self.ride["guides"]]
 
     @property
     def anti(self) -> tuple[float, float]:
-        """(anti-dive, anti-lift): share of the pitching moment of braking that the links bear, front and rear."""
+        """Return (anti-dive, anti-lift): share of the pitching moment of braking that the links bear, front and rear."""
         share, arm = self.ride["brakes"], self.ride["wheelbase"] / (HEIGHT + REST)
         front, rear = (held.curves.at("ahead", 0.0) for held in self.guides)
         return share * arm * front, -(1 - share) * arm * rear
 
     @property
     def by_load(self) -> tuple[float, float]:
-        """(front, rear) share of the stiffness at a wheel that the load of its strut makes, ``T dr/dz / k_w``; of a
+        """Return (front, rear) share of the stiffness at a wheel due to the load of its strut, ``T dr/dz / k_w``; of a
         half or whole car on links.
         """
         front, rear = (
@@ -173,7 +173,7 @@ class Vehicle:
         return front, rear
 
     def system(self, loads: Sequence[Load] = ()) -> System:
-        """The mechanism; ``loads``: (wheel, force [N] or signals, where it acts; None: at the centre)."""
+        """Build the mechanism; ``loads``: (wheel, force [N] or signals, where it acts; None: at the centre)."""
         r = self.ride
         size = (r["wheelbase"], 0.5 * r["track"], 2 * HEIGHT)
         inertia = np.array([r["roll_inertia"], r["pitch_inertia"], r["pitch_inertia"]]) * self.part
@@ -199,7 +199,7 @@ class Vehicle:
         return System(bodies, joints, forces, gravity=(0, 0, -GRAVITY), name=self.title)
 
     def rolling(self, corner: Corner, wheel: Body) -> list[Bushing]:
-        """Side force of a tyre that rolls, at the lowest point of a wheel on links."""
+        """Return the side force of a rolling tyre, at the lowest point of a wheel on links."""
         if self.speed is None or not self.linked:
             return []
         slip = self.ride["cornering"][int(corner.x < 0)] / self.speed
@@ -207,7 +207,7 @@ class Vehicle:
         return [Bushing(GROUND, wheel, at=at, stiffness=0.0, damping=(0, slip, 0), name=f"slip of {corner.name}")]
 
     def hung(self, corner: Corner, body: Body) -> tuple[Body, list[Any], SpringDamper]:
-        """(wheel, what guides it, spring and damper) of a corner."""
+        """Return (wheel, its suspension, spring and damper) of a corner."""
         at, name = np.array([corner.x, corner.y, REST]), f"spring of {corner.name}"
         if self.linked:
             held = self.guides[int(corner.x < 0)]
@@ -224,7 +224,7 @@ class Vehicle:
         return wheel, [guided], SpringDamper(wheel, body, at_a=at, at_b=above, **rates, name=name)
 
     def braked(self, share: float) -> float:
-        """Angle by which the body of a half or whole car dives under brakes of a share of gravity [rad].
+        """Return the angle by which the body of a half or whole car dives under braking at a share of gravity [rad].
 
         The wheels are held by their brakes, forces act where they touch the road, and the body stands still again.
         """
@@ -237,7 +237,9 @@ class Vehicle:
         return float(-np.arcsin(ahead[2]))
 
     def outputs(self, system: System) -> list[Measure]:
-        """Heights of as many points as there are freedoms, then their velocities: of the body, then of the wheels."""
+        """Return heights of as many points as there are degrees of freedom, then their velocities: of the body, then of
+        the wheels.
+        """
         body = system.bodies[0]
         points = [(body, (x, y, body.position[2])) for x, y in SPOTS[self.kind]] + [
             (wheel, None) for wheel in system.bodies[1:]
@@ -247,7 +249,7 @@ class Vehicle:
 
     @cached_property
     def at_seat(self) -> np.ndarray:
-        """(outputs,) weights of the heights of the body that give that of the seat."""
+        """Return the weights of the heights of the body that give the height of the seat, shape (outputs,)."""
         x, y = self.seat
         body = {"half": [(1 + x) / 2, (1 - x) / 2], "whole": [(1 + x - y) / 2, (1 - x - y) / 2, y]}
         weights = np.array(body.get(self.kind, [1.0]))
@@ -255,7 +257,9 @@ class Vehicle:
 
     @cached_property
     def equations(self) -> tuple[np.ndarray, np.ndarray]:
-        """(A (2 n, 2 n), B (2 n, wheels)): small motions of the outputs, and what a force up on a wheel adds."""
+        """Return (A (2 n, 2 n), B (2 n, wheels)): small motions of the outputs, and the effect of an upward force on a
+        wheel.
+        """
         system = self.system()
         A = linearize(system, outputs=self.outputs(system)).A
         columns = []

@@ -28,7 +28,7 @@ PERIOD = 6.0  # s that a turn takes to watch
 
 @dataclass(frozen=True)
 class Valve:
-    """A cam of a law with the valve of `Train` on a ``follower``, "flat", "roller" or "barrel", at a speed of the
+    """Cam of a law with the valve of `Train` on a ``follower``, "flat", "roller" or "barrel", at a speed of the
     camshaft [1/min]; None: 5 % above that of float. ValueError for a speed that is not positive, or below `SLOWEST`.
     """
 
@@ -38,7 +38,7 @@ class Valve:
 
     @cached_property
     def train(self) -> Train:
-        """The train at the speed."""
+        """Return the valve train at the speed."""
         train = Train(cam(self.law, LIFT, HALF, BASE.get(self.follower, 0.0), self.follower))
         speed = SHARES[-2] * train.floats_at() if self.rpm is None else number(self.rpm, "valve: rpm", positive=True)
         if speed < SLOWEST:
@@ -47,32 +47,32 @@ class Valve:
 
     @cached_property
     def floats(self) -> float:
-        """Speed of the camshaft from which on the valve floats [1/min]."""
+        """Return the speed of the camshaft from which on the valve floats [1/min]."""
         return Train(self.train.cam).floats_at()
 
     @cached_property
     def held(self) -> Solution:
-        """A turn with the valve held on the cam."""
+        """Return a turn with the valve held on the cam."""
         return self.train.held()
 
     @cached_property
     def run(self) -> Solution:
-        """The motion in the contact, the spring without mass."""
+        """Return the motion with the contact, the spring without mass."""
         return self.train.free()
 
     @cached_property
     def surging(self) -> Solution:
-        """The same with a spring that has a mass."""
+        """Return the motion with the contact and a spring that has a mass."""
         return self.surging_train.free()
 
     @property
     def surging_train(self) -> Train:
-        """That with a spring of `PIECES`."""
+        """Return the valve train with a spring of `PIECES`."""
         return replace(self.train, pieces=PIECES)
 
     @cached_property
     def rows(self) -> list[list[str]]:
-        """Over the speed: the multiplier of the constraint beside what the contact does."""
+        """Tabulate over the speed the multiplier of the constraint and the behaviour of the contact."""
         table = [["1/min", "spring", "constraint, least [N]", "contact, most [N]", "open [degrees]", "gap [mm]"]]
         for rpm in sorted({*(share * self.floats for share in SHARES), self.train.rpm}):
             for words, pieces in (("without mass", 0), (f"{PIECES} pieces", PIECES)):
@@ -88,7 +88,7 @@ class Valve:
 
     @property
     def facts(self) -> str:
-        """Cam, valve and spring in a line."""
+        """Return cam, valve and spring in a line."""
         train, chosen = self.train, self.train.cam
         return (
             f"{self.title}, lift {1e3 * LIFT:g} mm, base {1e3 * chosen.base:g} mm, {self.touched}least radius "
@@ -98,12 +98,12 @@ class Valve:
 
     @property
     def title(self) -> str:
-        """In words."""
+        """Return law and follower of the cam in words."""
         return f"{self.law} {'barrel cam' if self.follower == 'barrel' else f'cam, {self.follower} follower'}"
 
     @property
     def touched(self) -> str:
-        """Of a roller: its size, how far it is pushed aside and how hard; nothing of a face."""
+        """Return size, lateral deflection and side force of a roller in a line; nothing for a flat face."""
         chosen = self.train.cam
         if not isinstance(chosen, RollerCam):
             return ""
@@ -115,17 +115,17 @@ class Valve:
 
     @property
     def verdict(self) -> str:
-        """Of the constraint, whose row holds both ways."""
+        """Return the assessment of the constraint, which holds in both directions."""
         return "; ".join(self.held.certificate.notes) or f"stays on its cam at {self.train.rpm:.0f} 1/min"
 
     @property
     def name(self) -> str:
-        """Of its page."""
+        """Return the name of the page."""
         return f"valve-{self.law}" + f"-{self.follower}" * (self.follower != "flat")
 
 
 def figure(valve: Valve) -> "Figure":
-    """Force of the cam and lift over a turn at the speed: constraint, contact, contact with a spring that surges."""
+    """Plot force of the cam and lift over a turn at the speed: constraint, contact, contact with a spring that surges."""
     train = valve.train
     with new_figure(7.5, 5.0) as (made, look):
         force, lift = made.subplots(2, 1, sharex=True)
@@ -146,7 +146,7 @@ def figure(valve: Valve) -> "Figure":
 
 def write_page(valve: Valve, folder: str | Path) -> Path:
     """Write the page of a valve, ``valve-LAW.html`` if its follower is flat, and its view into a folder that exists;
-    where the page is.
+    return the path of the page.
     """
     folder, view = Path(folder), f"{valve.name}-view.html"
     speed = 60 / valve.train.rpm / PERIOD
