@@ -1,4 +1,4 @@
-"""``mbsd3d validate``: a model of the user's, or every case, against other engines and closed forms."""
+"""Command ``mbsd3d validate``: a model of the user's, or every case, against other engines and closed forms."""
 
 import json
 from contextlib import closing
@@ -75,7 +75,7 @@ def validate_model(
     model: str, json_file: str | None = None, html_file: str | None = None, drop: tuple[str, ...] = (),
     changes: tuple[str, ...] = (), t_end: float = 1.0, **settings: Any,
 ) -> None:  # fmt: skip
-    """Compare a model of any kind, print the table, write what was asked for; exit code 1 if it has not passed."""
+    """Compare a model of any kind, print the table, write the requested files; exit code 1 if it has not passed."""
     from validation.crosscheck import cross_check
 
     for option, target in {"--json": json_file, "--html": html_file}.items():
@@ -99,7 +99,7 @@ def validate_model(
 
 
 def write(file: str, text: str) -> None:
-    """A text file, whole or not at all; says where it is."""
+    """Write a text file, whole or not at all, and print its path."""
     write_atomically(Path(file), text.encode())
     click.echo(file)
 
@@ -107,7 +107,7 @@ def write(file: str, text: str) -> None:
 def validate_all(
     *, out: str = OUT, names: tuple[str, ...] = (), quick: bool = False, fresh: bool = False, only_list: bool = False
 ) -> None:
-    """Run the suite, show and write what it found; exit code 1 if something differs, 130 after Ctrl-C."""
+    """Run the suite, show and write its findings; exit code 1 if something differs, 130 after Ctrl-C."""
     from validation.suite.suite import Suite, store
     from validation.suite.trials import chosen, trials
 
@@ -122,7 +122,7 @@ def validate_all(
 
 
 def judge(suite: "Suite", folder: Path) -> None:
-    """Run a suite and say how it ended."""
+    """Run a suite and report its end."""
     if suite.records:
         kept = f"{len(suite.records)} of {len(suite.trials)} cases are in {suite.store.path}"
         click.echo(f"mbsd3d: {kept}; --fresh forgets them", err=True)
@@ -139,7 +139,7 @@ def judge(suite: "Suite", folder: Path) -> None:
 
 
 def show(suite: "Suite", folder: Path) -> None:
-    """Table on the screen, files in the folder."""
+    """Print the table, and write the files to the folder."""
     from validation.suite.findings import table
 
     if suite.records:

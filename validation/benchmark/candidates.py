@@ -1,4 +1,5 @@
-"""Every formulation and setting that is tried: ours, and of each peer those that a knowledgeable user would choose.
+"""Formulations and settings of the benchmark: those of `mbsd3d`, and those a knowledgeable user would choose of each
+peer.
 
 Left out, because each was tried and took at least twice as long for every error of the table: MuJoCo's Euler, implicit
 and implicitfast (order 1), and pieces welded together for planar cuts; Exudyn's full Newton, and constraints for chains
@@ -36,19 +37,19 @@ NEWTON = 1e-8  # tolerance, likewise; tighter ones cost a tenth more and stop wh
 
 
 class Run(NamedTuple):
-    """Seconds of the time loop, and where it ended."""
+    """Seconds of the time loop, and the pose at its end."""
 
     seconds: float
     end: Poses
 
 
 class Unfinished(NotComparable):
-    """A run that took longer than `LONGEST`."""
+    """Error for a run that took longer than `RUN_SECONDS_MAX`."""
 
 
 @contextmanager
 def ended_after(seconds: float) -> Iterator[None]:
-    """Ctrl-C after a time, for what would go on in ever smaller steps; raises `Unfinished`."""
+    """Interrupt the block after a time, for runs that would continue in ever smaller steps; raises `Unfinished`."""
     late: list[float] = []
 
     def interrupt(*_: Any) -> None:
@@ -70,7 +71,7 @@ def ended_after(seconds: float) -> Iterator[None]:
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """One way to solve a problem.
+    """Formulation and setting that solve a problem.
 
     ``engine, label``: who, and formulation, integrator and settings; ``ladder``: numbers of steps, or tolerances, from
     coarse to fine; ``start``: builds the model and returns a function (setting) -> `Run`; raises NotComparable.
@@ -83,7 +84,7 @@ class Candidate:
 
 
 def ours(problem: Problem) -> Candidate:
-    """DOP853 with adaptive steps, the default."""
+    """Return the candidate of mbsd3d: DOP853 with adaptive steps, the default."""
 
     def start() -> Callable[[float], Run]:
         state = problem.system.state()
@@ -103,17 +104,19 @@ def ours(problem: Problem) -> Candidate:
 
 
 def of_peer(problem: Problem, peer: str) -> list[Candidate]:
-    """All candidates of a peer."""
+    """Return all candidates of a peer."""
     return list({"MuJoCo": of_mujoco, "Exudyn": of_exudyn}[peer](problem))
 
 
 def forms(problem: Problem) -> dict[str, Any]:
-    """Text -> system: as built first."""
+    """Return the forms of a problem, text -> system, as built first."""
     return {"as built": problem.system, **problem.forms}
 
 
 def of_mujoco(problem: Problem) -> Iterator[Candidate]:
-    """RK4 in joint coordinates; loops as built or with weaker cuts, each with several solref."""
+    """Return the candidates of MuJoCo: RK4 in joint coordinates; loops as built or with weaker cuts, each with several
+    solref.
+    """
     closed = problem.family in ("loop", "bicycle")
     for form, system in {text: x for text, x in forms(problem).items() if text != PLANAR_CUTS}.items():
         for softness, damping in SOFTNESS if closed else SOFTNESS[:1]:
@@ -123,7 +126,9 @@ def of_mujoco(problem: Problem) -> Iterator[Candidate]:
 
 
 def of_exudyn(problem: Problem) -> Iterator[Candidate]:
-    """Trees and free bodies by explicit solvers, trees in hinge coordinates; joints as constraints by implicit ones."""
+    """Return the candidates of Exudyn: trees and free bodies by explicit solvers, trees in hinge coordinates; joints as
+    constraints by implicit ones.
+    """
     if problem.family == "free body":
         for solver in TREES:
             yield stepped("Exudyn", f"rotation vector, {solver}", problem, problem.system, {"solver": solver})
@@ -161,12 +166,12 @@ def of_exudyn(problem: Problem) -> Iterator[Candidate]:
 
 
 def twin(engine: str, system: System, settings: dict[str, Any]) -> Any:
-    """The twin of a system in a peer."""
+    """Return the counterpart of a system in a peer."""
     return (mujoco if engine == "MuJoCo" else exudyn).twin(system, **settings)
 
 
 def stepped(engine: str, label: str, problem: Problem, system: System, settings: dict[str, Any]) -> Candidate:
-    """Equal steps."""
+    """Return a candidate with equal steps."""
 
     def start() -> Callable[[float], Run]:
         model = twin(engine, system, settings)
@@ -176,7 +181,7 @@ def stepped(engine: str, label: str, problem: Problem, system: System, settings:
 
 
 def adaptive(problem: Problem, system: System, settings: dict[str, Any]) -> Candidate:
-    """Exudyn's DOPRI5 with its own steps."""
+    """Return a candidate with Exudyn's DOPRI5 and its own steps."""
 
     def start() -> Callable[[float], Run]:
         def run(tolerance: float) -> Run:
@@ -190,6 +195,6 @@ def adaptive(problem: Problem, system: System, settings: dict[str, Any]) -> Cand
 
 
 def read(problem: Problem, system: System, motion: Any) -> Run:
-    """End of a motion, for the bodies of the problem: a form may have massless bodies before them."""
+    """Return the end of a motion for the bodies of the problem: a form may have massless bodies before them."""
     extra = len(system.bodies) - len(problem.system.bodies)
     return Run(motion.seconds, Poses(motion.position[-1, extra:], matrix(motion.orientation[-1, extra:])))

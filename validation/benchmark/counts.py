@@ -1,4 +1,4 @@
-"""Rows, rank and freedoms of every reference case: ours, Exudyn's own count, and what the files say.
+"""Rows, rank and degrees of freedom of every reference case: by mbsd3d, by Exudyn, and by the files.
 
 Exudyn's rows are its algebraic equations without those that only set a multiplier of a free direction to zero; its rank
 is what is left after the redundant ones. Neither it nor the files share code with us: the files' figures come from a
@@ -21,7 +21,7 @@ STEPS = 500  # of Exudyn for the large one: 8e-2 off at the end, with h = 0.02 s
 
 
 class Count(NamedTuple):
-    """What the constraints do; None where it is not said."""
+    """Rows, rank, mobility and redundant rows; None where a source does not give a count."""
 
     rows: int | None
     rank: int | None
@@ -39,7 +39,7 @@ class Counts(NamedTuple):
 
     @property
     def agree(self) -> bool:
-        """Whether all that was counted is the same; False where Exudyn did not count."""
+        """Return whether all counts are the same; False where Exudyn did not count."""
         if isinstance(self.exudyn, str):
             return False
         said = [count for count in (self.exudyn, self.file) if count is not None]
@@ -47,13 +47,13 @@ class Counts(NamedTuple):
 
 
 def counted(system: System) -> Count:
-    """Ours, from `check`."""
+    """Return the count of mbsd3d, from `check`."""
     found = system.check()
     return Count(found.rows, found.rank, found.mobility, found.redundant)
 
 
 def counted_by_exudyn(system: System) -> Count | str:
-    """Exudyn's, by its ``ComputeSystemDegreeOfFreedom``."""
+    """Return the count of Exudyn, by its ``ComputeSystemDegreeOfFreedom``."""
     try:
         found: dict[str, Any] = exudyn.twin(system).degrees_of_freedom()
     except NotComparable as error:
@@ -63,7 +63,9 @@ def counted_by_exudyn(system: System) -> Count | str:
 
 
 def redundancy(names: Sequence[str] | None = None, windows: Sequence[int] = WINDOWS) -> list[Counts]:
-    """Counts of reference cases (None: of all) and of N-four-bars; ValueError if there is no such case."""
+    """Return the counts of reference cases (None: of all) and of N-four-bars; raise ValueError if there is no such
+    case.
+    """
     found = []
     for name in cases.names() if names is None else names:
         case = cases.load(name)
@@ -74,7 +76,7 @@ def redundancy(names: Sequence[str] | None = None, windows: Sequence[int] = WIND
 
 
 class Large(NamedTuple):
-    """The N-four-bar of many windows, from question to answer."""
+    """Timing of the N-four-bar of many windows, from the check to the end of the run."""
 
     rows: int
     rank: int
@@ -84,7 +86,7 @@ class Large(NamedTuple):
 
 
 def large(windows: int = 40, t_end: float = 10.0, rtol: float = 1e-4) -> Large:
-    """`check` and a run through ten singular positions."""
+    """Time `check` and a run through ten singular positions."""
     system = mechanisms.four_bars(windows)
     began = time.perf_counter()
     found = system.check()
@@ -96,7 +98,7 @@ def large(windows: int = 40, t_end: float = 10.0, rtol: float = 1e-4) -> Large:
 
 
 def table(found: Sequence[Counts]) -> list[str]:
-    """The counts in text."""
+    """Return the counts as text."""
     said = [f"{'rows/rank/mobility/redundant':28}{'ours':>18}{'Exudyn':>18}{'file':>18}"]
     for row in found:
         words = [shown(count) for count in (row.ours, row.exudyn, row.file)]
@@ -106,21 +108,22 @@ def table(found: Sequence[Counts]) -> list[str]:
 
 
 def shown(count: Count | str | None) -> str:
-    """Four numbers, or why there are none."""
+    """Return four numbers as text, or why there are none."""
     if count is None or isinstance(count, str):
         return count or "-"
     return "/".join("-" if x is None else str(x) for x in count)
 
 
 def step_seconds() -> float:
-    """Seconds of one of Exudyn's steps, by two, with all rows of 40 four-bars, by full pivoting: its way through the
-    poses in which rods lie on one line."""
+    """Return the seconds of one of Exudyn's steps, by two, with all rows of 40 four-bars, by full pivoting: its method
+    for poses with all rods on one line.
+    """
     twin = exudyn.twin(mechanisms.four_bars(40), solver="generalized-alpha", linear="full-pivot")
     return twin.run(2 * 10.0 / STEPS, 2, 1).seconds / 2
 
 
 def report() -> list[str]:
-    """The whole report."""
+    """Return the whole report."""
     one = large()
     said = [
         *table(redundancy()),

@@ -1,4 +1,5 @@
-"""The quaternion tax: what a planar mechanism costs in space, against a general planar solver of the same care.
+"""Cost of spatial coordinates: run-time ratio of planar mechanisms solved in space to a planar solver of equal
+tolerance.
 
 ``python -m validation.benchmark.planar_cost`` measures slider-crank, four-bar and inline four of `planar_pairs` in one
 process, all forms in turns, round by round, so that a busy moment falls on all. Times are those of the compiled loops,
@@ -51,7 +52,7 @@ class Cost(NamedTuple):
 
 
 class Accuracy(NamedTuple):
-    """Cost of one turn at an error of at most ACCURACY."""
+    """Cost of one turn at an error of at most `POSITION_ERROR_MAX`."""
 
     mechanism: str
     form: str
@@ -63,7 +64,7 @@ class Accuracy(NamedTuple):
 
 
 class Tax(NamedTuple):
-    """All that was measured."""
+    """All measurements of the cost of spatial coordinates."""
 
     machine: str
     costs: list[Cost]
@@ -73,7 +74,7 @@ class Tax(NamedTuple):
 
 
 def runner(mechanism: Mechanism, form: str, setting: float, part: float = 1.0) -> Callable:
-    """A function that runs a part of a turn and returns (seconds of the loop, (n, 2) last positions).
+    """Return a function that runs a part of a turn and returns (seconds of the loop, (n, 2) last positions).
 
     ``setting`` is a number of steps of RK4 per turn, or a tolerance below 1 of DOP853.
     """
@@ -96,12 +97,12 @@ def runner(mechanism: Mechanism, form: str, setting: float, part: float = 1.0) -
 
 
 def interleaved(runs: list[Callable], rounds: int) -> np.ndarray:
-    """(rounds, runs) seconds, all runs in turns; a first round, left out, compiles."""
+    """Return the seconds of all runs, taken in turns, shape (rounds, runs); a first round, left out, compiles."""
     return np.array([[run()[0] for run in runs] for _ in range(rounds + 1)])[1:]
 
 
 def fixed_step(mechanism: Mechanism, rounds: int = ROUNDS) -> list[Cost]:
-    """Costs of all forms at one fixed step."""
+    """Measure the cost of all forms at one fixed step."""
     steps = BODY_STEPS // len(mechanism.links)
     seconds = interleaved([runner(mechanism, form, 1 / STEP, steps * STEP) for form in FORMS], rounds)
     found, simulated = [], steps * STEP * mechanism.turn
@@ -113,13 +114,13 @@ def fixed_step(mechanism: Mechanism, rounds: int = ROUNDS) -> list[Cost]:
 
 
 def against(seconds: np.ndarray, k: int, peer: int) -> tuple[float, float, float]:
-    """(median, ratio to the median of the peer, ratio of the least times) of column k."""
+    """Return (median, ratio to the median of the peer, ratio of the least times) of column k."""
     middle, least = np.median(seconds, axis=0), seconds.min(axis=0)
     return float(middle[k]), float(middle[k] / middle[peer]), float(least[k] / least[peer])
 
 
 def equal_accuracy(mechanism: Mechanism, rounds: int = ROUNDS) -> list[Accuracy]:
-    """Costs at equal accuracy: RK4 in the plane and in space at their own least steps, DOP853 in space.
+    """Measure the cost at equal accuracy: RK4 in the plane and in space at their own least steps, DOP853 in space.
 
     The truth is DOP853 at 1e-13 in space; the planar runs come to it without any of its code.
     """
@@ -127,7 +128,7 @@ def equal_accuracy(mechanism: Mechanism, rounds: int = ROUNDS) -> list[Accuracy]
     size = max(np.abs(link.origin).max() for link in mechanism.links)
 
     def loosest(form: str, settings: np.ndarray) -> tuple[str, float, float]:
-        """(form, setting, error) of the last setting, from the tight side, before the error grows too large."""
+        """Return (form, setting, error) of the last setting, from the tight side, before the error grows too large."""
         found = form, settings[0], np.inf
         for setting in settings:
             error = float(np.abs(runner(mechanism, form, setting)()[1] - truth).max() / size)
@@ -148,7 +149,9 @@ def equal_accuracy(mechanism: Mechanism, rounds: int = ROUNDS) -> list[Accuracy]
 
 
 def design_sweep(cells: int = CELLS) -> dict[str, float]:
-    """Seconds of cells^2 spatial inline fours with `Kinematic` on all cores, the start of processes included."""
+    """Return the seconds of cells^2 spatial inline fours with `Kinematic` on all cores, the start of processes
+    included.
+    """
     grid = {"radius": np.linspace(0.5, 1.0, cells), "rod_length": np.linspace(1.5, 4.0, cells)}
     run = {"t_end": 2 * np.pi / engine.RATE, "method": Kinematic(), "output": engine.SAMPLES + 1}
     began, before = time.perf_counter(), os.times()
@@ -166,7 +169,7 @@ def measure(rounds: int = ROUNDS, cells: int = CELLS) -> Tax:
 
 
 def verdicts(tax: Tax) -> list[tuple[str, float, float, bool]]:
-    """(what, measured, goal, whether it is met)."""
+    """Return (what, measured, goal, whether it is met)."""
     spatial = [row.ratio for row in tax.costs if row.form in ("space", "space, redundant")]
     floor = max(value for row in tax.floors for value in row[2:] if value is not None)
     rows = [
@@ -178,7 +181,7 @@ def verdicts(tax: Tax) -> list[tuple[str, float, float, bool]]:
 
 
 def lines(tax: Tax) -> list[str]:
-    """The table."""
+    """Return the lines of the table."""
     said = [tax.machine, "", f"RK4, a step of {STEP:g} turns, medians of the compiled loop"]
     said.append(f"{'':34}{'ms per s':>9}{'us/eval.':>10}{'ratio':>7}{'least':>7}  against")
     for row in tax.costs:
@@ -210,7 +213,7 @@ def lines(tax: Tax) -> list[str]:
 @click.option("--json", "as_json", is_flag=True, help="JSON instead of the table.")
 @click.option("--rounds", default=ROUNDS, show_default=True, type=click.IntRange(1), help="Of all forms in turns.")
 def main(as_json: bool, rounds: int) -> None:
-    """What planar mechanisms cost in space, against a planar solver; trust ratios, on an idle machine."""
+    """Measure the cost of spatial coordinates against a planar solver; trust ratios, on an idle machine."""
     tax = measure(rounds)
     rows = {key: [row._asdict() for row in getattr(tax, key)] for key in ("costs", "accuracies", "floors")}
     found = [dict(zip(("what", "measured", "goal", "met"), row, strict=True)) for row in verdicts(tax)]

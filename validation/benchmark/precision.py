@@ -1,4 +1,4 @@
-"""Error against wall time of one problem: every candidate from coarse to fine, then the best of each engine in turns.
+"""Error against run time of one problem: every candidate from coarse to fine, then the best of each engine in turns.
 
 The time to an error is read between two runs; nothing is extrapolated.
 """
@@ -29,7 +29,7 @@ NOISE = 3.0  # an error that rises by this factor at a finer setting has met rou
 
 
 class Point(NamedTuple):
-    """One setting: seconds of the time loop, error at the end."""
+    """Result of one setting: seconds of the time loop, error at the end."""
 
     setting: float
     seconds: float
@@ -38,7 +38,7 @@ class Point(NamedTuple):
 
 @dataclass(frozen=True)
 class Climb:
-    """What was measured of a candidate."""
+    """Errors and run times [s] of one candidate, one pair per tolerance."""
 
     engine: str
     label: str
@@ -48,7 +48,7 @@ class Climb:
 
 
 class Reached(NamedTuple):
-    """Time to an error: seconds, and "" (measured), "<" (the coarsest setting does better) or ">" (never reached)."""
+    """Time to an error: seconds, and "" (measured), "<" (the coarsest setting is better) or ">" (never reached)."""
 
     seconds: float
     bound: str
@@ -58,7 +58,8 @@ class Reached(NamedTuple):
 def climb(
     candidate: Candidate, truth: Poses, length: float, limit: float, rivals: Sequence[Point] = ()
 ) -> tuple[Climb, Callable[[float], Run] | None]:
-    """Run a candidate until its error is below all targets, a run takes more than half of ``limit``, or a rival wins.
+    """Run a candidate until its error is below all targets, a run takes more than half of ``limit``, or a rival is
+    faster.
 
     Returns what was measured and the function that runs it again.
     """
@@ -85,7 +86,7 @@ def climb(
 
 
 def least(run: Callable[[float], Run], setting: float) -> Run:
-    """The fastest of a few runs, or one that is long."""
+    """Return the fastest of a few runs, or one that is long."""
     runs = [run(setting)]
     while len(runs) < REPEATS and sum(done.seconds for done in runs) < SHORT:
         runs.append(run(setting))
@@ -93,7 +94,7 @@ def least(run: Callable[[float], Run], setting: float) -> Run:
 
 
 def finished(points: list[Point], limit: float, rivals: Sequence[Point]) -> bool:
-    """Whether a finer setting tells nothing more."""
+    """Return whether a finer setting gives no further information."""
     _, seconds, error = points[-1]
     best = min(point.error for point in points)
     below = len(points) > 1 and all(point.error <= TARGETS[-1] for point in points[-2:])
@@ -103,7 +104,7 @@ def finished(points: list[Point], limit: float, rivals: Sequence[Point]) -> bool
 
 
 def in_bounds(climbed: Climb, target: float) -> int:
-    """First point from which on all errors are at most ``target``."""
+    """Return the first point from which on all errors are at most ``target``."""
     inside = len(climbed.points)
     while inside and climbed.points[inside - 1].error <= target:
         inside -= 1
@@ -111,7 +112,7 @@ def in_bounds(climbed: Climb, target: float) -> int:
 
 
 def time_to(climbed: Climb, target: float) -> Reached:
-    """Time to an error, on the line between the two settings around it in logarithms.
+    """Return the time to an error [s], interpolated between the two settings around it in logarithms.
 
     The finer one is the coarsest from which on all errors are in bounds: no error that is small by chance.
     """
@@ -127,7 +128,9 @@ def time_to(climbed: Climb, target: float) -> Reached:
 
 
 def best(climbs: Sequence[Climb], target: float) -> Reached | None:
-    """The fastest candidate; if none comes so far, the longest time that was tried. None without any measurement."""
+    """Return the fastest candidate; if none reaches the error, the longest time that was tried; None without any
+    measurement.
+    """
     found = [time_to(climbed, target) for climbed in climbs if climbed.points]
     met = [reached for reached in found if reached.bound != ">"]
     if met:
@@ -136,7 +139,7 @@ def best(climbs: Sequence[Climb], target: float) -> Reached | None:
 
 
 def retimed(climbed: Climb, seconds: dict[int, float]) -> Climb:
-    """The climb with the least time of some points."""
+    """Return the results of a candidate with the least time of some points."""
     points = [
         point._replace(seconds=min(point.seconds, seconds.get(k, np.inf))) for k, point in enumerate(climbed.points)
     ]
@@ -151,7 +154,7 @@ TURNS, TURN_SECONDS = 5, 3.0  # rounds in which the engines take turns, and what
 
 @dataclass(frozen=True)
 class Row:
-    """One problem, measured."""
+    """Measurements of one problem."""
 
     name: str
     family: str
@@ -160,15 +163,19 @@ class Row:
     climbs: tuple[Climb, ...]  # everything that was tried
 
     def of(self, engine: str) -> list[Climb]:
-        """The candidates of an engine."""
+        """Return the candidates of an engine."""
         return [climbed for climbed in self.climbs if climbed.engine == engine]
 
     def reached(self, engine: str, target: float, only: str = "") -> Reached | None:
-        """Time of an engine to an error, of candidates whose label has the word; None where it was not compared."""
+        """Return the time of an engine to an error [s], of candidates whose label has the word; None where it was not
+        compared.
+        """
         return best([climbed for climbed in self.of(engine) if only in climbed.label], target)
 
     def ratio(self, peer: str, target: float, only: str = "") -> tuple[float, str] | None:
-        """Times of a peer to an error over ours, with its bound: ">" if the peer never got there."""
+        """Return the ratio of a peer's time to an error to that of mbsd3d, with its bound: ">" if the peer never
+        reaches it.
+        """
         mine, theirs = self.reached("mbsd3d", target), self.reached(peer, target, only)
         if mine is None or theirs is None or mine.bound == ">":
             return None
@@ -176,18 +183,18 @@ class Row:
         return theirs.seconds / mine.seconds, theirs.bound or (">" if mine.bound == "<" else "")
 
     def agreement(self, peer: str) -> float | None:
-        """Least error of a peer: how far its limit is from the truth; None where it was not compared."""
+        """Return the least error of a peer, the distance of its limit from the truth; None where it was not compared."""
         return min((point.error for climbed in self.of(peer) for point in climbed.points), default=None)
 
 
 def from_dict(data: dict[str, Any]) -> Row:
-    """Back from JSON."""
+    """Return the row of JSON data."""
     climbs = [{**x, "points": tuple(Point(*point) for point in x["points"])} for x in data["climbs"]]
     return Row(**{**data, "climbs": tuple(Climb(**x) for x in climbs)})
 
 
 def identity() -> dict[str, Any]:
-    """What rows of one run have in common."""
+    """Return the properties that rows of one run have in common."""
     return {"versions": [installed(package) for package in PACKAGES], "targets": list(TARGETS)}
 
 
@@ -198,7 +205,7 @@ def save(path: Path, rows: Sequence[Row], machine: str, complete: bool) -> None:
 
 
 def load(path: Path) -> list[Row]:
-    """The rows of a file of `save`; ValueError if it is missing or something else."""
+    """Load the rows of a file of `save`; raise ValueError if it is missing or something else."""
     if not path.is_file():
         raise InputError(f"{path}: not found; measure first, python -m validation.benchmark --out {path.parent}")
     try:
@@ -208,7 +215,7 @@ def load(path: Path) -> list[Row]:
 
 
 def measure(problem: Problem, say: Callable[[str], None] = lambda text: None) -> Row:
-    """Search, then time the best candidates of all engines in turns on one thread."""
+    """Measure all candidates of a problem, then time the best of all engines in turns on one thread."""
     with one_thread():
         truth, length = problem.truth(), float(problem.system.lowered.model.length)
         say("mbsd3d")
@@ -232,7 +239,7 @@ def measure(problem: Problem, say: Callable[[str], None] = lambda text: None) ->
 
 
 def in_turns(found: list[tuple[Climb, Callable[[float], Run] | None]]) -> tuple[Climb, ...]:
-    """Time the points that decide once more, engine after engine, round by round, and keep the least times."""
+    """Time the decisive points once more, engine after engine, round by round, and keep the least times."""
     climbs = [climbed for climbed, _ in found]
     wanted: dict[tuple[int, int], float] = {}
     for engine in ENGINES:

@@ -1,4 +1,4 @@
-"""Our own speed: cost per evaluation beside MuJoCo's, growth with the size, `check`, and the start of a process.
+"""Speed of mbsd3d: cost per evaluation compared with MuJoCo, growth with the size, `check`, and the start of a process.
 
 Peers run interleaved, round by round in one process, so that a busy moment falls on both; every figure is the best of
 its rounds. Trust ratios, not times.
@@ -34,7 +34,7 @@ IMPORTS = "import numba, numpy, scipy.linalg, scipy.interpolate"
 
 
 def interleaved(*runs: Callable[[], float], rounds: int = ROUNDS) -> list[float]:
-    """Least seconds of every run, taken in turns."""
+    """Return the least seconds of every run, taken in turns."""
     best = [np.inf] * len(runs)
     for _ in range(rounds):
         best = [min(least, run()) for least, run in zip(best, runs, strict=True)]
@@ -42,12 +42,12 @@ def interleaved(*runs: Callable[[], float], rounds: int = ROUNDS) -> list[float]
 
 
 def our_seconds(system: System, start: State, method: object, t_end: float) -> float:
-    """Seconds of the time loop; only both ends are stored."""
+    """Return the seconds of the time loop; only both ends are stored."""
     return simulate(system, t_end, state=start, method=method, output=2).record.loop_seconds
 
 
 def mujoco_seconds(model: object, steps: int) -> float:
-    """Seconds of `steps` steps from the reference pose, in one call of the compiled loop."""
+    """Return the seconds of `steps` steps from the reference pose, in one call of the compiled loop."""
     import mujoco
 
     data = mujoco.MjData(model)
@@ -59,7 +59,9 @@ def mujoco_seconds(model: object, steps: int) -> float:
 
 
 def per_evaluation(lengths: tuple = LENGTHS) -> list[tuple[int, float, float]]:
-    """(n, ours, MuJoCo's) microseconds per body and evaluation of chains: RK4 at one step, ours with projection."""
+    """Return (n, mbsd3d, MuJoCo) with microseconds per body and evaluation of chains: RK4 at one step, mbsd3d with
+    projection.
+    """
     found = []
     for n in lengths:
         steps = max(BODY_STEPS // n, 20)
@@ -74,7 +76,7 @@ def per_evaluation(lengths: tuple = LENGTHS) -> list[tuple[int, float, float]]:
 
 
 def growth(mechanism: Callable[[int], System], sizes: tuple, steps: int = 50) -> list[tuple[int, float]]:
-    """(bodies, microseconds per body and evaluation) of a mechanism by its size; RK4 with projection."""
+    """Return (bodies, microseconds per body and evaluation) of a mechanism by its size; RK4 with projection."""
     found = []
     for size in sizes:
         system = mechanism(size)
@@ -85,13 +87,13 @@ def growth(mechanism: Callable[[int], System], sizes: tuple, steps: int = 50) ->
 
 
 def exponent(rows: list[tuple]) -> float:
-    """Exponent p of the whole cost n * (cost per body) ~ n^p, least squares in logarithms."""
+    """Return the exponent p of the whole cost n * (cost per body) ~ n^p, least squares in logarithms."""
     n, cost = np.array([row[0] for row in rows], float), np.array([row[1] for row in rows], float)
     return float(np.polyfit(np.log(n), np.log(n * cost), 1)[0])
 
 
 def process_time(code: str, repeats: int = ROUNDS, **environment: str) -> tuple[float, float]:
-    """(wall, processor) seconds of a new Python process that runs ``code``, the fastest one."""
+    """Return (wall, processor) seconds of a new Python process that runs ``code``, the fastest one."""
     found = []
     for _ in range(repeats):
         before, began = os.times(), time.perf_counter()
@@ -105,20 +107,24 @@ def process_time(code: str, repeats: int = ROUNDS, **environment: str) -> tuple[
 
 
 def compile_time() -> tuple[float, float]:
-    """(wall, processor) seconds from the start of a process to its first result with an empty kernel cache, once."""
+    """Return (wall, processor) seconds from the start of a process to its first result with an empty kernel cache,
+    once.
+    """
     with tempfile.TemporaryDirectory() as folder:
         return process_time(FIRST_RESULT, 1, MBSD3D_CACHE=folder)
 
 
 def check_seconds(system: System) -> float:
-    """Seconds of a whole `check`: mobility, redundant rows, cures."""
+    """Return the seconds of a whole `check`: mobility, redundant rows, remedies."""
     began = time.perf_counter()
     system.check()
     return time.perf_counter() - began
 
 
 def tyre_seconds(wheels: int = 8, rounds: int = 25) -> float:
-    """What a tyre adds to an evaluation of its wheel [s], its two states with it: least times of RK4, in turns."""
+    """Return the time a tyre adds to an evaluation of its wheel [s], its two states included: least times of RK4, in
+    turns.
+    """
     rolling = [
         Body(f"wheel {k}", 8.0, (0.3, 0.5, 0.3), position=(0, k, 0.3), velocity=(5.0, 0.1, 0), omega=(0.01, 16.0, 0.1))
         for k in range(wheels)
@@ -139,7 +145,7 @@ def show(title: str, head: str, rows: list[str]) -> None:
 
 
 class Speed(NamedTuple):
-    """What is measured; costs in microseconds per body and evaluation, times in seconds."""
+    """Measurements of speed; costs in microseconds per body and evaluation, times in seconds."""
 
     chain: list[tuple[int, float, float]]  # (links, ours, MuJoCo's) at RK4
     growing: dict[str, list[tuple[int, float]]]  # "chain", "ladder" -> (bodies, ours)

@@ -1,4 +1,4 @@
-"""The benchmark in text and as a figure: times to an error, ratios, goals, growth, and the settings behind them."""
+"""Benchmark in text and as a figure: times to an error, ratios, goals, growth, and the settings behind them."""
 
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
@@ -20,7 +20,7 @@ NOTES = (
 
 
 class Goal(NamedTuple):
-    """``peer`` is to take at least ``factor`` times as long as we do, on every problem that ``applies``.
+    """Goal of a ratio: ``peer`` takes at least ``factor`` times as long as mbsd3d, on every problem that ``applies``.
 
     ``only`` keeps candidates of the peer with this word: its joints as constraints, as ours are.
     """
@@ -33,7 +33,7 @@ class Goal(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """The problem with the least ratio, and whether the goal is met; "open" where a bound does not decide."""
+    """Problem with the least ratio, and whether the goal is met; "open" where a bound does not decide."""
 
     goal: Goal
     problem: str
@@ -43,7 +43,7 @@ class Verdict(NamedTuple):
 
 
 def family(name: str, least: int = 0, most: int = 10**9) -> Callable[[Row], bool]:
-    """Problems of a family with so many bodies."""
+    """Return a test for problems of a family with a number of bodies."""
     return lambda row: row.family == name and least <= row.bodies <= most
 
 
@@ -61,7 +61,7 @@ GOALS = (
 
 
 def verdicts(rows: Sequence[Row]) -> list[Verdict]:
-    """All goals of which a problem was measured."""
+    """Return the assessment of all goals of which a problem was measured."""
     found = []
     for goal in GOALS:
         ratios = [(row.ratio(goal.peer, MIDDLE, goal.only), row.name) for row in rows if goal.applies(row)]
@@ -74,14 +74,16 @@ def verdicts(rows: Sequence[Row]) -> list[Verdict]:
 
 
 def judge(ratio: float, bound: str, factor: float) -> str:
-    """ "met", "MISSED", or "open" where the ratio is a bound on the wrong side of the factor."""
+    """Return "met", "MISSED", or "open" where the ratio is a bound on the wrong side of the factor."""
     if ratio >= factor:
         return "open" if bound == "<" else "met"
     return "open" if bound == ">" else "MISSED"
 
 
 def growth(rows: Sequence[Row], engine: str, prefix: str) -> tuple[float, int, int] | None:
-    """(p, least, most) of time ~ bodies^p at the middle error, over problems named "prefix n", from 30 bodies on."""
+    """Return (p, least, most) of time ~ bodies^p at the middle error, over problems named "prefix n", from 30 bodies
+    on.
+    """
     found = []
     for row in rows:
         reached = row.reached(engine, MIDDLE) if row.name.rsplit(" ", 1)[0] == prefix and row.bodies >= 30 else None
@@ -94,7 +96,7 @@ def growth(rows: Sequence[Row], engine: str, prefix: str) -> tuple[float, int, i
 
 
 def milliseconds(reached: Reached | None) -> str:
-    """A time with its bound, in three digits."""
+    """Format a time [ms] with its bound, in three digits."""
     if reached is None:
         return "-"
     digits = f"{1e3 * reached.seconds:.3g}"
@@ -102,7 +104,7 @@ def milliseconds(reached: Reached | None) -> str:
 
 
 def times(rows: Sequence[Row]) -> list[str]:
-    """Times of all engines to all errors, and ratios at the middle one."""
+    """Tabulate the times of all engines to all errors, and ratios at the middle one."""
     head = "".join(f"{engine:>{9 * len(TARGETS)}}" for engine in ENGINES)
     errors = "".join(f"{target:>9.0e}" for target in TARGETS) * len(ENGINES)
     said = [*NOTES, "", f"{'':18}{head}   ratio at {MIDDLE:.0e}", f"{'':18}{errors}{'MuJoCo':>10}{'Exudyn':>10}"]
@@ -113,13 +115,13 @@ def times(rows: Sequence[Row]) -> list[str]:
 
 
 def ratios(row: Row) -> str:
-    """Ratios of both peers at the middle error."""
+    """Return the ratios of both peers at the middle error as text."""
     found = [row.ratio(peer, MIDDLE) for peer in PEERS]
     return "".join(f"{'-' if ratio is None else f'{ratio[1]}{ratio[0]:.3g}':>10}" for ratio in found)
 
 
 def chosen(rows: Sequence[Row]) -> list[str]:
-    """Which candidate of each peer was the best at the middle error, of how many, and how near its limit comes."""
+    """Return lines on the best candidate of each peer at the middle error, of how many, and the error of its limit."""
     said = [f"best of each peer at {MIDDLE:.0e}, of how many; least error found"]
     for row in rows:
         for peer in PEERS:
@@ -133,7 +135,7 @@ def chosen(rows: Sequence[Row]) -> list[str]:
 
 
 def judged(rows: Sequence[Row]) -> list[str]:
-    """Goals and growth."""
+    """Return lines on goals and growth."""
     said = [f"{'goal: times as long at ' + format(MIDDLE, '.0e'):44}{'aim':>7}{'least':>9}"]
     for goal, name, ratio, bound, met in verdicts(rows):
         said.append(
@@ -148,7 +150,7 @@ def judged(rows: Sequence[Row]) -> list[str]:
 
 
 def every(rows: Sequence[Row]) -> list[str]:
-    """Every candidate with its time to the middle error."""
+    """Tabulate every candidate with its time to the middle error."""
     said = [f"all candidates: ms until {MIDDLE:.0e}, settings that failed"]
     for row in rows:
         for climbed in row.climbs:
@@ -159,7 +161,7 @@ def every(rows: Sequence[Row]) -> list[str]:
 
 
 def report(rows: Sequence[Row]) -> list[str]:
-    """The whole report."""
+    """Return the whole report."""
     return [*times(rows), "", *judged(rows), "", *chosen(rows), "", *every(rows)]
 
 
@@ -173,7 +175,7 @@ MARKS = {"mbsd3d": "o", "MuJoCo": "s", "Exudyn": "^"}
 
 
 def front(row: Row, engine: str) -> list[Point]:
-    """Points of all candidates of an engine that no other one of it beats in both time and error."""
+    """Return the points of all candidates of an engine that none of its others beats in both time and error."""
     points = sorted((p for climbed in row.of(engine) for p in climbed.points), key=lambda p: (p.seconds, p.error))
     found: list[Point] = []
     for point in points:
@@ -183,7 +185,7 @@ def front(row: Row, engine: str) -> list[Point]:
 
 
 def work_precision(rows: Sequence[Row], dark: bool = False) -> Figure:
-    """A matplotlib figure: the best of each engine, down and left is better.
+    """Plot the best candidates of each engine, error over time; down and left is better.
 
     ValueError if none of the problems it shows was measured.
     """
@@ -214,12 +216,12 @@ def work_precision(rows: Sequence[Row], dark: bool = False) -> Figure:
 
 
 def seconds_text(x: float, place: Any = None) -> str:
-    """ "10 ms"."""
+    """Format seconds as "10 ms"."""
     return f"{1e3 * x:g} ms" if x < 1.0 else f"{x:g} s"
 
 
 def panel(axes: Any, row: Row, look: Any) -> None:
-    """One problem."""
+    """Draw the panel of one problem."""
     for k, engine in enumerate(ENGINES):
         points = [point for point in front(row, engine) if point.error <= ERRORS[1]]
         if points:

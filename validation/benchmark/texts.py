@@ -1,4 +1,5 @@
-"""``python -m validation.benchmark.texts [FOLDER]`` renews the times in README.md and docs/performance.md.
+"""Command ``python -m validation.benchmark.texts [FOLDER]``, which renews the times in README.md and
+docs/performance.md.
 
 All figures stand in docs/measured.json, with date, machine and the kernels they belong to; the texts hold tables made
 of it between two marks, and say so if the kernels have changed since. With the folder of a new measurement,
@@ -50,7 +51,9 @@ MARK = re.compile(r"(?<=<!-- (times|speed) -->\n).*?(?=<!-- end of \1 -->)", re.
 
 
 def measured(folder: Path) -> dict[str, Any]:
-    """What docs/measured.json is to hold of a folder of ``validation.benchmark``; ValueError if a file is missing."""
+    """Return the content of docs/measured.json from a folder of ``validation.benchmark``; raise ValueError if a file is
+    missing.
+    """
     rows, speed = load(folder / DATA), folder / SPEED
     if not speed.is_file():
         raise InputError(f"{speed}: not found; measure first, python -m validation.benchmark --part speed")
@@ -64,23 +67,23 @@ def measured(folder: Path) -> dict[str, Any]:
 
 
 def kernels() -> str:
-    """Digest of the code that is timed."""
+    """Return the digest of the code that is timed."""
     return hashlib.sha256(b"".join(path.read_bytes() for path in compiled_sources())).hexdigest()[:16]
 
 
 def where(data: dict[str, Any]) -> list[str]:
-    """When and on what, and whether the code is older than that."""
+    """Return lines on date and machine of the measurement, and whether the code is older than that."""
     since = "" if data["kernels"] == kernels() else " The kernels have changed since."
     return textwrap.wrap(f"Measured {data['date']} on {data['machine']}.{since}", 120)
 
 
 def note(data: dict[str, Any]) -> list[str]:
-    """What must be said of the figures, if anything."""
+    """Return lines with the note on the figures, if there is one."""
     return ["", *textwrap.wrap(data["note"], 120)] if data["note"] else []
 
 
 def times(data: dict[str, Any], names: tuple[str, ...]) -> str:
-    """Milliseconds to an error, of the problems that were measured."""
+    """Tabulate milliseconds to an error of the measured problems."""
     lines = ["| ms | mbsd3d | MuJoCo | Exudyn |", "|---|---|---|---|"]
     for name in (name for name in names if name in data["ms"]):
         cells = [cell.replace(">", "> ").replace("<", "< ") for cell in data["ms"][name]]
@@ -89,7 +92,7 @@ def times(data: dict[str, Any], names: tuple[str, ...]) -> str:
 
 
 def speed(data: dict[str, Any]) -> str:
-    """Costs of an evaluation, and times of what is done once."""
+    """Tabulate the cost of an evaluation, and the times of one-time work."""
     found = data["speed"]
     ours = {n: f"{cost:.2f}" for n, cost, *_ in (*found["long"], *found["chain"])}
     theirs = {n: f"{cost:.2f}" for n, _, cost in found["chain"]}
@@ -114,7 +117,7 @@ def speed(data: dict[str, Any]) -> str:
 
 
 def renewed(root: Path, data: dict[str, Any]) -> dict[Path, str]:
-    """Texts with their tables as they should be."""
+    """Return the texts with their tables renewed."""
     found = {}
     for name, problems in TEXTS.items():
         tables = {"times": times(data, problems), "speed": speed(data)}

@@ -1,4 +1,4 @@
-"""``python -m validation.calibration``: thousands of runs with known truth, and what the certificate says of them."""
+"""Command ``python -m validation.calibration``: thousands of runs with known truth against their certificates."""
 
 import sys
 from pathlib import Path
@@ -26,7 +26,8 @@ LINES, TABLE = "calibration.jsonl", "calibration.txt"
 @click.option("--fresh", is_flag=True, help="Make all runs again.")
 @click.option("--docs", is_flag=True, help="Write the table into docs/theory/certificate.md.")
 def main(runs: int, seed: int, names: tuple, listed: bool, out: Path, fresh: bool, docs: bool) -> None:
-    """Compare runs with their truth, over all methods and tolerances, and count what certificate and estimate say.
+    """Compare runs with their truth, over all methods and tolerances, and count the statements of certificate and
+    estimate.
 
     Nothing is to be wrong by more than a hundredth of its scale without a warning, nothing to fail that is right to ten
     times its tolerance. All runs take some minutes.
@@ -38,7 +39,7 @@ def main(runs: int, seed: int, names: tuple, listed: bool, out: Path, fresh: boo
 
 
 def calibrate(runs: int, seed: int, names: tuple, listed: bool, out: Path, fresh: bool, docs: bool) -> None:
-    """See `main`."""
+    """Run the calibration; see `main`."""
     from validation.calibration import table
     from validation.calibration.families import FAMILIES
     from validation.calibration.judge import cases
@@ -64,7 +65,7 @@ def calibrate(runs: int, seed: int, names: tuple, listed: bool, out: Path, fresh
 
 
 def collect(wanted: list[Any], path: Path, fresh: bool) -> list[Any]:
-    """Records of the file, and of what is missing there; Ctrl-C leaves those that are done."""
+    """Yield the records of the file, and run those that are missing; Ctrl-C keeps the finished ones."""
     from validation.calibration.runs import code_digest, examined, stored
 
     if fresh:

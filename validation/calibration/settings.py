@@ -1,4 +1,4 @@
-"""How a problem is run: method, tolerance or step, and where samples are kept, drawn at random."""
+"""Settings of a run: method, tolerance or step, and sample times, drawn at random."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -33,7 +33,7 @@ class Settings:
 
 
 def draw(rng: Generator, problem: Problem) -> Settings:
-    """Settings that a problem may have."""
+    """Draw settings that a problem may have."""
     name = str(rng.choice(problem.methods))
     output = samples(rng, problem.t_end)
     if name == "Kinematic":
@@ -57,7 +57,7 @@ def draw(rng: Generator, problem: Problem) -> Settings:
 
 
 def samples(rng: Generator, t_end: float) -> Any:
-    """Every accepted step, equally spaced times, or times at random: between steps the dense output is judged too."""
+    """Draw every accepted step, equally spaced times, or random times: between steps the dense output is tested too."""
     which = rng.integers(3)
     if which == 0:
         return None

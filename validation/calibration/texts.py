@@ -1,4 +1,4 @@
-"""The table of the calibration in docs/theory/certificate.md, from the figures in docs/calibration.json."""
+"""Table of the calibration in docs/theory/certificate.md, from the figures in docs/calibration.json."""
 
 import json
 import re
@@ -17,7 +17,7 @@ MARK = re.compile(r"(?<=<!-- calibration -->\n).*?(?=<!-- end of calibration -->
 
 
 def figures(records: Sequence[Record]) -> dict[str, Any]:
-    """What docs/calibration.json is to hold of a calibration."""
+    """Return the content of docs/calibration.json for a calibration."""
     return {
         "date": date.today().isoformat(),
         "runs": len(records),
@@ -27,7 +27,7 @@ def figures(records: Sequence[Record]) -> dict[str, Any]:
 
 
 def renewed(page: str, found: dict[str, Any]) -> str:
-    """The page with its table as it should be."""
+    """Return the page with its table renewed."""
     head = f"{found['runs']} runs of {found['families']} families, {found['date']}:"
     return MARK.sub(lambda _: f"\n{head}\n\n{table.markdown(found['rows'])}\n\n", page)
 

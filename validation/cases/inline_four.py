@@ -1,4 +1,4 @@
-"""An inline four in space: one crank with four throws, four rods, four pistons; every row independent.
+"""Inline four in space: one crank with four throws, four rods, four pistons; every row independent.
 
 The crank turns about y, the bores point along z, the cylinders are side by side along y, evenly about the origin:
 
@@ -24,7 +24,7 @@ def inline_four(
     crank_centre: float = 0.5, rod_mass: float = 4.0, rod_fraction: float = 0.5, rod_inertia: float = 1 / 3,
     piston_mass: float = 5.0,
 ) -> mbsd3d.System:  # fmt: skip
-    """The engine at q = 0, pistons 1 and 4 up, without gravity.
+    """Build the engine at q = 0, pistons 1 and 4 up, without gravity.
 
     ``radius, rod_length``: crank radius R and rod length L > R [m]; ``rate``: crank speed [rad/s]; ``spacing``:
     distance of neighbouring cylinders [m]; ``crank_mass, crank_centre``: mass of one throw [kg] and distance of its
@@ -58,7 +58,7 @@ def inline_four(
 
 
 def crankshaft(places: np.ndarray, mass: float, centre: float) -> mbsd3d.Body:
-    """Four throws as one body with its reference point on the axis; each with its moments of inertia."""
+    """Return four throws as one body with its reference point on the axis; each with its moments of inertia."""
     at = np.stack([np.zeros(4), places, centre * np.array(SIDES)], axis=1)
     com = at.mean(axis=0)
     arms = at - com
@@ -67,17 +67,19 @@ def crankshaft(places: np.ndarray, mass: float, centre: float) -> mbsd3d.Body:
 
 
 def block_force(solution: mbsd3d.Solution) -> np.ndarray:
-    """(samples, 3) force of bearing and bores on the block [N]."""
+    """Return the force of bearing and bores on the block [N], shape (samples, 3)."""
     names = ["bearing", *(f"bore {i}" for i in range(1, 5))]
     return -sum(solution.reaction(name).force for name in names)
 
 
 def amplitudes(values: np.ndarray) -> np.ndarray:
-    """Amplitudes of the orders 0, 1, 2 ... of one turn of samples, the last one a repetition of the first."""
+    """Return the amplitudes of the orders 0, 1, 2 ... of one turn of samples, the last one a repetition of the first."""
     return 2 * np.abs(np.fft.rfft(values[:-1])) / (values.size - 1)
 
 
 def orders(solution: mbsd3d.Solution) -> dict[str, float]:
-    """Amplitudes at 1, 2 and 4 times crank speed of the force on the block along the bores [N], and of the torque."""
+    """Return the amplitudes at 1, 2 and 4 times crank speed of the force on the block along the bores [N], and of the
+    torque [N m].
+    """
     force, torque = amplitudes(block_force(solution)[:, 2]), amplitudes(solution.effort("motor"))
     return {f"force_{order}x": float(force[order]) for order in (1, 2, 4)} | {"torque_2x": float(torque[2])}

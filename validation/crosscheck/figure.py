@@ -1,4 +1,4 @@
-"""Convergence of engines to our motion as a figure."""
+"""Convergence of engines to the motion of mbsd3d as a figure."""
 
 from collections.abc import Sequence
 
@@ -15,7 +15,9 @@ SHOWN = ("position", "rotation", "velocity", "energy", "reaction force")
 
 
 def convergence_figure(engines: Sequence[tuple[str, float | None, Curves]], dark: bool = False) -> Figure:
-    """Difference from our motion over the step, one panel per (name, order, curves), and the slope of that order."""
+    """Plot the difference from the motion of mbsd3d over the step, one panel per (name, order, curves), and the slope
+    of that order.
+    """
     look = theme(dark)
     with house(look):
         figure = Figure(figsize=(7.5, 3.6), layout="constrained", facecolor=look.paper)
@@ -30,7 +32,7 @@ def convergence_figure(engines: Sequence[tuple[str, float | None, Curves]], dark
 
 
 def draw(axes: Axes, name: str, order: float | None, curves: Curves, look: Theme) -> None:
-    """Curves of an engine."""
+    """Draw the curves of an engine."""
     dress(axes, look)
     shown = [curve for curve in curves if curve[0] in SHOWN]
     for i, (quantity, steps, differences) in enumerate(shown):

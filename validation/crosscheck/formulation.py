@@ -1,4 +1,5 @@
-"""Our motion, sample by sample, against the definitions of the joints: a formulation that shares no kernel with it.
+"""Check of a motion of mbsd3d, sample by sample, against the definitions of the joints: a formulation without common
+kernels.
 
 Not another engine, but every joint type has a place in it: gaps and slips of the joints, accelerations and unique
 reactions of `validation.twins.definitions.equations` at the states of the run, solved from those definitions.
@@ -26,7 +27,8 @@ EPS = 1e-14
 
 
 def compare_definitions(system: System, state: State, t_end: float | None, size: Sizes, budget: float) -> Compared:
-    """Findings about gaps, slips, accelerations and reactions at nine states of the run; None: at the start only.
+    """Return findings about gaps, slips, accelerations and reactions at nine states of the run; None: at the start
+    only.
 
     Fewer where they take longer than ``budget`` seconds; the findings say so.
     """
@@ -52,7 +54,7 @@ def compare_definitions(system: System, state: State, t_end: float | None, size:
 def look(
     solution: Solution, size: Sizes, seconds: float
 ) -> tuple[dict[str, list[tuple[float, str, float, float]]], int]:
-    """(quantity -> excess, part, difference and limit at the states looked at, how many they are)."""
+    """Return (quantity -> excess, part, difference and limit at the examined states, their number)."""
     began, looks = time.thread_time(), 0
     found: dict[str, list[tuple[float, str, float, float]]] = {}
     for k in [k for k in ORDER if k < solution.t.size]:
@@ -65,7 +67,7 @@ def look(
 
 
 def finding(name: str, entries: list[tuple[float, str, float, float]], t_end: float, fewer: str = "") -> Finding:
-    """The worst of all states; what is not a number is worse than any, and a limit above `LOOSEST` is none."""
+    """Return the worst finding of all states; NaN is worse than any, and a limit above `LOOSEST_TOLERANCE` is none."""
     excess, part, difference, limit = max(entries, key=lambda entry: np.nan_to_num(entry[0], nan=np.inf))
     status = AGREES if excess <= 1.0 else DIFFERS
     if status == AGREES and max(entry[3] for entry in entries) > LOOSEST:
@@ -75,7 +77,7 @@ def finding(name: str, entries: list[tuple[float, str, float, float]], t_end: fl
 
 
 def at_state(solution: Solution, k: int, size: Sizes) -> list[tuple[str, float, str, float]]:
-    """(quantity, greatest relative difference, whose, limit) at sample k."""
+    """Return (quantity, greatest relative difference, its part, limit) at sample k."""
     system = solution.system
     there = solve(system, solution.state(k))
     limit = max(LIMIT, EPS * there.condition)
@@ -92,7 +94,7 @@ def at_state(solution: Solution, k: int, size: Sizes) -> list[tuple[str, float, 
 
 
 def greatest(values: Array, there: Reference, system: System) -> tuple[float, str]:
-    """(greatest of all rows, whose joint's it is)."""
+    """Return (greatest value of all rows, its joint)."""
     by_joint = [
         (largest(values[span]), system.name(joint)) for joint, span in zip(system.joints, there.spans, strict=True)
     ]
@@ -100,7 +102,7 @@ def greatest(values: Array, there: Reference, system: System) -> tuple[float, st
 
 
 def worst(difference: Array, scale: float, parts: list[str]) -> tuple[float, str]:
-    """(greatest relative difference, whose)."""
+    """Return (greatest relative difference, its part)."""
     by_part = np.abs(difference).max(axis=1, initial=0.0) / scale
     return float(by_part.max()), parts[int(by_part.argmax())]
 
@@ -108,7 +110,9 @@ def worst(difference: Array, scale: float, parts: list[str]) -> tuple[float, str
 def reactions(
     solution: Solution, k: int, there: Reference, size: Sizes, limit: float
 ) -> list[tuple[str, float, str, float]]:
-    """Wrenches at the joints' points, of joints whose reaction is determined at least in part: what is determined."""
+    """Return the determined components of wrenches at the joints' points, of joints with at least partly determined
+    reactions.
+    """
     force, moment, names = [], [], []
     for joint in solution.system.joints:
         reaction = solution.reaction(joint)
@@ -129,5 +133,5 @@ def reactions(
 
 
 def skipped(engine: str, reason: str) -> Compared:
-    """An engine that could not take part, and why."""
+    """Return a finding for an engine that could not take part, with the reason."""
     return Compared(engine, (Finding(engine, "everything", SKIPPED, reason=reason),))

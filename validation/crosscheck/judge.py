@@ -1,4 +1,4 @@
-"""Verdicts: mass matrices and accelerations at the start, limits of the motions, causes of differences.
+"""Assessments: mass matrices and accelerations at the start, limits of the motions, causes of differences.
 
 A difference is explained only if changing its cause, in the same run, changes it as it should.
 """
@@ -22,7 +22,7 @@ START = ("acceleration", "angular acceleration")
 
 
 def judge_start(system: System, state: State, twin: Twin, ours: Ours, tolerance: float) -> list[Finding]:
-    """Findings about the mass matrix and the accelerations at the start."""
+    """Return findings about the mass matrix and the accelerations at the start."""
     findings = [judge_mass(system, state, twin)]
     by_quantity = acceleration_differences(system, state, twin, ours)
     for name, (difference, part) in by_quantity.items():
@@ -33,7 +33,9 @@ def judge_start(system: System, state: State, twin: Twin, ours: Ours, tolerance:
 
 
 def judge_mass(system: System, state: State, twin: Twin) -> Finding:
-    """T'M T of our reference-point mass matrix against the engine's, T from its velocities to ours."""
+    """Compare T'M T of the reference-point mass matrix of mbsd3d with the engine's, T from its velocities to those of
+    mbsd3d.
+    """
     kinetic = twin.kinetic()
     if kinetic is None or not kinetic.matrix.size:
         why = "does not give it here" if kinetic is None else "has no freedom here"
@@ -48,13 +50,13 @@ def judge_mass(system: System, state: State, twin: Twin) -> Finding:
 
 
 def acceleration_differences(system: System, state: State, twin: Twin, ours: Ours) -> dict[str, tuple[float, str]]:
-    """Quantity -> (greatest relative difference, whose body): divided by the greatest acceleration, or by gravity."""
+    """Return quantity -> (greatest relative difference, its body): divided by the greatest acceleration, or by gravity."""
     a = np.asarray(accelerations(system, state).arrays["acceleration"][0])
     return relative_to(a, twin.accelerations(), system, ours)
 
 
 def relative_to(a: Array, theirs: Array, system: System, ours: Ours) -> dict[str, tuple[float, str]]:
-    """As above, for given (bodies, 6) accelerations."""
+    """Return the acceleration differences for given (bodies, 6) accelerations."""
     size = ours.size
     pull = max(largest(a[:, :3]), float(np.linalg.norm(system.gravity)), size.speed * size.spin)
     scales = (pull, max(largest(a[:, 3:]), pull / size.length))
@@ -76,7 +78,9 @@ more than `LOOSEST`."""
 
 
 class Runs:
-    """Relative values of a ladder by quantity; reactions without the start, where multipliers are not valid yet."""
+    """Relative values of a step refinement by quantity; reactions without the start, where multipliers are not valid
+    yet.
+    """
 
     def __init__(self, system: System, ladder: Ladder, ours: Ours) -> None:
         self.ladder, self.ours = ladder, ours
@@ -88,12 +92,12 @@ class Runs:
         self.values = {name: [run[name].values / run[name].scale for run in found] for name in found[0]}
 
     def limit(self, name: str, span: int | None) -> Limit:
-        """Limit of a quantity, its order observed up to sample ``span``."""
+        """Return the limit of a quantity, with its order observed up to sample ``span``."""
         return best_limit(self.values[name], self.ladder.twin.order, span, beginning(name))
 
 
 def chosen(found: Mapping[str, Quantity], joints: tuple[str, ...]) -> dict[str, Quantity]:
-    """Reactions of some joints, in their order; nothing where there are none."""
+    """Return the reactions of some joints, in their order; nothing where there are none."""
     if not joints:
         return {}
     take = [found["reaction force"].parts.index(name) for name in joints]
@@ -104,7 +108,7 @@ def chosen(found: Mapping[str, Quantity], joints: tuple[str, ...]) -> dict[str, 
 
 
 def horizon(runs: Runs, tolerance: float, own: float) -> int:
-    """Number of samples over which the engine's limit is known to the tolerance, and stays so if errors grow.
+    """Return the number of samples over which the engine's limit is known to the tolerance, also if errors grow.
 
     Our own motion has to be known to ``own``, however much the engine is allowed.
     """
@@ -115,17 +119,17 @@ def horizon(runs: Runs, tolerance: float, own: float) -> int:
 
 
 def own_error(ours: Ours) -> Array:
-    """(n,) how wrong our own poses and velocities may be up to each sample, relative."""
+    """Return the relative error of the poses and velocities of mbsd3d up to each sample, shape (n,)."""
     return np.max([ours.error[name] for name in POSES], axis=0)
 
 
 def least_samples(ours: Ours) -> int:
-    """Samples that should be comparable."""
+    """Return the least number of samples that should be comparable."""
     return max(2, int(LEAST * (ours.motion.t.size - 1)) + 1)
 
 
 def reach(runs: Runs, tolerance: float) -> tuple[int, float]:
-    """(samples to compare, tolerance used): ten times looser until an eighth of the run can be compared."""
+    """Return (samples to compare, tolerance used): ten times looser until an eighth of the run can be compared."""
     used, count = tolerance, 0
     least = least_samples(runs.ours)
     while used <= LOOSEST * (1 + 1e-9):
@@ -137,7 +141,7 @@ def reach(runs: Runs, tolerance: float) -> tuple[int, float]:
 
 
 def judge_motion(runs: Runs, engine: str, tolerance: float) -> tuple[list[Finding], int]:
-    """(a finding for every quantity of the motion, samples compared)."""
+    """Return (a finding for every quantity of the motion, samples compared)."""
     span, used = reach(runs, tolerance)
     if span == 0:
         error, own = max(float(runs.limit(name, None).error[1]) for name in POSES), own_error(runs.ours)
@@ -150,19 +154,23 @@ def judge_motion(runs: Runs, engine: str, tolerance: float) -> tuple[list[Findin
 
 
 def limit_difference(runs: Runs, name: str, span: int) -> tuple[float, str, Limit]:
-    """(greatest relative difference of the limits over the first ``span`` samples, whose, the engine's limit)."""
+    """Return (greatest relative difference of the limits over the first ``span`` samples, its part, the engine's
+    limit).
+    """
     own, limit = runs.own[name], runs.limit(name, span)
     by_part = np.abs(limit.values - own.values / own.scale)[beginning(name) : span].max(axis=(0, 2))
     return float(by_part.max()), own.parts[int(by_part.argmax())], limit
 
 
 def beginning(name: str) -> int:
-    """First sample that counts: multipliers of an engine are those of its steps, and none has led to the start."""
+    """Return the first sample to compare: multipliers of an engine are those of its steps, and none has led to the
+    start.
+    """
     return 1 if name.startswith("reaction") else 0
 
 
 def judge(runs: Runs, engine: str, name: str, span: int, tolerance: float) -> Finding:
-    """One quantity over the first ``span`` samples."""
+    """Return the finding about one quantity over the first ``span`` samples."""
     difference, part, limit = limit_difference(runs, name, span)
     order = runs.ladder.twin.order
     unsure = float((limit.error + runs.ours.error[name])[span - 1])
@@ -191,20 +199,22 @@ def judge(runs: Runs, engine: str, name: str, span: int, tolerance: float) -> Fi
 
 
 def differences(runs: Runs, name: str, span: int) -> tuple[float, ...]:
-    """Greatest relative difference of every run from our motion over the compared time."""
+    """Return the greatest relative difference of every run from the motion of mbsd3d over the compared time."""
     own = runs.own[name].values / runs.own[name].scale
     return tuple(float(np.abs(x - own)[beginning(name) : span].max()) for x in runs.values[name])
 
 
 def curves(runs: Runs, span: int) -> tuple[Curve, ...]:
-    """Curves for the plot of convergence."""
+    """Return the curves for the plot of convergence."""
     end = float(runs.ours.motion.t[-1] - runs.ours.motion.t[0])
     steps = tuple(end / count for count in runs.ladder.steps)
     return tuple(Curve(name, steps, differences(runs, name, span)) for name in runs.values if span)
 
 
 class Cause(NamedTuple):
-    """A setting of a twin that may be to blame, what it is changed to, and the part of a difference that then stays."""
+    """Setting of an engine that may cause a difference, its changed value, and the part of the difference that then
+    stays.
+    """
 
     name: str
     setting: str
@@ -227,7 +237,7 @@ def explained(
     findings: Sequence[Finding], make: Callable[..., Twin], system: System, state: State, ours: Ours,
     climb: Callable[[Twin], Runs] | None = None, span: int = 0,
 ) -> list[Finding]:  # fmt: skip
-    """The findings, with a tried and measured cause on those that differ; without one they stay as they are."""
+    """Return the findings with a measured cause for those that differ; without a cause they stay as they are."""
     suspects = {x.quantity: x for x in findings if x.status == DIFFERS}
     if not suspects:
         return list(findings)
@@ -246,7 +256,7 @@ def explained(
 
 
 def unseen(cause: Cause, finding: Finding) -> float:
-    """How far the difference may be from what the cause leaves; where that is nothing, the rest has to agree."""
+    """Return how far the difference may be from what the cause leaves; where that is nothing, the rest has to agree."""
     share = NEAR * max(cause.stays, 0.05) * finding.difference
     return min(share, LOOSEST if cause.stays else finding.bound)
 
@@ -255,7 +265,7 @@ def changed(
     cause: Cause, make: Callable[..., Twin], system: System, state: State, ours: Ours,
     climb: Callable[[Twin], Runs] | None, span: int,
 ) -> dict[str, float]:  # fmt: skip
-    """Quantity -> difference with the cause changed; for motions the difference of the limits, as everywhere."""
+    """Return quantity -> difference with the cause changed; for motions the difference of the limits, as everywhere."""
     try:
         twin = make(**{cause.setting: cause.value})
         found = {name: x[0] for name, x in acceleration_differences(system, state, twin, ours).items()}

@@ -1,4 +1,4 @@
-"""A twin run with ever shorter steps, and the limit that these runs tend to: its order, and how far to trust it."""
+"""Runs of an engine with ever shorter steps, and their limit: its order, and its uncertainty."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -39,7 +39,7 @@ class Limit:
 
 
 def observed_order(gaps: Sequence[float]) -> float | None:
-    """log2 of the ratio of neighbouring gaps, of the last pair above rounding; None if all are rounding."""
+    """Return log2 of the ratio of neighbouring gaps, of the last pair above rounding; None if all are rounding."""
     for coarse, fine in reversed(list(zip(gaps[:-1], gaps[1:], strict=True))):
         if fine > ROUNDING:
             return float(np.log2(coarse / fine)) if coarse > 0.0 else 0.0
@@ -47,7 +47,8 @@ def observed_order(gaps: Sequence[float]) -> float | None:
 
 
 def limit_of(runs: Sequence[Array], expected: float, span: int | None = None, first: int = 0) -> Limit:
-    """Limit of three or more runs (n, parts, k), each with half the step of the one before; relative numbers.
+    """Extrapolate the limit of three or more runs (n, parts, k), each with half the step of the one before; relative
+    numbers.
 
     The order is observed from sample ``first`` up to ``span`` (None: all), and used for the extrapolation: with gaps d
     and order p the limit lies d / (2^p - 1) beyond the finest run. Three runs carry two such limits; their distance is
@@ -72,7 +73,7 @@ def limit_of(runs: Sequence[Array], expected: float, span: int | None = None, fi
 
 
 def best_limit(runs: Sequence[Array], expected: float, span: int | None = None, first: int = 0) -> Limit:
-    """The limit of the first runs, as many as give the smallest error: finer ones may only add rounding.
+    """Return the limit of the first runs, as many as give the smallest error: finer ones may only add rounding.
 
     An implicit engine divides the errors of its iterations by the step, or by its square in multipliers.
     """
@@ -83,7 +84,7 @@ def best_limit(runs: Sequence[Array], expected: float, span: int | None = None, 
 
 @dataclass
 class Ladder:
-    """Runs of a twin over one time, the coarsest first.
+    """Runs of an engine over one time, the coarsest first.
 
     ``failed``: how coarser runs ended; a step too long for the engine does not count as a difference; ``stopped``: why
     there are no finer runs.
@@ -97,12 +98,14 @@ class Ladder:
 
 
 def first_steps(span: float, rate: float) -> int:
-    """Steps of the coarsest run: a power of two, ten to a radian of the fastest turn, two to a sample at least."""
+    """Return the steps of the coarsest run: a power of two, ten to a radian of the fastest turn, two to a sample at
+    least.
+    """
     return int(2 ** np.ceil(np.log2(max(2 * INTERVALS, 10.0 * span * rate))))
 
 
 def fastest_rate(motion: Motion) -> float:
-    """Greatest rate [1/s] at which velocities change their direction or spins turn, from a motion."""
+    """Return the greatest rate [1/s] at which velocities change their direction or bodies rotate, from a motion."""
     turn = float(np.abs(motion.omega).max(initial=0.0))
     change = np.linalg.norm(np.gradient(motion.velocity, motion.t, axis=0), axis=-1).max(initial=0.0)
     speed = np.linalg.norm(motion.velocity, axis=-1).max(initial=0.0)
@@ -113,7 +116,7 @@ def climb(
     twin: Any, system: System, t_end: float, first: int, size: Any, target: float, budget: float,
     report: Callable[[float], None],
 ) -> Ladder:  # fmt: skip
-    """Halve the step until the limit of poses and velocities is known to ``target``, or ``budget`` seconds are up.
+    """Halve the step until the limit of poses and velocities is known to ``target``, or ``budget`` seconds are used.
 
     EngineFailed if not enough runs end well.
     """
@@ -139,7 +142,7 @@ def climb(
 def why_stop(
     ladder: Ladder, known: list[float], target: float, spent: float, last: float, budget: float, steps: int
 ) -> str:
-    """Why no finer run is made; "" to go on. The next run takes twice the time of the last one."""
+    """Return why no finer run is made; "" to continue. The next run takes twice the time of the last one."""
     if known and known[-1] <= target:
         return f"the limit is known to {target:.0e}"
     if len(known) > IDLE and known[-1] >= 0.9 * known[-1 - IDLE]:
@@ -153,7 +156,7 @@ def why_stop(
 
 
 def known_to(ladder: Ladder, system: System, size: Any) -> float:
-    """How uncertain the limit of poses and velocities is at the end, relative."""
+    """Return the relative uncertainty of the limit of poses and velocities at the end."""
     runs = [quantities(system, motion, size) for motion in ladder.runs]
     worst = 0.0
     for name in POSES:
@@ -163,7 +166,7 @@ def known_to(ladder: Ladder, system: System, size: Any) -> float:
 
 
 def reason(ladder: Ladder, t_end: float) -> str:
-    """Why there is no limit."""
+    """Return why there is no limit."""
     tried = f"{len(ladder.runs)} of {FEWEST} runs with halved steps up to {t_end:g} s ended well"
     said = ladder.failed[-1] if ladder.failed else ladder.stopped
     return f"{tried} ({said})"

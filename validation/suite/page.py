@@ -1,4 +1,4 @@
-"""The reports of a run: one HTML file that needs no network, and JSON with every finding, in SI units.
+"""Reports of a run: one HTML file that needs no network, and JSON with every finding, in SI units.
 
 format    1; rises when a field changes its meaning
 mbsd3d    version            machine   processor, cores, versions of what computed
@@ -51,7 +51,7 @@ PICTURES = ("picture", "charts")
 
 
 def content_of(records: Sequence[Record], *, quick: bool, complete: bool) -> dict[str, Any]:
-    """The content of the JSON file; pictures are left to the page."""
+    """Return the content of the JSON file; pictures are left to the page."""
     cases = [{key: value for key, value in record.to_dict().items() if key not in PICTURES} for record in records]
     return {
         "format": FORMAT,
@@ -67,7 +67,7 @@ def content_of(records: Sequence[Record], *, quick: bool, complete: bool) -> dic
 
 
 def encoded(content: dict[str, Any]) -> bytes:
-    """UTF-8, indented; NaN and infinity are no JSON and would be an error."""
+    """Return UTF-8, indented; NaN and infinity are no JSON and would be an error."""
     return f"{json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False)}\n".encode()
 
 
@@ -79,7 +79,7 @@ PART = "◐ "  # some quantities were not compared
 
 
 def page_of(records: Sequence[Record], content: Mapping[str, Any]) -> str:
-    """The whole page.
+    """Render the whole page.
 
     ``records``: in the order of the report; ``content``: of `content_of`: machine, versions, verdict. Returns
     HTML; every text of a case is escaped.
@@ -98,24 +98,24 @@ def page_of(records: Sequence[Record], content: Mapping[str, Any]) -> str:
 
 
 def grouped(records: Sequence[Record]) -> dict[str, list[Record]]:
-    """Group -> its cases."""
+    """Return group -> its cases."""
     names = dict.fromkeys(record.group for record in records)
     return {name: [record for record in records if record.group == name] for name in names}
 
 
 def number(value: Any) -> str:
-    """Two digits, nothing for None."""
+    """Format a number with two digits, nothing for None."""
     return "" if value is None else digits(float(value), count=2)
 
 
 def cell(record: Record, judge: str) -> dict[str, str]:
-    """Text, class and tip of a cell of the overview."""
+    """Return text, class and tip of a cell of the overview."""
     found = entry(record.worst(judge))
     return found | {"text": f"{PART * record.in_part(judge)}{found['text']}"}
 
 
 def entry(finding: Finding | None) -> dict[str, str]:
-    """Text, class and tip of a finding."""
+    """Return text, class and tip of a finding."""
     if finding is None:
         return {"text": "", "kind": "", "tip": ""}
     shown = number(finding.error) if finding.error and finding.verdict != NOT_COMPARED else ""
@@ -125,17 +125,17 @@ def entry(finding: Finding | None) -> dict[str, str]:
 
 
 def detailed(record: Record) -> bool:
-    """Whether a case has its own section; random ones only where there is something to say."""
+    """Return whether a case has its own section; random ones only with something to report."""
     return bool(record.picture or record.charts) or record.verdict != AGREES
 
 
 def single(record: Record) -> list[Finding]:
-    """Findings of the judges that have few."""
+    """Return the findings of the judges that have few."""
     return [finding for finding in record.findings if finding.judge not in SEVERAL]
 
 
 def matrix(record: Record) -> tuple[list[str], list[tuple[str, list[dict[str, str]]]]]:
-    """(judges, rows of (quantity, cells)) of the judges that compare many quantities."""
+    """Return (judges, rows of (quantity, cells)) of the judges that compare many quantities."""
     compared = [x for x in record.findings if x.judge in SEVERAL and x.verdict != NOT_COMPARED]
     judges = [judge for judge in SEVERAL if any(x.judge == judge for x in compared)]
     found = {(x.quantity, x.judge): x for x in compared}
@@ -144,7 +144,7 @@ def matrix(record: Record) -> tuple[list[str], list[tuple[str, list[dict[str, st
 
 
 def reasons(record: Record) -> list[str]:
-    """Why those judges did not compare something: one line per reason."""
+    """Return why those judges did not compare something: one line per reason."""
     found: dict[tuple[str, str], list[str]] = {}
     for x in record.findings:
         if x.judge in SEVERAL and x.verdict == NOT_COMPARED:
@@ -156,7 +156,7 @@ def reasons(record: Record) -> list[str]:
 
 
 def anchor(name: str) -> str:
-    """Id of a case on the page."""
+    """Return the id of a case on the page."""
     return "case-" + "".join(c if c.isalnum() else "-" for c in name)
 
 
@@ -171,7 +171,9 @@ MOST = 40  # Bodies that can be told apart at this size
 
 
 def picture(made: Run) -> str:
-    """The mechanism at the end of its run, else as built, as data address; "" for more bodies than one tells apart."""
+    """Return the mechanism at the end of its run, else as built, as data address; "" for too many bodies to
+    distinguish.
+    """
     if len(made.system.bodies) > MOST:
         return ""
     pose = None if made.solution is None else made.solution.state(made.solution.t.size - 1)
@@ -182,7 +184,7 @@ def picture(made: Run) -> str:
 
 
 def chart(check: CrossCheck) -> str:
-    """One panel per engine that ran, on common axes; "" where none ran."""
+    """Draw one panel per engine that ran, on common axes; "" where none ran."""
     ran = [engine for engine in check.engines if any(curve.quantity in QUANTITIES for curve in engine.curves)]
     if not ran:
         return ""
@@ -195,7 +197,7 @@ def chart(check: CrossCheck) -> str:
 
 
 def bounds(curves: Sequence[Curve]) -> tuple[int, int, int, int]:
-    """Decades that hold all steps and differences."""
+    """Return the decades that hold all steps and differences."""
     steps = [math.log10(step) for curve in curves for step in curve.steps]
     sizes = [math.log10(max(size, LEAST)) for curve in curves for size in curve.differences]
     low, high = math.floor(min(sizes)), math.ceil(max(sizes))
@@ -203,7 +205,7 @@ def bounds(curves: Sequence[Curve]) -> tuple[int, int, int, int]:
 
 
 def panel(engine: Compared, first: int, last: int, low: int, high: int) -> str:
-    """Axes, curves and the expected slope of one engine."""
+    """Draw axes, curves and the expected slope of one engine."""
 
     def place(step: float, size: float) -> complex:
         x = LEFT + (WIDTH - LEFT) * (math.log10(step) - first) / (last - first)
@@ -226,7 +228,7 @@ def panel(engine: Compared, first: int, last: int, low: int, high: int) -> str:
 
 
 def line(place: Place, curve: Curve) -> str:
-    """A curve with a mark at every run."""
+    """Draw a curve with a mark at every run."""
     tint = f"t{QUANTITIES.index(curve.quantity)}"
     points = [place(step, size) for step, size in zip(curve.steps, curve.differences, strict=True)]
     marks = "".join(f'<circle class="fill {tint}" cx="{z.real:.2f}" cy="{-z.imag:.2f}" r="2.4"/>' for z in points)
@@ -234,7 +236,7 @@ def line(place: Place, curve: Curve) -> str:
 
 
 def slope(place: Place, engine: Compared, curves: Sequence[Curve]) -> str:
-    """The expected order, from the largest difference of the coarsest run on."""
+    """Draw the expected order, from the largest difference of the coarsest run on."""
     first = max(curve.differences[0] for curve in curves)
     if not engine.order or first <= 0.0:
         return ""
@@ -245,7 +247,7 @@ def slope(place: Place, engine: Compared, curves: Sequence[Curve]) -> str:
 
 
 def key() -> str:
-    """Colours of the quantities, and what the dashes are."""
+    """Draw the key: colours of the quantities, and the meaning of the dashes."""
     parts, x = [], LEFT
     for k, quantity in enumerate((*QUANTITIES, "expected order")):
         kind = f"line t{k}" if k < len(QUANTITIES) else "ring muted"

@@ -1,4 +1,4 @@
-"""Runs trials one after the other, keeps every record as it comes, and writes the reports.
+"""Run of test cases one after the other, with stored records and written reports.
 
 MuJoCo, Exudyn and the definitions of the joints are judges too: `cross_check` speaks in the words of the suite.
 """
@@ -40,7 +40,8 @@ SOURCES = ("*.py", "references/*.json", "parameters/*.json")
 
 
 def store(folder: Path, fresh: bool = False, **settings: Any) -> Store:
-    """Finished cases in a folder: of these sources, versions of all that computes, and settings; others are forgotten.
+    """Return the finished cases in a folder: of these sources, versions of all that computes, and settings; others are
+    discarded.
 
     An edited kernel, reference or closed form gives another identity, so no result outlives what it was made of.
     """
@@ -56,7 +57,7 @@ def store(folder: Path, fresh: bool = False, **settings: Any) -> Store:
 
 
 def compared(made: Run, trial: Trial, budget: float) -> tuple[list[Finding], CrossCheck | None]:
-    """Everything that the engines and the definitions say of a mechanism.
+    """Return all findings of the engines and the definitions about a mechanism.
 
     ``made``: mechanism and start; ``trial``: how long it is compared, and why not; ``budget``: seconds that an engine's
     runs may take. Returns findings; check: attributions and curves; None if nothing was compared.
@@ -72,12 +73,12 @@ def compared(made: Run, trial: Trial, budget: float) -> tuple[list[Finding], Cro
 
 
 def asked(made: Run, budget: float) -> CrossCheck:
-    """What `cross_check` finds; of a case without a motion at its start."""
+    """Return the findings of `cross_check`; of a case without a motion at its start."""
     return cross_check(made.system, made.t_end or None, state=made.state, budget=budget, progress=False)
 
 
 def translated(finding: PeerFinding) -> Finding:
-    """A finding of `cross_check`: limits may be apart by the tolerance, or by what they are uncertain."""
+    """Return a finding of `cross_check`: limits may differ by the tolerance, or by their uncertainty."""
     limit = None if finding.difference is None else finding.bound
     order = "" if finding.order is None else f"order {finding.order:.2f} of {finding.expected:g}"
     until = "" if finding.until is None else f"until {finding.until:.4g} s"
@@ -87,7 +88,7 @@ def translated(finding: PeerFinding) -> Finding:
 
 
 def attributions(check: CrossCheck) -> tuple[dict[str, Any], ...]:
-    """Every cause that was changed, with the difference before and after."""
+    """Return every cause that was changed, with the difference before and after."""
     return tuple(
         {"engine": finding.engine, "quantity": finding.quantity, **attribution._asdict()}
         for finding in check.findings
@@ -96,7 +97,7 @@ def attributions(check: CrossCheck) -> tuple[dict[str, Any], ...]:
 
 
 def settings(check: CrossCheck) -> dict[str, str]:
-    """Engine -> formulation, integrator, steps and seconds of its runs."""
+    """Return engine -> formulation, integrator, steps and seconds of its runs."""
     found = {}
     for engine in check.engines:
         steps = f"; {engine.steps[0]} ... {engine.steps[-1]} steps, {sum(engine.seconds):.2g} s" if engine.steps else ""
@@ -106,7 +107,7 @@ def settings(check: CrossCheck) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Suite:
-    """What is run, where its results are kept, and how many seconds an engine gets for a case."""
+    """Test cases, the folder of their results, and the seconds of an engine per case."""
 
     trials: Sequence[Trial]
     store: Store
@@ -116,26 +117,26 @@ class Suite:
 
     @cached_property
     def found(self) -> dict[str, Record]:
-        """Finished cases by name."""
+        """Return the finished cases by name."""
         return {name: record_from(data) for name, data in self.store.all().items()}
 
     @property
     def records(self) -> list[Record]:
-        """Records of the cases that are finished, in the order of the trials."""
+        """Return the records of the finished cases, in the order of the test cases."""
         return [self.found[trial.name] for trial in self.trials if trial.name in self.found]
 
     @property
     def left(self) -> list[Trial]:
-        """Cases that are still to be examined."""
+        """Return the cases that are still to be examined."""
         return [trial for trial in self.trials if trial.name not in self.found]
 
     @property
     def failed(self) -> list[Record]:
-        """Cases in which something differs."""
+        """Return the cases in which something differs."""
         return failed(self.records)
 
     def run(self) -> None:
-        """Examine what is left; Ctrl-C leaves everything that is finished in the ledger."""
+        """Examine the remaining cases; Ctrl-C keeps everything finished in the store."""
         done = len(self.records)
         with Progress("validation", 0, len(self.trials), self.show) as bar:
             for count, record in enumerate(self.examine_left(), start=done + 1):
@@ -144,7 +145,7 @@ class Suite:
                 bar.update(count)
 
     def examine_left(self) -> Iterator[Record]:
-        """Records as they come; many cases go to processes of their own, which an engine may take down with it."""
+        """Yield records as they come; many cases run in processes of their own, which a crash of an engine may end."""
         left = self.left
         if len(left) < SEVERAL:
             yield from (examined(trial, self.budget) for trial in left)
@@ -154,7 +155,7 @@ class Suite:
             yield found if isinstance(found, Record) else lost(left[k], found.error)
 
     def write(self, folder: Path) -> list[Path]:
-        """Page and JSON of what is finished."""
+        """Write page and JSON of the finished cases."""
         content = content_of(self.records, quick=self.quick, complete=not self.left)
         html = page_of(self.records, content)
         return [
@@ -164,19 +165,19 @@ class Suite:
 
 
 def examined_by_name(cell: Mapping[str, Any]) -> Record:
-    """A trial in another process: names travel, mechanisms are built there."""
+    """Run a test case in another process: names travel, mechanisms are built there."""
     (trial,) = chosen(trials(cell["quick"]), (cell["name"],))
     return examined(trial, cell["budget"])
 
 
 def lost(trial: Trial, error: str) -> Record:
-    """Record of a case whose process died."""
+    """Return the record of a case whose process died."""
     return Record(trial.name, trial.group, trial.title, (Finding(CERTIFICATE, DIFFERS, "run", note=error),))
 
 
 @on_one_thread  # many small decompositions, for which threads cost more than they save
 def examined(trial: Trial, budget: float) -> Record:
-    """Record of a trial: its own judges, the engines, a picture, and the curves of convergence."""
+    """Return the record of a test case: its own judges, the engines, a picture, and the curves of convergence."""
     began = time.perf_counter()
     record, made = examine(trial)
     if made is None:

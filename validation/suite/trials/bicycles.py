@@ -26,7 +26,7 @@ LIMIT = 1e-7  # Of Lagrange's equations: a hundred times their tolerance; their 
 
 
 def trials(quick: bool) -> list[Trial]:
-    """The benchmark bicycle in its range of stability and above it, and one with round tyres."""
+    """Return the benchmark bicycle in its range of stability and above it, and one with round tyres."""
     plans = {
         "bicycle_benchmark": ("Meijaard et al. 2007, 4.6 m/s", BENCHMARK, 4.6, {REFERENCE: eigenvalues}),
         "bicycle_fast": ("the same, 8 m/s: it falls slowly", BENCHMARK, 8.0, {}),
@@ -39,14 +39,14 @@ def trials(quick: bool) -> list[Trial]:
 
 
 def riding(p: Any, speed: float) -> Run:
-    """A ride without hands."""
+    """Simulate a ride without hands."""
     system = whipple(p, speed, **START)
     start: Mapping[str, Any] = {"parameters": p, "speed": speed}
     return run(system, T_END, state=system.state(), output=SAMPLES, source=start)
 
 
 def lagrange(made: Run) -> Iterable[Finding]:
-    """Centres of mass of the four bodies by Lagrange's equations, integrated by scipy."""
+    """Return the centres of mass of the four bodies by Lagrange's equations, integrated by scipy."""
     p, speed = made.source["parameters"], made.source["speed"]
     rates = np.array([START["lean_rate"], START["steer_rate"], speed])
     c, c_dot = whipple_lagrange.state(p, START["lean"], START["steer"], rates)
@@ -65,7 +65,7 @@ def lagrange(made: Run) -> Iterable[Finding]:
 
 
 def eigenvalues(made: Run) -> Iterable[Finding]:
-    """Eigenvalues of the straight run at the published speeds."""
+    """Compare eigenvalues of the straight run at the published speeds."""
     rows = cases.read("bicycle_eigenvalues")["reference"]["values"]
     found = general.eigenvalues(whipple, made.source["parameters"], np.array([row["v"] for row in rows]))
     known = np.array([[complex(*pair) for pair in row["eigenvalues"]] for row in rows])

@@ -1,4 +1,4 @@
-"""Engines and planar mechanisms as cases, and the planar judge: what stays in a plane, once more by the planar solver.
+"""Engines and planar mechanisms as cases, and the planar judge: planar mechanisms solved again by the planar solver.
 
 Loads on the block are compared in closed form, as a sum of planes and in space; planar mechanisms in plane and space.
 """
@@ -31,12 +31,12 @@ LIMIT = 1e-5
 
 
 class NotPlanarError(InputError):
-    """A mechanism that the planar solver has no words for; the text names the part."""
+    """Error for a mechanism that the planar solver cannot represent; the text names the part."""
 
 
 @dataclass
 class Flat:
-    """The mechanism seen along ``axis``: x and y are the first rows of ``frame`` (3, 3)."""
+    """Mechanism seen along ``axis``: x and y are the first rows of ``frame`` (3, 3)."""
 
     frame: np.ndarray
     bodies: dict[int, planar.Body] = field(default_factory=dict)
@@ -44,15 +44,15 @@ class Flat:
     loads: list[Any] = field(default_factory=list)
 
     def flat(self, vector: Any) -> np.ndarray:
-        """(2,) components in the plane."""
+        """Return the components of a vector in the plane, shape (2,)."""
         return self.frame[:2] @ np.asarray(vector, dtype=float)
 
     def of(self, body: Any) -> Any:
-        """The planar body."""
+        """Return the planar body of a body."""
         return planar.GROUND if body is GROUND else self.bodies[id(body)]
 
     def sense(self, axis: np.ndarray, what: str) -> float:
-        """+1 or -1 for an axis along or against the normal."""
+        """Return +1 or -1 for an axis along or against the normal."""
         along = float(self.frame[2] @ axis)
         if abs(along) < 1.0 - EXACT:
             raise NotPlanarError(f"the axis of {what} is not normal to the plane")
@@ -60,7 +60,7 @@ class Flat:
 
 
 def normal_of(system: System) -> np.ndarray:
-    """The axis that all hinges share."""
+    """Return the axis that all hinges share."""
     hinges = [joint for joint in system.joints if isinstance(joint, Revolute)]
     if not hinges or any(not isinstance(joint, Revolute | Prismatic | SpeedDriver) for joint in system.joints):
         raise NotPlanarError("only hinges, slides and motors about one axis move in a plane")
@@ -68,7 +68,7 @@ def normal_of(system: System) -> np.ndarray:
 
 
 def flatten(system: System) -> tuple[planar.System, Flat]:
-    """The planar model of a spatial mechanism.
+    """Return the planar model of a spatial mechanism.
 
     NotPlanarError naming the part that leaves the plane, or has no planar counterpart.
     """
@@ -85,7 +85,7 @@ def flatten(system: System) -> tuple[planar.System, Flat]:
 
 
 def flat_body(made: Flat, body: Any) -> planar.Body:
-    """A body with its x axis along the plane's at the reference pose."""
+    """Return a planar body with its x axis along the plane's at the reference pose."""
     normal, omega = made.frame[2], None
     inertia = float(normal @ body.axes @ body.inertia @ body.axes.T @ normal)
     if body.omega is not None:
@@ -98,7 +98,7 @@ def flat_body(made: Flat, body: Any) -> planar.Body:
 
 
 def add_joint(made: Flat, system: System, joint: Joint) -> None:
-    """The planar counterpart of a joint; a second hinge on the same axis adds nothing in a plane."""
+    """Add the planar counterpart of a joint; a second hinge on the same axis adds nothing in a plane."""
     what, ends = system.name(joint), (made.of(joint.a), made.of(joint.b))
     if isinstance(joint, Prismatic):
         if abs(made.frame[2] @ joint.axis) > EXACT:
@@ -120,7 +120,7 @@ def add_joint(made: Flat, system: System, joint: Joint) -> None:
 
 
 def flat_load(made: Flat, system: System, force: Any) -> Any:
-    """The planar counterpart of a force."""
+    """Return the planar counterpart of a force."""
     what = system.name(force)
     if isinstance(force, SpringDamper):
         ends = {"at_a": made.flat(force.at_a), "at_b": made.flat(force.at_b), "length": force.length}
@@ -134,14 +134,14 @@ def flat_load(made: Flat, system: System, force: Any) -> Any:
 
 
 def constant(signal: Any, what: str) -> float:
-    """The value of a signal that does not change."""
+    """Return the value of a constant signal; raise NotPlanarError for others."""
     if not isinstance(signal, Constant):
         raise NotPlanarError(f"{what} changes with time")
     return signal.value
 
 
 def in_the_plane(made: Run) -> Iterable[Finding]:
-    """Centres of mass of all bodies against the flattened mechanism."""
+    """Compare the centres of mass of all bodies with the planar mechanism."""
     try:
         system, flat = flatten(made.system)
     except ValueError as reason:
@@ -150,7 +150,9 @@ def in_the_plane(made: Run) -> Iterable[Finding]:
 
 
 def by_ladder(made: Run, system: planar.System, frame: np.ndarray) -> Iterable[Finding]:
-    """The same against a planar model, bodies of equal names: errors of its runs must fall at their order."""
+    """Compare the centres of mass with a planar model, bodies of equal names: errors of its runs must fall at their
+    order.
+    """
     try:
         runs = [planar.simulate(system, made.t_end, dt=made.t_end / n, output=COMPARED) for n in LADDER]
     except ValueError as reason:
@@ -166,7 +168,7 @@ def by_ladder(made: Run, system: planar.System, frame: np.ndarray) -> Iterable[F
 
 
 def apart(ours: Any, frame: np.ndarray, theirs: planar.Solution) -> float:
-    """Largest distance of centres of mass over the largest of their coordinates, at least 1 m."""
+    """Return the largest distance of centres of mass over the largest of their coordinates, at least 1 m [-]."""
     found = np.array([ours.com(body) @ frame[:2].T for body in ours.system.bodies])
     known = np.array([theirs.com(body.name) for body in ours.system.bodies])
     return float(np.abs(found - known).max() / max(1.0, np.abs(found).max()))
@@ -179,7 +181,7 @@ SAMPLES = 33
 
 
 def trials(quick: bool) -> list[Trial]:
-    """Layouts of engines, the inline four of the sweeps, and planar mechanisms with and without redundant rows."""
+    """Return layouts of engines, the inline four of the sweeps, and planar mechanisms with and without redundant rows."""
     found = [layout(name) for name in (SHORT if quick else names())]
     found.append(Trial("inline_four", "engines", "inline four, driven, as a sum of planes", four, {PLANE: block}))
     for k, mechanism in enumerate(twins.mechanisms()):
@@ -192,14 +194,14 @@ def trials(quick: bool) -> list[Trial]:
 
 
 def layout(name: str) -> Trial:
-    """An engine of `engines.balance`."""
+    """Return the test case of an engine of `engines.balance`."""
     alone = "" if name in PEERED else f"{' and '.join(PEERED)} represent the layouts, which have the same parts"
     judges = {THEORY: partial(balanced, "phasor", THEORY), PLANE: partial(balanced, "planar", PLANE)}
     return Trial(f"engine_{name}", "engines", Engine(name).layout.title, partial(turning, name), judges, alone=alone)
 
 
 def turning(name: str) -> Run:
-    """One turn of the crank; the source holds the harmonics three ways."""
+    """Simulate one turn of the crank; the source holds the harmonics by three methods."""
     engine = Engine(name)
     system = spatial.build(engine, gravity=(*GRAVITY, 0.0))
     solution = spatial.turn(system, engine)
@@ -207,30 +209,30 @@ def turning(name: str) -> Run:
 
 
 def balanced(way: str, judge: str, made: Run) -> Iterable[Finding]:
-    """Harmonics 0 to 6 of the load on the block: the model in space against another way."""
+    """Compare harmonics 0 to 6 of the load on the block: the model in space against another method."""
     found, engine = made.source.ways, made.source.engine
     error = found[way].difference(found["spatial"], engine.spacing) / engine.single
     yield judged(judge, "harmonics of the block load", error, balance.LIMIT, "relative to the 1x force of one cylinder")
 
 
 def four() -> Run:
-    """One turn of the inline four."""
+    """Simulate one turn of the inline four."""
     return run(inline_four(), 2 * np.pi / RATE, method=Kinematic(), output=SAMPLES)
 
 
 def block(made: Run) -> Iterable[Finding]:
-    """Force on the block as a sum of planes."""
+    """Compare the force on the block with a sum of planes."""
     ours = block_force(made.solution)
     known = reduce_to_planes(made.system).block_load(made.solution.t).force
     yield judged(PLANE, "force on the block", np.abs(ours - known).max() / np.abs(known).max(), balance.LIMIT)
 
 
 def free(k: int, redundant: bool) -> Run:
-    """A planar mechanism that runs freely in space for a turn of its first speed."""
+    """Simulate a planar mechanism that runs freely in space for a turn of its first speed."""
     mechanism = twins.mechanisms()[k]
     return run(mechanism.space(redundant=redundant), mechanism.turn, output=SAMPLES)
 
 
 def twin(k: int, made: Run) -> Iterable[Finding]:
-    """The same mechanism in the planar solver; its plane is x and y."""
+    """Compare the same mechanism in the planar solver; its plane is x and y."""
     return by_ladder(made, twins.mechanisms()[k].plane(), np.eye(3))

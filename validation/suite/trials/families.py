@@ -24,7 +24,7 @@ SHORT = "in a short run a demo of the gallery is compared with its theory only"
 
 
 def demonstrations(quick: bool) -> list[Trial]:
-    """One per demo: its first run, and its theory."""
+    """Return one test case per demo: its first run, and its theory."""
     return [
         Trial(f"gallery_{demo.name}", "gallery", demo.title, partial(shown, demo), {THEORY: rows},
               alone=SHORT if quick and demo.name not in QUICK else demo.alone)
@@ -33,20 +33,20 @@ def demonstrations(quick: bool) -> list[Trial]:
 
 
 def shown(demo: Demo) -> Run:
-    """The first run of a demo that left no term out on purpose; its certificate is judged."""
+    """Return the first run of a demo with all terms; its certificate is checked."""
     done = demo.run()
     solution = next(filter(complete, done.solutions.values()))
     return Run(solution.system, float(solution.t[-1]), solution, solution.state(0), done)
 
 
 def complete(solution: Solution) -> bool:
-    """Whether a run had all terms, and its joints held by projection."""
+    """Return whether a run had all terms, and its joints held by projection."""
     switches = solution.certificate.switches
     return switches == type(switches)()
 
 
 def rows(made: Run) -> Iterable[Finding]:
-    """The table of the demo, in the units of its rows."""
+    """Yield the rows of the demo's table, in their units."""
     for row in made.source.rows:
         yield judged(THEORY, row.quantity, row.error, row.tolerance, f"absolute, [{row.unit or '-'}]")
 
@@ -58,7 +58,7 @@ LARGE = "Exudyn takes minutes for this size; see iftomm_A02_fourbar_N2 instead"
 
 
 def ladders(quick: bool) -> list[Trial]:
-    """The smaller one, or both; 605 rows of rank 485 for N = 40."""
+    """Return the smaller ladder, or both; 605 rows of rank 485 for N = 40."""
     judges = {FREEDOMS: freedoms, THEORY: partial(theory_of, closed_forms.four_bars)}
     return [
         Trial(f"four_bars_N{n}", "ladders", f"{n} four-bars in a row", partial(falling, n), judges, alone=LARGE)
@@ -67,12 +67,12 @@ def ladders(quick: bool) -> list[Trial]:
 
 
 def falling(n: int) -> Run:
-    """Rods that fall from upright over the side and up again."""
+    """Simulate rods that fall from upright over the side and up again."""
     return run(four_bars(n), LADDER_END, output=LADDER_SAMPLES, source=n, rtol=LADDER_RTOL)
 
 
 def freedoms(made: Run) -> Iterable[Finding]:
-    """Planar counting: 15 N + 5 rows, of which each window repeats three; Exudyn counts the smaller one."""
+    """Compare the planar count: 15 N + 5 rows, three redundant ones per window; Exudyn counts the smaller one."""
     n = made.source
     known: dict[str, Count | str] = {"planar counting": Count(15 * n + 5, 12 * n + 5, 1, 3 * n)}
     if n == SIZES[0]:
@@ -87,24 +87,24 @@ SHORTEST = 0.01  # s
 
 
 def randoms(quick: bool) -> list[Trial]:
-    """Random mechanisms, seeded so that a name is always the same mechanism."""
+    """Return random mechanisms, seeded so that a name is always the same mechanism."""
     return [random(seed) for seed in range(FEW if quick else MANY)]
 
 
 def random(seed: int) -> Trial:
-    """The random mechanism of a seed."""
+    """Return the random mechanism of a seed."""
     title = f"random mechanism of seed {seed}"
     return Trial(f"random_{seed:03d}", "random mechanisms", title, partial(started, seed), drawn=False)
 
 
 def started(seed: int) -> Run:
-    """A motion from general velocities."""
+    """Simulate a motion from general velocities."""
     system = mechanism(seed)
     return run_to(system, moving(system, seed), T_END)
 
 
 def run_to(system: System, state: object, t_end: float) -> Run:
-    """A run, half as long where a driver pulls the mechanism to a dead centre before.
+    """Simulate a run, half as long where a driver pulls the mechanism to a dead centre before.
 
     As tight as the two of `cross_check`, which must reach the end too.
     """

@@ -1,4 +1,4 @@
-"""Closed loops of hinges with one freedom, which no count of rows gives, against the product of exponentials."""
+"""Closed loops of hinges with one degree of freedom, despite the count of rows, against the product of exponentials."""
 
 from collections.abc import Iterable
 from functools import partial
@@ -17,7 +17,9 @@ RATE, T_END, SAMPLES = 2.0, 1.5, 31  # rad/s of the first hinge at the start, s
 
 
 def trials(quick: bool) -> list[Trial]:
-    """One of each family, or three: parameters, masses, inertias and base pose are random, the first hinge turns."""
+    """Return one of each family, or three: parameters, masses, inertias and base pose are random, the first hinge
+    turns.
+    """
     judges = {FREEDOMS: freedoms, THEORY: partial(theory_of, turned)}
     return [
         Trial(f"loop_{name}_{seed}", "closed loops", f"{name.replace('_', ' ')}, seed {seed}",
@@ -27,19 +29,19 @@ def trials(quick: bool) -> list[Trial]:
 
 
 def let_go(name: str, seed: int) -> Run:
-    """The free motion of a random loop."""
+    """Simulate the free motion of a random loop."""
     system = FAMILIES[name](np.random.default_rng(seed))
     return run(system, T_END, state=system.assemble(rates={"hinge 1": RATE}), output=SAMPLES)
 
 
 def turned(made: Run) -> Pairs:
-    """Angles of all hinges since the start."""
+    """Compare the angles of all hinges since the start."""
     ours = np.array([made.solution.angle(hinge) for hinge in made.system.joints]).T
     return {"angles": (ours - ours[0], as_axes(made.system).motion(RATE, made.solution.t))}
 
 
 def freedoms(made: Run) -> Iterable[Finding]:
-    """n hinges have 5 n rows and leave n - 1 bodies one freedom."""
+    """Compare the count: n hinges have 5 n rows and leave n - 1 bodies one degree of freedom."""
     n = len(made.system.joints)
     rank = 6 * (n - 1) - 1
     return counts(made, {"geometry": Count(5 * n, rank, 1, 5 * n - rank)})

@@ -39,7 +39,7 @@ FREQUENCIES = np.array([0.7, 4.1, 5.5, 9.3, 41.0])  # Hz, around a resonance at 
 
 
 def trials(quick: bool) -> list[Trial]:
-    """Engines on mounts, cut cranks, and powertrains that theory knows."""
+    """Return engines on mounts, cut cranks, and powertrains that theory knows."""
     found = []
     for engine, car, rpm in IN_CARS[: 1 if quick else None]:
         title = f"{presets.preset(engine).title} on its mounts at {rpm:g} rpm, motored"
@@ -77,7 +77,7 @@ def trials(quick: bool) -> list[Trial]:
 
 
 def shafts() -> checks.Pairs:
-    """What faults leave: reaction of the engine with its geared shafts in space, and closed form [N], [N m]."""
+    """Compare the effect of faults: reaction of the engine with its geared shafts in space, and closed form [N], [N m]."""
     chosen = presets.preset("inline_4")
     fitted = balance_shafts.fitted(chosen, "raised")
     wrong = [balance_shafts.faulty(chosen, fitted, fault) for fault in balance_shafts.FAULTS]
@@ -88,7 +88,9 @@ def shafts() -> checks.Pairs:
 
 
 def controlled() -> checks.Pairs:
-    """Force at the car under a sampled controller: the general model stepped, and the poles of its linear loop."""
+    """Compare the force at the car under a sampled controller: the general model stepped, and the poles of its linear
+    loop.
+    """
     study = Study(presets.preset("inline_4"), mounts.car("compact"), 2700.0, 0.8)
     cancel = Cancel(study.on_mounts, study.source, study.rpm, 1, 2.0, 1500.0)
     step, count = 0.5 * cancel.path.limit(cancel.W), 300
@@ -96,14 +98,14 @@ def controlled() -> checks.Pairs:
 
 
 def on_links(kind: str) -> Run:
-    """A wheel on a plate that lifts it, by kinematics."""
+    """Simulate a wheel on a plate that lifts it, by kinematics."""
     held = guide(kind, TRACK)
     solution = held.run()
     return Run(solution.system, float(solution.t[-1]), solution, source=held)
 
 
 def by_lengths(made: Run) -> Iterable[Finding]:
-    """Camber and toe-in from the lengths of the links alone."""
+    """Compare camber and toe-in with those from the lengths of the links alone."""
     held, found = made.source, {"toe": [0.0], "camber": [0.0]}
     for way in (1.0, -1.0):
         z = held.curves.z[way * held.curves.z > 1e-9][:: int(way)]
@@ -116,13 +118,13 @@ def by_lengths(made: Run) -> Iterable[Finding]:
 
 
 def rough(kind: str, linked: bool) -> Run:
-    """A saloon over a road of class C."""
+    """Simulate a saloon over a road of class C."""
     ride = ride_of(mounts.car("saloon"), kind, "C", 21.0, linked)
     return Run(ride.run.system, float(ride.run.t[-1]), ride.run, source=ride)
 
 
 def over_the_road(made: Run) -> Iterable[Finding]:
-    """The seat, wave by wave: a quarter car in closed form, the others by their small motions."""
+    """Compare the seat, wave by wave: a quarter car in closed form, the others by their small motions."""
     ride = made.source
     quarter = ride.vehicle.title == "quarter car"
     known = quarter_car(ride) if quarter else ride.seat
@@ -132,25 +134,25 @@ def over_the_road(made: Run) -> Iterable[Finding]:
 
 
 def on_mounts(engine: str, car: str, rpm: float) -> Run:
-    """The full motion of a motored engine, settled."""
+    """Simulate the full motion of a motored engine, settled."""
     study = Study(presets.preset(engine), mounts.car(car), rpm, 0.0)
     return Run(study.run.system, float(study.run.t[-1]), study.run, source=study)
 
 
 def by_order(made: Run) -> Iterable[Finding]:
-    """Forces on the car, order by order: phasors in closed form through the linear map."""
+    """Compare forces on the car, order by order: phasors in closed form through the linear map."""
     note = "closed form of the inertia, linear map of the mounts; relative to the largest order"
     yield judged(THEORY, "orders of the forces on the car", made.source.difference, AGREES, note)
 
 
 def cut(engine: str) -> Run:
-    """A cycle of a motored engine whose crank is cut in its bearings."""
+    """Simulate a cycle of a motored engine whose crank is cut in its bearings."""
     solution, _ = cycle_run(Source(presets.preset(engine), 0.0), RPM)
     return Run(solution.system, float(solution.t[-1]), solution)
 
 
 def throws(engine: str, made: Run) -> Iterable[Finding]:
-    """Both ends of a throw carry half of what the planar models of its cylinders bear."""
+    """Compare the loads of both ends of a throw with half of the planar models of its cylinders."""
     chosen = presets.preset(engine).engine(RPM)
     _, mains = cut_engine(Source(presets.preset(engine), 0.0), RPM)
     plane = [
@@ -167,12 +169,12 @@ def throws(engine: str, made: Run) -> Iterable[Finding]:
 
 
 def simple() -> Run:
-    """Only the linear equations are compared: nothing moves."""
+    """Return a mechanism at rest: only its linear equations are compared."""
     return Run(checks.mounted([checks.mount((0.3, y, -0.2), (1e5, 1e5, 2e5)) for y in (-0.2, 0.1)]))
 
 
 def known(pairs: Callable[[], checks.Pairs], made: Run) -> Iterable[Finding]:
-    """What theory knows."""
+    """Compare with the values known from theory."""
     for quantity, (computed, exact, *limit) in pairs().items():
         error = np.abs(np.asarray(computed) - exact).max() / np.abs(exact).max()
         yield judged(THEORY, quantity, float(error), *(limit or [1e-8]), "relative to the largest")

@@ -1,4 +1,6 @@
-"""Judges of the reference cases: the values of their files, their freedoms, eigenvalues, and the robot's torques."""
+"""Judges of the reference cases: the values of their files, their degrees of freedom, eigenvalues, and the robot's
+torques.
+"""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
@@ -29,7 +31,7 @@ LONG = {"chain100_spherical": "chain10_spherical", "bicycle_M3": "bicycle_M1", "
 
 
 def trials(quick: bool = False) -> list[Trial]:
-    """One per file of ``references/``."""
+    """Return one test case per file of ``references/``."""
     found = [trial_of(name) for name in cases.names()]
     if not quick:
         return found
@@ -37,7 +39,7 @@ def trials(quick: bool = False) -> list[Trial]:
 
 
 def trial_of(name: str) -> Trial:
-    """The trial of a case file; without a motion, what its file holds instead."""
+    """Return the test case of a case file; without a motion, the other values of the file."""
     title, timed = cases.read(name)["title"], name in cases.names(timed=True)
     if timed:
         judges = {FREEDOMS: freedoms, REFERENCE: reference, THEORY: closed_form, PLANE: in_the_plane}
@@ -47,19 +49,19 @@ def trial_of(name: str) -> Trial:
 
 
 def moving(name: str) -> Run:
-    """Our motion of a case, at the times of its reference."""
+    """Simulate a case at the times of its reference."""
     case, rtol = cases.load(name, SHIFT), PASSES.get(name, RTOL)
     return run(case.system, case.t_end, output=case.times, source=case, accuracy=allowed(case, rtol), rtol=rtol)
 
 
 def standing(name: str) -> Run:
-    """A case of which only the start counts."""
+    """Return a case of which only the start counts."""
     case = cases.load(name, SHIFT)
     return Run(case.system, source=case, accuracy=ROUNDING)
 
 
 def allowed(case: cases.Case, rtol: float = RTOL) -> float:
-    """Allowed scaled error: ten times what the case makes of a relative error of ``rtol``.
+    """Return the allowed scaled error: ten times the effect of a relative error of ``rtol`` on the case.
 
     At 1e-10 never more than 1e-7, or what rounding comes to. The floor of 100 rtol covers the errors of some
     hundred steps that add up in a case of condition 1.
@@ -69,7 +71,7 @@ def allowed(case: cases.Case, rtol: float = RTOL) -> float:
 
 
 def reference(made: Run) -> Iterable[Finding]:
-    """The columns of the file; one without a rule is a mistake in the file or here."""
+    """Compare the columns of the file; raise an error for one without a rule."""
     found = compare(made.source, made.solution)
     yield judged(REFERENCE, f"{len(found.columns)} columns", found.scaled_error, made.accuracy)
     if found.left_out:
@@ -77,12 +79,12 @@ def reference(made: Run) -> Iterable[Finding]:
 
 
 def freedoms(made: Run) -> Iterable[Finding]:
-    """Rows, rank, redundant rows and freedoms as the file counts them, and as Exudyn does."""
+    """Compare rows, rank, redundant rows and degrees of freedom with the counts of the file and of Exudyn."""
     return counts(made, {"the file": counted_in(made.source), "Exudyn": counted_by_exudyn(made.system)})
 
 
 def counts(made: Run, known: Mapping[str, Count | str]) -> Iterable[Finding]:
-    """Our rows, rank, mobility and redundant rows against those of others, or why these have none."""
+    """Compare rows, rank, mobility and redundant rows with the counts of others, or report why these have none."""
     ours = counted(made.system)
     for who, theirs in known.items():
         if isinstance(theirs, str):
@@ -95,13 +97,13 @@ def counts(made: Run, known: Mapping[str, Count | str]) -> Iterable[Finding]:
 
 
 def counted_in(case: cases.Case) -> Count | str:
-    """What the file says."""
+    """Return the count of the file."""
     known = case.dof_info
     return Count(known["rows"], known["rank"], known["dof"], known["redundant"]) if known else "it counts no rows"
 
 
 def closed_form(made: Run) -> Iterable[Finding]:
-    """The closed form of the case, if there is one."""
+    """Return the closed form of the case, if there is one."""
     law = CLOSED_FORMS.get(made.source.id)
     if law is None:
         yield not_compared(THEORY, "there is no closed form of this motion")
@@ -110,21 +112,21 @@ def closed_form(made: Run) -> Iterable[Finding]:
 
 
 def theory_of(law: Callable[[Run], Pairs], made: Run) -> Iterable[Finding]:
-    """What a closed form says."""
+    """Compare with the closed-form values of a reference case."""
     for quantity, (ours, exact) in law(made).items():
         ours, exact = np.asarray(ours), np.asarray(exact, dtype=float)
         yield judged(THEORY, quantity, np.abs(ours - exact).max() / max(1.0, np.abs(exact).max()), made.accuracy)
 
 
 def pendulum_frequency(made: Run) -> Iterable[Finding]:
-    """The only eigenvalue of a pendulum or of two four-bars that hang, against the file."""
+    """Compare the only eigenvalue of a pendulum or of two hanging four-bars with the file."""
     known = made.source.raw["reference"]["omega"][0]
     found = np.abs(linearize(made.system).eigenvalues.imag).max()
     yield judged(REFERENCE, "frequency", abs(found - known) / known, ROUNDING)
 
 
 def bicycle_eigenvalues(made: Run) -> Iterable[Finding]:
-    """Eigenvalues of the benchmark bicycle over speed, against the published ones."""
+    """Compare eigenvalues of the benchmark bicycle over speed with the published ones."""
     raw, worst = made.source.raw, 0.0
     for row in raw["reference"]["values"]:
         system = cases.build(at_speed(raw, row["v"]), SHIFT).system
@@ -136,7 +138,7 @@ def bicycle_eigenvalues(made: Run) -> Iterable[Finding]:
 
 
 def at_speed(raw: dict, speed: float) -> dict:
-    """The benchmark bicycle running straight at a speed [m/s]; its steering axis to all digits, 18 degrees back."""
+    """Return the benchmark bicycle running straight at a speed [m/s]; its steering axis to all digits, 18 degrees back."""
     tilt, stored = np.pi / 10, np.linalg.norm(raw["bodies"][0]["v0"])
     moving = [{**b, **{key: [x * speed / stored for x in b[key]] for key in ("v0", "w0")}} for b in raw["bodies"]]
     joints = [dict(joint) for joint in raw["joints"]]
@@ -146,7 +148,7 @@ def at_speed(raw: dict, speed: float) -> dict:
 
 
 def robot(made: Run) -> Iterable[Finding]:
-    """Accelerations of the six-axis arm in its poses, with and without torques, against the file."""
+    """Compare accelerations of the six-axis arm in its poses, with and without torques, with the file."""
     for k, pose in enumerate(robot_poses(SHIFT)):
         state = pose.system.assemble(angles=pose.angles, rates=pose.rates)
         for system, known in ((pose.system, pose.accelerations), (pose.free, pose.free_accelerations)):

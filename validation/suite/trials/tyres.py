@@ -1,4 +1,4 @@
-"""Tyres as cases: a free wheel against a second formulation, a motorcycle against its printed eigenvalues."""
+"""Tyres as cases: a free wheel against a second formulation, a motorcycle against its published eigenvalues."""
 
 from collections.abc import Iterable
 from dataclasses import asdict
@@ -28,7 +28,7 @@ FOOT = 0.3048  # [m]
 
 
 def trials(quick: bool) -> list[Trial]:
-    """A wheel thrown onto the ground, and the motorcycle of Sharp (1971)."""
+    """Return a wheel thrown onto the ground, and the motorcycle of Sharp (1971)."""
     alone = ALONE if quick else ""
     return [
         Trial(
@@ -43,7 +43,7 @@ def trials(quick: bool) -> list[Trial]:
 
 
 def thrown() -> Run:
-    """A leaning wheel that touches down with too little spin."""
+    """Simulate a leaning wheel that touches down with too little spin."""
     w = WHEEL
     body = Body(
         "wheel", w.mass, (w.diametral, w.axial, w.diametral), position=(0, 0, 0.33), velocity=(4.0, 0.3, -0.2),
@@ -55,7 +55,7 @@ def thrown() -> Run:
 
 
 def written_out(made: Run) -> Iterable[Finding]:
-    """Place, attitude and deflections by the second formulation, integrated by scipy."""
+    """Compare position, attitude and deflections with the second formulation, integrated by scipy."""
     found, start = made.solution, made.solution.state(0)
     y = np.concatenate([start.q, start.v, start.z])
     known = solve_ivp(lambda _, y: derivative(WHEEL, y), (0.0, T_END), y, "LSODA", found.t, rtol=RTOL, atol=1e-11).y.T
@@ -66,14 +66,14 @@ def written_out(made: Run) -> Iterable[Finding]:
 
 
 def motorcycle(speed: float) -> Run:
-    """The standard machine with a small lean rate."""
+    """Simulate the standard machine with a small lean rate."""
     p = named("Sharp1971")
     system = whipple(p, speed, lean_rate=0.05, **fittings(p))
     return run(system, 1.0, state=system.state(), output=SAMPLES, source=p)
 
 
 def printed(made: Run) -> Iterable[Finding]:
-    """The forty printed eigenvalues: capsize, weave and wobble at eight speeds."""
+    """Compare the forty published eigenvalues: capsize, weave and wobble at eight speeds."""
     p, away = made.source, np.zeros(2)
     for v, capsize, *pairs in machines()[p.name]["printed"]["rows"]:
         found = on_tyres.eigenvalues(partial(whipple, **fittings(p)), p, [FOOT * v])[0]

@@ -1,4 +1,4 @@
-"""Valves on cams as cases: multiplier and float, contact and bounce, surge, judged by the laws of cams."""
+"""Valves on cams as cases: multiplier and float, contact and bounce, surge, checked by cam laws."""
 
 from collections.abc import Iterable
 from functools import partial
@@ -18,7 +18,7 @@ SMOOTH = 0.16  # rad from the ends and the nose of a lift: where its derivatives
 
 
 def trials(quick: bool) -> list[Trial]:
-    """A flat face in contact, rollers held, a valve that bounces, a spring; the first of them if it must be quick."""
+    """Return a flat face in contact, rollers held, a valve that bounces, a spring; the first of them for a quick run."""
     found = [
         Trial(f"nvh_valve{name}", "engines in cars", title, make, {THEORY: judge}, alone=alone)
         for name, title, make, judge, alone in (
@@ -33,13 +33,13 @@ def trials(quick: bool) -> list[Trial]:
 
 
 def valve() -> Run:
-    """A valve in contact with its cam, well below the speed of float."""
+    """Simulate a valve in contact with its cam, well below the float speed."""
     made = Valve("cycloidal", FOLLOWS)
     return Run(made.run.system, float(made.run.t[-1]), made.run, source=made)
 
 
 def speed_of_float(made: Valve) -> Finding:
-    """Speed from which on the multiplier pulls, by the law of the cam."""
+    """Compare the speed from which the multiplier pulls with the law of the cam."""
     train = made.train
     s, _, dds = getattr(closed_forms.cams, made.law)(np.linspace(-np.pi, np.pi, 20001), LIFT, HALF)
     known = 30 / np.pi * closed_forms.cams.float_rate(train.mass, train.rate, train.preload, s, dds)
@@ -47,7 +47,7 @@ def speed_of_float(made: Valve) -> Finding:
 
 
 def on_the_cam(made: Run) -> Iterable[Finding]:
-    """Speed of float, and the force of the contact, by the law of the cam."""
+    """Compare the float speed and the force of the contact with the law of the cam."""
     train = made.source.train
     yield speed_of_float(made.source)
     angle = (train.turn * made.solution.t) % (2 * np.pi) - np.pi
@@ -58,13 +58,13 @@ def on_the_cam(made: Run) -> Iterable[Finding]:
 
 
 def held(law: str, follower: str) -> Run:
-    """A turn with the valve held on its cam, above the speed of float, by kinematics."""
+    """Simulate a turn with the valve held on its cam, above the float speed, by kinematics."""
     made = Valve(law, None, follower)
     return Run(made.held.system, float(made.held.t[-1]), made.held, source=made)
 
 
 def pushed(made: Run) -> Iterable[Finding]:
-    """Speed of float, multiplier, side force and torque by the law of the cam."""
+    """Compare the float speed, multiplier, side force and torque with the law of the cam."""
     train, law, run = made.source.train, getattr(closed_forms.cams, made.source.law), made.solution
     yield speed_of_float(made.source)
     angle = (train.turn * run.t) % (2 * np.pi) - np.pi
@@ -84,13 +84,13 @@ def pushed(made: Run) -> Iterable[Finding]:
 
 
 def floating(law: str, follower: str) -> Run:
-    """A valve above its speed of float, in a contact that opens."""
+    """Simulate a valve above its float speed, in a contact that opens."""
     made = Valve(law, None, follower)
     return Run(made.run.system, float(made.run.t[-1]), made.run, source=made)
 
 
 def bounced(made: Run) -> Iterable[Finding]:
-    """Every flight and blow of two turns by one equation of motion along the law."""
+    """Compare every flight and impact of two turns with one equation of motion along the law."""
     train, run = made.source.train, made.solution
 
     def law(angle: np.ndarray) -> tuple:
@@ -103,14 +103,14 @@ def bounced(made: Run) -> Iterable[Finding]:
 
 
 def surging() -> Run:
-    """A spring over a valve that a slide holds shut; nothing moves."""
+    """Return a spring over a valve that a slide holds shut; nothing moves."""
     bodies, (bearing, _, guide, *guides), forces = Valve("cycloidal", FOLLOWS).surging_train.parts
     joints = [bearing, guide, *guides, SlideDriver(guide, 0.0, name="closed")]
     return Run(System(bodies, joints, forces, gravity=(0, 0, 0)))
 
 
 def surged(made: Run) -> Iterable[Finding]:
-    """Frequencies of the chain in closed form, and the first one beside that of a spring without gaps."""
+    """Compare the frequencies of the chain with its closed form, and the first one with that of a continuous spring."""
     train = Valve("cycloidal", FOLLOWS).surging_train
     values = np.abs(linearize(made.system).eigenvalues)
     found = np.unique(values[values > 1.0].round(6))

@@ -1,4 +1,4 @@
-"""Exudyn itself, found and quiet; its solvers by name, the settings one who knows it would choose, the loop."""
+"""Exudyn module and its console; its solvers by name, settings of an expert, the loop."""
 
 import re
 import time
@@ -23,7 +23,7 @@ WANTED = ".".join(map(str, OLDEST))
 
 
 def exudyn() -> Any:
-    """The module, imported when it is asked for.
+    """Import the module Exudyn on demand.
 
     EngineMissing if it is not installed or older than `OLDEST`.
     """
@@ -42,14 +42,14 @@ def exudyn() -> Any:
 
 
 def check_version(version: str) -> None:
-    """EngineMissing for a version before `OLDEST`."""
+    """Raise EngineMissing for a version before `VERSION_MIN`."""
     if release(version) < OLDEST:
         raise EngineMissing(f"Exudyn {version} is older than {WANTED}; pip install -U 'exudyn>={WANTED}'")
 
 
 @contextmanager
 def quiet(module: Any) -> Iterator[StringIO]:
-    """Nothing reaches the terminal, what was said is kept; the setting of the console is restored."""
+    """Silence the console of Exudyn within the block and keep its messages; restore the setting afterwards."""
     said, before = StringIO(), module.config.printToConsole
     try:
         with redirect_stdout(said), warnings.catch_warnings():
@@ -82,7 +82,7 @@ LINEAR = {"dense": "EXUdense", "sparse": "EigenSparse", "full-pivot": "EigenDens
 
 @dataclass(frozen=True)
 class Scheme:
-    """How Exudyn integrates.
+    """Integration scheme of Exudyn.
 
     ``solver``: a key of `SOLVERS`; ``spectral_radius``: of generalized-alpha, 0 to 1; 1 does not damp and can blow
     up; ``linear``: a key of `LINEAR`; ``tolerance``: of Newton's iterations, relative; absolute 1e-2 of it, as
@@ -111,7 +111,7 @@ class Scheme:
 
     @property
     def implicit(self) -> bool:
-        """Whether it takes constraints."""
+        """Return whether the scheme takes constraints."""
         return self.solver in IMPLICIT
 
     def __str__(self) -> str:
@@ -121,7 +121,8 @@ class Scheme:
         return f"{SOLVERS[self.solver][0]}{radius}, modified Newton to {self.tolerance:g}, {self.linear} linear solver"
 
     def records(self, steps: int, samples: int, bodies: int) -> int:
-        """Records kept per sample: up to `PULSES` in a long run, so that Ctrl-C is heard between them.
+        """Return the number of records per sample: up to `PULSES_MAX` in a long run, so that Ctrl-C is noticed between
+        them.
 
         ValueError for samples between steps that dopri5 chooses.
         """
@@ -133,7 +134,7 @@ class Scheme:
         return next(k for k in range(most, 0, -1) if steps // samples % k == 0)
 
     def settings(self, module: Any, start: float, t_end: float, steps: int, records: int) -> Any:
-        """`SimulationSettings`: equal steps, records evenly among them; no files, nothing on the terminal."""
+        """Return `SimulationSettings`: equal steps, records evenly among them; no files, nothing on the terminal."""
         out = module.SimulationSettings()
         out.solution.file.write = False
         out.solution.sensors.writePeriod = (t_end - start) / records
@@ -154,12 +155,12 @@ class Scheme:
         return out
 
     def open(self, module: Any) -> Any:
-        """A solver of Exudyn."""
+        """Return a solver of Exudyn."""
         return module.MainSolverImplicitSecondOrder() if self.implicit else module.MainSolverExplicit()
 
 
 def opened(module: Any, mbs: Any, start: float) -> Any:
-    """An initialised solver, for the matrices at the start."""
+    """Return an initialised solver, for the matrices at the start."""
     solver = module.MainSolverImplicitSecondOrder()
     with quiet(module) as said:
         if not solver.InitializeSolver(mbs, Scheme().settings(module, start, start + 1.0, 1, 1)):
@@ -168,7 +169,7 @@ def opened(module: Any, mbs: Any, start: float) -> Any:
 
 
 def march(module: Any, mbs: Any, scheme: Scheme, start: float, t_end: float, steps: int, records: int) -> float:
-    """Integrate, see `Scheme.settings`; seconds of the time loop.
+    """Integrate, see `Scheme.settings`; return the seconds of the time loop.
 
     EngineFailed with the last lines of what Exudyn said.
     """
@@ -191,14 +192,14 @@ def march(module: Any, mbs: Any, scheme: Scheme, start: float, t_end: float, ste
 
 
 def last_words(text: str) -> str:
-    """What Exudyn said, on one line of at most 300 characters, without places in files."""
+    """Return the message of Exudyn on one line of at most 300 characters, without places in files."""
     text = re.sub(r"\[Python file [^]]*\]", "", text)
     words = " ".join(text.replace("*", " ").replace("=", " ").split())[:300] or "it gave no reason"
     return words + ("; rows that repeat each other need linear='full-pivot'" if "singular" in words else "")
 
 
 def check_samples(found: Array, start: float, t_end: float, records: int, *values: Array) -> Array:
-    """The times of all records, or EngineFailed if one is missing or anything is not finite."""
+    """Return the times of all records; raise EngineFailed if one is missing or anything is not finite."""
     t = np.linspace(start, t_end, records + 1)
     if len(found) != len(t) or np.abs(found - t).max() > 1e-6 * (t[1] - t[0]):
         raise EngineFailed(f"Exudyn kept {len(found)} records of {len(t)}, the last at t = {found[-1]:.6g} s")

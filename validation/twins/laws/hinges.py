@@ -1,4 +1,4 @@
-"""Loads along a hinge or slide: springs, friction, brakes."""
+"""Laws along a hinge or slider: springs, friction, brakes."""
 
 from collections.abc import Callable
 from typing import Any
@@ -12,7 +12,7 @@ from validation.twins.laws.moving import NONE, STATELESS, Law, Moving, Placed, P
 
 
 def along_hinge(force: Any, what: str, load: Callable) -> Law:
-    """``load(t, x, x_dot, z)`` = (load on b along a hinge or slide, rates of the own states)."""
+    """Return the law of ``load(t, x, x_dot, z)`` = (load on b along a hinge or slider, rates of the internal states)."""
     x = hinge_coordinate(force.hinge, what)
     if isinstance(force.hinge, CurveContact):
         return along_curve(force.hinge, load)
@@ -30,7 +30,9 @@ def along_hinge(force: Any, what: str, load: Callable) -> Law:
 
 
 def along_curve(joint: CurveContact, load: Callable) -> Law:
-    """The same along a curve: s where x'. (p - x) = 0 of a point p, or x'. e = 0 under a face e, all in axes of a."""
+    """Return the same law along a curve: s where x'. (p - x) = 0 of a point p, or x'. e = 0 under a face e, all in axes
+    of a.
+    """
     line, faced = joint.line, joint.face is not None
 
     def push(t: float, a: Moving, b: Moving, z: Array, counted: float) -> Push:
@@ -52,7 +54,7 @@ def along_curve(joint: CurveContact, load: Callable) -> Law:
 
 
 def angle(x: Coordinate, a: Placed, b: Placed, counted: float) -> float:
-    """Angle from a line of a to that of b about their axis, with the turns of the one that is counted."""
+    """Return the angle from a line of a to that of b about their axis [rad], with the turns of the counted one."""
     first, axis = perpendiculars(x.axis)[0], a.axis(x.axis)
     u, w = a.axis(first), b.axis(first)
     principal = np.arctan2(axis @ cross(u, w), u @ w)
@@ -60,7 +62,7 @@ def angle(x: Coordinate, a: Placed, b: Placed, counted: float) -> float:
 
 
 def brake_law(brake: Brake, what: str) -> Law:
-    """A spring and a damper that slip at a torque or force, which may change."""
+    """Return the law of a spring and a damper that slip at a torque or force, which may change."""
     most, k, c = follow(brake.torque), brake.stiffness, brake.damping
 
     def load(t: float, x: float, rate: float, z: Array) -> tuple[float, Array]:
@@ -72,12 +74,12 @@ def brake_law(brake: Brake, what: str) -> Law:
 
 
 def friction_law(friction: JointFriction, what: str) -> Law:
-    """Dry friction smoothed at rest, and viscous friction."""
+    """Return the law of dry friction smoothed at rest, and viscous friction."""
     T, c, v0 = friction.coulomb, friction.viscous, friction.transition
     return along_hinge(friction, what, lambda t, x, rate, z: (-T * np.tanh(rate / v0) - c * rate, STATELESS))
 
 
 def torsion_law(spring: TorsionSpring, what: str) -> Law:
-    """Spring and damper of a hinge or slide."""
+    """Return the law of spring and damper of a hinge or slider."""
     k, c, x0 = spring.stiffness, spring.damping, spring.angle
     return along_hinge(spring, what, lambda t, x, rate, z: (-k * (x - x0) - c * rate, STATELESS))

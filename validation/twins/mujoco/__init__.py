@@ -1,4 +1,4 @@
-"""A `System` as MuJoCo has it: a tree of joints, loops closed by soft equalities.
+"""Counterpart model of a `System` in MuJoCo: a tree of joints, loops closed by soft equalities.
 
 Two traps of MuJoCo 4.0.1 that are dodged here, both measured: ``mj_jacDot`` is wrong where a ball comes before a slide
 in one body (0.6 m/s^2 off at speeds of 1 m/s), so that joints of a point on a line or plane are the last to span the
@@ -36,7 +36,7 @@ REFUSED: dict[type, str] = {
 def twin(
     system: System, *, state: State | None = None, softness: float = 16.0, dampratio: float = 0.5, rods: str = "joints"
 ) -> MujocoTwin:  # fmt: skip
-    """The twin of a system in MuJoCo.
+    """Return the counterpart model of a system in MuJoCo.
 
     Parameters
     ----------
@@ -90,7 +90,9 @@ def twin(
 
 
 def assembled(mujoco: Any, system: System, start: State, rods: bool, softness: float, dampratio: float) -> MujocoTwin:
-    """The twin of a system whose joints MuJoCo has; ``rods``: a Distance becomes joints, else a tendon."""
+    """Return the counterpart model of a system whose joints MuJoCo has; ``rods``: a Distance becomes joints, else a
+    tendon.
+    """
     dense = release(mujoco.__version__) == SPARSE_BUG
     made = sketch(mujoco, system, lay_out(system, rods), dense)
     motors, tendons = Motors(mujoco, made.spec, system.bodies), add_tendons(made)
@@ -108,7 +110,7 @@ def assembled(mujoco: Any, system: System, start: State, rods: bool, softness: f
 
 
 def compile_spec(mujoco: Any, made: Any, softness: float) -> Any:
-    """The compiled model; if MuJoCo refuses it, the error quotes MuJoCo."""
+    """Compile the model; if MuJoCo refuses it, the error quotes MuJoCo."""
     if softness < 2.0:
         made.spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_REFSAFE)
     try:

@@ -1,4 +1,4 @@
-"""Angles and slides as sums of MuJoCo's joint coordinates: fixed tendons, which springs pull and equalities hold.
+"""Angles and displacements as sums of MuJoCo's joint coordinates: fixed tendons with springs and equalities.
 
 MuJoCo knows no function of time inside a step, but its Runge-Kutta stages carry everything that moves. A rotor that
 turns by itself at 1 rad/s is a clock, one on a spring swings as a sine; an equality ties a joint to them. Their inertia
@@ -21,7 +21,7 @@ HIGHEST = 4  # degree of the polynomials of MuJoCo's equalities
 
 
 class Generator(NamedTuple):
-    """An oscillator x = amplitude sin(omega t + phase); the clock x = t has omega 0."""
+    """Oscillator x = amplitude sin(omega t + phase); the clock x = t has omega 0."""
 
     name: str
     amplitude: float
@@ -29,7 +29,7 @@ class Generator(NamedTuple):
     phase: float
 
     def start(self, t: float) -> tuple[float, float]:
-        """x and its rate."""
+        """Return x and its rate at time t."""
         if not self.omega:
             return t, 1.0
         angle = self.omega * t + self.phase
@@ -37,7 +37,7 @@ class Generator(NamedTuple):
 
 
 class Motors:
-    """The generators of a model."""
+    """Generators of a model."""
 
     def __init__(self, mujoco: Any, spec: Any, bodies: tuple) -> None:
         self.mujoco, self.spec = mujoco, spec
@@ -45,7 +45,7 @@ class Motors:
         self.generators: list[Generator] = []
 
     def clock(self) -> str:
-        """The tendon whose length is the time."""
+        """Return the tendon whose length is the time."""
         if not any(not generator.omega for generator in self.generators):
             self.add(0.0, 0.0, 0.0)
             tendon = self.spec.add_tendon(name="clock")
@@ -53,7 +53,7 @@ class Motors:
         return "clock"
 
     def add(self, amplitude: float, omega: float, phase: float) -> str:
-        """The joint of a new generator; it turns about its centre of mass, so that gravity does not move it."""
+        """Add the joint of a new generator; it turns about its centre of mass, so that gravity does not move it."""
         name = f"generator {len(self.generators)}"
         body = self.spec.worldbody.add_body(name=name, mass=self.inertia, inertia=np.full(3, self.inertia))
         body.explicitinertial = True
@@ -63,7 +63,7 @@ class Motors:
         return name
 
     def generate(self, signal: Signal, integrated: bool, shown: str) -> tuple[dict[str, float], tuple[float, ...]]:
-        """Generators of the sines with their factors, and ascending coefficients of the rest.
+        """Return generators of the sines with their factors, and ascending coefficients of the rest.
 
         ``integrated`` gives the integral of the signal; a sine becomes a sine a quarter turn later.
         """
@@ -91,13 +91,13 @@ class Motors:
 
 
 def added(first: np.ndarray, second: np.ndarray, integrated: bool) -> np.ndarray:
-    """Sum of polynomials, the second one perhaps integrated; no leading zeros."""
+    """Sum two polynomials, the second one perhaps integrated; no leading zeros."""
     return np.polynomial.polynomial.polyadd(first, np.polynomial.polynomial.polyint(second) if integrated else second)
 
 
 @dataclass(eq=False)
 class Coupling:
-    """A row on joint coordinates: a tendon of length sum(coefficient coordinate), held at a polynomial of time."""
+    """Row on joint coordinates: a tendon of length sum(coefficient coordinate), held at a polynomial of time."""
 
     part: Any
     tendon: str
@@ -108,7 +108,7 @@ class Coupling:
 
 
 def couple(made: Sketch, motors: Motors) -> list[Coupling]:
-    """Rows on coordinates: gears, racks, screws, drivers; the third turn of constant-velocity joints."""
+    """Add rows on coordinates: gears, racks, screws, drivers; the third rotation of constant-velocity joints."""
     found = []
     for joint in made.system.joints:
         for row in joint.rows():
@@ -132,7 +132,7 @@ def couple(made: Sketch, motors: Motors) -> list[Coupling]:
 
 
 def along_the_teeth(mesh: GearMesh) -> list[tuple[Coordinate, float]]:
-    """What a helical mesh has of gears that slide: n . u of their slides, n the line of action."""
+    """Return the contribution of sliding gears to a helical mesh: n . u of their slides, n the line of action."""
     n, found = mesh.direction(), []
     for sign, hinge in ((-1.0, mesh.hinge_a), (1.0, mesh.hinge_b)):
         x = hinge.slide()
@@ -144,7 +144,7 @@ def along_the_teeth(mesh: GearMesh) -> list[tuple[Coordinate, float]]:
 def hold(
     made: Sketch, motors: Motors, joint: Joint, pairs: list[tuple[Coordinate, float]], signal: Any, adrift: bool = False
 ) -> Coupling:
-    """Sum of factor coordinate = signal, 0 without one; with ``adrift`` the signal is the rate of the sum."""
+    """Set the sum of factor coordinate = signal, 0 without one; with ``adrift`` the signal is the rate of the sum."""
     name, terms = made.system.name(joint), {}
     for x, factor in pairs:
         for key, sign in sum_of(made, x, label(made.system, joint)).items():
@@ -157,7 +157,7 @@ def hold(
 def hold_tendon(
     made: Sketch, motors: Motors, joint: Joint, name: str, terms: dict[str, float], signal: Any, adrift: bool = False
 ) -> Coupling:
-    """The tendon of a sum, less what oscillates in the signal, held equal to the polynomial of time in it."""
+    """Return the tendon of a sum, less the oscillations of the signal, held equal to the polynomial of time in it."""
     shown = label(made.system, joint)
     generators, polynomial = motors.generate(signal, adrift, shown) if signal is not None else ({}, ())
     tendon = add_tendon(made, f"held {name}", terms | {key: -factor for key, factor in generators.items()})
@@ -168,7 +168,7 @@ def hold_tendon(
 
 
 def add_tendon(made: Sketch, name: str, terms: dict[str, float]) -> str:
-    """A fixed tendon."""
+    """Add a fixed tendon; return its name."""
     tendon = made.spec.add_tendon(name=name)
     for joint, factor in terms.items():
         tendon.wrap_joint(joint, factor)
@@ -176,7 +176,7 @@ def add_tendon(made: Sketch, name: str, terms: dict[str, float]) -> str:
 
 
 def sum_of(made: Sketch, x: Coordinate, shown: str) -> dict[str, float]:
-    """Joint coordinates of MuJoCo and their signs, whose sum is the coordinate.
+    """Return joint coordinates of MuJoCo and their signs, whose sum is the coordinate.
 
     The way from body a to body b goes through joints that turn about its axis only, or not at all; a slide is one joint
     and what is fixed to it.
@@ -202,7 +202,7 @@ def sum_of(made: Sketch, x: Coordinate, shown: str) -> dict[str, float]:
 
 
 def step_of(made: Sketch, piece: Piece, x: Coordinate) -> dict[str, float] | None:
-    """What a joint adds to the coordinate, None if it does not count it."""
+    """Return the contribution of a joint to the coordinate, None if it has none."""
     free, joint = made.joints[piece.number], piece.joint
     if isinstance(joint, Fixed):
         return {}
@@ -218,5 +218,5 @@ def step_of(made: Sketch, piece: Piece, x: Coordinate) -> dict[str, float] | Non
 
 
 def loads_of(joint: Joint) -> bool:
-    """Whether a coupling of this joint is part of its own reaction."""
+    """Return whether a coupling of this joint is part of its own reaction."""
     return isinstance(joint, Screw | ConstantVelocity | PositionDriver)

@@ -1,4 +1,4 @@
-"""The start: coordinates and velocities of MuJoCo from a state of mbsd3d, its mass matrix and its accelerations."""
+"""Initial state: coordinates and velocities of MuJoCo from a state of mbsd3d, its mass matrix and its accelerations."""
 
 from typing import Any
 
@@ -17,7 +17,7 @@ FITS = 1e-7  # [1] a state that its joints miss by more, relative to its size, i
 
 
 def coordinates(made: Sketch, model: Any, state: State) -> np.ndarray:
-    """qpos of a state; angles are counted as the state counts them."""
+    """Return qpos of a state; angles are counted as the state counts them."""
     qpos, q = model.qpos0.copy(), state.q.reshape(-1, 7)
     index = {id(body): i for i, body in enumerate(made.system.bodies)}
 
@@ -58,7 +58,9 @@ def coordinates(made: Sketch, model: Any, state: State) -> np.ndarray:
 
 
 def ball(made: Sketch, piece: Piece, R_a: np.ndarray, R_b: np.ndarray, turn: np.ndarray | None = None) -> np.ndarray:
-    """Turn of a child in its own axes, from its pose at rest on its parent or on a rod that has taken a ``turn``."""
+    """Return the rotation of a child in its own axes, from its pose at rest on its parent or on a rod rotated by a
+    ``turn``.
+    """
     R_parent, R = (R_a, R_b) if piece.is_b else (R_b, R_a)
     R0_parent = np.eye(3) if piece.parent is None else made.poses[piece.parent.number][1]
     at_rest = made.poses[piece.number][1]
@@ -70,7 +72,7 @@ def ball(made: Sketch, piece: Piece, R_a: np.ndarray, R_b: np.ndarray, turn: np.
 
 
 def counted(made: Sketch, joint: Joint, state: State, angles: tuple) -> tuple:
-    """The angle of a hinge with the turns that the state has counted, or else its driver."""
+    """Return the angle of a hinge with the turns that the state, or else its driver, has counted [rad]."""
     own, lowered = joint.angle(), made.system.lowered
     if own is None or len(angles) != 1 or key_of(own) not in lowered.coordinate_index:
         return angles
@@ -80,7 +82,9 @@ def counted(made: Sketch, joint: Joint, state: State, angles: tuple) -> tuple:
 
 
 def velocities(made: Sketch, mujoco: Any, model: Any, data: Any, state: State) -> np.ndarray:
-    """qvel of a state, piece by piece: the axes of its joints times their rates are its velocity less its parent's."""
+    """Return qvel of a state, piece by piece: the axes of its joints times their rates are its velocity less its
+    parent's.
+    """
     qvel, v = np.zeros(model.nv), state.v.reshape(-1, 6)
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
@@ -116,7 +120,7 @@ MOST_ROWS = 6  # of an equality, a weld
 
 
 def mass_matrix(twin: Any) -> Kinetic:
-    """Mass matrix in MuJoCo's velocities; those of welded pieces are brought together, what drives is left out."""
+    """Return the mass matrix in MuJoCo's velocities; those of welded pieces are combined, generators are left out."""
     mujoco, m, d, layout = twin.made.mujoco, twin.model, twin.data, twin.made.layout
     own, M = twin.own(), np.zeros((m.nv, m.nv))
     mujoco.mj_fullM(m, d, M)
@@ -131,14 +135,14 @@ def mass_matrix(twin: Any) -> Kinetic:
 
 
 def jacobian(twin: Any, body: int) -> np.ndarray:
-    """(6, nv): velocity of O and angular velocity of a MuJoCo body."""
+    """Return the Jacobian of velocity of O and angular velocity of a MuJoCo body, shape (6, nv)."""
     J = np.zeros((2, 3, twin.model.nv))
     twin.made.mujoco.mj_jacBody(twin.model, twin.data, J[0], J[1], body)
     return J.reshape(6, -1)
 
 
 def start_accelerations(twin: Any) -> np.ndarray:
-    """(bodies, 6): acceleration of O and world angular acceleration."""
+    """Return the acceleration of O and world angular acceleration, shape (bodies, 6)."""
     mujoco, m, d = twin.made.mujoco, twin.model, twin.data
     if d.nefc:
         harden(twin)
@@ -151,7 +155,7 @@ def start_accelerations(twin: Any) -> np.ndarray:
 
 
 def harden(twin: Any) -> None:
-    """The accelerations that MuJoCo's rows allow without their softness, by the principle of Gauss.
+    """Compute the accelerations that MuJoCo's rows allow without their softness, by the principle of Gauss.
 
     (a - a0)' M (a - a0) is least under J a = -J_dot v, with MuJoCo's own M, J and free accelerations a0; its solver
     would know a to half the digits only, and J a up to R f. J_dot v is the fourth-order difference of J v along the
@@ -176,13 +180,15 @@ def harden(twin: Any) -> None:
 
 
 def places(data: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Equality of every row, and which of its rows; MuJoCo leaves out those whose rows are all zero."""
+    """Return the equality of every row, and which of its rows; MuJoCo leaves out those whose rows are all zero."""
     first = np.searchsorted(data.efc_id, data.efc_id)
     return data.efc_id.copy(), np.arange(data.nefc) - first
 
 
 def row_speeds(twin: Any, time: float) -> np.ndarray:
-    """(equalities, 6): J v where the velocities of the start lead in a time, with these velocities."""
+    """Return J v at the pose reached with the velocities of the start after a time, with these velocities, shape
+    (equalities, 6).
+    """
     mujoco, m, d = twin.made.mujoco, twin.model, twin.data
     d.qpos[:] = twin.qpos
     mujoco.mj_integratePos(m, d.qpos, twin.qvel, time)
