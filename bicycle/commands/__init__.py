@@ -105,7 +105,8 @@ def fitted(
 
 
 def tyre_options(function: Callable[..., None]) -> Callable[..., None]:
-    """Add ``[--tyres] [--tyre KEY=VALUE] [--head K C]`` to a command: ``fittings`` for `whipple`; empty = ideal wheels."""
+    """Add ``[--tyres] [--tyre KEY=VALUE] [--head K C]`` to a command: ``fittings`` for `whipple`; empty = ideal
+    wheels."""
 
     @wraps(function)
     def with_fittings(
@@ -117,7 +118,8 @@ def tyre_options(function: Callable[..., None]) -> Callable[..., None]:
 
 
 def tyre_number(text: str) -> tuple[str, float | bool | None]:
-    """Read ``cornering=12`` as a pair; ``mu=none``: unlimited grip; ``camber_lag=false``: a camber force without delay."""
+    """Read ``cornering=12`` as a pair; ``mu=none``: unlimited grip; ``camber_lag=false``: a camber force without
+    delay."""
     key, _, right = text.partition("=")
     try:
         return key, WORDS[right] if right in WORDS else float(right)

@@ -190,7 +190,8 @@ def speeds(w: Array) -> Array:
 
 
 def weave(q: Quartic) -> Array:
-    """Return the speed [m/s] above which weave no longer grows: h = 0, rising, with omega^2 = d / b > 0; NaN for none."""
+    """Return the speed [m/s] above which weave no longer grows: h = 0, rising, with omega^2 = d / b > 0; NaN for
+    none."""
     h = q.h
     w = roots(h)
     with np.errstate(all="ignore"):

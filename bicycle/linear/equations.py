@@ -38,7 +38,8 @@ class Canonical:
     g: float  # [m/s^2]
 
     def A(self, speed: float | np.ndarray) -> np.ndarray:
-        """Return A of ``x' = A x``, x = (lean, steer, lean rate, steer rate), at speeds (...) [m/s], shape (..., 4, 4)."""
+        """Return A of ``x' = A x``, x = (lean, steer, lean rate, steer rate), at speeds (...) [m/s], shape (..., 4,
+        4)."""
         v = np.asarray(speed, float)[..., None, None]
         A = np.zeros((*v.shape[:-2], 4, 4))
         A[..., :2, 2:] = np.eye(2)
@@ -188,7 +189,8 @@ def walk(
 
 
 def parted(here: np.ndarray, values: np.ndarray, pairing: np.ndarray) -> np.ndarray:
-    """Return the pairing with two modes in order that have just met: the slower first, in an oscillation Im > 0 first."""
+    """Return the pairing with two modes in order that have just met: the slower first, in an oscillation Im > 0
+    first."""
     there = values[pairing]
     came_apart, came_together = (here.imag != 0.0) & (there.imag == 0.0), (here.imag == 0.0) & (there.imag != 0.0)
     for met, order in ((came_apart, np.abs(there.real)), (came_together, -there.imag)):

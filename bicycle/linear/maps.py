@@ -107,7 +107,8 @@ def checked_axes(
 
 
 def plot_map(found: StableMap, *, dark: bool = False) -> "Figure":
-    """Plot the lowest self-stable speed and the width of the range over two or more values each, blank where unstable."""
+    """Plot the lowest self-stable speed and the width of the range over two or more values each, blank where
+    unstable."""
     with new_figure(9.0, 4.2, dark) as (figure, look):
         width = np.where(np.isnan(found.low), np.nan, found.high - found.low)
         panels = figure.subplots(1, 2, sharey=True)
@@ -128,7 +129,8 @@ def label(key: str) -> str:
 
 
 def draw(figure: "Figure", axes: "Axes", found: StableMap, values: np.ndarray, look: Theme) -> None:
-    """Draw one panel: colours up to the 95th percentile, so that a few long or endless ranges do not hide the others."""
+    """Draw one panel: colours up to the 95th percentile, so that a few long or endless ranges do not hide the
+    others."""
     finite = values[np.isfinite(values)]
     top = (float(np.quantile(finite, 0.95)) if finite.size else 0.0) or 1.0
     shown = np.where(np.isposinf(values), 2.0 * top, values).T  # infinite ones would be left blank

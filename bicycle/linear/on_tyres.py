@@ -51,7 +51,8 @@ class TyreStability:
 
     @property
     def growth(self) -> np.ndarray:
-        """Return the growth of the fastest growing mode [1/s], negative where the bicycle is self-stable, shape (n,)."""
+        """Return the growth of the fastest growing mode [1/s], negative where the bicycle is self-stable, shape
+        (n,)."""
         return self.values.real.max(axis=1)
 
     def mode(self, name: str, speed: float) -> Mode:

@@ -144,7 +144,8 @@ def varied(parameters: Parameters, keys: list[str], build: Build) -> tuple[Quart
 
 
 def neighbours(parameters: Parameters, key: str, step: float) -> tuple[list[Parameters], tuple[float, ...]]:
-    """Return bicycles with one parameter changed, and their weights in its difference: central where all can be built."""
+    """Return bicycles with one parameter changed, and their weights in its difference: central where all can be
+    built."""
     here = getattr(parameters, key)
     for places, weights in DIFFERENCES.values():
         try:

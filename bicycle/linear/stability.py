@@ -56,7 +56,8 @@ class Stability:
         return float(np.abs(self.values[:, :, None] - self.closed[:, None, :]).min(axis=1).max())
 
     def mode(self, name: str, speed: float) -> Mode:
-        """Return weave, capsize or castering of the general model at a speed [m/s]; ``.animate()`` shows it in motion."""
+        """Return weave, capsize or castering of the general model at a speed [m/s]; ``.animate()`` shows it in
+        motion."""
         check_mode(name)
         speed = number(speed, f"mode '{name}': speed")
         fastest = np.copysign(max(np.abs([*self.speeds, speed, 1.0])), speed)
@@ -66,7 +67,8 @@ class Stability:
         return min(found.modes, key=lambda mode: min(abs(mode.eigenvalue - s) for s in (value, value.conjugate())))
 
     def figure(self, *, dark: bool = False) -> "Figure":
-        """Plot growth and frequency over the speed: lines of the general model, dots of the closed form, ranges shaded."""
+        """Plot growth and frequency over the speed: lines of the general model, dots of the closed form, ranges
+        shaded."""
         return figure(self, dark=dark)
 
     def to_csv(self, path: str | Path) -> Path:

@@ -53,7 +53,8 @@ def ablated(name: str, parameters: Parameters, build: Build | None, speed: float
 
 
 def in_spectrum(found: Ablation, build: Build, speed: float) -> bool:
-    """Return whether the spectrum of the model has the same fastest growth, which changes sign at every end of a range."""
+    """Return whether the spectrum of the model has the same fastest growth, which changes sign at every end of a
+    range."""
 
     def growth(v: float) -> float:
         A = linearization(build, found.parameters, v).A  # its own spectrum rounds small values to zero

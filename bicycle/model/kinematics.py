@@ -31,7 +31,8 @@ class Pose(NamedTuple):
 
     @property
     def q(self) -> np.ndarray:
-        """Return the coordinates of rear wheel, frame, fork, front wheel; O at the hubs, hub angles zero; shape (28,)."""
+        """Return the coordinates of rear wheel, frame, fork, front wheel; O at the hubs, hub angles zero; shape
+        (28,)."""
         frame, fork = as_quaternion(self.frame, "frame"), as_quaternion(self.fork, "fork")
         return np.concatenate([self.rear, frame, self.rear, frame, self.front, fork, self.front, fork])
 

@@ -97,7 +97,8 @@ def file_of(name: str) -> str:
 
 
 def entry(parameters: Parameters, fittings: Mapping[str, Any] | None = None) -> Entry:
-    """Compute critical speeds of a bicycle by closed form and general model; with tyres in ``fittings`` also on them."""
+    """Compute critical speeds of a bicycle by closed form and general model; with tyres in ``fittings`` also on
+    them."""
     model, rest = critical_speeds(parameters, whipple), {}
     if fittings:
         try:
@@ -115,7 +116,8 @@ def entries(
     bicycles: Sequence[Parameters], fittings: Sequence[Mapping[str, Any]] | None = None, *,
     progress: bool | None = None,
 ) -> list[Entry]:  # fmt: skip
-    """Compute the entries of bicycles, and of their tyres if there are fittings; after Ctrl-C those that were finished."""
+    """Compute the entries of bicycles, and of their tyres if there are fittings; after Ctrl-C those that were
+    finished."""
     found = map(entry, bicycles, fittings or [None] * len(bicycles))
     return collected(f"{len(bicycles)} bicycles", found, len(bicycles), progress)
 

@@ -92,7 +92,8 @@ def value_and_deviation(text: str, what: str) -> tuple[float, float | None]:
 
 
 def yaml_entries(path: Path, text: str) -> tuple[Numbers, Numbers]:
-    """Read the mapping ``values`` of a YAML file; raise ValueError for references, since they can expand without end."""
+    """Read the mapping ``values`` of a YAML file; raise ValueError for references, since they can expand without
+    end."""
     if NESTED.search(text):
         raise InputError(
             f"'{path}': lists in lists, numbers to base 60 or without end; a parameter file has names and numbers only"

@@ -85,7 +85,8 @@ def steer(t, bodies, z, parameters, loads, z_dot):
 
 
 def ridden(parameters: Parameters, speed: float, course: Course, gains: Gains, **fittings: Any) -> Bicycle:
-    """Build the bicycle with the rider as the force "rider", whose internal states are the torque [N m] and its rate."""
+    """Build the bicycle with the rider as the force "rider", whose internal states are the torque [N m] and its
+    rate."""
     system = whipple(parameters, speed=speed, **fittings)
     frame, fork = system.part("frame"), system.part("fork")
     numbers = (*gains, *course.numbers, *steer_axis(parameters)[1], parameters.rF - parameters.tF, *MUSCLES)

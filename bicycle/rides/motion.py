@@ -215,7 +215,8 @@ class Ride:
 
 
 def plot_ride(ride: Ride, title: str | None = None, *, dark: bool = False) -> "Figure":
-    """Plot lean, steer, loads of the wheels and friction they need over time, and the tracks of both wheels from above."""
+    """Plot lean, steer, loads of the wheels and friction they need over time, and the tracks of both wheels from
+    above."""
     with new_figure(10.0, 8.2, dark) as (figure, look):
         figure.get_layout_engine().set(w_pad=0.1, h_pad=0.08)
         axes = figure.subplot_mosaic(

@@ -215,7 +215,8 @@ def summary(found: Sequence[Family]) -> str:
 def plot_circles(
     parameters: Parameters, found: Sequence[Family], held: Sequence[Sequence[Turn]] = (), *, dark: bool = False
 ) -> "Figure":
-    """Plot lean, speed and radius of the families, and steer torque over lean of the turns ``held`` at one speed each."""
+    """Plot lean, speed and radius of the families, and steer torque over lean of the turns ``held`` at one speed
+    each."""
     with new_figure(10.0, 8.4, dark) as (figure, look):
         figure.get_layout_engine().set(w_pad=0.1, h_pad=0.1)
         axes = figure.subplots(2, 2)

@@ -140,7 +140,8 @@ class TurnSolver:
         return Balance(rest, motion / (self.p.g * self.p.w), torque)
 
     def square(self, lean: float, steer: float) -> float:
-        """Return the square of the speed of the rear contact at which a steer torque holds the turn [m^2/s^2]; cached."""
+        """Return the square of the speed of the rear contact at which a steer torque holds the turn [m^2/s^2];
+        cached."""
         if (lean, steer) not in self.squares:
             at = course(self.p, self.pose(lean, steer))[0]
             self.squares[lean, steer] = self.balance(lean, steer).held[0] * at**2

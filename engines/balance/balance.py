@@ -26,7 +26,8 @@ class Comparison:
 
     @property
     def scale(self) -> float:
-        """Return the sum of F_single and the weight of a cylinder [N], the scale of rounding even at low crank speed."""
+        """Return the sum of F_single and the weight of a cylinder [N], the scale of rounding even at low crank
+        speed."""
         return self.engine.single + phasor.mass(self.engine) * float(np.linalg.norm(self.gravity))
 
     @property

@@ -31,7 +31,8 @@ def bore_radius(engine: Engine) -> float:
 
 
 def pictured(engine: Engine) -> Engine:
-    """Return the engine with bores as far apart as its pistons need; the toy engine has a stroke of 20 bore spacings."""
+    """Return the engine with bores as far apart as its pistons need; the toy engine has a stroke of 20 bore
+    spacings."""
     gaps = np.diff(np.unique(np.round(engine.stations, 9)))
     closest = float(gaps.min()) if gaps.size else engine.spacing
     return replace(engine, spacing=engine.spacing * 1.4 * engine.radius / closest)

@@ -14,7 +14,8 @@ from engines.balance.layouts import Engine
 
 
 def build(engine: Engine, i: int, gravity: tuple[float, float] = (0.0, 0.0)) -> planar.System:
-    """Build cylinder i (from 0) as a planar mechanism at q = 0: "crank", "rod", "piston"; "bearing", "bore", "motor"."""
+    """Build cylinder i (from 0) as a planar mechanism at q = 0: "crank", "rod", "piston"; "bearing", "bore",
+    "motor"."""
     alpha, beta = np.radians(engine.layout.pins[i]), np.radians(engine.layout.bores[i])
     u, v = np.array([np.cos(beta), np.sin(beta)]), np.array([-np.sin(beta), np.cos(beta)])
     R, L, e = engine.radius, engine.rod_length, engine.offset

@@ -154,7 +154,8 @@ def with_shafts(system: System, engine: Engine, shafts: Sequence[Shaft]) -> Syst
 
 
 def body(engine: Engine, shaft: Shaft, name: str) -> Body:
-    """Return a light shaft with a weight in each plane at a tenth of the crank radius, of the mass its unbalance needs."""
+    """Return a light shaft with a weight in each plane at a tenth of the crank radius, of the mass its unbalance
+    needs."""
     arm = 0.1 * engine.radius
     parts = [(1e-3, (0.0, 0.0, 0.0), 3 * (1e-3 * arm**2,))]
     for z, u in zip(shaft.planes, shaft.unbalance, strict=True):

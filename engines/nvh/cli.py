@@ -1,4 +1,5 @@
-"""Command ``mbsd3d nvh``: an engine in a car, from its gas and inertia to the seat rail; and the car on a rough road."""
+"""Command ``mbsd3d nvh``: an engine in a car, from its gas and inertia to the seat rail; and the car on a rough
+road."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any

@@ -148,7 +148,8 @@ def seat_lines(study: Study) -> "Figure":
 
 
 def working_cycle(study: Study) -> "Figure":
-    """Plot the pressure over volume and over the crank angle, and the torque of gas and inertia over the crank angle."""
+    """Plot the pressure over volume and over the crank angle, and the torque of gas and inertia over the crank
+    angle."""
     angle, cycle = np.linspace(0.0, 4 * np.pi, 1441), study.source.cycle
     gases, turning = study.source.over_the_cycle(study.rpm, angle)
     with new_figure(7.5, 5.0 if cycle else 2.6) as (made, look):

@@ -153,7 +153,8 @@ class Planes:
         return Line("shell, at the seat", verdict(off), f"{off:.0%} rms", "torsion, pitch and yaw", quick, slow)
 
     def valve(self) -> Line:
-        """Compare the speed at which a valve leaves its cam: closed form over the spline of the lift, and multiplier."""
+        """Compare the speed at which a valve leaves its cam: closed form over the spline of the lift, and
+        multiplier."""
         train = Valve("cycloidal").train
         angle = np.linspace(0.0, 2 * np.pi, 20001)
 

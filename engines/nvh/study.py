@@ -149,7 +149,8 @@ class Study:
 
     @cached_property
     def differences(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return by order (n,) the largest force of a mount in the linear map [N] and its difference to the full run."""
+        """Return by order (n,) the largest force of a mount in the linear map [N] and its difference to the full
+        run."""
         linear, full = self.here.force[0, 1:], self.run_force[1:]
         return np.abs(linear).max(axis=(1, 2)), np.abs(full - linear).max(axis=(1, 2))
 

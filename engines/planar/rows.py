@@ -151,7 +151,8 @@ def place_bodies(m, w, q):
 
 @inner
 def rows(m, w, t, q):
-    """Compute frame, c and J of all rows at q; A and B are the arms R p of the points of bodies a and b, u = p_b - p_a."""
+    """Compute frame, c and J of all rows at q; A and B are the arms R p of the points of bodies a and b, u = p_b -
+    p_a."""
     place_bodies(m, w, q)
     for i in range(m.kind.shape[0]):
         kind, a, b, p = m.kind[i], m.slot[i, 0], m.slot[i, 1], m.value[i]

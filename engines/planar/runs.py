@@ -227,7 +227,8 @@ def storage(lowered: Lowered, samples: int) -> tuple[np.ndarray, ...]:
 
 
 def initial_velocity(system: System, lowered: Lowered, work: Any, q: np.ndarray) -> np.ndarray:
-    """Return velocities with the given numbers and J v = f_dot, of least kinetic energy, shape (n + 1, 3); projects q."""
+    """Return velocities with the given numbers and J v = f_dot, of least kinetic energy, shape (n + 1, 3); projects
+    q."""
     status, row = close(lowered.model, work, 0.0, q)
     explain(system, lowered, work, status, row, 0.0)
     v = np.zeros_like(q)

@@ -177,7 +177,8 @@ def body_row(body: Body | Ground, even: bool) -> tuple:
 def table(
     rows: list[Row], index: dict[int, int], width: int, pieces: list[np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return bodies (m, width), numbers (m, 8), motions (m, 11) of rows or loads, their splines appended to the pieces."""
+    """Return bodies (m, width), numbers (m, 8), motions (m, 11) of rows or loads, their splines appended to the
+    pieces."""
     ground = len(index) - 1
     slot, value = np.full((len(rows), width), ground, dtype=np.int64), np.zeros((len(rows), 8))
     motion = np.zeros((len(rows), 11))

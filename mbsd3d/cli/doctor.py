@@ -1,4 +1,4 @@
-"""What is installed, where compiled kernels are, what is missing: the first thing to send with a report of a bug."""
+"""Installed versions, place of the compiled kernels, missing packages: the first thing to send with a bug report."""
 
 import os
 import platform
@@ -15,7 +15,8 @@ BASE = "base"
 
 
 def needed() -> dict[str, list[str]]:
-    """Extra (`BASE` for what is always needed) -> names of distributions; empty where mbsd3d is not installed."""
+    """Return extra (`BASE` for what is always needed) -> names of distributions; empty where mbsd3d is not
+    installed."""
     found: dict[str, list[str]] = {}
     try:
         lines = metadata.requires("mbsd3d") or []
@@ -30,7 +31,7 @@ def needed() -> dict[str, list[str]]:
 
 
 def installed(name: str) -> str | None:
-    """The version of a distribution; None if it is missing."""
+    """Return the version of a distribution; None if it is missing."""
     try:
         return metadata.version(name)
     except metadata.PackageNotFoundError:
@@ -38,7 +39,7 @@ def installed(name: str) -> str | None:
 
 
 def packages() -> list[str]:
-    """One line an extra: versions, and how to get what is missing."""
+    """Return one line per extra: versions, and how to install missing packages."""
     lines = []
     for extra, names in needed().items():
         versions = {name: installed(name) for name in names}
@@ -52,7 +53,7 @@ def packages() -> list[str]:
 
 
 def kernels() -> list[str]:
-    """Where compiled kernels are kept, and whether all of them are there."""
+    """Return the place of compiled kernels, and whether all of them are there."""
     from ..compiler.cache_folder import CACHE, EQUATIONS, is_warm, weak_folders
 
     files = (path for folder in (CACHE, EQUATIONS) for path in folder.rglob("*") if path.is_file())
@@ -64,7 +65,7 @@ def kernels() -> list[str]:
 
 
 def threads() -> list[str]:
-    """Cores that this process may use, and the settings that change them."""
+    """Return the cores that this process may use, and the settings that change them."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     names = (
         "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS", "NUMBA_DISABLE_JIT", "MBSD3D_CACHE",

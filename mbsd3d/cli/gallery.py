@@ -1,4 +1,4 @@
-"""``mbsd3d gallery``: all demos as a site of pages that need no network."""
+"""Command ``mbsd3d gallery``: all demos as a site of pages that need no network."""
 
 import time
 

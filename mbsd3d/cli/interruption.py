@@ -1,4 +1,4 @@
-"""Ctrl-C is answered at once, in the compiler too."""
+"""Immediate response to Ctrl-C, in the compiler too."""
 
 import atexit
 import os
@@ -20,7 +20,8 @@ TWICE = 1.0  # s within which a hurried hand presses again
 
 @contextmanager
 def answered_at_once() -> Iterator[threading.Event]:
-    """Inside, Ctrl-C in the compiler ends the process: Python is not asked for seconds there, and nothing is lost.
+    """End the process on Ctrl-C in the compiler within the block: Python does not respond for seconds there, and
+    nothing is lost.
 
     Yields what says whether Ctrl-C has come: a library that is being loaded may answer it by an error of its own.
 
@@ -64,7 +65,7 @@ def listen(reader: int, answered: threading.Event) -> None:
 
 
 def end_now() -> None:
-    """End the process in order, but without waiting for threads nor taking modules apart."""
+    """End the process in order, without waiting for threads or for the cleanup of modules."""
     atexit._run_exitfuncs()
     drop_pieces()
     for stream in (sys.stdout, sys.stderr):
@@ -74,7 +75,7 @@ def end_now() -> None:
 
 
 def compiling() -> bool:
-    """Whether another thread holds the lock of numba's compiler, for longer than it takes to read a kernel."""
+    """Return whether another thread holds the lock of numba's compiler, for longer than it takes to read a kernel."""
     module = sys.modules.get("numba.core.compiler_lock")
     if module is None:
         return False

@@ -1,4 +1,4 @@
-"""The gallery: a front page by family and a page per demo, with players that share one copy of the viewer."""
+"""Gallery: a front page by family and a page per demo, with players that share one copy of the viewer."""
 
 import inspect
 import io
@@ -88,7 +88,8 @@ def files_of(name: str, folder: Path) -> list[Path]:
 
 
 def whole(folder: Path, place: Path, stamp: str) -> bool:
-    """Whether the page whose numbers are at a place is there as it was written, from what has the digest ``stamp``."""
+    """Return whether the page whose numbers are at a place is complete and made from sources of the digest
+    ``stamp``."""
     try:
         found = json.loads(place.read_bytes())
         there = {path.name: sha256(path.read_bytes()).hexdigest() for path in files_of(place.stem, folder)}
@@ -114,12 +115,12 @@ def front(names: Iterable[str], folder: Path) -> Path:
 
 
 def drawn(outcome: Outcome, name: str) -> list[str]:
-    """Each panel as a figure of its own, so that a narrow page sets them below each other."""
+    """Draw each panel as a figure of its own, so that a narrow page sets them below each other."""
     return [inline_svg(figure_of("", [panel]), f"{name}-{k}-") for k, panel in enumerate(outcome.panels)]
 
 
 def without(demo: Demo) -> tuple[str, Outcome] | None:
-    """The demo's own ablation, if it has one that runs."""
+    """Return the outcome under the demo's own ablation, if it has one that runs."""
     try:
         return demo.ablation.term, demo.run(demo.ablation.term)
     except ValueError:
@@ -127,7 +128,8 @@ def without(demo: Demo) -> tuple[str, Outcome] | None:
 
 
 def player(outcome: Outcome, title: str, path: Path, beside: Outcome | None = None) -> str:
-    """Write the first view of an outcome as a page that takes the viewer from beside it; its name, or "" for none.
+    """Write the first view of an outcome as a page that takes the viewer from beside it; return its name, or "" for
+    none.
 
     It can be compared with that of an outcome ``beside`` it.
     """
@@ -148,12 +150,12 @@ def player(outcome: Outcome, title: str, path: Path, beside: Outcome | None = No
 
 
 def first_view(outcome: Outcome) -> Show:
-    """What is shown of an outcome."""
+    """Return the first view of an outcome."""
     return next(iter(outcome.views.values()))
 
 
 def picture(outcome: Outcome, path: Path) -> None:
-    """A small picture of the mechanism, or of the figure where there is none."""
+    """Write a small picture of the mechanism, or of the figure where there is none."""
     with house():
         if outcome.views:
             solution, options = first_view(outcome)
@@ -170,7 +172,7 @@ def picture(outcome: Outcome, path: Path) -> None:
 
 
 def film(outcome: Outcome, path: Path) -> None:
-    """A small film of the mechanism, if it moves."""
+    """Write a small film of the mechanism, if it moves."""
     path.unlink(missing_ok=True)
     if not outcome.views:
         return
@@ -184,27 +186,27 @@ def film(outcome: Outcome, path: Path) -> None:
 
 
 def picture_options(options: Mapping[str, object]) -> tuple[dict[str, object], list[str]]:
-    """Those options of a page that a picture has too, and what is hidden in a small one."""
+    """Return the options of a page that a picture has too, and what is hidden in a small one."""
     known = {key: options[key] for key in ("traces", "shown", "view") if key in options}
     return known, sorted({"body names", "joint names", *options.get("hidden", ())})
 
 
 def cells(row: Row) -> Sequence[str]:
-    """A row of the table; what the tolerance does not tell from zero is 0."""
+    """Format a row of the table; a value that the tolerance does not tell from zero is 0."""
     unit = f" [{raised(row.unit)}]" if row.unit else ""
     numbers = (0.0 if abs(value) < 0.1 * row.tolerance else value for value in (row.computed, row.theory))
     return prose(row.quantity) + unit, *(f"{value:.10g}" for value in numbers), f"{row.error:.1e}"
 
 
 def prose(text: str) -> str:
-    """A text with the signs of print for those of a keyboard."""
+    """Replace keyboard characters of a text by typographic ones."""
     for typed, printed in PRINT:
         text = re.sub(typed, printed, text)
     return raised(text)
 
 
 def command(demo: Demo) -> str:
-    """A call with parameters to change, as a shell takes it: three numbers, or what is short."""
+    """Return a shell command with parameters to change: three numbers, or short values."""
     given = {name: f"{name}={json.dumps(value)}" for name, value in demo.parameters.items()}
     numbers = [given[name] for name, value in demo.parameters.items() if isinstance(value, float | int)]
     chosen = numbers[:3] or sorted(given.values(), key=len)[:1]
@@ -212,5 +214,5 @@ def command(demo: Demo) -> str:
 
 
 def source_of(demo: Demo) -> str:
-    """The text of the file a demo stands in."""
+    """Return the source text of the file of a demo."""
     return inspect.getsource(sys.modules[demo.module])

@@ -1,4 +1,4 @@
-"""Parameters of a demo as a user gives them: names that exist, values of the kind of the defaults."""
+"""Parameters of a demo as a user gives them: existing names, values of the kind of the defaults."""
 
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -16,7 +16,7 @@ VANISHING = 1e12  # the same below, of what may vanish: then the effect goes, an
 
 
 def listed(name: str, names: Sequence[str]) -> str:
-    """What to say instead of an unknown name: the nearest ones, and all if they are few."""
+    """Return a hint for an unknown name: the nearest names, and all if they are few."""
     inside = [known for known in names if len(name) > 2 and name.lower() in known.lower()]
     guess = list(dict.fromkeys(similar(name, names) + inside))[:3]
     there = f"there are {', '.join(names)}" if len(names) <= FEW else "see the whole list: mbsd3d demo"
@@ -26,12 +26,12 @@ def listed(name: str, names: Sequence[str]) -> str:
 
 
 def lacking(term: str) -> str:
-    """What an ablation is called."""
+    """Return the label of an ablation."""
     return f"no {term} term" if term in SWITCHES else f"without {term.replace('_', ' ').replace('-', ' ')}"
 
 
 def settings(texts: Iterable[str]) -> dict[str, object]:
-    """``NAME=VALUE`` with values in JSON; a bare word is taken as it is."""
+    """Read ``NAME=VALUE`` with values in JSON; a bare word is taken as it is."""
     found = {}
     for text in texts:
         name, equals, value = text.partition("=")
@@ -53,7 +53,7 @@ def settings(texts: Iterable[str]) -> dict[str, object]:
 def checked(
     demo: str, defaults: Mapping[str, object], changes: Mapping[str, object], vanishing: Iterable[str] = ()
 ) -> dict[str, object]:
-    """The parameters of a demo with some changed; a ValueError names demo, parameter and remedy.
+    """Return the parameters of a demo with some changed; raise ValueError that names demo, parameter and remedy.
 
     Those that are ``vanishing`` may be as small as one likes.
     """
@@ -67,7 +67,7 @@ def checked(
 
 
 def like(default: object, value: object, what: str, below: float = FAR) -> object:
-    """A value of the kind of the default: number, whole number, word, list of the same shape, or table of these.
+    """Return a value of the kind of the default: number, integer, word, list of the same shape, or table of these.
 
     A number is by less than a factor FAR above the default and by less than ``below`` below it, or 0.
     """
@@ -99,7 +99,7 @@ def like(default: object, value: object, what: str, below: float = FAR) -> objec
 
 
 def like_list(default: Sequence, value: object, what: str) -> list:
-    """Numbers in the shape of the default."""
+    """Return numbers in the shape of the default."""
     shape = np.shape(default)
     try:
         found = np.asarray(value)
@@ -115,7 +115,9 @@ def like_list(default: Sequence, value: object, what: str) -> list:
 
 @contextmanager
 def refusing(demo: str, defaults: Mapping[str, object], values: Mapping[str, object]) -> Iterator[None]:
-    """What is refused, does not run, or has no finite numbers names the parameters that are not the defaults."""
+    """Raise an error that names the parameters other than the defaults if a demo fails or has no finite numbers, within
+    the block.
+    """
     try:
         with np.errstate(divide="raise", over="raise", invalid="raise"):
             yield

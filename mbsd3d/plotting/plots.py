@@ -1,4 +1,4 @@
-"""Figures of a solution over time. Nothing shows by itself: every function returns a Figure.
+"""Figures of a solution over time. Nothing is shown automatically: every function returns a Figure.
 
 Lines differ in colour, and in their dashes too once the colours are used up; see `mbsd3d.base.style`.
 """
@@ -38,7 +38,7 @@ def plot_quantity(
     dark: bool = False,
     axes: Axes | Sequence[Axes] | None = None,
 ) -> Figure:
-    """See `Solution.plot`."""
+    """Plot a quantity over time or another quantity; arguments as in `Solution.plot`."""
     check_choice(degrees, (True, False), "plot: degrees")
     if quantity is None and parts:
         raise InputError("plot: parts without a quantity; give one, e.g. plot('reaction', hinge)")
@@ -72,7 +72,7 @@ def plot_quantity(
 
 
 def new_axes(count: int) -> np.ndarray:
-    """Axes one below the other in a new figure."""
+    """Return axes one below the other in a new figure."""
     figure = Figure(figsize=(7.5, 1.0 + 2.3 * count), layout="constrained")
     figure.get_layout_engine().set(w_pad=0.1, h_pad=0.06)
     return figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]
@@ -81,7 +81,7 @@ def new_axes(count: int) -> np.ndarray:
 def panel_across(
     solution: RunResult, against: str | tuple, quantity: str | Wanted | None, parts: tuple[Part, ...], degrees: bool
 ) -> Panel:
-    """What is on the horizontal axis."""
+    """Return the panel of the horizontal axis."""
     if isinstance(against, str) and isinstance(quantity, str):
         found = panels_of(solution, against, parts)
     else:
@@ -93,7 +93,7 @@ def panel_across(
 
 
 def lines_across(panel: Panel, across: Panel) -> list[np.ndarray]:
-    """The horizontal values of every line of a panel: one for all, or each its own."""
+    """Return the horizontal values of every line of a panel: one for all, or each its own."""
     if len(across.lines) == 1:
         return [across.lines[0][1]] * len(panel.lines)
     values = dict(across.lines)
@@ -107,7 +107,7 @@ def lines_across(panel: Panel, across: Panel) -> list[np.ndarray]:
 
 
 def draw_panel(axes: Axes, t: np.ndarray, panel: Panel, across: Panel | None, look: Theme, legend: bool) -> None:
-    """Lines, grid, label and legend of a panel."""
+    """Draw lines, grid, label and legend of a panel."""
     dress(axes, look)
     axes.set_prop_cycle(cycler(linestyle=DASHES) * cycler(color=look.lines))
     marks = {"marker": "o", "markersize": 3} if t.size <= FEW else {}
@@ -127,7 +127,7 @@ def draw_panel(axes: Axes, t: np.ndarray, panel: Panel, across: Panel | None, lo
 
 
 def write_legend(axes: Axes, drawn: list[Line2D], note: str, look: Theme) -> None:
-    """The legend beside the data, never on it; names are written as they are, whatever signs they hold."""
+    """Draw the legend beside the data, never on it; names are written as they are, whatever signs they hold."""
     shown = drawn if len(drawn) <= MOST else drawn[: MOST - 1]
     names = [str(line.get_label()) for line in shown]
     if len(shown) < len(drawn):
@@ -144,13 +144,14 @@ def write_legend(axes: Axes, drawn: list[Line2D], note: str, look: Theme) -> Non
 
 
 def largest(panels: list[Panel], unit: str) -> float:
-    """Largest value of a unit."""
+    """Return the largest value of a unit."""
     alike = [values for panel in panels if panel.unit == unit for _, values in panel.lines]
     return max((float(np.nanmax(np.abs(x), initial=0.0)) for x in alike), default=0.0)
 
 
 def set_range(axes: Axes, panel: Panel, size: float) -> None:
-    """Whole decades on a logarithmic axis; rounding is not blown up: ``size`` is the largest value of this unit."""
+    """Set whole decades on a logarithmic axis; rounding is not magnified: ``size`` is the largest value of this
+    unit."""
     values = np.concatenate([values for _, values in panel.lines])
     values = values[np.isfinite(values) & (values > 0.0 if panel.log else True)]
     if not values.size:

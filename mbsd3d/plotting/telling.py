@@ -1,4 +1,4 @@
-"""What of a run is drawn if nothing is asked for, and what of it is zero throughout."""
+"""Default curves of a run, and those that are zero throughout."""
 
 import numpy as np
 
@@ -12,7 +12,7 @@ STILL = 1e-9  # [rad or m, or of its scale] what changes less stands still
 
 
 def telling(run: RunResult) -> list:
-    """The quantities that tell most.
+    """Return the quantities to plot by default.
 
     Angles or slides of joints that move (else the angular velocity of the first body), the energies, the efforts of
     drivers, and the reactions of joints.
@@ -28,7 +28,8 @@ def telling(run: RunResult) -> list:
 
 
 def seen_panels(run: RunResult, wanted: Wanted) -> list[Panel]:
-    """Panels of several quantities; of force and moment, momentum and its moment the one that is zero is left out."""
+    """Return panels of several quantities; of force and moment, momentum and its moment the vanishing one is left
+    out."""
     scale = scales_of(run)
     least = {
         "[N]": scale.force,

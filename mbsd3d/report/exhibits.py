@@ -28,7 +28,7 @@ PICTURE = (7.2, 3.8)  # [inch]
 def wanted_curves(
     solution: RunResult, few: RunResult, curves: Wanted | None
 ) -> list[tuple[RunResult, str | tuple, str]]:
-    """(what to plot, entry for `plot`, caption) of every figure; ``few`` has the samples with reactions."""
+    """Return (what to plot, entry for `plot`, caption) of every figure; ``few`` has the samples with reactions."""
     if curves is not None:
         if isinstance(curves, str):
             raise InputError(f"report: curves '{curves:.80}' is a single text; give a list, e.g. ['energy']")
@@ -60,13 +60,13 @@ def wanted_curves(
 
 
 def most(parts: list, sizes: dict[int, float]) -> list:
-    """The parts with the largest sizes, in the order of the model."""
+    """Return the parts with the largest sizes, in the order of the model."""
     kept = sorted(parts, key=lambda part: -sizes[id(part)])[:LINES]
     return [part for part in parts if part in kept]
 
 
 def figure_of(number: int, solution: RunResult, entry: str | tuple, caption: str) -> dict[str, str]:
-    """A figure as inline SVG, with a caption and a text for those who do not see it."""
+    """Return a figure as inline SVG, with a caption and an alternative text."""
     figure = plot_quantity(solution, [entry])
     figure.set_size_inches(7.5, 0.7 + 1.55 * len(figure.axes))  # four panels go on an A4 page
     for axes in figure.axes:
@@ -76,7 +76,8 @@ def figure_of(number: int, solution: RunResult, entry: str | tuple, caption: str
 
 
 def inline_svg(figure: Figure, prefix: str) -> str:
-    """A figure as an SVG element for a page, with unique ids and the page's colour variables (see report.html)."""
+    """Return a figure as an SVG element for a page, with unique ids and the page's colour variables (see
+    report.html)."""
     buffer = io.StringIO()
     with house():
         figure.savefig(buffer, format="svg", metadata=dict.fromkeys(("Creator", "Date", "Format", "Type")))
@@ -94,7 +95,9 @@ def inline_svg(figure: Figure, prefix: str) -> str:
 
 
 def picture_of(solution: RunResult, dark: bool | None) -> list[dict[str, str]]:
-    """The mechanism at the last sample as images for light and dark paper; none of more bodies than one can tell."""
+    """Return the mechanism at the last sample as images for light and dark paper; none for too many bodies to
+    distinguish.
+    """
     if len(solution.system.bodies) > DRAWN:
         return []
     images = []

@@ -1,4 +1,4 @@
-"""The contents of a report: facts, tables and sentences about a run as plain text; no layout."""
+"""Contents of a report: facts, tables and sentences about a run as plain text; no layout."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
@@ -33,7 +33,7 @@ class Table:
 
 
 def shortened(parts: Iterable, what: str) -> tuple[list, str]:
-    """The first parts of a long list, and the sentence that says so."""
+    """Return the first parts of a long list, and a sentence on its length."""
     parts = list(parts)
     if len(parts) <= MOST:
         return parts, ""
@@ -41,7 +41,7 @@ def shortened(parts: Iterable, what: str) -> tuple[list, str]:
 
 
 def run_facts(solution: RunResult) -> list[tuple[str, str]]:
-    """What was run and how; without the time it took, so that the same run gives the same report."""
+    """Return model, method and settings of a run; without its run time, so that the same run gives the same report."""
     record, system, t = solution.record, solution.system, solution.t
     adaptive = record.method.dt is None and not record.kinematic
     first, last = digits(t[0], count=6), digits(t[-1], count=6)
@@ -62,13 +62,13 @@ def run_facts(solution: RunResult) -> list[tuple[str, str]]:
 
 
 def method_text(method: object) -> str:
-    """A method with its settings that are not defaults."""
+    """Return a method with its settings that are not defaults."""
     chosen = [(x.name, getattr(method, x.name)) for x in fields(method) if getattr(method, x.name) != x.default]
     return " ".join([type(method).__name__, ", ".join(f"{name} = {value}" for name, value in chosen)]).strip()
 
 
 def warnings(solution: RunResult) -> list[str]:
-    """Caveats about the numbers, as sentences."""
+    """Return caveats about the numbers, as sentences."""
     record, found = solution.record, []
     terms = {
         "gyroscopic": "the gyroscopic term w × I w",
@@ -93,7 +93,7 @@ def warnings(solution: RunResult) -> list[str]:
 
 
 def body_table(solution: RunResult) -> Table:
-    """Mass properties of the bodies and how fast they became."""
+    """Return the mass properties of the bodies and their largest speeds."""
     bodies, note = shortened(solution.system.bodies, "bodies")
     length, v = solution.compiled.model.length, solution.arrays["v"]
     v = np.linalg.norm(v.reshape(*v.shape[:2], 2, 3), axis=3)
@@ -112,7 +112,7 @@ def body_table(solution: RunResult) -> Table:
 
 
 def loaded_joints(solution: RunResult) -> tuple[list[Joint], str]:
-    """All joints but drivers, or of many those with the largest multipliers, and a sentence that says so."""
+    """Return all joints but drivers, or of many those with the largest multipliers, and a sentence on the choice."""
     joints = [joint for joint in solution.system.joints if not isinstance(joint, Driver)]
     if len(joints) <= MOST:
         return joints, ""
@@ -124,7 +124,7 @@ def loaded_joints(solution: RunResult) -> tuple[list[Joint], str]:
 
 
 def thinned(solution: RunResult) -> tuple[RunResult, str]:
-    """The solution with so few samples that its reactions and loads take seconds, and a sentence that says so.
+    """Return the solution with so few samples that its reactions and loads take seconds, and a sentence on the choice.
 
     Where constraints leave shares open, the rows are decomposed at every sample.
     """
@@ -141,7 +141,7 @@ def thinned(solution: RunResult) -> tuple[RunResult, str]:
 
 
 def largest_load(values: np.ndarray, t: np.ndarray, size: float) -> tuple[str, str]:
-    """The largest magnitude of a vector over time, and when."""
+    """Return the largest magnitude of a vector over time, and its time [s]."""
     norms = np.linalg.norm(values, axis=1)
     k = int(np.argmax(norms))
     text = digits(float(norms[k]), size)
@@ -149,7 +149,7 @@ def largest_load(values: np.ndarray, t: np.ndarray, size: float) -> tuple[str, s
 
 
 def joint_table(solution: RunResult, few: RunResult, diagnosis: Diagnosis) -> Table:
-    """Joints, which of their rows repeat others, and their largest reactions."""
+    """Return joints, their redundant rows, and their largest reactions."""
     joints, cut = loaded_joints(solution)
     scale, system, rows = scales_of(solution), solution.system, []
     shares = {share.joint: share for share in diagnosis.shares}
@@ -174,7 +174,7 @@ def joint_table(solution: RunResult, few: RunResult, diagnosis: Diagnosis) -> Ta
 
 
 def driver_table(solution: RunResult, few: RunResult) -> Table:
-    """Drivers: the work they did and the largest effort."""
+    """Return drivers: their work and the largest drive force or torque."""
     drivers, note = shortened((joint for joint in solution.system.joints if isinstance(joint, Driver)), "drivers")
     scale, rows = scales_of(solution), []
     for driver in drivers:
@@ -188,7 +188,7 @@ def driver_table(solution: RunResult, few: RunResult) -> Table:
 
 
 def force_table(solution: RunResult, few: RunResult) -> Table:
-    """Force elements: the energy they stored, the work they did, and their largest loads."""
+    """Return force elements: their stored energy, their work, and their largest loads."""
     forces, note = shortened(solution.system.forces, "forces")
     scale, rows = scales_of(solution), []
     for force in forces:
@@ -208,13 +208,13 @@ def force_table(solution: RunResult, few: RunResult) -> Table:
 
 
 def tables(solution: RunResult, few: RunResult, diagnosis: Diagnosis) -> list[Table]:
-    """Tables of all parts; ``few`` has the samples with reactions."""
+    """Return the tables of all parts; ``few`` has the samples with reactions."""
     parts = [joint_table(solution, few, diagnosis), driver_table(solution, few), force_table(solution, few)]
     return [table for table in (body_table(solution), *parts) if table.rows]
 
 
 def freedom_facts(diagnosis: Diagnosis) -> list[tuple[str, str]]:
-    """Counts and rank of `System.check`."""
+    """Return counts and rank of `System.check`."""
     d = diagnosis
     facts = [
         ("verdict", d.verdict),
@@ -228,7 +228,7 @@ def freedom_facts(diagnosis: Diagnosis) -> list[tuple[str, str]]:
 
 
 def drift_facts(solution: RunResult) -> list[tuple[str, str]]:
-    """Largest residuals of the joints, and what the energy balance says in joules."""
+    """Return the largest residuals of the joints, and the energy balance in joules."""
     drift, energy = solution.drift(), solution.energy()
     facts = []
     if solution.compiled.model.row.size:

@@ -1,4 +1,4 @@
-"""The page of a report.
+"""Page of a report.
 
 Its figures are vector graphics whose colours follow the reader's light or dark paper; it prints on A4. The time the run
 took is left out, so the same run gives the same bytes.
@@ -41,7 +41,7 @@ MEANING = {
 
 @dataclass(frozen=True, repr=False)
 class Report(HtmlPage):
-    """One offline HTML page about a run; ``passed`` is the verdict of its certificate."""
+    """Offline HTML page about a run; ``passed`` is the verdict of its certificate."""
 
     html: str
     title: str
@@ -56,7 +56,7 @@ class Report(HtmlPage):
 def make_report(
     solution: RunResult, path: str | Path | None, *, title: str | None, curves: Wanted | None, dark: bool | None
 ) -> Report:
-    """See `Solution.report`."""
+    """Build the report page of a solution: certificate, curves and tables."""
     if not solution.t.size:
         raise InputError("report: the solution has no samples; run it to a later time")
     if title is not None and not isinstance(title, str):
@@ -90,7 +90,7 @@ def make_report(
 
 
 def check_row(check: Check) -> dict[str, str | bool | float]:
-    """A check with the places of error and limit on a logarithmic bar [%]."""
+    """Return A check with the places of error and limit on a logarithmic bar [%]."""
 
     def place(value: float) -> float:
         return round(100.0 * min(max(np.log10(max(value, 1e-300)) / DECADES + 1.0, 0.0), 1.0), 2)

@@ -1,4 +1,4 @@
-"""Cells on workers: threads, processes that may die, or any other `concurrent.futures.Executor`.
+"""Workers for cells: threads, processes that may die, or any other `concurrent.futures.Executor`.
 
 Threads are the batch: each drives the compiled loop of a single run, which holds no lock, while another one builds the
 next system. One parallel loop over stacked models was measured as fast (178 against 172 ms for 128 engines, serial
@@ -35,7 +35,7 @@ NO_START = "put the call of sweep under if __name__ == '__main__':, since new pr
 
 
 def outcomes(call: Callable, cells: list[dict], todo: list[int], executor: Any) -> Iterator[tuple[int, Outcome]]:
-    """(cell, outcome) in the order in which they finish."""
+    """Yield (cell, outcome) in the order in which cells finish."""
     if executor is None or executor == "threads":
         turns = Turns()
         with closing(ThreadPoolExecutor(cores(), "sweep"), turns.close) as pool:
@@ -57,13 +57,13 @@ def outcomes(call: Callable, cells: list[dict], todo: list[int], executor: Any) 
 
 
 def by_turns(turns: Turns, call: Callable, cell: dict) -> Outcome:
-    """Run one cell; its Python runs when it is this thread's turn."""
+    """Run one cell; its Python code runs when it is the turn of this thread."""
     with taking_turns(turns):
         return call(cell)
 
 
 def check_executor(executor: Any, functions: list[Callable]) -> None:
-    """ValueError for an unknown executor, and for functions that cannot go to another process."""
+    """Raise ValueError for an unknown executor, and for functions that cannot go to another process."""
     if isinstance(executor, str) and executor == "processes":
         for function in functions:
             place = getattr(function, "__qualname__", "")
@@ -80,13 +80,13 @@ def check_executor(executor: Any, functions: list[Callable]) -> None:
 
 
 def cores() -> int:
-    """Cores this process may use."""
+    """Return the number of cores this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @contextmanager
 def closing(pool: Executor, abandon: Callable[[], None] | None = None) -> Iterator[Executor]:
-    """A pool that is closed at the end; on an error running cells are abandoned: processes are told to end."""
+    """Close a pool at the end of the block; on an error running cells are abandoned: processes are told to end."""
     try:
         yield pool
     except BaseException:
@@ -148,7 +148,7 @@ def stream(
 
 
 def begin_worker() -> None:
-    """Leave Ctrl-C to the parent, and end with it, however it ends."""
+    """Leave Ctrl-C to the parent, and end with it in every case."""
     told = []
     if os.name == "posix":  # elsewhere a process that is told to end is not asked
         reader, writer = os.pipe()
@@ -171,10 +171,11 @@ def end_in_time(told: list[int]) -> None:
 
 
 class Deaf(ProcessPoolExecutor):
-    """Its processes, which begin within `submit`, never hear Ctrl-C: not before `begin_worker` either."""
+    """Process pool whose processes, which begin within `submit`, never receive Ctrl-C, not even before
+    `begin_worker`."""
 
     def submit(self, *call: Any, **given: Any) -> Any:
-        """As `Executor.submit`."""
+        """Submit a call as `Executor.submit`, with Ctrl-C ignored."""
         if os.name != "posix":
             return super().submit(*call, **given)
         before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
@@ -185,12 +186,14 @@ class Deaf(ProcessPoolExecutor):
 
 
 def process_pool(workers: int) -> ProcessPoolExecutor:
-    """A pool of spawned processes: threads and libraries start clean."""
+    """Return a pool of spawned processes, in which threads and libraries start afresh."""
     return Deaf(workers, multiprocessing.get_context("spawn"), begin_worker)
 
 
 def on_processes(call: Callable, cells: list[dict], queue: deque) -> Iterator[tuple[int, Outcome]]:
-    """Own processes; cells in flight when one dies are tried once more, each alone, and the rest goes on."""
+    """Run cells in own processes; cells in flight when one dies are tried once more, each alone, and the rest
+    continues.
+    """
     while queue:
         lost: deque[int] = deque()
         workers = min(cores(), len(queue))
@@ -201,7 +204,8 @@ def on_processes(call: Callable, cells: list[dict], queue: deque) -> Iterator[tu
 
 
 def start(pool: Executor, workers: int) -> None:
-    """All workers side by side, as each task waiting brings one more; SweepError where no task comes back."""
+    """Start all workers side by side, as each waiting task brings one more; raise SweepError where no task comes
+    back."""
     try:
         for started in [pool.submit(cores) for _ in range(workers)]:
             started.result()
@@ -210,7 +214,7 @@ def start(pool: Executor, workers: int) -> None:
 
 
 def one_by_one(call: Callable, cells: list[dict], queue: deque) -> Iterator[tuple[int, Outcome]]:
-    """Run each cell in a new process: one that kills it is the culprit."""
+    """Run each cell in a new process; a cell that kills it is the cause."""
     while queue:
         lost: deque[int] = deque()
         with closing(process_pool(1)) as pool:

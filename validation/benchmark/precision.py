@@ -183,7 +183,8 @@ class Row:
         return theirs.seconds / mine.seconds, theirs.bound or (">" if mine.bound == "<" else "")
 
     def agreement(self, peer: str) -> float | None:
-        """Return the least error of a peer, the distance of its limit from the truth; None where it was not compared."""
+        """Return the least error of a peer, the distance of its limit from the truth; None where it was not
+        compared."""
         return min((point.error for climbed in self.of(peer) for point in climbed.points), default=None)
 
 

@@ -260,7 +260,8 @@ def redundant(rng: np.random.Generator, joints: Sequence[Any]) -> list[Any]:
 
 
 def independent(bodies: Sequence[mbsd3d.Body], joints: Sequence[Any]) -> bool:
-    """Return whether the rows are independent, by the second formulation: dependent drivers may contradict each other."""
+    """Return whether the rows are independent, by the second formulation: dependent drivers may contradict each
+    other."""
     system = mbsd3d.System(bodies, joints)
     pose = mbsd3d.State(0.0, np.concatenate([[*b.position, *b.orientation] for b in bodies]), np.zeros(6 * len(bodies)))
     return reference_point.solve(system, pose).rank == rows_of(joints)

@@ -73,7 +73,8 @@ def block_force(solution: mbsd3d.Solution) -> np.ndarray:
 
 
 def amplitudes(values: np.ndarray) -> np.ndarray:
-    """Return the amplitudes of the orders 0, 1, 2 ... of one turn of samples, the last one a repetition of the first."""
+    """Return the amplitudes of the orders 0, 1, 2 ... of one turn of samples, the last one a repetition of the
+    first."""
     return 2 * np.abs(np.fft.rfft(values[:-1])) / (values.size - 1)
 
 

@@ -50,7 +50,8 @@ def judge_mass(system: System, state: State, twin: Twin) -> Finding:
 
 
 def acceleration_differences(system: System, state: State, twin: Twin, ours: Ours) -> dict[str, tuple[float, str]]:
-    """Return quantity -> (greatest relative difference, its body): divided by the greatest acceleration, or by gravity."""
+    """Return quantity -> (greatest relative difference, its body): divided by the greatest acceleration, or by
+    gravity."""
     a = np.asarray(accelerations(system, state).arrays["acceleration"][0])
     return relative_to(a, twin.accelerations(), system, ours)
 

@@ -266,7 +266,8 @@ def row(finding: Finding) -> str:
 
 
 def verdict(finding: Finding) -> str:
-    """Return the verdict; of agreement also up to which difference where that is looser than usual, and what limits it."""
+    """Return the verdict; of agreement also up to which difference where that is looser than usual, and what limits
+    it."""
     if finding.status != AGREES:
         return finding.verdict
     loose = f" within {finding.bound:.0e}" if finding.bound > USUAL else ""

@@ -101,7 +101,8 @@ def accelerations(p: Any, c: Array, c_dot: Array) -> Array:
 
 
 def state(p: Any, lean: float, steer: float, given: Array, pitch: float = 0.0) -> tuple[Array, Array]:
-    """Return (c, c_dot) with both wheels on the ground; ``given`` are lean rate, steer rate and speed r_R |rear spin|."""
+    """Return (c, c_dot) with both wheels on the ground; ``given`` are lean rate, steer rate and speed r_R |rear
+    spin|."""
     c = np.array([0.0, 0.0, 0.0, lean, pitch, steer, 0.0, 0.0])
     for _ in range(50):
         step = -places(p, c)[2][1][2] / jacobians(p, c)[2][0, 4]

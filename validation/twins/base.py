@@ -94,7 +94,8 @@ def spanning(joints: Iterable[Joint]) -> list[Joint]:
 
 
 class Load(NamedTuple):
-    """Reaction of a joint on its body b, at the joint's point on b, world axes: force [N], moment [N m], each (n, 3)."""
+    """Reaction of a joint on its body b, at the joint's point on b, world axes: force [N], moment [N m], each (n,
+    3)."""
 
     force: Array
     moment: Array

@@ -134,7 +134,8 @@ def shade(value: float, largest: float) -> int:
 
 
 def figure(x: Any) -> str:
-    """Format a figure of the truth table: six digits, 0 for rounding, an en dash between two values, nothing for None."""
+    """Format a figure of the truth table: six digits, 0 for rounding, an en dash between two values, nothing for
+    None."""
     if isinstance(x, tuple):
         return " \u2026 ".join(figure(part) for part in x)
     return report.value(x).replace("-", "\u2212")

@@ -52,7 +52,8 @@ def contains(bodies: Sequence[Any], body: Any) -> bool:
 
 
 def turning_rows(joint: Joint) -> list[tuple[Any, Any, np.ndarray, Any, float]]:
-    """Return (a, b, axis, signal, order of the derivative that the signal prescribes) of the rows that drive an angle."""
+    """Return (a, b, axis, signal, order of the derivative that the signal prescribes) of the rows that drive an
+    angle."""
     found = []
     for row in joint.primitives:
         if row.signal is not None and row.kind == kinds.RATIO and row.coordinates[0].kind == "angle":

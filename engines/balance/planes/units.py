@@ -118,7 +118,8 @@ def out_of_plane(shaft: Shaft, units: list[Unit]) -> list[Failure]:
 
 
 def planar_joint(shaft: Shaft, link: Link, z: float, bodies: dict) -> planar.Joint | Failure | None:
-    """Return the planar joint equivalent to the in-plane rows of a link, by their wrenches, or None without such rows."""
+    """Return the planar joint equivalent to the in-plane rows of a link, by their wrenches, or None without such
+    rows."""
     rows = shaft.rows
     at, turn = rows.flat(link.b.position), np.array([[0.0, 0.0, 1.0]])
     W = rows.wrenches(link.joints, link.b, z, rows.poses[0])

@@ -64,7 +64,8 @@ class Cabin:
 
     @cached_property
     def feet(self) -> np.ndarray:
-        """Return the feet of the mounts from the centre of mass of the shell, axes of the car [m], shape (mounts, 3)."""
+        """Return the feet of the mounts from the centre of mass of the shell, axes of the car [m], shape (mounts,
+        3)."""
         return np.array(self.car.shell["engine"]) + np.array([m.at for m in self.held.placed]) @ self.axes.T
 
     @cached_property

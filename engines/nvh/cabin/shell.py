@@ -98,7 +98,8 @@ def twisted(at: np.ndarray, turn: np.ndarray) -> np.ndarray:
 
 
 def bending_modes(nodes: np.ndarray, mass: float, first: float) -> list[tuple[float, CubicHermiteSpline]]:
-    """Return (w [rad/s], line) of two rigid and ``KEPT`` elastic modes of unit modal mass; the first at ``first`` [Hz]."""
+    """Return (w [rad/s], line) of two rigid and ``KEPT`` elastic modes of unit modal mass; the first at ``first``
+    [Hz]."""
     h = nodes[1] - nodes[0]
     k = np.array([[12, 6 * h, -12, 6 * h], [6 * h, 4 * h**2, -6 * h, 2 * h**2],
                   [-12, -6 * h, 12, -6 * h], [6 * h, 2 * h**2, -6 * h, 4 * h**2]]) / h**3  # fmt: skip
@@ -109,7 +110,8 @@ def bending_modes(nodes: np.ndarray, mass: float, first: float) -> list[tuple[fl
 
 
 def torsion_modes(inertia: float, first: float) -> list[tuple[float, np.ndarray]]:
-    """Return (w [rad/s], rotations at the nodes) of one rigid and ``KEPT`` elastic modes; the first at ``first`` [Hz]."""
+    """Return (w [rad/s], rotations at the nodes) of one rigid and ``KEPT`` elastic modes; the first at ``first``
+    [Hz]."""
     k, m = np.array([[1.0, -1.0], [-1.0, 1.0]]), np.array([[2.0, 1.0], [1.0, 2.0]]) * inertia / ELEMENTS / 6
     return scaled(assembled(k, m, 1), 1, first)
 

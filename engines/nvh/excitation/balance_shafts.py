@@ -27,7 +27,8 @@ LEAST = 1e-9  # of a piston on the crank radius, or m: smaller unbalances and he
 
 
 def fitted(preset: Preset, kind: str) -> list[Shaft]:
-    """Return the shafts of a kind for an engine; raise ValueError for an unknown kind or an engine they cannot balance."""
+    """Return the shafts of a kind for an engine; raise ValueError for an unknown kind or an engine they cannot
+    balance."""
     if kind not in KINDS:
         raise InputError(f"balance shafts '{kind}' are unknown; there are {', '.join(KINDS)}")
     engine = preset.engine(RPM)

@@ -111,5 +111,6 @@ class Source:
 
 
 def along(direction: np.ndarray, push: Signal) -> tuple[Signal | float, ...]:
-    """Return the components of a force along a unit vector, as a number where there is none so that it costs no table."""
+    """Return the components of a force along a unit vector, as a number where there is none so that it costs no
+    table."""
     return tuple(float(x) * push if x else 0.0 for x in direction)

@@ -137,7 +137,8 @@ def preset(name: str) -> Preset:
 
 
 def own_layout(name: str, found: Record, parts: Record) -> Layout:
-    """Return the layout of cylinders given one by one; raise ValueError for a firing order that the crank cannot have."""
+    """Return the layout of cylinders given one by one; raise ValueError for a firing order that the crank cannot
+    have."""
     plan = Layout(name, found["title"], spacing=found["spacing"], **parts)
     if plan.firing_order is not None:
         order = plan.firing_order.split("-")

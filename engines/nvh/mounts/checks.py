@@ -25,7 +25,8 @@ def mount(at: tuple[float, float, float], rates: tuple[float, float, float], dam
 
 
 def one_freedom(frequencies: np.ndarray) -> Pairs:
-    """Compare the response to a vertical force at the centre of mass of a powertrain on four equal mounts with theory."""
+    """Compare the response to a vertical force at the centre of mass of a powertrain on four equal mounts with
+    theory."""
     share = 0.011  # damping over rate [s]
     placed = [mount((x, y, -0.2), (1.1e5, 1.4e5, 2.3e5), share) for x in (-0.31, 0.31) for y in (-0.22, 0.22)]
     rate = np.sqrt(4 * 2.3e5 / MASS)
@@ -54,7 +55,8 @@ def bounce_and_pitch() -> Pairs:
 
 
 def three_coupled() -> Pairs:
-    """Compare coupled sway, roll and yaw on mounts below the centre of mass, unequal in front and behind, with theory."""
+    """Compare coupled sway, roll and yaw on mounts below the centre of mass, unequal in front and behind, with
+    theory."""
     spots = [((0.35, 0.2, -0.15), 1.3e5), ((0.35, -0.2, -0.15), 1.3e5), ((-0.28, 0.24, -0.21), 0.8e5),
              ((-0.28, -0.24, -0.21), 0.8e5)]  # fmt: skip
     along, across, up = 0.9, 0.7, 1.6

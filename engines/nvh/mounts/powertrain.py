@@ -141,7 +141,8 @@ def carried(J: np.ndarray) -> np.ndarray:
 
 
 def equivalent(preset: Preset, fitted: Sequence[Shaft] = ()) -> Equivalent:
-    """Return the mean of the moving engine with its balance shafts; raise ValueError if it is not that of a rigid body."""
+    """Return the mean of the moving engine with its balance shafts; raise ValueError if it is not that of a rigid
+    body."""
     engine = preset.engine(1000.0)
     bodies, joints = moving_engine(preset, engine, fitted, frame=False)
     system = System(bodies, joints, gravity=(0, 0, 0))

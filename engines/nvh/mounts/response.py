@@ -101,7 +101,8 @@ class OnMounts:
 
     @cached_property
     def pushed(self) -> np.ndarray:
-        """Return the effect of forces and moments about the middle of the crank, car axes, on the rates, shape (12, 6)."""
+        """Return the effect of forces and moments about the middle of the crank, car axes, on the rates, shape (12,
+        6)."""
         turn = np.kron(np.eye(2), matrix(self.rest[3:]))
         return np.vstack([np.zeros((6, 6)), turn @ np.linalg.inv(self.mass) @ turn.T])
 
@@ -165,7 +166,8 @@ def six_freedoms(body: Body) -> list[Measure]:
 
 
 def shift(arm: np.ndarray) -> np.ndarray:
-    """Return the matrix from displacement and rotation at a point to those at the point an arm away [m], shape (6, 6)."""
+    """Return the matrix from displacement and rotation at a point to those at the point an arm away [m], shape (6,
+    6)."""
     whole = np.eye(6)
     whole[:3, 3:] = -skew(arm)
     return whole

@@ -63,7 +63,8 @@ class Road:
 
     @cached_property
     def amplitudes(self) -> np.ndarray:
-        """Return the complex amplitudes of z = Re sum c_k exp(2 pi i n_k x) of left and right track [m], shape (2, k)."""
+        """Return the complex amplitudes of z = Re sum c_k exp(2 pi i n_k x) of left and right track [m], shape (2,
+        k)."""
         phases = np.exp(2j * np.pi * np.random.default_rng(self.seed).random((2, self.waves.size)))
         size, shared = np.sqrt(2 * self.spectrum(self.waves) / self.length), np.exp(-self.waves / COHERENT)
         left, other = phases

@@ -156,7 +156,8 @@ class Vehicle:
 
     @property
     def anti(self) -> tuple[float, float]:
-        """Return (anti-dive, anti-lift): share of the pitching moment of braking that the links bear, front and rear."""
+        """Return (anti-dive, anti-lift): share of the pitching moment of braking that the links bear, front and
+        rear."""
         share, arm = self.ride["brakes"], self.ride["wheelbase"] / (HEIGHT + REST)
         front, rear = (held.curves.at("ahead", 0.0) for held in self.guides)
         return share * arm * front, -(1 - share) * arm * rear

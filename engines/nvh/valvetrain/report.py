@@ -125,7 +125,8 @@ class Valve:
 
 
 def figure(valve: Valve) -> "Figure":
-    """Plot force of the cam and lift over a turn at the speed: constraint, contact, contact with a spring that surges."""
+    """Plot force of the cam and lift over a turn at the speed: constraint, contact, contact with a spring that
+    surges."""
     train = valve.train
     with new_figure(7.5, 5.0) as (made, look):
         force, lift = made.subplots(2, 1, sharex=True)

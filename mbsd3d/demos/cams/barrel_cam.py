@@ -24,7 +24,9 @@ SPLINE = 1e-6  # relative: what a spline through these points makes of the secon
 
 
 def height(turn, stroke):
-    """(z, z', z'') of the groove over the angle: h (u - sin(2 pi u) / 2 pi) in half a turn, and back in the other."""
+    """Return (z, z', z'') of the groove over the angle: h (u - sin(2 pi u) / 2 pi) in half a turn, and back in the
+    other.
+    """
     half, back = turn % np.pi, (turn // np.pi) % 2 == 1
     sign = np.where(back, -1.0, 1.0)
     rise = stroke * (half / np.pi - np.sin(2 * half) / (2 * np.pi))
@@ -33,7 +35,7 @@ def height(turn, stroke):
 
 
 def mechanism(*, R=0.06, stroke=0.08, m=1.5, omega=30.0) -> System:
-    """Drum of radius R [m] at omega [rad/s] about z; the pin of a slide m [kg] at x = R runs in its groove."""
+    """Build a drum of radius R [m] at omega [rad/s] about z; the pin of a slide m [kg] at x = R runs in its groove."""
     turn = 2 * np.pi * np.arange(POINTS) / POINTS
     out = np.column_stack([np.cos(turn), -np.sin(turn), 0 * turn])  # turned back: the groove comes to the pin
     groove = R * out + np.outer(height(turn, stroke)[0], (0, 0, 1))
@@ -53,7 +55,7 @@ def mechanism(*, R=0.06, stroke=0.08, m=1.5, omega=30.0) -> System:
 
 
 def theory(*, R, stroke, m, omega):
-    """Slope 2 h / (pi R) at its steepest; the push m z'' w^2 leans over by z' / R, its torque is z' times it."""
+    """Return the greatest slope 2 h / (pi R), the side force m z'' w^2 z' / R, and the torque z' times m z'' w^2."""
     torque = m * omega**2 * 2 * stroke**2 / np.pi**2 * 0.75 * np.sqrt(3)  # sin u (1 - cos u) is greatest at 120 degrees
     return {
         "stroke_m": abs(stroke),
@@ -64,7 +66,7 @@ def theory(*, R, stroke, m, omega):
 
 
 def measure(build, terms, *, stroke, m, omega) -> Measured:
-    """A turn by kinematics: motion of the slide, force of the groove, torque of the motor."""
+    """Measure a turn by kinematics: motion of the slide, force of the groove, torque of the motor."""
     system = build()
     run = simulate(system, 2 * np.pi / abs(omega), method=Kinematic(), output=SAMPLES, **terms)
     way, force, torque = run.position("slide")[:, 2], run.reaction("groove").force, run.effort("motor")

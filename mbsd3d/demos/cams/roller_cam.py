@@ -26,7 +26,7 @@ NEAR = 1e-4  # relative: greatest values lie between samples, and at the nose th
 
 
 def law(turn, lift, half):
-    """(s, s', s'') of a cycloidal lift over the angle from the nose [rad]."""
+    """Return (s, s', s'') of a cycloidal lift over the angle from the nose [rad]."""
     angle = (turn + np.pi) % (2 * np.pi) - np.pi
     x, way = np.clip(1 - np.abs(angle) / half, 0.0, 1.0), -np.sign(angle) * lift / half
     u = 2 * np.pi * x
@@ -34,7 +34,9 @@ def law(turn, lift, half):
 
 
 def outline(lift, half, pitch, roller):
-    """(points, 3) of the cam in the plane y, z, its nose up: the way of the roller's centre less the roller."""
+    """Return the outline of the cam in the plane y, z, its nose up: the path of the roller's centre less the roller,
+    shape (points, 3).
+    """
     turn = 2 * np.pi * np.arange(POINTS) / POINTS
     s, slope, _ = law(turn, lift, half)
     tilt = np.arctan2(slope, pitch + s)
@@ -45,7 +47,8 @@ def outline(lift, half, pitch, roller):
 def mechanism(
     *, lift=0.009, half_deg=70.0, pitch=0.028, roller=0.009, m=0.12, stiffness=30e3, preload=250.0, omega=240.0
 ) -> System:
-    """Cam at omega [rad/s] about x; valve m [kg] on a roller, its centre ``pitch`` [m] over the axis when shut."""
+    """Build a cam at omega [rad/s] about x; valve m [kg] on a roller, its centre ``pitch`` [m] over the axis when
+    shut."""
     require(0.0 < half_deg <= 180.0, f"demo 'roller_cam': half_deg = {half_deg:g}; give more than 0, at most 180")
     points = outline(lift, np.radians(half_deg), pitch, roller)
     wire = [shapes.Lines(np.append(points, points[:1], axis=0) + (x, 0, 0)) for x in (-0.5 * roller, 0.5 * roller)]
@@ -67,13 +70,13 @@ def mechanism(
 
 
 def push(turn, lift, half, m, stiffness, preload, omega):
-    """Force along the guide [N]."""
+    """Return the force along the guide [N]."""
     s, _, bend = law(turn, lift, half)
     return m * bend * omega**2 + stiffness * s + preload
 
 
 def theory(*, lift, half_deg, pitch, roller, m, stiffness, preload, omega):
-    """tan(a) = s' / (r + s); the force m s'' w^2 + k s + F along the guide must not be negative."""
+    """Return tan(a) = s' / (r + s), and the force m s'' w^2 + k s + F along the guide, which must not be negative."""
     turn, half = np.linspace(-np.pi, np.pi, 400_001), np.radians(half_deg)
     s, slope, bend = law(turn, lift, half)
     out = pitch + s
@@ -91,7 +94,7 @@ def theory(*, lift, half_deg, pitch, roller, m, stiffness, preload, omega):
 
 
 def measure(build, terms, *, lift, half_deg, m, stiffness, preload, omega) -> Measured:
-    """Two speeds by kinematics: the push is a + b w^2, which says where it vanishes."""
+    """Measure two speeds by kinematics: the force is a + b w^2, which gives the speed at which it vanishes."""
     turn = 2 * np.pi / abs(omega)
     run = simulate(build(), turn, method=Kinematic(), output=SAMPLES, **terms)
     slow = simulate(build(omega=0.5 * omega), 2 * turn, method=Kinematic(), output=SAMPLES, **terms)

@@ -18,13 +18,15 @@ LIGHT = 1e-3  # kg m^2 of a wheel that turns, and has next to no spin
 def mechanism(
     *, ms=1400.0, h=0.55, a=1.2, b=1.5, track=1.5, kf=25e3, kr=22e3, bar_f=12e3, bar_r=6e3, mu=1.0, v=20.0, steer=0.05
 ) -> System:  # fmt: skip
-    """Car at v whose front wheels are steered to an angle [rad] within 0.3 s."""
+    """Build the car at v with front wheels steered to an angle [rad] within 0.3 s."""
     require(v > 0.0, f"demo 'car_limit': v = {v:g} m/s; give a speed ahead")
     return car(Car(ms, h, a, b, track, kf, kr, bar_f, bar_r, mu), v, Pulse(steer, start=0.2, edge=0.3))
 
 
 def known(c: Car, v: float, spin: float) -> dict[str, float]:
-    """Closed forms of small accelerations, and the limit by trims; ``spin``: share of the wheels' spin that counts."""
+    """Return closed forms of small accelerations, and the limit by trims; ``spin``: share of the wheels' spin that
+    counts.
+    """
     roll, without = roll_gradient(c, spin), roll_gradient(c._replace(Iw=LIGHT), spin)
     front, rear = transfers(c, spin)
     return {
@@ -39,17 +41,21 @@ def known(c: Car, v: float, spin: float) -> dict[str, float]:
 
 
 def theory(*, ms, h, a, b, track, kf, kr, bar_f, bar_r, mu, v):
-    """See `known`."""
+    """Return the values of `known` with the full spin of the wheels."""
     return known(Car(ms, h, a, b, track, kf, kr, bar_f, bar_r, mu), v, 1.0)
 
 
 def without_gyroscopic(*, ms, h, a, b, track, kf, kr, bar_f, bar_r, mu, v):
-    """Of the moment that turns the spin round half is I dw/dt of a wheel's diameter, and stays."""
+    """Return the values without the gyroscopic moment: half of the moment that turns the spin is I dw/dt of a wheel's
+    diameter, and stays.
+    """
     return known(Car(ms, h, a, b, track, kf, kr, bar_f, bar_r, mu), v, 0.5)
 
 
 def measure(build, terms, *, ms, h, a, b, track, kf, kr, bar_f, bar_r, mu, v) -> Measured:
-    """A very wide circle, with the wheels' spin and without, circles up to the limit, and the step of the steer."""
+    """Measure a very wide circle, with the wheels' spin and without, circles up to the limit, and the step of the
+    steer.
+    """
     c = Car(ms, h, a, b, track, kf, kr, bar_f, bar_r, mu)
     wide, spinless = (circle(one, v, SMALL, terms=terms) for one in (c, c._replace(Iw=LIGHT)))
     load, found = wide.of_tyres("normal"), circles(c, v, terms)
@@ -67,7 +73,7 @@ def measure(build, terms, *, ms, h, a, b, track, kf, kr, bar_f, bar_r, mu, v) ->
 
 
 def notes(found):
-    """What the last circle says."""
+    """Return a line on the last circle."""
     last = found[-1]
     used = dict(zip(WHEELS, last.of_tyres("saturation"), strict=True))
     parts = ", ".join(f"{name} {100.0 * share:.1f} %" for name, share in used.items())
@@ -78,7 +84,7 @@ def notes(found):
 
 
 def curves(c, v, found):
-    """Steer and slip angles, loads, and roll over the acceleration, beside trims and the textbook."""
+    """Draw steer and slip angles, loads, and roll over the acceleration, with trims and the textbook."""
     x, along = np.array([one.acceleration for one in found]), {"along": "lateral acceleration [m/s^2]"}
     angles, loads = (np.array([one.of_tyres(of) for one in found]).T for of in ("slip_angle", "normal"))
     known = trims(c, v)

@@ -1,4 +1,4 @@
-"""A driver who follows a course: he steers at a point that runs ahead of him on it, and keeps his distance to it.
+"""Driver who follows a course: he steers at a point that runs ahead of him on it, and keeps his distance to it.
 
 The point is a body, driven along the course; what the driver sees and does is feedback on the kingpins and the hubs.
 """
@@ -28,7 +28,8 @@ PULL, SLOW = 300.0, 600.0  # N m/m and N m s/m of the foot on each rear wheel, b
 
 
 def gain(c: Car, speed: float, preview: float) -> float:
-    """Steer over the distance of the point to the side [rad/m]: the circle through the point, with the slip it wants.
+    """Return the gain from lateral distance of the point to steer [rad/m]: the circle through the point, with its slip
+    angle.
 
     2 (L + K v^2)/s^2 for a point s = ``preview`` times v ahead; K is the understeer gradient.
     """
@@ -36,7 +37,9 @@ def gain(c: Car, speed: float, preview: float) -> float:
 
 
 def followed(c: Car, speed: float, course: Signal, preview: float, lag: float) -> System:
-    """Car, point and driver: the point is ``preview`` [s] ahead, ``course`` [m] to the left; he lags by ``lag`` [s]."""
+    """Build car, point and driver: the point is ``preview`` [s] ahead, ``course`` [m] to the left; he lags by ``lag``
+    [s].
+    """
     free, at = car(c, speed, None), np.array([preview * speed, 0.0, c.h])
     moving = {"position": at, "velocity": (speed, 0, 0), "omega": (0, 0, 0)}
     sled = Body("sled", 1.0, (1, 1, 1), shape=shapes.Sphere(0.05), **moving)  # within the point on a straight course
@@ -51,7 +54,7 @@ def followed(c: Car, speed: float, course: Signal, preview: float, lag: float) -
 
 
 def acts_on(free: System, name: str, point: Body, steer: float, lag: float) -> list[StateFeedback]:
-    """What the driver does at a wheel: his hands at the kingpins in front, his foot at the hubs behind."""
+    """Return the feedback of the driver at a wheel: at the kingpins in front, at the hubs behind."""
     chassis, far = free.part("chassis"), point.position[0]
     if name.startswith("front"):
         pin = free.part(f"{name} slide", "joints")
@@ -66,7 +69,8 @@ def acts_on(free: System, name: str, point: Body, steer: float, lag: float) -> l
 
 
 def closed(c: Car, speed: float, preview: float, lag: float) -> Linear:
-    """Small motions of car and driver under the course: states of `linear`, steer, its rate, and what he sees.
+    """Return the small motions of car and driver under the course: states of `linear`, steer, its rate, and the
+    driver's measures.
 
     About each kingpin Iw/2 (steer'' + heading'') = hands - Iw v/r roll'.
     """

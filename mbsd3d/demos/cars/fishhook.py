@@ -1,4 +1,4 @@
-"""A car that is steered one way and, when it has rolled over that way, the other: the fishhook of rollover tests."""
+"""Fishhook of rollover tests: a car is steered one way and, at its largest roll, the other."""
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -21,23 +21,23 @@ OVER = 1.0  # rad of roll at which a car falls onto its side
 def mechanism(
     *, ms=1400.0, h=0.7, track=1.5, kf=25e3, kr=22e3, damping=2000.0, v=22.0, steer=0.1, back=1.0, at=0.73
 ) -> System:  # fmt: skip
-    """Car at v, steered to the left by an angle [rad], and at a time [s] to the right by ``back`` of it."""
+    """Build the car at v, steered to the left by an angle [rad], and at a time [s] to the right by ``back`` of it."""
     require(v > 0.0 and back >= 0.0, f"demo 'fishhook': v = {v:g} m/s, back = {back:g}; give v > 0 and back >= 0")
     return car(car_of(ms, h, track, kf, kr, damping), v, hook(steer, back, at))
 
 
 def car_of(ms, h, track, kf, kr, damping):
-    """The car with some of its numbers."""
+    """Return the car with some of its numbers."""
     return Car(ms=ms, h=h, track=track, kf=kf, kr=kr, damping=damping)
 
 
 def hook(steer, back, at):
-    """The steer over time."""
+    """Return the steer angle over time [rad] of the fishhook manoeuvre."""
     return Pulse(steer, start=0.0, edge=EDGE) + Pulse(-(1.0 + back) * steer, start=at, edge=2.0 * EDGE)
 
 
 def top(t, x, after=0.0):
-    """(time, value) of the first top of a curve after a time, between its samples; None if there is none."""
+    """Return (time, value) of the first maximum of a curve after a time, between its samples; None if there is none."""
     curve = CubicSpline(t, x)
     slope = curve.derivative()
     tops = [place for place in slope.roots(extrapolate=False) if place > after and curve(place, 2) < 0.0]
@@ -45,7 +45,8 @@ def top(t, x, after=0.0):
 
 
 def features(answer):
-    """Features of small motions, whose roll per steer over `TIMES` is ``answer(time of steering back)``; these rolls.
+    """Return features of small motions, whose roll per steer over `TIMES` is ``answer(time of steering back)``, and
+    these rolls.
 
     When it is steered back; the roll of the single turn in the end; the largest one to the left over that.
     """
@@ -60,7 +61,7 @@ def features(answer):
 
 
 def by_hand(c, v, back):
-    """The roll of the small motions per steer, by the time of steering back."""
+    """Return a function for the roll of the small motions per steer, by the time of steering back."""
     small = linear(c, v)
 
     def roll(at):
@@ -70,17 +71,17 @@ def by_hand(c, v, back):
 
 
 def theory(*, ms, h, track, kf, kr, damping, v, back):
-    """Small motions: `linear`."""
+    """Return the features of the small motions of `linear`."""
     return features(by_hand(car_of(ms, h, track, kf, kr, damping), v, back))[0]
 
 
 def roll_of(run):
-    """Roll to the right [rad]."""
+    """Return the roll to the right [rad]."""
     return run.measure(measures.lean(run.system.part("chassis"))).ravel()
 
 
 def measure(build, terms, *, ms, h, track, kf, kr, damping, v, back) -> Measured:
-    """Very small steers, and a large one: a single turn, and the fishhook at the time the single turn says."""
+    """Measure very small steers, and a large one: a single turn, and the fishhook at the time of its largest roll."""
 
     def small(at):
         run = simulate(build(steer=SMALL, at=at), TIMES[-1], output=TIMES, rtol=TIGHT, **terms)
@@ -101,12 +102,12 @@ def measure(build, terms, *, ms, h, track, kf, kr, damping, v, back) -> Measured
 
 
 def loads_of(run):
-    """(4, n) of the wheels [N]."""
+    """Return the loads of the wheels [N], shape (4, n)."""
     return np.array([run.force(f"{name} tyre").normal for name in WHEELS])
 
 
 def said(run):
-    """Whether it tips."""
+    """Return in a line how far the car rolls and whether it tips."""
     roll, least = np.degrees(roll_of(run)), loads_of(run).min(axis=1)
     if roll[-1] < -np.degrees(OVER) + 1.0:
         return f"the car falls onto its left side within {run.t[-1]:.2f} s"
@@ -117,7 +118,7 @@ def said(run):
 
 
 def curves(found, known, run, single):
-    """Roll of small steers and of the large one, and loads of the wheels."""
+    """Draw roll of small steers and of the large one, and loads of the wheels."""
     loads, names = loads_of(run), [*WHEELS]
     small, one = (np.asarray(x) for x in found)
     return [

@@ -1,4 +1,4 @@
-"""A car that runs straight on, by hand: its small motions to the side, and how it answers the steer.
+"""Small lateral motions of a car that runs straight on, in closed form, and their response to the steer.
 
 Displacements q = (y to the left, heading, roll to the right, travel in front, travel behind): the left wheel of an axle
 moves up by its travel along the chassis, the right one down. With the steer d of the front wheels
@@ -32,13 +32,14 @@ SPINNING, STANDING = 1.0, 0.5
 
 
 class Linear(NamedTuple):
-    """x' = A x + B (d, d', d'')."""
+    """Linear equations x' = A x + B (d, d', d'')."""
 
     A: np.ndarray  # (n, n)
     B: np.ndarray  # (n, 3)
 
     def respond(self, d: Signal, times: np.ndarray, breaks: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
-        """((k, n) states, (k, n) their rates) at rising times [s], from rest at 0; d is a cubic between its breaks.
+        """Return (states (k, n), their rates (k, n)) at rising times [s], from rest at 0; d is a cubic between its
+        breaks.
 
         Exact: with d and its three derivatives as states the equations have no input, and exp(A t) solves them.
         """
@@ -65,7 +66,7 @@ class Linear(NamedTuple):
 
 
 def linear(c: Car, speed: float, spin: float = SPINNING) -> Linear:
-    """The small motions at a speed [m/s]."""
+    """Return the small motions at a speed [m/s]."""
     one, half = np.eye(5), 0.5 * c.track
     gyro, diameter = spin * c.Iw * speed / c.r, 0.5 * c.Iw
     M = np.diag([c.ms, c.inertia[2], c.inertia[0], 0.0, 0.0])

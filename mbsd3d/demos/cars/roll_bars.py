@@ -1,4 +1,4 @@
-"""Which end of a car lets go first, as its anti-roll bars move from the rear to the front."""
+"""Anti-roll bars of a car and the axle that slides first, as the bars move from the rear to the front."""
 
 import numpy as np
 
@@ -18,7 +18,7 @@ TYRES = ("inner front", "outer front", "inner rear", "outer rear")  # in the ord
 
 
 def cars(h, track, bars, mu, less_grip, less_stiffness, shares=SHARES):
-    """The same car with its bars here and there."""
+    """Return the same car with its bars at several shares in front."""
     c = Car(h=h, track=track, mu=mu, less_grip=less_grip, less_stiffness=less_stiffness)
     return [c._replace(bar_f=share * bars, bar_r=(1.0 - share) * bars) for share in shares]
 
@@ -26,14 +26,16 @@ def cars(h, track, bars, mu, less_grip, less_stiffness, shares=SHARES):
 def mechanism(
     *, h=0.55, track=1.5, bars=18e3, mu=1.0, less_grip=0.12, less_stiffness=0.25, v=20.0, share=1.0, steer=0.1
 ) -> System:  # fmt: skip
-    """Car at v with a share of its bars [N m/rad] in front, whose front wheels are steered within 1 s."""
+    """Build the car at v with a share of its bars [N m/rad] in front, whose front wheels are steered within 1 s."""
     require(v > 0.0, f"demo 'roll_bars': v = {v:g} m/s; give a speed ahead")
     (c,) = cars(h, track, bars, mu, less_grip, less_stiffness, [share])
     return car(c, v, Pulse(steer, start=0.2, edge=1.0))
 
 
 def theory(*, h, track, bars, mu, less_grip, less_stiffness, v):
-    """Largest accelerations by trims; the understeer gradient has a closed form, and the bars are not in it."""
+    """Return the largest accelerations by trims, and the understeer gradient in closed form, which is independent of
+    the bars.
+    """
     known = [limit(c, v).acceleration for c in cars(h, track, bars, mu, less_grip, less_stiffness, (0.0, 1.0))]
     c = Car(less_stiffness=less_stiffness)
     return {
@@ -44,7 +46,7 @@ def theory(*, h, track, bars, mu, less_grip, less_stiffness, v):
 
 
 def measure(build, terms, *, h, track, bars, mu, less_grip, less_stiffness, v) -> Measured:
-    """Circles up to the limit with the bars here and there, and a very wide one."""
+    """Measure circles up to the limit with the bars at several shares, and a very wide one."""
     group = cars(h, track, bars, mu, less_grip, less_stiffness)
     found = [circles(c, v, terms, STEP) for c in group]
     wide = circle(group[-1], v, SMALL, terms=terms)
@@ -58,7 +60,7 @@ def measure(build, terms, *, h, track, bars, mu, less_grip, less_stiffness, v) -
 
 
 def note(share, found):
-    """Which tyre lets go first, and what the limit is like."""
+    """Return in a line which tyre slides first, and the state at the limit."""
     last, at = found[-1], [one.acceleration for one in found]
     used = np.array([one.of_tyres("saturation") for one in found]).T
     first = np.argmin([np.interp(NEARLY, one, at, right=np.inf) for one in used])
@@ -71,7 +73,7 @@ def note(share, found):
 
 
 def curves(group, v, found):
-    """Limit and grip used there over the share of the bars, and the steer on the way there."""
+    """Draw limit and grip used there over the share of the bars, and the steer up to it."""
     known = [trims(c, v) for c in group]
     percent, along = 100.0 * np.array(SHARES), {"along": "share of the bars in front [%]"}
     used = 100.0 * np.array([one[-1].of_tyres("saturation") for one in found]).T

@@ -1,4 +1,4 @@
-"""A car as a single track, both tyres of an axle in one: its eigenvalues, yaw gain and characteristic speed."""
+"""Car as a single track, both tyres of an axle in one: its eigenvalues, yaw gain and characteristic speed."""
 
 import numpy as np
 from scipy.optimize import brentq
@@ -37,7 +37,7 @@ SETTLED = 1e-5  # what is not steady in a run that slows down by that
 def mechanism(
     *, m=1600.0, Iz=3600.0, a=1.4, b=1.6, Cf=60e3, Cr=60e3, v=20.0, relaxation=1e-8, steer=0.0, step=0.01
 ) -> System:  # fmt: skip
-    """Body m [kg], Iz [kg m^2] at v, on two linear tyres, Cf [N/rad] a ahead and Cr b behind.
+    """Build a body m [kg], Iz [kg m^2] at v, on two linear tyres, Cf [N/rad] a ahead and Cr b behind.
 
     ``relaxation`` [m]: the tyres' forces follow their slip after this way; ``steer``, ``step`` [rad]: of the ride that
     is shown, at the start and what is added within 0.1 s.
@@ -58,7 +58,7 @@ def mechanism(
 
 
 def drawn(a, b):
-    """A floor between the wheels, a cabin as wide as a car, and the rear wheel."""
+    """Draw a floor between the wheels, a cabin as wide as a car, and the rear wheel."""
     L, middle = a + b, 0.5 * (a - b)
     return [
         shapes.Box((L - 3 * R, 0.6, 0.3), at=(middle, 0, 0.1), colour="lightsteelblue"),
@@ -68,7 +68,9 @@ def drawn(a, b):
 
 
 def theory(*, m, Iz, a, b, Cf, Cr, v):
-    """x = (speed to the left, yaw rate); K is the understeer gradient, and the gain v/(L + K v^2) peaks at V."""
+    """Return eigenvalues of x = (speed to the left, yaw rate); K is the understeer gradient, and the gain v/(L + K v^2)
+    peaks at V.
+    """
     L = a + b
     K = m * (b * Cr - a * Cf) / (L * Cf * Cr)
     require(K > 0.0, "demo 'single_track': it oversteers and has no characteristic speed; give b Cr > a Cf")
@@ -86,7 +88,7 @@ def theory(*, m, Iz, a, b, Cf, Cr, v):
 
 
 def small_motions(system, v, terms):
-    """(4, 4) of speed to the left over the car, yaw rate and the deflections of both tyres."""
+    """Return A of speed to the left over that ahead, yaw rate and the deflections of both tyres, shape (4, 4)."""
     body, forces = system.part("car"), system.forces
     seen = [measures.velocity(body, axis=(0, 1, 0)), measures.heading_rate(body)]
     seen += [*(measures.state(tyre, "lateral") for tyre in forces), measures.heading(body)]
@@ -97,7 +99,7 @@ def small_motions(system, v, terms):
 
 
 def response(build, v, terms):
-    """(eigenvalue of the car [1/s], yaw rate over steer [1/s]) at a speed [m/s].
+    """Return (eigenvalue of the car [1/s], yaw rate over steer [1/s]) at a speed [m/s].
 
     Where nothing changes A x = -B steer; B is what a little steer starts. The deflections of the tyres have large
     eigenvalues, those of the car are the two small ones.
@@ -112,7 +114,9 @@ def response(build, v, terms):
 
 
 def measure(build, terms, *, a, b, v) -> Measured:
-    """Eigenvalue and yaw gain at v, the speed at which a circle wants twice the steer L/R, and a step of the steer."""
+    """Measure eigenvalue and yaw gain at v, the speed at which a circle needs twice the steer L/R, and a step of the
+    steer.
+    """
 
     def more_steer(v):
         return v / response(build, v, terms)[1] - 2.0 * (a + b)
@@ -130,7 +134,7 @@ def measure(build, terms, *, a, b, v) -> Measured:
 
 
 def curves(build, terms, characteristic):
-    """Yaw gain and eigenvalues over the speed, up to twice the characteristic one where that is in reach."""
+    """Draw yaw gain and eigenvalues over the speed, up to twice the characteristic one where that is in reach."""
     speeds = np.geomspace(0.1, 1.0, 12) * min(2.0 * characteristic, FASTEST)
     found = [response(build, v, terms) for v in speeds]
     known = [build.demo.call(theory, {**build.values, "v": v}) for v in speeds]

@@ -1,4 +1,4 @@
-"""What is known of a car in a steady circle without its mechanism: closed forms, and four tyres under a rigid body.
+"""Theory of a car in a steady circle without its mechanism: closed forms, and four tyres under a rigid body.
 
 The closed forms hold where the lateral acceleration is small. The trim holds up to the limit, but for what the lean of
 the wheels and the geometry of a large roll do: up to 1.5 % of it.
@@ -23,14 +23,16 @@ SMALL = 1e-7  # of the unknowns, for derivatives
 
 
 def axle_stiffnesses(c: Car) -> np.ndarray:
-    """(2,) front and rear [N m/rad] over the roll of the car: springs and bar, in series with the tyres."""
+    """Return front and rear stiffness [N m/rad] over the roll of the car: springs and bar, in series with the tyres,
+    shape (2,).
+    """
     half = 0.5 * c.track**2
     ends = ((c.kf, c.bar_f), (c.kr, c.bar_r))
     return np.array([1.0 / (1.0 / (k * half + bar) + 1.0 / (c.kt * half)) for k, bar in ends])
 
 
 def roll_gradient(c: Car, spin: float = 1.0) -> float:
-    """Roll over lateral acceleration [rad s^2/m].
+    """Return the roll over lateral acceleration [rad s^2/m].
 
     (ms h + 4 mw r + 4 Iw/r)/(K - (ms h + 4 mw r) g): the wheels lean with the car but for what springs and bars give,
     and their spin v/r is carried round, Iw v/r times v/R each. ``spin``: share of that which is counted.
@@ -40,17 +42,17 @@ def roll_gradient(c: Car, spin: float = 1.0) -> float:
 
 
 def textbook_roll_gradient(c: Car) -> float:
-    """The same in textbooks, ms h/(K - ms h g): the wheels neither lean nor spin."""
+    """Return the roll gradient of textbooks, ms h/(K - ms h g): the wheels neither lean nor spin [rad s^2/m]."""
     return float(c.ms * c.h / (axle_stiffnesses(c).sum() - c.ms * c.h * G))
 
 
 def transfers(c: Car, spin: float = 1.0) -> np.ndarray:
-    """(2,) load that goes from left to right, front and rear, over lateral acceleration [kg]."""
+    """Return the load that goes from left to right, front and rear, over lateral acceleration [kg], shape (2,)."""
     return axle_stiffnesses(c) * roll_gradient(c, spin) / c.track
 
 
 def understeer_gradient(c: Car) -> float:
-    """Steer over lateral acceleration, beyond wheelbase over radius [rad s^2/m]."""
+    """Return the steer over lateral acceleration, beyond wheelbase over radius [rad s^2/m]."""
     return sum(sign * c.load(name) / c.stiffness(name) for name, sign in (("front left", 1), ("rear left", -1))) / G
 
 
@@ -66,7 +68,9 @@ class Trim:
 
 
 def tyre_forces(c: Car, loads: np.ndarray, slips: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """((4, 2) forces ahead and to the left of brush tyres at theoretical slips, shares of the grip that they use)."""
+    """Return (forces (4, 2) ahead and to the left of brush tyres at theoretical slips, shares of the grip that they
+    use).
+    """
     over = loads / c.nominal_load - 1.0
     C = np.array([c.longitudinal, c.cornering]) * (1.0 - c.less_stiffness * over)[:, None]
     grip = c.mu * (1.0 - c.less_grip * over)
@@ -87,7 +91,7 @@ class Planar:
         self.at = np.array([c.place(name)[:2] for name in WHEELS])
 
     def parts(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """(slip angles, loads, forces in axes of the car, shares of the grip used)."""
+        """Return (slip angles, loads, forces in axes of the car, shares of the grip used)."""
         c, (left, steer, _, *driven, a) = self.c, x
         turn = a / self.v
         loads = self.static - SIDE * self.over * a + PLACES[:, 0] * self.height * turn * left / (2.0 * c.wheelbase)
@@ -103,7 +107,9 @@ class Planar:
         return angles, loads, forces, used
 
     def left_over(self, x: np.ndarray) -> np.ndarray:
-        """(5,) of the forces over those of a circle [m/s^2], and of the two halves of the drive."""
+        """Return the residuals of the forces against those of a circle [m/s^2], and of the two halves of the drive,
+        shape (5,).
+        """
         _, _, forces, _ = self.parts(x)
         turn = x[5] / self.v
         wanted = self.m * np.array([-turn * x[0], x[5]])
@@ -113,13 +119,13 @@ class Planar:
         return np.array([*over, moment / self.c.wheelbase, *(forces[2:, 0] - 0.5 * x[2])]) / self.m
 
     def trim(self, x: np.ndarray) -> Trim:
-        """The trim that a solution of the equations means."""
+        """Return the trim of a solution of the equations."""
         angles, loads, _, used = self.parts(x)
         return Trim(float(x[5]), float(x[1]), angles, loads, used)
 
 
 def trims(c: Car, speed: float) -> list[Trim]:
-    """Trims at a speed [m/s] whose slip angles, front and rear added up, rise on to the largest acceleration.
+    """Compute trims at a speed [m/s] of rising slip angles, front and rear added up, to the largest acceleration.
 
     They end where the acceleration falls, or where the inner driven wheel spins and there are no more of them.
 
@@ -146,7 +152,9 @@ def trims(c: Car, speed: float) -> list[Trim]:
 
 
 def limit(c: Car, speed: float) -> Trim:
-    """The last of the trims; an InputError where the car rolls far or a wheel lifts off, and they no longer hold."""
+    """Return the last of the trims; raise InputError where the car rolls far or a wheel lifts off, since they no longer
+    hold.
+    """
     if roll_gradient(c) > 0:
         last = trims(c, speed)[-1]
         least = min(load / c.load(name) for load, name in zip(last.loads, WHEELS, strict=True))
@@ -159,7 +167,7 @@ def limit(c: Car, speed: float) -> Trim:
 
 
 def solved(planar: Planar, x: np.ndarray, slip: float) -> np.ndarray | None:
-    """(6,) unknowns near some with slip angles that add up [rad]; None if there are none."""
+    """Solve for unknowns near some with slip angles that add up [rad]; None if there are none; shape (6,)."""
 
     def left(x: np.ndarray) -> np.ndarray:
         c, v = planar.c, planar.v

@@ -20,13 +20,14 @@ APART = 1e-5  # [1] share of `excess` in its terms, times off / spin: below it r
 
 
 def spins(axis: int, spin: float, off: float) -> np.ndarray:
-    """Angular velocity at the start, body axes [rad/s]: ``spin`` about an axis, ``off`` about the others."""
+    """Return the initial angular velocity, body axes [rad/s]: ``spin`` about an axis, ``off`` about the others."""
     return np.where(np.arange(3) == axis, spin, off)
 
 
 def mechanism(*, m=1.5, I=(1.0, 2.0, 3.0), spin=5.0, off=1e-3) -> System:
-    """Three equal handles with moments I [kg m^2] side by side, spun [rad/s] each about another axis, which is upright,
-    and a little about the others."""
+    """Build three equal handles with moments I [kg m^2] side by side, spun [rad/s] each about another axis, which is
+    upright, and a little about the others.
+    """
     bar, stem = shapes.Capsule(0.16, 2.4, "x"), shapes.Capsule(0.16, 1.1, "y", at=(0, 0.75, 0))
     bodies = [
         Body(name, m, I, position=(2.7 * k, 1.7 * k, 0), orientation=turned, velocity=(0, 0, 0),
@@ -37,7 +38,7 @@ def mechanism(*, m=1.5, I=(1.0, 2.0, 3.0), spin=5.0, off=1e-3) -> System:
 
 
 def flip_interval(i: np.ndarray, w: np.ndarray) -> float:
-    """2 K(k) / p [s] for I1 < I2 < I3 and L^2 > 2 T I2, with 1 - k = (I3 - I1) D / ((I3 - I2)(L^2 - 2 T I1)).
+    """Return 2 K(k) / p [s] for I1 < I2 < I3 and L^2 > 2 T I2, with 1 - k = (I3 - I1) D / ((I3 - I2)(L^2 - 2 T I1)).
 
     p^2 = (I3 - I2)(L^2 - 2 T I1) / (I1 I2 I3); D = L^2 - 2 T I2 = sum of I (I - I2) w^2, written so because the
     difference of the two large numbers has no digits left. For D < 0 the least and the greatest axis change roles.
@@ -55,7 +56,7 @@ def flip_interval(i: np.ndarray, w: np.ndarray) -> float:
 
 
 def theory(*, I, spin, off, t):
-    """Euler's equations by elliptic functions; energy and angular momentum stay."""
+    """Solve Euler's equations by elliptic functions; energy and angular momentum stay."""
     require(I[0] < I[1] < I[2], f"demo 'dzhanibekov': I = {I}: give three moments that grow")
     require(abs(spin) > 3 * abs(off) > 0, f"demo 'dzhanibekov': off = {off:g}: give a small rate that is not 0")
     require(abs(off) > LEAST * abs(spin), f"demo 'dzhanibekov': off = {off:g} grows out of rounding; give "
@@ -70,7 +71,7 @@ def theory(*, I, spin, off, t):
 
 
 def flips(run):
-    """Times at which the spin of the middle handle about its middle axis changes its sign [s]."""
+    """Return the times at which the spin of the middle handle about its middle axis changes its sign [s]."""
 
     def spin(t):
         state = run.at(t)
@@ -81,7 +82,7 @@ def flips(run):
 
 
 def polhodes(I):
-    """Paths of L / L in the body for some energies: sum of l^2 / I = c on the unit sphere, (points, 3) each."""
+    """Return paths of L / L in the body for some energies: sum of l^2 / I = c on the unit sphere, (points, 3) each."""
     i, turn, paths = 1 / np.array(I), np.linspace(0, 2 * np.pi, 121), []
     for share in (0.03, 0.25, 0.6, 0.999):
         for around, sign in ((0, 1), (0, -1), (2, 1), (2, -1)):
@@ -94,7 +95,7 @@ def polhodes(I):
 
 
 def measure(build, terms, *, m, I, spin, off, t=30.0) -> Measured:
-    """Mean interval of the flips, energy and angular momentum of the middle handle at t."""
+    """Measure the mean interval of the flips, energy and angular momentum of the middle handle at t."""
     run = simulate(build(), t, rtol=1e-12, output=SAMPLES, **terms)
     times, rates = flips(run), [run.omega_body(name) for name in NAMES]
     local = [w * np.array(I) for w in rates]

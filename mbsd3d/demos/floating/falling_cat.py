@@ -11,7 +11,8 @@ FUR = "peru"
 
 
 def mechanism(*, A=0.12, C=0.03, bend_deg=60.0) -> System:
-    """Halves (C, A, A) [kg m^2] along their own axes, bent by an angle at a massless waist about which both roll."""
+    """Build halves (C, A, A) [kg m^2] along their own axes, bent by an angle at a massless waist about which both
+    roll."""
     g, bodies, joints = np.radians(bend_deg) / 2, [], []
     waist = Body("waist", 0.0, (0, 0, 0), shape=shapes.Sphere(0.09, colour=FUR))
     for name, side in (("fore", 1), ("hind", -1)):
@@ -30,13 +31,15 @@ def mechanism(*, A=0.12, C=0.03, bend_deg=60.0) -> System:
 
 
 def theory(*, A, C, bend_deg):
-    """Per roll of 360 degrees, from angular momentum zero: 360 (C cos g/(C cos^2 g + A sin^2 g) - 1), g = bend/2."""
+    """Return the turn per roll of 360 degrees at angular momentum zero: 360 (C cos g/(C cos^2 g + A sin^2 g) - 1), g =
+    bend/2.
+    """
     g = np.radians(bend_deg) / 2
     return {"net_turn_deg": 360 * (C * np.cos(g) / (C * np.cos(g) ** 2 + A * np.sin(g) ** 2) - 1)}
 
 
 def measure(build, terms) -> Measured:
-    """Turn of the waist about the length of the cat, less the roll of the halves."""
+    """Measure the turn of the waist about the length of the cat, less the roll of the halves."""
     run = simulate(build(), T, rtol=1e-12, output=201, **terms)
     R = run.rotation("waist")
     turn = np.degrees(np.unwrap(np.arctan2(R[:, 2, 1], R[:, 1, 1])))

@@ -14,8 +14,9 @@ def mechanism(
     *, torque=100.0, rate=100.0, wheel_radius=0.1, ratio=3.7, spiral_deg=50.0, offset_angle_deg=20.0,
     pressure_deg=20.0,
 ) -> System:  # fmt: skip
-    """Shafts along -x and y; torque [N m] and rate [rad/s] of the pinion, pitch radius of the wheel [m], spiral of the
-    pinion, angle between the elements of the cones that touch."""
+    """Build shafts along -x and y; torque [N m] and rate [rad/s] of the pinion, pitch radius of the wheel [m], spiral
+    of the pinion, angle between the elements of the cones in contact.
+    """
     r, b, d = numbers(wheel_radius, ratio, spiral_deg, offset_angle_deg)
     eta, n = b[0] - b[1], np.array([0, 1.0, 0])  # in the pitch plane, whose normal n points to the wheel's shaft
     elements = np.array([0, 0, 1.0]), np.array([-np.sin(eta), 0, np.cos(eta)])
@@ -36,7 +37,9 @@ def mechanism(
 
 
 def numbers(wheel_radius, ratio, spiral_deg, offset_angle_deg):
-    """Pitch radii, spiral angles and cone angles of pinion and wheel, tan(d1) tan(d2) = cos(b1 - b2) for this angle."""
+    """Return pitch radii, spiral angles and cone angles of pinion and wheel, tan(d1) tan(d2) = cos(b1 - b2) for this
+    angle.
+    """
     b = np.radians([spiral_deg, spiral_deg - offset_angle_deg])
     require(
         abs(b).max() < np.pi / 2 and np.cos(b[0] - b[1]) > 0,
@@ -49,7 +52,7 @@ def numbers(wheel_radius, ratio, spiral_deg, offset_angle_deg):
 
 
 def cone(radius, angle, spiral, count, width, shift):
-    """A cone with oblique teeth about z on a shaft, as it looks; its pitch circle lies at the origin."""
+    """Draw a cone with oblique teeth about z on a shaft; its pitch circle lies at the origin."""
     up, found, depth = (
         np.array([0, 0, 1.0]),
         [shapes.Cylinder(0.15 * width, 4 * width, at=(0, 0, 1.8 * width))],
@@ -72,7 +75,9 @@ def cone(radius, angle, spiral, count, width, shift):
 
 
 def theory(*, torque, rate, wheel_radius, ratio, spiral_deg, offset_angle_deg, pressure_deg):
-    """Each gear as a bevel gear with its own cone and spiral angle; offset and sliding by their difference."""
+    """Return the forces of each gear as a bevel gear with its own cone and spiral angle; offset and sliding by their
+    difference.
+    """
     (r1, r2), (b1, b2), (d1, d2) = numbers(wheel_radius, ratio, spiral_deg, offset_angle_deg)
     require(torque > 0, f"demo 'hypoid': torque = {torque:g} N m; give more than 0, for the flanks that then touch")
     push, k, off = torque / (r1 * np.cos(b1)), np.tan(np.radians(pressure_deg)), np.sin(abs(b1 - b2))
@@ -86,7 +91,7 @@ def theory(*, torque, rate, wheel_radius, ratio, spiral_deg, offset_angle_deg, p
 
 
 def measure(build, terms, *, rate, ratio) -> Measured:
-    """Tooth force along the shafts; distance of the shafts; velocities at the pitch point; rates."""
+    """Measure tooth force along the shafts, distance of the shafts, velocities at the pitch point, and rates."""
     system = build()
     one, two, *_ = system.joints
     run = simulate(system, 2 * np.pi * ratio / abs(rate), output=121, **terms)

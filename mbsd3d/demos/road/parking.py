@@ -1,4 +1,4 @@
-"""Two motions reach every pose of four coordinates: a car is wriggled sideways into a gap."""
+"""Two inputs reach every pose of four coordinates: a car moves sideways into a gap."""
 
 import numpy as np
 
@@ -26,7 +26,8 @@ SEEN, APART = 1e-9, 1e-5  # of the longest way: a shorter one is rounding; sine 
 
 
 def mechanism(*, L=2.6, steer_deg=30.0, way=1.5, beats=2) -> System:
-    """Car of wheelbase L [m] that drives way [m] and back in 2 pi s, its front wheels to and fro beats times."""
+    """Build a car of wheelbase L [m] that drives way [m] and back in 2 pi s, its front wheels to and fro beats
+    times."""
     require(beats in (1, 2), f"demo 'parking': beats = {beats}; give 2 to go sideways, 1 to turn")
     axle = shapes.Cylinder(0.05, 2 * WIDE, "y", at=(0, 0, 0.3))
     rear, ahead = [wheel(side) for side in (-WIDE, WIDE)], [wheel(side, L) for side in (-WIDE, WIDE)]
@@ -49,17 +50,17 @@ def mechanism(*, L=2.6, steer_deg=30.0, way=1.5, beats=2) -> System:
 
 
 def wheel(side, along=0.0):
-    """A wheel beside the middle."""
+    """Draw a wheel beside the middle."""
     return shapes.Cylinder(0.3, 0.2, "y", at=(along, side, 0.3))
 
 
 def part_of(form, along):
-    """A shape about a reference point further on."""
+    """Return a shape about a reference point further on."""
     return shapes.Cylinder(form.radius, form.length, form.axis, at=np.asarray(form.at) - (along, 0, 0))
 
 
 def own(times, *, L, steer_deg, way, beats):
-    """(times, 3) x, y of the rear axle and heading: x' = v cos f, y' = v sin f, f' = v tan(d) / L."""
+    """Integrate x, y of the rear axle and heading: x' = v cos f, y' = v sin f, f' = v tan(d) / L, shape (times, 3)."""
 
     def rate(t, y):
         v, turn = 0.5 * way * W * np.sin(W * t), np.tan(np.radians(steer_deg) * np.sin(beats * W * t)) / L
@@ -69,7 +70,7 @@ def own(times, *, L, steer_deg, way, beats):
 
 
 def theory(*, L, steer_deg, way, beats):
-    """Own equations over one period; of four coordinates the brackets of driving and steering reach all."""
+    """Integrate own equations over one period; of four coordinates the brackets of driving and steering reach all."""
     require(
         abs(steer_deg) < 80, f"demo 'parking': steer_deg = {steer_deg:g}; wheels across do not roll, give less than 80"
     )
@@ -80,7 +81,7 @@ def theory(*, L, steer_deg, way, beats):
 
 
 def measure(build, terms, *, L, steer_deg, way, beats) -> Measured:
-    """A period of it, what `check` counts of the car without drivers, and the poses four motions lead to."""
+    """Measure a period, the count of `check` for the car without drivers, and the poses after four motions."""
     system, period = build(), 2 * np.pi / W
     run = simulate(system, period, rtol=1e-12, output=401, **terms)
     free = System(system.bodies, system.joints[:4], gravity=(0, 0, 0)).check()
@@ -101,7 +102,7 @@ def measure(build, terms, *, L, steer_deg, way, beats) -> Measured:
 
 
 def pose(run):
-    """(x, y, heading, steering angle) of the car at the end."""
+    """Return (x, y, heading, steering angle) of the car at the end."""
     heading = run.measure(measures.heading(run.system.part("car")))[-1]
     return np.array([*run.position("car")[-1][:2], heading.item(), run.angle("kingpin")[-1]])
 

@@ -11,7 +11,7 @@ RATE, SAMPLES = 10.0, 361  # rad/s; of one turn, the extremes are at its quarter
 
 
 def mechanism(*, bend_deg=30.0, phase_deg=90.0) -> System:
-    """Parallel shafts joined by a middle one at an angle; its second yoke is turned by the phase about it."""
+    """Build parallel shafts joined by a middle one at an angle; its second yoke is turned by the phase about it."""
     require(phase_deg in (0, 90), f"demo 'cardan_wrong_phase': phase_deg = {phase_deg:g}; give 90 (wrong) or 0 (right)")
     bend, ends = np.radians(bend_deg), np.array([1.0, 0, 0])
     along, across = np.array([np.cos(bend), np.sin(bend), 0]), np.array([-np.sin(bend), np.cos(bend), 0])
@@ -32,14 +32,16 @@ def mechanism(*, bend_deg=30.0, phase_deg=90.0) -> System:
 
 
 def theory(*, bend_deg, phase_deg):
-    """In the wrong phase both crosses are fast and slow together: 1/cos^2 b and cos^2 b; in the right phase 1."""
+    """Return the greatest ratio: in the wrong phase both crosses are fast and slow together, 1/cos^2 b and cos^2 b; in
+    the right phase 1.
+    """
     require(abs(bend_deg) < 90, f"demo 'cardan_wrong_phase': bend_deg = {bend_deg:g}: a cross locks at 90; give less")
     least = 1.0 if phase_deg == 0 else np.cos(np.radians(bend_deg)) ** 2
     return {"greatest_ratio": 1 / least, "least_ratio": least}
 
 
 def measure(build, terms, *, bend_deg, phase_deg) -> Measured:
-    """Output over input rate during one turn."""
+    """Measure output over input rate during one turn."""
     run = simulate(build(), 2 * np.pi / RATE, rtol=1e-12, output=SAMPLES, **terms)
     found, b = run.omega_body("driven")[:, 0] / RATE, np.radians(bend_deg)
     first = ratio(RATE * run.t, b)

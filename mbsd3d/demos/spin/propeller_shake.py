@@ -1,4 +1,6 @@
-"""The hub of a two-bladed propeller feels a turning airplane as a hammer, that of a three-bladed one as a push."""
+"""The hub of a two-bladed propeller on a turning airplane has an alternating moment, that of a three-bladed one a
+constant one.
+"""
 
 import numpy as np
 
@@ -18,7 +20,8 @@ AIRFRAME = [
 
 
 def mechanism(*, J=2.0, Omega=250.0, r=0.4, blades=2) -> System:
-    """Airplane turning at r [rad/s] about z, propeller of moment J [kg m^2] at Omega [rad/s] about its nose x."""
+    """Build an airplane turning at r [rad/s] about z, propeller of moment J [kg m^2] at Omega [rad/s] about its nose
+    x."""
     require(blades >= 2, f"demo 'propeller_shake': blades = {blades}; give 2 or more")
     plane = Body("plane", 900.0, (800.0, 900.0, 1500.0), shape=AIRFRAME)
     moments = (J, 0.0, J) if blades == 2 else (J, J / 2, J / 2)
@@ -37,7 +40,9 @@ def mechanism(*, J=2.0, Omega=250.0, r=0.4, blades=2) -> System:
 
 
 def theory(*, J, Omega, r, blades):
-    """Two blades: pitch J W r (1 - cos 2 psi), yaw -J W r sin 2 psi; three or more: pitch J W r, no yaw."""
+    """Return the moments: two blades, pitch J W r (1 - cos 2 psi), yaw -J W r sin 2 psi; three or more, pitch J W r, no
+    yaw.
+    """
     size, two = abs(J * Omega * r), blades == 2
     return {
         "pitch_moment_peak_Nm": 2 * size if two else size,
@@ -47,7 +52,7 @@ def theory(*, J, Omega, r, blades):
 
 
 def measure(build, terms, *, J, Omega, r) -> Measured:
-    """Moment of the hub on the propeller in the airplane's axes, over one turn of the propeller."""
+    """Measure the moment of the hub on the propeller in the airplane's axes, over one turn of the propeller."""
     run = simulate(build(), 2 * np.pi / abs(Omega), rtol=1e-12, output=SAMPLES + 1, **terms)
     moment = np.einsum("tji,tj->ti", run.rotation("plane"), run.reaction("hub").moment)
     pitch, yaw = moment[:-1, 1], moment[:-1, 2]

@@ -1,4 +1,4 @@
-"""The wall of shame: what is lost with each term one may forget, in numbers."""
+"""Errors of omitted terms: what is lost with each term that one may forget, in numbers."""
 
 import numpy as np
 
@@ -18,7 +18,7 @@ RUNS = {"all terms": {}, **{text: {term: False} for term, text in TERMS.items()}
 
 
 def mechanism(*, arm=0.5, turn=2 * np.pi) -> System:
-    """A flywheel on a hinge, its centre of mass an arm [m] off the axis, turning [rad/s]; no gravity."""
+    """Build a flywheel on a hinge, its centre of mass an arm [m] off the axis, turning [rad/s]; no gravity."""
     shape = (
         shapes.Disc(0.5 * arm, 0.12 * arm),
         shapes.Cylinder(0.06 * arm, arm, "x", at=(-0.5 * arm, 0, 0)),
@@ -29,34 +29,38 @@ def mechanism(*, arm=0.5, turn=2 * np.pi) -> System:
 
 
 def free_body(I, spin) -> System:
-    """A body without forces, turning about an axis that is not principal."""
+    """Build a body without forces, turning about an axis that is not principal."""
     return System([Body("body", 1.0, I, omega=spin, shape="box")], gravity=(0, 0, 0))
 
 
 def top() -> System:
-    """A fast top, its reference point between pivot and centre of mass: every term of the equations is at work."""
+    """Build a fast top, its reference point between pivot and centre of mass, so that every term of the equations
+    matters.
+    """
     moments = (0.234375, 0.46875, 0.234375)
     body = Body("top", 15.0, moments, position=(0, 0.5, 0), com=(0, 0.5, 0), omega=(0, 150, -4.61538))
     return System([body], [Spherical(GROUND, body, at=(0, 0, 0), name="pivot")])
 
 
 def drifted(angle, arm):
-    """Gap of the hinge without -J_dot v [m]: the centre of mass flies straight on while the wheel turns."""
+    """Return the gap of the hinge without -J_dot v [m]: the centre of mass flies straight on while the wheel turns."""
     return arm * np.hypot(1 - np.cos(angle), angle - np.sin(angle))
 
 
 def closing(t):
-    """Gap [m] under Baumgarte's c_ddot + 2 (10/s) c_dot + (10/s)^2 c = 0, opened by GAP at rest."""
+    """Return the gap [m] under Baumgarte's c_ddot + 2 (10/s) c_dot + (10/s)^2 c = 0, opened by `INITIAL_GAP` at
+    rest."""
     return GAP * (1 + DECAY * t) * np.exp(-DECAY * t)
 
 
 def ghost(turns):
-    """Angle of e = (1, w t / 2), what a constant e_dot leads to [deg]: 2 atan(pi turns)."""
+    """Return the angle of e = (1, w t / 2), the result of a constant e_dot [deg]: 2 atan(pi turns)."""
     return np.degrees(2 * np.arctan(np.pi * np.asarray(turns)))
 
 
 def theory(*, arm, turn, I, spin, terms):
-    """What each loss breaks: closed forms for a constant w; without w x I w L turns with the body about w."""
+    """Return the error of each omission: closed forms for a constant w; without w x I w L turns with the body about
+    w."""
     require(terms in ("forgotten", "kept"), f"demo 'wall': terms = {terms!r}; give 'forgotten' or 'kept'")
     lost, w, L = terms == "forgotten", np.array(spin), np.multiply(I, spin)
     shaken = own_crank().theory
@@ -72,12 +76,12 @@ def theory(*, arm, turn, I, spin, terms):
 
 
 def own_crank() -> Builder:
-    """The engine of the crank's demo."""
+    """Return the engine of the demo ``crank``."""
     return Builder(crank.demo, crank.demo.parameters)
 
 
 def opened(system, t, stabilisation):
-    """A while of the flywheel with its hinge a millimetre apart, at rest, at the start."""
+    """Simulate the flywheel with its hinge a millimetre apart, at rest, at the start."""
     start = system.state()
     apart = State(start.t, start.q + GAP * np.eye(7)[0], start.v)
     held = BAUMGARTE if stabilisation == "baumgarte" else {"stabilisation": stabilisation}
@@ -85,7 +89,9 @@ def opened(system, t, stabilisation):
 
 
 def quaternions(h_dot):
-    """(STEPS + 1, 4) from e_ddot = (H w_dot + H_dot w) / 2 by RK4, one turn about z in 1 s, or without H_dot."""
+    """Integrate e_ddot = (H w_dot + H_dot w) / 2 by RK4, one turn about z in 1 s, or without H_dot, shape (STEP_COUNT +
+    1, 4).
+    """
     w, e = np.array([0.0, 0.0, 2 * np.pi]), np.array([1.0, 0.0, 0.0, 0.0])
 
     def rate(y):
@@ -102,7 +108,9 @@ def quaternions(h_dot):
 
 
 def measure(build, terms_off, *, arm, turn, I=(1.0, 2.0, 3.0), spin=(1.0, 2.0, 2.0), terms="forgotten") -> Measured:
-    """Half a turn of the free body, a turn of crank, flywheel and quaternion, each without its term (or with it)."""
+    """Measure half a turn of the free body, a turn of crank, flywheel and quaternion, each without its term (or with
+    it).
+    """
     kept, settings, t = terms == "kept", {"rtol": 1e-12, "output": 51}, 2 * np.pi / abs(turn)
     free = simulate(free_body(I, spin), np.pi / np.linalg.norm(spin), gyroscopic=kept, **settings)
     engine = crank.one_turn(own_crank()(), crank.demo.parameters["rpm"], centripetal=kept)

@@ -10,7 +10,7 @@ G = 9.81  # m/s^2
 
 
 def mechanism(*, slope_deg=5.0, w=2.0, blade=1) -> System:
-    """Skate on a slope down along x, pointing down, turning at w [rad/s]; blade = 0 takes its edge away."""
+    """Build a skate on a slope down along x, pointing down, turning at w [rad/s]; blade = 0 takes its edge away."""
     require(blade in (0, 1), f"demo 'skate_on_slope': blade = {blade}; give 1 (with its edge) or 0 (without)")
     turned = rotation("y", slope_deg, degrees=True)
     normal = axes(slope_deg)[2]
@@ -22,13 +22,15 @@ def mechanism(*, slope_deg=5.0, w=2.0, blade=1) -> System:
 
 
 def axes(slope_deg):
-    """Down the slope, across it, normal."""
+    """Return the directions down the slope, across it, and normal."""
     s, c = np.sin(np.radians(slope_deg)), np.cos(np.radians(slope_deg))
     return np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]])
 
 
 def path(t, slope_deg, w, blade):
-    """(down, sideways) with g' = g sin(slope): the speed along the blade is g' sin(w t)/w; without, a free puck."""
+    """Return the position (down, sideways) [m] with g' = g sin(slope): the speed along the blade is g' sin(w t)/w;
+    without, a free puck.
+    """
     g = G * np.sin(np.radians(slope_deg))
     if not blade:
         return 0.5 * g * t**2, 0.0 * t
@@ -36,14 +38,14 @@ def path(t, slope_deg, w, blade):
 
 
 def theory(*, slope_deg, w, blade, t):
-    """A cycloid across the slope."""
+    """Return the position on a cycloid across the slope."""
     require(w or not blade, "demo 'skate_on_slope': w = 0: a skate that does not turn slides down; give another rate")
     down, sideways = path(t, slope_deg, w, blade)
     return {"down_slope_m": down, "sideways_m": sideways}
 
 
 def measure(build, terms, *, slope_deg, w, blade, t=10.0) -> Measured:
-    """Where it is after t."""
+    """Measure the position of the skate at time t [m]."""
     run = simulate(build(), t, rtol=1e-13, output=401, **terms)
     down, sideways, _ = axes(slope_deg) @ run.position("skate").T
     known = path(run.t, slope_deg, w, blade)

@@ -14,18 +14,19 @@ LONGEST, LEANS = 1.42, 11.0  # over its breadth; deg from lying: beyond, the bal
 
 
 def moments(m, a, b):
-    """(A, A, C) of a homogeneous egg."""
+    """Return (A, A, C) of a homogeneous egg [kg m^2]."""
     return m / 5 * np.array([a**2 + b**2, a**2 + b**2, 2 * b**2])
 
 
 def height(a, b, tilt):
-    """Height of the centre over the table."""
+    """Return the height of the centre over the table [m]."""
     return np.hypot(a * np.cos(tilt), b * np.sin(tilt))
 
 
 def mechanism(*, m=0.06, a=0.029, b=0.022, mu=0.2, creep=0.01, tilt_deg=85.0, spin=160.0) -> System:
-    """Egg of length 2 a and breadth 2 b [m], its axis tilted from the vertical, spun about the vertical [rad/s], on
-    friction mu, which is full where it slides much faster than ``creep`` [m/s]."""
+    """Build an egg of length 2 a and breadth 2 b [m], its axis tilted from the vertical, spun about the vertical
+    [rad/s], on friction mu, which is full where it slides much faster than ``creep`` [m/s].
+    """
     tilt, (k, c), form = np.radians(tilt_deg), table_of(m), shapes.Ellipsoid((b, b, a))
     mark = shapes.Torus(0.999 * b, 0.04 * b, colour="orangered")
     egg = Body("egg", m, moments(m, a, b), position=(0, 0, height(a, b, tilt) - 1 / PER_WEIGHT), velocity=(0, 0, 0),
@@ -35,7 +36,9 @@ def mechanism(*, m=0.06, a=0.029, b=0.022, mu=0.2, creep=0.01, tilt_deg=85.0, sp
 
 
 def own(times, *, m, a, b, mu, creep, tilt_deg, spin):
-    """(times, 10) of the vertical, angular velocity and velocity in axes of the egg, and height; see `slid`."""
+    """Integrate the vertical, angular velocity and velocity in axes of the egg, and height; see `slid`; shape (times,
+    10).
+    """
     tilt, (k, c) = np.radians(tilt_deg), table_of(m)
     n = matrix(rotation("y", tilt))[2]
     return slid(times, m=m, g=G, I=moments(m, a, b), radii=(b, b, a), com=(0, 0, 0), k=k, c=c, mu=mu, creep=creep,
@@ -43,18 +46,19 @@ def own(times, *, m, a, b, mu, creep, tilt_deg, spin):
 
 
 def seen(mu, *, m, a, b, creep, tilt_deg, spin, t):
-    """Attitude and spin at t by its own equations."""
+    """Return attitude and spin at t by own equations."""
     y = own(np.array([0.0, t]), m=m, a=a, b=b, mu=mu, creep=creep, tilt_deg=tilt_deg, spin=spin)[-1]
     return {"axis_height_cos": y[2], "spin_vertical_rad_s": y[:3] @ y[3:6]}
 
 
 def slippery(*, m, a, b, creep, tilt_deg, spin, t):
-    """The same without friction."""
+    """Return the same values without friction."""
     return seen(0.0, m=m, a=a, b=b, creep=creep, tilt_deg=tilt_deg, spin=spin, t=t)
 
 
 def theory(*, m, a, b, mu, creep, tilt_deg, spin, t):
-    """Own equations; and the spin on its end by Jellett's integral, which an egg that spins fast nearly keeps.
+    """Return the values of own equations, and the spin on its end by Jellett's integral, nearly constant for a fast
+    egg.
 
     Where the gyroscopic moments balance, L = A W along the vertical, and L times the height stays: A W h = C W_1 a.
     """
@@ -68,7 +72,7 @@ def theory(*, m, a, b, mu, creep, tilt_deg, spin, t):
 
 
 def measure(build, terms, *, m, a, b, mu, creep, tilt_deg, spin, t=2.5) -> Measured:
-    """Attitude and spin about the vertical at t, when it stands."""
+    """Measure attitude and spin about the vertical at t, when it stands."""
     run = simulate(build(), t, method=DOP853(stiff="run"), rtol=1e-11, output=801, **terms)
     axis, vertical = run.rotation("egg")[:, :, 2], run.omega("egg")[:, 2]
     y = own(run.t, m=m, a=a, b=b, mu=mu, creep=creep, tilt_deg=tilt_deg, spin=spin)

@@ -11,12 +11,12 @@ HERE = {"at": (0, 0, 0)}  # the axes of a wrist meet
 
 
 def mechanism(*, w=1.0, miss_deg=3.0) -> System:
-    """Hand turned at w [rad/s] about a fixed axis, so that it passes the stretched wrist at an angle."""
+    """Build a hand turned at w [rad/s] about a fixed axis, so that it passes the stretched wrist at an angle."""
     return wrist(w, miss_deg, -np.pi / 2)
 
 
 def wrist(w, miss_deg, angle):
-    """The hand an angle before its pose nearest to the stretched one; without a driver for w = 0."""
+    """Build the hand an angle before its pose nearest to the stretched one; without a driver for w = 0."""
     miss = np.radians(miss_deg)
     axis, nearest = np.array([0, -np.cos(miss), np.sin(miss)]), np.array([0, np.sin(miss), np.cos(miss)])
     along = np.cos(angle) * nearest + np.sin(angle) * np.cross(axis, nearest)
@@ -47,7 +47,9 @@ def wrist(w, miss_deg, angle):
 
 
 def theory(*, w, miss_deg):
-    """The bend 5 is the angle between axes 4 and 6: w sin(miss)/sin^2(bend) for 4, -cos(bend) times that for 6."""
+    """Return the rates from the bend 5, the angle between axes 4 and 6: w sin(miss)/sin^2(bend) for 4, -cos(bend) times
+    that for 6.
+    """
     require(0 < miss_deg < 90, f"demo 'wrist_singularity': miss_deg = {miss_deg:g}; give 0 < miss_deg < 90: at 0 the "
             "wrist is stretched, and axes 4 and 6 are one")  # fmt: skip
     miss = np.radians(miss_deg)
@@ -55,7 +57,7 @@ def theory(*, w, miss_deg):
 
 
 def measure(build, terms, *, w, miss_deg) -> Measured:
-    """Greatest rates on the way, and the rank that `check` misses in the stretched pose."""
+    """Measure the greatest rates on the way, and the rank that `check` misses in the stretched pose."""
     run = simulate(build(), np.pi / abs(w), method=Kinematic(), output=SAMPLES, **terms)
     rates, miss = [run.rate("axis 4"), run.rate("axis 6")], np.radians(miss_deg)
     bend = np.arccos(run.rotation("hand")[:, 2, 2])

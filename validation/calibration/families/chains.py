@@ -96,7 +96,8 @@ def swinging(link: Chain, rates: Array, t_end: float) -> Callable[[Array], Array
 
 
 def doubled(link: Chain, rates: Array, t_end: float) -> Callable[[Array], Array]:
-    """Return the truth of two links on parallel axes: the double pendulum of the textbooks, angles from the vertical."""
+    """Return the truth of two links on parallel axes: the double pendulum of the textbooks, angles from the
+    vertical."""
     (g, polar), u, (m_1, m_2) = across(link), link.axes[0], link.masses
     (d_1, psi), (d_2, phi_2) = (polar(G - p) for G, p in zip(link.centres, link.points, strict=True))
     l, phi_1 = polar(link.points[1] - link.points[0])

@@ -60,7 +60,8 @@ def driven_arm(place: Place) -> Problem:
 
 
 def driven_gears(place: Place) -> Problem:
-    """Draw a driven wheel, a gear on any axis behind it, and a rack behind that; the driver may begin some turns away."""
+    """Draw a driven wheel, a gear on any axis behind it, and a rack behind that; the driver may begin some turns
+    away."""
     rng, (made, most, (way_of, _)) = place.rng, signal(place, 1.0)
     begin = float(rng.choice([0.0, rng.uniform(-30.0, 30.0)]))
     course = lambda t: begin + way_of(t)  # noqa: E731

@@ -26,7 +26,8 @@ def stopped_wheel(place: Place) -> Problem:
 
 
 def restarted_ball(place: Place) -> Problem:
-    """Draw a ball that bounces by an impact law: each run ends on the floor, the next begins with the speed reversed."""
+    """Draw a ball that bounces by an impact law: each run ends on the floor, the next begins with the speed
+    reversed."""
     rng, unit = place.rng, place.unit
     mass, high, e, g = float(rng.uniform(0.5, 2.0)), place.length(0.3, 1.0), float(rng.uniform(0.6, 0.9)), place.g
     at = np.array([0.2, 0.3, high])

@@ -23,7 +23,8 @@ def turned(axis: np.ndarray, angle: Any, vector: np.ndarray) -> np.ndarray:
 
 
 def swing(made: Run) -> tuple[Any, float, float, float]:
-    """Return (hinge, w0, angle from the lowest position, rate) at the start of one body that swings about a fixed axis."""
+    """Return (hinge, w0, angle from the lowest position, rate) at the start of one body that swings about a fixed
+    axis."""
     system = made.system
     body, hinge = system.bodies[0], system.joints[0]
     u, g, R = hinge.axis, system.gravity, body_rotation(body)

@@ -181,7 +181,8 @@ SAMPLES = 33
 
 
 def trials(quick: bool) -> list[Trial]:
-    """Return layouts of engines, the inline four of the sweeps, and planar mechanisms with and without redundant rows."""
+    """Return layouts of engines, the inline four of the sweeps, and planar mechanisms with and without redundant
+    rows."""
     found = [layout(name) for name in (SHORT if quick else names())]
     found.append(Trial("inline_four", "engines", "inline four, driven, as a sum of planes", four, {PLANE: block}))
     for k, mechanism in enumerate(twins.mechanisms()):

@@ -77,7 +77,8 @@ def trials(quick: bool) -> list[Trial]:
 
 
 def shafts() -> checks.Pairs:
-    """Compare the effect of faults: reaction of the engine with its geared shafts in space, and closed form [N], [N m]."""
+    """Compare the effect of faults: reaction of the engine with its geared shafts in space, and closed form [N], [N
+    m]."""
     chosen = presets.preset("inline_4")
     fitted = balance_shafts.fitted(chosen, "raised")
     wrong = [balance_shafts.faulty(chosen, fitted, fault) for fault in balance_shafts.FAULTS]

@@ -138,7 +138,8 @@ def bicycle_eigenvalues(made: Run) -> Iterable[Finding]:
 
 
 def at_speed(raw: dict, speed: float) -> dict:
-    """Return the benchmark bicycle running straight at a speed [m/s]; its steering axis to all digits, 18 degrees back."""
+    """Return the benchmark bicycle running straight at a speed [m/s]; its steering axis to all digits, 18 degrees
+    back."""
     tilt, stored = np.pi / 10, np.linalg.norm(raw["bodies"][0]["v0"])
     moving = [{**b, **{key: [x * speed / stored for x in b[key]] for key in ("v0", "w0")}} for b in raw["bodies"]]
     joints = [dict(joint) for joint in raw["joints"]]

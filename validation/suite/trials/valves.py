@@ -18,7 +18,8 @@ SMOOTH = 0.16  # rad from the ends and the nose of a lift: where its derivatives
 
 
 def trials(quick: bool) -> list[Trial]:
-    """Return a flat face in contact, rollers held, a valve that bounces, a spring; the first of them for a quick run."""
+    """Return a flat face in contact, rollers held, a valve that bounces, a spring; the first of them for a quick
+    run."""
     found = [
         Trial(f"nvh_valve{name}", "engines in cars", title, make, {THEORY: judge}, alone=alone)
         for name, title, make, judge, alone in (

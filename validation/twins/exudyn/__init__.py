@@ -1,4 +1,5 @@
-"""Counterpart model of a `System` in Exudyn: rigid bodies with constraints, or a kinematic tree in minimal coordinates."""
+"""Counterpart model of a `System` in Exudyn: rigid bodies with constraints, or a kinematic tree in minimal
+coordinates."""
 
 from typing import Any
 

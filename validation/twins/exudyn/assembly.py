@@ -94,7 +94,8 @@ class Assembly:
         return self.mbs.AddSensor(item)
 
     def coordinate(self, x: Coordinate, counted: bool = True) -> int:
-        """Return the marker of a hinge coordinate; angles are unwrapped from step to step by a data node, if counted."""
+        """Return the marker of a hinge coordinate; angles are unwrapped from step to step by a data node, if
+        counted."""
         bodies = [self.body[id(x.a)], self.body[id(x.b)]]
         if x.kind == "slide":
             return self.mbs.AddMarker(

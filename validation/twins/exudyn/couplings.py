@@ -90,7 +90,8 @@ class Pose(Placed):
     spin: Array
 
     def velocity_of(self, point: Array) -> Array:
-        """Return the matrix from Exudyn's velocities to that of the material point at a point of space, shape (3, m)."""
+        """Return the matrix from Exudyn's velocities to that of the material point at a point of space, shape (3,
+        m)."""
         return np.hstack([np.eye(3), -skew(point - self.r) @ self.spin])
 
 

@@ -12,7 +12,8 @@ from validation.twins.laws.moving import NONE, STATELESS, Law, Moving, Placed, P
 
 
 def along_hinge(force: Any, what: str, load: Callable) -> Law:
-    """Return the law of ``load(t, x, x_dot, z)`` = (load on b along a hinge or slider, rates of the internal states)."""
+    """Return the law of ``load(t, x, x_dot, z)`` = (load on b along a hinge or slider, rates of the internal
+    states)."""
     x = hinge_coordinate(force.hinge, what)
     if isinstance(force.hinge, CurveContact):
         return along_curve(force.hinge, load)

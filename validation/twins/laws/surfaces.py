@@ -41,7 +41,8 @@ def resistance(
     contact: Contact, most: list[float], grip: tuple[float, float], size: float, motions: tuple[Array, Array, float],
     z: Array,
 ) -> tuple[tuple[Array, Array, float], Array]:  # fmt: skip
-    """Return ((friction, moment against rolling, against spinning), rates of the internal states) in axes of the plane."""
+    """Return ((friction, moment against rolling, against spinning), rates of the internal states) in axes of the
+    plane."""
     motions, lengths = [np.atleast_1d(x) for x in motions], (1.0, size, size)
     if not contact.state_names():
         v0 = contact.creep or 1.0

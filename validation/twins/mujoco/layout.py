@@ -191,7 +191,8 @@ class Layout:
 
 
 def lay_out(system: System, rods: bool) -> Layout:
-    """Return the best tree for the loops: first what MuJoCo cannot close by itself, balls last; ``rods``: also these."""
+    """Return the best tree for the loops: first what MuJoCo cannot close by itself, balls last; ``rods``: also
+    these."""
     known = {*TABLE, mbsd3d.ConstantVelocity, *((mbsd3d.Distance,) if rods else ())}
     joints = [joint for joint in system.joints if type(joint) in known]
     referred = {id(other) for part in (*system.joints, *system.forces) for other in part.partners()}

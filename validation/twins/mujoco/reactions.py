@@ -36,7 +36,8 @@ class Reactions:
         self.held = [c for c in self.along if c not in meshes]
 
     def all(self, data: Any) -> dict[str, Wrench]:
-        """Return joint name -> (force, moment); the forces of a mesh whose hinge is on a piece of a gear are not known."""
+        """Return joint name -> (force, moment); the forces of a mesh whose hinge is on a piece of a gear are not
+        known."""
         self.tell_applied(data)
         self.mujoco.mj_rnePostConstraint(self.model, data)
         data.xfrc_applied[:] = 0.0

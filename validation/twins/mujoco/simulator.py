@@ -130,7 +130,8 @@ class MujocoTwin:
                 self.model.eq_data[row, 0] = self.data.ten_length[self.model.tendon(coupling.tendon).id] - later
 
     def check_turns(self) -> None:
-        """Raise ValueError that names a joint whose whole turns, which poses do not show, do not satisfy its equality."""
+        """Raise ValueError that names a joint whose whole turns, which poses do not show, do not satisfy its
+        equality."""
         self.begin()
         d = self.data
         worst = int(np.argmax(np.abs(d.efc_pos))) if d.efc_pos.size else 0
