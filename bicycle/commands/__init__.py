@@ -66,7 +66,7 @@ def bicycle_argument(function: Callable[..., None]) -> Callable[..., None]:
     return click.argument("bicycle", default="Meijaard2007")(unphysical_option(with_parameters))
 
 
-WORDS = {"none": None, "true": True, "false": False}
+OPTION_VALUES = {"none": None, "true": True, "false": False}
 """What stands for something else than a number in ``--tyre KEY=VALUE``."""
 
 
@@ -122,7 +122,7 @@ def tyre_number(text: str) -> tuple[str, float | bool | None]:
     delay."""
     key, _, right = text.partition("=")
     try:
-        return key, WORDS[right] if right in WORDS else float(right)
+        return key, OPTION_VALUES[right] if right in OPTION_VALUES else float(right)
     except ValueError:
         raise InputError(f"--tyre '{text}': '{right}' is not a number; write e.g. cornering=12") from None
 

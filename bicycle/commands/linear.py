@@ -235,7 +235,7 @@ def compare(
     BICYCLES are names or parameter files (.txt, .yml); none = all published sets. Writes index.html, views and a table
     (.csv) into the folder compare below --out. With --tyres also what ideal wheels leave out, as a figure.
     """
-    from ..pages.compare import AGREES, check_names, chosen, entries, table, to_csv, write_page
+    from ..pages.compare import SPEED_TOLERANCE, check_names, chosen, entries, table, to_csv, write_page
     from ..parameters import names
 
     if only_list:
@@ -258,7 +258,7 @@ def compare(
         report(write_page(folder, found, left_out=left_out, views=views))
         for x in [x for x in found[: max(views, 1)] if x.fittings]:
             report(*saved(x.left_out, folder / f"ideal_or_tyres_{x.parameters.name}"))
-    end(f"{missing} bicycles" if missing else "", any(x.difference > AGREES for x in found))
+    end(f"{missing} bicycles" if missing else "", any(x.difference > SPEED_TOLERANCE for x in found))
 
 
 def end(missing: str, disagree: bool = False) -> None:

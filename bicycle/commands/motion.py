@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ..model.tyres import Tyres
     from ..parameters import Parameters
 
-RATE, LEAST, MOST = 100, 400, 20_000
+OUTPUT_RATE, SAMPLES_MIN, SAMPLES_MAX = 100, 400, 20_000
 """Samples of a ride per second, and at least and at most: a tyre that bounces does so within some hundredths."""
 
 
@@ -66,7 +66,10 @@ def ride(
     name = "_".join([parameters.name, manoeuvre, *changes(chosen, arguments, fallen, held_down), *own])
     arguments |= fitted
     target = ready_folder(out) / name
-    samples = int(np.clip(RATE * number(arguments["t_end"], "ride: --t-end", positive=True), LEAST, MOST)) + 1
+    samples = (
+        int(np.clip(OUTPUT_RATE * number(arguments["t_end"], "ride: --t-end", positive=True), SAMPLES_MIN, SAMPLES_MAX))
+        + 1
+    )
     try:
         found = run(parameters, fallen=np.radians(fallen), held_down=held_down, output=samples, **arguments)
     except IntegrationError as error:

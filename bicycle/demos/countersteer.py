@@ -12,7 +12,7 @@ from ..linear.equations import canonical
 from ..model.mechanism import steer_torque, whipple
 from ..parameters import Meijaard2007
 
-SMALL = 1e-5  # rad: lean and steer of the linear answer, whose squares do not count; their rounding is 1e-13
+SMALL_ANGLE = 1e-5  # [rad] lean and steer of the linear answer; their squares vanish, their rounding is 1e-13
 
 
 def mechanism(*, v=5.0, torque=1.0) -> System:
@@ -45,7 +45,7 @@ def measure(build, terms, *, v, torque, t1=0.2, t2=2.0) -> Measured:
     """
     times = np.unique([*np.linspace(0, t2, 201), t1, t2])
     known = answer(times, v)
-    small = SMALL / np.abs(known[:, :2]).max()
+    small = SMALL_ANGLE / np.abs(known[:, :2]).max()
     system = build(torque=small)
     run = simulate(system, times[-1], rtol=1e-13, output=times, **terms)
     lateral = run.body_axis(system.part("frame"), (0.0, 1.0, 0.0))

@@ -14,8 +14,8 @@ from ..linear.equations import canonical
 from ..model.mechanism import outputs, whipple
 from ..parameters import Meijaard2007
 
-SPEEDS = np.arange(1.0, 16.1)  # m/s, in which the critical ones are looked for
-FALLEN = 0.9  # rad of lean, at which nobody looks on
+SEARCH_SPEEDS = np.arange(1.0, 16.1)  # [m/s] in which the critical speeds are sought
+FALL_LEAN = 0.9  # [rad] of lean, at which the animation ends
 
 
 def bicycle(spin):
@@ -54,10 +54,10 @@ def small_motions(system: System, terms) -> Linearization:
 
 def first_zero(function):
     """Return the first speed at which a rate changes its sign [m/s]; infinite if none does."""
-    found = [function(v) for v in SPEEDS]
-    for k in range(len(SPEEDS) - 1):
+    found = [function(v) for v in SEARCH_SPEEDS]
+    for k in range(len(SEARCH_SPEEDS) - 1):
         if found[k] * found[k + 1] < 0:
-            return brentq(function, SPEEDS[k], SPEEDS[k + 1], xtol=1e-13)
+            return brentq(function, SEARCH_SPEEDS[k], SEARCH_SPEEDS[k + 1], xtol=1e-13)
     return np.inf
 
 
@@ -75,12 +75,14 @@ def measure(build, terms, *, v, spin) -> Measured:
         "weave_damping_1_s": weave.real,
         "weave_rad_s": weave.imag,
     }
-    growth = [values(speed).real.max() for speed in SPEEDS]
-    known = canonical(bicycle(spin)).eigenvalues(SPEEDS).real.max(axis=1)
+    growth = [values(speed).real.max() for speed in SEARCH_SPEEDS]
+    known = canonical(bicycle(spin)).eigenvalues(SEARCH_SPEEDS).real.max(axis=1)
     pushed = build(push=0.3)
-    fallen = measures.lean(pushed.part("frame")) > FALLEN
+    fallen = measures.lean(pushed.part("frame")) > FALL_LEAN
     run = simulate(pushed, 3.0, rtol=1e-9, output=321, stop_when=fallen, **terms)
-    curve = Curve("fastest growth [1/s]", SPEEDS, growth, (SPEEDS, known), "speed [m/s]", "below 0 it rides itself")
+    curve = Curve(
+        "fastest growth [1/s]", SEARCH_SPEEDS, growth, (SEARCH_SPEEDS, known), "speed [m/s]", "below 0 it rides itself"
+    )
     lean = Curve("steer after a push [deg]", run.t, np.degrees(run.angle("steer")))
     return Measured(found, [run], [curve, lean])
 

@@ -28,8 +28,8 @@ from .equations import Canonical, canonical
 from .general import Build, required_equations
 
 Array = np.ndarray
-FASTEST = 1e5  # [m/s] Higher speeds are rounding: there is no such root
-NO_INERTIA = 1e-13
+SPEED_MAX = 1e5  # [m/s] higher speeds are rounding: there is no such root
+ZERO_INERTIA_RATIO = 1e-13
 """Of the steer, relative to all mass at the wheelbase: rounding leaves 1e-16, a point mass 1 mm off the axis 1e-7."""
 
 
@@ -88,7 +88,7 @@ def polynomial(parameters: Parameters) -> Quartic:
     found = canonical(parameters)
     q = quartic(found.M, found.C1, np.asarray(found.g)[..., None, None] * found.K0, found.K2)
     masses = parameters.mR + parameters.mB + parameters.mH + parameters.mF
-    if not np.all(np.real(q.a) > NO_INERTIA * np.real(found.M[..., 0, 0] * masses * parameters.w**2)):
+    if not np.all(np.real(q.a) > ZERO_INERTIA_RATIO * np.real(found.M[..., 0, 0] * masses * parameters.w**2)):
         raise InputError(
             f"bicycle '{getattr(parameters, 'name', '')}': lean or steer has no inertia, so there are fewer than two "
             "freedoms; give masses off the ground and off the steer axis"
@@ -117,7 +117,7 @@ def double_roots(q: Quartic) -> list[DoubleRoot]:
     unit = float(np.sqrt(abs(q.c[0] / (q.c[1] or 1.0)))) or 1.0  # of speeds, so that powers stay of one size
     found = []
     for w in discriminant(q, unit).trim().roots():  # what rounding leaves of higher powers adds starts only
-        if 0.0 < w.real < (FASTEST / unit) ** 2 and abs(w.imag) < 1e-4 * abs(w):
+        if 0.0 < w.real < (SPEED_MAX / unit) ** 2 and abs(w.imag) < 1e-4 * abs(w):
             found += [x for x in [meeting(q, unit * np.sqrt(w.real))] if x]
     found.sort()
     return [x for k, x in enumerate(found) if not k or x.speed - found[k - 1].speed > 1e-9 * x.speed]
@@ -186,7 +186,7 @@ def roots(x: Array) -> Array:
 def speeds(w: Array) -> Array:
     """Return the speeds [m/s] of w = v^2, NaN where w is not positive or too large for a speed."""
     with np.errstate(invalid="ignore"):
-        return np.sqrt(np.where((w > 0.0) & (w < FASTEST**2), w, np.nan))
+        return np.sqrt(np.where((w > 0.0) & (w < SPEED_MAX**2), w, np.nan))
 
 
 def weave(q: Quartic) -> Array:

@@ -23,8 +23,8 @@ from ..parameters import Parameters, check_set
 
 MODES = ("weave", "capsize", "castering")
 NAMES = ("weave", "weave, conjugate", "capsize", "castering")
-FINEST = 1e-6  # [m/s] Smallest step of a branch
-ALIKE = 0.05  # Largest change of a mode in one step, see `changes`
+BRANCH_STEP_MIN = 1e-6  # [m/s] smallest step of a branch
+MODE_CHANGE_MAX = 0.05  # [1] largest change of a mode in one step, see `changes`
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,7 +179,7 @@ def walk(
         values, vectors = np.linalg.eig(A(there))
         cost = changes(here, modes, values, vectors)
         pairing = linear_sum_assignment(cost)[1]
-        if cost[np.arange(len(here)), pairing].max() > ALIKE and abs(step) > FINEST:
+        if cost[np.arange(len(here)), pairing].max() > MODE_CHANGE_MAX and abs(step) > BRANCH_STEP_MIN:
             step /= 2.0
             continue
         pairing = parted(here, values, pairing)

@@ -31,10 +31,10 @@ from .equations import Canonical, checked_speeds
 
 Build = Callable[..., System]
 """``build(parameters, speed=v)`` returns a bicycle with a body "frame" and a hinge "steer" that runs straight."""
-EXACT = 1e-9
+AGREEMENT_TOLERANCE = 1e-9
 """How well a third speed must confirm two, relative to the largest entry: rounding leaves 1e-12, drag far more."""
 COORDINATES, VELOCITIES, ROWS = 28, 24, 21
-ALLOWED = 1e-9  # Largest residual of the rows along a deviation, in units of the largest entry; rounding leaves 1e-14
+ROW_RESIDUAL_MAX = 1e-9  # [1] of the largest entry: residual of the rows along a deviation; rounding leaves 1e-14
 
 
 def linearization(build: Build, parameters: Parameters, speed: float) -> Linearization:
@@ -67,13 +67,13 @@ def linear_equations(
     if number(speed, "linear equations: speed") == 0.0:
         raise InputError("linear equations: speed = 0; give another one, e.g. 5 m/s")
     rest, running = matrices(build, parameters, speed)
-    if np.abs(rest[2:, 2:]).max() > EXACT * np.abs(running).max():  # damping at rest
+    if np.abs(rest[2:, 2:]).max() > AGREEMENT_TOLERANCE * np.abs(running).max():  # damping at rest
         return None
     added = (running - rest)[2:]
     found = Canonical(M=np.eye(2), C1=-added[:, 2:] / speed, K0=-rest[2:, :2], K2=-added[:, :2] / speed**2, g=1.0)
     if check:
         between = linearization(build, parameters, 0.6 * speed).A
-        if np.abs(between - found.A(0.6 * speed)).max() > EXACT * np.abs(running).max():
+        if np.abs(between - found.A(0.6 * speed)).max() > AGREEMENT_TOLERANCE * np.abs(running).max():
             return None
     return found
 
@@ -151,7 +151,7 @@ def matrix_at(field: Field, tree: object, y: np.ndarray, X: np.ndarray) -> np.nd
     holonomic = model.row["holonomic"] == 1
     slip = np.abs(change["slip"]).max(), np.abs(change["c"][holonomic]).max()
     force = np.abs(here["acceleration"]).max() + np.abs(change["outputs"] - np.eye(4)).max()
-    return A if max(*slip, force) <= ALLOWED * max(1.0, np.abs(X).max(), np.abs(A).max()) else None
+    return A if max(*slip, force) <= ROW_RESIDUAL_MAX * max(1.0, np.abs(X).max(), np.abs(A).max()) else None
 
 
 def eigenvalues(build: Build, parameters: Parameters, speeds: ArrayLike) -> np.ndarray:

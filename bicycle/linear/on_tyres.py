@@ -28,12 +28,15 @@ if TYPE_CHECKING:
 
 __all__ = ["TyreStability", "eigenvalues", "figure", "study"]
 
-NTH = ("", "second ", "third ", "fourth ", "fifth ", "sixth ", "seventh ", "eighth ")
-WAVES, DECAYS = ("weave", *(f"{n}wobble" for n in NTH[:4])), ("capsize", "castering", *(f"{n}tyre decay" for n in NTH))
+ORDINALS = ("", "second ", "third ", "fourth ", "fifth ", "sixth ", "seventh ", "eighth ")
+OSCILLATION_NAMES, DECAY_NAMES = (
+    ("weave", *(f"{n}wobble" for n in ORDINALS[:4])),
+    ("capsize", "castering", *(f"{n}tyre decay" for n in ORDINALS)),
+)
 """Enough for ten states that all oscillate, or all decay."""
-ORDER = WAVES[0], *DECAYS[:2], *WAVES[1:], *DECAYS[2:]
-TWIN = " (conjugate)"
-FOOT = 0.3048
+MODE_ORDER = OSCILLATION_NAMES[0], *DECAY_NAMES[:2], *OSCILLATION_NAMES[1:], *DECAY_NAMES[2:]
+CONJUGATE_SUFFIX = " (conjugate)"
+FOOT_LENGTH = 0.3048
 """[m]"""
 
 
@@ -116,7 +119,10 @@ def followed(A: Callable[[float], np.ndarray], speeds: np.ndarray) -> tuple[np.n
     here, modes = np.linalg.eig(A(speeds[-1]))
     names = named(here)
     order = sorted(
-        range(len(here)), key=lambda k: ORDER.index(names[k].removesuffix(TWIN)) + 0.5 * names[k].endswith(TWIN)
+        range(len(here)),
+        key=lambda k: (
+            MODE_ORDER.index(names[k].removesuffix(CONJUGATE_SUFFIX)) + 0.5 * names[k].endswith(CONJUGATE_SUFFIX)
+        ),
     )
     at, here, modes, values = speeds[-1], here[order].astype(complex), modes[:, order], []
     for v in speeds[::-1].tolist():
@@ -130,14 +136,14 @@ def named(values: np.ndarray) -> list[str]:
     """Return names of modes at the fastest speed: oscillations from weave on by frequency, decays from capsize on by
     rate.
     """
-    waves, decays = iter(WAVES), iter(DECAYS)
+    waves, decays = iter(OSCILLATION_NAMES), iter(DECAY_NAMES)
     names = [""] * len(values)
     for k in np.lexsort((-values.real, np.abs(values.imag))):
         if values[k].imag == 0.0:
             names[k] = next(decays)
         elif values[k].imag > 0.0:
             names[k] = next(waves)
-            names[int(np.argmin(np.abs(values - values[k].conj())))] = names[k] + TWIN
+            names[int(np.argmin(np.abs(values - values[k].conj())))] = names[k] + CONJUGATE_SUFFIX
     return names
 
 
@@ -148,8 +154,8 @@ def published(found: TyreStability, axes: "Sequence[Axes]", ink: str) -> None:
         v, capsize, weave, weave_w, wobble, wobble_w = rows.T
         style = {"color": ink, "marker": "o", "markersize": 3.5, "linestyle": "none"}
         for k, (growth, rate) in enumerate(((weave, weave_w), (wobble, wobble_w), (capsize, 0.0 * v))):
-            axes[0].plot(FOOT * v, growth, label=None if k else "printed", **style)
-            axes[1].plot(FOOT * v, rate, **style)
+            axes[0].plot(FOOT_LENGTH * v, growth, label=None if k else "printed", **style)
+            axes[1].plot(FOOT_LENGTH * v, rate, **style)
 
 
 def figure(found: TyreStability, *, dark: bool = False) -> "Figure":
@@ -159,12 +165,12 @@ def figure(found: TyreStability, *, dark: bool = False) -> "Figure":
         for axes in (growth, frequency):
             for part in found.stable:
                 axes.axvspan(*part, color=look.good, linewidth=0.0, zorder=0)
-        shown = [k for k, name in enumerate(found.names) if not name.endswith(TWIN)]
+        shown = [k for k, name in enumerate(found.names) if not name.endswith(CONJUGATE_SUFFIX)]
         for number, k in enumerate(shown):
             style = {"color": look.colour(number), "linewidth": LINE}
             growth.plot(found.speeds, found.values[:, k].real, label=found.names[k], **style)
             frequency.plot(found.speeds, np.abs(found.values[:, k].imag), **style)
-            other = found.names[k] + TWIN
+            other = found.names[k] + CONJUGATE_SUFFIX
             if other in found.names:  # where an oscillation has split into two decays
                 growth.plot(found.speeds, found.values[:, found.names.index(other)].real, **style)
         published(found, (growth, frequency), look.ink)

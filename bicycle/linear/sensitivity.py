@@ -40,14 +40,14 @@ DIFFERENCES = {  # of fourth order: multiples of the step, and their weights
     "forward": ((0, 1, 2, 3, 4), (-25 / 12, 4, -3, 4 / 3, -1 / 4)),
     "backward": ((0, -1, -2, -3, -4), (25 / 12, -4, 3, -4 / 3, 1 / 4)),
 }
-COARSE = 1e-3
+DIFFERENCE_STEP = 1e-3
 """Step of a difference, relative to the parameter, or to LEAST if that is larger: the error is its fourth power, and
 1e-12 of rounding over it."""
-LEAST = 0.1
-STEP = 1e-30  # Complex step: far below rounding, so that its square vanishes
+DIFFERENCE_STEP_MIN = 0.1
+COMPLEX_STEP = 1e-30  # [1] far below rounding, so that its square vanishes
 
 
-SHOWN = 14  # parameters of a figure: those that matter most
+FIGURE_PARAMETERS = 14  # [1] parameters of a figure: those that matter most
 
 
 class NoSpeedsError(InputError):
@@ -118,8 +118,8 @@ def derivatives(parameters: Parameters, build: Build | None = None) -> Derivativ
     speeds, slopes = {}, {}
     for name, v, f in conditions(q):
         speeds[name] = float(v)
-        by_speed = f(q, v + 1j * STEP).imag / STEP
-        slopes[name] = dict(zip(keys, (0.0 - f(stepped, v).imag / STEP / by_speed).tolist(), strict=True))
+        by_speed = f(q, v + 1j * COMPLEX_STEP).imag / COMPLEX_STEP
+        slopes[name] = dict(zip(keys, (0.0 - f(stepped, v).imag / COMPLEX_STEP / by_speed).tolist(), strict=True))
     if not speeds:
         raise NoSpeedsError(f"bicycle '{parameters.name}': it has neither weave nor capsize speed nor a double root")
     return Derivatives(parameters, speeds, slopes)
@@ -127,7 +127,7 @@ def derivatives(parameters: Parameters, build: Build | None = None) -> Derivativ
 
 def perturbed(parameters: Parameters) -> SimpleNamespace:
     """Return the parameters as (26,) arrays: entry k has the complex step in parameter k."""
-    steps = 1j * STEP * np.eye(len(SYMBOLS))
+    steps = 1j * COMPLEX_STEP * np.eye(len(SYMBOLS))
     values = {key: getattr(parameters, key) + steps[k] for k, key in enumerate(SYMBOLS)}
     return SimpleNamespace(**values, tR=parameters.tR, tF=parameters.tF, name=parameters.name)
 
@@ -136,11 +136,13 @@ def varied(parameters: Parameters, keys: list[str], build: Build) -> tuple[Quart
     """Return (p, p with the complex step in parameter k as entry k) of the general model."""
     q, slopes = critical.model_polynomial(parameters, build), []
     for key in keys:
-        step = COARSE * max(abs(getattr(parameters, key)), LEAST)
+        step = DIFFERENCE_STEP * max(abs(getattr(parameters, key)), DIFFERENCE_STEP_MIN)
         cells, weights = neighbours(parameters, key, step)
         found = zip(*(critical.model_polynomial(cell, build, check=False) for cell in cells), strict=True)
         slopes.append([np.tensordot(weights, x, 1) / step for x in map(np.array, found)])
-    return q, Quartic(*(x + 1j * STEP * np.array(dx) for x, dx in zip(q, zip(*slopes, strict=True), strict=True)))
+    return q, Quartic(
+        *(x + 1j * COMPLEX_STEP * np.array(dx) for x, dx in zip(q, zip(*slopes, strict=True), strict=True))
+    )
 
 
 def neighbours(parameters: Parameters, key: str, step: float) -> tuple[list[Parameters], tuple[float, ...]]:
@@ -174,7 +176,7 @@ def plot_derivatives(found: Derivatives, *, dark: bool = False) -> "Figure":
     """Plot the change of the critical speeds by one percent of the parameters that matter most."""
     changes = {name: found.per_percent(name) for name in found.speeds}
     sizes = {key: max(abs(change[key]) for change in changes.values()) for key in next(iter(changes.values()))}
-    keys = sorted(sizes, key=lambda key: -sizes[key])[:SHOWN]
+    keys = sorted(sizes, key=lambda key: -sizes[key])[:FIGURE_PARAMETERS]
     with new_figure(9.0, 1.5 + 0.28 * len(keys), dark) as (figure, look):
         panels = figure.subplots(1, len(changes), sharey=True, sharex=True, squeeze=False)[0]
         for k, (axes, (name, change)) in enumerate(zip(panels, changes.items(), strict=True)):

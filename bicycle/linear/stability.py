@@ -28,9 +28,9 @@ if TYPE_CHECKING:
 
 __all__ = ["CriticalSpeeds", "Stability", "canonical", "critical_speeds", "eigenvalues", "figure", "study"]
 
-TYPICAL = 5.0  # [m/s] of critical speeds, which a linearisation at far slower ones does not give to all digits
-DOTS = 34  # of the closed form, so that the lines are seen between them
-SHOWN = (0, 2, 3)  # weave (its conjugate is the mirrored line), capsize, castering
+REFERENCE_SPEED = 5.0  # [m/s] of critical speeds; a linearization at much lower speeds loses digits
+DOT_COUNT = 34  # [1] dots of the closed form, so that the lines are seen between them
+FIGURE_MODES = (0, 2, 3)  # weave (its conjugate is the mirrored line), capsize, castering
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +123,7 @@ def study(
     if fittings:
         raise InputError(f"stability: {', '.join(fittings)} without tyres; give tyres, e.g. bicycle.TYPICAL")
     speeds = checked_speeds(np.linspace(0.0, 10.0, 201) if speeds is None else speeds)
-    linear = required_equations(build, parameters, max(float(np.abs(speeds).max()), TYPICAL))
+    linear = required_equations(build, parameters, max(float(np.abs(speeds).max()), REFERENCE_SPEED))
     values, vectors = follow(linear, speeds)
     closed = None if parameters.tR or parameters.tF else canonical(parameters).eigenvalues(speeds)
     return Stability(build, parameters, speeds, values, vectors, closed, speeds_of(linear))
@@ -169,13 +169,13 @@ def lines(axes: "Axes", found: Stability, look: Theme, part: Callable[[np.ndarra
     split = split | np.r_[split[1:], False] | np.r_[False, split[:-1]]  # up to where they are one
     for side in (found.speeds < 0.0, found.speeds >= 0.0):  # at rest the modes get their names anew
         speeds, values = found.speeds[side], found.values[side]
-        for place, k in enumerate(SHOWN):
+        for place, k in enumerate(FIGURE_MODES):
             label = found.names[k] if side[np.argmax(found.speeds)] else None
             axes.plot(speeds, part(values[:, k]), label=label, color=look.colour(place), linewidth=LINE)
         rest = np.where(split[side], part(values[:, 1]), np.nan)  # the second of two real modes that become the weave
         axes.plot(speeds, rest, color=look.colour(0), linewidth=LINE)
     if found.closed is not None:
-        every = max(1, found.speeds.size // DOTS)
+        every = max(1, found.speeds.size // DOT_COUNT)
         dots = part(found.closed[::every])
         style = {"color": look.ink, "marker": "o", "markersize": 2.4, "linestyle": "none"}
         for k in range(4):

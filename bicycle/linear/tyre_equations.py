@@ -31,17 +31,17 @@ from .critical import Range
 
 Build = Callable[..., System]
 """``build(parameters, speed=v)`` returns a bicycle on tyres that runs straight."""
-CLOSED = 1e-8
+AFFINE_TOLERANCE = 1e-8
 """How little the heading may matter, relative to the largest entry of A; rounding leaves 1e-13."""
-ROUNDING = 1e-6
+GROWTH_ROUNDING = 1e-6
 """Of the equations of almost rigid tyres, of 1e6 times their load for a radian and relaxation within 0.01 mm."""
-EXACT = 1e-10
+LIMIT_TOLERANCE = 1e-10
 """How well a third speed must confirm two, relative to the largest entry; rounding leaves 1e-15."""
-FASTEST = 200.0
+SPEED_MAX = 200.0
 """[m/s] Up to which ranges are sought; one that is still stable there has no end."""
-REAL = 1e-4
+REAL_ROOT_TOLERANCE = 1e-4
 """Imaginary part, relative, of a speed that a pencil finds: a double one is off by the root of rounding."""
-NEAR = 1e-6
+SAME_LIMIT_TOLERANCE = 1e-6
 """On both sides of a speed, relative, the largest growth must have opposite signs."""
 
 
@@ -68,7 +68,7 @@ def matrix(system: System, speed: float) -> np.ndarray:
     The world's speed to the left is that over the bicycle and V heading: with it the heading drops out.
     """
     try:
-        A = linearize(system, outputs=sideways(system), tolerance=ROUNDING).A
+        A = linearize(system, outputs=sideways(system), tolerance=GROWTH_ROUNDING).A
     except InputError as error:
         if not any(getattr(force, "rolling_resistance", 0.0) for force in system.forces):
             raise
@@ -77,7 +77,7 @@ def matrix(system: System, speed: float) -> np.ndarray:
     turned[4, -1] = speed
     A = np.linalg.solve(turned, A @ turned)
     left = float(np.abs(A[:-1, -1]).max())
-    if left > CLOSED * np.abs(A).max():
+    if left > AFFINE_TOLERANCE * np.abs(A).max():
         raise InputError(f"the heading matters (residual {left:.2g}): a load does not turn along; take it away")
     return A[:-1, :-1]
 
@@ -136,18 +136,18 @@ class Affine(NamedTuple):
         """Return every limit between the first and the last speed [m/s]."""
         pencils = ((self.A0, self.A1), (pair_sums(self.A0), pair_sums(self.A1)))
         found = np.concatenate([scipy.linalg.eigvals(first, -second) for first, second in pencils])
-        real = np.isfinite(found) & (np.abs(found.imag) <= REAL * np.abs(found))
+        real = np.isfinite(found) & (np.abs(found.imag) <= REAL_ROOT_TOLERANCE * np.abs(found))
         within = np.sort(found[real & (found.real > speeds[0]) & (found.real < speeds[-1])].real)
         kept: list[Limit] = []
         for v in within:
-            low, high = v * (1.0 - NEAR), v * (1.0 + NEAR)
+            low, high = v * (1.0 - SAME_LIMIT_TOLERANCE), v * (1.0 + SAME_LIMIT_TOLERANCE)
             if growth(self.A(low)) * growth(self.A(high)) < 0.0 and not (kept and low < kept[-1].speed):
                 kept.append(limit(self.A, low, high))
         return tuple(kept)
 
     def stable(self) -> list[Range]:
         """Return self-stable ranges of all speeds from 0 to `SPEED_MAX`."""
-        edges = [0.0, *(at.speed for at in self.limits(np.array([0.0, FASTEST])))]
+        edges = [0.0, *(at.speed for at in self.limits(np.array([0.0, SPEED_MAX])))]
         return stable_parts(self.A, [*edges, np.inf])
 
 
@@ -173,7 +173,7 @@ def stable_between(A: Callable[[float], np.ndarray], speeds: np.ndarray) -> list
 
 def between(part: Range) -> float:
     """Return a speed within a range [m/s], where its growth is evaluated."""
-    return 0.5 * (part.low + (part.high if np.isfinite(part.high) else FASTEST))
+    return 0.5 * (part.low + (part.high if np.isfinite(part.high) else SPEED_MAX))
 
 
 def growth(A: np.ndarray) -> float:
@@ -212,7 +212,7 @@ def equations(build: Build, parameters: Parameters, speed: float = 10.0) -> Affi
     found = Affine(first - low * A1, A1)
     third = 0.6 * speed
     size = max(np.abs(first).max(), np.abs(last).max())
-    return found if np.abs(direct.A(third) - found.A(third)).max() <= EXACT * size else direct
+    return found if np.abs(direct.A(third) - found.A(third)).max() <= LIMIT_TOLERANCE * size else direct
 
 
 def required_equations(build: Build, parameters: Parameters) -> Affine:

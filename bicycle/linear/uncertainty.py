@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 OUTPUTS = ("weave speed", "capsize speed", "lowest stable speed", "stable width")
-SHOWN = 14  # parameters of a figure: those that matter most
+FIGURE_PARAMETERS = 14  # [1] parameters of a figure: those that matter most
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,7 +201,7 @@ def plot_uncertainty(found: MonteCarlo, indices: Sobol, *, dark: bool = False) -
     """Plot the distribution of weave and capsize speed (left), and which parameters cause it (right)."""
     names = OUTPUTS[:2]
     total = {name: np.nan_to_num(indices.total[name]) for name in names}
-    order = np.argsort(-np.maximum(*total.values()))[:SHOWN]
+    order = np.argsort(-np.maximum(*total.values()))[:FIGURE_PARAMETERS]
     with new_figure(9.0, max(3.4, 1.7 + 0.28 * len(order)), dark) as (figure, look):
         left, right = figure.subplots(1, 2)
         for k, name in enumerate(names):

@@ -21,12 +21,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-SHIFT = 0.1  # [m]
+TRAIL_SHIFT = 0.1  # [m] by which a mass or the trail is moved
 NO_SPIN_R, NO_SPIN_F, NO_TRAIL = {"IRyy": 0.0}, {"IFyy": 0.0}, {"c": 0.0}
-ROOM = 1.25  # of the speed axis, over the largest finite end
-FAR = 4.0  # times the median end: such a one is cut off, so that the others are seen
-ROOM_OF_LABEL = 0.09  # of the axis, that a number takes
-NOWHERE = Range(float("nan"), float("nan"))
+AXIS_RATIO = 1.25  # [1] length of the speed axis over the largest finite end
+END_RATIO_MAX = 4.0  # [1] of the median end; a larger end is cut off, so that the others are visible
+LABEL_SHARE = 0.09  # [1] of the axis: width of a number
+NO_RANGE = Range(float("nan"), float("nan"))
 
 CHANGES: dict[str, Callable[[Parameters], dict[str, float]]] = {
     "as built": lambda p: {},
@@ -37,12 +37,12 @@ CHANGES: dict[str, Callable[[Parameters], dict[str, float]]] = {
     "no trail, no spin momentum": lambda p: NO_TRAIL | NO_SPIN_R | NO_SPIN_F,
     "steer axis vertical, same trail": lambda p: {"lam": 0.0},
     "front mass on the steer axis": lambda p: {"xH": on_axis(p)},
-    "frame and rider 0.1 m forward": lambda p: {"xB": p.xB + SHIFT},
-    "frame and rider 0.1 m back": lambda p: {"xB": p.xB - SHIFT},
-    "frame and rider 0.1 m up": lambda p: {"zB": p.zB - SHIFT},
-    "frame and rider 0.1 m down": lambda p: {"zB": p.zB + SHIFT},
-    "fork 0.1 m forward": lambda p: {"xH": p.xH + SHIFT},
-    "fork 0.1 m back": lambda p: {"xH": p.xH - SHIFT},
+    "frame and rider 0.1 m forward": lambda p: {"xB": p.xB + TRAIL_SHIFT},
+    "frame and rider 0.1 m back": lambda p: {"xB": p.xB - TRAIL_SHIFT},
+    "frame and rider 0.1 m up": lambda p: {"zB": p.zB - TRAIL_SHIFT},
+    "frame and rider 0.1 m down": lambda p: {"zB": p.zB + TRAIL_SHIFT},
+    "fork 0.1 m forward": lambda p: {"xH": p.xH + TRAIL_SHIFT},
+    "fork 0.1 m back": lambda p: {"xH": p.xH - TRAIL_SHIFT},
 }
 """Name -> parameters that change [SI units]. In small motions I_yy of a wheel is nothing but spin momentum."""
 
@@ -111,7 +111,7 @@ def to_csv(found: Ablations, path: str | Path) -> Path:
     rows = [
         [row.name, *part, row.growth, row.difference, row.problem, *ideal]
         for row in found.rows
-        for part, ideal in zip_longest(row.ranges or [NOWHERE], row.ideal or [NOWHERE], fillvalue=NOWHERE)
+        for part, ideal in zip_longest(row.ranges or [NO_RANGE], row.ideal or [NO_RANGE], fillvalue=NO_RANGE)
     ]
     return write_table(path, head, rows)
 
@@ -134,8 +134,8 @@ def plot_ranges(
     """
     both = [found or () for found in (*(found for _, found in rows), *beside)]
     ends = [v for found in both for part in found for v in part if np.isfinite(v)]
-    near = [v for v in ends if v <= FAR * np.median(ends)]
-    top, room = ROOM * max(near, default=8.0), 0.42 if beside else 0.3
+    near = [v for v in ends if v <= END_RATIO_MAX * np.median(ends)]
+    top, room = AXIS_RATIO * max(near, default=8.0), 0.42 if beside else 0.3
     with new_figure(8.0, 1.0 + room * len(rows), dark) as (figure, look):
         axes = figure.subplots()
         dress(axes, look)
@@ -170,13 +170,13 @@ def draw_bar(axes: "Axes", k: int, part: Range, top: float, look: Theme, height:
     """Draw a range in row k with its ends as numbers; both on the right where there is no room on the left."""
     high, gap = min(part.high, top), 0.008 * top
     style = {"va": "center", "fontsize": 8.5}
-    if part.low > (1.0 - ROOM_OF_LABEL) * top:
+    if part.low > (1.0 - LABEL_SHARE) * top:
         axes.text(top - gap, k, f"{part} →", ha="right", color=look.ink, **style)
         return
     width = max(high - part.low, 0.004 * top)  # a narrow bar is widened so that it is seen
     axes.barh(k, width, left=part.low, height=height, color=look.lines[0], linewidth=0.0)
     low, end = f"{part.low:.3f}", f"{part.high:.3f}" if np.isfinite(part.high) else "no end"
-    room, inside = part.low > ROOM_OF_LABEL * top, part.high > top
+    room, inside = part.low > LABEL_SHARE * top, part.high > top
     if inside:
         axes.text(top - gap, k, end if room else f"{low} ... {end}", ha="right", color="#ffffff", **style)
     else:

@@ -26,7 +26,7 @@ from .variants import CHANGES, Ablation, Ablations, lock, plot_ablations, to_csv
 
 __all__ = ["CHANGES", "Ablation", "Ablations", "ablations", "plot_ablations", "to_csv", "two_mass_skate"]
 
-STEP = 1e-6
+SPECTRUM_STEP = 1e-6
 """[m/s] on both sides of an end, where the fastest growth must have opposite signs; and [1/s] between equal growths."""
 
 
@@ -61,8 +61,8 @@ def in_spectrum(found: Ablation, build: Build, speed: float) -> bool:
         return float(np.linalg.eigvals(A).real.max())
 
     ends = [v for part in found.ranges for v in part if 0.0 < v < np.inf]
-    alike = abs(growth(speed) - found.growth) < STEP * max(1.0, abs(found.growth))
-    return alike and all(growth(v - STEP) * growth(v + STEP) < 0.0 for v in ends)
+    alike = abs(growth(speed) - found.growth) < SPECTRUM_STEP * max(1.0, abs(found.growth))
+    return alike and all(growth(v - SPECTRUM_STEP) * growth(v + SPECTRUM_STEP) < 0.0 for v in ends)
 
 
 def fastest(q: Quartic, v: float) -> float:
@@ -80,7 +80,7 @@ def locked(parameters: Parameters, build: Build | None, speed: float) -> Ablatio
         falls.append(float(np.sqrt(complex(-linear.g * linear.K0[0, 0] / linear.M[0, 0])).real))
     if build is not None:
         falls.append(falling(build(parameters, speed=speed)))
-    confirmed = abs(falls[1] - falls[0]) < STEP * max(1.0, falls[0]) if len(falls) == 2 else None
+    confirmed = abs(falls[1] - falls[0]) < SPECTRUM_STEP * max(1.0, falls[0]) if len(falls) == 2 else None
     return Ablation(name, parameters, [], falls[0], None if build is None else [], confirmed)
 
 

@@ -21,9 +21,9 @@ from .tyre_equations import growth, required_equations
 from .variants import CHANGES, Ablation, Ablations, lock
 
 Numbers = Mapping[str, Any]
-USUAL = {one.name: one.default for one in fields(Tyre) if one.init}
-CROWN = 0.02  # [m]
-LIGHT = 1e-6
+TYRE_DEFAULTS = {one.name: one.default for one in fields(Tyre) if one.init}
+CROWN_INCREASE = 0.02  # [m] added to the crown radius
+LIGHT_RATIO = 1e-6
 """Share of the moment of inertia about its axle that a wheel without spin momentum keeps: on a tyre it turns freely."""
 TYRE_CHANGES: dict[str, Callable[[Numbers], Numbers]] = {
     "tyres without camber force": lambda one: {"camber": 0.0},
@@ -55,10 +55,10 @@ def variants(
         yield changed(parameters, name, change, {"tyres": tyres, **fittings}, speed)
     held = lock(whipple(parameters, speed, tyres=tyres, **fittings))
     yield Ablation("steering locked", parameters, [], float(linearize(held).eigenvalues.real.max()), ideal=[])
-    rounder = {"tR": parameters.tR + CROWN, "tF": parameters.tF + CROWN}
+    rounder = {"tR": parameters.tR + CROWN_INCREASE, "tF": parameters.tF + CROWN_INCREASE}
     yield changed(parameters, "20 mm more crown", lambda p: rounder, {"tyres": tyres, **fittings}, speed)
     for name, change in TYRE_CHANGES.items():
-        other: Tyres = [{**one, **change({**USUAL, **one})} for one in tyres]
+        other: Tyres = [{**one, **change({**TYRE_DEFAULTS, **one})} for one in tyres]
         row = changed(parameters, name, lambda p: {}, {"tyres": other, **fittings}, speed)
         yield replace(row, ideal=None)
 
@@ -70,7 +70,9 @@ def changed(
     """Return a variant on tyres and on ideal wheels, or why it is not possible."""
     try:
         variant = replace(parameters, **change(parameters), name=f"{parameters.name}, {name}")
-        turns = {key: LIGHT * getattr(parameters, key) for key in ("IRyy", "IFyy") if getattr(variant, key) == 0.0}
+        turns = {
+            key: LIGHT_RATIO * getattr(parameters, key) for key in ("IRyy", "IFyy") if getattr(variant, key) == 0.0
+        }
         linear = required_equations(partial(whipple, **fittings), replace(variant, **turns))
         ideal = critical_speeds(variant, whipple).stable
         return Ablation(name, variant, linear.stable(), growth(linear.A(speed)), ideal=ideal)

@@ -10,7 +10,7 @@ from mbsd3d.extend import cross
 from ..parameters import Parameters
 from .kinematics import Pose, steer_axis
 
-LENGTH = 0.12  # of the head tube as it is drawn [m]
+HEAD_TUBE_LENGTH = 0.12  # [m] of the head tube in drawings
 
 
 def head_of(
@@ -23,7 +23,7 @@ def head_of(
     """
     (at, axis), (_, frame, fork, _) = steer_axis(p), bodies
     ahead = np.cross((0.0, 1.0, 0.0), -axis)
-    tube = shapes.Lines([tuple(-0.5 * LENGTH * axis), tuple(0.5 * LENGTH * axis)])
+    tube = shapes.Lines([tuple(-0.5 * HEAD_TUBE_LENGTH * axis), tuple(0.5 * HEAD_TUBE_LENGTH * axis)])
     head = Body("head", 0.0, (0, 0, 0), position=at, shape=tube)
     twist = Revolute(frame, head, at=at, axis=ahead, name="head twist")
     spring = TorsionSpring(twist, stiffness=stiffness, damping=damping, name="head spring")

@@ -33,7 +33,7 @@ from .kinematics import hubs, pose_of, steer_axis, velocities_of
 from .tyres import Tyres, tyres_of
 
 NAMES = {"R": "rear wheel", "B": "frame", "H": "fork", "F": "front wheel"}
-FLIP = np.diag([1.0, -1.0, -1.0])  # From the axes of the paper to those of the model
+PAPER_TO_MODEL = np.diag([1.0, -1.0, -1.0])  # from the axes of the paper to those of the model
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +133,11 @@ def bodies_of(p: Parameters, motion: np.ndarray) -> list[Body]:
         hub = rear if part in "RB" else front
         kind = Body if not p.unphysical else PublishedBody
         moving = {} if v[0] is None else {"velocity": v[:3], "omega": v[3:]}
-        mass, inertia, com = getattr(p, f"m{part}"), FLIP @ p.inertia(part) @ FLIP, np.subtract(centre[part], hub)
+        mass, inertia, com = (
+            getattr(p, f"m{part}"),
+            PAPER_TO_MODEL @ p.inertia(part) @ PAPER_TO_MODEL,
+            np.subtract(centre[part], hub),
+        )
         bodies.append(kind(name, mass, inertia, com=com, position=hub, shape=shape_of(p, part), **moving))
     return bodies
 

@@ -19,8 +19,8 @@ TYPICAL: dict[str, Any] = {
     "stiffness": 2e5, "damping": 400.0,
 }  # fmt: skip
 """Of a bicycle tyre under a usual load."""
-GEOMETRY = ("a", "b", "name", "axis", "radius", "crown", "centre", "plane")
-ARGUMENTS = tuple(one.name for one in fields(Tyre) if one.init and one.name not in GEOMETRY)
+GEOMETRY_ARGUMENTS = ("a", "b", "name", "axis", "radius", "crown", "centre", "plane")
+TYRE_ARGUMENTS = tuple(one.name for one in fields(Tyre) if one.init and one.name not in GEOMETRY_ARGUMENTS)
 
 
 def both(tyres: Tyres) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
@@ -31,9 +31,9 @@ def both(tyres: Tyres) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
             f"tyres = {tyres!r}; give the arguments of mbsd3d.Tyre in a dict, or two of them: (rear, front)"
         )
     for one in given:
-        unknown = [key for key in one if key not in ARGUMENTS]
+        unknown = [key for key in one if key not in TYRE_ARGUMENTS]
         if unknown:
-            raise InputError(f"tyres: {', '.join(map(str, unknown))} unknown; give some of {', '.join(ARGUMENTS)}")
+            raise InputError(f"tyres: {', '.join(map(str, unknown))} unknown; give some of {', '.join(TYRE_ARGUMENTS)}")
     return given
 
 

@@ -23,7 +23,7 @@ from ..linear import critical, stability
 from ..linear.critical import CriticalSpeeds, Range, critical_speeds
 from ..linear.general import eigenvalues
 from ..linear.tyre_equations import Affine, required_equations
-from ..linear.variants import NOWHERE, plot_ranges
+from ..linear.variants import NO_RANGE, plot_ranges
 from ..model.mechanism import whipple
 from ..output import collected, write_table
 from ..parameters import Meijaard2007, Parameters, entry_of, find, machines, named, names
@@ -34,8 +34,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 TEMPLATES = Path(__file__).parent / "templates"
-FASTEST, LOWEST, HIGHEST = 12.0, -8.0, 6.0  # of the small figures: speed [m/s], growth [1/s]
-AGREES = 1e-6  # [m/s] Largest difference of critical speeds that counts as the same
+FIGURE_SPEED_MAX, FIGURE_GROWTH_MIN, FIGURE_GROWTH_MAX = (
+    12.0,
+    -8.0,
+    6.0,
+)  # of the small figures: speed [m/s], growth [1/s]
+SPEED_TOLERANCE = 1e-6  # [m/s] largest difference of critical speeds that counts as the same
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +133,7 @@ def table(found: Sequence[Entry]) -> str:
     lines = [f"{'':{wide}}  {'weave':>8}  {'capsize':>8}  self-stable [m/s]" + "         on tyres" * more]
     for x in found:
         speeds = "  ".join(f"{v:8.4f}" if v > 0.0 else f"{'-':>8}" for v in (x.critical.weave, x.critical.capsize))
-        doubt = "  NOT CONFIRMED by the general model" if x.difference > AGREES else ""
+        doubt = "  NOT CONFIRMED by the general model" if x.difference > SPEED_TOLERANCE else ""
         grip = f"  not possible: {x.problem}" if x.problem else ""
         grip = grip if x.gripping is None else f"  {critical.listed(x.gripping)}"
         ideal = critical.listed(x.critical.stable)
@@ -145,7 +149,7 @@ def to_csv(found: Sequence[Entry], path: str | Path) -> Path:
     rows = []
     for x in found:
         numbers = x.difference, *x.parameters.values().values()
-        ranges = zip_longest(x.critical.stable or [NOWHERE], x.gripping or [NOWHERE], fillvalue=NOWHERE)
+        ranges = zip_longest(x.critical.stable or [NO_RANGE], x.gripping or [NO_RANGE], fillvalue=NO_RANGE)
         rows += [[x.parameters.name, x.critical.weave, x.critical.capsize, *a, *b, *numbers] for a, b in ranges]
     return write_table(path, head, rows)
 
@@ -196,7 +200,8 @@ def write_page(
     page = page_template("compare.html", TEMPLATES).render(
         cards=cards, ranges=Markup(inline_svg(ranges, "r-")), left_out=left_out, tyred=tyred,
         figures=[Markup(x) for x in figures],
-        difference=max((x.difference for x in found if not np.isnan(x.difference)), default=None), agrees=AGREES,
+        difference=max((x.difference for x in found if not np.isnan(x.difference)), default=None),
+        agrees=SPEED_TOLERANCE,
         once=[x.parameters.name for x in found if np.isnan(x.difference)], digits=digits, degrees=np.degrees,
     )  # fmt: skip
     return write_atomically(folder / "index.html", page.encode())
@@ -215,21 +220,21 @@ def growth_svg(x: Entry, prefix: str) -> Markup:
     """Draw growth of the modes over the speed as a small figure, on tyres where there are some; stable ranges are
     shaded.
     """
-    speeds = np.linspace(0.0, FASTEST, 121)
+    speeds = np.linspace(0.0, FIGURE_SPEED_MAX, 121)
     growth = np.sort(eigenvalues(whipple, x.parameters, speeds).real, axis=1)
     stable = x.critical.stable if x.gripping is None else x.gripping
     with new_figure(3.4, 2.1) as (figure, look):
         axes = figure.subplots()
         dress(axes, look)
         for part in stable:
-            axes.axvspan(part.low, min(part.high, FASTEST), color=look.lines[4], alpha=0.35, linewidth=0.0)
+            axes.axvspan(part.low, min(part.high, FIGURE_SPEED_MAX), color=look.lines[4], alpha=0.35, linewidth=0.0)
         axes.axhline(0.0, color=look.ink, linewidth=THIN)
         axes.plot(speeds, growth, color=look.muted if x.fittings or x.problem else look.lines[0], linewidth=LINE)
         if x.on_tyres is not None:
             values = [np.sort(np.linalg.eigvals(x.on_tyres.A(v)).real) for v in speeds[1:]]
             axes.plot(speeds[1:], values, color=look.lines[0], linewidth=LINE)
-        axes.set_xlim(0.0, FASTEST)
-        axes.set_ylim(LOWEST, HIGHEST)
+        axes.set_xlim(0.0, FIGURE_SPEED_MAX)
+        axes.set_ylim(FIGURE_GROWTH_MIN, FIGURE_GROWTH_MAX)
         axes.set_xlabel("speed [m/s]", fontsize=8)
         axes.set_ylabel("growth [1/s]", fontsize=8)
         axes.tick_params(labelsize=8)

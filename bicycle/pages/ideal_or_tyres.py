@@ -26,9 +26,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SPEEDS = np.linspace(0.1, 12.0, 120)  # [m/s]
-OMEGA = np.geomspace(0.3, 300.0, 400)  # [rad/s]
+FREQUENCIES = np.geomspace(0.3, 300.0, 400)  # [rad/s]
 LEANS = np.arange(0.025, 1.2, 0.025)  # [rad]
-SHOWN = (-8.0, 6.0)  # [1/s] of the growth
+GROWTH_RANGE = (-8.0, 6.0)  # [1/s] of the growth
 
 
 def figure(parameters: Parameters, fittings: Mapping[str, Any], *, speed: float = 5.0, dark: bool = False) -> "Figure":
@@ -77,7 +77,7 @@ def draw_growth(axes: "Axes", parameters: Parameters, linear: Affine | SpeedBySp
         axes.plot([], [], color=colour, linewidth=LINE, label=label)
     axes.axhline(0.0, color=look.ink, linewidth=THIN)
     axes.set_xlim(0.0, SPEEDS[-1])
-    axes.set_ylim(*SHOWN)
+    axes.set_ylim(*GROWTH_RANGE)
     axes.set_xlabel("speed [m/s]")
     axes.set_ylabel("growth of the modes [1/s]")
 
@@ -86,10 +86,10 @@ def draw_steering(axes: "Axes", parameters: Parameters, fittings: Mapping[str, A
     """Draw steer by steer torque over the frequency."""
     ideal = partial(whipple, steer_damping=fittings.get("steer_damping", 0.0))
     for colour, H in (
-        (look.muted, frequency.response(parameters, speed, OMEGA, ideal).H),
-        (look.lines[0], frequency.response(parameters, speed, OMEGA, **fittings).H),
+        (look.muted, frequency.response(parameters, speed, FREQUENCIES, ideal).H),
+        (look.lines[0], frequency.response(parameters, speed, FREQUENCIES, **fittings).H),
     ):
-        axes.loglog(OMEGA, np.abs(H[0, :, 1, 1]), color=colour, linewidth=LINE)
+        axes.loglog(FREQUENCIES, np.abs(H[0, :, 1, 1]), color=colour, linewidth=LINE)
     for axis in (axes.xaxis, axes.yaxis):
         decades(axis)
     axes.set_xlabel("frequency ω [rad/s]")

@@ -21,7 +21,7 @@ from ..parameters import Parameters
 
 Law = Callable[[float], np.ndarray]
 """K (4,) at a speed [m/s]."""
-GRID = np.linspace(0.05, 15.0, 600)
+SPEED_GRID = np.linspace(0.05, 15.0, 600)
 """[m/s] between two of which a limit is sought."""
 
 
@@ -69,7 +69,7 @@ def stable_ranges(parameters: Parameters, law: Law, speeds: ArrayLike | None = N
     >>> [(round(x.low, 5), round(x.high, 5)) for x in assist.stable_ranges(Meijaard2007(), assist.roll_rate(-10.0))]
     [(2.81174, 6.02426)]
     """
-    grid = GRID if speeds is None else np.unique(checked_speeds(speeds))
+    grid = SPEED_GRID if speeds is None else np.unique(checked_speeds(speeds))
     if grid.size < 2:
         raise InputError("assist: give at least two different speeds, between which limits are sought")
     linear, B = canonical(parameters), input_of(parameters)

@@ -21,12 +21,12 @@ from ..parameters import Parameters, check_set
 
 STATES = ("lean", "steer", "lean rate", "steer rate", "heading", "deviation", "torque", "torque rate")
 LOOPS = ("steer angle", "roll rate", "roll", "heading", "lateral deviation")
-SEEN = (1, 2, 0, 4, 5)  # the state each loop compares with its command
-CROSSOVER = (2.0, 1.0, 0.5)  # [rad/s] of the loops of roll, heading and lateral deviation
+LOOP_STATES = (1, 2, 0, 4, 5)  # the state each loop compares with its command
+CROSSOVER_FREQUENCIES = (2.0, 1.0, 0.5)  # [rad/s] of the loops of roll, heading and lateral deviation
 MUSCLES = (900.0, 42.42)
-PEAK = 10.0  # [dB] of the two inner loops,
-LEVEL = (1.0, 3.0)  # above what they let pass at this frequency [rad/s]
-BRACKETS = (1e-2, 1e4), (-1e-5, -1.0)  # of their gains
+RESONANCE_PEAK = 10.0  # [dB] of the two inner loops above what they transmit at `REFERENCE_FREQUENCIES`
+REFERENCE_FREQUENCIES = (1.0, 3.0)  # [rad/s] of the two inner loops
+GAIN_BRACKETS = (1e-2, 1e4), (-1e-5, -1.0)  # [1] in which the gains of the inner loops are sought
 SPEEDS = np.linspace(1.0, 15.0, 29)  # [m/s] at which the rule is tried for who asks where it works
 FREQUENCIES = np.geomspace(3.0, 60.0, 400)  # [rad/s] where the peaks are
 
@@ -84,7 +84,7 @@ def closed_loops(parameters: Parameters, speed: float, gains: Gains, count: int 
     `open_loop`.
     """
     A, B = open_loop(parameters, speed)
-    for k, seen in zip(checked_gains(gains)[:count], SEEN, strict=False):
+    for k, seen in zip(checked_gains(gains)[:count], LOOP_STATES, strict=False):
         B = B * k
         A[:, seen] -= B
     return Loop(A, B)
@@ -127,9 +127,9 @@ def gains_of(
     found: list[float] = []
     for count, given in enumerate((steer, roll_rate)):
         found.append(peaked(parameters, speed, found) if given is None else number(given, f"rider: {LOOPS[count]}"))
-    for frequency in CROSSOVER:
+    for frequency in CROSSOVER_FREQUENCIES:
         plant = closed_loops(parameters, speed, Gains(*found, *[0.0] * (5 - len(found))), len(found))
-        found.append(float(1.0 / np.abs(plant.response(frequency)[0, SEEN[len(found)]])))
+        found.append(float(1.0 / np.abs(plant.response(frequency)[0, LOOP_STATES[len(found)]])))
     return Gains(*found)
 
 
@@ -138,26 +138,26 @@ class Tried(NamedTuple):
 
     gain: float
     gains: np.ndarray
-    peaks: np.ndarray  # [dB] above what the closed loop lets pass at `LEVEL`
+    peaks: np.ndarray  # [dB] above what the closed loop lets pass at `REFERENCE_FREQUENCIES`
 
 
 def tried(parameters: Parameters, speed: float, inner: list[float]) -> Tried:
     """Return the largest gain k of the next loop with which k G/(1 + k G) does not exceed the rule's peak."""
     count = len(inner)
     plant = closed_loops(parameters, speed, Gains(*inner, *[0.0] * (5 - count)), count)
-    G = plant.response(np.append(FREQUENCIES, LEVEL[count]))[:, SEEN[count]]
+    G = plant.response(np.append(FREQUENCIES, REFERENCE_FREQUENCIES[count]))[:, LOOP_STATES[count]]
 
     def height(gain: float) -> float:
         closed = np.abs(gain * G / (1.0 + gain * G))
         return float(20.0 * np.log10(closed[:-1].max() / closed[-1]))
 
-    gains = np.geomspace(*BRACKETS[count], 120)
+    gains = np.geomspace(*GAIN_BRACKETS[count], 120)
     peaks = np.array([height(gain) for gain in gains])
-    crossed = np.flatnonzero((peaks[:-1] < PEAK) & (peaks[1:] >= PEAK))
+    crossed = np.flatnonzero((peaks[:-1] < RESONANCE_PEAK) & (peaks[1:] >= RESONANCE_PEAK))
     if not crossed.size:
         return Tried(np.nan, gains, peaks)
     ends = gains[crossed[-1] : crossed[-1] + 2]
-    return Tried(float(brentq(lambda gain: height(gain) - PEAK, *ends, xtol=1e-14)), gains, peaks)
+    return Tried(float(brentq(lambda gain: height(gain) - RESONANCE_PEAK, *ends, xtol=1e-14)), gains, peaks)
 
 
 def peaked(parameters: Parameters, speed: float, inner: list[float]) -> float:
@@ -167,13 +167,14 @@ def peaked(parameters: Parameters, speed: float, inner: list[float]) -> float:
     gain, gains, peaks = tried(parameters, speed, inner)
     if np.isnan(gain):
         first = f"{peaks[0]:.3g} dB however small its gain, as the bicycle swings by itself"
-        why = first if peaks[0] >= PEAK else f"{peaks.max():.3g} dB at most, with gains up to {gains[-1]:g}"
+        why = first if peaks[0] >= RESONANCE_PEAK else f"{peaks.max():.3g} dB at most, with gains up to {gains[-1]:g}"
         where = np.array([balances(parameters, v) for v in SPEEDS])
         some = spans(SPEEDS, where), "give such a speed, or gains"
         speeds, cure = some if where.any() else ("no speed", "give gains")
         raise InputError(
             f"bicycle '{parameters.name}': at {speed:g} m/s the {LOOPS[len(inner)]} loop peaks by {why}, where the "
-            f"rule for gains wants {PEAK:g} dB; of {SPEEDS[0]:g} to {SPEEDS[-1]:g} m/s the rule balances it at "
+            f"rule for gains wants {RESONANCE_PEAK:g} dB; "
+            f"of {SPEEDS[0]:g} to {SPEEDS[-1]:g} m/s the rule balances it at "
             f"{speeds}; {cure}"
         )
     return gain
@@ -182,7 +183,7 @@ def peaked(parameters: Parameters, speed: float, inner: list[float]) -> float:
 def by_rule(parameters: Parameters, speed: float) -> Gains | None:
     """Return the gains of the rule, None where it finds none."""
     inner: list[float] = []
-    while len(inner) < len(BRACKETS):
+    while len(inner) < len(GAIN_BRACKETS):
         inner.append(tried(parameters, speed, inner).gain)
         if np.isnan(inner[-1]):
             return None

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 WHEELS = ("rear", "front")
-NO_ROAD = 2.0  # Coefficient of friction that no tyre reaches on any road
-CHANGING = 0.1  # share of the speed from which on its change is drawn, instead of the yaw rate
-SLENDER = 6.0  # length over width from which on the tracks are not drawn to scale
+FRICTION_MAX = 2.0  # [1] coefficient of friction that no tyre reaches on any road
+SPEED_CHANGE_SHARE = 0.1  # [1] of the speed; a larger change is drawn instead of the yaw rate
+ASPECT_RATIO_MAX = 6.0  # [1] length over width; longer tracks are not drawn to scale
 LABELS = {
     "angles": "angle, right > 0 [°]",
     "rates": "yaw rate, right > 0 [°/s]",
@@ -207,7 +207,7 @@ class Ride:
             f"  {f'{self.event.name} at t = {self.event.t:.6g} s' if self.event else 'upright until the end'}",
             f"  largest lean {bar['lean']}, steer {bar['steer']}; last heading {np.degrees(self.heading[-1]):.2f}°",
             f"  least load: rear wheel {least['rear']} N, front wheel {least['front']} N; friction needed"
-            f" {f'{self.friction:.3g}' if self.friction < NO_ROAD else 'beyond any road'}",
+            f" {f'{self.friction:.3g}' if self.friction < FRICTION_MAX else 'beyond any road'}",
             f"  energy audit {self.energy_drift:.1e} of E(0), momentum {checks['momentum balance'].error:.1e}, angular"
             f" momentum {checks['angular momentum'].error:.1e}; certificate {'passed' if checks.passed else 'FAILED'}",
         ]
@@ -226,7 +226,7 @@ def plot_ride(ride: Ride, title: str | None = None, *, dark: bool = False) -> "F
             dress(one, look)
         lines(axes["angles"], ride.t, {"lean": np.degrees(ride.lean), "steer": np.degrees(ride.steer)}, look)
         hubs, label = {wheel: ride.rolling(wheel) for wheel in WHEELS}, LABELS["rates"]
-        if max(np.ptp(speed) for speed in hubs.values()) > CHANGING * abs(ride.speed[0]):
+        if max(np.ptp(speed) for speed in hubs.values()) > SPEED_CHANGE_SHARE * abs(ride.speed[0]):
             lines(axes["rates"], ride.t, {"way": ride.advance, **hubs}, look)
             label = "speed of way and wheels [m/s]"
         else:
@@ -234,7 +234,7 @@ def plot_ride(ride: Ride, title: str | None = None, *, dark: bool = False) -> "F
         lines(axes["loads"], ride.t, {wheel: contact.normal for wheel, contact in ride.contacts.items()}, look)
         friction = {wheel: contact.friction for wheel, contact in ride.contacts.items()}
         lines(axes["friction"], ride.t, friction, look)
-        axes["friction"].set_ylim(0.0, min(1.05 * ride.friction, NO_ROAD) or 1.0)
+        axes["friction"].set_ylim(0.0, min(1.05 * ride.friction, FRICTION_MAX) or 1.0)
         for name, text in {**LABELS, "rates": label}.items():
             axes[name].set_ylabel(text)
             axes[name].set_xlabel("time [s]")
@@ -266,7 +266,7 @@ def way(axes: "Axes", ride: Ride, look: Theme) -> None:
     axes.set_xlabel("way along the first heading [m]")
     axes.set_ylabel("way to the right [m]")
     axes.invert_yaxis()  # seen from above, what is to the right is below
-    if size[0] < SLENDER * size[1]:
+    if size[0] < ASPECT_RATIO_MAX * size[1]:
         axes.set_aspect("equal", adjustable="datalim")
     if ride.event:
         axes.set_title(f"{ride.event.name} at {ride.event.t:.3g} s", loc="right", color=look.ink)

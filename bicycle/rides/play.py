@@ -19,15 +19,15 @@ from .manoeuvres import FALLEN
 from .ride import elevation, ridden
 from .rider_mass import carried, faster
 
-PEDAL, BRAKE = 40.0, 60.0  # [N m] at the rear and the front hub
-FASTEST = 50.0  # [m/s]
-ASSIST = 50.0  # [N m s/rad]
-TRAIL, ANGLE = 0.12, 20.0  # [m], [degrees] to both sides
-LEAST_SPIN = 2.0  # [%] of a wheel's inertia about its axle: a wheel without any would have no equation of its own
-BEHIND = (-155.0, 16.0)  # [degrees] the rider, and a little to the right
-STILL = 1e-6  # [rad/s] below which an eigenvalue does not oscillate
-SLOWEST, SPEEDS = 0.02, 31  # [m/s], count: where motions are found of tyres that are damped at rest
-SPEED = 3  # place of the control
+PEDAL_TORQUE_MAX, BRAKE_TORQUE_MAX = 40.0, 60.0  # [N m] at the rear and the front hub
+SPEED_MAX = 50.0  # [m/s] of a live ride
+ASSIST_GAIN_MAX = 50.0  # [N m s/rad] of the balance assist
+TRAIL_CHANGE_MAX, HEAD_ANGLE_CHANGE_MAX = 0.12, 20.0  # [m], [degrees] to both sides
+SPIN_MIN = 2.0  # [%] of a wheel's inertia about its axle; a wheel without inertia would have no equation of its own
+CAMERA_DIRECTION = (-155.0, 16.0)  # [degrees] behind the rider, and a little to the right
+FREQUENCY_ROUNDING = 1e-6  # [rad/s] below which an eigenvalue does not oscillate
+SPEED_MIN, SPEED_COUNT = 0.02, 31  # [m/s], count: where motions are found of tyres that are damped at rest
+SPEED_CONTROL = 3  # index of the control
 KEYS = {
     "steer torque": (("ArrowLeft", "ArrowRight"), ("j", "l")),
     "pedal": (("", "ArrowUp"), ("", "i")),
@@ -74,7 +74,9 @@ def play(
     """
     check_set(parameters, "play")
     riding, title = Riding(parameters, speed, assist, torque, fittings), f"{parameters.name} on tyres"
-    return play_model(riding, follow="frame", view=BEHIND, hidden="body names", title=title, dark=dark, port=port)
+    return play_model(
+        riding, follow="frame", view=CAMERA_DIRECTION, hidden="body names", title=title, dark=dark, port=port
+    )
 
 
 class Riding:
@@ -140,12 +142,12 @@ class Riding:
 
     def linearise(self, key: Key) -> None:
         """Find the small motions of a bicycle with an assist."""
-        fastest = self.controls[SPEED].high
+        fastest = self.controls[SPEED_CONTROL].high
         build = lambda p, speed: self.system(p, key[1], speed)  # noqa: E731
         try:
             found = equations(build, key[0])
             if isinstance(found, SpeedBySpeed):
-                found = found.table(np.geomspace(SLOWEST, fastest, SPEEDS))
+                found = found.table(np.geomspace(SPEED_MIN, fastest, SPEED_COUNT))
         except MbsError:  # it cannot run straight at all speeds: no curve, no range
             found = None
         ranges = [(part.low, min(part.high, fastest)) for part in found.stable()] if found else []
@@ -164,23 +166,23 @@ class Straight(NamedTuple):
         if self.equations is None:
             return [np.nan, np.nan]
         values = np.linalg.eigvals(self.equations.A(speed))
-        waves = np.abs(values.imag) > STILL
+        waves = np.abs(values.imag) > FREQUENCY_ROUNDING
         return [float(values.real[some].max()) if some.any() else np.nan for some in (waves, ~waves)]
 
 
 def controls_of(p: Parameters, speed: float, assist: float, torque: float) -> list[Control]:
     """Return the controls of a live ride: torques by keys, the rest by sliders."""
     torque, speed = number(torque, "play: torque", positive=True), number(speed, "play: speed")
-    fastest, angle = min(max(12.0, 2.0 * speed), FASTEST), 90.0 - float(np.degrees(p.lam))
+    fastest, angle = min(max(12.0, 2.0 * speed), SPEED_MAX), 90.0 - float(np.degrees(p.lam))
     made = [
         Control("steer torque", -torque, torque, 0.0, "N m", KEYS["steer torque"], "left stick", springs=True),
-        Control("pedal", 0.0, PEDAL, 0.0, "N m", KEYS["pedal"], "right trigger", springs=True),
-        Control("brake", 0.0, BRAKE, 0.0, "N m", KEYS["brake"], "left trigger", springs=True),
+        Control("pedal", 0.0, PEDAL_TORQUE_MAX, 0.0, "N m", KEYS["pedal"], "right trigger", springs=True),
+        Control("brake", 0.0, BRAKE_TORQUE_MAX, 0.0, "N m", KEYS["brake"], "left trigger", springs=True),
         Control("speed", 0.5, fastest, speed, "m/s", builds=True),
-        Control("balance assist", 0.0, ASSIST, number(assist, "play: assist"), "N m s/rad", builds=True),
-        Control("trail", p.c - TRAIL, p.c + TRAIL, p.c, "m", builds=True),
-        Control("head angle", angle - ANGLE, angle + ANGLE, angle, "°", builds=True),
-        Control("wheel spin", LEAST_SPIN, 100.0, 100.0, "%", builds=True),
+        Control("balance assist", 0.0, ASSIST_GAIN_MAX, number(assist, "play: assist"), "N m s/rad", builds=True),
+        Control("trail", p.c - TRAIL_CHANGE_MAX, p.c + TRAIL_CHANGE_MAX, p.c, "m", builds=True),
+        Control("head angle", angle - HEAD_ANGLE_CHANGE_MAX, angle + HEAD_ANGLE_CHANGE_MAX, angle, "°", builds=True),
+        Control("wheel spin", SPIN_MIN, 100.0, 100.0, "%", builds=True),
     ]
     for control in made:
         if not control.low <= control.value <= control.high:

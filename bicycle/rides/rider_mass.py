@@ -9,13 +9,13 @@ from mbsd3d.extend import as_quaternion, matrix
 from ..model.kinematics import X, Y, Z, foot, hubs, rotation_about, steer_axis
 from ..parameters import Parameters
 
-SLOW = 0.3  # [m/s] below which there is no motion that could be made faster in proportion
-TURNS = 6  # of the pitch until both wheels stand as before: each leaves a hundredth of what is missing, or less
+SPEED_MIN = 0.3  # [m/s] below which velocities cannot be scaled
+PITCH_ITERATIONS = 6  # [1] of the pitch until both wheels stand as before; each leaves a hundredth of the error or less
 
 
 def faster(state: State, speed: float, now: float) -> State:
     """Scale all velocities so that the rear hub moves at another speed [m/s]."""
-    if now < SLOW:
+    if now < SPEED_MIN:
         raise InputError(f"the bicycle moves at {now:.2g} m/s, too slowly to be made faster; reset it")
     return State(state.t, state.q, state.v * speed / now, state.z, state.coordinates)
 
@@ -47,7 +47,7 @@ def carried(state: State, old: Parameters, new: Parameters) -> State:
 
     across = np.cross(Z, frame @ X)
     across /= np.linalg.norm(across)
-    for _ in range(TURNS):
+    for _ in range(PITCH_ITERATIONS):
         ahead = np.cross(across, Z) @ (places[3] - hub)
         turn = rotation_about(across, (lowest(places[3], turns[3], new) - depth) / ahead)
         places, turns = hub + (places - hub) @ turn.T, [turn @ one for one in turns]

@@ -15,7 +15,7 @@ from ..linear.equations import checked_list
 from ..output import write_table
 from ..parameters import Parameters
 from ..rides.motion import legend_above
-from .families import SECTIONS, Family, Search, follow_all, special_points
+from .families import SECTION_STEERS, Family, Search, follow_all, special_points
 from .turning import Turn, TurnSolver, course
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 LEANS = np.radians([1.0, *np.arange(2.5, 41.0, 2.5)])
 """Of the turns with steer torque in the figure of the command line [rad]."""
-ROUNDING = 1e-12
+TORQUE_ROUNDING = 1e-12
 """Sine of a steer angle that is straight ahead or reversed."""
 COLUMNS = {
     "lean": "rad", "steer": "rad", "speed": "m/s", "yaw_rate": "rad/s", "radius": "m", "torque": "N m", "load": "N",
@@ -55,7 +55,7 @@ def families(
     list of Family
         Each from end to end: straight running at the capsize speed, also with the front end reversed; rest (the static
         limit); a wheel that lifts; nearly lying. A family that crosses none of the steer angles
-        `bicycle.turns.families.SECTIONS` is not found.
+        `bicycle.turns.families.SECTION_STEERS` is not found.
 
     Raises
     ------
@@ -65,7 +65,7 @@ def families(
     if parameters.g == 0.0:
         raise InputError(f"bicycle '{parameters.name}': g = 0: without gravity there are no steady turns; give g > 0")
     found = [] if keep is None else keep
-    with Progress("circles: families", 0.0, len(SECTIONS), progress) as bar:
+    with Progress("circles: families", 0.0, len(SECTION_STEERS), progress) as bar:
         search = Search.of(parameters, longest, bar.update)
         for done, points, ends in follow_all(search):
             turns = []
@@ -93,7 +93,7 @@ def turn(parameters: Parameters, lean: float, steer: float) -> Turn:
     (4.037783, -0.330445)
     """
     lean, steer = number(lean, "circles.turn: lean"), number(steer, "circles.turn: steer")
-    if abs(np.sin(steer)) < ROUNDING:
+    if abs(np.sin(steer)) < TORQUE_ROUNDING:
         raise InputError(f"circles.turn: steer = {steer:g}: a straight wheel makes no turn; give a steer angle")
     return TurnSolver(parameters).turn(lean, steer)
 

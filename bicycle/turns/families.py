@@ -11,15 +11,15 @@ from mbsd3d.errors import InputError
 from ..parameters import Parameters
 from .turning import Turn, TurnSolver
 
-SECTIONS = tuple(np.radians([8.0, 30.0, 60.0, 100.0, 130.0, 165.0, 176.0]))
-LEANS = np.radians(np.linspace(-62.0, 62.0, 42))  # where families are looked for
-LYING = np.radians(80.0)  # lean at which a family is not followed any further
-STRAIGHT = 1e-3  # steer from straight at which a family ends [rad]
-MOST = 400  # points to either side
-DIFFERENCE = 1e-6  # of x, for derivatives along a curve
-CORRECTIONS = 12
-CLOSE = 1e-9  # error of x before the last correction
-SHARPEST = 0.3  # turn of a step from the tangent before it [rad]; its arc is 0.25 of that as high as it is long
+SECTION_STEERS = tuple(np.radians([8.0, 30.0, 60.0, 100.0, 130.0, 165.0, 176.0]))
+SECTION_LEANS = np.radians(np.linspace(-62.0, 62.0, 42))  # [rad] at which families are sought
+LEAN_MAX = np.radians(80.0)  # [rad] lean at which a family ends
+STEER_MIN = 1e-3  # [rad] steer from straight at which a family ends
+POINTS_MAX = 400  # [1] points to either side
+DIFFERENCE_STEP = 1e-6  # [1] of x, for derivatives along a curve
+CORRECTIONS_MAX = 12
+CORRECTION_TOLERANCE = 1e-9  # [1] error of x before the last correction
+STEP_TURN_MAX = 0.3  # [rad] turn of a step from the tangent before it; its arc is 0.25 of that as high as it is long
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +63,7 @@ class Curve:
 
     def direction(self, x: np.ndarray) -> np.ndarray:
         """Return the unit vector along the curve at one of its points, shape (2,)."""
-        slope = [self.f(x + DIFFERENCE * e) - self.f(x - DIFFERENCE * e) for e in np.eye(2)]
+        slope = [self.f(x + DIFFERENCE_STEP * e) - self.f(x - DIFFERENCE_STEP * e) for e in np.eye(2)]
         return across(np.array(slope)) / np.hypot(*slope)
 
     def tangent(self, x: np.ndarray, along: np.ndarray) -> np.ndarray:
@@ -81,13 +81,13 @@ class Curve:
         normal = across(along)
         a, b = 0.0, 0.01 * reach
         f_a, f_b = self.f(x), self.f(x + b * normal)
-        for _ in range(CORRECTIONS):
+        for _ in range(CORRECTIONS_MAX):
             if f_a == f_b:
                 return x + b * normal if f_b == 0.0 else None
             a, b, f_a = b, b - f_b * (b - a) / (f_b - f_a), f_b
             if abs(b) > reach:
                 return None
-            if abs(b - a) < CLOSE:  # the secant method squares such an error
+            if abs(b - a) < CORRECTION_TOLERANCE:  # the secant method squares such an error
                 return x + b * normal
             f_b = self.f(x + b * normal)
         return None
@@ -100,11 +100,11 @@ class Curve:
         """
         length, bend, last, before, exact = 0.5 * self.longest, 0.0, 0.0, along, True
         while length > self.shortest:
-            guess = turned(along, np.clip(0.5 * bend * length, -SHARPEST, SHARPEST))
+            guess = turned(along, np.clip(0.5 * bend * length, -STEP_TURN_MAX, STEP_TURN_MAX))
             new = self.step(x, guess, length)
             chord = guess if new is None else (new - x) / np.linalg.norm(new - x)
             turn = angle(along, chord)
-            if new is None or abs(turn) > SHARPEST:
+            if new is None or abs(turn) > STEP_TURN_MAX:
                 length *= 0.5
                 if length <= self.shortest and not exact:
                     along, bend, length, exact = self.tangent(x, along), 0.0, last, True
@@ -172,13 +172,13 @@ class Search:
             return self.turner.free(lean, steer)[0]
 
         found, values = [], []
-        for lean in LEANS:
+        for lean in SECTION_LEANS:
             try:
                 values.append(misfit(lean))
             except ValueError:  # no such pose
                 values.append(np.nan)
         for k in np.flatnonzero(np.array(values[:-1]) * np.array(values[1:]) < 0.0):
-            x = np.array([brentq(misfit, *LEANS[k : k + 2], xtol=1e-12), steer])
+            x = np.array([brentq(misfit, *SECTION_LEANS[k : k + 2], xtol=1e-12), steer])
             if self.square(x) > 0.0 and self.pressed(x) > 0.0:
                 found.append(x)
         return found
@@ -194,23 +194,23 @@ class Search:
             points.append(new)
             if len(points) > 6 and np.linalg.norm(new - x) < np.linalg.norm(new - points[-2]):
                 return points[1:], "closed"
-            if len(points) > MOST:
+            if len(points) > POINTS_MAX:
                 return points[1:], "not followed further"
         return points[1:], "not followed further"
 
     def end(self, before: np.ndarray, new: np.ndarray) -> tuple[str, np.ndarray | None] | None:
         """Return (name, last point) if the family ends between two points."""
         for name, straight, sign in (("straight ahead", 0.0, 1.0), ("straight, front end reversed", np.pi, -1.0)):
-            if sign * (new[1] - straight) <= STRAIGHT:
-                limit = straight + sign * STRAIGHT
+            if sign * (new[1] - straight) <= STEER_MIN:
+                limit = straight + sign * STEER_MIN
                 return name, self.curve.locate(before, new, lambda x, limit=limit: x[1] - limit)
         if self.square(new) < 0.0:
             x = self.curve.locate(before, new, self.square)
             if x is None or abs(self.square(x)) < self.fast:
                 return "at rest", x
             return "a wheel lifts", self.curve.locate(before, x, self.pressed)  # long before the speed is infinite
-        if abs(new[0]) > LYING:
-            return "nearly lying", self.curve.locate(before, new, lambda x: abs(x[0]) - LYING)
+        if abs(new[0]) > LEAN_MAX:
+            return "nearly lying", self.curve.locate(before, new, lambda x: abs(x[0]) - LEAN_MAX)
         if self.pressed(new) < 0.0:
             return "a wheel lifts", self.curve.locate(before, new, self.pressed)
         return None
@@ -233,7 +233,7 @@ def beside(x: np.ndarray, families: Sequence[list[np.ndarray]]) -> bool:
             continue
         share = np.clip(np.sum((x - a) * (b - a), axis=1) / np.sum((b - a) ** 2, axis=1), 0.0, 1.0)
         miss = np.linalg.norm(a + share[:, None] * (b - a) - x, axis=1)
-        if np.any(miss < 0.3 * SHARPEST * np.linalg.norm(b - a, axis=1) + 1e-6):
+        if np.any(miss < 0.3 * STEP_TURN_MAX * np.linalg.norm(b - a, axis=1) + 1e-6):
             return True
     return False
 
@@ -241,7 +241,7 @@ def beside(x: np.ndarray, families: Sequence[list[np.ndarray]]) -> bool:
 def follow_all(search: Search) -> Iterator[tuple[int, list[np.ndarray], tuple[str, str]]]:
     """Yield (number of sections done, points of a family, its ends), one family after the other."""
     families: list[list[np.ndarray]] = []
-    for k, steer in enumerate(SECTIONS):
+    for k, steer in enumerate(SECTION_STEERS):
         search.done = k
         for x in search.seeds(steer):
             if beside(x, families):

@@ -25,16 +25,16 @@ from .turning import SteadyTurn, Turn
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SIZES = np.array([0.1, 0.01, 0.01, 0.1, 0.1, 1.0, 1.0, 1.0, 1.0, 0.01, 0.01, 0.01, 0.01])
+UNKNOWN_SIZES = np.array([0.1, 0.01, 0.01, 0.1, 0.1, 1.0, 1.0, 1.0, 1.0, 0.01, 0.01, 0.01, 0.01])
 """Of the unknowns: steer, pitch, height of the rear hub over that of an ideal wheel, its speed to the left, yaw rate,
 spins of the wheels over frame and fork, steer and drive torque, deflections of the tyres."""
-DIFFERENCE = 1e-6
-"""Of the lean [rad] and, over `SIZES`, of the unknowns, for derivatives."""
-ASIDE = 0.5
+DIFFERENCE_STEP = 1e-6
+"""Of the lean [rad] and, over `UNKNOWN_SIZES`, of the unknowns, for derivatives."""
+CHANGE_MAX = 0.5
 """Largest distance of a turn from where the tangent leads, over the way there."""
-LEAST = 1e-3
+LEAN_STEP_MIN = 1e-3
 """[rad] Shortest step of lean on the way to one that has no turn."""
-STEADY = 1e-8
+RESIDUAL_MAX = 1e-8
 """Largest acceleration left over [m/s^2, rad/s^2], and rate of a deflection; rounding leaves 1e-12."""
 
 
@@ -45,7 +45,7 @@ class TyreTurn(SteadyTurn):
     parameters: Parameters
     speed: float  # [m/s] of the rear hub, ahead
     lean: float  # [rad]
-    x: np.ndarray  # (13,) the unknowns as solved, see `SIZES`
+    x: np.ndarray  # (13,) the unknowns as solved, see `UNKNOWN_SIZES`
     system: Bicycle  # under the torques that hold it
     state: State
     at: Solution  # one sample: ``.force("rear tyre")`` and so on
@@ -108,7 +108,7 @@ class Balance:
         self.parameters, self.speed = parameters, speed
         self.free = whipple(parameters, tyres=tyres)
         self.axis = steer_axis(parameters)[1]
-        self.straight = np.zeros(len(SIZES))
+        self.straight = np.zeros(len(UNKNOWN_SIZES))
         self.straight[5:7] = speed / parameters.rR, speed / parameters.rF
         self.rates = Rates(self.held(Input("steer"), Input("drive")), self.state(self.straight, 0.0)[0])
 
@@ -144,19 +144,19 @@ class Balance:
     def slope(self, at: "TyreTurn") -> np.ndarray:
         """Return the change of the unknowns with the lean along the turns [1/rad], shape (13,)."""
         here = self.lack(at.x, at.lean)
-        columns = [self.lack(at.x + change, at.lean) - here for change in np.diag(DIFFERENCE * SIZES)]
-        by_lean = self.lack(at.x, at.lean + DIFFERENCE) - here
-        return -SIZES * np.linalg.solve(np.transpose(columns), by_lean)
+        columns = [self.lack(at.x + change, at.lean) - here for change in np.diag(DIFFERENCE_STEP * UNKNOWN_SIZES)]
+        by_lean = self.lack(at.x, at.lean + DIFFERENCE_STEP) - here
+        return -UNKNOWN_SIZES * np.linalg.solve(np.transpose(columns), by_lean)
 
     def turn(self, start: np.ndarray, lean: float) -> "TyreTurn | None":
         """Return the turn at a lean [rad] near unknowns (13,); None if none presses both wheels to the ground."""
         try:
-            found = root(lambda x: self.lack(SIZES * x, lean), start / SIZES, tol=1e-14)
+            found = root(lambda x: self.lack(UNKNOWN_SIZES * x, lean), start / UNKNOWN_SIZES, tol=1e-14)
         except AssemblyError:
             return None
-        if not np.abs(found.fun).max() < STEADY:
+        if not np.abs(found.fun).max() < RESIDUAL_MAX:
             return None
-        x = SIZES * found.x
+        x = UNKNOWN_SIZES * found.x
         system, state = self.held(*x[7:9].tolist()), self.state(x, lean)[0]
         made = TyreTurn(self.parameters, self.speed, lean, x, system, state, accelerations(system, state))
         return made if min(load.normal[0] for load in made.forces) > 0.0 else None
@@ -173,9 +173,9 @@ class Balance:
             ahead = (there - last.lean) * slope
             new = self.turn(last.x + ahead, there)
             miss, way = (np.inf, 0.0) if new is None else (size(new.x - last.x - ahead), size(ahead))
-            if miss > ASIDE * way + STEADY:
+            if miss > CHANGE_MAX * way + RESIDUAL_MAX:
                 step = 0.5 * (there - last.lean)
-                if abs(step) < LEAST:
+                if abs(step) < LEAN_STEP_MIN:
                     break
                 continue
             last, slope, step = new, self.slope(new), 2.0 * step
@@ -184,7 +184,7 @@ class Balance:
 
 def size(change: np.ndarray) -> float:
     """Return the scaled size of a change of the unknowns [-]."""
-    return float(np.linalg.norm(change / SIZES))
+    return float(np.linalg.norm(change / UNKNOWN_SIZES))
 
 
 def turn(parameters: Parameters, tyres: Tyres, *, speed: float, lean: float) -> TyreTurn:

@@ -27,7 +27,7 @@ from ..model.mechanism import Bicycle, outputs, steer_torque, whipple
 from ..parameters import Parameters
 from ..rides.motion import Ride
 
-NEAR = 0.02  # [rad] within which the pitch of a neighbour is looked for
+PITCH_SEARCH_RANGE = 0.02  # [rad] within which the pitch of a neighbour is sought
 
 
 class Balance(NamedTuple):
@@ -101,7 +101,11 @@ class TurnSolver:
 
     def pose(self, lean: float, steer: float) -> Pose:
         """Return the pose whose pitch is next to the last one's, else that with the least pitch."""
-        height, low, high = Height(self.p, lean, steer), self.pitch - NEAR, self.pitch + NEAR
+        height, low, high = (
+            Height(self.p, lean, steer),
+            self.pitch - PITCH_SEARCH_RANGE,
+            self.pitch + PITCH_SEARCH_RANGE,
+        )
         if abs(lean) < np.pi / 2 and height(low) * height(high) < 0.0:
             found = placed(self.p, lean, steer, brentq(height, low, high, xtol=1e-15, rtol=1e-15))
         else:

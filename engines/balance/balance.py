@@ -10,7 +10,7 @@ from engines.balance import phasor, planar_sum, spatial
 from engines.balance.harmonics import Harmonics
 from engines.balance.layouts import Engine
 
-LIMIT = 1e-9  # of the scale: rounding of models with up to 26 bodies stays below 1e-12
+DISAGREEMENT_MAX = 1e-9  # [1] of the scale; rounding of models with up to 26 bodies stays below 1e-12
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Comparison:
     @property
     def agrees(self) -> bool:
         """Return whether all three methods agree within `DISAGREEMENT_MAX`."""
-        return self.disagreement <= LIMIT
+        return self.disagreement <= DISAGREEMENT_MAX
 
 
 def compare(engine: Engine, orders: int = 6, *, gravity: Any = (0.0, 0.0), driver: str = "block") -> Comparison:

@@ -15,7 +15,7 @@ MASSES = {
     "inertia": "rod_inertia",
     "piston": "piston_mass",
 }
-DISAGREE = 1  # exit code
+DISAGREEMENT_EXIT_CODE = 1  # of a process; methods disagree
 
 
 def masses(context: click.Context, option: click.Parameter, text: str | None) -> dict[str, float]:
@@ -83,7 +83,7 @@ def main(
     if not all(comparison.agrees for comparison in comparisons):
         wrong = ", ".join(c.engine.layout.name for c in comparisons if not c.agrees)
         click.echo(f"phasor, planar sum and spatial model disagree for {wrong}", err=True)
-        raise click.exceptions.Exit(DISAGREE)
+        raise click.exceptions.Exit(DISAGREEMENT_EXIT_CODE)
 
 
 def alone(switch: str, allowed: set[str]) -> None:

@@ -24,8 +24,8 @@ from mbsd3d import Force, System, Table
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
-CYCLE = 4 * np.pi
-SEARCHED = 16  # cylinders: each doubles the number of firing orders
+CYCLE_ANGLE = 4 * np.pi  # [rad] of a four-stroke cycle
+SEARCHED_CYLINDERS_MAX = 16  # [1] cylinders; each doubles the number of firing orders
 
 
 class FiringOrderError(InputError):
@@ -43,7 +43,7 @@ def half_sine(peak: float = 10e3) -> Gas:
     peak = number(peak, "gas: peak", positive=True)
 
     def force(psi: np.ndarray) -> np.ndarray:
-        psi = np.asarray(psi) % CYCLE
+        psi = np.asarray(psi) % CYCLE_ANGLE
         return np.where(psi < np.pi, peak * np.sin(psi), 0.0)
 
     return force
@@ -71,7 +71,7 @@ def firing_angles(layout: Layout) -> np.ndarray:
     """
     top = -np.array(layout.phases) % 360.0
     given = ordered(layout, top)
-    if top.size > SEARCHED:
+    if top.size > SEARCHED_CYLINDERS_MAX:
         if given is None:
             raise FiringOrderError(
                 f"layout '{layout.name}': {top.size} cylinders; give a firing_order that its crank can do"

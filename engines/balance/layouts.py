@@ -21,10 +21,10 @@ import numpy as np
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
-CYLINDERS = 48  # at most
+CYLINDERS_MAX = 48  # [1] cylinders of an engine
 DATA = Path(__file__).parents[1] / "references" / "engine.json"
-MOST = 600  # samples of a turn: R/L = 0.998
-FOLD = 1e-13  # of an order that sampling may fold back, relative to the force of one cylinder
+SAMPLES_MAX = 600  # [1] samples of a turn; enough for R/L = 0.998
+ALIASING_SHARE_MAX = 1e-13  # [1] of the force of one cylinder: part of an order that sampling may alias
 
 
 @dataclass(frozen=True)
@@ -57,8 +57,10 @@ class Layout:
         what = f"layout '{self.name}'"
         for field in ("pins", "bores", "stations"):
             given = getattr(self, field)
-            if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray) or len(given) > CYLINDERS:
-                raise InputError(f"{what}: {field} {given!r:.80}; give a list, one a cylinder, of at most {CYLINDERS}")
+            if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray) or len(given) > CYLINDERS_MAX:
+                raise InputError(
+                    f"{what}: {field} {given!r:.80}; give a list, one a cylinder, of at most {CYLINDERS_MAX}"
+                )
             values = tuple(number(x, f"{what}: {field}[{i}]") for i, x in enumerate(given))
             object.__setattr__(self, field, values)
         counts = {field: len(getattr(self, field)) for field in ("pins", "bores", "stations")}
@@ -205,11 +207,11 @@ class Engine:
         ValueError if the rod is hardly longer than the crank, so that more than MOST would be needed.
         """
         lam = (self.radius + abs(self.offset)) / self.rod_length
-        last = min(np.log(FOLD) / np.log(lam / (1 + np.sqrt(1 - lam**2))), 1e9)
+        last = min(np.log(ALIASING_SHARE_MAX) / np.log(lam / (1 + np.sqrt(1 - lam**2))), 1e9)
         count = 12 * int(np.ceil((orders + max(last, orders + 1)) / 12))
-        if count > MOST:
+        if count > SAMPLES_MAX:
             raise InputError(
                 f"engine '{self.layout.name}': rod_length {self.rod_length:.9g} m hardly exceeds the crank: its orders "
-                f"fall so slowly that a turn takes {count} samples, above {MOST}; give a longer rod"
+                f"fall so slowly that a turn takes {count} samples, above {SAMPLES_MAX}; give a longer rod"
             )
         return count

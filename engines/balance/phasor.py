@@ -29,7 +29,7 @@ import numpy as np
 from engines.balance.harmonics import Harmonics
 from mbsd3d.errors import InputError
 
-SMALLEST = 1e-18  # of the series, relative to their first terms
+SERIES_TERM_RATIO_MIN = 1e-18  # [1] of the first term of a series; smaller terms are left out
 
 
 def series(lam: float, power: float, count: int) -> np.ndarray:
@@ -46,7 +46,7 @@ def _coefficient(lam: float, power: float, k: int) -> float:
     term, total, j = (1.0 if k == 0 else 2.0) * (lam / 2) ** (2 * k), 0.0, k
     for i in range(k):
         term *= (power - i) / (i + 1)
-    while abs(term) > SMALLEST * abs(total):
+    while abs(term) > SERIES_TERM_RATIO_MIN * abs(total):
         total += term
         term *= lam**2 * (j - power) * (2 * j + 1) / (2 * (j + 1 - k) * (j + 1 + k))
         j += 1
@@ -97,7 +97,7 @@ def check_lemma(engine: Any) -> None:
 def terms(engine: Any, orders: int) -> int:
     """Return the highest order to keep: coefficients fall like nu^n with nu = lam / (1 + sqrt(1 - lam^2))."""
     lam = engine.radius / engine.rod_length
-    return orders + int(np.log(SMALLEST) / np.log(lam / (1 + np.sqrt(1 - lam**2)))) + 2
+    return orders + int(np.log(SERIES_TERM_RATIO_MIN) / np.log(lam / (1 + np.sqrt(1 - lam**2)))) + 2
 
 
 def mass(engine: Any) -> float:

@@ -24,7 +24,8 @@ from engines.balance.spatial import Z
 from mbsd3d import Body, Fixed, Gear, Revolute, System, inertia
 from mbsd3d.errors import InputError
 
-RANK = 1e-10  # of the singular values of the shafts' loads: what they cannot do is left
+# [1] of the largest singular value of the shafts' loads; smaller directions stay unbalanced
+SINGULAR_VALUE_RATIO_MIN = 1e-10
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,7 @@ class Shaft:
     @property
     def pulls(self) -> bool:
         """Return whether the shaft exerts a force; a shaft with a couple alone does so wherever its axis lies."""
-        return abs(sum(self.unbalance)) > RANK * sum(map(abs, self.unbalance))
+        return abs(sum(self.unbalance)) > SINGULAR_VALUE_RATIO_MIN * sum(map(abs, self.unbalance))
 
 
 def unit_loads(shaft: Shaft, rate: float) -> np.ndarray:
@@ -102,7 +103,7 @@ def balance(engine: Engine, harmonics: Harmonics, shafts: Sequence[Shaft], *, to
     weight = np.array([1.0, 1.0, 1.0 / engine.spacing, 1.0 / engine.spacing])
     columns = np.concatenate([unit_loads(shaft, engine.rate)[:, :4] for shaft in shafts]) * weight
     target = engine_load(harmonics, orders[0])[:4] * weight
-    found = np.linalg.lstsq(columns.T, -target, rcond=RANK)[0]
+    found = np.linalg.lstsq(columns.T, -target, rcond=SINGULAR_VALUE_RATIO_MIN)[0]
     parts = np.split(found, np.cumsum([len(shaft.planes) for shaft in shafts])[:-1])
     balanced = [
         replace(shaft, unbalance=tuple(u if shaft.direction > 0 else u.conj()))
@@ -122,7 +123,9 @@ def moved(engine: Engine, harmonics: Harmonics, shafts: Sequence[Shaft]) -> list
     loads = np.array([load(shaft, engine.rate) for shaft in free])
     columns = np.stack([loads[:, 1], -loads[:, 0]], axis=1).ravel()
     left = remainder(engine, harmonics, shafts)[4]
-    shift = np.linalg.lstsq(np.stack([columns.real, columns.imag]), -np.array([left.real, left.imag]), rcond=RANK)[0]
+    shift = np.linalg.lstsq(
+        np.stack([columns.real, columns.imag]), -np.array([left.real, left.imag]), rcond=SINGULAR_VALUE_RATIO_MIN
+    )[0]
     steps = iter(shift.reshape(-1, 2))
     return [
         replace(shaft, position=tuple((np.array(shaft.position) + next(steps)).tolist())) if shaft in free else shaft

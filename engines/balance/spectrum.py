@@ -20,8 +20,8 @@ from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
 WINDOWS = {"none": "boxcar", "hann": "hann", "flat top": "flattop"}  # name here -> in scipy.signal
-EVEN = 1e-6  # of the step: allowed error of sample times
-WHOLE = 1e-6  # of a step: allowed error of a period
+STEP_TOLERANCE = 1e-6  # [1] of the step: allowed error of sample times
+PERIOD_TOLERANCE = 1e-6  # [1] of a step: allowed error of a period
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ def _checked(t: ArrayLike, values: ArrayLike) -> tuple[np.ndarray, np.ndarray, f
     if not step > 0:
         raise InputError(f"spectrum: t goes from {t[0]:g} s to {t[-1]:g} s; give times that increase")
     off = np.abs(t - t[0] - step * np.arange(t.size))
-    if off.max() > EVEN * step:
+    if off.max() > STEP_TOLERANCE * step:
         raise InputError(
             f"spectrum: sample {int(off.argmax())} is {off.max():.3g} s off even steps of {step:.6g} s; "
             "ask the run for a number of samples (output=361), not for its own steps"
@@ -118,7 +118,7 @@ def _extent(n: int, step: float, values: np.ndarray, rate: float | None, window:
     period = 2 * np.pi / abs(rate)
     for used in (n - 1, n):
         count = round(used * step / period)
-        if count >= 1 and abs(count * period - used * step) <= WHOLE * step:
+        if count >= 1 and abs(count * period - used * step) <= PERIOD_TOLERANCE * step:
             return used, count * period, period
     if window != "none":
         return n, n * step, period

@@ -12,10 +12,10 @@ from mbsd3d.extend import can_view, ready_folder
 if TYPE_CHECKING:
     from engines.nvh.study import Study
 
-DIFFER, CAR = 1, "compact"  # exit code; where an engine is if nothing else is said
+DIFFERENCE_EXIT_CODE, DEFAULT_CAR = 1, "compact"  # exit code; where an engine is if nothing else is said
 KINDS = ("lanchester", "raised", "first")  # of balance_shafts, which is imported when it is needed
 FOLLOWERS = ("flat", "roller", "barrel")  # of valve.cam
-TAKES = {
+OPTIONS_BY_TARGET = {
     "LAYOUT": ("car", "rpm", "load", "shafts", "sweep", "cycles", "active", "shell", "sound", "page", "export"),
     "--road": ("car", "speed", "page"),
     "--valve": ("rpm", "follower", "page"),
@@ -65,11 +65,11 @@ def nvh(engine: str | None, only_list: bool, **options: Any) -> None:
         show("cars", [["", "mounts"], *([name, mounts.car(name).title] for name in mounts.names())])
         return
     given = {name: value for name, value in options.items() if value is not None and value is not False}
-    subjects = ["LAYOUT"] * (engine is not None) + [f"--{name}" for name in given if f"--{name}" in TAKES]
+    subjects = ["LAYOUT"] * (engine is not None) + [f"--{name}" for name in given if f"--{name}" in OPTIONS_BY_TARGET]
     if len(subjects) != 1:
-        raise InputError(f"nvh: give one of {', '.join(TAKES)}; engines are {', '.join(presets.names())}")
+        raise InputError(f"nvh: give one of {', '.join(OPTIONS_BY_TARGET)}; engines are {', '.join(presets.names())}")
     (subject,) = subjects
-    wrong = [name for name in given if f"--{name}" != subject and name not in TAKES[subject]]
+    wrong = [name for name in given if f"--{name}" != subject and name not in OPTIONS_BY_TARGET[subject]]
     if wrong:
         raise InputError(f"nvh: --{wrong[0]} does not go with {subject}; leave it out")
     if "page" in given:
@@ -83,7 +83,7 @@ def nvh(engine: str | None, only_list: bool, **options: Any) -> None:
         ready_folder(str(Path(given["sound"]).parent), "--sound")
         if Path(given["sound"]).suffix.lower() != ".wav" or Path(given["sound"]).is_dir():
             raise InputError(f"nvh: --sound '{given['sound']}'; give a file that ends in .wav")
-    car = mounts.car(given.pop("car", CAR))
+    car = mounts.car(given.pop("car", DEFAULT_CAR))
     if subject == "LAYOUT":
         in_car(presets.preset(engine), car, **given)
     elif subject == "--road":
@@ -113,7 +113,7 @@ def in_car(
     """Study an engine, show it, write its page; exit code 1 if linear map and full run differ."""
     from engines.nvh import tables
     from engines.nvh.cabin.seat import BEAM
-    from engines.nvh.study import AGREES, Study
+    from engines.nvh.study import AGREEMENT_SHARE_MAX, Study
 
     speed = (chosen.idle + chosen.redline) / 2 if rpm is None else rpm
     study = Study(chosen, car, speed, load, shafts, shell or BEAM)
@@ -151,9 +151,9 @@ def in_car(
         from engines.nvh.export import export as write_records
 
         click.echo("\n".join(str(path) for path in write_records(study, export)))
-    if study.difference > AGREES:
+    if study.difference > AGREEMENT_SHARE_MAX:
         click.echo(f"mbsd3d: linear map and full run differ by {study.difference:.2%}", err=True)
-        raise click.exceptions.Exit(DIFFER)
+        raise click.exceptions.Exit(DIFFERENCE_EXIT_CODE)
 
 
 def check_study(study: "Study", **of_shell: str | None) -> None:

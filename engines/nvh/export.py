@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from engines.balance.gas import firing_order
-from engines.nvh.cabin.table import SEAT, write_modes
-from engines.nvh.excitation.presets import OWN, POSITIVE, Preset
+from engines.nvh.cabin.table import SEAT_NAME, write_modes
+from engines.nvh.excitation.presets import LAYOUT_FIELDS, POSITIVE_FIELDS, Preset
 from engines.nvh.records import Record
 from engines.nvh.study import Study
 from mbsd3d.extend import write_atomically
@@ -27,7 +27,7 @@ def export(study: Study, folder: str | Path) -> list[Path]:
     parts = {key: getattr(car, key) for key in ("ride", "shell") if getattr(car, key) is not None}
     found.append(written({"title": car.title, "bounce": None, "mounts": mounts, **parts}, folder / f"{car.name}.json"))
     if (cabin := study.cabin) is not None:
-        places = [*mounts, SEAT]
+        places = [*mounts, SEAT_NAME]
         shapes = np.hstack([cabin.at_feet, cabin.at_seat])
         found.append(write_modes(cabin.shell, shapes, places, folder / f"{car.name}-modes.csv"))
     return found
@@ -37,8 +37,8 @@ def engine_record(preset: Preset) -> Record:
     """Return the fields of an engine's file, with cylinders one by one."""
     layout, block = preset.layout, asdict(preset.block)
     stations = [z * preset.spacing / layout.spacing for z in layout.stations]
-    plan = dict(zip(OWN, (layout.pins, layout.bores, stations, firing_order(layout)), strict=True))
-    numbers = {name: getattr(preset, name) for name in (*POSITIVE, "balanced")}
+    plan = dict(zip(LAYOUT_FIELDS, (layout.pins, layout.bores, stations, firing_order(layout)), strict=True))
+    numbers = {name: getattr(preset, name) for name in (*POSITIVE_FIELDS, "balanced")}
     return {"title": preset.title, **plan, **numbers, "block": block}
 
 

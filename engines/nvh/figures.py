@@ -12,16 +12,16 @@ from mbsd3d.extend import LINE, THIN, dress, new_figure
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SHOWN = 5  # orders of a figure
-STACKED, DECADES = 2, 3  # speeds of the map from line to line of a waterfall; what its peaks show
-FINE = 201  # speeds of the seat: modes of a shell with 3 % of damping are 6 % wide
-SMALL = 1e-3  # of the 1x force of a cylinder: less is no force of the engine
-TALL = 5.0  # speeds of the map that its highest peak takes
+FIGURE_ORDERS = 5  # [1] orders of a figure
+LINE_SPACING, PEAK_DECADES = 2, 3  # speeds of the map from line to line of a waterfall; what its peaks show
+SEAT_SPEEDS = 201  # [1] speeds of the seat figure; modes of a shell with 3 % of damping are 6 % wide
+FORCE_SHARE_MIN = 1e-3  # [1] of the 1x force of a cylinder; an engine with less has no force
+HIGHEST_PEAK_SPACINGS = 5.0  # [1] speeds of the map that its highest peak takes
 
 
 def largest(size: np.ndarray) -> np.ndarray:
     """Return the numbers of the orders of (s, n) with the largest values, in order."""
-    ranked = np.argsort(-size.max(axis=0))[:SHOWN]
+    ranked = np.argsort(-size.max(axis=0))[:FIGURE_ORDERS]
     return np.sort(ranked[size.max(axis=0)[ranked] > 1e-4 * size.max()])
 
 
@@ -35,9 +35,9 @@ def waterfall(study: Study, size: np.ndarray, unit: str) -> "Figure":
     decades.
     """
     chosen, (rpm, orders) = largest(size), (study.map.rpm, study.map.orders)
-    stacked = np.arange(0, rpm.size, STACKED)
-    tall, most = TALL * np.ptp(rpm) / (rpm.size - 1), size[:, chosen].max()
-    height = tall * np.clip(1 + np.log10(np.maximum(size / most, 1e-300)) / DECADES, 0.0, None)
+    stacked = np.arange(0, rpm.size, LINE_SPACING)
+    tall, most = HIGHEST_PEAK_SPACINGS * np.ptp(rpm) / (rpm.size - 1), size[:, chosen].max()
+    height = tall * np.clip(1 + np.log10(np.maximum(size / most, 1e-300)) / PEAK_DECADES, 0.0, None)
     end = orders[chosen[-1]] * rpm[-1] / 60
     with new_figure(7.5, 5.2) as (made, look):
         axes = made.add_subplot()
@@ -51,9 +51,9 @@ def waterfall(study: Study, size: np.ndarray, unit: str) -> "Figure":
             axes.plot(at, tips, color=colour, linewidth=THIN)
         axes.set(xlabel="frequency [Hz]", ylabel="speed [1/min]", xlim=(0.0, 1.05 * end))
         axes.set_title(
-            f"peaks: {DECADES} decades up to {f'{most:.0f}' if most >= 100 else f'{most:.3g}'} {unit}", loc="left"
+            f"peaks: {PEAK_DECADES} decades up to {f'{most:.0f}' if most >= 100 else f'{most:.3g}'} {unit}", loc="left"
         )
-        made.legend(frameon=False, labelcolor=look.ink, ncols=SHOWN, loc="outside lower right")
+        made.legend(frameon=False, labelcolor=look.ink, ncols=FIGURE_ORDERS, loc="outside lower right")
     return made
 
 
@@ -64,7 +64,7 @@ def on_block(study: Study) -> tuple[np.ndarray, str]:
     parts = (np.linalg.norm(np.abs(study.map.load[:, :, k : k + 3]), axis=2) for k in (0, 3))
     force, moment = (np.where(study.map.orders > 0, part, 0.0) for part in parts)
     single = study.preset.engine(study.preset.redline).single
-    return (force, "N") if force.max() > SMALL * single else (moment, "N m")
+    return (force, "N") if force.max() > FORCE_SHARE_MIN * single else (moment, "N m")
 
 
 def order_lines(study: Study, swept: Sweep | None = None) -> "Figure":
@@ -81,7 +81,7 @@ def order_lines(study: Study, swept: Sweep | None = None) -> "Figure":
             axes.semilogy(speeds, handed(full)[:, k], "o", color=colour, markersize=6 if swept is None else 3)
         axes.set(xlabel="speed [1/min]", ylabel="force [N]", ylim=(1e-4 * size.max(), 2 * size.max()))
         axes.yaxis.set_major_formatter(lambda x, _: f"{x:g}")
-        made.legend(frameon=False, labelcolor=look.ink, ncols=SHOWN, loc="outside lower right")
+        made.legend(frameon=False, labelcolor=look.ink, ncols=FIGURE_ORDERS, loc="outside lower right")
     return made
 
 
@@ -95,7 +95,11 @@ def transmitted(study: Study, map: Map, force: np.ndarray) -> list[np.ndarray]:
     found = []
     for part in (first, slice(3, 4)):
         given, out = (np.linalg.norm(np.abs(both[:, :, part]), axis=2) for both in (map.load, taken))
-        least = 1e-3 * np.linalg.norm(np.abs(map.load[:, 1:, 3:]), axis=2).max() if part.start else SMALL * given.max()
+        least = (
+            1e-3 * np.linalg.norm(np.abs(map.load[:, 1:, 3:]), axis=2).max()
+            if part.start
+            else FORCE_SHARE_MIN * given.max()
+        )
         there = (given > least) & (map.orders > 0)
         found.append(np.where(there, out / np.where(there, given, 1.0), np.nan))
     return found
@@ -122,7 +126,7 @@ def transmissibility(study: Study, swept: Sweep | None = None) -> "Figure":
             axes.set(xlabel="speed [1/min]")
             axes.set_title(f"{title}: car over engine", loc="left")
             axes.yaxis.set_major_formatter(lambda x, _: f"{x:g}")
-        made.legend(*axes.get_legend_handles_labels(), frameon=False, labelcolor=look.ink, ncols=SHOWN,
+        made.legend(*axes.get_legend_handles_labels(), frameon=False, labelcolor=look.ink, ncols=FIGURE_ORDERS,
                     loc="outside lower right")  # fmt: skip
     return made
 
@@ -131,7 +135,7 @@ def seat_lines(study: Study) -> "Figure":
     """Plot the acceleration of the seat rail over speed by order, root of the sum of all directions; all orders in
     black, and dashed at the load of idling.
     """
-    fine = [(x.cabin, x.over(FINE)) for x in (study, study.idling)]
+    fine = [(x.cabin, x.over(SEAT_SPEEDS)) for x in (study, study.idling)]
     seat, idle = (np.sqrt((np.abs(cabin.seat(found)) ** 2).sum(axis=2) / 2) for cabin, found in fine)
     chosen, rpm = largest(seat), fine[0][1].rpm
     with new_figure(7.5, 3.4) as (made, look):
@@ -143,7 +147,7 @@ def seat_lines(study: Study) -> "Figure":
             label = f"{study.map.orders[k]:g}x"
             axes.plot(rpm, seat[:, k], color=look.colour(line), linewidth=LINE, label=label)
         axes.set(xlabel="speed [1/min]", ylabel="seat rail, rms [m/s²]", ylim=(0.0, None))
-        made.legend(frameon=False, labelcolor=look.ink, ncols=SHOWN + 2, fontsize=8, loc="outside lower right")
+        made.legend(frameon=False, labelcolor=look.ink, ncols=FIGURE_ORDERS + 2, fontsize=8, loc="outside lower right")
     return made
 
 

@@ -17,7 +17,7 @@ from engines.balance.harmonics import Harmonics
 from engines.nvh.control.report import ActiveMount
 from engines.nvh.excitation import balance_shafts, presets
 from engines.nvh.excitation.loads import Source
-from engines.nvh.excitation.main_bearings import COUNT, cut_engine
+from engines.nvh.excitation.main_bearings import TURN_SAMPLES, cut_engine
 from engines.nvh.mounts.mounts import Car
 from engines.nvh.mounts.rigid_modes import rigid_modes
 from engines.nvh.mounts.roll_axis import roll_axis
@@ -29,11 +29,11 @@ from engines.nvh.valvetrain.report import Valve
 from mbsd3d import Kinematic, simulate
 from mbsd3d.errors import InputError
 
-ENGINE, PAIRED, RPM, SPEED = "inline_4", "inline_3", 4000.0, 20.0
+ENGINE, COUPLE_ENGINE, RPM, SPEED = "inline_4", "inline_3", 4000.0, 20.0
 OUT_OF_PLACE = balance_shafts.Fault("out of place", 0.02, (0.003, 0.005, -0.004))
-EXACT, NEAR, NEVER = "exact", "approximate", "impossible"
-FELT = 0.06  # m of travel
-SAME = 1e-5  # relative: the run over the road holds 2e-6, kinematics 1e-13
+EXACT, APPROXIMATE, IMPOSSIBLE = "exact", "approximate", "impossible"
+WHEEL_TRAVEL = 0.06  # [m] of the comparison of the suspensions
+RELATIVE_TOLERANCE = 1e-5  # [1] relative; the run over the road holds 2e-6, kinematics 1e-13
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ class Planes:
         """Compare the main bearings of the cut crank, motored."""
         engine, source = self.study.preset.engine(RPM), Source(self.study.preset, 0.0)
         cut, _ = cut_engine(source, RPM)
-        times = 4 * np.pi / engine.rate * np.arange(2 * COUNT + 1) / (2 * COUNT)
+        times = 4 * np.pi / engine.rate * np.arange(2 * TURN_SAMPLES + 1) / (2 * TURN_SAMPLES)
         run, slow = timed(lambda: simulate(cut, float(times[-1]), method=Kinematic(), output=times))
         cylinders = range(len(engine.stations))
         plane, quick = timed(lambda: [planar.kinematics(planar_sum.build(engine, i), times) for i in cylinders])
@@ -107,9 +107,9 @@ class Planes:
 
     def couple(self) -> Line:
         """Compare the couple of an engine with three cylinders, balanced by shafts of the first order."""
-        load, slow = timed(lambda: np.abs(Source(presets.preset(PAIRED), 0.0).at(RPM).six[2]))
-        what, term = f"first order of {PAIRED}", "couple in the plane of the crank"
-        return Line(what, NEVER, f"{max(load[4:]):.0f} N m", term, None, slow)
+        load, slow = timed(lambda: np.abs(Source(presets.preset(COUPLE_ENGINE), 0.0).at(RPM).six[2]))
+        what, term = f"first order of {COUPLE_ENGINE}", "couple in the plane of the crank"
+        return Line(what, IMPOSSIBLE, f"{max(load[4:]):.0f} N m", term, None, slow)
 
     def modes(self) -> Line:
         """Compare sway, bounce and roll of the powertrain in the plane across the crank."""
@@ -125,12 +125,14 @@ class Planes:
         """Compare the axis about which a torque about the crank turns the powertrain."""
         axis, slow = timed(lambda: roll_axis(self.study.body.rigid))
         lean = np.degrees(np.arccos(abs(axis[0])))
-        return Line("torque-roll axis", NEVER, f"{lean:.1f} degrees", "products of inertia", None, slow)
+        return Line("torque-roll axis", IMPOSSIBLE, f"{lean:.1f} degrees", "products of inertia", None, slow)
 
     def spin(self) -> Line:
         """Measure the coupling of pitch and yaw by the spin of the crank."""
         _, slow = timed(lambda: self.study.on_mounts.answer(self.study.source, self.study.map.rpm))
-        return Line("spin of the crank", NEVER, f"{self.study.spin:.2%} of force", "w x J w, pitch to yaw", None, slow)
+        return Line(
+            "spin of the crank", IMPOSSIBLE, f"{self.study.spin:.2%} of force", "w x J w, pitch to yaw", None, slow
+        )
 
     def active(self) -> Line:
         """Compare the step from which an active mount is unstable."""
@@ -171,7 +173,7 @@ class Planes:
         made = Valve("cycloidal", None, "barrel")
         run, slow = timed(made.train.held)
         side = np.abs(run.reaction("cam").force[:, 1]).max()
-        return Line("barrel cam", NEVER, f"{side:.0f} N aside", "drum turns about the valve's way", None, slow)
+        return Line("barrel cam", IMPOSSIBLE, f"{side:.0f} N aside", "drum turns about the valve's way", None, slow)
 
     def road(self) -> list[Line]:
         """Compare cars on a rough road."""
@@ -197,27 +199,27 @@ class Planes:
         """Compare the front suspension kinematics over wheel travel; raise ValueError if it is no double wishbone."""
         car = ride_of(self.car, "whole", "C", SPEED).vehicle
         held, corner = car.guides[0], car.corners[0]
-        heights = np.linspace(-FELT, FELT, 41)
+        heights = np.linspace(-WHEEL_TRAVEL, WHEEL_TRAVEL, 41)
         (camber, ratio), quick = timed(lambda: front_view(held, heights))
         curves, slow = timed(lambda: replace(held).curves)
         off = 60 * np.degrees(np.abs(camber - np.interp(heights, curves.z, curves.camber)).max())
         by_ratio = np.abs(np.abs(ratio) / np.abs(np.interp(heights, curves.z, curves.ratio)) - 1).max()
         middle, loaded = heights.size // 2, car.by_load[0]
         flat = np.gradient(ratio, heights)[middle] / ratio[middle] * corner.load / corner.spring
-        toe, ahead = 60 * np.degrees(curves.at("toe", FELT)), 1e3 * curves.at("ahead", 0.0)
-        size, travel = f"{off:.1f} minutes, ratio {by_ratio:.1%}", f"{1e3 * FELT:.0f} mm"
+        toe, ahead = 60 * np.degrees(curves.at("toe", WHEEL_TRAVEL)), 1e3 * curves.at("ahead", 0.0)
+        size, travel = f"{off:.1f} minutes, ratio {by_ratio:.1%}", f"{1e3 * WHEEL_TRAVEL:.0f} mm"
         return [
             Line("camber and motion ratio", verdict(by_ratio), size, "axes of the arms not along the car", quick, slow),
             Line("load on the strut", verdict(flat / loaded - 1), f"{flat:.1%}, not {loaded:.1%} of stiffness",
                  "path of the strut's end out of the plane", quick, slow),
-            Line("bump steer", NEVER, f"{toe:.0f} minutes", f"toe at {travel}, turn about z", None, slow),
-            Line("anti-dive", NEVER, f"{ahead:.0f} mm per m", "in front view no x", None, slow),
+            Line("bump steer", IMPOSSIBLE, f"{toe:.0f} minutes", f"toe at {travel}, turn about z", None, slow),
+            Line("anti-dive", IMPOSSIBLE, f"{ahead:.0f} mm per m", "in front view no x", None, slow),
         ]  # fmt: skip
 
 
 def verdict(off: float) -> str:
     """Return the assessment of a relative difference."""
-    return EXACT if abs(off) < SAME else NEAR
+    return EXACT if abs(off) < RELATIVE_TOLERANCE else APPROXIMATE
 
 
 def largest(space: Harmonics, plane: Harmonics) -> float:

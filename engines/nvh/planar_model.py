@@ -19,8 +19,8 @@ from engines.nvh.control.cancel import Cancel, Path
 from engines.nvh.mounts.response import OnMounts
 from engines.nvh.road.guide import Guide
 
-ACROSS = (1, 2, 3)  # y, z, about x: the plane across the crank
-IN = slice(1, 3)  # y, z
+ACROSS_COORDINATES = (1, 2, 3)  # y, z, about x: the plane across the crank
+IN_PLANE = slice(1, 3)  # y, z
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Flat:
     @property
     def mass(self) -> np.ndarray:
         """Return the mass matrix M; the rotor at constant speed has no share; shape (3, 3)."""
-        return self.held.mass[np.ix_(ACROSS, ACROSS)]
+        return self.held.mass[np.ix_(ACROSS_COORDINATES, ACROSS_COORDINATES)]
 
     @property
     def heads(self) -> np.ndarray:
@@ -43,7 +43,9 @@ class Flat:
     def rates(self) -> tuple[np.ndarray, np.ndarray]:
         """Return stiffness and damping of the mounts alone, (2 mounts, 2 mounts) each."""
         parts = ("stiffness", "dampers")
-        return tuple(block_diag(*[getattr(mount, part)[IN, IN] for mount in self.held.placed]) for part in parts)
+        return tuple(
+            block_diag(*[getattr(mount, part)[IN_PLANE, IN_PLANE] for mount in self.held.placed]) for part in parts
+        )
 
     def modes(self) -> np.ndarray:
         """Return the frequencies with the rotor locked and without dampers [Hz], shape (3,)."""
@@ -61,7 +63,7 @@ class Flat:
             w3 = w[:, None, None]
             Z = k + 1j * w3 * c
             stiff = T.T @ Z @ T - w3**2 * M
-            q = np.linalg.solve(stiff, load[s, 1:, ACROSS].T[..., None])
+            q = np.linalg.solve(stiff, load[s, 1:, ACROSS_COORDINATES].T[..., None])
             D = Z - Z @ T @ np.linalg.solve(stiff, T.T @ Z)
             moved = np.eye(k.shape[0]) + D @ cabin.shell.receptance(w, feet, feet)
             force = np.linalg.solve(moved, Z @ T @ q)
@@ -88,7 +90,7 @@ def flat_shapes(cabin: Cabin) -> tuple[np.ndarray, np.ndarray]:
     """
     axes, places = cabin.axes, np.vstack([cabin.feet, cabin.car.shell["seat"]])
     normal = axes[:, 0]
-    shapes = cabin.shell.at(places - np.outer(places @ normal, normal)).reshape(-1, len(places), 3) @ axes[:, IN]
+    shapes = cabin.shell.at(places - np.outer(places @ normal, normal)).reshape(-1, len(places), 3) @ axes[:, IN_PLANE]
     return shapes[:, :-1].reshape(len(shapes), -1), shapes[:, -1]
 
 

@@ -10,7 +10,7 @@ from typing import Any
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number, read_text, similar, vector
 
-RECORD, TABLE = 1_000_000, 10_000_000  # bytes of a file with a record, and of a table
+RECORD_BYTES_MAX, TABLE_BYTES_MAX = 1_000_000, 10_000_000  # bytes of a file with a record, and of a table
 DATA = Path(__file__).parent / "data"
 Record = dict[str, Any]
 
@@ -37,7 +37,7 @@ def record(kind: str, name: str) -> Record:
             hint = f", did you mean '{near[0]}'? There" if near else "; there"
             raise InputError(f"{kind[:-1]} '{name}' is unknown{hint} are {', '.join(known)}; or give a file (.json)")
         return known[name]
-    text = read_text(Path(name), RECORD, kind[:-1])
+    text = read_text(Path(name), RECORD_BYTES_MAX, kind[:-1])
     try:
         found = json.loads(text)
     except (ValueError, RecursionError) as error:  # not JSON, a number of too many digits, nested too deep
@@ -52,7 +52,7 @@ def table(path: Path, headers: Sequence[Sequence[str]], kind: str) -> tuple[list
 
     ValueError for a file that cannot be read, another header, or a line with more or fewer cells.
     """
-    text = read_text(path, TABLE, kind)
+    text = read_text(path, TABLE_BYTES_MAX, kind)
     try:
         rows = csv.reader(text.splitlines())
         lines = [(k, [cell.strip() for cell in row]) for k, row in enumerate(rows, start=1) if any(row)]

@@ -21,14 +21,14 @@ from mbsd3d import Solution
 from mbsd3d.errors import InputError
 from mbsd3d.extend import closing, number
 
-SPEEDS = 60  # of the map, from idle to redline
-AGREES = 0.01  # difference of linear map and full run, over the largest order
-IDLE = 0.3  # load at idle: the share of the inlet pressure that turns it over and drives what hangs on it
-SLOWEST = 0.1  # of the idle speed: a starter turns faster
-COARSE = 48  # samples of a turn in a sweep: orders from 40 on fold back
-MOST = 1000  # speeds of a sweep, and cycles at each
-THREADS = 2  # of a sweep: the compiled time loop leaves the others running
-SETTLE = 0.5  # s: the run starts from the state of the linear answer
+MAP_SPEEDS = 60  # [1] speeds of the map, from idle to redline
+AGREEMENT_SHARE_MAX = 0.01  # [1] difference of linear map and full run, over the largest order
+IDLE_LOAD = 0.3  # [1] share of the inlet pressure at idle, which turns the engine and its accessories
+SPEED_RATIO_MIN = 0.1  # [1] of the idle speed; a starter turns faster
+SWEEP_TURN_SAMPLES = 48  # [1] samples of a turn in a sweep; orders from 40 on alias
+SWEEP_COUNT_MAX = 1000  # [1] speeds of a sweep, and cycles at each
+SWEEP_THREADS = 2  # [1] threads of a sweep; the compiled time loop leaves the others running
+SETTLE_SECONDS = 0.5  # [s] the run starts from the state of the linear answer
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class Study:
     shell: str = BEAM
 
     def __post_init__(self) -> None:
-        rpm, least = number(self.rpm, "nvh: rpm", positive=True), SLOWEST * self.preset.idle
+        rpm, least = number(self.rpm, "nvh: rpm", positive=True), SPEED_RATIO_MIN * self.preset.idle
         if rpm > self.preset.redline:
             most = f"redline of '{self.preset.name}'; give {self.preset.redline:g} or less"
             raise InputError(f"nvh: rpm {rpm:g} is beyond the {most}")
@@ -118,7 +118,7 @@ class Study:
     @cached_property
     def map(self) -> Map:
         """Return the linear map from idle to redline."""
-        return self.over(SPEEDS)
+        return self.over(MAP_SPEEDS)
 
     def over(self, count: int) -> Map:
         """Return the linear map at ``count`` speeds from idle to redline."""
@@ -138,7 +138,7 @@ class Study:
     @cached_property
     def run(self) -> Solution:
         """Simulate the full motion at this speed, settled, over four cycles."""
-        return whole_run(self.source, self.on_mounts, self.rpm, settle=SETTLE)
+        return whole_run(self.source, self.on_mounts, self.rpm, settle=SETTLE_SECONDS)
 
     @cached_property
     def run_force(self) -> np.ndarray:
@@ -177,17 +177,22 @@ class Study:
     def sweep(self, count: int, cycles: int = 4) -> Sweep:
         """Simulate full motions at ``count`` speeds from idle to redline, each over ``cycles``, on two threads.
 
-        ValueError for a count below 2, no cycle, or more than `MOST` of either.
+        ValueError for a count below 2, no cycle, or more than `SWEEP_COUNT_MAX` of either.
         """
-        if not (2 <= count <= MOST and 1 <= cycles <= MOST):
-            raise InputError(f"nvh: a sweep of {count} speeds, {cycles} cycles each; give 2 ... {MOST}, 1 ... {MOST}")
+        if not (2 <= count <= SWEEP_COUNT_MAX and 1 <= cycles <= SWEEP_COUNT_MAX):
+            raise InputError(
+                f"nvh: a sweep of {count} speeds, {cycles} cycles each; "
+                f"give 2 ... {SWEEP_COUNT_MAX}, 1 ... {SWEEP_COUNT_MAX}"
+            )
         found = self.over(count)
 
         def full(rpm: float) -> np.ndarray:
-            run = whole_run(self.source, self.on_mounts, rpm, settle=SETTLE, kept=cycles, count=COARSE)
+            run = whole_run(
+                self.source, self.on_mounts, rpm, settle=SETTLE_SECONDS, kept=cycles, count=SWEEP_TURN_SAMPLES
+            )
             return run_orders(run, self.placed, self.preset.engine(rpm).rate, found.orders)
 
-        with closing(ThreadPoolExecutor(THREADS)) as pool:  # Ctrl-C waits for none of them
+        with closing(ThreadPoolExecutor(SWEEP_THREADS)) as pool:  # Ctrl-C waits for none of them
             return Sweep(found, np.array(list(pool.map(full, found.rpm))), cycles)
 
     @cached_property
@@ -198,7 +203,7 @@ class Study:
     @property
     def idling(self) -> "Study":
         """Return the study of the same engine at idle."""
-        return replace(self, rpm=self.preset.idle, load=IDLE)
+        return replace(self, rpm=self.preset.idle, load=IDLE_LOAD)
 
     @cached_property
     def bearings(self) -> list[Bearing]:

@@ -8,14 +8,14 @@ from engines.nvh.cabin.seat import rms
 from engines.nvh.excitation import balance_shafts, presets
 from engines.nvh.excitation.loads import Source
 from engines.nvh.mounts.rigid_modes import DIRECTIONS
-from engines.nvh.study import AGREES, Study, Sweep
+from engines.nvh.study import AGREEMENT_SHARE_MAX, Study, Sweep
 from mbsd3d.errors import InputError
 
 Rows = list[list[str]]
-LEAST = 1e-3  # of the largest: smaller orders are left out
-SMALL = 1e-6  # of the 1x force of a cylinder: smaller forces are those of moments
-NEAR = 0.2  # of the amplitude at resonance: beyond it motions are no longer small enough for a linear map
-HIGHEST = 200.0  # Hz: modes of a shell beyond it are left out
+ORDER_SHARE_MIN = 1e-3  # [1] of the largest order; smaller ones are left out
+FORCE_SHARE_MIN = 1e-6  # [1] of the 1x force of a cylinder; smaller forces are those of moments
+RESONANCE_SHARE = 0.2  # [1] of the amplitude at resonance; beyond it motions are too large for a linear map
+SHELL_FREQUENCY_MAX = 200.0  # [Hz] modes of a shell beyond it are left out
 
 
 def figure(x: float, size: float = 0.0) -> str:
@@ -30,7 +30,7 @@ def engines() -> Rows:
         chosen = presets.preset(name)
         six, single = np.abs(Source(chosen, 0.0).at(chosen.redline).six), chosen.engine(chosen.redline).single
         sizes = [np.linalg.norm(six[2 * k, part]) for part in (slice(0, 3), slice(4, 6)) for k in (1, 2)]
-        numbers = (f"{x:.0f}" if x > LEAST * single else "0" for x in sizes)
+        numbers = (f"{x:.0f}" if x > ORDER_SHARE_MIN * single else "0" for x in sizes)
         rows.append([name, chosen.title, f"{chosen.idle:g}-{chosen.redline:g}", *numbers])
     return rows
 
@@ -57,7 +57,7 @@ def loads(study: Study) -> Rows:
     seven = np.abs(np.column_stack([load.six, load.torque]))
     sizes = np.array([seven[1:, :3].max(), seven[1:, 3:].max()]).repeat((3, 4))
     for order, row in zip(load.orders[1:], seven[1:], strict=True):
-        if (row > LEAST * np.maximum(sizes, 1.0)).any():
+        if (row > ORDER_SHARE_MIN * np.maximum(sizes, 1.0)).any():
             frequency = order * study.rpm / 60
             found.append([f"{order:g}x", f"{frequency:.1f}", *(figure(x, max(sizes)) for x in row)])
     return found
@@ -137,8 +137,8 @@ def handed_on(study: Study) -> Rows:
     here, (size, off), single = study.here, study.differences, study.preset.engine(study.rpm).single
     engine, car = (np.linalg.norm(np.abs(part), axis=-1) for part in (here.load[0, 1:, :3], here.total[0, 1:]))
     for k, order in enumerate(here.orders[1:]):
-        if size[k] > LEAST * size.max():
-            ratio = f"{car[k] / engine[k]:.4f}" if engine[k] > SMALL * single else "moment only"
+        if size[k] > ORDER_SHARE_MIN * size.max():
+            ratio = f"{car[k] / engine[k]:.4f}" if engine[k] > FORCE_SHARE_MIN * single else "moment only"
             forces = figure(engine[k], single), figure(car[k]), ratio, figure(size[k])
             rows.append([f"{order:g}x", f"{order * study.rpm / 60:.1f}", *forces, f"{100 * off[k] / size[k]:.2g}"])
     return rows
@@ -148,10 +148,10 @@ def why(study: Study) -> str:
     """Return the order of the largest difference between full run and map, its distance to resonance, and whether the
     map has that order; nothing if they agree.
     """
-    if study.difference <= AGREES:
+    if study.difference <= AGREEMENT_SHARE_MAX:
         return ""
     (order, mode, share), (size, off) = study.nearest, study.differences
-    near = f"{share:.0%} of its amplitude at resonance" if share > NEAR else "off resonance"
+    near = f"{share:.0%} of its amplitude at resonance" if share > RESONANCE_SHARE else "off resonance"
     turned = "; moving masses turn its neighbours into it" if size[off.argmax()] < off.max() else ""
     by = f"{order * study.rpm / 60:.1f} Hz, by {off.max():.2g} N"
     return f"most in {order:g}x, {by}, beside a mode of {mode:.1f} Hz, {near}{turned}"
@@ -177,7 +177,7 @@ def felt(study: Study) -> Rows:
     for one in (study, study.idling):
         seat = np.abs(one.cabin.seat(one.here)[0])
         for order, row in zip(one.here.orders, 1e3 * seat, strict=True):
-            if (row > LEAST * 1e3 * seat.max()).any():
+            if (row > ORDER_SHARE_MIN * 1e3 * seat.max()).any():
                 what = f"{one.rpm:g} 1/min, {one.load:.0%} load"
                 rows.append([what, f"{order:g}x", f"{order * one.rpm / 60:.1f}", *(figure(x) for x in row)])
     return rows
@@ -192,7 +192,7 @@ def shell(study: Study) -> Rows:
         np.linalg.norm(part.reshape(len(part), -1, 3), axis=2).max(axis=1) for part in (cabin.at_seat, cabin.at_feet)
     )
     for rate, damping, *moved in sorted(zip(cabin.shell.rates, cabin.shell.damping, *sizes, strict=True)):
-        if 0 < rate / (2 * np.pi) < HIGHEST:
+        if 0 < rate / (2 * np.pi) < SHELL_FREQUENCY_MAX:
             rows.append([str(len(rows)), f"{rate / (2 * np.pi):.1f}", f"{damping:g}", *(figure(x) for x in moved)])
     return rows
 

@@ -6,8 +6,8 @@ from engines.planar.rows import inner, kernel, put, rates, rows
 from engines.planar.saddle import accelerations, factor, solve
 
 DONE, SINGULAR, NOT_CLOSED, NOT_FINITE = range(4)
-CLOSED, OPEN = 1e-14, 1e-9  # residuals [m, rad] over the size of the system: aimed at, refused
-SUBSTEP = 0.1  # rad: predicted turn of any body between two positions of `trace`
+CLOSURE_TARGET, CLOSURE_MAX = 1e-14, 1e-9  # residuals [m, rad] over the size of the system: aimed at, refused
+SUBSTEP_ANGLE = 0.1  # [rad] predicted rotation of any body between two positions of `trace`
 
 
 @inner
@@ -55,7 +55,7 @@ def close(m, w, t, q):
             return NOT_FINITE, row
         if bad >= 0:
             return SINGULAR, bad
-        if worst <= CLOSED * m.scale[1] or (worst > 0.5 * before and worst <= OPEN * m.scale[1]):
+        if worst <= CLOSURE_TARGET * m.scale[1] or (worst > 0.5 * before and worst <= CLOSURE_MAX * m.scale[1]):
             return DONE, row
         before = worst
         for i in range(w.lam.shape[0]):
@@ -169,7 +169,7 @@ def trace(m, w, q, times, out, begin, end):
         turn = 0.0
         for i in range(q.shape[0] - 1):
             turn = max(turn, abs(v[i, 2] * (times[k] - t)) + abs(0.5 * w.x[i, 2] * (times[k] - t) ** 2))
-        pieces = 1 + int(turn / SUBSTEP)
+        pieces = 1 + int(turn / SUBSTEP_ANGLE)
         start, h = t, (times[k] - t) / pieces
         for piece in range(pieces):
             add(q, h, v)

@@ -29,13 +29,13 @@ def _digest() -> str:
     return text.hexdigest()[:16]
 
 
-FOLDER = CACHE.parent / f"planar-{_digest()}"
+CACHE_FOLDER = CACHE.parent / f"planar-{_digest()}"
 
 
 def _compiled(function: Callable, **options: object) -> Callable:
     """Compile in nopython mode without reference counts: the kernels allocate nothing."""
     made = numba.njit(error_model="numpy", nogil=True, _nrt=False, no_cfunc_wrapper=True, **options)(function)
-    return keep_code(made, FOLDER)
+    return keep_code(made, CACHE_FOLDER)
 
 
 def kernel(function: Callable) -> Callable:

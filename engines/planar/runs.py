@@ -140,8 +140,8 @@ class Solution:
         return Energy(kinetic, potential)
 
 
-PIECE = 0.1  # s of computation between two looks at Ctrl-C
-INCONSISTENT = 1e-9  # of given velocities with the joints, over the largest of them or 1 [m/s, rad/s]
+PIECE_SECONDS = 0.1  # [s] of computation between two checks for Ctrl-C
+VELOCITY_TOLERANCE = 1e-9  # [1] of the largest given velocity or 1 [m/s, rad/s]: its error against the joints
 
 
 def simulate(
@@ -196,15 +196,15 @@ def kinematics(system: System, times: ArrayLike, *, centripetal: bool = True) ->
 
 
 def in_pieces(loop: Callable, arguments: tuple, count: int) -> tuple[int, int, float]:
-    """Run a compiled loop over 0 ... count - 1 in pieces of `PIECE` so that Ctrl-C ends it; the numbers equal those of
-    one piece.
+    """Run a compiled loop over 0 ... count - 1 in pieces of `PIECE_SECONDS` so that Ctrl-C ends it; the numbers
+    equal those of one piece.
     """
     begin, size, status = 0, 100, (DONE, 0, 0.0)
     while begin < count and status[0] == DONE:
         end, began = min(begin + size, count), time.perf_counter()
         status = loop(*arguments, begin, end)
         seconds = max(time.perf_counter() - began, 1e-9)
-        size = max(1, int((end - begin) * min(10.0, PIECE / seconds)))
+        size = max(1, int((end - begin) * min(10.0, PIECE_SECONDS / seconds)))
         begin = end
     return status
 
@@ -245,7 +245,7 @@ def initial_velocity(system: System, lowered: Lowered, work: Any, q: np.ndarray)
     root = np.linalg.inv(scaling(lowered.model, work))
     found = root @ np.linalg.lstsq(A @ root, b, rcond=1e-12)[0]
     wrong = np.abs(A @ found - b)
-    if wrong.max() > INCONSISTENT * max(1.0, np.abs(b).max()):
+    if wrong.max() > VELOCITY_TOLERANCE * max(1.0, np.abs(b).max()):
         m = lowered.model.kind.size
         worst = int(np.argmax(wrong[:m])) if m and wrong[:m].max() > 1e-3 * wrong.max() else None
         where = "" if worst is None else f" of {system.name(system.joints[lowered.joint_of[worst]])}"

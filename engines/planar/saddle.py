@@ -11,7 +11,7 @@ import numpy as np
 
 from engines.planar.rows import SPRING, TORSION, arm, inner, motion, put, rates
 
-LEAST_PIVOT = 1e-13  # of a row, over its diagonal
+PIVOT_RATIO_MIN = 1e-13  # [1] of the diagonal of a row; smaller pivots are redundant rows
 
 
 @inner
@@ -31,7 +31,7 @@ def factor(m, w):
     for i in range(m.first.shape[0]):
         L = w.S[i]
         pivot, start = L[i], m.first[i]
-        least = LEAST_PIVOT * pivot
+        least = PIVOT_RATIO_MIN * pivot
         for j in range(start, i):  # D_j L_ij first
             K, total = w.S[j], L[j]
             for k in range(max(start, m.first[j]), j):

@@ -16,7 +16,8 @@ from engines.planar.march import evaluate
 from engines.planar.rows import Model, Work
 from mbsd3d.errors import InputError
 
-DEPENDENT = 1e-10  # singular values of the scaled rows, over the largest
+# [1] of the largest singular value of the scaled rows; smaller ones are redundant rows
+SINGULAR_VALUE_RATIO_MIN = 1e-10
 KINDS = (("bodies", Body), ("joints", Joint), ("loads", Part))
 
 
@@ -221,7 +222,7 @@ def refuse_redundant(system: System, lowered: Lowered) -> None:
     J = lowered.jacobian(work)
     J = J / np.linalg.norm(J, axis=1, keepdims=True)
     left, s, _ = np.linalg.svd(J)
-    kept = int((s > DEPENDENT * s[0]).sum())
+    kept = int((s > SINGULAR_VALUE_RATIO_MIN * s[0]).sum())
     if kept == m:
         return
     guilty = np.abs(left[:, kept:]).max(axis=1) > 1e-6

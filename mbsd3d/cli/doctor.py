@@ -10,12 +10,12 @@ import click
 
 from ..base.version import __version__
 
-NAME, EXTRA = re.compile(r"[\w.-]+"), re.compile(r"extra == ['\"]([\w-]+)")
-BASE = "base"
+NAME_PATTERN, EXTRA_PATTERN = re.compile(r"[\w.-]+"), re.compile(r"extra == ['\"]([\w-]+)")
+BASE_EXTRA = "base"
 
 
 def needed() -> dict[str, list[str]]:
-    """Return extra (`BASE` for what is always needed) -> names of distributions; empty where mbsd3d is not
+    """Return extra (`BASE_EXTRA` for what is always needed) -> names of distributions; empty where mbsd3d is not
     installed."""
     found: dict[str, list[str]] = {}
     try:
@@ -23,10 +23,10 @@ def needed() -> dict[str, list[str]]:
     except metadata.PackageNotFoundError:
         return {}
     for line in lines:
-        extra = EXTRA.search(line)
-        name = NAME.match(line)[0]
+        extra = EXTRA_PATTERN.search(line)
+        name = NAME_PATTERN.match(line)[0]
         if name != "mbsd3d":  # an extra that only names others
-            found.setdefault(extra[1] if extra else BASE, []).append(name)
+            found.setdefault(extra[1] if extra else BASE_EXTRA, []).append(name)
     return found
 
 
@@ -46,7 +46,7 @@ def packages() -> list[str]:
         text = ", ".join(f"{name} {version}" for name, version in versions.items() if version)
         lacking = [name for name, version in versions.items() if not version]
         if lacking:
-            remedy = "pip install mbsd3d" if extra == BASE else f'pip install "mbsd3d[{extra}]"'
+            remedy = "pip install mbsd3d" if extra == BASE_EXTRA else f'pip install "mbsd3d[{extra}]"'
             text += f"{'; ' if text else ''}missing {', '.join(lacking)}: {remedy}"
         lines.append(f"{extra:<12}{text}")
     return lines or ["packages    mbsd3d is not installed: pip install ."]

@@ -13,7 +13,7 @@ import click
 from ..base.errors import CONTROL
 from ..base.progress import Heartbeat
 from ..base.version import load_entry
-from .interruption import INTERRUPTED, SAID, answered_at_once, end_now
+from .interruption import INTERRUPT_MESSAGE, INTERRUPTED, answered_at_once, end_now
 
 if TYPE_CHECKING:
     from ..api.solution import Solution
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ..view.page.served import Served
 
 GROUP = "mbsd3d.commands"
-LOADING = (ImportError, AttributeError, SystemError)
+IMPORT_ERRORS = (ImportError, AttributeError, SystemError)
 """What a library makes of Ctrl-C while it is being loaded."""
 
 
@@ -84,11 +84,11 @@ class Commands(click.Group):
                 try:
                     return super().invoke(ctx)
                 except Exception as error:
-                    if came.is_set() and isinstance(error.__cause__ or error, LOADING):
+                    if came.is_set() and isinstance(error.__cause__ or error, IMPORT_ERRORS):
                         raise KeyboardInterrupt from None
                     raise
         except KeyboardInterrupt:
-            click.echo(SAID, err=True)
+            click.echo(INTERRUPT_MESSAGE, err=True)
             raise click.exceptions.Exit(INTERRUPTED) from None
         except BrokenPipeError:
             raise  # the reader of a pipe has gone: click ends quietly

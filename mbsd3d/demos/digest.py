@@ -10,8 +10,8 @@ from types import ModuleType
 
 from .form import Demo
 
-PACKAGE = Path(__file__).parent.parent
-KINDS = {".py", ".js", ".css", ".html"}
+PACKAGE_FOLDER = Path(__file__).parent.parent
+SOURCE_SUFFIXES = {".py", ".js", ".css", ".html"}
 
 
 def digest(demo: Demo, following: Demo) -> str:
@@ -41,8 +41,10 @@ def needed(module: ModuleType) -> set[ModuleType]:
 @cache
 def shared() -> frozenset[Path]:
     """Return the files of the package, scripts and templates too, but for the families of demos."""
-    families = PACKAGE / "demos"
-    return frozenset(x for x in PACKAGE.rglob("*") if x.suffix in KINDS and families not in x.parent.parents)
+    families = PACKAGE_FOLDER / "demos"
+    return frozenset(
+        x for x in PACKAGE_FOLDER.rglob("*") if x.suffix in SOURCE_SUFFIXES and families not in x.parent.parents
+    )
 
 
 @cache

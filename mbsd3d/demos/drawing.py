@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..base.style import COLOURS, LIGHT, dress, house
 
-GLOBE = (25.0, 55.0)  # elevation and azimuth [deg] from which a sphere is seen
+GLOBE_VIEW = (25.0, 55.0)  # [deg] elevation and azimuth from which a sphere is seen
 
 
 def new_figure(title: str, panels: Sequence[str], widths: Sequence[float] | None = None) -> tuple[Figure, list[Axes]]:
@@ -86,7 +86,7 @@ def seen_side(axes: Axes3D, path: ArrayLike) -> np.ndarray:
 
 def rim() -> np.ndarray:
     """Return the outline of the unit sphere as seen in panels in space, shape (73, 3)."""
-    up, around, turn = *np.radians(GLOBE), np.linspace(0, 2 * np.pi, 73)
+    up, around, turn = *np.radians(GLOBE_VIEW), np.linspace(0, 2 * np.pi, 73)
     side, top = (
         (-np.sin(around), np.cos(around), 0.0),
         (-np.sin(up) * np.cos(around), -np.sin(up) * np.sin(around), np.cos(up)),

@@ -11,11 +11,21 @@ from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import ArrayLike
 
 from ..base.style import COLOURS, GREY, LIGHT, raised
-from .drawing import GLOBE, every, legend_below, new_figure, plain_decades, seen_side, space, spectrum_bars, theory_dots
+from .drawing import (
+    GLOBE_VIEW,
+    every,
+    legend_below,
+    new_figure,
+    plain_decades,
+    seen_side,
+    space,
+    spectrum_bars,
+    theory_dots,
+)
 
-MOST = 3  # panels side by side
-FAR = 6  # times the computed range, beyond which an ablation leaves the picture
-FLAT = 1e-6  # of its size: a smaller range is rounding, and to the eye the line is level
+PANELS_PER_ROW_MAX = 3  # [1] panels side by side
+ABLATION_RANGE_RATIO = 6  # [1] of the computed range, beyond which an ablation leaves the picture
+FLAT_RANGE_RATIO = 1e-6  # [1] of its size; a smaller range is rounding, and the line looks level
 
 
 class Line(NamedTuple):
@@ -111,7 +121,7 @@ class Path(NamedTuple):
 
     def draw(self, axes: Axes3D, other: "Path | None", ablated: str) -> None:
         """Draw the paths with a dot at the start of each."""
-        axes.view_init(*GLOBE if self.globe else (25, -60))
+        axes.view_init(*GLOBE_VIEW if self.globe else (25, -60))
 
         def shown(path: ArrayLike) -> np.ndarray:
             return seen_side(axes, path) if self.globe else np.asarray(path)
@@ -204,16 +214,16 @@ def limit(axes: Axes, curve: Curve, other: Curve | None) -> None:
     y = np.concatenate([y, [-curve.scale, curve.scale] if curve.scale else []])
     span, size = np.ptp(y), np.abs(y).max()
     beside = joined([other.y]) if other is not None else np.zeros(1)
-    if span <= max(FLAT * size, FLAT**2 * np.abs(beside).max()):
-        if np.ptp(axes.get_ylim()) < FLAT * size:
+    if span <= max(FLAT_RANGE_RATIO * size, FLAT_RANGE_RATIO**2 * np.abs(beside).max()):
+        if np.ptp(axes.get_ylim()) < FLAT_RANGE_RATIO * size:
             axes.set_ylim(y.mean() - 0.1 * size, y.mean() + 0.1 * size)
-    elif curve.scale or np.ptp(beside) > FAR * span:
+    elif curve.scale or np.ptp(beside) > ABLATION_RANGE_RATIO * span:
         axes.set_ylim(y.min() - 0.3 * span, y.max() + 0.3 * span)
 
 
 def end(line: Line2D, low: float, high: float) -> None:
     """Cut a line where it leaves the picture far, so that it does not come back into it."""
-    y, far = np.array(line.get_ydata(), float), FAR * (high - low)
+    y, far = np.array(line.get_ydata(), float), ABLATION_RANGE_RATIO * (high - low)
     gone = np.flatnonzero((y < low - far) | (y > high + far))
     if gone.size:
         y[gone[0] + 1 :] = np.nan
@@ -222,7 +232,7 @@ def end(line: Line2D, low: float, high: float) -> None:
 
 def still(one: ArrayLike, other: ArrayLike) -> bool:
     """Return whether a line looks constant compared with another one."""
-    return bool(np.ptp(joined([one])) <= FLAT * np.ptp(joined([other])))
+    return bool(np.ptp(joined([one])) <= FLAT_RANGE_RATIO * np.ptp(joined([other])))
 
 
 def joined(lines: Sequence[ArrayLike]) -> np.ndarray:

@@ -15,8 +15,8 @@ from ..api.solution import Solution
 from ..api.system import System
 from ..base.errors import InputError, MbsError
 from .base import Outcome, Row, Show
-from .figure import MOST, Curve, Drawn, Panel, Points, same
-from .parameters import SWITCHES, checked, lacking, listed, refusing
+from .figure import PANELS_PER_ROW_MAX, Curve, Drawn, Panel, Points, same
+from .parameters import OMITTABLE_TERMS, checked, lacking, listed, refusing
 
 Numbers = Mapping[str, float]
 
@@ -188,7 +188,7 @@ class Demo:
             return dict(values), {}
         if term == self.ablation.term and self.ablation.change:
             return {**values, **self.ablation.change}, {}
-        terms = dict.fromkeys((self.ablation.term, *SWITCHES))
+        terms = dict.fromkeys((self.ablation.term, *OMITTABLE_TERMS))
         if term not in terms:
             raise InputError(f"demo '{self.name}' has no term '{term}'; {listed(term, list(terms))}")
         return dict(values), {term: False}
@@ -235,7 +235,7 @@ class Demo:
         ]
         if self.against and not without:
             panels.append(self.panel_against(values, found))
-        return panels[:MOST]
+        return panels[:PANELS_PER_ROW_MAX]
 
     def panel_against(self, values: Mapping[str, object], found: Measured) -> Panel:
         """Return the panel of the first quantity over a parameter."""

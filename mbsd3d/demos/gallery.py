@@ -27,12 +27,12 @@ from .form import Demo
 from .parameters import lacking
 from .report import to_json
 
-VIEWER = "viewer.js"
-ENDS = (".html", "_seen.html", "_without.html", ".png", ".gif")  # of the names of a page's files
-PICTURE = 320  # width of a picture on the front page [pixels]
-FPS, SECONDS, WIDTH = 8, 3.0, 480  # of the films there; in narrower ones the notes lie on each other
-FEW = 4  # notes that one reads below a table; more can be unfolded
-PRINT = (
+VIEWER_FILE = "viewer.js"
+PAGE_FILE_ENDINGS = (".html", "_seen.html", "_without.html", ".png", ".gif")  # of the names of a page's files
+PICTURE_WIDTH = 320  # [pixels] of a picture on the front page
+FILM_RATE, FILM_SECONDS, FILM_WIDTH = 8, 3.0, 480  # of the films there; in narrower ones the notes lie on each other
+NOTES_MAX = 4  # [1] notes below a table; more can be unfolded
+TYPOGRAPHY = (
     (r"\b(\w) x (?=\w\b|\()", "\\1 × "),  # between single letters: not the axis x of a sentence
     (" - ", " − "),
     (" -> ", " → "),
@@ -41,7 +41,7 @@ PRINT = (
     ("`", ""),
     (r"(\d) (\d{3})\b", "\\1\u202f\\2"),  # 18 140 stays on its line
 )
-STILL = 1e-6  # m or parts of a quaternion that nobody sees
+INVISIBLE_MOTION = 1e-6  # [m] or parts of a quaternion that nobody sees
 
 
 def page(name: str, folder: Path) -> bool:
@@ -69,7 +69,7 @@ def page(name: str, folder: Path) -> bool:
     html = page_template("demo.html").render(
         title=demo.title, name=name, family=demo.family, texts=texts, equation=mathml(demo.equation),
         rows=[cells(row) for row in outcome.rows], figures=drawn(outcome, name),
-        players=[found for found in players if found[1]], notes=notes, few=FEW,
+        players=[found for found in players if found[1]], notes=notes, few=NOTES_MAX,
         parameters={key: json.dumps(value) for key, value in outcome.parameters.items()}, command=command(demo),
         code=source_of(demo), next_one=next_one, light=LIGHT, dark=DARK,
     )  # fmt: skip
@@ -84,7 +84,7 @@ def page(name: str, folder: Path) -> bool:
 
 def files_of(name: str, folder: Path) -> list[Path]:
     """Return those files of a demo's page that are there, beside its numbers."""
-    return [path for end in ENDS if (path := folder / f"{name}{end}").exists()]
+    return [path for end in PAGE_FILE_ENDINGS if (path := folder / f"{name}{end}").exists()]
 
 
 def whole(folder: Path, place: Path, stamp: str) -> bool:
@@ -106,7 +106,7 @@ def front(names: Iterable[str], folder: Path) -> Path:
         family: [demo for demo in members if demo.name in written] for family, members in demos.families().items()
     }
     script = f"document.write({json.dumps(client_head())});".encode()
-    write_atomically(folder / VIEWER, script)
+    write_atomically(folder / VIEWER_FILE, script)
     films = {name for name in written if (folder / f"{name}.gif").exists()}
     html = page_template("gallery.html").render(
         title="Effects that exist only in space", families=families, films=films, light=LIGHT, dark=DARK
@@ -142,7 +142,7 @@ def player(outcome: Outcome, title: str, path: Path, beside: Outcome | None = No
     hidden = {"body names", "joint names", *options.get("hidden", ())}
     quiet = {"curves": (), "hidden": sorted(hidden)}  # the curves stand below
     html = solution.animate(**{**options, **quiet, "title": title}).html
-    html = html.replace(client_head(), f'<script src="{VIEWER}"></script>')
+    html = html.replace(client_head(), f'<script src="{VIEWER_FILE}"></script>')
     script = (FOLDER / "in_step.js").read_text(encoding="utf-8")
     html = html.replace("</body>", f"<script>\n{script}</script>\n</body>")
     write_atomically(path, html.encode("utf-8"))
@@ -166,7 +166,7 @@ def picture(outcome: Outcome, path: Path) -> None:
         raw, small = io.BytesIO(), io.BytesIO()
         figure.savefig(raw, format="png", dpi=100)
     image = Image.open(raw).convert("RGB")
-    image = image.resize((PICTURE, round(image.height * PICTURE / image.width)), Image.Resampling.LANCZOS)
+    image = image.resize((PICTURE_WIDTH, round(image.height * PICTURE_WIDTH / image.width)), Image.Resampling.LANCZOS)
     image.quantize(128, dither=Image.Dither.NONE).save(small, "PNG", optimize=True)
     write_atomically(path, small.getvalue())
 
@@ -179,10 +179,10 @@ def film(outcome: Outcome, path: Path) -> None:
     solution, options = first_view(outcome)
     span = solution.t[-1] - solution.t[0]
     poses = [np.hstack([solution.position(x), solution.orientation(x)]) for x in solution.system.bodies]
-    if span > 0.0 and np.ptp(np.hstack(poses), axis=0).max() > STILL:
+    if span > 0.0 and np.ptp(np.hstack(poses), axis=0).max() > INVISIBLE_MOTION:
         known, hidden = picture_options(options)
-        speed = float(f"{span / SECONDS:.2g}")
-        solution.export_gif(path, fps=FPS, speed=speed, width=WIDTH, hidden=hidden, **known)
+        speed = float(f"{span / FILM_SECONDS:.2g}")
+        solution.export_gif(path, fps=FILM_RATE, speed=speed, width=FILM_WIDTH, hidden=hidden, **known)
 
 
 def picture_options(options: Mapping[str, object]) -> tuple[dict[str, object], list[str]]:
@@ -200,7 +200,7 @@ def cells(row: Row) -> Sequence[str]:
 
 def prose(text: str) -> str:
     """Replace keyboard characters of a text by typographic ones."""
-    for typed, printed in PRINT:
+    for typed, printed in TYPOGRAPHY:
         text = re.sub(typed, printed, text)
     return raised(text)
 

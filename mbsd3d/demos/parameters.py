@@ -9,25 +9,26 @@ import numpy as np
 from ..base.checks import number, shown
 from ..base.errors import InputError, MbsError, similar
 
-SWITCHES = ("gyroscopic", "centripetal", "gamma")  # terms that runs can leave out
-FEW = 20  # names that are listed beside a guess
-FAR = 1000.0  # from the default: how long a run takes, and how far formulas hold, is known for machines of some size
-VANISHING = 1e12  # the same below, of what may vanish: then the effect goes, and the run does not change
+OMITTABLE_TERMS = ("gyroscopic", "centripetal", "gamma")  # terms that runs can leave out
+LISTED_NAMES_MAX = 20  # [1] names that are listed beside a guess
+VALUE_RATIO_MAX = 1000.0  # [1] from the default; run time and validity of formulas are known for machines of some size
+# [1] below the default, for a value that may vanish: then the effect goes, and the run does not change
+VANISHING_RATIO_MAX = 1e12
 
 
 def listed(name: str, names: Sequence[str]) -> str:
     """Return a hint for an unknown name: the nearest names, and all if they are few."""
     inside = [known for known in names if len(name) > 2 and name.lower() in known.lower()]
     guess = list(dict.fromkeys(similar(name, names) + inside))[:3]
-    there = f"there are {', '.join(names)}" if len(names) <= FEW else "see the whole list: mbsd3d demo"
+    there = f"there are {', '.join(names)}" if len(names) <= LISTED_NAMES_MAX else "see the whole list: mbsd3d demo"
     if guess:
-        return f"did you mean {' or '.join(guess)}?" + (f" ({there})" if len(names) <= FEW else "")
+        return f"did you mean {' or '.join(guess)}?" + (f" ({there})" if len(names) <= LISTED_NAMES_MAX else "")
     return there
 
 
 def lacking(term: str) -> str:
     """Return the label of an ablation."""
-    return f"no {term} term" if term in SWITCHES else f"without {term.replace('_', ' ').replace('-', ' ')}"
+    return f"no {term} term" if term in OMITTABLE_TERMS else f"without {term.replace('_', ' ').replace('-', ' ')}"
 
 
 def settings(texts: Iterable[str]) -> dict[str, object]:
@@ -61,12 +62,12 @@ def checked(
     for name, value in changes.items():
         if name not in defaults:
             raise InputError(f"demo '{demo}' has no parameter '{name}'; {listed(name, list(defaults))}")
-        below = VANISHING if name in vanishing else FAR
+        below = VANISHING_RATIO_MAX if name in vanishing else VALUE_RATIO_MAX
         values[name] = like(defaults[name], value, f"demo '{demo}': {name}", below)
     return values
 
 
-def like(default: object, value: object, what: str, below: float = FAR) -> object:
+def like(default: object, value: object, what: str, below: float = VALUE_RATIO_MAX) -> object:
     """Return a value of the kind of the default: number, integer, word, list of the same shape, or table of these.
 
     A number is by less than a factor FAR above the default and by less than ``below`` below it, or 0.
@@ -88,7 +89,7 @@ def like(default: object, value: object, what: str, below: float = FAR) -> objec
         raise InputError(f"{what} = {value!r} is not a number; give e.g. {default}")
     found = number(value, what)
     times = abs(found / default) if default and found else 1.0
-    far = FAR if times > 1.0 else below
+    far = VALUE_RATIO_MAX if times > 1.0 else below
     if not 1.0 / far < times < far:
         raise InputError(f"{what} = {value!r} is a factor of {far:g} or more away from {default:g}; stay nearer to it")
     if isinstance(default, int):
@@ -108,8 +109,10 @@ def like_list(default: Sequence, value: object, what: str) -> list:
     if found.dtype.kind not in "iuf" or found.shape != shape or not np.isfinite(found).all():
         size = " x ".join(map(str, shape))
         raise InputError(f"{what} = {value!r}: give {size} finite numbers, e.g. {json.dumps(default)}")
-    if np.abs(found).max() >= FAR * (np.abs(default).max() or 1.0):
-        raise InputError(f"{what} = {value!r} is {FAR:g} times {json.dumps(default)} or more; stay nearer to it")
+    if np.abs(found).max() >= VALUE_RATIO_MAX * (np.abs(default).max() or 1.0):
+        raise InputError(
+            f"{what} = {value!r} is {VALUE_RATIO_MAX:g} times {json.dumps(default)} or more; stay nearer to it"
+        )
     return found.astype(float).tolist()
 
 

@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 
 from ..base.errors import InputError
 
-MOST = 2**17  # points of a quadrature
+QUADRATURE_POINTS_MAX = 2**17  # [1] points of a quadrature
 
 
 def swing(square: Callable, low: float, high: float, *values: Callable) -> list[float]:
@@ -25,7 +25,7 @@ def swing(square: Callable, low: float, high: float, *values: Callable) -> list[
         return np.array([dt.sum(), *(dt @ value(x) for value in values)])
 
     points, found, change = 100, sums(100), np.inf
-    while points < MOST:
+    while points < QUADRATURE_POINTS_MAX:
         points *= 2
         finer = sums(points)
         last, change = change, np.max(abs(finer - found) / (abs(finer).max() * 1e-3 + abs(finer)))

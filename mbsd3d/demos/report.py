@@ -11,8 +11,8 @@ from .base import Outcome, Row
 from .discovery import discover
 from .form import Demo
 
-WIDTH = 100
-HEAD = ("quantity", "computed", "theory", "error")
+TEXT_WIDTH = 100
+TABLE_HEAD = ("quantity", "computed", "theory", "error")
 
 
 def contents(families: Mapping[str, Sequence[Demo]]) -> str:
@@ -25,7 +25,7 @@ def contents(families: Mapping[str, Sequence[Demo]]) -> str:
     return "\n\n".join(blocks)
 
 
-def table(rows: Sequence[Row], heads: Sequence[str] = HEAD) -> str:
+def table(rows: Sequence[Row], heads: Sequence[str] = TABLE_HEAD) -> str:
     """Return the rows of a demo as ``quantity | computed | theory | error``, FAIL beside those beyond their
     tolerance."""
     cells = [tuple(heads)]
@@ -62,10 +62,12 @@ def report(demo: Demo, outcome: Outcome, without: str | None = None) -> str:
     """Return question, why, equation, source, table and notes of a demo."""
     lines = [f"{demo.name}: {demo.title}" + (f" (without {without})" if without else "")]
     for label in ("question", "why", "equation", "source"):
-        lines += textwrap.wrap(getattr(demo, label), WIDTH, initial_indent=f"  {label:10}", subsequent_indent=" " * 12)
+        lines += textwrap.wrap(
+            getattr(demo, label), TEXT_WIDTH, initial_indent=f"  {label:10}", subsequent_indent=" " * 12
+        )
     lines += ["", table(outcome.rows)]
     for note in outcome.notes:
-        lines += textwrap.wrap(note, WIDTH, initial_indent="  ", subsequent_indent="    ")
+        lines += textwrap.wrap(note, TEXT_WIDTH, initial_indent="  ", subsequent_indent="    ")
     return "\n".join(lines)
 
 
@@ -111,4 +113,6 @@ def listing(paths: list[Path]) -> str:
     for path in paths:
         stems.setdefault(path.with_suffix(""), []).append(path.suffix)
     text = ", ".join(f"{stem}{'|'.join(suffixes)}" for stem, suffixes in stems.items())
-    return textwrap.fill(text, WIDTH, initial_indent="  written ", subsequent_indent=" " * 10, break_on_hyphens=False)
+    return textwrap.fill(
+        text, TEXT_WIDTH, initial_indent="  written ", subsequent_indent=" " * 10, break_on_hyphens=False
+    )

@@ -9,7 +9,7 @@ from ..base.errors import InputError, explaining
 from .dh import built
 from .links import Links
 
-PROPORTION = 1e-9  # relative misfit of Bennett's condition that rounding of typed parameters may leave
+PROPORTION_TOLERANCE = 1e-9  # [1] relative misfit of Bennett's condition that rounding of typed parameters may leave
 
 
 @explaining
@@ -117,10 +117,10 @@ def proportion(what: str, one: str, a: float, alpha: float, other: str, b: float
     for name, value in ((one, a), (one, alpha), (other, b), (other, beta)):
         number(value, f"{what}: one of {name}")
     left, right = a * np.sin(beta), b * np.sin(alpha)
-    if min(abs(np.sin(alpha)), abs(np.sin(beta))) < PROPORTION or not a or not b:
+    if min(abs(np.sin(alpha)), abs(np.sin(beta))) < PROPORTION_TOLERANCE or not a or not b:
         raise InputError(f"{what}: ({one}) = ({a:g}, {alpha:g}), ({other}) = ({b:g}, {beta:g}): give "
                          "lengths other than 0 and twists that are no multiples of pi")  # fmt: skip
-    if not abs(left - right) <= PROPORTION * max(abs(left), abs(right)):
+    if not abs(left - right) <= PROPORTION_TOLERANCE * max(abs(left), abs(right)):
         raise InputError(f"{what}: Bennett's condition a / sin(alpha) = b / sin(beta) does not hold for ({one}) "
                          f"and ({other}): {a / np.sin(alpha):.9g} m and {b / np.sin(beta):.9g} m; with these twists, "
                          f"{a:.9g} m goes with {a * np.sin(beta) / np.sin(alpha):.12g} m")  # fmt: skip
@@ -129,7 +129,7 @@ def proportion(what: str, one: str, a: float, alpha: float, other: str, b: float
 def pair(what: str, alpha: float, beta: float, angle: float) -> tuple[float, float]:
     """Return (theta_1, theta_2) of a Bennett loop whose first link has the twist alpha [rad]."""
     angle = number(angle, f"{what}: angle")
-    if abs(np.sin(angle)) < PROPORTION or abs(np.sin(0.5 * (beta - alpha))) < PROPORTION:
+    if abs(np.sin(angle)) < PROPORTION_TOLERANCE or abs(np.sin(0.5 * (beta - alpha))) < PROPORTION_TOLERANCE:
         raise InputError(f"{what}: angle {angle:g} at twists {alpha:g} and {beta:g} rad folds the loop onto a line "
                          "or gives equal links; choose an angle no multiple of pi and unequal twists")  # fmt: skip
     ratio = np.sin(0.5 * (beta + alpha)) / np.sin(0.5 * (beta - alpha))

@@ -9,7 +9,7 @@ from ..base.errors import InputError, explaining
 from .dh import built, closed_angles, table
 from .links import Links
 
-RIGHT = 0.5 * np.pi
+RIGHT_ANGLE = 0.5 * np.pi
 
 
 @explaining
@@ -115,7 +115,7 @@ def bricard(
         raise InputError(f"bricard: length {length:g} m, angle {np.degrees(angle):.6g} degrees; give a positive length "
                          "and an angle between -120 and 120 degrees, where the loop closes")  # fmt: skip
     phi = float(np.arccos(-np.cos(angle) / (1.0 + np.cos(angle))))
-    numbers = np.array([[length, RIGHT, 0.0], [length, -RIGHT, 0.0]] * 3)
+    numbers = np.array([[length, RIGHT_ANGLE, 0.0], [length, -RIGHT_ANGLE, 0.0]] * 3)
     return built("bricard", numbers, np.array([angle, phi] * 3), links, position, orientation, gravity)
 
 
@@ -149,7 +149,7 @@ def schatz(
     length = number(length, "schatz: length", positive=True)
     angle, offset = number(angle, "schatz: angle"), number(offset, "schatz: offset")
     numbers = length * np.array([0.0, 1.0, 1.0, 1.0, 0.0, np.sqrt(3.0)])
-    numbers = np.c_[numbers, RIGHT * np.array([1, 1, 1, 1, 1, 0]), [offset, 0, 0, 0, 0, -offset]]
+    numbers = np.c_[numbers, RIGHT_ANGLE * np.array([1, 1, 1, 1, 1, 0]), [offset, 0, 0, 0, 0, -offset]]
     third = -2.0 * np.arctan(np.sqrt(3.0) * np.sin(angle))
     known = np.array([angle, np.arccos(-0.5 * np.sqrt(3.0) * np.cos(angle)), third])
     angles = closed_angles("schatz", numbers, lambda x: np.r_[known, x], 3, None)

@@ -13,9 +13,9 @@ from ..mechanism.bodies import GROUND
 from ..mechanism.joints.pairs import Revolute
 from .links import Links, base_frame, link_body
 
-CLOSED = 1e-9  # misfit of a loop over its size that rounding of typed parameters may leave
-STARTS = {2: 8, 3: 5}  # of each free angle in the search for a closed pose, by their number
-ROUNDS = 30  # of Newton; it doubles its digits in each where it converges at all
+CLOSURE_TOLERANCE = 1e-9  # [1] misfit of a loop over its size that rounding of typed parameters may leave
+START_COUNTS = {2: 8, 3: 5}  # [1] of each free angle in the search for a closed pose, by their number
+NEWTON_ITERATIONS_MAX = 30  # [1] of Newton; it doubles its digits in each where it converges at all
 
 
 @explaining
@@ -82,7 +82,7 @@ def built(
     """Build the system of a loop that closes; raise ValueError with the misfit for others."""
     place = frames(numbers, angles)
     gap, turn, size = misfit(numbers, angles)
-    if not max(gap / size, turn) < CLOSED:
+    if not max(gap / size, turn) < CLOSURE_TOLERANCE:
         raise InputError(f"{what}: the loop does not close at these parameters: its ends are {gap:.3g} m and "
                          f"{turn:.3g} rad apart; correct the parameters or the angles")  # fmt: skip
     base, thick = base_frame(position, orientation, what), 0.05 * size
@@ -134,14 +134,14 @@ def closed_angles(
         if starts[0].size != free:
             raise InputError(f"{what}: near has {starts[0].size} angles; give {free}")
     else:
-        ticks = -np.pi + (np.arange(STARTS[free]) + 0.6) * (
-            2 * np.pi / STARTS[free]
+        ticks = -np.pi + (np.arange(START_COUNTS[free]) + 0.6) * (
+            2 * np.pi / START_COUNTS[free]
         )  # no tick at a multiple of a right angle
         starts = [np.array(x) for x in product(ticks, repeat=free)]
     zero = spread(np.zeros(free))
     slope = np.column_stack([spread(e) - zero for e in np.eye(free)])
     for x in starts:
-        for _ in range(ROUNDS):
+        for _ in range(NEWTON_ITERATIONS_MAX):
             error, J = residual(numbers, zero + slope @ x)
             change = np.linalg.lstsq(J @ slope, -error, rcond=1e-12)[0]
             x = x + change * min(1.0, 1.0 / max(np.abs(change).max(), 1e-300))

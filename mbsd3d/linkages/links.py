@@ -13,7 +13,7 @@ from ..base.rotations import as_quaternion, matrix
 from ..mechanism.bodies import Body
 
 Links = Sequence[MassProperties] | None
-MASS = 1.0  # of a bar nobody gave a mass [kg]
+BAR_MASS = 1.0  # [kg] of a bar without a given mass
 
 
 def base_frame(position: ArrayLike, orientation: ArrayLike, what: str) -> np.ndarray:
@@ -28,9 +28,9 @@ def bar(line: np.ndarray, radius: float) -> MassProperties:
     """Draw a round bar from the origin along a line (3,) [m], in the axes of the line."""
     length = float(np.linalg.norm(line))
     along = line / length if length > 0.0 else np.array([0.0, 0.0, 1.0])
-    across, _, lengthwise = cylinder(MASS, radius, length)
+    across, _, lengthwise = cylinder(BAR_MASS, radius, length)
     turned = across * np.eye(3) + (lengthwise - across) * np.outer(along, along)
-    return MassProperties(MASS, 0.5 * line, turned)
+    return MassProperties(BAR_MASS, 0.5 * line, turned)
 
 
 def link_body(

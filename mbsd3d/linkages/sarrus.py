@@ -10,7 +10,7 @@ from ..mechanism.bodies import GROUND
 from ..mechanism.joints.pairs import Revolute
 from .links import Links, base_frame, link_body
 
-STRAIGHT = 1e-6  # a leg whose links lie on one line within this angle [rad] has a singular pose
+STRAIGHT_LEG_ANGLE = 1e-6  # [rad] a leg whose links lie on one line within this angle has a singular pose
 Z = np.array([0.0, 0.0, 1.0])
 
 
@@ -52,7 +52,7 @@ def sarrus(
     """
     reach = number(reach, "sarrus: reach")
     lower, upper = (_leg(leg, name) for leg, name in ((first, "first"), (second, "second")))
-    if abs(np.sin(number(between, "sarrus: between"))) < STRAIGHT:
+    if abs(np.sin(number(between, "sarrus: between"))) < STRAIGHT_LEG_ANGLE:
         raise InputError(f"sarrus: between {between:g} rad: both legs in one plane leave the platform two freedoms")
     rest = lower[1] ** 2 - (lower[0] * np.cos(number(angle, "sarrus: angle"))) ** 2
     if rest < 0.0:
@@ -105,7 +105,7 @@ def _leg(lengths: ArrayLike, name: str) -> tuple[float, ...]:
 def _knee(leg: tuple[float, ...], height: float, name: str) -> tuple[float, float]:
     """Return (outwards, up) of the hinge between the links of a leg whose upper end is above its foot [m]."""
     up = (leg[0] ** 2 - leg[1] ** 2 + height**2) / (2.0 * height) if height > 0.0 else 0.0
-    if height <= 0.0 or not abs(up) < leg[0] * np.cos(STRAIGHT):
+    if height <= 0.0 or not abs(up) < leg[0] * np.cos(STRAIGHT_LEG_ANGLE):
         raise InputError(f"sarrus: the {name} leg of {leg[0]:g} m and {leg[1]:g} m does not reach the height "
                          f"{height:g} m or is straight there; choose another angle or other lengths")  # fmt: skip
     return float(np.sqrt(leg[0] ** 2 - up**2)), float(up)

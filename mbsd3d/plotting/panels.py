@@ -21,7 +21,7 @@ from ..results.run_result import RunResult
 
 Part = Body | Joint | ForceElement | str
 Wanted = Iterable[str | Measure | tuple[str | Measure | Part, ...]]  # quantities with or without parts, and measures
-WORDS = {
+QUANTITY_LABELS = {
     "omega": "angular velocity", "omega_body": "angular velocity, body axes", "alpha": "angular acceleration",
     "com": "centre of mass", "orientation": "quaternion",
 }  # fmt: skip
@@ -69,7 +69,7 @@ def body_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> 
     bodies = [solution.system.part(part) for part in parts] or solution.system.bodies
     names = QUATERNION_NAMES if quantity == "orientation" else AXIS_NAMES
     found = {body.name: getattr(solution, quantity)(body) for body in bodies}
-    return vector_panels(WORDS.get(quantity, quantity), unit_of(quantity), names, found)
+    return vector_panels(QUANTITY_LABELS.get(quantity, quantity), unit_of(quantity), names, found)
 
 
 def joint_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
@@ -238,7 +238,7 @@ PANELS: dict[str, Callable[[RunResult, str, tuple], list[Panel]]] = {
     "momentum": momentum_panels,
     "drift": drift_panels,
 }
-OF_THE_SYSTEM = ("energy", "momentum", "drift")
+SYSTEM_QUANTITIES = ("energy", "momentum", "drift")
 
 
 def measure_panels(solution: RunResult, measures: Sequence[Measure]) -> list[Panel]:
@@ -259,7 +259,7 @@ def panels_of(solution: RunResult, quantity: str | Measure | Wanted, parts: tupl
         return panels_of_several(solution, quantity, parts)
     if quantity not in PANELS:
         raise InputError(f"quantity {shown(quantity)} is unknown; give one of {', '.join(PANELS)}")
-    if parts and quantity in OF_THE_SYSTEM:
+    if parts and quantity in SYSTEM_QUANTITIES:
         raise InputError(f"{quantity} belongs to the whole system; give no parts")
     return PANELS[quantity](solution, quantity, parts)
 

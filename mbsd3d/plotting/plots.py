@@ -23,10 +23,10 @@ from ..results.run_result import RunResult
 from .panels import Panel, Part, Wanted, panels_of
 from .telling import seen_panels, telling
 
-DASHES = ("-", "--", ":", "-.")
-FEW = 40  # samples that are marked one by one: straight lines between few of them could mislead
-MOST = 14  # lines of a legend
-DECADE = -18  # smallest residual shown; what is below is chance
+LINE_STYLES = ("-", "--", ":", "-.")
+MARKED_SAMPLES_MAX = 40  # [1] samples that are marked one by one: straight lines between few of them could mislead
+LEGEND_LINES_MAX = 14  # [1] lines of a legend
+RESIDUAL_FLOOR_EXPONENT = -18  # [1] exponent of the smallest residual shown; smaller ones are rounding
 
 
 def plot_quantity(
@@ -109,8 +109,8 @@ def lines_across(panel: Panel, across: Panel) -> list[np.ndarray]:
 def draw_panel(axes: Axes, t: np.ndarray, panel: Panel, across: Panel | None, look: Theme, legend: bool) -> None:
     """Draw lines, grid, label and legend of a panel."""
     dress(axes, look)
-    axes.set_prop_cycle(cycler(linestyle=DASHES) * cycler(color=look.lines))
-    marks = {"marker": "o", "markersize": 3} if t.size <= FEW else {}
+    axes.set_prop_cycle(cycler(linestyle=LINE_STYLES) * cycler(color=look.lines))
+    marks = {"marker": "o", "markersize": 3} if t.size <= MARKED_SAMPLES_MAX else {}
     if across is not None and not marks:
         marks = {"marker": "o", "markersize": 5, "markevery": [0]}
     horizontal = [t] * len(panel.lines) if across is None else lines_across(panel, across)
@@ -128,7 +128,7 @@ def draw_panel(axes: Axes, t: np.ndarray, panel: Panel, across: Panel | None, lo
 
 def write_legend(axes: Axes, drawn: list[Line2D], note: str, look: Theme) -> None:
     """Draw the legend beside the data, never on it; names are written as they are, whatever signs they hold."""
-    shown = drawn if len(drawn) <= MOST else drawn[: MOST - 1]
+    shown = drawn if len(drawn) <= LEGEND_LINES_MAX else drawn[: LEGEND_LINES_MAX - 1]
     names = [str(line.get_label()) for line in shown]
     if len(shown) < len(drawn):
         names.append(f"and {len(drawn) - len(shown)} more")
@@ -160,7 +160,7 @@ def set_range(axes: Axes, panel: Panel, size: float) -> None:
     if panel.log:
         last = np.ceil(np.log10(high))
         axes.set_yscale("log")
-        axes.set_ylim(10.0 ** min(max(np.floor(np.log10(low)), DECADE), last - 1.0), 10.0**last)
+        axes.set_ylim(10.0 ** min(max(np.floor(np.log10(low)), RESIDUAL_FLOOR_EXPONENT), last - 1.0), 10.0**last)
         axes.yaxis.set_minor_formatter(NullFormatter())
     elif high - low < 1e-9 * size:
         axes.set_ylim(low - 0.05 * size, high + 0.05 * size)

@@ -7,8 +7,8 @@ from ..results.checks.check import scales_of
 from ..results.run_result import RunResult
 from .panels import Panel, Wanted, panels_of
 
-LINES = 6  # of one curve, at most, unless asked for
-STILL = 1e-9  # [rad or m, or of its scale] what changes less stands still
+CURVE_LINES_MAX = 6  # [1] of one curve, unless asked for
+MOTION_THRESHOLD = 1e-9  # [rad or m, or of its scale] smaller changes are no motion
 
 
 def telling(run: RunResult) -> list:
@@ -20,11 +20,11 @@ def telling(run: RunResult) -> list:
     system, first = run.system, ("omega_body", run.system.bodies[0])
     for kind in ("slide", "angle"):
         joints = [joint for joint in system.joints if getattr(joint, kind)() is not None]
-        if moving := [joint for joint in joints if np.ptp(getattr(run, kind)(joint)) > STILL]:
-            first = (kind, *moving[:LINES])
+        if moving := [joint for joint in joints if np.ptp(getattr(run, kind)(joint)) > MOTION_THRESHOLD]:
+            first = (kind, *moving[:CURVE_LINES_MAX])
     held = [joint for joint in system.joints if not isinstance(joint, Driver)]
     efforts = ["effort"] if run.compiled.drives else []
-    return [first, "energy", *efforts, *([("reaction", *held[:LINES])] if held else [])]
+    return [first, "energy", *efforts, *([("reaction", *held[:CURVE_LINES_MAX])] if held else [])]
 
 
 def seen_panels(run: RunResult, wanted: Wanted) -> list[Panel]:
@@ -40,6 +40,8 @@ def seen_panels(run: RunResult, wanted: Wanted) -> list[Panel]:
     panels: list[Panel] = []
     for entry in wanted:
         found = panels_of(run, [entry])
-        seen = [x for x in found if max(np.abs(y).max() for _, y in x.lines) > STILL * least.get(x.unit, 0.0)]
+        seen = [
+            x for x in found if max(np.abs(y).max() for _, y in x.lines) > MOTION_THRESHOLD * least.get(x.unit, 0.0)
+        ]
         panels += seen or found[:1]
     return panels

@@ -14,11 +14,11 @@ from ..results.columns import columns_of_effort, loads_of
 from ..results.run_result import RunResult
 from .wording import digits, triple
 
-MOST = 40  # rows of a table
-OPEN = 1e7  # bodies cubed times samples whose rows are decomposed where they repeat others: some seconds
-LOADS = 3e5  # samples times forces whose loads are computed: some seconds
-KNOWN = {"all": "determined", "part": "determined in part", "none": "indeterminate"}
-BUDGET = 1e7  # bodies times samples times joints whose reactions are computed: some seconds
+TABLE_ROWS_MAX = 40  # [1] rows of a table
+ROW_ANALYSIS_COST_MAX = 1e7  # [1] bodies cubed times samples whose redundant rows are decomposed: some seconds
+LOAD_COST_MAX = 3e5  # [1] samples times forces whose loads are computed: some seconds
+UNIQUENESS_WORDS = {"all": "determined", "part": "determined in part", "none": "indeterminate"}
+REACTION_COST_MAX = 1e7  # [1] bodies times samples times joints whose reactions are computed: some seconds
 
 
 @dataclass(frozen=True)
@@ -35,9 +35,11 @@ class Table:
 def shortened(parts: Iterable, what: str) -> tuple[list, str]:
     """Return the first parts of a long list, and a sentence on its length."""
     parts = list(parts)
-    if len(parts) <= MOST:
+    if len(parts) <= TABLE_ROWS_MAX:
         return parts, ""
-    return parts[:MOST], f"The first {MOST} of {len(parts)} {what}, and {len(parts) - MOST} more."
+    return parts[
+        :TABLE_ROWS_MAX
+    ], f"The first {TABLE_ROWS_MAX} of {len(parts)} {what}, and {len(parts) - TABLE_ROWS_MAX} more."
 
 
 def run_facts(solution: RunResult) -> list[tuple[str, str]]:
@@ -114,12 +116,13 @@ def body_table(solution: RunResult) -> Table:
 def loaded_joints(solution: RunResult) -> tuple[list[Joint], str]:
     """Return all joints but drivers, or of many those with the largest multipliers, and a sentence on the choice."""
     joints = [joint for joint in solution.system.joints if not isinstance(joint, Driver)]
-    if len(joints) <= MOST:
+    if len(joints) <= TABLE_ROWS_MAX:
         return joints, ""
     lam = np.abs(solution.arrays["lam"]).max(axis=0, initial=0.0)
     load = [lam[solution.compiled.rows[id(joint)]].max(initial=0.0) for joint in joints]
-    chosen = sorted(range(len(joints)), key=lambda k: (-load[k], k))[:MOST]
-    text = f"The {MOST} of {len(joints)} joints with the largest multipliers, and {len(joints) - MOST} more."
+    chosen = sorted(range(len(joints)), key=lambda k: (-load[k], k))[:TABLE_ROWS_MAX]
+    text = f"The {TABLE_ROWS_MAX} of {len(joints)} joints with the largest multipliers, "
+    text += f"and {len(joints) - TABLE_ROWS_MAX} more."
     return [joints[k] for k in sorted(chosen)], text
 
 
@@ -129,10 +132,10 @@ def thinned(solution: RunResult) -> tuple[RunResult, str]:
     Where constraints leave shares open, the rows are decomposed at every sample.
     """
     samples, bodies = solution.t.size, len(solution.system.bodies)
-    steps = samples * bodies * min(len(solution.system.joints), MOST) / BUDGET
-    steps = max(steps, samples * min(len(solution.system.forces), MOST) / LOADS)
+    steps = samples * bodies * min(len(solution.system.joints), TABLE_ROWS_MAX) / REACTION_COST_MAX
+    steps = max(steps, samples * min(len(solution.system.forces), TABLE_ROWS_MAX) / LOAD_COST_MAX)
     if solution.record.rows_left_out != 0 and len(solution.system.joints):
-        steps = max(steps, samples * bodies**3 / OPEN)
+        steps = max(steps, samples * bodies**3 / ROW_ANALYSIS_COST_MAX)
     step = min(int(np.ceil(steps)), samples)
     if step <= 1:
         return solution, ""
@@ -160,7 +163,11 @@ def joint_table(solution: RunResult, few: RunResult, diagnosis: Diagnosis) -> Ta
         repeated = f"{share.involved} of {n_rows}" if share else f"0 of {n_rows}"
         (force, of_force), (moment, of_moment) = reaction.shown("force"), reaction.shown("moment")
         force, moment = largest_load(force, few.t, scale.force), largest_load(moment, few.t, scale.moment)
-        known = KNOWN[of_force] if of_force == of_moment else f"force {KNOWN[of_force]}, moment {KNOWN[of_moment]}"
+        known = (
+            UNIQUENESS_WORDS[of_force]
+            if of_force == of_moment
+            else f"force {UNIQUENESS_WORDS[of_force]}, moment {UNIQUENESS_WORDS[of_moment]}"
+        )
         between = " – ".join("ground" if body is None else body.name for body in (joint.a, joint.b))
         rows.append((name, type(joint).__name__, between, known, repeated, *force, *moment))
     loads = ("force [N]", "at [s]", "moment [N\u00a0m]", "at [s]")

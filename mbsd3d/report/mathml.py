@@ -17,9 +17,9 @@ SIGNS = {"-": "−", "+-": "±", "<=": "≤", ">=": "≥", "~": "∼", "x": "×"
 DOTS = {"'": "˙", "_dot": "˙", "''": "¨", "_ddot": "¨"}
 FUNCTIONS = ("sin", "cos", "tan", "cot", "acos", "atan2", "cd", "det", "mod")
 CLOSING = {"(": ")", "|": "|"}
-ENDS = ("", "=", "<=", ">=", "~", "+", "-", "+-", ",", ":")  # of a product
-PIECE = re.compile(r"(\s*)(\d+(?:\.\d+)?|[A-Za-z]+\d*(?:_[A-Za-z0-9]+)?'*|\+-|<=|>=|\S)")
-NAME = re.compile(r"([A-Za-z]+?)(\d*)(_d?dot|'*)(?:_(\w+?))?(_d?dot|'*)")
+PRODUCT_ENDS = ("", "=", "<=", ">=", "~", "+", "-", "+-", ",", ":")  # of a product
+PIECE_PATTERN = re.compile(r"(\s*)(\d+(?:\.\d+)?|[A-Za-z]+\d*(?:_[A-Za-z0-9]+)?'*|\+-|<=|>=|\S)")
+NAME_PATTERN = re.compile(r"([A-Za-z]+?)(\d*)(_d?dot|'*)(?:_(\w+?))?(_d?dot|'*)")
 SPACE = '<mspace width=".3em"></mspace>'
 THIN = '<mspace width=".2em"></mspace>'
 
@@ -34,7 +34,7 @@ class Reader:
 
     def __init__(self, text: str) -> None:
         self.text = text
-        self.pieces = [(bool(space), piece) for space, piece in PIECE.findall(text)][::-1]
+        self.pieces = [(bool(space), piece) for space, piece in PIECE_PATTERN.findall(text)][::-1]
         self.inside: dict[str, str] = {}  # what stands in the brackets read so far
 
     @property
@@ -66,7 +66,7 @@ class Reader:
         """Return products, each with the signs before it; a comma belongs to what it ends."""
         terms, open_ = [""], False  # whether a product follows the signs of the last term
         while self.coming[1] not in ("", closing):
-            if self.coming[1] not in ENDS:
+            if self.coming[1] not in PRODUCT_ENDS:
                 terms[-1] += self.product(closing)
                 open_ = True
             elif open_ and self.coming[1] not in ",:":
@@ -79,7 +79,7 @@ class Reader:
     def product(self, closing: str) -> str:
         """Return factors; a slash between spaces divides all of them by all that follow."""
         factors = ""
-        while self.coming[1] not in (*ENDS, closing):
+        while self.coming[1] not in (*PRODUCT_ENDS, closing):
             if self.coming[1] == "/":
                 self.take()
                 return self.fraction(factors, self.product(closing))
@@ -99,7 +99,7 @@ class Reader:
     def factors(self, closing: str) -> str:
         """Return factors without a space between them, the first of them in any case."""
         found = self.power()
-        while not self.coming[0] and self.coming[1] not in (*ENDS, closing, "/", ")"):
+        while not self.coming[0] and self.coming[1] not in (*PRODUCT_ENDS, closing, "/", ")"):
             found += self.power()
         return found
 
@@ -138,7 +138,7 @@ def name(text: str) -> str:
     """Return a letter with index and dots, a function, or a word."""
     if text in FUNCTIONS:
         return f"<mi>{text}</mi>"
-    found = NAME.fullmatch(text)
+    found = NAME_PATTERN.fullmatch(text)
     if not found:
         return sign(text)
     letter, digits, dots, lowered, late = found.groups()

@@ -6,12 +6,12 @@ import numpy as np
 
 from ..base.style import RAISED
 
-ROUNDING = 1e-9  # of the size of a quantity: what is smaller is what rounding left of zero
+VALUE_ROUNDING = 1e-9  # [1] of the size of a quantity; smaller values are rounding
 
 
 def digits(value: float, size: float = 0.0, count: int = 4) -> str:
     """Format a number with ``count`` significant digits; 0 if it is rounding of a value as large as ``size``."""
-    if abs(value) <= ROUNDING * size:
+    if abs(value) <= VALUE_ROUNDING * size:
         return "0"
     return typeset(f"{value:.{count}g}")
 

@@ -24,14 +24,14 @@ from ..base.errors import InputError, SweepError
 from ..base.paths import drop_pieces
 from .experiment import Outcome
 
-DIED = (
+WORKER_DEATH_MESSAGE = (
     "WorkerDied: the process of this cell ended twice without a word (killed, out of memory, or os._exit); "
     "run the cell alone to see why"
 )
-KILLED = "KilledWorker"  # of distributed, by its name: it may not be installed
-PATIENCE = 1.0  # s for a worker to end by itself
-WINDOW = 1000  # cells in flight on an executor of the user's, whose workers are not known
-NO_START = "put the call of sweep under if __name__ == '__main__':, since new processes import the script"
+KILLED_WORKER_NAME = "KilledWorker"  # of distributed, by its name: it may not be installed
+WORKER_GRACE_SECONDS = 1.0  # [s] for a worker to end by itself
+CELLS_IN_FLIGHT_MAX = 1000  # [1] cells in flight on an executor of the user, whose workers are not known
+START_ADVICE = "put the call of sweep under if __name__ == '__main__':, since new processes import the script"
 
 
 def outcomes(call: Callable, cells: list[dict], todo: list[int], executor: Any) -> Iterator[tuple[int, Outcome]]:
@@ -45,7 +45,7 @@ def outcomes(call: Callable, cells: list[dict], todo: list[int], executor: Any) 
     else:
         pool = executor if isinstance(executor, Executor) else executor.get_executor()
         left, suspects = deque(todo), deque()
-        yield from stream(pool, call, cells, left, WINDOW, left, suspects)
+        yield from stream(pool, call, cells, left, CELLS_IN_FLIGHT_MAX, left, suspects)
         again = partial(call)  # a cluster knows a task by its content, and would return the old answer
         yield from stream(pool, again, cells, suspects, 1, left)  # alone, only the culprit loses its worker again
         left.extend(suspects)
@@ -97,7 +97,7 @@ def closing(pool: Executor, abandon: Callable[[], None] | None = None) -> Iterat
         for worker in workers:
             worker.terminate()
         for worker in workers:
-            if not wait_for_end([worker.sentinel], PATIENCE):
+            if not wait_for_end([worker.sentinel], WORKER_GRACE_SECONDS):
                 worker.kill()
         raise
     pool.shutdown()
@@ -136,7 +136,7 @@ def stream(
                     broken = True
                 elif isinstance(error, KeyboardInterrupt):
                     raise error
-                elif suspects is not None and type(error).__name__ == KILLED:
+                elif suspects is not None and type(error).__name__ == KILLED_WORKER_NAME:
                     suspects.append(cell)
                 elif error is not None:
                     yield cell, Outcome({}, f"{type(error).__name__}: {error}")
@@ -210,7 +210,7 @@ def start(pool: Executor, workers: int) -> None:
         for started in [pool.submit(cores) for _ in range(workers)]:
             started.result()
     except BrokenExecutor as error:
-        raise SweepError("the worker processes do not start", advice=NO_START) from error
+        raise SweepError("the worker processes do not start", advice=START_ADVICE) from error
 
 
 def one_by_one(call: Callable, cells: list[dict], queue: deque) -> Iterator[tuple[int, Outcome]]:
@@ -220,4 +220,4 @@ def one_by_one(call: Callable, cells: list[dict], queue: deque) -> Iterator[tupl
         with closing(process_pool(1)) as pool:
             yield from stream(pool, call, cells, queue, 1, lost)
         for cell in lost:
-            yield cell, Outcome({}, DIED)
+            yield cell, Outcome({}, WORKER_DEATH_MESSAGE)

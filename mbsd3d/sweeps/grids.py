@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 from ..base.checks import Frozen, check_choice, listed, number, numbers, shown
 from ..base.errors import InputError, explaining
 
-METHODS = ("sobol", "latin hypercube", "random")
-MOST = 10_000_000  # points
+SAMPLING_METHODS = ("sobol", "latin hypercube", "random")
+POINTS_MAX = 10_000_000  # [1] points of a sample
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,9 +58,9 @@ def samples(ranges: Mapping[str, tuple[float, float]], count: int, *, method: st
 
     if not isinstance(ranges, Mapping):
         raise InputError(f"samples: ranges {shown(ranges)}; give a mapping of names to (least, greatest)")
-    check_choice(method, METHODS, "samples: method")
-    if not isinstance(count, int | np.integer) or isinstance(count, bool) or not 1 <= count <= MOST:
-        raise InputError(f"samples: count {shown(count)}; give a whole number of points, 1 ... {MOST}")
+    check_choice(method, SAMPLING_METHODS, "samples: method")
+    if not isinstance(count, int | np.integer) or isinstance(count, bool) or not 1 <= count <= POINTS_MAX:
+        raise InputError(f"samples: count {shown(count)}; give a whole number of points, 1 ... {POINTS_MAX}")
     if method == "sobol" and count & (count - 1):
         raise InputError(f"samples: count {count} is not a power of two, which Sobol points need; give 2, 4, 8, ...")
     if not isinstance(seed, int | np.integer) or isinstance(seed, bool) or seed < 0:

@@ -18,14 +18,14 @@ from ..base.paths import as_path, package_version
 from .experiment import Experiment, Outcome
 from .grids import Grid
 
-FORMAT = 1  # rises when an older ledger cannot be read any more
+FORMAT_VERSION = 1  # rises when an older ledger cannot be read any more
 TABLES = (
     "CREATE TABLE IF NOT EXISTS sweep (digest TEXT NOT NULL, identity TEXT NOT NULL)",
     "CREATE TABLE IF NOT EXISTS cells (cell PRIMARY KEY, outcome TEXT NOT NULL)",
 )
 
 
-UNREADABLE = (ValueError, TypeError, RecursionError, OverflowError)  # of contents that nobody of us has written
+CONTENT_ERRORS = (ValueError, TypeError, RecursionError, OverflowError)  # of contents written by other programs
 
 
 class Stored(msgspec.Struct, forbid_unknown_fields=True):
@@ -49,7 +49,7 @@ def identity(experiment: Experiment, grid: Grid, tag: str) -> dict[str, Any]:
     """Return the identity of a sweep: functions and settings by name, grid by value, version and tag."""
     run = experiment.run
     return {
-        "format": FORMAT,
+        "format": FORMAT_VERSION,
         "mbsd3d": package_version(),
         "tag": tag,
         "build": title(experiment.build),
@@ -133,7 +133,7 @@ class Store:
         if found is not None and not replace:
             try:
                 other = msgspec.convert(json.loads(found[0]), dict[str, Any])
-            except UNREADABLE as error:
+            except CONTENT_ERRORS as error:
                 raise self.unreadable(error) from error
             names = sorted(name for name in own.keys() | other.keys() if own.get(name) != other.get(name))
             names = names or ["its digest"]
@@ -155,7 +155,7 @@ class Store:
         try:
             rows = self.file.execute("SELECT cell, outcome FROM cells").fetchall()
             return {key: json.loads(text) for key, text in rows}
-        except (sqlite3.Error, *UNREADABLE) as error:
+        except (sqlite3.Error, *CONTENT_ERRORS) as error:
             raise self.unreadable(error) from error
 
     def unreadable(self, error: Exception) -> LedgerError:
@@ -190,7 +190,7 @@ class Ledger(Store):
         found = self.all()
         try:
             stored = {cell: msgspec.convert(kept, Stored) for cell, kept in found.items()}
-        except UNREADABLE as error:
+        except CONTENT_ERRORS as error:
             raise self.unreadable(error) from error
         if any(not isinstance(cell, int) or not 0 <= cell < self.cells for cell in stored):
             raise LedgerError(f"sweep: ledger '{self.path}' holds cells that the grid does not have; delete it")

@@ -25,15 +25,16 @@ TOLERANCES = tuple(10.0 ** -np.arange(1.5, 12.1, 0.5))
 STEPS = tuple(2 ** np.arange(4, 23))
 PEERS = ("MuJoCo", "Exudyn")
 ENGINES = ("mbsd3d", *PEERS)
-CONSTRAINTS = "constraints"  # in the label of what has joints as we have them
-SOFTNESS = ((2.0, 1.0), (1.0, 1.0), (16.0, 0.5), (4.0, 0.5), (1.0, 0.7))  # solref of loops: (softness h, dampratio)
-TREES = ("rk44", "dopri5", "rk67")
-IMPLICIT = ("index2", "generalized-alpha")
+CONSTRAINTS_LABEL = "constraints"  # in the label of a form with joints as in mbsd3d
+# solref of loops: (softness h, dampratio)
+SOLREF_SETTINGS = ((2.0, 1.0), (1.0, 1.0), (16.0, 0.5), (4.0, 0.5), (1.0, 0.7))
+TREE_SOLVERS = ("rk44", "dopri5", "rk67")
+IMPLICIT_SOLVERS = ("index2", "generalized-alpha")
 ROTATIONS = ("rotation vector", "euler parameters")
-ALPHA = 0.9  # spectral radius, Exudyn's own default
-LARGEST_TREE = 200  # links: at 300 a step of Exudyn takes half a second, and it grows with the cube
-LONGEST = 5.0  # s, of one run of ours
-NEWTON = 1e-8  # tolerance, likewise; tighter ones cost a tenth more and stop where masses are tiny
+SPECTRAL_RADIUS = 0.9  # [1] Exudyn's own default
+TREE_LINKS_MAX = 200  # [1] links; at 300 a step of Exudyn takes half a second, and it grows with the cube
+RUN_SECONDS_MAX = 5.0  # [s] of one run of mbsd3d
+NEWTON_TOLERANCE = 1e-8  # [1] Exudyn's own default; tighter ones cost a tenth more and stop where masses are tiny
 
 
 class Run(NamedTuple):
@@ -91,7 +92,7 @@ def ours(problem: Problem) -> Candidate:
 
         def run(rtol: float) -> Run:
             method = DOP853(stiff="run")
-            with ended_after(LONGEST):
+            with ended_after(RUN_SECONDS_MAX):
                 solution = whole(problem.system, problem.t_end, state=state, method=method, rtol=rtol)
             record = solution.record
             # rows chosen again on the way happen outside the compiled loop; the first choice belongs to the set-up
@@ -119,7 +120,7 @@ def of_mujoco(problem: Problem) -> Iterator[Candidate]:
     """
     closed = problem.family in ("loop", "bicycle")
     for form, system in {text: x for text, x in forms(problem).items() if text != PLANAR_CUTS}.items():
-        for softness, damping in SOFTNESS if closed else SOFTNESS[:1]:
+        for softness, damping in SOLREF_SETTINGS if closed else SOLREF_SETTINGS[:1]:
             text = f", solref ({softness:g} h, {damping:g})" if closed else ""
             settings = {"softness": softness, "dampratio": damping} if closed else {}
             yield stepped("MuJoCo", f"{form}, RK4{text}", problem, system, settings)
@@ -130,38 +131,47 @@ def of_exudyn(problem: Problem) -> Iterator[Candidate]:
     constraints by implicit ones.
     """
     if problem.family == "free body":
-        for solver in TREES:
+        for solver in TREE_SOLVERS:
             yield stepped("Exudyn", f"rotation vector, {solver}", problem, problem.system, {"solver": solver})
         yield adaptive(problem, problem.system, {})
         return
-    if problem.tree is not None and len(problem.tree.bodies) > LARGEST_TREE:
+    if problem.tree is not None and len(problem.tree.bodies) > TREE_LINKS_MAX:
 
         def refuse() -> Callable[[float], Run]:
-            raise NotComparable(f"a tree of more than {LARGEST_TREE} links; a step takes too long")
+            raise NotComparable(f"a tree of more than {TREE_LINKS_MAX} links; a step takes too long")
 
         yield Candidate("Exudyn", "kinematic tree", (), refuse)
         return
     if problem.tree is not None:
         tree = {"formulation": "kinematic tree"}
-        for solver in TREES:
+        for solver in TREE_SOLVERS:
             yield stepped("Exudyn", f"kinematic tree, {solver}", problem, problem.tree, tree | {"solver": solver})
         if problem.family != "top":  # from a first step that is too long DOPRI5 does not come back
             yield adaptive(problem, problem.tree, tree)
         if problem.family == "chain":
             return
-    for (form, system), solver, rotation in product(problem.determinate().items(), IMPLICIT, ROTATIONS):
-        settings = {"solver": solver, "rotation": rotation, "spectral_radius": ALPHA, "tolerance": NEWTON}
-        label = f"{form}, {CONSTRAINTS}, {rotation.rstrip('s')}s, {solver}"
+    for (form, system), solver, rotation in product(problem.determinate().items(), IMPLICIT_SOLVERS, ROTATIONS):
+        settings = {
+            "solver": solver,
+            "rotation": rotation,
+            "spectral_radius": SPECTRAL_RADIUS,
+            "tolerance": NEWTON_TOLERANCE,
+        }
+        label = f"{form}, {CONSTRAINTS_LABEL}, {rotation.rstrip('s')}s, {solver}"
         yield stepped("Exudyn", label, problem, system, settings)
     if problem.repeats:  # slow, and the only way through singular poses
         settings = {
             "solver": "generalized-alpha",
             "linear": "full-pivot",
-            "spectral_radius": ALPHA,
-            "tolerance": NEWTON,
+            "spectral_radius": SPECTRAL_RADIUS,
+            "tolerance": NEWTON_TOLERANCE,
         }
         yield stepped(
-            "Exudyn", f"as built, {CONSTRAINTS}, full pivoting, generalized-alpha", problem, problem.system, settings
+            "Exudyn",
+            f"as built, {CONSTRAINTS_LABEL}, full pivoting, generalized-alpha",
+            problem,
+            problem.system,
+            settings,
         )
 
 

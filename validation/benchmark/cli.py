@@ -124,13 +124,13 @@ def note(text: str) -> None:
 def show(rows: list[Any], out: Path, pictures: Path | None) -> None:
     """Print and write the rows."""
     from mbsd3d import save_figure
-    from validation.benchmark.tables import SHOWN, report, work_precision
+    from validation.benchmark.tables import FIGURE_PROBLEMS, report, work_precision
 
     if not rows:
         return
     lines = report(rows)
     click.echo("\n".join(lines))
     write_atomically(out / TEXT, ("\n".join(lines) + "\n").encode())
-    if any(row.name in SHOWN for row in rows):
+    if any(row.name in FIGURE_PROBLEMS for row in rows):
         for folder in filter(None, (out, pictures)):
             save_figure(work_precision(rows), folder / FIGURE)

@@ -16,8 +16,8 @@ from validation.cases import mechanisms
 from validation.twins import exudyn
 from validation.twins.base import NotComparable
 
-WINDOWS = (2, 10, 40)  # of the N-four-bars counted beside the cases
-STEPS = 500  # of Exudyn for the large one: 8e-2 off at the end, with h = 0.02 s
+WINDOW_COUNTS = (2, 10, 40)  # [1] windows of the N-four-bars counted with the cases
+EXUDYN_STEPS = 500  # [1] of Exudyn for the large one: error 8e-2 at the end, with h = 0.02 s
 
 
 class Count(NamedTuple):
@@ -62,7 +62,7 @@ def counted_by_exudyn(system: System) -> Count | str:
     return Count(*map(int, (rows, rows - redundant, found["degreeOfFreedom"], redundant)))
 
 
-def redundancy(names: Sequence[str] | None = None, windows: Sequence[int] = WINDOWS) -> list[Counts]:
+def redundancy(names: Sequence[str] | None = None, windows: Sequence[int] = WINDOW_COUNTS) -> list[Counts]:
     """Return the counts of reference cases (None: of all) and of N-four-bars; raise ValueError if there is no such
     case.
     """
@@ -119,7 +119,7 @@ def step_seconds() -> float:
     for poses with all rods on one line.
     """
     twin = exudyn.twin(mechanisms.four_bars(40), solver="generalized-alpha", linear="full-pivot")
-    return twin.run(2 * 10.0 / STEPS, 2, 1).seconds / 2
+    return twin.run(2 * 10.0 / EXUDYN_STEPS, 2, 1).seconds / 2
 
 
 def report() -> list[str]:
@@ -131,9 +131,9 @@ def report() -> list[str]:
         f"{one.run_seconds:.2g} s with an error of {one.error:.0e}",
     ]
     try:
-        peer = STEPS * step_seconds()
+        peer = EXUDYN_STEPS * step_seconds()
     except NotComparable as error:
         return [*said, f"  Exudyn: not compared: {error}"]
     ratio = peer / (one.check_seconds + one.run_seconds)
-    times = f"{STEPS} steps take {peer:.0f} s by the time of the first, {ratio:.0f} times ours"
+    times = f"{EXUDYN_STEPS} steps take {peer:.0f} s by the time of the first, {ratio:.0f} times ours"
     return [*said, f"  Exudyn, all rows: {times}"]

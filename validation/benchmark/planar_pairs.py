@@ -175,8 +175,8 @@ def mechanisms() -> tuple[Mechanism, ...]:
     return slider_crank(), four_bar(), inline_four()
 
 
-CYCLE = 72  # samples of a turn
-STEPS = 400  # of RK4, for a free turn
+CYCLE_SAMPLES = 72  # [1] samples of a turn
+TURN_STEPS = 400  # [1] of RK4, for a free turn
 
 
 class Floor(NamedTuple):
@@ -191,11 +191,14 @@ class Floor(NamedTuple):
 
 def cycle(mechanism: Mechanism) -> list[Any]:
     """Simulate one driven turn by kinematics: in the plane, in space, in space with redundant rows."""
-    times = mechanism.turn * np.arange(CYCLE + 1) / CYCLE
+    times = mechanism.turn * np.arange(CYCLE_SAMPLES + 1) / CYCLE_SAMPLES
     spatial = [mechanism.space(driven=True, redundant=redundant) for redundant in (False, True)]
     return [
         planar.kinematics(mechanism.plane(driven=True), times),
-        *(mbsd3d.simulate(system, times[-1], method=mbsd3d.Kinematic(), output=CYCLE + 1) for system in spatial),
+        *(
+            mbsd3d.simulate(system, times[-1], method=mbsd3d.Kinematic(), output=CYCLE_SAMPLES + 1)
+            for system in spatial
+        ),
     ]
 
 
@@ -245,7 +248,7 @@ def noise_floors() -> list[Floor]:
         floors.append(Floor(mechanism.name, "force out of the plane", None, *lost))
         forms = [mechanism.space(redundant=redundant) for redundant in (False, True)]
         free = [
-            mbsd3d.simulate(system, mechanism.turn, method=mbsd3d.RK4(mechanism.turn / STEPS), output=2)
+            mbsd3d.simulate(system, mechanism.turn, method=mbsd3d.RK4(mechanism.turn / TURN_STEPS), output=2)
             for system in forms
         ]
         size = max(np.abs(link.origin).max() for link in mechanism.links)

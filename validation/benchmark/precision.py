@@ -15,17 +15,17 @@ import numpy as np
 from mbsd3d import IntegrationError
 from mbsd3d.errors import InputError
 from mbsd3d.extend import one_thread, write_atomically
-from validation.benchmark.candidates import CONSTRAINTS, ENGINES, PEERS, Candidate, Run, of_peer, ours
+from validation.benchmark.candidates import CONSTRAINTS_LABEL, ENGINES, PEERS, Candidate, Run, of_peer, ours
 from validation.benchmark.problems import Poses, Problem
 from validation.machine import installed
 from validation.twins.base import NotComparable
 
 PACKAGES = ("mbsd3d", "mujoco-core", "exudyn", "numpy", "numba")
-TARGETS = (1e-4, 1e-6, 1e-8)  # errors: distances over the length of the model, and angles in radians
-DOMINATED, CLIMBED = 4.0, 4
+TARGET_ERRORS = (1e-4, 1e-6, 1e-8)  # [1] distances over the length of the model, and angles [rad]
+DOMINATED_RATIO, CLIMB_POINTS_MIN = 4.0, 4
 """After so many settings one gives up where a rival took a quarter of the time for less error."""
-REPEATS, SHORT = 3, 0.03  # runs of a setting, while they take less than so many seconds together
-NOISE = 3.0  # an error that rises by this factor at a finer setting has met rounding
+REPEAT_COUNT, SHORT_RUN_SECONDS = 3, 0.03  # runs of a setting, while they take less than so many seconds together
+ROUNDING_RISE_RATIO = 3.0  # [1] rise of the error at a finer setting that shows rounding
 
 
 class Point(NamedTuple):
@@ -88,7 +88,7 @@ def climb(
 def least(run: Callable[[float], Run], setting: float) -> Run:
     """Return the fastest of a few runs, or one that is long."""
     runs = [run(setting)]
-    while len(runs) < REPEATS and sum(done.seconds for done in runs) < SHORT:
+    while len(runs) < REPEAT_COUNT and sum(done.seconds for done in runs) < SHORT_RUN_SECONDS:
         runs.append(run(setting))
     return min(runs, key=lambda done: done.seconds)
 
@@ -97,10 +97,10 @@ def finished(points: list[Point], limit: float, rivals: Sequence[Point]) -> bool
     """Return whether a finer setting gives no further information."""
     _, seconds, error = points[-1]
     best = min(point.error for point in points)
-    below = len(points) > 1 and all(point.error <= TARGETS[-1] for point in points[-2:])
-    rounding = best <= TARGETS[-1] and error > NOISE * best
-    beaten = any(rival.seconds * DOMINATED < seconds and rival.error < error for rival in rivals)
-    return below or rounding or seconds > limit / 2 or (beaten and len(points) >= CLIMBED)
+    below = len(points) > 1 and all(point.error <= TARGET_ERRORS[-1] for point in points[-2:])
+    rounding = best <= TARGET_ERRORS[-1] and error > ROUNDING_RISE_RATIO * best
+    beaten = any(rival.seconds * DOMINATED_RATIO < seconds and rival.error < error for rival in rivals)
+    return below or rounding or seconds > limit / 2 or (beaten and len(points) >= CLIMB_POINTS_MIN)
 
 
 def in_bounds(climbed: Climb, target: float) -> int:
@@ -146,10 +146,10 @@ def retimed(climbed: Climb, seconds: dict[int, float]) -> Climb:
     return replace(climbed, points=tuple(points))
 
 
-LEAST, MOST = 0.6, 8.0  # s: bounds of what the longest run of a peer may take
-PATIENCE = 210.0  # the same in times of ours to the middle error; half of that is tried for sure: a ratio of 100
-PATIENCE_ON_CHAINS = 20.0  # where peers are as fast
-TURNS, TURN_SECONDS = 5, 3.0  # rounds in which the engines take turns, and what they may take altogether
+PEER_SECONDS_MIN, PEER_SECONDS_MAX = 0.6, 8.0  # s: bounds of what the longest run of a peer may take
+PEER_TIME_RATIO = 210.0  # [1] of the time of mbsd3d to the middle error; half of that is tried for sure: a ratio of 100
+PEER_TIME_RATIO_ON_CHAINS = 20.0  # [1] on chains, where peers are as fast
+ROUND_COUNT, ROUND_SECONDS = 5, 3.0  # rounds in which the engines take turns, and what they may take altogether
 
 
 @dataclass(frozen=True)
@@ -196,7 +196,7 @@ def from_dict(data: dict[str, Any]) -> Row:
 
 def identity() -> dict[str, Any]:
     """Return the properties that rows of one run have in common."""
-    return {"versions": [installed(package) for package in PACKAGES], "targets": list(TARGETS)}
+    return {"versions": [installed(package) for package in PACKAGES], "targets": list(TARGET_ERRORS)}
 
 
 def save(path: Path, rows: Sequence[Row], machine: str, complete: bool) -> None:
@@ -223,14 +223,14 @@ def measure(problem: Problem, say: Callable[[str], None] = lambda text: None) ->
         own = ours(problem)
         own.start()(own.ladder[0])  # its kernels are compiled before anything is timed
         found = [climb(own, truth, length, 60.0)]
-        middle = best([found[0][0]], TARGETS[1])
-        patience = PATIENCE_ON_CHAINS if problem.family == "chain" else PATIENCE
-        limit = float(np.clip(patience * (middle.seconds if middle else 0.0), LEAST, MOST))
+        middle = best([found[0][0]], TARGET_ERRORS[1])
+        patience = PEER_TIME_RATIO_ON_CHAINS if problem.family == "chain" else PEER_TIME_RATIO
+        limit = float(np.clip(patience * (middle.seconds if middle else 0.0), PEER_SECONDS_MIN, PEER_SECONDS_MAX))
         for peer in PEERS:
             rivals: dict[bool, list[Point]] = {True: [], False: []}  # constraints compete with constraints
             for candidate in of_peer(problem, peer):
                 say(f"{peer}: {candidate.label}")
-                alike = rivals[CONSTRAINTS in candidate.label]
+                alike = rivals[CONSTRAINTS_LABEL in candidate.label]
                 found.append(climb(candidate, truth, length, limit, alike))
                 alike += found[-1][0].points
         say("in turns")
@@ -245,16 +245,16 @@ def in_turns(found: list[tuple[Climb, Callable[[float], Run] | None]]) -> tuple[
     wanted: dict[tuple[int, int], float] = {}
     for engine in ENGINES:
         mine = [climbed for climbed in climbs if climbed.engine == engine]
-        for target in TARGETS:
+        for target in TARGET_ERRORS:
             reached = best(mine, target)
             for i, climbed in enumerate(climbs):
                 if reached is not None and climbed.engine == engine and climbed.label == reached.label:
                     inside, points = in_bounds(climbed, target), climbed.points
                     wanted |= {(i, k): points[k].seconds for k in (inside - 1, inside) if 0 <= k < len(points)}
     began = time.perf_counter()
-    for _ in range(TURNS):
+    for _ in range(ROUND_COUNT):
         for i, k in wanted:
-            if time.perf_counter() - began + wanted[i, k] > TURN_SECONDS:
+            if time.perf_counter() - began + wanted[i, k] > ROUND_SECONDS:
                 continue  # a long run needs no repetition, and there are other problems
             run = found[i][1]
             wanted[i, k] = min(wanted[i, k], run(climbs[i].points[k].setting).seconds)

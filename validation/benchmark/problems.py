@@ -20,7 +20,7 @@ from validation.theory.torque_free import free_body
 
 PLANAR_CUTS = "planar cuts"  # of planar loops; in joint coordinates the other body becomes two that are welded
 POINT_CUTS = "point cuts"  # a row of each still repeats others
-TRUTH = 1e-12  # rtol of our own run where there is no closed form
+TRUTH_RTOL = 1e-12  # [1] rtol of the reference run where there is no closed form
 
 
 class Poses(NamedTuple):
@@ -87,7 +87,7 @@ class Problem:
         """Return the true final poses: closed form, or a run at rtol `TRUTH_RTOL` that the peers' limits confirm."""
         if self.exact:
             return self.exact()
-        return poses(whole(self.system, self.t_end, rtol=TRUTH))
+        return poses(whole(self.system, self.t_end, rtol=TRUTH_RTOL))
 
 
 def cut(system: mbsd3d.System, kind: Callable[[mbsd3d.Joint], mbsd3d.Joint], names: tuple[str, ...]) -> mbsd3d.System:

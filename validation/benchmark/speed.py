@@ -21,19 +21,19 @@ from mbsd3d.extend import write_atomically
 from validation.cases.mechanisms import chain, ladder, mujoco_chain
 from validation.machine import machine
 
-ROUNDS = 5
-LENGTHS = (3, 10, 30, 100, 300)
-STEP, BODY_STEPS = 1e-3, 60_000  # s; bodies x steps of a run: a quarter of a second
+ROUND_COUNT = 5
+CHAIN_LENGTHS = (3, 10, 30, 100, 300)
+STEP_SECONDS, BODY_STEPS = 1e-3, 60_000  # s; bodies x steps of a run: a quarter of a second
 
-FIRST_RESULT = """
+FIRST_RESULT_CODE = """
 from mbsd3d import GROUND, Body, Spherical, System, simulate
 top = Body("top", mass=15.0, inertia=(0.234375, 0.46875, 0.234375), position=(0, 1, 0), omega=(0, 150, -4.61538))
 print(simulate(System([top], [Spherical(GROUND, top, at=(0, 0, 0))]), t_end=2.0).position(top)[-1])
 """
-IMPORTS = "import numba, numpy, scipy.linalg, scipy.interpolate"
+IMPORT_CODE = "import numba, numpy, scipy.linalg, scipy.interpolate"
 
 
-def interleaved(*runs: Callable[[], float], rounds: int = ROUNDS) -> list[float]:
+def interleaved(*runs: Callable[[], float], rounds: int = ROUND_COUNT) -> list[float]:
     """Return the least seconds of every run, taken in turns."""
     best = [np.inf] * len(runs)
     for _ in range(rounds):
@@ -58,17 +58,17 @@ def mujoco_seconds(model: object, steps: int) -> float:
     return time.perf_counter() - began
 
 
-def per_evaluation(lengths: tuple = LENGTHS) -> list[tuple[int, float, float]]:
+def per_evaluation(lengths: tuple = CHAIN_LENGTHS) -> list[tuple[int, float, float]]:
     """Return (n, mbsd3d, MuJoCo) with microseconds per body and evaluation of chains: RK4 at one step, mbsd3d with
     projection.
     """
     found = []
     for n in lengths:
         steps = max(BODY_STEPS // n, 20)
-        system, twin = chain(n), mujoco_chain(n, STEP)
+        system, twin = chain(n), mujoco_chain(n, STEP_SECONDS)
         start = system.state()
         ours, theirs = interleaved(
-            lambda s=system, x=start, k=steps: our_seconds(s, x, RK4(STEP), k * STEP),
+            lambda s=system, x=start, k=steps: our_seconds(s, x, RK4(STEP_SECONDS), k * STEP_SECONDS),
             lambda m=twin, k=steps: mujoco_seconds(m, k),
         )
         found.append((n, 1e6 * ours / (4 * steps * n), 1e6 * theirs / (4 * steps * n)))
@@ -81,7 +81,9 @@ def growth(mechanism: Callable[[int], System], sizes: tuple, steps: int = 50) ->
     for size in sizes:
         system = mechanism(size)
         start, n = system.state(), len(system.bodies)
-        (seconds,) = interleaved(lambda s=system, x=start: our_seconds(s, x, RK4(STEP), steps * STEP), rounds=3)
+        (seconds,) = interleaved(
+            lambda s=system, x=start: our_seconds(s, x, RK4(STEP_SECONDS), steps * STEP_SECONDS), rounds=3
+        )
         found.append((n, 1e6 * seconds / (4 * steps * n)))
     return found
 
@@ -92,7 +94,7 @@ def exponent(rows: list[tuple]) -> float:
     return float(np.polyfit(np.log(n), np.log(n * cost), 1)[0])
 
 
-def process_time(code: str, repeats: int = ROUNDS, **environment: str) -> tuple[float, float]:
+def process_time(code: str, repeats: int = ROUND_COUNT, **environment: str) -> tuple[float, float]:
     """Return (wall, processor) seconds of a new Python process that runs ``code``, the fastest one."""
     found = []
     for _ in range(repeats):
@@ -111,7 +113,7 @@ def compile_time() -> tuple[float, float]:
     once.
     """
     with tempfile.TemporaryDirectory() as folder:
-        return process_time(FIRST_RESULT, 1, MBSD3D_CACHE=folder)
+        return process_time(FIRST_RESULT_CODE, 1, MBSD3D_CACHE=folder)
 
 
 def check_seconds(system: System) -> float:
@@ -134,7 +136,9 @@ def tyre_seconds(wheels: int = 8, rounds: int = 25) -> float:
     free, pressed = System(rolling), System(rolling, forces=tyres)
     steps = BODY_STEPS // wheels // 4
     pairs = [(system, system.state()) for system in (free, pressed)]
-    runs = [lambda s=system, x=start: our_seconds(s, x, RK4(STEP), steps * STEP) for system, start in pairs]
+    runs = [
+        lambda s=system, x=start: our_seconds(s, x, RK4(STEP_SECONDS), steps * STEP_SECONDS) for system, start in pairs
+    ]
     without, with_tyres = interleaved(*runs, rounds=rounds)
     return (with_tyres - without) / (4 * steps * wheels)
 
@@ -155,7 +159,7 @@ class Speed(NamedTuple):
 
 def measure() -> Speed:
     """Measure and print."""
-    simulate(chain(2), 0.01, method=RK4(STEP))  # compiled before anything is timed
+    simulate(chain(2), 0.01, method=RK4(STEP_SECONDS))  # compiled before anything is timed
     rows = per_evaluation()
     lines = [f"{n:6} {ours:8.2f} {theirs:8.2f} {theirs / ours:8.2f}" for n, ours, theirs in rows]
     exponents = exponent(rows), exponent([(n, theirs) for n, _, theirs in rows])
@@ -169,8 +173,12 @@ def measure() -> Speed:
     long, wide = check_seconds(chain(1000)), check_seconds(ladder(100))
     show("check()", "", [f"chain of 1000: {long:.2f} s, ladder of 100: {wide:.2f} s"])
     show("Tyre", "", [f"{1e6 * tyre_seconds():.3f} us per evaluation"])
-    process_time(FIRST_RESULT, 1)  # its kernels are on disk from here on
-    (imports, _), (first, busy), (cold, cold_busy) = process_time(IMPORTS), process_time(FIRST_RESULT), compile_time()
+    process_time(FIRST_RESULT_CODE, 1)  # its kernels are on disk from here on
+    (imports, _), (first, busy), (cold, cold_busy) = (
+        process_time(IMPORT_CODE),
+        process_time(FIRST_RESULT_CODE),
+        compile_time(),
+    )
     show(
         "Process start to first result", "",
         [

@@ -8,11 +8,11 @@ from matplotlib.figure import Figure
 
 from mbsd3d.errors import InputError
 from mbsd3d.extend import LINE, THIN, dress, house, theme
-from validation.benchmark.candidates import CONSTRAINTS, ENGINES, PEERS
-from validation.benchmark.precision import TARGETS, Point, Reached, Row, time_to
+from validation.benchmark.candidates import CONSTRAINTS_LABEL, ENGINES, PEERS
+from validation.benchmark.precision import TARGET_ERRORS, Point, Reached, Row, time_to
 
-MIDDLE = 1e-6  # the error the goals speak of
-GROWING = ("chain", "ladder")
+MIDDLE_ERROR = 1e-6  # [1] error of the goals
+GROWTH_FAMILIES = ("chain", "ladder")
 NOTES = (
     "ms of the time loop until the end pose is right to the error (distance over the model's length, angle in rad);",
     "> 5: still off after 5 ms, the longest run tried; < 5: the coarsest setting is right already; -: not compared.",
@@ -51,7 +51,7 @@ GOALS = (
     *(Goal("loops", peer, 100.0, family("loop")) for peer in PEERS),
     Goal("tops", "MuJoCo", 20.0, family("top")),
     Goal("tops", "Exudyn", 200.0, family("top")),
-    Goal("tops, by constraints", "Exudyn", 200.0, family("top"), CONSTRAINTS),
+    Goal("tops, by constraints", "Exudyn", 200.0, family("top"), CONSTRAINTS_LABEL),
     Goal("bicycle", "Exudyn", 50.0, family("bicycle")),
     Goal("free body", "MuJoCo", 10.0, family("free body")),
     Goal("free body", "Exudyn", 2.0, family("free body")),
@@ -64,7 +64,7 @@ def verdicts(rows: Sequence[Row]) -> list[Verdict]:
     """Return the assessment of all goals of which a problem was measured."""
     found = []
     for goal in GOALS:
-        ratios = [(row.ratio(goal.peer, MIDDLE, goal.only), row.name) for row in rows if goal.applies(row)]
+        ratios = [(row.ratio(goal.peer, MIDDLE_ERROR, goal.only), row.name) for row in rows if goal.applies(row)]
         known = [(value, bound, name) for ratio, name in ratios if ratio for value, bound in [ratio]]
         if not known:
             continue
@@ -86,7 +86,9 @@ def growth(rows: Sequence[Row], engine: str, prefix: str) -> tuple[float, int, i
     """
     found = []
     for row in rows:
-        reached = row.reached(engine, MIDDLE) if row.name.rsplit(" ", 1)[0] == prefix and row.bodies >= 30 else None
+        reached = (
+            row.reached(engine, MIDDLE_ERROR) if row.name.rsplit(" ", 1)[0] == prefix and row.bodies >= 30 else None
+        )
         if reached is not None and not reached.bound:
             found.append((row.bodies, reached.seconds))
     if len(found) < 2:
@@ -105,27 +107,27 @@ def milliseconds(reached: Reached | None) -> str:
 
 def times(rows: Sequence[Row]) -> list[str]:
     """Tabulate the times of all engines to all errors, and ratios at the middle one."""
-    head = "".join(f"{engine:>{9 * len(TARGETS)}}" for engine in ENGINES)
-    errors = "".join(f"{target:>9.0e}" for target in TARGETS) * len(ENGINES)
-    said = [*NOTES, "", f"{'':18}{head}   ratio at {MIDDLE:.0e}", f"{'':18}{errors}{'MuJoCo':>10}{'Exudyn':>10}"]
+    head = "".join(f"{engine:>{9 * len(TARGET_ERRORS)}}" for engine in ENGINES)
+    errors = "".join(f"{target:>9.0e}" for target in TARGET_ERRORS) * len(ENGINES)
+    said = [*NOTES, "", f"{'':18}{head}   ratio at {MIDDLE_ERROR:.0e}", f"{'':18}{errors}{'MuJoCo':>10}{'Exudyn':>10}"]
     for row in rows:
-        cells = [milliseconds(row.reached(engine, target)) for engine in ENGINES for target in TARGETS]
+        cells = [milliseconds(row.reached(engine, target)) for engine in ENGINES for target in TARGET_ERRORS]
         said.append(f"{row.name:18}" + "".join(f"{cell:>9}" for cell in cells) + ratios(row))
     return said
 
 
 def ratios(row: Row) -> str:
     """Return the ratios of both peers at the middle error as text."""
-    found = [row.ratio(peer, MIDDLE) for peer in PEERS]
+    found = [row.ratio(peer, MIDDLE_ERROR) for peer in PEERS]
     return "".join(f"{'-' if ratio is None else f'{ratio[1]}{ratio[0]:.3g}':>10}" for ratio in found)
 
 
 def chosen(rows: Sequence[Row]) -> list[str]:
     """Return lines on the best candidate of each peer at the middle error, of how many, and the error of its limit."""
-    said = [f"best of each peer at {MIDDLE:.0e}, of how many; least error found"]
+    said = [f"best of each peer at {MIDDLE_ERROR:.0e}, of how many; least error found"]
     for row in rows:
         for peer in PEERS:
-            reached, tried = row.reached(peer, MIDDLE), row.of(peer)
+            reached, tried = row.reached(peer, MIDDLE_ERROR), row.of(peer)
             if reached is None:
                 why = next((climbed.note for climbed in tried if climbed.note), "it has no candidate")
                 said.append(f"  {row.name:18}{peer:8}not compared: {why}")
@@ -136,12 +138,12 @@ def chosen(rows: Sequence[Row]) -> list[str]:
 
 def judged(rows: Sequence[Row]) -> list[str]:
     """Return lines on goals and growth."""
-    said = [f"{'goal: times as long at ' + format(MIDDLE, '.0e'):44}{'aim':>7}{'least':>9}"]
+    said = [f"{'goal: times as long at ' + format(MIDDLE_ERROR, '.0e'):44}{'aim':>7}{'least':>9}"]
     for goal, name, ratio, bound, met in verdicts(rows):
         said.append(
             f"{goal.text + ', ' + goal.peer:44}{goal.factor:7g}{bound + format(ratio, '.3g'):>9}  {met}: {name}"
         )
-    for prefix in GROWING:
+    for prefix in GROWTH_FAMILIES:
         for engine in ENGINES:
             found = growth(rows, engine, prefix)
             if found:
@@ -151,10 +153,10 @@ def judged(rows: Sequence[Row]) -> list[str]:
 
 def every(rows: Sequence[Row]) -> list[str]:
     """Tabulate every candidate with its time to the middle error."""
-    said = [f"all candidates: ms until {MIDDLE:.0e}, settings that failed"]
+    said = [f"all candidates: ms until {MIDDLE_ERROR:.0e}, settings that failed"]
     for row in rows:
         for climbed in row.climbs:
-            time = milliseconds(time_to(climbed, MIDDLE)) if climbed.points else f" not compared: {climbed.note}"
+            time = milliseconds(time_to(climbed, MIDDLE_ERROR)) if climbed.points else f" not compared: {climbed.note}"
             failed = f"  ({climbed.failed} failed: {climbed.note[:60]})" if climbed.failed and climbed.points else ""
             said.append(f"  {row.name:18}{climbed.engine:8}{climbed.label:66}{time:>9}{failed}")
     return said
@@ -165,12 +167,12 @@ def report(rows: Sequence[Row]) -> list[str]:
     return [*times(rows), "", *judged(rows), "", *chosen(rows), "", *every(rows)]
 
 
-SHOWN = (
+FIGURE_PROBLEMS = (
     "free body", "top fast", "bicycle M1", "Bricard", "Andrews", "four-bar 2", "four-bar 40", "Stewart platform",
     "arm 6R", "chain 10", "chain 100", "chain 300",
 )  # fmt: skip
-COLUMNS = 4
-ERRORS = (1e-10, 1e-1)  # of the axes
+FIGURE_COLUMNS = 4
+ERROR_RANGE = (1e-10, 1e-1)  # [1] of the axes
 MARKS = {"mbsd3d": "o", "MuJoCo": "s", "Exudyn": "^"}
 
 
@@ -189,12 +191,14 @@ def work_precision(rows: Sequence[Row], dark: bool = False) -> Figure:
 
     ValueError if none of the problems it shows was measured.
     """
-    shown = sorted((row for row in rows if row.name in SHOWN), key=lambda row: SHOWN.index(row.name))
+    shown = sorted(
+        (row for row in rows if row.name in FIGURE_PROBLEMS), key=lambda row: FIGURE_PROBLEMS.index(row.name)
+    )
     if not shown:
-        raise InputError(f"none of {', '.join(SHOWN)} was measured; measure one with --mechanism")
+        raise InputError(f"none of {', '.join(FIGURE_PROBLEMS)} was measured; measure one with --mechanism")
     look = theme(dark)
-    count = -(-len(shown) // COLUMNS)
-    columns = min(COLUMNS, len(shown))
+    count = -(-len(shown) // FIGURE_COLUMNS)
+    columns = min(FIGURE_COLUMNS, len(shown))
     with house(look):
         figure = Figure(figsize=(2.9 * columns + 0.4, 2.6 * count + 0.5), layout="constrained", facecolor=look.paper)
         grid, lines = figure.subplots(count, columns, sharey=True, squeeze=False).ravel(), {}
@@ -223,17 +227,17 @@ def seconds_text(x: float, place: Any = None) -> str:
 def panel(axes: Any, row: Row, look: Any) -> None:
     """Draw the panel of one problem."""
     for k, engine in enumerate(ENGINES):
-        points = [point for point in front(row, engine) if point.error <= ERRORS[1]]
+        points = [point for point in front(row, engine) if point.error <= ERROR_RANGE[1]]
         if points:
-            seconds, errors = [p.seconds for p in points], [max(p.error, ERRORS[0]) for p in points]
+            seconds, errors = [p.seconds for p in points], [max(p.error, ERROR_RANGE[0]) for p in points]
             axes.plot(
                 seconds, errors, color=look.colour(k), linewidth=LINE, marker=MARKS[engine], markersize=3.5,
                 label=engine,
             )  # fmt: skip
-    axes.axhline(MIDDLE, color=look.muted, linewidth=THIN, linestyle="--")
+    axes.axhline(MIDDLE_ERROR, color=look.muted, linewidth=THIN, linestyle="--")
     axes.set_xscale("log")
     axes.set_yscale("log")
-    axes.set_ylim(*ERRORS)
+    axes.set_ylim(*ERROR_RANGE)
     low, high = axes.get_xlim()
     axes.set_xlim(10 ** np.floor(np.log10(low)), 10 ** np.ceil(np.log10(high)))  # whole decades, each labelled
     axes.xaxis.set_major_formatter(seconds_text)

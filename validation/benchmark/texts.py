@@ -22,10 +22,10 @@ from validation.benchmark.cli import DATA, SPEED
 from validation.benchmark.precision import load
 from validation.benchmark.problems import PROBLEMS
 from validation.benchmark.speed import exponent
-from validation.benchmark.tables import MIDDLE, milliseconds
+from validation.benchmark.tables import MIDDLE_ERROR, milliseconds
 
 ROOT = Path(__file__).parents[2]
-MEASURED = Path("docs/measured.json")
+MEASURED_FILE = Path("docs/measured.json")
 NAMES = {
     "free body": "free tumbling body",
     "top fast": "fast heavy top",
@@ -42,12 +42,12 @@ NAMES = {
     "ball chain 10": "chain of 10 ball joints",
     **{f"chain {n}": f"chain of {n} hinges" for n in (10, 30, 100, 150, 300, 1000)},
 }
-FEW = (
+README_PROBLEMS = (
     "free body", "top fast", "Cardan", "RSSR", "Bricard", "Stewart platform", "ladder 30", "bicycle M1", "arm 6R",
     "chain 100",
 )  # fmt: skip
-TEXTS = {"README.md": FEW, "docs/performance.md": tuple(PROBLEMS)}
-MARK = re.compile(r"(?<=<!-- (times|speed) -->\n).*?(?=<!-- end of \1 -->)", re.DOTALL)
+PROBLEMS_BY_PAGE = {"README.md": README_PROBLEMS, "docs/performance.md": tuple(PROBLEMS)}
+TABLE_PATTERN = re.compile(r"(?<=<!-- (times|speed) -->\n).*?(?=<!-- end of \1 -->)", re.DOTALL)
 
 
 def measured(folder: Path) -> dict[str, Any]:
@@ -60,7 +60,7 @@ def measured(folder: Path) -> dict[str, Any]:
     found = json.loads(speed.read_text(encoding="utf-8"))
     growing = found.pop("growing")
     found |= {"long": growing["chain"], "growth": {name: exponent(costs) for name, costs in growing.items()}}
-    ms = {row.name: [milliseconds(row.reached(engine, MIDDLE)) for engine in ENGINES] for row in rows}
+    ms = {row.name: [milliseconds(row.reached(engine, MIDDLE_ERROR)) for engine in ENGINES] for row in rows}
     machine = json.loads((folder / DATA).read_text(encoding="utf-8"))["machine"].split("; load")[0]
     when = {"date": date.today().isoformat(), "machine": machine, "kernels": kernels(), "note": ""}
     return {**when, "ms": ms, "speed": found}
@@ -119,16 +119,16 @@ def speed(data: dict[str, Any]) -> str:
 def renewed(root: Path, data: dict[str, Any]) -> dict[Path, str]:
     """Return the texts with their tables renewed."""
     found = {}
-    for name, problems in TEXTS.items():
+    for name, problems in PROBLEMS_BY_PAGE.items():
         tables = {"times": times(data, problems), "speed": speed(data)}
         text = (root / name).read_text(encoding="utf-8")
-        found[root / name] = MARK.sub(lambda mark, tables=tables: tables[mark[1]], text)
+        found[root / name] = TABLE_PATTERN.sub(lambda mark, tables=tables: tables[mark[1]], text)
     return found
 
 
 def main(arguments: list[str]) -> None:
     """Renew the data if a folder is given, and then the texts."""
-    store = ROOT / MEASURED
+    store = ROOT / MEASURED_FILE
     if arguments:
         write_atomically(store, (json.dumps(measured(Path(arguments[0])), indent=1) + "\n").encode())
     for path, text in renewed(ROOT, json.loads(store.read_text(encoding="utf-8"))).items():

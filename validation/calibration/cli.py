@@ -10,12 +10,14 @@ from mbsd3d import SweepError
 from mbsd3d.errors import InputError
 from mbsd3d.extend import INTERRUPTED, Failure, Progress, ready_folder, write_atomically
 
-RUNS = 2100
-LINES, TABLE = "calibration.jsonl", "calibration.txt"
+RUN_COUNT = 2100
+RECORD_FILE, TABLE_FILE = "calibration.jsonl", "calibration.txt"
 
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
-@click.option("--runs", default=RUNS, show_default=True, type=click.IntRange(1), help="How many; families take turns.")
+@click.option(
+    "--runs", default=RUN_COUNT, show_default=True, type=click.IntRange(1), help="How many; families take turns."
+)
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="First seed; the next runs add one.")
 @click.option("--family", "names", multiple=True, metavar="NAME", help="Only this one, repeatable; --list shows them.")
 @click.option("--list", "listed", is_flag=True, help="Names of the families, and nothing else.")
@@ -53,12 +55,12 @@ def calibrate(runs: int, seed: int, names: tuple, listed: bool, out: Path, fresh
         return
     ready_folder(str(out), "--out")
     wanted = cases(runs, seed, names or tuple(FAMILIES))
-    records = collect(wanted, out / LINES, fresh)
+    records = collect(wanted, out / RECORD_FILE, fresh)
     lines = [*table.offenders(records), table.text(records)]
     click.echo("\n".join(lines))
-    write_atomically(out / TABLE, ("\n".join(lines) + "\n").encode())
+    write_atomically(out / TABLE_FILE, ("\n".join(lines) + "\n").encode())
     if len(records) < len(wanted):
-        click.echo(f"\ninterrupted; {len(records)} runs are in {out / LINES}, the same command goes on", err=True)
+        click.echo(f"\ninterrupted; {len(records)} runs are in {out / RECORD_FILE}, the same command goes on", err=True)
         sys.exit(INTERRUPTED)
     if docs:
         renew(records)

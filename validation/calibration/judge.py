@@ -14,9 +14,9 @@ from validation.calibration.families import FAMILIES
 from validation.calibration.problem import Place, Problem
 from validation.calibration.settings import Settings, draw
 
-WRONG = 1e-2  # [1] of the scale: what no run may be wrong by without a warning; the limit of `estimate` too
-RIGHT = 10.0  # times rtol: what no run may fail with
-WARNINGS = ("not looked for", "never armed", "rad in a step")
+WRONG_ERROR = 1e-2  # [1] of the scale: error that needs a warning; the limit of `estimate` too
+RIGHT_RTOL_RATIO = 10.0  # [1] of rtol: error with which no run may fail
+WARNING_TEXTS = ("not looked for", "never armed", "rad in a step")
 """In notes, and in the line of the global error, of what may make the motion wrong."""
 
 
@@ -51,7 +51,7 @@ class Record:
     @property
     def wrong(self) -> bool:
         """Return whether the run is wrong by more than a hundredth of a scale."""
-        return not self.stopped and not self.error <= WRONG
+        return not self.stopped and not self.error <= WRONG_ERROR
 
     @property
     def silent(self) -> bool:
@@ -61,7 +61,7 @@ class Record:
     @property
     def right(self) -> bool:
         """Return whether the run is right to ten times its tolerance."""
-        return not self.stopped and self.error <= WRONG and self.relative <= RIGHT * self.rtol
+        return not self.stopped and self.error <= WRONG_ERROR and self.relative <= RIGHT_RTOL_RATIO * self.rtol
 
     @property
     def false_alarm(self) -> bool:
@@ -69,7 +69,7 @@ class Record:
 
         Its poses are those of the reference points, which may be farther out than what is read.
         """
-        warned = self.estimate == "raises" or (self.estimate == "warns" and self.error <= 0.1 * WRONG)
+        warned = self.estimate == "raises" or (self.estimate == "warns" and self.error <= 0.1 * WRONG_ERROR)
         return self.right and not self.unsure and (not self.passed or warned)
 
 
@@ -152,7 +152,7 @@ def verdict(runs: Sequence[Solution]) -> dict[str, Any]:
     outcomes, sizes = zip(*(ask(run) for run in runs), strict=True)
     estimated = sum(sizes)  # each run is estimated from its own start: errors add
     order = ("warns", "raises", "none", "agrees")
-    estimate = "warns" if estimated > WRONG else min(outcomes, key=order.index)
+    estimate = "warns" if estimated > WRONG_ERROR else min(outcomes, key=order.index)
     return {
         "passed": not failures,
         "failures": failures,
@@ -165,7 +165,7 @@ def verdict(runs: Sequence[Solution]) -> dict[str, Any]:
 def warns(certificate: Any) -> bool:
     """Return whether a certificate fails or warns of a wrong motion."""
     notes = (*certificate.notes, certificate.global_error)
-    return not certificate.passed or any(text in note for note in notes for text in WARNINGS)
+    return not certificate.passed or any(text in note for note in notes for text in WARNING_TEXTS)
 
 
 def ask(run: Solution) -> tuple[str, float]:
@@ -176,4 +176,4 @@ def ask(run: Solution) -> tuple[str, float]:
         found = run.estimate()
     except MbsError:
         return "raises", 0.0
-    return ("agrees" if found.error <= WRONG else "warns"), found.error
+    return ("agrees" if found.error <= WRONG_ERROR else "warns"), found.error

@@ -10,14 +10,16 @@ from scipy.integrate import solve_ivp
 from mbsd3d.errors import InputError
 
 Array = np.ndarray
-TIGHT = 1e-13  # [1] relative, of each step; the least scipy takes is 2.2e-14
+TRUTH_RTOL = 1e-13  # [1] relative, of each step; the least scipy takes is 2.2e-14
 
 
 def motion(slope: Callable[[float, Array], ArrayLike], start: ArrayLike, t_end: float) -> Callable[[Array], Array]:
     """Return y(t), (n,) -> (n, k), of y' = slope(t, y) up to ``t_end`` [s], to 1e-11 (scipy's interpolation)."""
     start = np.atleast_1d(np.asarray(start, float))
     size = np.maximum(np.abs(start), 1.0)
-    course = solve_ivp(slope, (0.0, t_end), start, method="DOP853", rtol=TIGHT, atol=TIGHT * size, dense_output=True)
+    course = solve_ivp(
+        slope, (0.0, t_end), start, method="DOP853", rtol=TRUTH_RTOL, atol=TRUTH_RTOL * size, dense_output=True
+    )
     if not course.success:
         raise InputError(f"truth: {course.message}; draw a shorter motion")
 

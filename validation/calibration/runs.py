@@ -14,7 +14,7 @@ from validation.calibration.judge import Record, examine
 ROOT = Path(__file__).parents[2]
 Case = tuple[str, int]
 """Family and seed."""
-SEVERAL = 8  # cases from which on processes are worth their start
+PROCESS_CASES_MIN = 8  # [1] cases from which on processes are worth their start
 
 
 def code_digest() -> str:
@@ -59,7 +59,7 @@ def examined(cases: list[Case], path: Path) -> Iterator[Record]:
 
 def arriving(cells: list[dict[str, Any]]) -> Iterator[tuple[int, Any]]:
     """Yield (number of the cell, record): few of them here, many in processes of their own."""
-    if len(cells) < SEVERAL:
+    if len(cells) < PROCESS_CASES_MIN:
         yield from ((k, examine_cell(cell)) for k, cell in enumerate(cells))
     else:
         yield from outcomes(examine_cell, cells, list(range(len(cells))), "processes")

@@ -12,8 +12,8 @@ from validation.calibration import table
 from validation.calibration.judge import Record
 
 ROOT = Path(__file__).parents[2]
-FIGURES, PAGE = Path("docs/calibration.json"), Path("docs/theory/certificate.md")
-MARK = re.compile(r"(?<=<!-- calibration -->\n).*?(?=<!-- end of calibration -->)", re.DOTALL)
+FIGURES_FILE, PAGE_FILE = Path("docs/calibration.json"), Path("docs/theory/certificate.md")
+TABLE_PATTERN = re.compile(r"(?<=<!-- calibration -->\n).*?(?=<!-- end of calibration -->)", re.DOTALL)
 
 
 def figures(records: Sequence[Record]) -> dict[str, Any]:
@@ -29,12 +29,12 @@ def figures(records: Sequence[Record]) -> dict[str, Any]:
 def renewed(page: str, found: dict[str, Any]) -> str:
     """Return the page with its table renewed."""
     head = f"{found['runs']} runs of {found['families']} families, {found['date']}:"
-    return MARK.sub(lambda _: f"\n{head}\n\n{table.markdown(found['rows'])}\n\n", page)
+    return TABLE_PATTERN.sub(lambda _: f"\n{head}\n\n{table.markdown(found['rows'])}\n\n", page)
 
 
 def renew(records: Sequence[Record], root: Path = ROOT) -> None:
     """Store the figures, and write the table of them into the page."""
     found = figures(records)
-    write_atomically(root / FIGURES, (json.dumps(found, indent=1) + "\n").encode())
-    page = (root / PAGE).read_text(encoding="utf-8")
-    write_atomically(root / PAGE, renewed(page, found).encode())
+    write_atomically(root / FIGURES_FILE, (json.dumps(found, indent=1) + "\n").encode())
+    page = (root / PAGE_FILE).read_text(encoding="utf-8")
+    write_atomically(root / PAGE_FILE, renewed(page, found).encode())

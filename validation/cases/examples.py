@@ -190,10 +190,10 @@ EXAMPLES: dict[type, Factory] = {
 NOT_ON_GROUND = (mbsd3d.RollingDisc, mbsd3d.Rolling, mbsd3d.PositionDriver)  # Joints whose body b must be a moving body
 
 
-TREE = [cls for cls in JOINTS if (cls in GEOMETRY or cls in VELOCITY) and cls is not mbsd3d.CurveContact]
+TREE_JOINTS = [cls for cls in JOINTS if (cls in GEOMETRY or cls in VELOCITY) and cls is not mbsd3d.CurveContact]
 """Joints between two bodies that a second formulation can judge; contacts on curves have trials of their own."""
-CLOSING = (mbsd3d.Distance, mbsd3d.PointOnPlane, mbsd3d.Perpendicular, mbsd3d.PointOnLine, mbsd3d.Spherical)
-HINGES = (mbsd3d.Revolute, mbsd3d.Cylindrical, mbsd3d.Screw)
+CLOSING_JOINTS = (mbsd3d.Distance, mbsd3d.PointOnPlane, mbsd3d.Perpendicular, mbsd3d.PointOnLine, mbsd3d.Spherical)
+HINGE_JOINTS = (mbsd3d.Revolute, mbsd3d.Cylindrical, mbsd3d.Screw)
 
 
 def rows_of(joints: Sequence[Any]) -> int:
@@ -209,7 +209,7 @@ def random_tree(rng: np.random.Generator) -> tuple[list[mbsd3d.Body], list[Any]]
         mass = rng.uniform(0.7, 2.0) * (light if rng.random() < 0.4 else 1.0)
         bodies.append(random_body(rng, f"body{k}", mass=mass, position=2.0 * rng.normal(size=3)))
         parent = mbsd3d.GROUND if k == 0 else [mbsd3d.GROUND, *bodies[:-1]][rng.integers(0, k + 1)]
-        joints += EXAMPLES[TREE[rng.integers(len(TREE))]](rng, parent, bodies[-1], None, None)
+        joints += EXAMPLES[TREE_JOINTS[rng.integers(len(TREE_JOINTS))]](rng, parent, bodies[-1], None, None)
     if rng.random() < 0.3:
         gears = [random_body(rng, f"gear{k}", position=bodies[0].position + direction(rng)) for k in range(2)]
         bodies += gears
@@ -220,13 +220,13 @@ def random_tree(rng: np.random.Generator) -> tuple[list[mbsd3d.Body], list[Any]]
 def loops(rng: np.random.Generator, bodies: Sequence[mbsd3d.Body]) -> list[Any]:
     """Draw a candidate that closes a loop between two bodies."""
     a, b = rng.choice(len(bodies), 2, replace=False)
-    cls = CLOSING[rng.integers(len(CLOSING))]
+    cls = CLOSING_JOINTS[rng.integers(len(CLOSING_JOINTS))]
     return EXAMPLES[cls](rng, bodies[a], bodies[b], None, None)
 
 
 def couplings(rng: np.random.Generator, joints: Sequence[Any]) -> list[Any]:
     """Return candidates on existing hinges and sliders."""
-    hinges = [j for j in joints if isinstance(j, HINGES)]
+    hinges = [j for j in joints if isinstance(j, HINGE_JOINTS)]
     sliders = [j for j in joints if isinstance(j, mbsd3d.Prismatic | mbsd3d.Cylindrical)]
     found = []
     if len(hinges) > 1:
@@ -238,7 +238,7 @@ def couplings(rng: np.random.Generator, joints: Sequence[Any]) -> list[Any]:
 
 def drivers(rng: np.random.Generator, bodies: Sequence[mbsd3d.Body], joints: Sequence[Any]) -> list[Any]:
     """Return candidates that move a coordinate, a point, or prescribe a speed."""
-    angles = [j for j in joints if isinstance(j, (*HINGES, mbsd3d.Planar))]
+    angles = [j for j in joints if isinstance(j, (*HINGE_JOINTS, mbsd3d.Planar))]
     slides = [j for j in joints if isinstance(j, mbsd3d.Prismatic | mbsd3d.Cylindrical)]
     body = bodies[-1]
     found = [
@@ -289,6 +289,6 @@ def moving(system: mbsd3d.System, seed: int) -> mbsd3d.State:
     """Draw the reference pose with general velocities of some m/s and rad/s that all joints and drivers allow."""
     rest = system.state()
     _, s, Vt = np.linalg.svd(reference_point.constraint_rows(system, rest).J)
-    free = Vt[int((s > reference_point.RANK * s.max(initial=0.0)).sum()) :]
+    free = Vt[int((s > reference_point.SINGULAR_VALUE_RATIO_MIN * s.max(initial=0.0)).sum()) :]
     wanted = np.random.default_rng([seed, 1]).normal(size=rest.v.size) - rest.v
     return replace(rest, v=rest.v + free.T @ (free @ wanted))

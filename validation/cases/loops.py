@@ -9,7 +9,7 @@ from mbsd3d.extend import matrix
 from mbsd3d.inertia import MassProperties
 from validation.theory import HingeLoop
 
-REST = (0.0, 0.0, 0.0)
+ORIGIN = (0.0, 0.0, 0.0)
 
 
 def parts(rng: np.random.Generator, count: int) -> list[MassProperties]:
@@ -26,7 +26,7 @@ def place(rng: np.random.Generator) -> dict[str, object]:
     """Draw a base pose anywhere."""
     return {
         "position": rng.normal(size=3), "orientation": rotation(rng.normal(size=3), rng.uniform(0.3, 3.0)),
-        "gravity": REST,
+        "gravity": ORIGIN,
     }  # fmt: skip
 
 

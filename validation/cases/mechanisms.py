@@ -7,7 +7,7 @@ import numpy as np
 from mbsd3d import GROUND, Body, Prismatic, Revolute, Spherical, SpringDamper, System, Universal, rotation
 from mbsd3d.extend import matrix
 
-LINK, MASS, INERTIA, COM = 0.2, 0.2, (1e-4, 8e-4, 7e-4), (0.1, 0.01, 0.005)  # m, kg, kg m^2, m
+LINK_LENGTH, LINK_MASS, LINK_INERTIA, LINK_COM = 0.2, 0.2, (1e-4, 8e-4, 7e-4), (0.1, 0.01, 0.005)  # m, kg, kg m^2, m
 AXES = ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
@@ -15,9 +15,13 @@ def chain(n: int) -> System:
     """Return n links of 0.2 m held out horizontally; hinge axes alternate along y and z, centres of mass off the
     hinges.
     """
-    links = [Body(f"link {k}", MASS, INERTIA, com=COM, position=(LINK * k, 0, 0)) for k in range(n)]
+    links = [
+        Body(f"link {k}", LINK_MASS, LINK_INERTIA, com=LINK_COM, position=(LINK_LENGTH * k, 0, 0)) for k in range(n)
+    ]
     joints = [
-        Revolute(links[k - 1] if k else GROUND, links[k], at=(LINK * k, 0, 0), axis=AXES[k % 2], name=f"hinge {k}")
+        Revolute(
+            links[k - 1] if k else GROUND, links[k], at=(LINK_LENGTH * k, 0, 0), axis=AXES[k % 2], name=f"hinge {k}"
+        )
         for k in range(n)
     ]
     return System(links, joints)
@@ -33,7 +37,11 @@ def mujoco_chain(n: int, dt: float) -> Any:
     parent = spec.worldbody
     for k in range(n):
         parent = parent.add_body(
-            pos=(LINK if k else 0.0, 0.0, 0.0), mass=MASS, ipos=COM, inertia=INERTIA, explicitinertial=True
+            pos=(LINK_LENGTH if k else 0.0, 0.0, 0.0),
+            mass=LINK_MASS,
+            ipos=LINK_COM,
+            inertia=LINK_INERTIA,
+            explicitinertial=True,
         )
         parent.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, axis=AXES[k % 2])
     return spec.compile()

@@ -15,13 +15,13 @@ from validation.crosscheck.formulation import compare_definitions, skipped
 from validation.crosscheck.judge import Runs, curves, explained, judge_motion, judge_start, own_error
 from validation.crosscheck.mbsd3d_runs import Ours, ours_at, ours_at_start
 from validation.crosscheck.result import DIFFERS, SKIPPED, Compared, CrossCheck, Finding
-from validation.crosscheck.step_refinement import INTERVALS, climb, fastest_rate, first_steps
+from validation.crosscheck.step_refinement import INTERVAL_COUNT, climb, fastest_rate, first_steps
 from validation.twins.base import EngineMissing, NotComparable, Twin
 
 MODULES = {"mujoco": "validation.twins.mujoco", "exudyn": "validation.twins.exudyn"}
 NAMES = {"mujoco": "MuJoCo", "exudyn": "Exudyn"}
 ENGINES = (*MODULES, DEFINITIONS)
-WAYS: dict[str, tuple[dict[str, Any], ...]] = {
+FORMULATIONS: dict[str, tuple[dict[str, Any], ...]] = {
     "mujoco": ({}, {"rods": "tendons"}),
     "exudyn": (
         {"formulation": "kinematic tree"},  # trees of hinges and sliders: explicit, without constraints
@@ -31,7 +31,7 @@ WAYS: dict[str, tuple[dict[str, Any], ...]] = {
     ),
 }
 """Settings of an engine's twin in the order they are tried: the most accurate one that takes the model counts."""
-BUDGET = 10.0  # s of an engine's ladder
+BUDGET_SECONDS = 10.0  # [s] of an engine's step refinement
 
 
 class Interrupted(KeyboardInterrupt):
@@ -49,7 +49,7 @@ def cross_check(
     engines: Sequence[str] = ENGINES,
     state: State | None = None,
     tolerance: float = 1e-6,
-    budget: float = BUDGET,
+    budget: float = BUDGET_SECONDS,
     progress: bool | None = None,
 ) -> CrossCheck:
     """Compare a mechanism's motion with the same mechanism in MuJoCo and Exudyn, and with its joints' definitions.
@@ -151,7 +151,7 @@ def check_input(
         raise InputError(f"cross_check: tolerance {tolerance:g} is outside 1e-9 ... 1e-3; give a number in this range")
     if not number(budget, "cross_check: budget") > 0.0:
         raise InputError(f"cross_check: budget {budget:g} s; give seconds above 0")
-    return start, np.linspace(start.t, end, INTERVALS + 1)
+    return start, np.linspace(start.t, end, INTERVAL_COUNT + 1)
 
 
 def compare(
@@ -164,7 +164,7 @@ def compare(
         return compare_definitions(system, state, end if end > state.t else None, ours.size, budget)
     make = import_module(MODULES[engine]).twin
     halted, reason = None, NotComparable("no way to run it")
-    for settings in WAYS[engine]:
+    for settings in FORMULATIONS[engine]:
         try:
             found = compare_way(
                 partial(make, system, state=state, **settings), system, state, ours, tolerance, budget, report

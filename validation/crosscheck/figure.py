@@ -10,7 +10,7 @@ from mbsd3d.extend import LINE, THIN, Theme, dress, house, theme
 
 Curves = Sequence[tuple[str, Sequence[float], Sequence[float]]]
 """Quantity, steps and differences of each."""
-SHOWN = ("position", "rotation", "velocity", "energy", "reaction force")
+FIGURE_QUANTITIES = ("position", "rotation", "velocity", "energy", "reaction force")
 """Quantities that are drawn: the others follow from them."""
 
 
@@ -34,7 +34,7 @@ def convergence_figure(engines: Sequence[tuple[str, float | None, Curves]], dark
 def draw(axes: Axes, name: str, order: float | None, curves: Curves, look: Theme) -> None:
     """Draw the curves of an engine."""
     dress(axes, look)
-    shown = [curve for curve in curves if curve[0] in SHOWN]
+    shown = [curve for curve in curves if curve[0] in FIGURE_QUANTITIES]
     for i, (quantity, steps, differences) in enumerate(shown):
         kept = [(h, e) for h, e in zip(steps, differences, strict=True) if e > 0.0]
         if kept:

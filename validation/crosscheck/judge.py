@@ -11,14 +11,23 @@ import numpy as np
 
 from mbsd3d import State, System, accelerations
 from mbsd3d.extend import mass_matrix
-from validation.crosscheck.mbsd3d_runs import POSES, Ours, Quantity, largest, quantities
-from validation.crosscheck.result import AGREES, DIFFERS, EXPLAINED, SKIPPED, SURE, Attribution, Curve, Finding
+from validation.crosscheck.mbsd3d_runs import BASIC_QUANTITIES, Ours, Quantity, largest, quantities
+from validation.crosscheck.result import (
+    AGREES,
+    DIFFERS,
+    EXPLAINED,
+    SKIPPED,
+    UNCERTAINTY_FACTOR,
+    Attribution,
+    Curve,
+    Finding,
+)
 from validation.crosscheck.step_refinement import Ladder, Limit, best_limit
 from validation.twins.base import Array, NotComparable, Twin
 
-MASS = 1e-10
+MASS_TOLERANCE = 1e-10
 """Relative difference of mass matrices: rounding of some hundred products and of the engine's own kinematics."""
-START = ("acceleration", "angular acceleration")
+START_QUANTITIES = ("acceleration", "angular acceleration")
 
 
 def judge_start(system: System, state: State, twin: Twin, ours: Ours, tolerance: float) -> list[Finding]:
@@ -43,9 +52,15 @@ def judge_mass(system: System, state: State, twin: Twin) -> Finding:
     T, theirs = kinetic.map, kinetic.matrix
     ours = T.T @ mass_matrix(system, state) @ T
     difference = largest(ours - theirs) / largest(theirs)
-    status = AGREES if difference <= MASS else DIFFERS
+    status = AGREES if difference <= MASS_TOLERANCE else DIFFERS
     return Finding(
-        twin.engine, "mass matrix", status, difference=difference, tolerance=MASS, until=state.t, part="the whole"
+        twin.engine,
+        "mass matrix",
+        status,
+        difference=difference,
+        tolerance=MASS_TOLERANCE,
+        until=state.t,
+        part="the whole",
     )
 
 
@@ -62,20 +77,20 @@ def relative_to(a: Array, theirs: Array, system: System, ours: Ours) -> dict[str
     pull = max(largest(a[:, :3]), float(np.linalg.norm(system.gravity)), size.speed * size.spin)
     scales = (pull, max(largest(a[:, 3:]), pull / size.length))
     found = {}
-    for name, part, scale in zip(START, (slice(0, 3), slice(3, 6)), scales, strict=True):
+    for name, part, scale in zip(START_QUANTITIES, (slice(0, 3), slice(3, 6)), scales, strict=True):
         by_body = np.abs(a[:, part] - theirs[:, part]).max(axis=1) / scale
         found[name] = (float(by_body.max()), system.bodies[int(by_body.argmax())].name)
     return found
 
 
-LEAST = 1 / 8
+COMPARED_SHARE_MIN = 1 / 8
 """Of the run that should be comparable; if it is not at the tolerance, the tolerance is taken ten times larger."""
-LOOSEST = 1e-3  # Tolerance beyond which agreement would say nothing
-SLACK = 0.5  # By how much the observed order may miss the expected one; a lower one has to be explained
-HALVED = 0.75  # A difference that halving the step takes below this part of it is one of the step, of whatever order
-BLUR = 100.0
+LOOSEST_TOLERANCE = 1e-3  # [1] tolerance beyond which agreement would say nothing
+ORDER_TOLERANCE = 0.5  # [1] difference of the observed order from the expected one; a lower order has to be explained
+HALVED_STEP_RATIO = 0.75  # [1] a difference that halving the step takes below this part is one of the step
+ERROR_GROWTH_MAX = 100.0
 """Tolerances that momenta, energies and reactions may be uncertain by: they are made of poses and accelerations; never
-more than `LOOSEST`."""
+more than `LOOSEST_TOLERANCE`."""
 
 
 class Runs:
@@ -113,7 +128,7 @@ def horizon(runs: Runs, tolerance: float, own: float) -> int:
 
     Our own motion has to be known to ``own``, however much the engine is allowed.
     """
-    unsure = np.max([runs.limit(name, None).error + runs.ours.error[name] for name in POSES], axis=0)
+    unsure = np.max([runs.limit(name, None).error + runs.ours.error[name] for name in BASIC_QUANTITIES], axis=0)
     grown = runs.ours.growth * unsure[1]
     known = (np.maximum(unsure, grown) <= tolerance) & (own_error(runs.ours) <= own)
     return int(known.size if known.all() else np.argmin(known))
@@ -121,31 +136,31 @@ def horizon(runs: Runs, tolerance: float, own: float) -> int:
 
 def own_error(ours: Ours) -> Array:
     """Return the relative error of the poses and velocities of mbsd3d up to each sample, shape (n,)."""
-    return np.max([ours.error[name] for name in POSES], axis=0)
+    return np.max([ours.error[name] for name in BASIC_QUANTITIES], axis=0)
 
 
 def least_samples(ours: Ours) -> int:
     """Return the least number of samples that should be comparable."""
-    return max(2, int(LEAST * (ours.motion.t.size - 1)) + 1)
+    return max(2, int(COMPARED_SHARE_MIN * (ours.motion.t.size - 1)) + 1)
 
 
 def reach(runs: Runs, tolerance: float) -> tuple[int, float]:
     """Return (samples to compare, tolerance used): ten times looser until an eighth of the run can be compared."""
     used, count = tolerance, 0
     least = least_samples(runs.ours)
-    while used <= LOOSEST * (1 + 1e-9):
+    while used <= LOOSEST_TOLERANCE * (1 + 1e-9):
         count = horizon(runs, used, tolerance)
         if count >= least:
             return count, used
         used *= 10.0
-    return count if count >= least else 0, LOOSEST
+    return count if count >= least else 0, LOOSEST_TOLERANCE
 
 
 def judge_motion(runs: Runs, engine: str, tolerance: float) -> tuple[list[Finding], int]:
     """Return (a finding for every quantity of the motion, samples compared)."""
     span, used = reach(runs, tolerance)
     if span == 0:
-        error, own = max(float(runs.limit(name, None).error[1]) for name in POSES), own_error(runs.ours)
+        error, own = max(float(runs.limit(name, None).error[1]) for name in BASIC_QUANTITIES), own_error(runs.ours)
         text = f"after {runs.ladder.steps[-1]} steps the limit is known only to {error:.0e} at the first sample"
         last = least_samples(runs.ours) - 1
         if not own[last] <= tolerance:
@@ -179,17 +194,17 @@ def judge(runs: Runs, engine: str, name: str, span: int, tolerance: float) -> Fi
         difference=difference, uncertainty=unsure, tolerance=tolerance, order=limit.order, expected=order,
         until=float(runs.ours.motion.t[span - 1]), part=part,
     )  # fmt: skip
-    if not difference <= max(SURE * unsure, tolerance):
+    if not difference <= max(UNCERTAINTY_FACTOR * unsure, tolerance):
         return Finding(engine, name, DIFFERS, **found)
-    if unsure > min(BLUR * tolerance, LOOSEST):
+    if unsure > min(ERROR_GROWTH_MAX * tolerance, LOOSEST_TOLERANCE):
         return Finding(engine, name, SKIPPED, **found, reason=f"{engine}'s limit is known only to {unsure:.0e}")
     gaps, own = differences(runs, name, span), runs.own[name]
     first = float(np.abs(limit.values[0] - own.values[0] / own.scale).max())  # at the start
-    if first > max(SURE * unsure, tolerance):
+    if first > max(UNCERTAINTY_FACTOR * unsure, tolerance):
         found["attributions"] = (Attribution("first sample", "leaving the start out", first, difference),)
-    converging = gaps[-1] <= HALVED * gaps[-2]
+    converging = gaps[-1] <= HALVED_STEP_RATIO * gaps[-2]
     scattered = not converging and min(gaps) <= tolerance  # the runs themselves agree, down to their rounding
-    if limit.order is None or limit.order >= order - SLACK or scattered:
+    if limit.order is None or limit.order >= order - ORDER_TOLERANCE or scattered:
         return Finding(engine, name, EXPLAINED if "attributions" in found else AGREES, **found)
     text = f"of order {limit.order:.1f} in the step where {order:g} is expected"
     if not converging:
@@ -228,10 +243,10 @@ CAUSES: dict[str, tuple[Cause, ...]] = {
     "Exudyn": (Cause("tolerance of Newton's iterations", "tolerance", 1e-13, 0.0),),
 }
 """By engine, in the order they are tried."""
-NEAR = 0.2
+CAUSE_TOLERANCE = 0.2
 """By how much of the whole the remaining part may miss ``stays``: a second cause of that size would not be seen.
 
-So it is never more than `LOOSEST` of the quantity's size, however great the difference."""
+So it is never more than `LOOSEST_TOLERANCE` of the quantity's size, however great the difference."""
 
 
 def explained(
@@ -258,8 +273,8 @@ def explained(
 
 def unseen(cause: Cause, finding: Finding) -> float:
     """Return how far the difference may be from what the cause leaves; where that is nothing, the rest has to agree."""
-    share = NEAR * max(cause.stays, 0.05) * finding.difference
-    return min(share, LOOSEST if cause.stays else finding.bound)
+    share = CAUSE_TOLERANCE * max(cause.stays, 0.05) * finding.difference
+    return min(share, LOOSEST_TOLERANCE if cause.stays else finding.bound)
 
 
 def changed(

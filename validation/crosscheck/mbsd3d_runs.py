@@ -14,7 +14,7 @@ from mbsd3d import Solution, State, System, accelerations, simulate
 from mbsd3d.extend import equations
 from validation.twins.base import Array, Load, Motion
 
-POSES = ("position", "rotation", "velocity", "angular velocity")  # Quantities that the others are made of
+BASIC_QUANTITIES = ("position", "rotation", "velocity", "angular velocity")  # quantities that the others are made of
 Known = tuple[Array, Array]  # projectors (n, 3, 3) onto the determined directions of a force and of a moment
 
 
@@ -150,10 +150,11 @@ def known_in_part(solution: Solution) -> dict[str, Known]:
     return {name: (x.force_projector, x.moment_projector) for name, x in found.items() if not x.unique}
 
 
-LOOSE, TIGHT = 1e-10, 1e-12
+LOOSE_RTOL, TIGHT_RTOL = 1e-10, 1e-12
 """rtol of the run that is compared, TIGHT, and of the one that tells its error: 100 times looser."""
-NUDGE = 1e-6  # Of the neighbouring start, relative: far above the error of the runs, far below what bends the growth
-RANK = 1e-9
+# [1] of the neighbouring start; far above the error of the runs, far below nonlinear growth
+NEIGHBOUR_SPEED_RATIO = 1e-6
+SINGULAR_VALUE_RATIO_MIN = 1e-9
 """Singular values of J below this part of the greatest are zero."""
 
 
@@ -205,10 +206,14 @@ def neighbour(system: System, state: State, size: Sizes) -> State:
     J = equations(system, state)[2]
     units = np.tile([size.speed] * 3 + [size.spin] * 3, len(system.bodies))
     _, s, Vt = np.linalg.svd(J * units)
-    free = Vt[int((s > RANK * s.max(initial=0.0)).sum()) :]
+    free = Vt[int((s > SINGULAR_VALUE_RATIO_MIN * s.max(initial=0.0)).sum()) :]
     shift = free.T @ (free @ np.random.default_rng(1).normal(size=units.size))
     length = np.abs(shift).max(initial=0.0)
-    return replace(state, v=state.v + NUDGE * units * shift / length) if length > RANK else state
+    return (
+        replace(state, v=state.v + NEIGHBOUR_SPEED_RATIO * units * shift / length)
+        if length > SINGULAR_VALUE_RATIO_MIN
+        else state
+    )
 
 
 def ours_at(system: System, state: State, times: Array) -> Ours:
@@ -216,7 +221,7 @@ def ours_at(system: System, state: State, times: Array) -> Ours:
     a neighbouring one.
     """
     t_end = float(times[-1])
-    tight, loose = (whole_run(system, t_end, state, rtol, times) for rtol in (TIGHT, LOOSE))
+    tight, loose = (whole_run(system, t_end, state, rtol, times) for rtol in (TIGHT_RTOL, LOOSE_RTOL))
     motion, rest = motion_of(tight)
     size = sizes(system, motion, float(tight.compiled.model.length))
     joints, known = tuple(motion.reactions), known_in_part(tight)
@@ -228,10 +233,10 @@ def ours_at(system: System, state: State, times: Array) -> Ours:
     less = quantities(system, less, size, tuple(name for name in joints if name in less.reactions), known)
     error = {name: parted(x, less[name]) for name, x in found.items() if name in less}
     start = neighbour(system, state, size)
-    beside = whole_run(system, t_end, start, LOOSE, times)
+    beside = whole_run(system, t_end, start, LOOSE_RTOL, times)
     beside = quantities(system, motion_of(beside)[0], size)
-    away = np.max([parted(found[name], beside[name]) for name in POSES], axis=0)
-    growth = np.maximum(away / NUDGE, 1.0) if start is not state else np.ones(times.size)
+    away = np.max([parted(found[name], beside[name]) for name in BASIC_QUANTITIES], axis=0)
+    growth = np.maximum(away / NEIGHBOUR_SPEED_RATIO, 1.0) if start is not state else np.ones(times.size)
     return Ours(motion, size, found, error, growth, rest, known)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from mbsd3d.errors import InputError
 
 AGREES, EXPLAINED, DIFFERS, SKIPPED = "agrees", "explained", "differs", "not compared"
-SURE = 3.0  # Errors of a limit by which another may be away from it: the estimate is the last change, not a bound
+UNCERTAINTY_FACTOR = 3.0  # [1] of the errors of a limit, since the estimate is the last change, not a bound
 
 
 class Attribution(NamedTuple):
@@ -52,7 +52,7 @@ class Finding:
     @property
     def bound(self) -> float:
         """Return the relative difference up to which the quantity agrees."""
-        return max(SURE * (self.uncertainty or 0.0), self.tolerance or 0.0)
+        return max(UNCERTAINTY_FACTOR * (self.uncertainty or 0.0), self.tolerance or 0.0)
 
     @property
     def verdict(self) -> str:
@@ -88,7 +88,7 @@ class Compared:
     curves: tuple[Curve, ...] = ()
 
 
-USUAL = 1.1e-6  # tolerance that goes without saying
+USUAL_TOLERANCE = 1.1e-6  # [1] tolerance that is not reported
 HEADER = f"{'':12} {'quantity':20} {'difference':>10} {'+-':>8} {'order':>5} {'until [s]':>9}  verdict"
 
 
@@ -270,7 +270,7 @@ def verdict(finding: Finding) -> str:
     it."""
     if finding.status != AGREES:
         return finding.verdict
-    loose = f" within {finding.bound:.0e}" if finding.bound > USUAL else ""
+    loose = f" within {finding.bound:.0e}" if finding.bound > USUAL_TOLERANCE else ""
     return finding.verdict + loose + (f", {finding.reason}" if finding.reason else "")
 
 

@@ -137,20 +137,20 @@ def failed(records: Iterable[Record]) -> list[Record]:
     return [record for record in records if record.verdict == DIFFERS]
 
 
-MANY = 30  # Of one group: more cases than that share a line, and only those that differ have their own
-SILENT, ABSENT, PART = "-", "", "~"
+LISTED_CASES_MAX = 30  # [1] cases of one group; of more only those that differ have their own line
+SILENT_MARK, ABSENT_MARK, PARTIAL_MARK = "-", "", "~"
 LEGEND = (
     "Errors are relative; exact: counts equal; *: explained, with a number; !: differs; ~: in part; -: not compared."
 )
-REASONS = 3  # most frequent ones shown per judge
+REASONS_MAX = 3  # [1] most frequent ones shown per judge
 
 
 def cell(finding: Finding | None) -> str:
     """Return the error of the deciding finding; "!" marks one that differs, "-" one that was not compared."""
     if finding is None:
-        return ABSENT
+        return ABSENT_MARK
     if finding.verdict == NOT_COMPARED:
-        return SILENT
+        return SILENT_MARK
     mark = {DIFFERS: "!", EXPLAINED: "*"}.get(finding.verdict, "")
     if finding.error is None:
         return f"stopped{mark}"
@@ -167,7 +167,7 @@ def columns_of(records: Iterable[Record]) -> list[str]:
 
 def line(record: Record, judges: Sequence[str]) -> list[str]:
     """Return the cells of one case."""
-    cells = [f"{cell(record.worst(judge))}{PART * record.in_part(judge)}" for judge in judges]
+    cells = [f"{cell(record.worst(judge))}{PARTIAL_MARK * record.in_part(judge)}" for judge in judges]
     return [record.name, record.verdict, *cells]
 
 
@@ -177,7 +177,7 @@ def summary(group: str, records: Sequence[Record], judges: Sequence[str]) -> lis
     for judge in judges:
         found = [record.worst(judge) for record in records]
         found = [finding for finding in found if finding is not None and finding.verdict != NOT_COMPARED]
-        cells.append(f"{cell(max(found, key=severity))} ({len(found)})" if found else SILENT)
+        cells.append(f"{cell(max(found, key=severity))} ({len(found)})" if found else SILENT_MARK)
     counts = Counter(record.verdict for record in records)
     verdict = ", ".join(f"{counts[word]} {word}" for word in (AGREES, EXPLAINED, DIFFERS, NOT_COMPARED) if counts[word])
     return [f"{group}: {len(records)} cases", verdict, *cells]
@@ -188,7 +188,7 @@ def lines_of(records: Sequence[Record], judges: Sequence[str]) -> list[list[str]
     rows = [["case", "verdict", *judges]]
     for group in dict.fromkeys(record.group for record in records):
         own = [record for record in records if record.group == group]
-        if len(own) > MANY:
+        if len(own) > LISTED_CASES_MAX:
             rows.append(summary(group, own, judges))
             own = failed(own)
         rows += [line(record, judges) for record in own]
@@ -214,8 +214,8 @@ def omissions(records: Sequence[Record]) -> list[str]:
         notes = [f.note for record in records for f in record.of(judge) if f.verdict == NOT_COMPARED]
         if notes:
             reasons = Counter(notes).most_common()
-            shown = "; ".join(f"{note} ({count})" for note, count in reasons[:REASONS])
-            rest = f"; {len(reasons) - REASONS} more reasons in the report" if len(reasons) > REASONS else ""
+            shown = "; ".join(f"{note} ({count})" for note, count in reasons[:REASONS_MAX])
+            rest = f"; {len(reasons) - REASONS_MAX} more reasons in the report" if len(reasons) > REASONS_MAX else ""
             found.append(f"{judge}, not compared {len(notes)} times: {shown}{rest}")
     return found
 

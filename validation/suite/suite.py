@@ -31,12 +31,12 @@ from validation.suite.page import chart, content_of, encoded, page_of, picture
 from validation.suite.trials import chosen, trials
 from validation.suite.trials.trial import Run, Trial, examine, stopped
 
-NAME = "validation"
-SEVERAL = 4  # cases that are worth the seconds in which processes start
+STORE_NAME = "validation"
+PROCESS_CASES_MIN = 4  # [1] cases that are worth the seconds in which processes start
 PEERS = (MUJOCO, EXUDYN)
-MORE = 5.0  # Times the budget for a second look at a difference
+SECOND_BUDGET_RATIO = 5.0  # [1] of the budget, for a second look at a difference
 PACKAGES = ("numpy", "scipy", "numba", "mujoco-core", "mujoco", "exudyn")
-SOURCES = ("*.py", "references/*.json", "parameters/*.json")
+SOURCE_PATTERNS = ("*.py", "references/*.json", "parameters/*.json")
 
 
 def store(folder: Path, fresh: bool = False, **settings: Any) -> Store:
@@ -47,10 +47,10 @@ def store(folder: Path, fresh: bool = False, **settings: Any) -> Store:
     """
     text, here = hashlib.sha256(), Path(__file__).parents[1]
     for root in (Path(mbsd3d.__file__).parent, here, here.with_name("bicycle")):
-        for path in sorted(path for pattern in SOURCES for path in root.rglob(pattern)):
+        for path in sorted(path for pattern in SOURCE_PATTERNS for path in root.rglob(pattern)):
             text.update(path.relative_to(root).as_posix().encode() + path.read_bytes())
     made_of = {"sources": text.hexdigest(), "versions": [installed(name) for name in PACKAGES], **settings}
-    found = Store(folder / f"{NAME}.db", made_of, "validation", replace=True)
+    found = Store(folder / f"{STORE_NAME}.db", made_of, "validation", replace=True)
     if fresh:
         found.clear()
     return found
@@ -66,7 +66,7 @@ def compared(made: Run, trial: Trial, budget: float) -> tuple[list[Finding], Cro
         return [not_compared(judge, trial.alone) for judge in PEERS], None
     check = asked(made, budget)
     if check.failures:  # finer steps, and time to change what may be to blame
-        check = asked(made, MORE * budget)
+        check = asked(made, SECOND_BUDGET_RATIO * budget)
     if check.interrupted:
         raise KeyboardInterrupt
     return [translated(finding) for finding in check.findings], check
@@ -147,7 +147,7 @@ class Suite:
     def examine_left(self) -> Iterator[Record]:
         """Yield records as they come; many cases run in processes of their own, which a crash of an engine may end."""
         left = self.left
-        if len(left) < SEVERAL:
+        if len(left) < PROCESS_CASES_MIN:
             yield from (examined(trial, self.budget) for trial in left)
             return
         cells = [{"name": trial.name, "quick": self.quick, "budget": self.budget} for trial in left]
@@ -159,8 +159,8 @@ class Suite:
         content = content_of(self.records, quick=self.quick, complete=not self.left)
         html = page_of(self.records, content)
         return [
-            write_atomically(folder / f"{NAME}.html", html.encode()),
-            write_atomically(folder / f"{NAME}.json", encoded(content)),
+            write_atomically(folder / f"{STORE_NAME}.html", html.encode()),
+            write_atomically(folder / f"{STORE_NAME}.json", encoded(content)),
         ]
 
 

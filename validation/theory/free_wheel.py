@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 
-NODES, WEIGHTS = leggauss(40)
+GAUSS_NODES, GAUSS_WEIGHTS = leggauss(40)
 UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -72,10 +72,10 @@ def patch(slip: float) -> tuple[float, float]:
     Along x = -1 ... 1 a bristle is bent by (1 - x) slip/2 and holds up to 3 (1 - x^2)/4; units: mu N, half the patch.
     """
     edge = min(2.0 * slip / 3.0 - 1.0, 1.0)  # where the bent bristles meet the parabola: they stick ahead of it
-    bent = 0.5 * (1.0 - edge) * NODES + 0.5 * (1.0 + edge)  # x of the nodes of the sticking part
-    stick = 0.5 * (1.0 - edge) * WEIGHTS * 0.5 * slip * (1.0 - bent)
-    slid = 0.5 * (edge + 1.0) * NODES + 0.5 * (edge - 1.0)
-    slide = 0.5 * (edge + 1.0) * WEIGHTS * 0.75 * (1.0 - slid**2)
+    bent = 0.5 * (1.0 - edge) * GAUSS_NODES + 0.5 * (1.0 + edge)  # x of the nodes of the sticking part
+    stick = 0.5 * (1.0 - edge) * GAUSS_WEIGHTS * 0.5 * slip * (1.0 - bent)
+    slid = 0.5 * (edge + 1.0) * GAUSS_NODES + 0.5 * (edge - 1.0)
+    slide = 0.5 * (edge + 1.0) * GAUSS_WEIGHTS * 0.75 * (1.0 - slid**2)
     force, moment = stick.sum() + slide.sum(), -(stick @ bent) - slide @ slid
     return float(force), float(3.0 * moment / force) if force > 0.0 else 1.0
 

@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 
 from validation.theory.common import Array
 
-TIGHT = 1e-13  # of the integration in time; rounding of one evaluation is a tenth of it
+TIME_RTOL = 1e-13  # [1] of the integration in time; rounding of one evaluation is a tenth of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +52,7 @@ class HingeLoop:
             return np.append(at.tangent * y[-1], -(0.5 * mass_slope * y[-1] ** 2 + weight) / mass)
 
         start, times = np.append(np.zeros(n), rate / heading[0][hinge]), np.asarray(times, float)
-        found = solve_ivp(slope, (0.0, times[-1]), start, method="DOP853", rtol=TIGHT, atol=TIGHT, t_eval=times)
+        found = solve_ivp(slope, (0.0, times[-1]), start, method="DOP853", rtol=TIME_RTOL, atol=TIME_RTOL, t_eval=times)
         return found.y[:-1].T
 
     def screws(self, angles: Array) -> tuple[Array, list[Array]]:

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 Array = np.ndarray
-TINY = 1e-40
-STEP, WEIGHTS = 2e-3, {1: 4 / 5, 2: -1 / 5, 3: 4 / 105, 4: -1 / 280}
+COMPLEX_STEP = 1e-40
+DIFFERENCE_STEP, DIFFERENCE_WEIGHTS = 2e-3, {1: 4 / 5, 2: -1 / 5, 3: 4 / 105, 4: -1 / 280}
 """Central differences of order eight; at 2e-3 truncation and rounding are both near 1e-13."""
 X, Y, Z = np.eye(3)
 
@@ -55,11 +55,11 @@ def jacobians(p: Any, c: Array) -> tuple[Array, Array, Array]:
     Jv, Jw, height = np.empty((4, 3, 8)), np.empty((4, 3, 8)), np.empty(8)
     centres, turned, contacts = places(p, c)
     for k in range(8):
-        moved, rotated, touched = places(p, c + 1j * TINY * np.eye(8)[k])
+        moved, rotated, touched = places(p, c + 1j * COMPLEX_STEP * np.eye(8)[k])
         for b in range(4):
-            spin = (rotated[b].imag / TINY) @ turned[b].T
-            Jv[b, :, k], Jw[b, :, k] = moved[b].imag / TINY, (spin[2, 1], spin[0, 2], spin[1, 0])
-        height[k] = touched[1].imag[2] / TINY
+            spin = (rotated[b].imag / COMPLEX_STEP) @ turned[b].T
+            Jv[b, :, k], Jw[b, :, k] = moved[b].imag / COMPLEX_STEP, (spin[2, 1], spin[0, 2], spin[1, 0])
+        height[k] = touched[1].imag[2] / COMPLEX_STEP
     slips = [
         (Jv[b] + np.cross(Jw[b], contact - centres[b], axisa=0, axisc=0))[:2]
         for b, contact in zip((0, 3), contacts, strict=True)
@@ -70,9 +70,9 @@ def jacobians(p: Any, c: Array) -> tuple[Array, Array, Array]:
 def rates(p: Any, c: Array, c_dot: Array) -> tuple[Array, Array, Array]:
     """Return d/dt of `jacobians` along c_dot."""
     found = [0.0, 0.0, 0.0]
-    for k, weight in WEIGHTS.items():
-        ahead, behind = jacobians(p, c + k * STEP * c_dot), jacobians(p, c - k * STEP * c_dot)
-        found = [x + weight * (a - b) / STEP for x, a, b in zip(found, ahead, behind, strict=True)]
+    for k, weight in DIFFERENCE_WEIGHTS.items():
+        ahead, behind = jacobians(p, c + k * DIFFERENCE_STEP * c_dot), jacobians(p, c - k * DIFFERENCE_STEP * c_dot)
+        found = [x + weight * (a - b) / DIFFERENCE_STEP for x, a, b in zip(found, ahead, behind, strict=True)]
     return found[0], found[1], found[2]
 
 

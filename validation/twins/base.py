@@ -164,7 +164,7 @@ class Twin(Protocol):
         """
 
 
-MET = 1e-8  # [1] of the model's length, or rad: the joints of a start; what `mbsd3d.simulate` asks for
+START_TOLERANCE = 1e-8  # [1] of the model's length, or [rad]: joints of a start, as `mbsd3d.simulate` requires
 
 
 def start_of(system: System, state: State | None, engine: str) -> State:
@@ -183,7 +183,7 @@ def check_met(system: System, start: State) -> None:
     data = new_data(compiled.model)  # no loads: functions of forces need not be compiled
     known = driven_coordinates(compiled, start.t) if start.coordinates is None else start.coordinates
     load_state(compiled, data, State(start.t, start.q, start.v, start.z, known))
-    missed = unmet(compiled, data, start.v, MET)
+    missed = unmet(compiled, data, start.v, START_TOLERANCE)
     if missed is not None:
         residual, unit = missed
         worst = int(np.argmax(np.abs(residual) * compiled.model.row["scale"]))

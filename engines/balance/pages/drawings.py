@@ -12,8 +12,8 @@ from markupsafe import Markup, escape
 
 from engines.balance.layouts import Layout
 
-RADIUS = 88.0  # of the largest circle, in a square from -110 to 110
-LEAST = 1.0  # radius of a circle that can be seen
+LARGEST_CIRCLE_RADIUS = 88.0  # [drawing units] of the largest circle, in a square from -110 to 110
+VISIBLE_RADIUS_MIN = 1.0  # [drawing units] radius of a circle that can be seen
 
 
 def svg(width: float, height: float, body: str, label: str, corner: str = "0 0") -> Markup:
@@ -68,7 +68,7 @@ def arrow(start: complex, end: complex, tint: str) -> str:
 
 def axes() -> str:
     """Draw the axes of a square drawing, with the circle of the largest amplitude."""
-    lines = f'<path class="axis" d="M-104 0H104M0 104V-104"/><circle class="axis" r="{RADIUS:g}"/>'
+    lines = f'<path class="axis" d="M-104 0H104M0 104V-104"/><circle class="axis" r="{LARGEST_CIRCLE_RADIUS:g}"/>'
     return lines + text(106, -4, "x", "end") + text(4, -98, "y", "start")
 
 
@@ -77,10 +77,10 @@ def polar(forward: complex, backward: complex, label: str) -> Markup:
 
     ``forward, backward``: phasors, not both 0; the arrows are those at q = 0. Each has its own scale.
     """
-    scale = RADIUS / (abs(forward) + abs(backward))
+    scale = LARGEST_CIRCLE_RADIUS / (abs(forward) + abs(backward))
     f, b = scale * complex(forward), scale * complex(backward).conjugate()
-    body, aside = axes() + ring(f, 1, "t0") + ring(b, -1, "t1") + ellipse(forward, backward, RADIUS), 0.0
-    if min(abs(f), abs(b)) > LEAST:
+    body, aside = axes() + ring(f, 1, "t0") + ring(b, -1, "t1") + ellipse(forward, backward, LARGEST_CIRCLE_RADIUS), 0.0
+    if min(abs(f), abs(b)) > VISIBLE_RADIUS_MIN:
         body += stroke("construct", f, f + b, b)
         if abs(np.angle(b / f)) < 0.1:  # one would lie upon the other
             aside = 3j * f / abs(f)
@@ -90,7 +90,7 @@ def polar(forward: complex, backward: complex, label: str) -> Markup:
 def ring(z: complex, sense: int, tint: str) -> str:
     """Draw the circle of the tip of z, with a head for its sense of rotation (+1: from x to y)."""
     radius = abs(z)
-    if radius < LEAST:
+    if radius < VISIBLE_RADIUS_MIN:
         return ""
     circle = f'<circle class="ring {tint}" r="{radius:.2f}"/>'
     if radius < 14.0:
@@ -126,7 +126,7 @@ def still(label: str) -> Markup:
 
 def loop(x: np.ndarray, y: np.ndarray, label: str) -> Markup:
     """Draw the closed path of all orders together over a turn, x and y (k,) each; the dot is at q = 0."""
-    z = (x + 1j * y) * (RADIUS / np.hypot(x, y).max())
+    z = (x + 1j * y) * (LARGEST_CIRCLE_RADIUS / np.hypot(x, y).max())
     return square(axes() + stroke("path ink", *z, z[0]) + dot(z[0]), label)
 
 

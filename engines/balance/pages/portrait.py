@@ -17,8 +17,8 @@ from engines.balance.pages import drawings
 from mbsd3d import GROUND, Body, Joint, Solution, System
 from mbsd3d.extend import VIEW, matrix
 
-ROOM, MARGIN = np.array([360.0, 250.0]), 12.0  # width and height
-ROUND = np.linspace(0, 2 * np.pi, 37)[:-1]
+DRAWING_SIZE, DRAWING_MARGIN = np.array([360.0, 250.0]), 12.0  # width and height
+CIRCLE_ANGLES = np.linspace(0, 2 * np.pi, 37)[:-1]  # [rad] of the points of a circle
 
 
 def upright(layout: Layout) -> np.ndarray:
@@ -76,9 +76,11 @@ def sketch(engine: Engine) -> Markup:
     seen.sort(key=lambda item: round(float(item[1][:, 0].mean()), 9))
     flat = np.concatenate([points[:, 1:] for _, points in seen])
     low, extent = flat.min(axis=0), np.ptp(flat, axis=0)
-    scale = float(np.min((ROOM - 2 * MARGIN) / extent))
-    width, height = extent * scale + 2 * MARGIN
-    body = "".join(shape(kind, (points - (0, *low)) * scale + MARGIN, scale * engine.radius) for kind, points in seen)
+    scale = float(np.min((DRAWING_SIZE - 2 * DRAWING_MARGIN) / extent))
+    width, height = extent * scale + 2 * DRAWING_MARGIN
+    body = "".join(
+        shape(kind, (points - (0, *low)) * scale + DRAWING_MARGIN, scale * engine.radius) for kind, points in seen
+    )
     return drawings.svg(width, height, body, f"{engine.layout.name} in space", f"0 {-height:.2f}")
 
 
@@ -88,7 +90,9 @@ def cylinder(engine: Engine, where: spatial.Place) -> list[tuple[str, np.ndarray
     """
     end, axis = np.array([0, 0, 0.38 * looks.width(engine)]), where.pin * (0, 0, 1)
     across, along = np.cross((0, 0, 1), where.bore), 0.55 * engine.radius * where.bore
-    ring = looks.bore_radius(engine) * (np.outer(np.cos(ROUND), across) + np.outer(np.sin(ROUND), (0, 0, 1)))
+    ring = looks.bore_radius(engine) * (
+        np.outer(np.cos(CIRCLE_ANGLES), across) + np.outer(np.sin(CIRCLE_ANGLES), (0, 0, 1))
+    )
     skirt, crown = where.wrist - 0.35 * along + ring, where.wrist + 0.65 * along + ring
     return [
         ("crank", np.array([axis - end, where.pin - end, where.pin + end, axis + end])),
@@ -103,7 +107,7 @@ def shape(kind: str, points: np.ndarray, radius: float) -> str:
     if kind != "piston":
         width = (0.2 if kind == "crank" else 0.16) * radius
         return f'<g stroke-width="{width:.2f}">{drawings.stroke(kind, *z)}</g>'
-    hull, n = z[ConvexHull(points[:, 1:]).vertices], ROUND.size
+    hull, n = z[ConvexHull(points[:, 1:]).vertices], CIRCLE_ANGLES.size
     open_to_reader = points[:n, 0].mean() > points[n:, 0].mean()
     face = drawings.area("skirt", *z[:n]) if open_to_reader else drawings.area("crown", *z[n:])
     return drawings.area("piston", *hull) + face

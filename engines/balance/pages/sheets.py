@@ -13,8 +13,8 @@ from engines.balance.pages import drawings
 from engines.balance.published.claims import Row
 from mbsd3d.extend import digits
 
-FINE = 1e-6  # of a harmonic: parts that turn the other way are rounding below it
-CURVE = 24  # orders of the driving torque over a turn
+ROTATING_PART_SHARE_MIN = 1e-6  # [1] of a harmonic; smaller parts that turn the other way are rounding
+TORQUE_ORDERS = 24  # [1] orders of the driving torque over a turn
 QUANTITIES = (("force", "N"), ("couple", "N m"), ("torque", "N m"))
 
 
@@ -46,11 +46,11 @@ class Harmonic:
         f, b = abs(self.forward), abs(self.backward)
         if not self.there:
             return "balanced"
-        if b <= FINE * f:
+        if b <= ROTATING_PART_SHARE_MIN * f:
             return "turns with the crank, constant size"
-        if f <= FINE * b:
+        if f <= ROTATING_PART_SHARE_MIN * b:
             return "turns against the crank, constant size"
-        if abs(f - b) <= FINE * (f + b):
+        if abs(f - b) <= ROTATING_PART_SHARE_MIN * (f + b):
             angle = np.degrees(np.angle(self.forward) - np.angle(self.backward)) / 2
             angle = round(angle, 3) % 180.0
             return {0.0: "swings along x", 90.0: "swings along y"}.get(angle, f"swings at {angle:.4g}\u00b0 from x")
@@ -59,7 +59,7 @@ class Harmonic:
     @property
     def cure(self) -> str:
         """Return the balance shafts that would cancel a remaining force [N] or moment [N m]."""
-        f, b = (abs(part) > FINE * self.axes[0] for part in (self.forward, self.backward))
+        f, b = (abs(part) > ROTATING_PART_SHARE_MIN * self.axes[0] for part in (self.forward, self.backward))
         if not self.there:
             return ""
         if f and b and self.order > 1:
@@ -101,7 +101,7 @@ class Sheet:
     @property
     def noise(self) -> float:
         """Return the amplitude below which a harmonic is rounding [N or N m]."""
-        return report.NOISE * self.comparison.scale
+        return report.AMPLITUDE_ROUNDING * self.comparison.scale
 
     def harmonics(self, kind: str) -> list[Harmonic]:
         """Return the harmonics of force or couple, one per order, of the spatial model."""
@@ -141,8 +141,8 @@ class Sheet:
     def closed(self) -> tuple[np.ndarray, np.ndarray]:
         """Return crank angle [degrees] and driving torque [N m] in closed form, every half degree."""
         q = np.linspace(0.0, 360.0, 721)
-        torque = phasor.block_load(self.engine, CURVE, gravity=self.comparison.gravity).torque
-        return q, np.real(np.exp(1j * np.outer(np.radians(q), np.arange(CURVE + 1))) @ torque)
+        torque = phasor.block_load(self.engine, TORQUE_ORDERS, gravity=self.comparison.gravity).torque
+        return q, np.real(np.exp(1j * np.outer(np.radians(q), np.arange(TORQUE_ORDERS + 1))) @ torque)
 
     def curve(self) -> Any:
         """Draw the driving torque over the crank angle: closed form as a line, the spatial model as dots."""
@@ -207,4 +207,4 @@ class GasTorque:
         torque = np.abs(np.fft.rfft(self.closed[1][:-1])) * 2 / 1440
         torque[0] /= 2
         rows = [(half / 2, float(push[half]), float(torque[half])) for half in range(2 * orders + 1)]
-        return [row for row in rows if max(row[1:]) > FINE * self.peak]
+        return [row for row in rows if max(row[1:]) > ROTATING_PART_SHARE_MIN * self.peak]

@@ -20,8 +20,10 @@ from engines.balance.published.truth import AGREES, rows
 from mbsd3d.errors import InputError
 from mbsd3d.extend import Progress, digits, page_template, write_atomically
 
-ORDERS, COUNT = 6, 72  # harmonics; samples of a turn
-PLAY = '<script type="module">if (!matchMedia("(prefers-reduced-motion: reduce)").matches) mbsd3d.play(true);</script>'
+HARMONIC_ORDERS, TURN_SAMPLES = 6, 72  # harmonics; samples of a turn
+PLAY_SCRIPT = (
+    '<script type="module">if (!matchMedia("(prefers-reduced-motion: reduce)").matches) mbsd3d.play(true);</script>'
+)
 TEMPLATES = Path(__file__).parents[2] / "templates"
 SOURCES = {"published_checks": "Articles and e-book, toy engine", "toy_set_2": "Animations, second toy engine"}
 
@@ -71,7 +73,7 @@ def write_pages(
 def playing(view: str) -> str:
     """Return a view that plays from the start, unless the reader asked for less motion."""
     body, end = view.rsplit("</body>", 1)
-    return f"{body}{PLAY}</body>{end}"
+    return f"{body}{PLAY_SCRIPT}</body>{end}"
 
 
 def file_names(engines: Sequence[Engine]) -> list[str]:
@@ -88,17 +90,19 @@ def file_names(engines: Sequence[Engine]) -> list[str]:
 
 def make_sheet(engine: Engine, *, gravity: Any = (0.0, 0.0), driver: str = "block", peak: float = 10e3) -> Sheet:
     """Compute harmonics by three methods, driving torque and gas torque of an engine."""
-    comparison = compare(engine, ORDERS, gravity=gravity, driver=driver)
+    comparison = compare(engine, HARMONIC_ORDERS, gravity=gravity, driver=driver)
     system = spatial.build(engine, driver=driver, gravity=(*gravity, 0.0))
-    driving = spatial.turn(system, engine, count=COUNT).effort("motor")
-    samples = 360.0 * np.arange(COUNT + 1) / COUNT, driving
+    driving = spatial.turn(system, engine, count=TURN_SAMPLES).effort("motor")
+    samples = 360.0 * np.arange(TURN_SAMPLES + 1) / TURN_SAMPLES, driving
     try:
-        fired = gas.with_gas(system, engine, gas.half_sine(peak), COUNT)
+        fired = gas.with_gas(system, engine, gas.half_sine(peak), TURN_SAMPLES)
     except gas.FiringOrderError:
         return Sheet(comparison, samples)
-    both = spatial.turn(fired, engine, turns=2, count=COUNT).effort("motor")
+    both = spatial.turn(fired, engine, turns=2, count=TURN_SAMPLES).effort("motor")
     pushed = (np.concatenate([driving, driving[1:]]) - both)[::2]
-    return Sheet(comparison, samples, GasTorque(engine, peak, (720.0 * np.arange(COUNT + 1) / COUNT, pushed)))
+    return Sheet(
+        comparison, samples, GasTorque(engine, peak, (720.0 * np.arange(TURN_SAMPLES + 1) / TURN_SAMPLES, pushed))
+    )
 
 
 def neighbours(sheets: list[Sheet], files: list[str], k: int) -> list[tuple[str, str]]:
@@ -114,7 +118,7 @@ def shades(sheets: list[Sheet]) -> dict[str, Any]:
     for kind, _ in QUANTITIES:
         for order in sheets[0].orders:
             values = [relative(sheet, kind, order) for sheet in sheets]
-            if max(values) > report.NOISE:
+            if max(values) > report.AMPLITUDE_ROUNDING:
                 columns.append((kind, order))
                 largest[kind] = max(largest.get(kind, 0.0), *values)
     return {"columns": columns, "largest": largest}
@@ -157,6 +161,7 @@ def render(name: str, truth: list[Row], **values: Any) -> str:
     """Render a page from a template."""
     return page_template(name, TEMPLATES).render(
         truth=truth, marks=[mark(row) for row in truth], mark=mark, figure=figure, digits=digits, drawings=drawings,
-        sketch=portrait.sketch, relative=relative, shade=shade, quantities=QUANTITIES, sources=SOURCES, orders=ORDERS,
+        sketch=portrait.sketch, relative=relative, shade=shade, quantities=QUANTITIES, sources=SOURCES,
+        orders=HARMONIC_ORDERS,
         ways=report.ways, **values,
     )  # fmt: skip

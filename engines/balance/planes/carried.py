@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from engines import planar
-from engines.balance.planes.shaft import EXACT, Failure, Shaft, bound, contains
+from engines.balance.planes.shaft import EXACT_TOLERANCE, Failure, Shaft, bound, contains
 from engines.balance.planes.units import Unit
 from mbsd3d import Force, SpringDamper, Torque
 from mbsd3d.extend import ForceElement, evaluate, kinds
@@ -20,7 +20,7 @@ Loads = dict[int | None, list]
 def heavy(shaft: Shaft) -> list[Failure]:
     """Return a failure of H4 if gravity has a component along the shaft [m/s^2]."""
     along = shaft.rows.height(shaft.rows.system.gravity)
-    if abs(along) <= EXACT * max(1.0, np.linalg.norm(shaft.rows.system.gravity)):
+    if abs(along) <= EXACT_TOLERANCE * max(1.0, np.linalg.norm(shaft.rows.system.gravity)):
         return []
     return [Failure("H4", "gravity", "has a component along the shaft", along, "m/s^2")]
 
@@ -42,7 +42,7 @@ def carried_loads(shaft: Shaft, units: list[Unit], bodies: dict) -> tuple[Loads,
             continue
         z = units[own[0]].z if own else nearest(shaft, units, record)
         off, unit = leaving(shaft, force, z)
-        if off > EXACT:
+        if off > EXACT_TOLERANCE:
             failures.append(Failure("H4", name, "acts across its plane", off, unit))
             continue
         found = flat_loads(shaft, force, bodies)
@@ -65,7 +65,7 @@ def leaving(shaft: Shaft, force: ForceElement, z: float) -> tuple[float, str]:
     """Return how far a load acts beside its plane [m] or out of it [N], with its unit."""
     rows, record = shaft.rows, force.record()
     off = max((abs(rows.height(point) - z) for point in record.points), default=0.0)
-    if off > EXACT * rows.length:
+    if off > EXACT_TOLERANCE * rows.length:
         return off, "m"
     if isinstance(force, Force | Torque):
         axes = rows.axes @ record.bodies[-1].axes if record.values[0] else rows.axes
@@ -73,7 +73,7 @@ def leaving(shaft: Shaft, force: ForceElement, z: float) -> tuple[float, str]:
         size = max(bound(signal.terms(), 0, 1.0) for signal in record.signals)
         parts = [[float(x) * signal for x, signal in zip(axis, record.signals, strict=True)] for axis in across]
         off = max(bound([term for signal in part for term in signal.terms()], 0, 1.0) for part in parts)
-        return (off, "N" if isinstance(force, Force) else "N m") if off > EXACT * size else (0.0, "N")
+        return (off, "N" if isinstance(force, Force) else "N m") if off > EXACT_TOLERANCE * size else (0.0, "N")
     return 0.0, "N"
 
 

@@ -14,8 +14,8 @@ import numpy as np
 from mbsd3d import State, System, rotation
 from mbsd3d.extend import equations, multiply, perpendiculars
 
-RANK = 1e-9  # of scaled rows, over the largest singular value
-IN, OUT = [0, 1, 5], [2, 3, 4]  # columns of a twist (v, w) in axes (e1, e2, n)
+SINGULAR_VALUE_RATIO_MIN = 1e-9  # [1] of the largest singular value of the scaled rows; smaller ones are rounding
+IN_PLANE, OUT_OF_PLANE = [0, 1, 5], [2, 3, 4]  # columns of a twist (v, w) in axes (e1, e2, n)
 
 
 class Pose(NamedTuple):
@@ -84,7 +84,7 @@ class Rows:
         for pose in self.poses:
             V = row_space(np.concatenate([self.twists(joints, body, z, pose) for body in bodies], axis=1))
             mirrored = V.copy()
-            mirrored[:, [6 * k + c for k in range(len(bodies)) for c in OUT]] *= -1.0
+            mirrored[:, [6 * k + c for k in range(len(bodies)) for c in OUT_OF_PLANE]] *= -1.0
             off = mirrored - (mirrored @ V.T) @ V
             worst = max(worst, float(np.linalg.norm(off, 2)) if off.size else 0.0)
         return float(np.arcsin(min(worst, 1.0))) / 2
@@ -93,7 +93,7 @@ class Rows:
         """Return orthonormal in-plane wrenches (force, moment about O over the length) of the rows on a body, shape (r,
         3).
         """
-        return row_space(self.twists(joints, body, z, pose)[:, IN])
+        return row_space(self.twists(joints, body, z, pose)[:, IN_PLANE])
 
     def loose(self, bodies: Sequence[Any], heights: Sequence[float]) -> np.ndarray:
         """Return a basis of the out-of-plane motions of bodies that no row resists, each from its own plane, shape (k,
@@ -104,7 +104,7 @@ class Rows:
         found = []
         for pose in self.poses:
             twists = [self.twists(self.system.joints, b, z, pose) for b, z in zip(bodies, heights, strict=True)]
-            J = np.concatenate([twist[:, OUT] for twist in twists], axis=1)
+            J = np.concatenate([twist[:, OUT_OF_PLANE] for twist in twists], axis=1)
             found.append(np.linalg.svd(J)[2][len(row_space(J)) :])
         return min(found, key=len).reshape(-1, len(bodies), 3)
 
@@ -114,5 +114,5 @@ def row_space(J: np.ndarray) -> np.ndarray:
     if not J.size:
         return np.zeros((0, J.shape[1]))
     scale = np.linalg.norm(J, axis=1, keepdims=True)
-    _, s, V = np.linalg.svd(J / np.where(scale > RANK, scale, np.inf), full_matrices=False)
-    return V[s > RANK * max(s[0], RANK)]
+    _, s, V = np.linalg.svd(J / np.where(scale > SINGULAR_VALUE_RATIO_MIN, scale, np.inf), full_matrices=False)
+    return V[s > SINGULAR_VALUE_RATIO_MIN * max(s[0], SINGULAR_VALUE_RATIO_MIN)]

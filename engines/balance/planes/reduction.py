@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike
 
 from engines import planar
 from engines.balance.planes.carried import carried_loads, heavy, moved
-from engines.balance.planes.shaft import EXACT, Failure, Shaft, cut, find_shaft, tensor, throw
+from engines.balance.planes.shaft import EXACT_TOLERANCE, Failure, Shaft, cut, find_shaft, tensor, throw
 from engines.balance.planes.units import Unit, find_units, out_of_plane, planar_joint, unlike
 from mbsd3d import System
 from mbsd3d.errors import InputError
@@ -154,10 +154,10 @@ def lopsided(shaft: Shaft, units: list[Unit]) -> list[Failure]:
         for body in unit.bodies:
             off, inertia = shaft.rows.height(body.centre) - unit.z, tensor(shaft, body)
             product = float(np.hypot(*inertia[:2, 2]))
-            if abs(off) > EXACT * shaft.rows.length:
+            if abs(off) > EXACT_TOLERANCE * shaft.rows.length:
                 text = f"has its centre of mass beside the plane of '{unit.name}'"
                 failures.append(Failure("H4", body.name, text, off, "m"))
-            if product > EXACT * np.trace(inertia):
+            if product > EXACT_TOLERANCE * np.trace(inertia):
                 text = "has a product of inertia with the normal of its plane"
                 failures.append(Failure("H4", body.name, text, product, "kg m^2"))
     return failures
@@ -169,7 +169,7 @@ def form_planes(
     """Build one planar system per station, and one for the rest of the shaft if its centre of mass needs it."""
     stations: dict[float, list[int]] = {}
     for k, unit in enumerate(units):
-        near = (z for z in stations if abs(z - unit.z) <= EXACT * shaft.rows.length)
+        near = (z for z in stations if abs(z - unit.z) <= EXACT_TOLERANCE * shaft.rows.length)
         stations.setdefault(next(near, unit.z), []).append(k)
     members = [*stations.values(), []]
     throws = [sum(throw(shaft, joints[k], bodies) for k in own) for own in stations.values()]

@@ -13,7 +13,7 @@ from engines.balance.planes.mirror import Rows, row_space
 from mbsd3d import GROUND, Joint, System
 from mbsd3d.extend import kinds
 
-EXACT = 1e-9  # Relative to the size of the model [m], its speed [rad/s], its moments of inertia; angles in rad
+EXACT_TOLERANCE = 1e-9  # [1] of the size of the model [m], its speed [rad/s], its inertia [kg m^2]; angles [rad]
 
 
 class Failure(NamedTuple):
@@ -78,8 +78,8 @@ def find_shaft(system: System) -> tuple[Shaft | None, list[Failure]]:
     failures = [Failure("H1", other, "prescribes a second motion", len(drivers), "drivers") for other in others]
     if loose:
         speed, turn = np.linalg.norm(rows.velocity[rows.index[id(a)]], axis=1)
-        text, (size, unit) = "is not at rest", (turn, "rad/s") if turn > EXACT else (speed, "m/s")
-        if size <= EXACT:
+        text, (size, unit) = "is not at rest", (turn, "rad/s") if turn > EXACT_TOLERANCE else (speed, "m/s")
+        if size <= EXACT_TOLERANCE:
             text, size, unit = "is not welded to the ground", 1, "body"
         text = f"carries the axis of '{b.name}' and {text}"
         return None, [Failure("H1", a.name, text, float(size), unit), *failures]
@@ -90,7 +90,7 @@ def find_shaft(system: System) -> tuple[Shaft | None, list[Failure]]:
         rows = Rows(system, axis)
     v, w = rows.velocity[rows.index[id(body)]]
     speed = float(w @ rows.axes[2])
-    if abs(speed) < EXACT:
+    if abs(speed) < EXACT_TOLERANCE:
         return None, [*failures, Failure("H1", body.name, "does not turn", speed, "rad/s")]
     failures += unsteady(system, joint, signal, order, speed)
     point = rows.flat(body.position) + np.array([-1, 1]) * rows.flat(v)[::-1] / speed
@@ -115,7 +115,7 @@ def welded(rows: Rows, root: Any) -> list:
 def unsteady(system: System, joint: Joint, signal: Any, order: int, speed: float) -> list[Failure]:
     """Return a failure of H1 for a speed that changes [rad/s^2]."""
     change = bound(signal.terms(), 1 if order else 2, 2 * np.pi / abs(speed))
-    if change <= EXACT * speed**2:
+    if change <= EXACT_TOLERANCE * speed**2:
         return []
     return [Failure("H1", system.name(joint), "does not turn at a constant speed", float(change), "rad/s^2")]
 
@@ -162,7 +162,7 @@ def loose_axis(system: System, shaft: Shaft) -> list[Failure]:
     turn = np.array([-arm[1], arm[0], 0.0, 0.0, 0.0, rows.length])  # v and w length of a unit turn about the axis
     held = row_space(rows.twists(bearings, shaft.body, 0.0, rows.poses[0]))
     off = np.linalg.norm(held @ turn) / np.linalg.norm(turn)
-    if off <= EXACT:
+    if off <= EXACT_TOLERANCE:
         return []
     return [Failure("H1", name, "turns about another axis than it is driven", np.degrees(off), "deg")]
 
@@ -205,12 +205,12 @@ def cut(shaft: Shaft, z: np.ndarray, throws: np.ndarray) -> tuple[np.ndarray, li
     com, inertia = shaft.rows.height(body.centre), tensor(shaft, body)
     whole = body.mass * complex(*(shaft.rows.flat(body.centre) - shaft.point))
     product = -complex(*inertia[:2, 2])
-    rest = abs(z.mean() - com) > EXACT * shaft.rows.length
+    rest = abs(z.mean() - com) > EXACT_TOLERANCE * shaft.rows.length
     heights = np.append(z, 2 * com - z.mean())[: k + rest]
     shares = np.append(np.full(k, (0.5 if rest else 1.0) / k), 0.5)[: k + rest]
     levers = np.array([throws.sum(), (z - com) @ throws / shaft.rows.length])
     moments = np.array([whole, product / shaft.rows.length])
-    seen = np.linalg.norm(levers) > EXACT * np.abs(throws).max()
+    seen = np.linalg.norm(levers) > EXACT_TOLERANCE * np.abs(throws).max()
     found = [np.vdot(levers, moments) / np.vdot(levers, levers), 0.0] if seen else [0.0]
     u = min(found, key=lambda u: abs(product - u * ((z - com) @ throws)))
     carried = u * np.append(throws, 0.0)[: k + rest] + (whole - u * throws.sum()) * shares
@@ -222,7 +222,7 @@ def cut(shaft: Shaft, z: np.ndarray, throws: np.ndarray) -> tuple[np.ndarray, li
         for share, moment in zip(shares, carried, strict=True)
     ]  # fmt: skip
     left = abs(product - u * ((z - com) @ throws))
-    if left <= EXACT * np.trace(inertia):
+    if left <= EXACT_TOLERANCE * np.trace(inertia):
         return heights, slices, []
     text = "has a product of inertia with its axis that its throws do not explain"
     return heights, slices, [Failure("H4", body.name, text, left, "kg m^2")]

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from engines import planar
-from engines.balance.planes.shaft import EXACT, Failure, Shaft, contains, pin
+from engines.balance.planes.shaft import EXACT_TOLERANCE, Failure, Shaft, contains, pin
 from mbsd3d import GROUND
 from mbsd3d.extend import kinds
 
@@ -89,7 +89,7 @@ def plane_of(shaft: Shaft, chain: list, links: list[Link]) -> float:
     """Return the height that most points of joints and centres of mass share [m]."""
     points = [joint.point() for link in links for joint in link.joints] + [body.centre for body in chain]
     z = np.array([shaft.rows.height(point) for point in points])
-    alike = np.abs(z[:, None] - z) <= EXACT * shaft.rows.length
+    alike = np.abs(z[:, None] - z) <= EXACT_TOLERANCE * shaft.rows.length
     return float(z[np.argmax(alike.sum(axis=1))])
 
 
@@ -100,12 +100,15 @@ def out_of_plane(shaft: Shaft, units: list[Unit]) -> list[Failure]:
         for link in unit.links:
             moving = [body for body in link[:2] if body is not GROUND]
             tilt = rows.tilt(link.joints, moving, unit.z)
-            if tilt <= EXACT:
+            if tilt <= EXACT_TOLERANCE:
                 continue
             name = rows.system.name(link.joints[0])
             heights = [rows.height(joint.point()) for joint in link.joints]
             off = max((z - unit.z for z in heights), key=abs)
-            if abs(off) > EXACT * rows.length and rows.tilt(link.joints, moving, unit.z + off) <= EXACT:
+            if (
+                abs(off) > EXACT_TOLERANCE * rows.length
+                and rows.tilt(link.joints, moving, unit.z + off) <= EXACT_TOLERANCE
+            ):
                 failures.append(Failure("H3", name, f"is beside the plane of '{unit.name}'", off, "m"))
             else:
                 text = f"is tilted against the plane of '{unit.name}'"
@@ -123,7 +126,7 @@ def planar_joint(shaft: Shaft, link: Link, z: float, bodies: dict) -> planar.Joi
     rows = shaft.rows
     at, turn = rows.flat(link.b.position), np.array([[0.0, 0.0, 1.0]])
     W = rows.wrenches(link.joints, link.b, z, rows.poses[0])
-    blocked = len(W) and np.linalg.norm(turn @ W.T) > 1 - EXACT
+    blocked = len(W) and np.linalg.norm(turn @ W.T) > 1 - EXACT_TOLERANCE
     a = shaft.body if contains(shaft.parts, link.a) else link.a  # its slice represents the whole shaft
     ends = bodies.get(id(a), planar.GROUND), bodies[id(link.b)]
     name = rows.system.name(link.joints[0])
@@ -135,7 +138,7 @@ def planar_joint(shaft: Shaft, link: Link, z: float, bodies: dict) -> planar.Joi
         across = (W - (W @ turn.T) @ turn)[:, :2]
         push = across[np.argmax(np.linalg.norm(across, axis=1))]
         return planar.Slider(*ends, at=at, axis=(push[1], -push[0]), name=name)
-    if len(W) == 2 and np.linalg.matrix_rank(W[:, :2], EXACT) == 2 and fixed_centre(shaft, link, z):
+    if len(W) == 2 and np.linalg.matrix_rank(W[:, :2], EXACT_TOLERANCE) == 2 and fixed_centre(shaft, link, z):
         return planar.Revolute(*ends, at=at + centre(W, rows.length), name=name)
     if len(W) == 1 and [row.kind for joint in link.joints for row in joint.primitives] == [kinds.DISTANCE]:
         rod = link.joints[0]
@@ -157,7 +160,7 @@ def fixed_centre(shaft: Shaft, link: Link, z: float) -> bool:
         if body is GROUND:
             continue
         both = [rows.wrenches(link.joints, body, z, pose) for pose in (before, after)]
-        if len(both[1]) != 2 or np.linalg.matrix_rank(both[1][:, :2], EXACT) != 2:
+        if len(both[1]) != 2 or np.linalg.matrix_rank(both[1][:, :2], EXACT_TOLERANCE) != 2:
             return False
         arms = [centre(W, rows.length) for W in both]
         angle = 0.3 + 0.1 * np.sin(1.0 + 5.0 * rows.index[id(body)])
@@ -219,7 +222,7 @@ def unlike(shaft: Shaft, units: list[Unit], joints: list[list], bodies: dict) ->
             continue
         for (what, si, value), (_, _, model) in zip(mine, first, strict=True):
             scale = {"m": shaft.rows.length, "m^2": shaft.rows.length**2}.get(si, abs(model))
-            if abs(value - model) > EXACT * max(scale, EXACT):
+            if abs(value - model) > EXACT_TOLERANCE * max(scale, EXACT_TOLERANCE):
                 text = f"differs from '{units[0].name}': {what} is {value:.9g} {si}, not {model:.9g}"
                 failures.append(Failure("H2", unit.name, text, value - model, si))
     return failures

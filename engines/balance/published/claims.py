@@ -15,9 +15,9 @@ from engines.balance.harmonics import Harmonics, half_axes
 from engines.balance.layouts import Engine, layout, names
 from mbsd3d.errors import InputError
 
-TOY_FORCE = 4 * np.pi**2  # N, toy_set_2: m R w^2 of 1 kg, 1 m, 60 rpm
-TOY_SPACING = 0.6  # m
-FRAMES = 60  # of two turns
+TOY_FORCE = 4 * np.pi**2  # [N] m R w^2 of toy_set_2: 1 kg, 1 m, 60 rpm
+TOY_SPACING = 0.6  # [m] of the cylinders of toy_set_2
+FRAME_COUNT = 60  # [1] frames of two turns
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ def toy_load(name: str, theta: np.ndarray, orders: tuple[int, ...] = (1, 2)) -> 
 
 def frames(name: str) -> tuple[np.ndarray, np.ndarray]:
     """Return |F| [N] and |M| [N m] in the 60 frames of two turns, (60,) each."""
-    return toy_load(name, 4 * np.pi * np.arange(FRAMES) / FRAMES)
+    return toy_load(name, 4 * np.pi * np.arange(FRAME_COUNT) / FRAME_COUNT)
 
 
 def peaks(name: str, orders: tuple[int, ...] = (1, 2)) -> tuple[float, float]:

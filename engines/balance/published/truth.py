@@ -15,7 +15,10 @@ CENTRIPETAL = "m w x (w x s) of the crank was left out"
 PITCH = "pitch plane, " + CENTRIPETAL
 ONE_STATION = "opposed pistons do not share a station; staggered"
 ALONG = "forces across the bores and m w x (w x s) were left out"
-GIFS = {"V8_cross_in_sequence": "V8_cross", "V10_72_steps_of_144": "V10"}  # shown with all cranks of that kind
+ANIMATED_LAYOUTS = {
+    "V8_cross_in_sequence": "V8_cross",
+    "V10_72_steps_of_144": "V10",
+}  # shown with all cranks of that kind
 GRAVITY = (0.0, -9.81, 0.0)
 
 
@@ -101,7 +104,16 @@ def gifs() -> list[Row]:
         verdict = AGREES if abs(between[k] - seen[k]) < 5e-4 else "peak of 60 frames; two harmonics of the force only"
         what, unit = (f"peak force {name}", "N") if k == 0 else (f"peak moment {name}", "N m")
         found.append(
-            Row("toy_set_2", what, unit, published, seen[k], between[k], verdict, family(GIFS.get(name, name)))
+            Row(
+                "toy_set_2",
+                what,
+                unit,
+                published,
+                seen[k],
+                between[k],
+                verdict,
+                family(ANIMATED_LAYOUTS.get(name, name)),
+            )
         )
     return found
 

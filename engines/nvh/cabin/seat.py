@@ -15,7 +15,7 @@ import numpy as np
 
 from engines.nvh.cabin.plate import plate_shell
 from engines.nvh.cabin.shell import ModalShell, beam_shell
-from engines.nvh.cabin.table import SEAT, ModalTable, read_modes
+from engines.nvh.cabin.table import SEAT_NAME, ModalTable, read_modes
 from engines.nvh.mounts.mounts import Car
 from engines.nvh.mounts.response import Map, OnMounts
 from mbsd3d import rotation
@@ -23,7 +23,7 @@ from mbsd3d.errors import InputError
 from mbsd3d.extend import matrix, solvable
 
 KINDS = BEAM, PLATE = "beam", "plate"
-OF_BEAM = ("mass", "roll_inertia", "length", "bending", "lateral", "torsion", "damping")
+BEAM_FIELDS = ("mass", "roll_inertia", "length", "bending", "lateral", "torsion", "damping")
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Cabin:
         """Return the modes of the shell."""
         record = self.car.shell
         if self.made_of == BEAM:
-            return beam_shell(**{name: record[name] for name in OF_BEAM})
+            return beam_shell(**{name: record[name] for name in BEAM_FIELDS})
         if self.made_of == PLATE:
             return plate_shell(record["mass"], record["length"], record["width"], record["bending"], record["damping"])
         return read_modes(self.made_of)
@@ -76,7 +76,7 @@ class Cabin:
     @cached_property
     def at_seat(self) -> np.ndarray:
         """Return the shapes of the shell's modes at the seat rail [1/sqrt(kg)], shape (r, 3)."""
-        return self.shell.at([SEAT] if self.tabled else [self.car.shell["seat"]])
+        return self.shell.at([SEAT_NAME] if self.tabled else [self.car.shell["seat"]])
 
     @property
     def tabled(self) -> bool:

@@ -20,8 +20,8 @@ from scipy.linalg import eigh
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
-ELEMENTS = 40
-KEPT = 4  # elastic modes of each kind: the highest are beyond 150 Hz
+ELEMENT_COUNT = 40  # [1] beam elements of a shell
+ELASTIC_MODES = 4  # [1] elastic modes of each kind; the highest are beyond 150 Hz
 Shape = Callable[[np.ndarray], np.ndarray]
 
 
@@ -73,7 +73,7 @@ def beam_shell(
     for name, value in given.items():
         number(value, f"shell: {name}", positive=True)
     found: list[tuple[float, Shape]] = [(0.0, lambda at: np.tile([1 / np.sqrt(mass), 0, 0], (len(at), 1)))]
-    nodes = length * np.linspace(-0.5, 0.5, ELEMENTS + 1)
+    nodes = length * np.linspace(-0.5, 0.5, ELEMENT_COUNT + 1)
     for axis, first in ((2, bending), (1, lateral)):
         for rate, line in bending_modes(nodes, mass, first):
             found.append((rate, lambda at, line=line, axis=axis: bent(at, line, axis)))
@@ -98,8 +98,8 @@ def twisted(at: np.ndarray, turn: np.ndarray) -> np.ndarray:
 
 
 def bending_modes(nodes: np.ndarray, mass: float, first: float) -> list[tuple[float, CubicHermiteSpline]]:
-    """Return (w [rad/s], line) of two rigid and ``KEPT`` elastic modes of unit modal mass; the first at ``first``
-    [Hz]."""
+    """Return (w [rad/s], line) of two rigid and ``ELASTIC_MODES`` elastic modes of unit modal mass; the first at
+    ``first`` [Hz]."""
     h = nodes[1] - nodes[0]
     k = np.array([[12, 6 * h, -12, 6 * h], [6 * h, 4 * h**2, -6 * h, 2 * h**2],
                   [-12, -6 * h, 12, -6 * h], [6 * h, 2 * h**2, -6 * h, 4 * h**2]]) / h**3  # fmt: skip
@@ -110,16 +110,16 @@ def bending_modes(nodes: np.ndarray, mass: float, first: float) -> list[tuple[fl
 
 
 def torsion_modes(inertia: float, first: float) -> list[tuple[float, np.ndarray]]:
-    """Return (w [rad/s], rotations at the nodes) of one rigid and ``KEPT`` elastic modes; the first at ``first``
-    [Hz]."""
-    k, m = np.array([[1.0, -1.0], [-1.0, 1.0]]), np.array([[2.0, 1.0], [1.0, 2.0]]) * inertia / ELEMENTS / 6
+    """Return (w [rad/s], rotations at the nodes) of one rigid and ``ELASTIC_MODES`` elastic modes; the first at
+    ``first`` [Hz]."""
+    k, m = np.array([[1.0, -1.0], [-1.0, 1.0]]), np.array([[2.0, 1.0], [1.0, 2.0]]) * inertia / ELEMENT_COUNT / 6
     return scaled(assembled(k, m, 1), 1, first)
 
 
 def assembled(k: np.ndarray, m: np.ndarray, freedoms: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return (K, M) of ``ELEMENTS`` equal elements in a row, with ``freedoms`` degrees of freedom per node."""
-    K, M = np.zeros((2, *2 * (freedoms * (ELEMENTS + 1),)))
-    for e in range(ELEMENTS):
+    """Return (K, M) of ``ELEMENT_COUNT`` equal elements in a row, with ``freedoms`` degrees of freedom per node."""
+    K, M = np.zeros((2, *2 * (freedoms * (ELEMENT_COUNT + 1),)))
+    for e in range(ELEMENT_COUNT):
         own = slice(freedoms * e, freedoms * (e + 2))
         K[own, own] += k
         M[own, own] += m
@@ -130,7 +130,7 @@ def scaled(pair: tuple[np.ndarray, np.ndarray], rigid: int, first: float) -> lis
     """Return (w, shape) of the lowest modes, rigid ones at exactly 0, stiffness such that the first elastic is
     ``first``.
     """
-    squares, shapes = eigh(*pair, subset_by_index=(0, rigid + KEPT - 1))
+    squares, shapes = eigh(*pair, subset_by_index=(0, rigid + ELASTIC_MODES - 1))
     w = np.sqrt(np.maximum(squares / squares[rigid], 0.0)) * 2 * np.pi * first
     w[:rigid] = 0.0
     return list(zip(w, shapes.T, strict=True))

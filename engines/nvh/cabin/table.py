@@ -18,7 +18,7 @@ from mbsd3d.errors import InputError
 from mbsd3d.extend import number, write_atomically
 
 HEADER = ["mode", "frequency", "damping", "place", "x", "y", "z"]
-SEAT = "seat"
+SEAT_NAME = "seat"
 
 
 class ModalTable(Modes):

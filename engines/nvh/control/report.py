@@ -18,10 +18,10 @@ from mbsd3d.extend import LINE, dress, new_figure
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-RATE = 2000.0  # samples a second
-SHARE, LASTS = 0.2, 1.0  # step over its limit; s of the run
-SHOWN = 120  # samples of a figure at either end
-HOOK = 0.1  # gain of the skyhook over its limit
+SAMPLE_RATE = 2000.0  # [Hz] samples a second of the controller
+STEP_RATIO, RUN_SECONDS = 0.2, 1.0  # step over its limit; s of the run
+FIGURE_SAMPLES = 120  # [1] samples of a figure at either end
+SKYHOOK_GAIN_RATIO = 0.1  # [1] gain of the skyhook over its limit
 
 
 @dataclass(frozen=True)
@@ -38,18 +38,20 @@ class ActiveMount:
         if not any(upright):
             raise InputError(f"active mount: no mount of '{study.car.name}' is upright; give another car")
         order, which = np.unravel_index((force * upright).argmax(), force.shape)
-        return Cancel(study.on_mounts, study.source, study.rpm, int(which), float(study.here.orders[order]), RATE)
+        return Cancel(
+            study.on_mounts, study.source, study.rpm, int(which), float(study.here.orders[order]), SAMPLE_RATE
+        )
 
     @cached_property
     def steps(self) -> tuple[float, float]:
         """Return (step of the controller, the step from which it is unstable)."""
         most = self.cancel.path.limit(self.cancel.W)
-        return SHARE * most, most
+        return STEP_RATIO * most, most
 
     @cached_property
     def force(self) -> np.ndarray:
         """Return the force on the car in the general model [N], shape (samples,)."""
-        return self.cancel.run(self.steps[0], int(LASTS * RATE))
+        return self.cancel.run(self.steps[0], int(RUN_SECONDS * SAMPLE_RATE))
 
     @cached_property
     def known(self) -> np.ndarray:
@@ -64,30 +66,33 @@ class ActiveMount:
     @cached_property
     def hook(self) -> tuple[float, float, float]:
         """Return (limit of the gain [N s/m], damping ratio of the mode that lifts the mount most, without a skyhook and
-        with `HOOK` of the limit).
+        with `SKYHOOK_GAIN_RATIO` of the limit).
         """
         body, placed, at = self.study.body.rigid, self.study.placed, self.cancel.mount.at
         most = limit(lambda gain: on_mounts(body, placed, Skyhook(at, gain)))
         bare = System([body], forces=bushings(placed, body), gravity=(0, 0, 0))
-        hooked = on_mounts(body, placed, Skyhook(at, HOOK * most))
+        hooked = on_mounts(body, placed, Skyhook(at, SKYHOOK_GAIN_RATIO * most))
         return most, *(lifting(system, body, at).damping_ratio for system in (bare, hooked))
 
     @property
     def rows(self) -> list[list[str]]:
         """Return the rows of the table."""
         cancel, (step, most), (gain, before, after) = self.cancel, self.steps, self.hook
-        left = np.abs(self.force[-int(RATE / 10) :]).max()
+        left = np.abs(self.force[-int(SAMPLE_RATE / 10) :]).max()
         size, power = cancel.actuator
         slowest = cancel.path.time(cancel.W, step)
         return [
             ["active mount", cancel.mount.name],
             ["order", f"{cancel.order:g}x, {cancel.W / (2 * np.pi):.1f} Hz, {abs(cancel.force):.2f} N along z"],
-            ["feed-forward", f"{RATE:g} samples/s, step {step:.3g}, unstable from {most:.3g}"],
+            ["feed-forward", f"{SAMPLE_RATE:g} samples/s, step {step:.3g}, unstable from {most:.3g}"],
             ["slowest part", f"falls to 1/e in {slowest:.3f} s"],
-            [f"after {LASTS:g} s", f"{left:.3g} N, {20 * np.log10(left / abs(cancel.force)):.1f} dB"],
+            [f"after {RUN_SECONDS:g} s", f"{left:.3g} N, {20 * np.log10(left / abs(cancel.force)):.1f} dB"],
             ["actuator", f"{size:.2f} N, {power:.2f} W to the powertrain"],
             ["poles and general model", f"differ by {self.difference:.2%}"],
-            ["skyhook", f"stable up to {gain:.4g} N s/m; {HOOK:.0%} of it damps by {after:.3f}, not {before:.3f}"],
+            [
+                "skyhook",
+                f"stable up to {gain:.4g} N s/m; {SKYHOOK_GAIN_RATIO:.0%} of it damps by {after:.3f}, not {before:.3f}",
+            ],
         ]
 
 
@@ -95,15 +100,15 @@ def figure(found: ActiveMount) -> "Figure":
     """Plot the force on the car from the start of the controller on: general model, sample by sample, and its linear
     loop.
     """
-    ends = (slice(0, SHOWN), slice(found.force.size - SHOWN, None))
-    t = 1e3 * np.arange(found.force.size) / RATE
+    ends = (slice(0, FIGURE_SAMPLES), slice(found.force.size - FIGURE_SAMPLES, None))
+    t = 1e3 * np.arange(found.force.size) / SAMPLE_RATE
     with new_figure(7.5, 2.8) as (made, look):
         for axes, part, title in zip(made.subplots(1, 2), ends, ("first", "last"), strict=True):
             dress(axes, look)
             axes.plot(t[part], found.known[part], color=look.colour(0), linewidth=LINE, label="linear loop")
             axes.plot(t[part], found.force[part], ".", color=look.ink, markersize=3, label="general model")
             axes.set(xlabel="time [ms]", ylabel="force at the car [N]" if title == "first" else "")
-            axes.set_title(f"{title} {1e3 * SHOWN / RATE:g} ms", loc="left")
+            axes.set_title(f"{title} {1e3 * FIGURE_SAMPLES / SAMPLE_RATE:g} ms", loc="left")
             axes.ticklabel_format(axis="y", style="plain", useOffset=False)
         made.legend(*axes.get_legend_handles_labels(), frameon=False, labelcolor=look.ink, ncols=2,
                     loc="outside lower right")  # fmt: skip

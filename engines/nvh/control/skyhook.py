@@ -17,8 +17,8 @@ from mbsd3d import GROUND, Body, CustomForce, Prismatic, SpringDamper, System, l
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
-CALM = 1e-6  # 1/s: rounding of motions without damping stays below
-MOST = 1e9  # N s/m: gains beyond it are none
+GROWTH_ROUNDING = 1e-6  # [1/s] growth of undamped motions by rounding stays below
+GAIN_MAX = 1e9  # [N s/m] gains beyond it are not searched
 
 
 def push(t, bodies, z, parameters, loads, z_dot):
@@ -62,15 +62,15 @@ def growth(system: System) -> float:
 
 def limit(build: Callable[[float], System]) -> float:
     """Return the gain from which ``build(gain)`` is unstable; raise ValueError if always unstable or never below
-    `MOST`.
+    `GAIN_MAX`.
     """
     low, high = 0.0, 1.0
-    if growth(build(low)) > -CALM:
+    if growth(build(low)) > -GROWTH_ROUNDING:
         raise InputError("skyhook: unstable or undamped without it; give mounts with dampers")
     while growth(build(high)) < 0.0:
         low, high = high, 4 * high
-        if high > MOST:
-            raise InputError(f"skyhook: stable up to {MOST:g} N s/m; there is no limit to find")
+        if high > GAIN_MAX:
+            raise InputError(f"skyhook: stable up to {GAIN_MAX:g} N s/m; there is no limit to find")
     return float(brentq(lambda gain: growth(build(gain)), low, high, rtol=1e-10))
 
 

@@ -21,9 +21,9 @@ from engines.nvh.excitation.presets import Preset
 from mbsd3d.errors import InputError
 
 KINDS = ("lanchester", "raised", "first")
-RPM = 1000.0
-BESIDE = 1.6  # crank radii from the crank to a shaft
-LEAST = 1e-9  # of a piston on the crank radius, or m: smaller unbalances and heights are rounding
+REFERENCE_RPM = 1000.0  # [1/min] speed at which shafts are designed; the result does not depend on it
+SHAFT_DISTANCE_RATIO = 1.6  # [1] of the crank radius: distance of a shaft from the crank
+UNBALANCE_ROUNDING = 1e-9  # [1] of a piston on the crank radius, or [m]; smaller unbalances and heights are rounding
 
 
 def fitted(preset: Preset, kind: str) -> list[Shaft]:
@@ -31,19 +31,22 @@ def fitted(preset: Preset, kind: str) -> list[Shaft]:
     balance."""
     if kind not in KINDS:
         raise InputError(f"balance shafts '{kind}' are unknown; there are {', '.join(KINDS)}")
-    engine = preset.engine(RPM)
+    engine = preset.engine(REFERENCE_RPM)
     load, z = phasor.block_load(engine, dyno=True), engine.stations
     planes = (float(z.min()), float(z.max())) if np.ptp(z) > 0 else (0.0,)
-    across = BESIDE * engine.radius * upright(engine.layout)[1, :2]
+    across = SHAFT_DISTANCE_RATIO * engine.radius * upright(engine.layout)[1, :2]
     order = 1 if kind == "first" else 2
     places = {-1: tuple(-across), 1: (0.0, 0.0) if order == 1 else tuple(across)}
     wanted = [Shaft(order, direction, place, planes) for direction, place in places.items()]
     found = balance(engine, load, wanted, torque=kind == "raised")
-    least = LEAST * preset.piston_mass * engine.radius
+    least = UNBALANCE_ROUNDING * preset.piston_mass * engine.radius
     found = [shaft for shaft in found if max(abs(u) for u in shaft.unbalance) > least]
     if not any(not shaft.on_crank for shaft in found):
         raise InputError(f"engine '{preset.name}' has no {order}x force or couple that {kind} shafts could take")
-    if kind == "raised" and np.ptp([upright(engine.layout)[2, :2] @ shaft.position for shaft in found]) < LEAST:
+    if (
+        kind == "raised"
+        and np.ptp([upright(engine.layout)[2, :2] @ shaft.position for shaft in found]) < UNBALANCE_ROUNDING
+    ):
         raise InputError(f"engine '{preset.name}' has no 2x force upwards, without which raised shafts help nothing")
     return found
 
@@ -61,9 +64,9 @@ class Fault:
     one: bool = False
 
 
-TOOTH = 2 * np.pi / 40
+TOOTH_ANGLE = 2 * np.pi / 40
 FAULTS = (
-    Fault("none"), Fault("all 1 degree late", phase=np.pi / 180), Fault("all a tooth of 40 late", phase=TOOTH),
+    Fault("none"), Fault("all 1 degree late", phase=np.pi / 180), Fault("all a tooth of 40 late", phase=TOOTH_ANGLE),
     Fault("all 5 mm along", moved=(0.005, 0, 0)), Fault("all 5 mm aside", moved=(0, 0.005, 0)),
     Fault("one 5 mm aside", moved=(0, 0.005, 0), one=True), Fault("one 5 mm high", moved=(0, 0, 0.005), one=True),
     Fault("one 2 % heavy", heavy=0.02, one=True),

@@ -16,15 +16,20 @@ import numpy as np
 from scipy.integrate import cumulative_simpson
 from scipy.interpolate import CubicSpline
 
-from engines.balance.gas import CYCLE
+from engines.balance.gas import CYCLE_ANGLE
 from engines.nvh.excitation.presets import Preset
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
-COUNT = 1440  # samples of a cycle: half a degree
-HEAT, AIR_FUEL, GAS, CRANKCASE = 43e6, 14.7, 287.0, 101325.0  # petrol [J/kg], [-]; air [J/(kg K)]; [Pa]
-LEAST = 0.1  # load: an engine that idles takes about 0.3
-SWITCH = np.radians(20.0)  # half the angle over which pressure goes from outlet to inlet
+CYCLE_SAMPLES = 1440  # [1] samples of a cycle, half a degree apart
+FUEL_HEAT, AIR_FUEL_RATIO, GAS_CONSTANT, CRANKCASE_PRESSURE = (
+    43e6,
+    14.7,
+    287.0,
+    101325.0,
+)  # petrol [J/kg], [-]; air [J/(kg K)]; [Pa]
+LOAD_MIN = 0.1  # [1] of full load; an idling engine takes about 0.3
+EXHAUST_BLEND_ANGLE = np.radians(20.0)  # [rad] half the angle over which pressure goes from outlet to inlet
 
 
 @dataclass(frozen=True)
@@ -77,7 +82,7 @@ class Cycle:
     def heat(self) -> float:
         """Return the heat Q that the gas keeps of a charge [J]."""
         volume = self.swept * self.compression / (self.compression - 1)
-        return self.used * HEAT * self.inlet * volume / (GAS * self.temperature) / (1 + AIR_FUEL)
+        return self.used * FUEL_HEAT * self.inlet * volume / (GAS_CONSTANT * self.temperature) / (1 + AIR_FUEL_RATIO)
 
     def volume(self, psi: np.ndarray) -> np.ndarray:
         """Return the volume V at crank angles [rad] [m^3]."""
@@ -92,18 +97,20 @@ class Cycle:
 
     @cached_property
     def samples(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return (psi, p) from -pi to 3 pi, ``COUNT`` + 1 each, first and last the same [rad], [Pa]."""
-        psi = -np.pi + CYCLE * np.arange(COUNT + 1) / COUNT
+        """Return (psi, p) from -pi to 3 pi, ``CYCLE_SAMPLES`` + 1 each, first and last the same [rad], [Pa]."""
+        psi = -np.pi + CYCLE_ANGLE * np.arange(CYCLE_SAMPLES + 1) / CYCLE_SAMPLES
         closed = psi <= np.pi
         V, g = self.volume(psi[closed]), self.gamma
-        fine = np.linspace(-np.pi, np.pi, 16 * COUNT + 1)  # x has a corner at its start
+        fine = np.linspace(-np.pi, np.pi, 16 * CYCLE_SAMPLES + 1)  # x has a corner at its start
         rate = np.gradient(self.burnt(fine), fine, edge_order=2)
         added = cumulative_simpson(self.volume(fine) ** (g - 1) * rate, x=fine, initial=0.0)
         stored = self.inlet * V[0] ** g + (g - 1) * self.heat * np.interp(psi[closed], fine, added)
         p = np.full(psi.size, self.outlet)
         p[closed] = stored / V**g
         p[closed] = blend(psi[closed], np.radians(self.opening), np.pi, p[closed], self.outlet)
-        p[~closed] = blend(psi[~closed], 2 * np.pi - SWITCH, 2 * np.pi + SWITCH, p[~closed], self.inlet)
+        p[~closed] = blend(
+            psi[~closed], 2 * np.pi - EXHAUST_BLEND_ANGLE, 2 * np.pi + EXHAUST_BLEND_ANGLE, p[~closed], self.inlet
+        )
         p[-1] = p[0]
         return psi, p
 
@@ -116,12 +123,12 @@ class Cycle:
         """Return the force on the piston towards the crank, against the pressure of the crankcase [N]; psi [rad], any
         array.
         """
-        return self.area * (self.spline(psi) - CRANKCASE)
+        return self.area * (self.spline(psi) - CRANKCASE_PRESSURE)
 
     @cached_property
     def work(self) -> float:
         """Return the indicated work of a cycle, the integral of p dV [J]."""
-        psi = np.linspace(-np.pi, 3 * np.pi, 8 * COUNT + 1)
+        psi = np.linspace(-np.pi, 3 * np.pi, 8 * CYCLE_SAMPLES + 1)
         V = CubicSpline(psi, self.volume(psi))
         return float(np.trapezoid(self.spline(psi) * V(psi, 1), psi))
 
@@ -140,12 +147,12 @@ def blend(psi: np.ndarray, start: float, end: float, before: np.ndarray, after: 
 
 
 def cycle_of(preset: Preset, load: float = 1.0) -> Cycle:
-    """Return the cycle of an engine under a load from `LEAST` to 1 (full): inlet pressure as share of 0.95 bar.
+    """Return the cycle of an engine under a load from `LOAD_MIN` to 1 (full): inlet pressure as share of 0.95 bar.
 
     ValueError for another load.
     """
-    if not LEAST <= number(load, "gas: load") <= 1.0:
+    if not LOAD_MIN <= number(load, "gas: load") <= 1.0:
         raise InputError(
-            f"gas: load {load:g}; give a share of full load from {LEAST:g} to 1, or 0: motored, without gas"
+            f"gas: load {load:g}; give a share of full load from {LOAD_MIN:g} to 1, or 0: motored, without gas"
         )
     return Cycle(preset.bore, preset.stroke / 2, preset.rod_length, preset.compression, inlet=0.95e5 * load)

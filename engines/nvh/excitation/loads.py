@@ -17,12 +17,12 @@ from engines.balance import phasor, shafts
 from engines.balance.pages.portrait import upright
 from engines.balance.shafts import Shaft
 from engines.balance.spectrum import spectrum
-from engines.nvh.excitation.combustion import COUNT, Cycle, cycle_of
+from engines.nvh.excitation.combustion import CYCLE_SAMPLES, Cycle, cycle_of
 from engines.nvh.excitation.presets import Preset
 from mbsd3d import Signal
 
-ORDERS = 8  # the highest of crank speed
-RPM = 1000.0  # at which the inertia is computed
+ORDER_MAX = 8  # [1] highest order of crank speed
+REFERENCE_RPM = 1000.0  # [1/min] speed of the computed inertia loads, which grow as its square
 
 
 @dataclass(frozen=True)
@@ -62,33 +62,33 @@ class Source:
     @cached_property
     def inertia(self) -> Load:
         """Return the inertia loads at 1000 rpm."""
-        engine = self.preset.engine(RPM)
-        h = phasor.block_load(engine, ORDERS, dyno=True)
+        engine = self.preset.engine(REFERENCE_RPM)
+        h = phasor.block_load(engine, ORDER_MAX, dyno=True)
         R = upright(engine.layout)
-        parts = [np.zeros((2 * ORDERS + 1, 3), dtype=complex) for _ in range(2)]
+        parts = [np.zeros((2 * ORDER_MAX + 1, 3), dtype=complex) for _ in range(2)]
         for part, values in zip(parts, (h.force, h.moment), strict=True):
             part[::2] = values @ R.T
         for shaft in self.fitted:
             X, Y, *moment = shafts.load(shaft, engine.rate)
             for part, values in zip(parts, ((X, Y, 0.0), moment), strict=True):
                 part[2 * shaft.order] += R @ np.array(values)
-        torque = np.zeros(2 * ORDERS + 1, dtype=complex)
+        torque = np.zeros(2 * ORDER_MAX + 1, dtype=complex)
         torque[::2] = h.torque
-        return Load(np.arange(2 * ORDERS + 1) / 2, *parts, torque)
+        return Load(np.arange(2 * ORDER_MAX + 1) / 2, *parts, torque)
 
     @cached_property
     def gas_torque(self) -> np.ndarray:
         """Return the phasors of the torque of the gas on the crank [N m], shape (2 ORDERS + 1,)."""
         if self.cycle is None:
-            return np.zeros(2 * ORDERS + 1, dtype=complex)
-        engine = self.preset.engine(RPM)
-        angle = 4 * np.pi * np.arange(COUNT + 1) / COUNT
+            return np.zeros(2 * ORDER_MAX + 1, dtype=complex)
+        engine = self.preset.engine(REFERENCE_RPM)
+        angle = 4 * np.pi * np.arange(CYCLE_SAMPLES + 1) / CYCLE_SAMPLES
         seen = spectrum(angle, engine_gas.torque(engine, self.cycle.force, angle), rate=1.0)
-        return np.array([seen.at(k / 2) for k in range(2 * ORDERS + 1)])
+        return np.array([seen.at(k / 2) for k in range(2 * ORDER_MAX + 1)])
 
     def at(self, rpm: float) -> Load:
         """Return the load at a speed [1/min]; the sign does not matter, and 0 has no inertia load."""
-        share, moment = (rpm / RPM) ** 2, self.inertia.moment * (rpm / RPM) ** 2
+        share, moment = (rpm / REFERENCE_RPM) ** 2, self.inertia.moment * (rpm / REFERENCE_RPM) ** 2
         moment[:, 0] -= self.gas_torque
         return Load(
             self.inertia.orders, self.inertia.force * share, moment, self.inertia.torque * share - self.gas_torque
@@ -99,7 +99,7 @@ class Source:
         m].
         """
         engine = self.preset.engine(rpm)
-        waves = phasor.block_load(engine, 3 * ORDERS, dyno=True).torque
+        waves = phasor.block_load(engine, 3 * ORDER_MAX, dyno=True).torque
         inertia = -np.real(np.exp(1j * np.outer(angle, np.arange(waves.size))) @ waves)
         none = self.cycle is None
         return np.zeros_like(angle) if none else engine_gas.torque(engine, self.cycle.force, angle), inertia

@@ -1,8 +1,8 @@
 """Engines with real dimensions, as `engines.balance.Engine` with the other data of a powertrain.
 
-The rod is known by mass and length; its centre of mass lies at `FRACTION` of the length from the crankpin and its
-inertia is that of two masses at the ends over `TWO_MASSES`, the average of measured rods. Counterweights carry all that
-turns with the pin and the share ``balanced`` of what goes with the piston:
+The rod is known by mass and length; its centre of mass lies at `ROD_FRACTION` of the length from the crankpin and its
+inertia is that of two masses at the ends over `ROD_INERTIA_RATIO`, the average of measured rods. Counterweights
+carry all that turns with the pin and the share ``balanced`` of what goes with the piston:
 
     m_c r_c = -((1 - f) m_r + balanced (m_p + f m_r)) R
 
@@ -23,13 +23,13 @@ from mbsd3d import inertia, rotation
 from mbsd3d.errors import InputError
 from mbsd3d.extend import matrix, number
 
-POSITIVE = (
+POSITIVE_FIELDS = (
     "bore", "stroke", "rod_length", "spacing", "idle", "redline", "compression", "piston_mass", "rod_mass",
     "throw_mass", "flywheel", "main_diameter", "main_width", "roller_rating",
 )  # fmt: skip
-OWN = ("pins", "bores", "stations", "firing_order")  # of an engine whose layout has no name
-FRACTION, TWO_MASSES = 0.28, 1.0965
-THROW = (0.5, 0.5, 0.8)  # inertia of a throw with counterweights over its mass times R^2, axis last
+LAYOUT_FIELDS = ("pins", "bores", "stations", "firing_order")  # of an engine whose layout has no name
+ROD_FRACTION, ROD_INERTIA_RATIO = 0.28, 1.0965
+THROW_INERTIA_RATIOS = (0.5, 0.5, 0.8)  # [1] inertia of a throw with counterweights over its mass times R^2, axis last
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ class Preset:
     def __post_init__(self) -> None:
         what = f"engine '{self.name}'"
         titled(self.title, what)
-        positive(vars(self), POSITIVE, what)
+        positive(vars(self), POSITIVE_FIELDS, what)
         number(self.balanced, f"{what}: balanced", minimum=0.0)
         if not self.idle < self.redline:
             raise InputError(
@@ -104,12 +104,13 @@ class Preset:
     def engine(self, rpm: float) -> Engine:
         """Return the engine at a speed [1/min] > 0; raise ValueError for others."""
         rpm = number(rpm, f"engine '{self.name}': rpm", positive=True)
-        R, f = self.stroke / 2, FRACTION
+        R, f = self.stroke / 2, ROD_FRACTION
         carried = (1 - f) * self.rod_mass + self.balanced * (self.piston_mass + f * self.rod_mass)
         return Engine(
             self.layout, rpm=rpm, radius=R, rod_length=self.rod_length, crank_mass=self.throw_mass,
             crank_centre=-carried * R / self.throw_mass, rod_mass=self.rod_mass, rod_fraction=f,
-            rod_inertia=f * (1 - f) * self.rod_mass * self.rod_length**2 / TWO_MASSES, piston_mass=self.piston_mass,
+            rod_inertia=f * (1 - f) * self.rod_mass * self.rod_length**2 / ROD_INERTIA_RATIO,
+            piston_mass=self.piston_mass,
             spacing=self.spacing,
         )  # fmt: skip
 
@@ -128,8 +129,8 @@ def preset(name: str) -> Preset:
         )
     found, title = dict(record("engines", name)), Path(name).stem if is_file(name) else name
     what = f"engine '{title}'"
-    shape = ("layout",) if "layout" in found else OWN
-    fields(found, ("title", *POSITIVE, "balanced", "block", *shape), what)
+    shape = ("layout",) if "layout" in found else LAYOUT_FIELDS
+    fields(found, ("title", *POSITIVE_FIELDS, "balanced", "block", *shape), what)
     fields(found["block"], ("mass", "box", "com", "tilt"), f"{what}: block")
     parts = {key: found.pop(key) for key in shape}
     plan = layout(parts["layout"]) if "layout" in parts else own_layout(title, found, parts)

@@ -22,12 +22,12 @@ from mbsd3d import GROUND, Body, Bushing, rotation
 from mbsd3d.errors import InputError
 from mbsd3d.extend import matrix, number
 
-RIDE = (
+RIDE_FIELDS = (
     "mass", "roll_inertia", "pitch_inertia", "wheelbase", "front", "track", "unsprung", "spring", "damper", "tyre",
     "tyre_damping", "cornering", "seat", "brakes", "guides",
 )  # fmt: skip
-BEAM = ("mass", "roll_inertia", "length", "width", "bending", "lateral", "torsion")
-SHELL = (*BEAM, "damping", "engine", "turned", "seat")
+BEAM_FIELDS = ("mass", "roll_inertia", "length", "width", "bending", "lateral", "torsion")
+SHELL_FIELDS = (*BEAM_FIELDS, "damping", "engine", "turned", "seat")
 
 
 @dataclass(frozen=True)
@@ -105,12 +105,12 @@ class Car:
                 mount, ("at", "rates", "angle") if scaled else ("at", "rates", "damping", "angle"), f"mount '{name}'"
             )
             Mount(name, mount["at"], mount["rates"], mount.get("damping", (0, 0, 0)), mount["angle"])
-        for part, needed in (("ride", RIDE), ("shell", SHELL)):
+        for part, needed in (("ride", RIDE_FIELDS), ("shell", SHELL_FIELDS)):
             if getattr(self, part) is not None:
                 fields(getattr(self, part), needed, f"{what}: {part}")
         if self.shell is not None:
             what += ": shell"
-            positive(self.shell, BEAM, what)
+            positive(self.shell, BEAM_FIELDS, what)
             number(self.shell["damping"], f"{what}: damping", minimum=0.0)
             number(self.shell["turned"], f"{what}: turned")
             for name in ("engine", "seat"):

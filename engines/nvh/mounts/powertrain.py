@@ -22,7 +22,7 @@ from engines.balance import looks, shafts, spatial
 from engines.balance.layouts import Engine
 from engines.balance.pages.portrait import turned, upright
 from engines.balance.shafts import Shaft
-from engines.nvh.excitation.presets import THROW, Preset
+from engines.nvh.excitation.presets import THROW_INERTIA_RATIOS, Preset
 from mbsd3d import (
     GROUND,
     AngleDriver,
@@ -44,10 +44,10 @@ from mbsd3d.errors import InputError
 from mbsd3d.extend import DenseEquations, skew
 
 X = (1.0, 0.0, 0.0)
-ANGLES = 12  # of the crank over a turn: harmonics of M up to 11 do not enter its mean
-RIGID = 1e-6  # by which the mean mass matrix may differ from that of a rigid body, relative
-DYNO = (0.2, 0.1, 0.1)  # kg m^2; it turns evenly whatever it weighs
-ROTOR = 0.01  # of the mass is in the rotor; only the sum counts
+CRANK_ANGLES = 12  # [1] crank angles of a turn; harmonics of M up to 11 do not enter its mean
+RIGID_TOLERANCE = 1e-6  # [1] relative difference of the mean mass matrix from that of a rigid body
+DYNO_INERTIA = (0.2, 0.1, 0.1)  # [kg m^2] of the dynamometer, which turns at constant speed for any inertia
+ROTOR_MASS_SHARE = 0.01  # [1] of the mass is in the rotor; only the sum counts
 
 
 def moving_engine(
@@ -69,7 +69,7 @@ def moving_engine(
     whole = turned(shafts.with_shafts(System([housing, crank, *bodies], [main, *joints]), engine, fitted), R)
     crank, end = whole.part("crank", "bodies"), engine.ends[1] + 1.5 * engine.spacing
     disc = shapes.Disc(0.6 * engine.radius, 0.3 * engine.spacing, "x", colour=looks.CASE)
-    dyno = Body("dyno", 1.0, DYNO, position=(end, 0, 0), shape=disc)
+    dyno = Body("dyno", 1.0, DYNO_INERTIA, position=(end, 0, 0), shape=disc)
     shaft = Revolute(GROUND, dyno, at=(end, 0, 0), axis=X, name="dyno bearing")
     coupling = Perpendicular(dyno, crank, axis_a=(0, 1, 0), axis_b=(0, 0, 1), name="coupling")
     drive = AngleDriver(shaft, Ramp(engine.rate), name="motor")
@@ -81,7 +81,7 @@ def crankshaft(preset: Preset, engine: Engine, places: list[spatial.Place]) -> B
     along z.
     """
     swing, end = preset.throw_mass * engine.radius**2, engine.ends[1] + engine.spacing / 2
-    parts = [(preset.throw_mass, where.throw, swing * np.array(THROW)) for where in places]
+    parts = [(preset.throw_mass, where.throw, swing * np.array(THROW_INERTIA_RATIOS)) for where in places]
     J, radius = preset.flywheel, max(2.2 * engine.radius, 0.09)
     whole = inertia.combine([*parts, (2 * J / radius**2, (0, 0, end), (J / 2, J / 2, J))])
     wheel = shapes.Cylinder(radius, 0.15 * engine.spacing, "z", at=(0, 0, end), colour=looks.STEEL)
@@ -103,8 +103,8 @@ class Equivalent:
 
     @cached_property
     def bodies(self) -> tuple[Body, Body]:
-        """Return the bodies "powertrain" and "rotor": the rotor has `ROTOR` of the mass, on the crank."""
-        light = ROTOR * self.mass
+        """Return the bodies "powertrain" and "rotor": the rotor has `ROTOR_MASS_SHARE` of the mass, on the crank."""
+        light = ROTOR_MASS_SHARE * self.mass
         disc = np.diag([self.rotor, self.rotor / 2, self.rotor / 2])
         com = self.com * self.mass / (self.mass - light)
         about = self.inertia + self.mass * (self.com @ self.com * np.eye(3) - np.outer(self.com, self.com))
@@ -147,22 +147,22 @@ def equivalent(preset: Preset, fitted: Sequence[Shaft] = ()) -> Equivalent:
     bodies, joints = moving_engine(preset, engine, fitted, frame=False)
     system = System(bodies, joints, gravity=(0, 0, 0))
     still = held(bodies, joints, engine)
-    states = [State(0.0, (at := still.state(k)).q, at.v) for k in range(ANGLES)]
+    states = [State(0.0, (at := still.state(k)).q, at.v) for k in range(CRANK_ANGLES)]
     dense = DenseEquations(system)
     M = np.mean([free_mass(dense, state) for state in states], axis=0)
     mass = float(M[0, 0])
     com = np.array([M[5, 1], M[3, 2], M[4, 0]]) / mass
     rigid = np.block([[mass * np.eye(3), -mass * skew(com)], [mass * skew(com), M[3:, 3:]]])
     off = np.abs(M - rigid).max() / mass
-    if off > RIGID:
+    if off > RIGID_TOLERANCE:
         raise InputError(f"engine '{preset.name}': its mean mass matrix is {off:.1g} off that of a rigid body")
-    momentum = np.mean(still.momentum().angular[:ANGLES, 0]) - DYNO[0] * engine.rate
+    momentum = np.mean(still.momentum().angular[:CRANK_ANGLES, 0]) - DYNO_INERTIA[0] * engine.rate
     about = M[3:, 3:] - mass * (com @ com * np.eye(3) - np.outer(com, com))
     return Equivalent(mass, com, about, float(momentum / engine.rate))
 
 
 def held(bodies: list[Body], joints: list[Any], engine: Engine) -> Solution:
-    """Simulate a turn with the block fixed, ``ANGLES`` samples and the first again."""
+    """Simulate a turn with the block fixed, ``CRANK_ANGLES`` samples and the first again."""
     mount = Fixed(GROUND, bodies[0], at=(0, 0, 0), name="mount")
     system = System(bodies, [*joints, mount], gravity=(0, 0, 0))
-    return simulate(system, 2 * np.pi / engine.rate, method=Kinematic(), output=ANGLES + 1)
+    return simulate(system, 2 * np.pi / engine.rate, method=Kinematic(), output=CRANK_ANGLES + 1)

@@ -24,9 +24,9 @@ from mbsd3d import Body, Force, Solution, State, System, Table, Torque, lineariz
 from mbsd3d.errors import InputError
 from mbsd3d.extend import DenseEquations, Measure, exponential, matrix, quaternion_from_matrix, skew
 
-TABLE = 720  # points of the gas force over a cycle
+GAS_TABLE_POINTS = 720  # [1] points of the gas force over a cycle
 RTOL = 1e-8
-RATE = 100.0  # rad/s, of the second matrix: A is linear in the rate
+REFERENCE_RATE = 100.0  # [rad/s] of the second matrix; A is linear in the rate
 
 
 @dataclass(frozen=True)
@@ -91,13 +91,13 @@ class OnMounts:
 
     @cached_property
     def ends(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return `matrix` at rest and at `RATE`."""
-        return self.matrix(0.0), self.matrix(RATE)
+        """Return `matrix` at rest and at `REFERENCE_RATE`."""
+        return self.matrix(0.0), self.matrix(REFERENCE_RATE)
 
     def turning(self, rate: float) -> np.ndarray:
         """Return `matrix` at a rate [rad/s] by linear interpolation of `ends`, which is exact."""
         still, turning = self.ends
-        return still + (turning - still) * (rate / RATE)
+        return still + (turning - still) * (rate / REFERENCE_RATE)
 
     @cached_property
     def pushed(self) -> np.ndarray:
@@ -182,8 +182,8 @@ def whole_system(source: Source, held: OnMounts, rpm: float, cycles: int) -> Sys
     bodies, joints = moving_engine(source.preset, engine, source.fitted)
     loads = bushings(held.placed, bodies[0])
     if source.cycle is not None:
-        count = TABLE * cycles
-        times = 4 * np.pi / engine.rate * np.arange(count + 1) / TABLE
+        count = GAS_TABLE_POINTS * cycles
+        times = 4 * np.pi / engine.rate * np.arange(count + 1) / GAS_TABLE_POINTS
         pushes = gas_forces(engine, source.cycle.force, engine.rate * times - held.roll)
         R, pistons = upright(engine.layout), {body.name: body for body in bodies}
         for i, (push, beta) in enumerate(zip(pushes.T, np.radians(engine.layout.bores), strict=True), start=1):

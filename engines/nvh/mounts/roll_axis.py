@@ -20,8 +20,8 @@ from mbsd3d import Body
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number, skew
 
-HOLD = 0.02  # weight of what the optimiser is asked to leave as it is, against the coupling
-STEPS = 60  # of the last search: 4 to 7 where the coupling can vanish, all where mounts may not go as far as that
+REGULARISATION_WEIGHT = 0.02  # [1] of changes of the mounts, against the coupling
+SEARCH_STEPS_MAX = 60  # [1] of the last search: 4 to 7 where the coupling can vanish, all where mounts are limited
 
 
 def stiffness_matrix(body: Body, placed: Sequence[Mount]) -> np.ndarray:
@@ -100,13 +100,13 @@ def decouple(body: Body, placed: Sequence[Mount], *, reach: float = 0.15, factor
     def errors(x: np.ndarray) -> np.ndarray:
         moved = changed(x)
         load = sum(mount.stiffness[2, 2] for mount in moved) / total - 1.0
-        return np.concatenate([left_over(body, moved), [load], HOLD * x])
+        return np.concatenate([left_over(body, moved), [load], REGULARISATION_WEIGHT * x])
 
     search = least_squares(errors, np.zeros(6 * n), bounds=(-1.0, 1.0))
     # seven conditions for all the mounts: of the steps that meet them lsmr takes the shortest
     final = least_squares(
         lambda x: errors(x)[:7], search.x, bounds=(-1.0, 1.0), xtol=1e-15, ftol=1e-15, gtol=1e-15, tr_solver="lsmr",
-        max_nfev=STEPS,
+        max_nfev=SEARCH_STEPS_MAX,
     )  # fmt: skip
     moved = changed(final.x)
     return Decoupled(

@@ -9,8 +9,8 @@ from scipy.signal import TransferFunction
 
 F3, F4, Q4 = 12.5, 12.5, 0.63
 F5, Q5, F6, Q6 = 2.37, 0.91, 3.35, 0.91
-LOW, HIGH = 0.4, 100.0
-WORDS = ((0.315, "not uncomfortable"), (0.63, "a little uncomfortable"), (1.0, "fairly uncomfortable"),
+LOW_CORNER, HIGH_CORNER = 0.4, 100.0
+REACTIONS = ((0.315, "not uncomfortable"), (0.63, "a little uncomfortable"), (1.0, "fairly uncomfortable"),
          (1.6, "uncomfortable"), (2.5, "very uncomfortable"), (np.inf, "extremely uncomfortable"))  # fmt: skip
 
 
@@ -22,11 +22,16 @@ def quadratic(frequency: float, Q: float) -> np.ndarray:
 
 def weighting() -> TransferFunction:
     """Return W_k as a transfer function of s."""
-    above = np.array([1 / (2 * np.pi * LOW) ** 2, 0.0, 0.0])
+    above = np.array([1 / (2 * np.pi * LOW_CORNER) ** 2, 0.0, 0.0])
     numerator = np.polymul(above, [1 / (2 * np.pi * F3), 1.0])
     numerator = (F5 / F6) ** 2 * np.polymul(numerator, quadratic(F5, Q5))
     denominator = np.array([1.0])
-    for part in (quadratic(LOW, np.sqrt(0.5)), quadratic(HIGH, np.sqrt(0.5)), quadratic(F4, Q4), quadratic(F6, Q6)):
+    for part in (
+        quadratic(LOW_CORNER, np.sqrt(0.5)),
+        quadratic(HIGH_CORNER, np.sqrt(0.5)),
+        quadratic(F4, Q4),
+        quadratic(F6, Q6),
+    ):
         denominator = np.polymul(denominator, part)
     return TransferFunction(numerator, denominator)
 
@@ -42,4 +47,4 @@ def verdict(acceleration: float) -> str:
 
     The ranges of the standard overlap; the milder word is taken up to the end of its range.
     """
-    return next(word for limit, word in WORDS if acceleration <= limit)
+    return next(word for limit, word in REACTIONS if acceleration <= limit)

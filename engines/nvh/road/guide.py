@@ -41,9 +41,9 @@ from mbsd3d import (
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number, vector
 
-LINKS, ROD = 5, 0.012  # of a wheel; radius they are drawn with [m]
-SWING = 0.05  # m^2: inertia of a wheel over its mass
-TRAVEL, COUNT = 0.08, 81  # m up and down; samples of a run
+LINK_COUNT, LINK_RADIUS = 5, 0.012  # of a wheel; radius they are drawn with [m]
+WHEEL_INERTIA_RATIO = 0.05  # [m^2] inertia of a wheel over its mass
+TRAVEL_MAX, RUN_SAMPLES = 0.08, 81  # m up and down; samples of a run
 Point = Sequence[float]
 
 
@@ -62,8 +62,8 @@ class Guide:
     strut: tuple[Point, Point]
 
     def __post_init__(self) -> None:
-        if len(self.links) != LINKS:
-            raise InputError(f"guide '{self.kind}': {len(self.links)} links; a wheel needs {LINKS}, an arm is two")
+        if len(self.links) != LINK_COUNT:
+            raise InputError(f"guide '{self.kind}': {len(self.links)} links; a wheel needs {LINK_COUNT}, an arm is two")
         for name, ends in (*self.links.items(), ("strut", self.strut)):
             inner, outer = (vector(end, f"guide '{self.kind}': {name}") for end in ends)
             if np.linalg.norm(np.subtract(outer, inner)) < 1e-3:
@@ -126,10 +126,10 @@ class Guide:
         drawn = [shapes.Torus(0.8 * radius, 0.2 * radius, "y")]
         for _, outer in self.links.values():
             d = np.subtract(outer, at)
-            drawn.append(shapes.Cylinder(ROD, float(np.linalg.norm(d)), tuple(d), at=d / 2))
-        return Body(name, mass, 3 * (SWING * mass,), position=np.add(at, origin), shape=drawn)
+            drawn.append(shapes.Cylinder(LINK_RADIUS, float(np.linalg.norm(d)), tuple(d), at=d / 2))
+        return Body(name, mass, 3 * (WHEEL_INERTIA_RATIO * mass,), position=np.add(at, origin), shape=drawn)
 
-    def rig(self, travel: float = TRAVEL) -> System:
+    def rig(self, travel: float = TRAVEL_MAX) -> System:
         """Build the test rig: the wheel on a plate that moves up and down under its centre once in a second, the body
         fixed.
         """
@@ -142,9 +142,9 @@ class Guide:
         strut = SpringDamper(GROUND, upright, at_a=inner, at_b=outer, stiffness=0.0, name="strut")
         return System([plate, upright], [slide, *self.hold(GROUND, upright), rest, drive], [strut], gravity=(0, 0, 0))
 
-    def run(self, travel: float = TRAVEL) -> Solution:
+    def run(self, travel: float = TRAVEL_MAX) -> Solution:
         """Simulate the rig by kinematics from the lowest to the highest position of the wheel."""
-        swing = np.arcsin(np.linspace(-1.0, 1.0, COUNT)[1:-1]) / (2 * np.pi)
+        swing = np.arcsin(np.linspace(-1.0, 1.0, RUN_SAMPLES)[1:-1]) / (2 * np.pi)
         return simulate(self.rig(travel), 1.25, method=Kinematic(), output=1.0 + swing)
 
     @cached_property

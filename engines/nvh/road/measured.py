@@ -19,14 +19,14 @@ import numpy as np
 from scipy.fft import dct
 
 from engines.nvh.records import cell, table
-from engines.nvh.road.profile import SHORTEST, summed
+from engines.nvh.road.profile import SPATIAL_FREQUENCY_MAX, summed
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
-GAP = 1.5  # of the usual step: from here on a point is missing
-LEAST, SHORT = 20, 5.0  # points; m
-MOST, LONG = 20_000, 5000.0  # what a car is driven over in minutes
-STEEP = 0.5  # m from point to point, or of slope: what wheels climb
+GAP_RATIO_MAX = 1.5  # [1] of the usual step; beyond it a point is missing
+POINTS_MIN, LENGTH_MIN = 20, 5.0  # points; m
+POINTS_MAX, LENGTH_MAX = 20_000, 5000.0  # what a car is driven over in minutes
+STEP_HEIGHT_MAX = 0.5  # [m] from point to point, or [1] of slope: what wheels climb
 HEADERS = ["x", "left", "right"], ["x", "z"]
 
 
@@ -47,8 +47,8 @@ class Measured:
     z: np.ndarray
 
     def __post_init__(self) -> None:
-        if not LEAST <= len(self.x) <= MOST:
-            raise InputError(f"road '{self.title}': {len(self.x)} points; give {LEAST} to {MOST}")
+        if not POINTS_MIN <= len(self.x) <= POINTS_MAX:
+            raise InputError(f"road '{self.title}': {len(self.x)} points; give {POINTS_MIN} to {POINTS_MAX}")
         for name, values in (("x", self.x), ("left", self.z[0]), ("right", self.z[1])):
             for k, value in enumerate(values, start=1):
                 number(value, f"road '{self.title}': {name} of point {k}")
@@ -58,21 +58,23 @@ class Measured:
                 raise InputError(
                     f"road '{self.title}': x goes from {a:g} to {b:g} m after point {k}; give places in order"
                 )
-            if b - a > GAP * step:
+            if b - a > GAP_RATIO_MAX * step:
                 raise InputError(
                     f"road '{self.title}': a gap of {b - a:g} m after point {k}, x = {a:g} m; points stand {step:g} m "
                     "apart elsewhere; give the heights between"
                 )
         rise = np.abs(np.diff(self.z)).max(axis=0)
-        steep = np.flatnonzero(rise > np.maximum(STEEP, STEEP * np.diff(self.x)))
+        steep = np.flatnonzero(rise > np.maximum(STEP_HEIGHT_MAX, STEP_HEIGHT_MAX * np.diff(self.x)))
         if steep.size:
             k = steep[0]
             raise InputError(
                 f"road '{self.title}': a step of {rise[k]:.4g} m after point {k + 1}, x = {self.x[k]:g} m; give "
-                f"heights in m, from point to point {STEEP:g} m or less"
+                f"heights in m, from point to point {STEP_HEIGHT_MAX:g} m or less"
             )
-        if not SHORT <= self.x[-1] - self.x[0] <= LONG:
-            raise InputError(f"road '{self.title}': {self.x[-1] - self.x[0]:g} m long; give {SHORT:g} to {LONG:g} m")
+        if not LENGTH_MIN <= self.x[-1] - self.x[0] <= LENGTH_MAX:
+            raise InputError(
+                f"road '{self.title}': {self.x[-1] - self.x[0]:g} m long; give {LENGTH_MIN:g} to {LENGTH_MAX:g} m"
+            )
 
     @property
     def length(self) -> float:
@@ -92,7 +94,7 @@ class Measured:
     def waves(self) -> np.ndarray:
         """Return the spatial frequencies n_k in use [1/m], shape (k,)."""
         n = np.arange(1, self.x.size) / self.length
-        return n[n <= SHORTEST]
+        return n[n <= SPATIAL_FREQUENCY_MAX]
 
     @cached_property
     def amplitudes(self) -> np.ndarray:

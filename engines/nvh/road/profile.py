@@ -19,8 +19,8 @@ from mbsd3d.extend import number
 
 CLASSES = "ABCDEFGH"
 N0, G0 = 0.1, 16e-6  # 1/m, m^3
-SHORTEST, LONGEST = 2.83, 0.011  # 1/m: range of the standard
-COHERENT = 0.3  # 1/m
+SPATIAL_FREQUENCY_MAX, SPATIAL_FREQUENCY_MIN = 2.83, 0.011  # 1/m: range of the standard
+COHERENCE_FREQUENCY = 0.3  # [1/m] up to which left and right track are coherent
 
 
 @dataclass(frozen=True)
@@ -41,9 +41,10 @@ class Road:
     def __post_init__(self) -> None:
         if self.kind not in CLASSES or len(self.kind) != 1:
             raise InputError(f"road of class {self.kind!r}; give one of {', '.join(CLASSES)}")
-        if number(self.length, "road: length", positive=True) < 2.0 / LONGEST:
+        if number(self.length, "road: length", positive=True) < 2.0 / SPATIAL_FREQUENCY_MIN:
             raise InputError(
-                f"road: length {self.length:g} m is too short for its waves; give {2 / LONGEST:.0f} m or more"
+                f"road: length {self.length:g} m is too short for its waves; "
+                f"give {2 / SPATIAL_FREQUENCY_MIN:.0f} m or more"
             )
 
     @property
@@ -54,8 +55,8 @@ class Road:
     @cached_property
     def waves(self) -> np.ndarray:
         """Return the spatial frequencies n_k within the range of the standard [1/m], shape (k,)."""
-        n = np.arange(1, int(SHORTEST * self.length) + 1) / self.length
-        return n[n >= LONGEST]
+        n = np.arange(1, int(SPATIAL_FREQUENCY_MAX * self.length) + 1) / self.length
+        return n[n >= SPATIAL_FREQUENCY_MIN]
 
     def spectrum(self, n: np.ndarray) -> np.ndarray:
         """Return the spectral density G at spatial frequencies [m^3]."""
@@ -66,7 +67,7 @@ class Road:
         """Return the complex amplitudes of z = Re sum c_k exp(2 pi i n_k x) of left and right track [m], shape (2,
         k)."""
         phases = np.exp(2j * np.pi * np.random.default_rng(self.seed).random((2, self.waves.size)))
-        size, shared = np.sqrt(2 * self.spectrum(self.waves) / self.length), np.exp(-self.waves / COHERENT)
+        size, shared = np.sqrt(2 * self.spectrum(self.waves) / self.length), np.exp(-self.waves / COHERENCE_FREQUENCY)
         left, other = phases
         # of two waves with unit size and any phases the sum is brought back to unit size
         right = shared * left + np.sqrt(1 - shared**2) * other

@@ -12,7 +12,7 @@ from engines.balance.pages.site import TEMPLATES, playing
 from engines.nvh.mounts.mounts import Car
 from engines.nvh.road.comfort import verdict, weight
 from engines.nvh.road.measured import Measured, read_road
-from engines.nvh.road.profile import SHORTEST, Road
+from engines.nvh.road.profile import SPATIAL_FREQUENCY_MAX, Road
 from engines.nvh.road.ride import Ride, rms
 from engines.nvh.road.vehicle import GRAVITY, KINDS, Vehicle
 from mbsd3d import linearize, simulate
@@ -24,10 +24,10 @@ if TYPE_CHECKING:
 
 Rows = list[list[str]]
 SPEEDS = np.arange(5.0, 45.1, 2.5)  # m/s
-SHOWN = "ABCD"  # classes of a figure
-HEIGHTS = (-0.06, -0.03, 0.0, 0.03, 0.06)  # m, of a wheel in the table of its guide
-FILM, FRAMES = 4.0, 201  # s and pictures of the animation
-BRAKES = 0.5  # of gravity
+FIGURE_CLASSES = "ABCD"  # classes of a figure
+TABLE_TRAVELS = (-0.06, -0.03, 0.0, 0.03, 0.06)  # [m] wheel travels in the table of a suspension
+ANIMATION_SECONDS, ANIMATION_FRAMES = 4.0, 201  # s and pictures of the animation
+BRAKING_RATIO = 0.5  # [1] of gravity: deceleration under braking
 
 
 def ride_of(car: Car, kind: str, road: str, speed: float, linked: bool = False) -> Ride:
@@ -107,7 +107,7 @@ def guides(vehicle: Vehicle) -> Rows:
     rows = [["axle", "guide", "up [mm]", "toe-in [min]", "camber [deg]", "outwards [mm]", "motion ratio",
              "roll centre [mm]"]]  # fmt: skip
     for axle, held in zip(("front", "rear"), vehicle.guides, strict=True):
-        for z in HEIGHTS:
+        for z in TABLE_TRAVELS:
             toe, camber, track, ratio, centre = (
                 round(held.curves.at(name, z), 9) + 0.0 for name in ("toe", "camber", "track", "ratio", "roll_centre")
             )
@@ -119,10 +119,10 @@ def guides(vehicle: Vehicle) -> Rows:
 def braking(vehicle: Vehicle) -> str:
     """Return anti-dive and anti-lift in a line, and their effect on the car under braking."""
     (dive, lift), front = vehicle.anti, vehicle.ride["brakes"]
-    linked, slid = (np.degrees(Vehicle("whole", vehicle.ride, on).braked(BRAKES)) for on in (True, False))
+    linked, slid = (np.degrees(Vehicle("whole", vehicle.ride, on).braked(BRAKING_RATIO)) for on in (True, False))
     return (
         f"anti-dive in front {dive:.0%}, anti-lift behind {lift:.0%}, {front:.0%} of braking in front; at "
-        f"{BRAKES * GRAVITY:.1f} m/s2 the body dives by {linked:.2f} degrees, on slides it would by {slid:.2f}"
+        f"{BRAKING_RATIO * GRAVITY:.1f} m/s2 the body dives by {linked:.2f} degrees, on slides it would by {slid:.2f}"
     )
 
 
@@ -169,12 +169,12 @@ def figure(ride: Ride) -> "Figure":
         for axis in (upper.xaxis, upper.yaxis):
             axis.set_major_formatter(lambda x, _: f"{x:g}")
         rolling = [replace(ride.vehicle, speed=float(speed)) for speed in SPEEDS]
-        for k, kind in enumerate(SHOWN):
+        for k, kind in enumerate(FIGURE_CLASSES):
             over = [Ride(vehicle, Road(kind), vehicle.speed).weighted for vehicle in rolling]
             lower.plot(SPEEDS, over, color=look.colour(k), linewidth=LINE, label=f"class {kind}")
         lower.plot([ride.speed], [ride.weighted], "o", color=look.ink)
         lower.set(xlabel="speed [m/s]", ylabel="weighted [m/s²]", ylim=(0.0, None))
-        made.legend(frameon=False, labelcolor=look.ink, ncols=len(SHOWN), loc="outside lower right")
+        made.legend(frameon=False, labelcolor=look.ink, ncols=len(FIGURE_CLASSES), loc="outside lower right")
     return made
 
 
@@ -202,7 +202,8 @@ def left_out(ride: Ride) -> str:
     """Return in a line the waves of a road from a file that are left out; nothing for a road class."""
     if not isinstance(ride.road, Measured):
         return ""
-    return f"waves below {1e3 / SHORTEST:.0f} mm do not count: {1e3 * ride.road.left_out:.2g} mm rms of the road"
+    shortest = 1e3 / SPATIAL_FREQUENCY_MAX
+    return f"waves below {shortest:.0f} mm do not count: {1e3 * ride.road.left_out:.2g} mm rms of the road"
 
 
 def write_page(car: Car, rides: list[Ride], folder: str | Path) -> Path:
@@ -210,8 +211,8 @@ def write_page(car: Car, rides: list[Ride], folder: str | Path) -> Path:
     comparison; return the path of the page.
     """
     folder, view, ride = Path(folder), f"ride-{car.name}-view.html", rides[-1]
-    run, end = ride.run, float(ride.run.t[0]) + FILM
-    film = simulate(run.system, end, state=run.state(0), output=np.linspace(run.t[0], end, FRAMES))
+    run, end = ride.run, float(ride.run.t[0]) + ANIMATION_SECONDS
+    film = simulate(run.system, end, state=run.state(0), output=np.linspace(run.t[0], end, ANIMATION_FRAMES))
     title = car.title.split(",")[0]
     shown = film.animate(curves=(), traces=(), hidden=("body names",), speed=1.0, title=title).html
     write_atomically(folder / view, playing(shown).encode())

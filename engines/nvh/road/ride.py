@@ -14,17 +14,17 @@ from functools import cached_property
 import numpy as np
 
 from engines.nvh.road.comfort import verdict, weight
-from engines.nvh.road.profile import SHORTEST, Road
+from engines.nvh.road.profile import SPATIAL_FREQUENCY_MAX, Road
 from engines.nvh.road.vehicle import Corner, Vehicle
 from mbsd3d import Solution, Table, simulate
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
-FINE = 16  # samples of the shortest wave of the road
-SETTLE = 6.0  # s: heave of 1.2 Hz with a fifth of critical damping has left 1e-4
-SPEEDS = 0.5, 150.0  # m/s
+SAMPLES_PER_WAVE = 16  # [1] samples of the shortest wave of the road
+SETTLE_SECONDS = 6.0  # [s] heave of 1.2 Hz with a fifth of critical damping has decayed to 1e-4
+SPEED_RANGE = 0.5, 150.0  # [m/s] speeds of a car
 RTOL = 1e-8
-LEVEL = 1e-9  # m
+LEVEL_HEIGHT_MAX = 1e-9  # [m] a road with smaller heights is level
 
 
 @dataclass(frozen=True)
@@ -39,11 +39,14 @@ class Ride:
 
     def __post_init__(self) -> None:
         speed = number(self.speed, "ride: speed", positive=True)
-        if not SPEEDS[0] <= speed <= SPEEDS[1]:
-            raise InputError(f"ride: speed {speed:g} m/s; give {SPEEDS[0]:g} ... {SPEEDS[1]:g} m/s, as cars go")
-        if not np.abs(self.road.amplitudes).max(initial=0.0) > LEVEL:
+        if not SPEED_RANGE[0] <= speed <= SPEED_RANGE[1]:
             raise InputError(
-                f"road '{self.road.title}' is level: no wave of {1 / SHORTEST:.2g} m or more; give uneven heights"
+                f"ride: speed {speed:g} m/s; give {SPEED_RANGE[0]:g} ... {SPEED_RANGE[1]:g} m/s, as cars go"
+            )
+        if not np.abs(self.road.amplitudes).max(initial=0.0) > LEVEL_HEIGHT_MAX:
+            raise InputError(
+                f"road '{self.road.title}' is level: "
+                f"no wave of {1 / SPATIAL_FREQUENCY_MAX:.2g} m or more; give uneven heights"
             )
 
     @cached_property
@@ -90,8 +93,8 @@ class Ride:
     def run(self) -> Solution:
         """Simulate the full motion over one length of the road, settled."""
         period = self.road.length / self.speed
-        count = int(np.ceil(FINE * self.road.waves[-1] * self.road.length))
-        before = int(np.ceil(SETTLE / period * count))
+        count = int(np.ceil(SAMPLES_PER_WAVE * self.road.waves[-1] * self.road.length))
+        before = int(np.ceil(SETTLE_SECONDS / period * count))
         times = period / count * np.arange(before + count + 1)
         turns = np.arange(times.size) % count  # the road repeats itself
         loads = [

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from engines.nvh.road.guide import SWING, Guide, guide, made
+from engines.nvh.road.guide import WHEEL_INERTIA_RATIO, Guide, guide, made
 from mbsd3d import (
     GROUND,
     Body,
@@ -36,14 +36,14 @@ from mbsd3d.errors import InputError
 from mbsd3d.extend import Measure, matrix, number
 
 KINDS = ("quarter", "half", "whole")
-HEIGHT, REST = 0.25, 0.3  # m: of the wheels' centres below that of the body; length of springs and tyres
+BODY_HEIGHT, STRUT_LENGTH = 0.25, 0.3  # m: of the wheels' centres below that of the body; length of springs and tyres
 Z = (0.0, 0.0, 1.0)
-PAIRS = dict.fromkeys(("unsprung", "spring", "damper", "tyre", "cornering", "guides"), "front and rear") | {
+AXLE_FIELDS = dict.fromkeys(("unsprung", "spring", "damper", "tyre", "cornering", "guides"), "front and rear") | {
     "seat": "ahead and left"
 }
 Load = tuple[str, Sequence[Any], Sequence[float] | None]
 GRAVITY = 9.81  # m/s^2: brakes are given as a share of it
-SPOTS = {"quarter": [(0, 0)], "half": [(1, 0), (-1, 0)], "whole": [(1, 0), (-1, 0), (0, 1)]}
+OUTPUT_PLACES = {"quarter": [(0, 0)], "half": [(1, 0), (-1, 0)], "whole": [(1, 0), (-1, 0), (0, 1)]}
 """Points (x, y) of the body whose heights say how it stands [m]."""
 
 
@@ -87,11 +87,11 @@ class Vehicle:
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
             raise InputError(f"car on wheels: kind {self.kind!r} is unknown; give one of {', '.join(KINDS)}")
-        for name in PAIRS:
+        for name in AXLE_FIELDS:
             given = self.ride[name]
             if isinstance(given, str) or not isinstance(given, Sequence) or len(given) != 2:
                 count = f"{len(given)} in a list" if isinstance(given, list) else repr(given)
-                raise InputError(f"car on wheels: {name}: {count}; give two, {PAIRS[name]}")
+                raise InputError(f"car on wheels: {name}: {count}; give two, {AXLE_FIELDS[name]}")
         for given in self.ride["guides"]:
             if not isinstance(given, str | dict):
                 raise InputError(
@@ -158,7 +158,7 @@ class Vehicle:
     def anti(self) -> tuple[float, float]:
         """Return (anti-dive, anti-lift): share of the pitching moment of braking that the links bear, front and
         rear."""
-        share, arm = self.ride["brakes"], self.ride["wheelbase"] / (HEIGHT + REST)
+        share, arm = self.ride["brakes"], self.ride["wheelbase"] / (BODY_HEIGHT + STRUT_LENGTH)
         front, rear = (held.curves.at("ahead", 0.0) for held in self.guides)
         return share * arm * front, -(1 - share) * arm * rear
 
@@ -176,9 +176,9 @@ class Vehicle:
     def system(self, loads: Sequence[Load] = ()) -> System:
         """Build the mechanism; ``loads``: (wheel, force [N] or signals, where it acts; None: at the centre)."""
         r = self.ride
-        size = (r["wheelbase"], 0.5 * r["track"], 2 * HEIGHT)
+        size = (r["wheelbase"], 0.5 * r["track"], 2 * BODY_HEIGHT)
         inertia = np.array([r["roll_inertia"], r["pitch_inertia"], r["pitch_inertia"]]) * self.part
-        body = Body("body", self.mass, inertia, position=(0, 0, HEIGHT + REST), shape=shapes.Box(size))
+        body = Body("body", self.mass, inertia, position=(0, 0, BODY_HEIGHT + STRUT_LENGTH), shape=shapes.Box(size))
         joints: list[Any] = [Prismatic(GROUND, body, at=body.position, axis=Z, name="heave")]
         if self.kind != "quarter":
             across = (1, 0, 0) if self.kind == "whole" else (0, 0, 1)
@@ -192,7 +192,9 @@ class Vehicle:
             bodies.append(wheel)
             joints += hung
             at, rates = wheel.position, dict(stiffness=corner.tyre, damping=corner.tyre_damping)
-            tyre = SpringDamper(GROUND, wheel, at_a=at - (0, 0, REST), at_b=at, **rates, name=f"tyre of {corner.name}")
+            tyre = SpringDamper(
+                GROUND, wheel, at_a=at - (0, 0, STRUT_LENGTH), at_b=at, **rates, name=f"tyre of {corner.name}"
+            )
             weight = Force(wheel, (0, 0, corner.borne), name=f"weight on {corner.name}")
             forces += [strut, tyre, weight, *self.rolling(corner, wheel)]
         named = {part.name: part for part in bodies}
@@ -204,12 +206,12 @@ class Vehicle:
         if self.speed is None or not self.linked:
             return []
         slip = self.ride["cornering"][int(corner.x < 0)] / self.speed
-        at = wheel.position - (0, 0, REST)
+        at = wheel.position - (0, 0, STRUT_LENGTH)
         return [Bushing(GROUND, wheel, at=at, stiffness=0.0, damping=(0, slip, 0), name=f"slip of {corner.name}")]
 
     def hung(self, corner: Corner, body: Body) -> tuple[Body, list[Any], SpringDamper]:
         """Return (wheel, its suspension, spring and damper) of a corner."""
-        at, name = np.array([corner.x, corner.y, REST]), f"spring of {corner.name}"
+        at, name = np.array([corner.x, corner.y, STRUT_LENGTH]), f"spring of {corner.name}"
         if self.linked:
             held = self.guides[int(corner.x < 0)]
             held = held.mirrored if corner.side else held
@@ -217,10 +219,10 @@ class Vehicle:
             wheel = held.upright(corner.mass, corner.name, origin)
             strut = held.spring(body, wheel, corner.spring, corner.damper, corner.load, name, origin)
             return wheel, held.hold(body, wheel, origin, f" of {corner.name}"), strut
-        tyre, above = shapes.Cylinder(REST, 0.2, "y"), at + (0, 0, HEIGHT)
-        wheel = Body(corner.name, corner.mass, 3 * (SWING * corner.mass,), position=at, shape=tyre)
+        tyre, above = shapes.Cylinder(STRUT_LENGTH, 0.2, "y"), at + (0, 0, BODY_HEIGHT)
+        wheel = Body(corner.name, corner.mass, 3 * (WHEEL_INERTIA_RATIO * corner.mass,), position=at, shape=tyre)
         guided = Prismatic(body, wheel, at=at, axis=Z, name=f"guide of {corner.name}")
-        free = HEIGHT + corner.load / corner.spring
+        free = BODY_HEIGHT + corner.load / corner.spring
         rates = dict(stiffness=corner.spring, damping=corner.damper, length=free)
         return wheel, [guided], SpringDamper(wheel, body, at_a=at, at_b=above, **rates, name=name)
 
@@ -242,7 +244,7 @@ class Vehicle:
         the wheels.
         """
         body = system.bodies[0]
-        points = [(body, (x, y, body.position[2])) for x, y in SPOTS[self.kind]] + [
+        points = [(body, (x, y, body.position[2])) for x, y in OUTPUT_PLACES[self.kind]] + [
             (wheel, None) for wheel in system.bodies[1:]
         ]
         places = [measures.position(part, axis=Z, at=at) for part, at in points]
@@ -267,7 +269,7 @@ class Vehicle:
         for corner in self.corners:
             pushed = accelerations(self.system([(corner.name, (0, 0, 1.0), None)]))
             (up,), (turn,) = pushed.acceleration("body"), pushed.alpha("body")
-            body = [up[2] + turn[0] * y - turn[1] * x for x, y in SPOTS[self.kind]]
+            body = [up[2] + turn[0] * y - turn[1] * x for x, y in OUTPUT_PLACES[self.kind]]
             wheels = [pushed.acceleration(other.name)[0, 2] for other in self.corners]
             columns.append(np.concatenate([np.zeros(A.shape[0] // 2), body, wheels]))
         return A, np.array(columns).T

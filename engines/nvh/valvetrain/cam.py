@@ -22,10 +22,10 @@ from mbsd3d import Body, CurveContact, shapes
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
-COUNT = 720  # points of a turn
+OUTLINE_POINTS = 720  # [1] points of a turn
 LAWS = ("cycloidal", "harmonic", "polynomial")
 X, Z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
-THICK = 0.012  # m, as rollers are drawn
+ROLLER_WIDTH = 0.012  # [m] of a roller in drawings
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,7 +166,7 @@ class RollerCam(Cam):
 
     @property
     def looks(self) -> tuple[list, list]:
-        return [shapes.Lines(self.outline)], [shapes.Disc(self.roller, THICK, "x")]
+        return [shapes.Lines(self.outline)], [shapes.Disc(self.roller, ROLLER_WIDTH, "x")]
 
 
 @dataclass(frozen=True, eq=False)
@@ -213,7 +213,7 @@ class BarrelCam(RollerCam):
 
     @property
     def looks(self) -> tuple[list, list]:
-        drum = shapes.Cylinder(self.base - THICK / 2, self.base, "z", at=(0, 0, -self.roller - self.base / 2))
+        drum = shapes.Cylinder(self.base - ROLLER_WIDTH / 2, self.base, "z", at=(0, 0, -self.roller - self.base / 2))
         rim, roller = super().looks
         return [*rim, drum], roller
 
@@ -239,7 +239,7 @@ def cam(law: str, lift: float, half: float, base: float, follower: str = "flat")
         raise InputError(f"cam: follower '{follower}' is unknown; there are {', '.join(FOLLOWERS)}")
     if not 0.0 < number(half, "cam: half") <= np.pi:
         raise InputError(f"cam: half {half:g} rad; the lift takes at most half a turn to each side")
-    angle = 2 * np.pi * np.arange(COUNT) / COUNT
+    angle = 2 * np.pi * np.arange(OUTLINE_POINTS) / OUTLINE_POINTS
     x = np.clip(1 - np.minimum(angle, 2 * np.pi - angle) / half, 0.0, 1.0)
     if law == "cycloidal":
         share = x - np.sin(2 * np.pi * x) / (2 * np.pi)

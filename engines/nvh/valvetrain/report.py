@@ -18,18 +18,19 @@ from mbsd3d.extend import LINE, digits, dress, inline_svg, new_figure, number, p
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-LIFT, HALF = 0.008, np.radians(75.0)  # m, rad, of an ordinary cam (assumed)
-BASE = {"flat": 0.024, "roller": 0.018, "barrel": 0.036}  # m, by its follower
-SHARES = (0.5, 0.8, 0.95, 1.05, 1.2)  # of the speed of float
-PIECES = 8  # of a spring that surges
-SLOWEST = 100.0  # 1/min: of an engine that idles a camshaft turns at 300
-PERIOD = 6.0  # s that a turn takes to watch
+CAM_LIFT, CAM_HALF_ANGLE = 0.008, np.radians(75.0)  # m, rad, of an ordinary cam (assumed)
+BASE_RADIUS = {"flat": 0.024, "roller": 0.018, "barrel": 0.036}  # [m] of the cam, by its follower
+FLOAT_SPEED_RATIOS = (0.5, 0.8, 0.95, 1.05, 1.2)  # [1] of the float speed
+SPRING_MASSES = 8  # [1] masses of a spring with surge
+CAM_SPEED_MIN = 100.0  # [1/min] an idling engine turns its camshaft at 300
+ANIMATION_SECONDS = 6.0  # [s] that a turn takes in the animation
 
 
 @dataclass(frozen=True)
 class Valve:
     """Cam of a law with the valve of `Train` on a ``follower``, "flat", "roller" or "barrel", at a speed of the
-    camshaft [1/min]; None: 5 % above that of float. ValueError for a speed that is not positive, or below `SLOWEST`.
+    camshaft [1/min]; None: 5 % above that of float. ValueError for a speed that is not positive, or below
+    `CAM_SPEED_MIN`.
     """
 
     law: str
@@ -39,10 +40,16 @@ class Valve:
     @cached_property
     def train(self) -> Train:
         """Return the valve train at the speed."""
-        train = Train(cam(self.law, LIFT, HALF, BASE.get(self.follower, 0.0), self.follower))
-        speed = SHARES[-2] * train.floats_at() if self.rpm is None else number(self.rpm, "valve: rpm", positive=True)
-        if speed < SLOWEST:
-            raise InputError(f"valve: rpm {speed:g}; give {SLOWEST:g} or more: slower ones only feel their spring")
+        train = Train(cam(self.law, CAM_LIFT, CAM_HALF_ANGLE, BASE_RADIUS.get(self.follower, 0.0), self.follower))
+        speed = (
+            FLOAT_SPEED_RATIOS[-2] * train.floats_at()
+            if self.rpm is None
+            else number(self.rpm, "valve: rpm", positive=True)
+        )
+        if speed < CAM_SPEED_MIN:
+            raise InputError(
+                f"valve: rpm {speed:g}; give {CAM_SPEED_MIN:g} or more: slower ones only feel their spring"
+            )
         return Train(train.cam, rpm=speed)
 
     @cached_property
@@ -67,15 +74,15 @@ class Valve:
 
     @property
     def surging_train(self) -> Train:
-        """Return the valve train with a spring of `PIECES`."""
-        return replace(self.train, pieces=PIECES)
+        """Return the valve train with a spring of `SPRING_MASSES`."""
+        return replace(self.train, pieces=SPRING_MASSES)
 
     @cached_property
     def rows(self) -> list[list[str]]:
         """Tabulate over the speed the multiplier of the constraint and the behaviour of the contact."""
         table = [["1/min", "spring", "constraint, least [N]", "contact, most [N]", "open [degrees]", "gap [mm]"]]
-        for rpm in sorted({*(share * self.floats for share in SHARES), self.train.rpm}):
-            for words, pieces in (("without mass", 0), (f"{PIECES} pieces", PIECES)):
+        for rpm in sorted({*(share * self.floats for share in FLOAT_SPEED_RATIOS), self.train.rpm}):
+            for words, pieces in (("without mass", 0), (f"{SPRING_MASSES} pieces", SPRING_MASSES)):
                 train = Train(self.train.cam, rpm=rpm, pieces=pieces)
                 run = train.free()
                 gap, force = train.gap(run), run.force("contact").force[:, 2]
@@ -91,7 +98,7 @@ class Valve:
         """Return cam, valve and spring in a line."""
         train, chosen = self.train, self.train.cam
         return (
-            f"{self.title}, lift {1e3 * LIFT:g} mm, base {1e3 * chosen.base:g} mm, {self.touched}least radius "
+            f"{self.title}, lift {1e3 * CAM_LIFT:g} mm, base {1e3 * chosen.base:g} mm, {self.touched}least radius "
             f"{1e3 * chosen.radius.min():.2f} mm; valve {1e3 * train.mass:g} g, spring {train.rate / 1e3:g} N/mm with "
             f"{train.preload:g} N; floats from {self.floats:.1f} 1/min of the camshaft on"
         )
@@ -150,7 +157,7 @@ def write_page(valve: Valve, folder: str | Path) -> Path:
     return the path of the page.
     """
     folder, view = Path(folder), f"{valve.name}-view.html"
-    speed = 60 / valve.train.rpm / PERIOD
+    speed = 60 / valve.train.rpm / ANIMATION_SECONDS
     shown = valve.surging.animate(curves=(), traces=(), hidden=("body names",), speed=speed, title=valve.title).html
     write_atomically(folder / view, playing(shown).encode())
     page = page_template("valve.html", TEMPLATES).render(

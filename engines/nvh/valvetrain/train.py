@@ -38,9 +38,9 @@ from mbsd3d import (
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
-SPRING = 0.06  # m, length of the spring under the closed valve
-SLOW = 0.5  # of the speed, for the second run of the constraint
-SAMPLES = 1440  # of a turn
+SPRING_LENGTH = 0.06  # [m] of the spring under the closed valve
+SECOND_SPEED_RATIO = 0.5  # [1] of the speed, for the second run of the constraint
+TURN_SAMPLES = 1440  # [1] samples of a turn
 RTOL = 1e-9
 
 
@@ -126,7 +126,7 @@ class Train:
         bodies, forces = [shaft, valve], [Force(valve, (0, 0, -self.preload), name="preload")]
         ends, n = [valve], self.pieces
         for k in range(n):
-            at = start + (0, 0, SPRING * (k + 1) / (n + 1))
+            at = start + (0, 0, SPRING_LENGTH * (k + 1) / (n + 1))
             piece = Body(
                 f"piece {k + 1}", self.coils / n, 3 * (1e-5,), position=at, shape=shapes.Disc(0.012, 0.002, "z")
             )
@@ -136,7 +136,7 @@ class Train:
         stiff = (n + 1) * self.rate
         loss = 2 * self.loss * np.sqrt(stiff * self.coils / n) if n else 0.0
         for k, (a, b) in enumerate(zip(ends, [*ends[1:], GROUND], strict=True)):
-            top = start + (0, 0, SPRING * (k + 1) / (n + 1))
+            top = start + (0, 0, SPRING_LENGTH * (k + 1) / (n + 1))
             forces.append(
                 SpringDamper(a, b, at_a=a.position, at_b=top, stiffness=stiff, damping=loss, name=f"coil {k + 1}")
             )
@@ -147,7 +147,7 @@ class Train:
         mass.
         """
         bodies, joints, forces = replace(self, pieces=0).parts
-        times = 2 * np.pi / self.turn * np.arange(SAMPLES + 1) / SAMPLES
+        times = 2 * np.pi / self.turn * np.arange(TURN_SAMPLES + 1) / TURN_SAMPLES
         system = System(bodies, [*joints, self.cam.touch(*bodies)], forces, gravity=(0, 0, 0))
         return simulate(system, float(times[-1]), method=Kinematic(), output=times)
 
@@ -159,7 +159,7 @@ class Train:
 
     def floats_at(self) -> float:
         """Return the speed of the camshaft [1/min] from which the multiplier would have to pull; inf if none."""
-        slow = replace(self, rpm=SLOW * self.rpm)
+        slow = replace(self, rpm=SECOND_SPEED_RATIO * self.rpm)
         here, there = self.pushed(), slow.pushed()
         b = (here - there) / (self.turn**2 - slow.turn**2)
         a = here - b * self.turn**2
@@ -167,8 +167,8 @@ class Train:
         return float(60 / (2 * np.pi) * np.sqrt(np.min(a[pulled] / -b[pulled]))) if pulled.any() else np.inf
 
     def free(self, turns: int = 2) -> Solution:
-        """Simulate the full motion with the contact, from rest on the base circle; return the last turn, ``SAMPLES``
-        samples.
+        """Simulate the full motion with the contact, from rest on the base circle; return the last turn,
+        ``TURN_SAMPLES`` samples.
         """
         bodies, joints, forces = self.parts
         pieces = self.cam.spline.c.T
@@ -179,7 +179,7 @@ class Train:
         touch = CustomForce(press, on=bodies[:2], parameters=numbers, name="contact")
         system = System(bodies, joints, [*forces, touch], gravity=(0, 0, 0))
         turn = 2 * np.pi / self.turn
-        times = turn * (turns - 1 + np.arange(SAMPLES + 1) / SAMPLES)
+        times = turn * (turns - 1 + np.arange(TURN_SAMPLES + 1) / TURN_SAMPLES)
         return simulate(system, float(times[-1]), output=times, rtol=RTOL)
 
     def gap(self, run: Solution) -> np.ndarray:

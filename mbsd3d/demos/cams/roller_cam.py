@@ -19,10 +19,12 @@ from mbsd3d import (
 
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 
-SAMPLES = 1441  # of one turn
-POINTS = 720  # of the outline
-BLUNT = 0.95  # of the roller at which the nose of the cam is a point: the outline has it between two of its points
-NEAR = 1e-4  # relative: greatest values lie between samples, and at the nose the third derivative of the lift jumps
+TURN_SAMPLES = 1441  # [1] of one turn
+OUTLINE_POINTS = 720  # [1] of the outline
+# [1] of the roller at which the nose of the cam is a point: the outline has it between two of its points
+NOSE_RADIUS_RATIO = 0.95
+# [1] relative; greatest values lie between samples, and at the nose the third derivative of the lift jumps
+SAMPLE_TOLERANCE = 1e-4
 
 
 def law(turn, lift, half):
@@ -37,7 +39,7 @@ def outline(lift, half, pitch, roller):
     """Return the outline of the cam in the plane y, z, its nose up: the path of the roller's centre less the roller,
     shape (points, 3).
     """
-    turn = 2 * np.pi * np.arange(POINTS) / POINTS
+    turn = 2 * np.pi * np.arange(OUTLINE_POINTS) / OUTLINE_POINTS
     s, slope, _ = law(turn, lift, half)
     tilt = np.arctan2(slope, pitch + s)
     y, z = roller * np.sin(tilt), pitch + s - roller * np.cos(tilt)  # as a cam shows that has turned
@@ -81,8 +83,11 @@ def theory(*, lift, half_deg, pitch, roller, m, stiffness, preload, omega):
     s, slope, bend = law(turn, lift, half)
     out = pitch + s
     bent = (out**2 + 2 * slope**2 - out * bend) / (out**2 + slope**2) ** 1.5  # of the path of the roller's centre
-    require(roller * bent.max() < BLUNT, f"demo 'roller_cam': roller = {roller:g} m undercuts the cam; give less than "
-            f"{BLUNT / bent.max():.3g}, or more pitch or half_deg, or less lift")  # fmt: skip
+    require(
+        roller * bent.max() < NOSE_RADIUS_RATIO,
+        f"demo 'roller_cam': roller = {roller:g} m undercuts the cam; give less than "
+        f"{NOSE_RADIUS_RATIO / bent.max():.3g}, or more pitch or half_deg, or less lift",
+    )
     force = push(turn, lift, half, m, stiffness, preload, omega)
     falls = bend < -1e-9 * bend.max()
     return {
@@ -96,8 +101,8 @@ def theory(*, lift, half_deg, pitch, roller, m, stiffness, preload, omega):
 def measure(build, terms, *, lift, half_deg, m, stiffness, preload, omega) -> Measured:
     """Measure two speeds by kinematics: the force is a + b w^2, which gives the speed at which it vanishes."""
     turn = 2 * np.pi / abs(omega)
-    run = simulate(build(), turn, method=Kinematic(), output=SAMPLES, **terms)
-    slow = simulate(build(omega=0.5 * omega), 2 * turn, method=Kinematic(), output=SAMPLES, **terms)
+    run = simulate(build(), turn, method=Kinematic(), output=TURN_SAMPLES, **terms)
+    slow = simulate(build(omega=0.5 * omega), 2 * turn, method=Kinematic(), output=TURN_SAMPLES, **terms)
     normal = run.system.joints[-1].contact_normal(run)
     tilt = np.degrees(np.arctan2(np.abs(normal[:, 1]), normal[:, 2]))
     fast_push, slow_push = (each.reaction("roller").force[:, 2] for each in (run, slow))
@@ -130,10 +135,10 @@ demo = Demo(
     equation="tan(alpha) = s' / (w (r + s)); N cos(alpha) = m s'' + k s + F >= 0; torque = N cos(alpha) s' / w",
     source="Norton, Cam Design and Manufacturing Handbook",
     quantities={
-        "pressure_angle_deg": Quantity("greatest pressure angle", "deg", NEAR),
-        "float_rad_s": Quantity("speed of float", "rad/s", NEAR),
-        "side_force_N": Quantity("greatest side force", "N", NEAR),
-        "torque_Nm": Quantity("greatest torque", "N m", NEAR),
+        "pressure_angle_deg": Quantity("greatest pressure angle", "deg", SAMPLE_TOLERANCE),
+        "float_rad_s": Quantity("speed of float", "rad/s", SAMPLE_TOLERANCE),
+        "side_force_N": Quantity("greatest side force", "N", SAMPLE_TOLERANCE),
+        "torque_Nm": Quantity("greatest torque", "N m", SAMPLE_TOLERANCE),
     },
     ablation=Ablation("size", "on a cam ten times as large the push hardly leans", {"pitch": 0.28}),
     alone="no other engine has contacts on curves",

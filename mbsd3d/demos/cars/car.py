@@ -24,10 +24,10 @@ from mbsd3d import (
 G = 9.81  # m/s^2
 UP = np.array([0.0, 0.0, 1.0])
 WHEELS = {"front left": (1, 1), "front right": (1, -1), "rear left": (-1, 1), "rear right": (-1, -1)}
-STRUT = 0.5  # length of the springs under load [m]: they act along one line, so it does not matter
-KINGPIN = shapes.Lines([(0.0, 0.0, 0.0), (0.0, 0.0, 0.4)])
-CRANK = 10.0  # kg of a crankshaft, taken from the mass without the wheels
-SHOW = {"traces": [], "hidden": ["joints", "joint names", "body names"], "follow": "chassis"}  # of every demo
+STRUT_LENGTH = 0.5  # [m] of the springs under load; they act along one line, so it does not matter
+KINGPIN_SHAPE = shapes.Lines([(0.0, 0.0, 0.0), (0.0, 0.0, 0.4)])
+CRANK_MASS = 10.0  # [kg] of a crankshaft, taken from the mass without the wheels
+SHOW_OPTIONS = {"traces": [], "hidden": ["joints", "joint names", "body names"], "follow": "chassis"}  # of every demo
 
 
 class Engine(NamedTuple):
@@ -101,7 +101,7 @@ def chassis_of(c: Car, speed: float) -> Body:
         shapes.Box((1.6 * c.wheelbase, 1.1 * c.track, 0.9 * c.h), at=(0, 0, 0.1 * c.h), colour="lightsteelblue"),
         shapes.Box((0.8 * c.wheelbase, c.track, 0.8 * c.h), at=(-0.2, 0, 0.9 * c.h)),
     ]
-    mass = c.ms - CRANK if c.engine else c.ms
+    mass = c.ms - CRANK_MASS if c.engine else c.ms
     return Body("chassis", mass, c.inertia, position=c.h * UP, velocity=(speed, 0, 0), shape=form)
 
 
@@ -115,7 +115,7 @@ def car(c: Car, speed: float, steer: Signal | float | None, drive: Signal | floa
     bodies, joints, forces, carriers = [chassis], [], [], {}
     for name in WHEELS:
         at, front = chassis.position + c.place(name), name.startswith("front")
-        carrier = carriers[name] = Body(f"{name} carrier", 0.0, (0, 0, 0), position=at, shape=KINGPIN)
+        carrier = carriers[name] = Body(f"{name} carrier", 0.0, (0, 0, 0), position=at, shape=KINGPIN_SHAPE)
         wheel = Body(
             f"{name} wheel", c.mw, (0.5 * c.Iw, c.Iw, 0.5 * c.Iw), position=at, velocity=(speed, 0, 0),
             omega=(0, speed / c.r, 0), shape=shapes.Cylinder(c.r, 0.2, "y", colour="dimgray"),
@@ -131,8 +131,10 @@ def car(c: Car, speed: float, steer: Signal | float | None, drive: Signal | floa
             for body, half in ((wheel, 0.5 * drive), (chassis, -0.5 * drive)):
                 forces.append(Torque(body, (0.0, half, 0.0), frame="body", name=f"drive of {name} on {body.name}"))
         k = c.kf if front else c.kr
-        spring = {"stiffness": k, "damping": c.damping, "length": STRUT + c.ms * G * c.share(name) / k}
-        forces.append(SpringDamper(chassis, carrier, at_a=at + STRUT * UP, at_b=at, name=f"{name} spring", **spring))
+        spring = {"stiffness": k, "damping": c.damping, "length": STRUT_LENGTH + c.ms * G * c.share(name) / k}
+        forces.append(
+            SpringDamper(chassis, carrier, at_a=at + STRUT_LENGTH * UP, at_b=at, name=f"{name} spring", **spring)
+        )
         forces.append(tyre_of(c, name, wheel))
     for end, bar in (("front", c.bar_f), ("rear", c.bar_r)):
         left, right = carriers[f"{end} left"], carriers[f"{end} right"]
@@ -157,7 +159,7 @@ def with_engine(engine: Engine, bodies: list[Body], joints: list) -> tuple[list[
     """Add crankshaft, bearing and speed after all other parts."""
     chassis, moments = bodies[0], 0.5 * engine.J * (1.0 + np.abs(engine.axis))
     crank = Body(
-        "crankshaft", CRANK, moments, position=chassis.position, velocity=chassis.velocity, omega=engine.spin,
+        "crankshaft", CRANK_MASS, moments, position=chassis.position, velocity=chassis.velocity, omega=engine.spin,
         shape=shapes.Cylinder(0.1, 0.7, "xyz"[int(np.argmax(np.abs(engine.axis)))]),
     )  # fmt: skip
     bearing = Revolute(chassis, crank, at=chassis.position, axis=engine.axis, name="crank bearing")

@@ -6,13 +6,14 @@ from mbsd3d import Pulse, System, simulate
 
 from ..figure import Line
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
-from .car import SHOW, WHEELS, Car, car
+from .car import SHOW_OPTIONS, WHEELS, Car, car
 from .circle import circle, circles
-from .theory import ROLLED, limit, roll_gradient, textbook_roll_gradient, transfers, trims, understeer_gradient
+from .theory import ROLL_TOLERANCE, limit, roll_gradient, textbook_roll_gradient, transfers, trims, understeer_gradient
 
-SMALL = 1e-3  # m/s^2: what is of second order has no say
-LINEAR = 3.5  # m/s^2 up to which the closed forms are drawn; then side forces lift the leaning car along its slides
-LIGHT = 1e-3  # kg m^2 of a wheel that turns, and has next to no spin
+SMALL_ACCELERATION = 1e-3  # [m/s^2] terms of second order vanish
+# [m/s^2] range of the closed forms; then side forces lift the leaning car along its slides
+LINEAR_ACCELERATION_MAX = 3.5
+LIGHT_WHEEL_INERTIA = 1e-3  # [kg m^2] of a wheel that turns, with almost no spin
 
 
 def mechanism(
@@ -27,7 +28,7 @@ def known(c: Car, v: float, spin: float) -> dict[str, float]:
     """Return closed forms of small accelerations, and the limit by trims; ``spin``: share of the wheels' spin that
     counts.
     """
-    roll, without = roll_gradient(c, spin), roll_gradient(c._replace(Iw=LIGHT), spin)
+    roll, without = roll_gradient(c, spin), roll_gradient(c._replace(Iw=LIGHT_WHEEL_INERTIA), spin)
     front, rear = transfers(c, spin)
     return {
         "roll_rad_s2_m": roll,
@@ -57,14 +58,16 @@ def measure(build, terms, *, ms, h, a, b, track, kf, kr, bar_f, bar_r, mu, v) ->
     steer.
     """
     c = Car(ms, h, a, b, track, kf, kr, bar_f, bar_r, mu)
-    wide, spinless = (circle(one, v, SMALL, terms=terms) for one in (c, c._replace(Iw=LIGHT)))
+    wide, spinless = (
+        circle(one, v, SMALL_ACCELERATION, terms=terms) for one in (c, c._replace(Iw=LIGHT_WHEEL_INERTIA))
+    )
     load, found = wide.of_tyres("normal"), circles(c, v, terms)
-    textbook = SMALL * textbook_roll_gradient(c)
+    textbook = SMALL_ACCELERATION * textbook_roll_gradient(c)
     values = {
-        "roll_rad_s2_m": wide.roll / SMALL,
-        "front_transfer_kg": 0.5 * (load[1] - load[0]) / SMALL,
-        "rear_transfer_kg": 0.5 * (load[3] - load[2]) / SMALL,
-        "understeer_rad_s2_m": wide.steer / SMALL - (a + b) / v**2,
+        "roll_rad_s2_m": wide.roll / SMALL_ACCELERATION,
+        "front_transfer_kg": 0.5 * (load[1] - load[0]) / SMALL_ACCELERATION,
+        "rear_transfer_kg": 0.5 * (load[3] - load[2]) / SMALL_ACCELERATION,
+        "understeer_rad_s2_m": wide.steer / SMALL_ACCELERATION - (a + b) / v**2,
         "lean_percent": 100.0 * (spinless.roll - textbook) / wide.roll,
         "spin_percent": 100.0 * (wide.roll - spinless.roll) / wide.roll,
         "limit_m_s2": found[-1].acceleration,
@@ -97,7 +100,7 @@ def curves(c, v, found):
     ]
     names, roll = [*WHEELS], np.degrees([one.roll for one in found])
     steer = np.degrees([one.steer for one in found]), np.degrees([one.steer for one in known])
-    book, some = np.degrees(textbook_roll_gradient(c)) * x, at[at < LINEAR]
+    book, some = np.degrees(textbook_roll_gradient(c)) * x, at[at < LINEAR_ACCELERATION_MAX]
     return [
         Curve("angle [deg]", x, steer[0], (at, steer[1]), name="steer", more=slips, **along),
         Curve(
@@ -128,7 +131,7 @@ demo = Demo(
         "understeer_rad_s2_m": Quantity("understeer gradient", "rad s^2/m", absolute=3e-7),
         "lean_percent": Quantity("of the roll, by the lean of the wheels", "%", absolute=1e-4),
         "spin_percent": Quantity("of the roll, by the spin of the wheels", "%", absolute=1e-4),
-        "limit_m_s2": Quantity("largest lateral acceleration", "m/s^2", relative=ROLLED),
+        "limit_m_s2": Quantity("largest lateral acceleration", "m/s^2", relative=ROLL_TOLERANCE),
     },
     ablation=Ablation(
         "gyroscopic",
@@ -136,6 +139,6 @@ demo = Demo(
         values=without_gyroscopic,
     ),
     alone="MuJoCo has no such tyre, and Exudyn no bar between two wheels",
-    show={**SHOW, "curves": [("force", "front right tyre"), ("force", "rear right tyre")]},
+    show={**SHOW_OPTIONS, "curves": [("force", "front right tyre"), ("force", "rear right tyre")]},
     ranges={"h": (0.5, 0.57), "track": (1.47, 1.65), "mu": (0.85, 1.02), "kf": (24e3, 28e3), "kr": (20e3, 25e3)},
 )  # fmt: skip

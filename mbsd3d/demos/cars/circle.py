@@ -16,14 +16,15 @@ from ...equations.compiled import Switches
 from ...run.accelerations import Rates
 from .car import UP, WHEELS, Car, car
 
-SIZES = np.array([0.01, 0.001, 0.01, 0.1, 0.01, *[0.01] * 4, *[1.0] * 4, 100.0, *[0.01] * 8, 1.0])
+UNKNOWN_SIZES = np.array([0.01, 0.001, 0.01, 0.1, 0.01, *[0.01] * 4, *[1.0] * 4, 100.0, *[0.01] * 8, 1.0])
 """Of the unknowns of a circle: roll, pitch, height, speed to the left, steer, travels, spins, drive, deflections,
 acceleration."""
-STEADY = 1e-8  # largest acceleration left over [m/s^2, rad/s^2]; rounding leaves 1e-12
-DIFFERENCE = 1e-7  # of the unknowns in `SIZES`, for derivatives
-FIRST, STEP, LEAST = 2.0, 5.0, 0.7
-"""m/s^2 of the first circle; from one to the next, in `SIZES` of all unknowns, where mu is 1: less with less grip."""
-STRAIGHT = 0.5  # cosine of the angle between two steps, below which the second one has left the curve
+RESIDUAL_MAX = 1e-8  # [m/s^2, rad/s^2] largest residual acceleration; rounding leaves 1e-12
+DIFFERENCE_STEP = 1e-7  # [1] of the unknowns in `UNKNOWN_SIZES`, for derivatives
+STEP_FIRST, STEP_MAX, STEP_MIN = 2.0, 5.0, 0.7
+"""m/s^2 of the first circle; from one to the next, in `UNKNOWN_SIZES` of all unknowns, where mu is 1: less with less
+grip."""
+STEP_COSINE_MIN = 0.5  # [1] of the angle between two steps, below which the second one has left the curve
 Closing = Callable[[np.ndarray], float]
 
 
@@ -32,7 +33,7 @@ class Circle:
     """Steady circle to the left; roll to the right and nose down are positive [rad]."""
 
     speed: float  # [m/s] of the centre of mass, ahead
-    x: np.ndarray  # (23,) the unknowns as solved, see `SIZES`
+    x: np.ndarray  # (23,) the unknowns as solved, see `UNKNOWN_SIZES`
     at: Solution  # one sample
 
     @property
@@ -76,7 +77,7 @@ class Balance:
 
     def start(self, acceleration: float) -> np.ndarray:
         """Return the unknowns of a car that neither rolls nor slips, shape (23,)."""
-        x = np.zeros(SIZES.size)
+        x = np.zeros(UNKNOWN_SIZES.size)
         x[[2, 4, 22]] = self.c.h, self.c.wheelbase * acceleration / self.speed**2, acceleration
         x[9:13] = self.speed / self.c.r
         return x
@@ -114,16 +115,16 @@ class Balance:
         """Solve for the circle near unknowns that satisfies one more equation; None if there is none."""
 
         def left(x: np.ndarray) -> np.ndarray:
-            return np.append(self(SIZES * x), closing(x))
+            return np.append(self(UNKNOWN_SIZES * x), closing(x))
 
         @cache  # the root finder asks twice for those at the start
         def slopes(x: bytes) -> np.ndarray:
-            return approx_fprime(np.frombuffer(x), left, DIFFERENCE)
+            return approx_fprime(np.frombuffer(x), left, DIFFERENCE_STEP)
 
-        found = root(left, start / SIZES, jac=lambda x: slopes(x.tobytes()), tol=1e-12)
-        if not np.abs(found.fun).max() < STEADY:
+        found = root(left, start / UNKNOWN_SIZES, jac=lambda x: slopes(x.tobytes()), tol=1e-12)
+        if not np.abs(found.fun).max() < RESIDUAL_MAX:
             return None
-        x = SIZES * found.x
+        x = UNKNOWN_SIZES * found.x
         return Circle(self.speed, x, accelerations(self.system, self.state(x), **self.terms))
 
 
@@ -148,18 +149,18 @@ def circle(
     return found
 
 
-def circles(c: Car, speed: float, terms: Mapping[str, bool] | None = None, step: float = STEP) -> list[Circle]:
+def circles(c: Car, speed: float, terms: Mapping[str, bool] | None = None, step: float = STEP_MAX) -> list[Circle]:
     """Compute circles of rising acceleration at a speed [m/s] up to the limit, beyond which there is none.
 
     From circle to circle along the curve of all unknowns, which goes on where the acceleration has its top; when it
     falls, back by two and on with half of the ``step``, until that is short: the limit is met to a part in a thousand.
     """
     balance, size = Balance(c, speed, terms or {}), min(1.0, c.mu)
-    found, step = [circle(c, speed, share * size * FIRST, terms=terms) for share in (0.5, 1.0)], size * step
-    while step > size * LEAST:
+    found, step = [circle(c, speed, share * size * STEP_FIRST, terms=terms) for share in (0.5, 1.0)], size * step
+    while step > size * STEP_MIN:
         last, along = found[-1], ahead(found[-2], found[-1])
         there = balance.solve(*beyond(last, along, step))
-        if there is None or ahead(last, there) @ along < STRAIGHT:
+        if there is None or ahead(last, there) @ along < STEP_COSINE_MIN:
             step *= 0.5
         elif there.acceleration > last.acceleration:
             found.append(there)
@@ -169,12 +170,12 @@ def circles(c: Car, speed: float, terms: Mapping[str, bool] | None = None, step:
 
 
 def ahead(one: Circle, other: Circle) -> np.ndarray:
-    """Return the unit vector from one circle to another, in `SIZES`, shape (23,)."""
-    way = (other.x - one.x) / SIZES
+    """Return the unit vector from one circle to another, in `UNKNOWN_SIZES`, shape (23,)."""
+    way = (other.x - one.x) / UNKNOWN_SIZES
     return way / np.linalg.norm(way)
 
 
 def beyond(one: Circle, along: np.ndarray, step: float) -> tuple[np.ndarray, Closing]:
     """Return the start of the search for a circle one step further along, and the equation of that step."""
-    start = one.x / SIZES + step * along
-    return SIZES * start, lambda x: along @ (x - start)
+    start = one.x / UNKNOWN_SIZES + step * along
+    return UNKNOWN_SIZES * start, lambda x: along @ (x - start)

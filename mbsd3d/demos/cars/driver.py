@@ -23,8 +23,11 @@ from .car import WHEELS, Car, G, car
 from .linear import HEADING, ROLL, Linear, Y, linear
 from .theory import understeer_gradient
 
-HOLD, CALM = 2e4, 140.0  # N m/rad and N m s/rad of the hands about each kingpin
-PULL, SLOW = 300.0, 600.0  # N m/m and N m s/m of the foot on each rear wheel, by the distance to the point
+STEER_STIFFNESS, STEER_DAMPING = 2e4, 140.0  # N m/rad and N m s/rad of the hands about each kingpin
+FOOT_STIFFNESS, FOOT_DAMPING = (
+    300.0,
+    600.0,
+)  # N m/m and N m s/m of the foot on each rear wheel, by the distance to the point
 
 
 def gain(c: Car, speed: float, preview: float) -> float:
@@ -60,11 +63,13 @@ def acts_on(free: System, name: str, point: Body, steer: float, lag: float) -> l
         pin = free.part(f"{name} slide", "joints")
         turned, aside = [measures.angle(pin), measures.rate(pin)], [measures.offset(chassis, point, along=(0, 1, 0))]
         return [
-            StateFeedback(measures=turned, gains=(HOLD, CALM), on=pin, name=f"{name} hand"),
-            StateFeedback(measures=aside, gains=(-HOLD * steer,), on=pin, time_constant=lag, name=f"{name} eye"),
+            StateFeedback(measures=turned, gains=(STEER_STIFFNESS, STEER_DAMPING), on=pin, name=f"{name} hand"),
+            StateFeedback(
+                measures=aside, gains=(-STEER_STIFFNESS * steer,), on=pin, time_constant=lag, name=f"{name} eye"
+            ),
         ]
     ahead = [measure(chassis, point, along=(1, 0, 0)) for measure in (measures.offset, measures.offset_rate)]
-    hub, gains = free.part(f"{name} hub", "joints"), (-PULL, -SLOW)
+    hub, gains = free.part(f"{name} hub", "joints"), (-FOOT_STIFFNESS, -FOOT_DAMPING)
     return [StateFeedback(measures=ahead, gains=gains, reference=(far, 0.0), on=hub, name=f"{name} foot")]
 
 
@@ -79,7 +84,7 @@ def closed(c: Car, speed: float, preview: float, lag: float) -> Linear:
     whole, course = np.zeros((n + 3, n + 3)), np.zeros((n + 3, 3))
     whole[:n, :n], whole[:n, n : n + 2], whole[n, n + 1] = A, B[:, :2], 1.0
     bend = whole[n + 1]
-    bend[n:] = np.array([-HOLD, -CALM, HOLD * gain(c, speed, preview)]) / half
+    bend[n:] = np.array([-STEER_STIFFNESS, -STEER_DAMPING, STEER_STIFFNESS * gain(c, speed, preview)]) / half
     bend[: n + 2] -= whole[turn, : n + 2]
     bend[5 + ROLL] -= c.Iw * speed / c.r / half
     bend /= 1.0 + B[turn, 2]

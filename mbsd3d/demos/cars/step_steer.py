@@ -9,12 +9,15 @@ from mbsd3d import Pulse, System, measures, simulate
 
 from ..figure import Line
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
-from .car import SHOW, Car, car
-from .linear import HEADING, ROLL, SPINNING, STANDING, Y, linear
+from .car import SHOW_OPTIONS, Car, car
+from .linear import FULL_SPIN, HALF_SPIN, HEADING, ROLL, Y, linear
 
-SMALL, TIGHT = 1e-6, 1e-12  # rad of steer: what is of second order has no say; tolerance of the run
-SHARP = 100.0  # m/s^2 per rad of steer; a car that answers more is steered less, so that its tyres slip no more
-EDGE, MOST = 0.15, 0.9  # s in which the steer rises; share of the end at which one says that it is there
+SMALL_STEER, TIGHT_RTOL = 1e-6, 1e-12  # rad of steer: what is of second order has no say; tolerance of the run
+RESPONSE_MAX = 100.0  # [m/s^2/rad] per steer; a car with more is steered less, so that its tyres slip no more
+EDGE_SECONDS, ARRIVAL_SHARE = (
+    0.15,
+    0.9,
+)  # s in which the steer rises; share of the end at which one says that it is there
 TIMES = np.linspace(0.0, 3.5, 701)
 
 
@@ -35,8 +38,8 @@ def answer_of(run, steer) -> Answer:
 
 def arrival(x: np.ndarray) -> float:
     """Return the time after half of the steer at which a curve first reaches `ARRIVAL_SHARE` of its final value [s]."""
-    found = CubicSpline(TIMES, x - MOST * x[-1]).roots(extrapolate=False)
-    return float(found[0]) - 0.5 * EDGE
+    found = CubicSpline(TIMES, x - ARRIVAL_SHARE * x[-1]).roots(extrapolate=False)
+    return float(found[0]) - 0.5 * EDGE_SECONDS
 
 
 def features(one: Answer) -> dict[str, float]:
@@ -54,7 +57,7 @@ def mechanism(
 ) -> System:  # fmt: skip
     """Build the car at v whose front wheels are steered to an angle [rad]."""
     require(v > 0.0, f"demo 'step_steer': v = {v:g} m/s; give a speed ahead")
-    return car(car_of(ms, h, a, b, track, damping, relaxation), v, Pulse(steer, start=0.0, edge=EDGE))
+    return car(car_of(ms, h, a, b, track, damping, relaxation), v, Pulse(steer, start=0.0, edge=EDGE_SECONDS))
 
 
 def car_of(ms, h, a, b, track, damping, relaxation):
@@ -65,28 +68,28 @@ def car_of(ms, h, a, b, track, damping, relaxation):
 def known(ms, h, a, b, track, damping, relaxation, v, spin):
     """Return the response of the small motions in closed form."""
     c = car_of(ms, h, a, b, track, damping, relaxation)
-    steer, small = Pulse(SMALL, start=0.0, edge=EDGE), linear(c, v, spin)
-    x, rates = small.respond(steer, TIMES, [EDGE])
-    return Answer(x[:, 5 + HEADING] / SMALL, rates[:, 5 + Y] / SMALL, x[:, ROLL] / SMALL)
+    steer, small = Pulse(SMALL_STEER, start=0.0, edge=EDGE_SECONDS), linear(c, v, spin)
+    x, rates = small.respond(steer, TIMES, [EDGE_SECONDS])
+    return Answer(x[:, 5 + HEADING] / SMALL_STEER, rates[:, 5 + Y] / SMALL_STEER, x[:, ROLL] / SMALL_STEER)
 
 
 def theory(*, ms, h, a, b, track, damping, relaxation, v):
     """Return the features of the small motions of `linear`."""
-    return features(known(ms, h, a, b, track, damping, relaxation, v, SPINNING))
+    return features(known(ms, h, a, b, track, damping, relaxation, v, FULL_SPIN))
 
 
 def without_gyroscopic(*, ms, h, a, b, track, damping, relaxation, v):
     """Return the values without the gyroscopic moment: half of the moments that turn the wheels' spin is I dw/dt of
     their diameters, and stays.
     """
-    return features(known(ms, h, a, b, track, damping, relaxation, v, STANDING))
+    return features(known(ms, h, a, b, track, damping, relaxation, v, HALF_SPIN))
 
 
 def measure(build, terms, *, ms, h, a, b, track, damping, relaxation, v, steer) -> Measured:
     """Measure a very small step, and the given one."""
-    theirs = known(ms, h, a, b, track, damping, relaxation, v, SPINNING)
-    little = SMALL * min(1.0, SHARP / np.abs(theirs.side).max())
-    small = simulate(build(steer=little), TIMES[-1], output=TIMES, rtol=TIGHT, **terms)
+    theirs = known(ms, h, a, b, track, damping, relaxation, v, FULL_SPIN)
+    little = SMALL_STEER * min(1.0, RESPONSE_MAX / np.abs(theirs.side).max())
+    small = simulate(build(steer=little), TIMES[-1], output=TIMES, rtol=TIGHT_RTOL, **terms)
     run = simulate(build(), TIMES[-1], output=TIMES, rtol=1e-6, **terms)
     found, large = answer_of(small, little), answer_of(run, steer)
     name = f"steer {np.degrees(steer):.3g} deg"
@@ -122,5 +125,5 @@ demo = Demo(
         values=without_gyroscopic,
     ),
     alone="MuJoCo has no such tyre, and Exudyn no bar between two wheels",
-    show={**SHOW, "curves": [("force", "front right tyre"), ("force", "rear right tyre")]},
+    show={**SHOW_OPTIONS, "curves": [("force", "front right tyre"), ("force", "rear right tyre")]},
 )  # fmt: skip

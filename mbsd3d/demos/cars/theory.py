@@ -13,13 +13,17 @@ from ...base.errors import InputError
 from ..form import require
 from .car import WHEELS, Car, G
 
-PLACES = np.array([*WHEELS.values()])  # (4, 2) ahead 1, behind -1; left 1, right -1
-FRONT, SIDE = PLACES[:, 0] > 0, PLACES[:, 1]
-MOST_ROLL = 0.175  # rad
-ROLLED = 0.5 * MOST_ROLL**2  # of the limit: what heights and tracks of the rolled car are off at most
-LIFTS = 0.05  # of the load at rest: with less a wheel is about to lift off, and loads are no longer linear in ay
-STEP, SHORTEST = 0.1, 0.02  # of the slip at which a tyre would be used up if it were linear; of that step, at the end
-SMALL = 1e-7  # of the unknowns, for derivatives
+WHEEL_PLACES = np.array([*WHEELS.values()])  # [1] (4, 2) ahead 1, behind -1; left 1, right -1
+FRONT_WHEELS, WHEEL_SIDES = WHEEL_PLACES[:, 0] > 0, WHEEL_PLACES[:, 1]
+ROLL_MAX = 0.175  # [rad] of the trims
+ROLL_TOLERANCE = 0.5 * ROLL_MAX**2  # [1] of the limit: error of heights and tracks of the rolled car
+# [1] of the load at rest; with less a wheel is about to lift off, and loads are no longer linear in ay
+LOAD_SHARE_MIN = 0.05
+STEP_MAX, STEP_MIN = (
+    0.1,
+    0.02,
+)  # of the slip at which a tyre would be used up if it were linear; of that step, at the end
+DIFFERENCE_STEP = 1e-7  # [1] of the unknowns, for derivatives
 
 
 def axle_stiffnesses(c: Car) -> np.ndarray:
@@ -87,15 +91,19 @@ class Planar:
         self.c, self.v = c, speed
         self.m, self.height = c.ms + 4.0 * c.mw, c.ms * c.h + 4.0 * c.mw * c.r
         self.static = np.array([c.load(name) for name in WHEELS])
-        self.over = transfers(c)[np.where(FRONT, 0, 1)]
+        self.over = transfers(c)[np.where(FRONT_WHEELS, 0, 1)]
         self.at = np.array([c.place(name)[:2] for name in WHEELS])
 
     def parts(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Return (slip angles, loads, forces in axes of the car, shares of the grip used)."""
         c, (left, steer, _, *driven, a) = self.c, x
         turn = a / self.v
-        loads = self.static - SIDE * self.over * a + PLACES[:, 0] * self.height * turn * left / (2.0 * c.wheelbase)
-        toe = np.where(FRONT, steer, 0.0)
+        loads = (
+            self.static
+            - WHEEL_SIDES * self.over * a
+            + WHEEL_PLACES[:, 0] * self.height * turn * left / (2.0 * c.wheelbase)
+        )
+        toe = np.where(FRONT_WHEELS, steer, 0.0)
         velocity = np.stack([self.v - turn * self.at[:, 1], left + turn * self.at[:, 0]], axis=1)
         cos, sin = np.cos(toe), np.sin(toe)
         along, across = cos * velocity[:, 0] + sin * velocity[:, 1], cos * velocity[:, 1] - sin * velocity[:, 0]
@@ -136,8 +144,8 @@ def trims(c: Car, speed: float) -> list[Trim]:
     """
     require(speed > 0.0 and c.mu > 0.0, f"car: no circles at {speed:g} m/s, mu = {c.mu:g}; give numbers above 0")
     planar, found, last = Planar(c, speed), [], np.zeros(6)
-    slip, step = 0.0, STEP * c.mu / c.cornering
-    ahead, shortest = np.array([-0.5 * speed, 0.5, 0.0, 0.0, 0.0, 0.5 * c.cornering * G]), SHORTEST * step
+    slip, step = 0.0, STEP_MAX * c.mu / c.cornering
+    ahead, shortest = np.array([-0.5 * speed, 0.5, 0.0, 0.0, 0.0, 0.5 * c.cornering * G]), STEP_MIN * step
     while step > shortest:
         x = solved(planar, last + step * ahead, slip + step)
         if x is None or x[5] < last[5]:
@@ -158,7 +166,7 @@ def limit(c: Car, speed: float) -> Trim:
     if roll_gradient(c) > 0:
         last = trims(c, speed)[-1]
         least = min(load / c.load(name) for load, name in zip(last.loads, WHEELS, strict=True))
-        if roll_gradient(c) * last.acceleration < MOST_ROLL and least > LIFTS:
+        if roll_gradient(c) * last.acceleration < ROLL_MAX and least > LOAD_SHARE_MIN:
             return last
     raise InputError(
         "theory of the limit is one of small angles and four wheels on the road, and this car rolls far or lifts one; "
@@ -174,5 +182,5 @@ def solved(planar: Planar, x: np.ndarray, slip: float) -> np.ndarray | None:
         both = x[1] - (2.0 * x[0] + (c.a - c.b) * x[5] / v) / v
         return np.append(planar.left_over(x), both - slip)
 
-    found = root(left, x, jac=lambda x: approx_fprime(x, left, SMALL), tol=1e-12)
+    found = root(left, x, jac=lambda x: approx_fprime(x, left, DIFFERENCE_STEP), tol=1e-12)
     return found.x if np.abs(found.fun).max() < 1e-9 else None

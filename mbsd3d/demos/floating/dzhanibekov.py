@@ -12,11 +12,12 @@ from ..figure import Line, Path
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 
 NAMES, SAMPLES = ("least moment", "middle moment", "greatest moment"), 1501
-UPRIGHT = (rotation("y", -np.pi / 2), rotation("x", np.pi / 2), rotation("z", 0.0))
-MIDDLE = NAMES[1]
+UPRIGHT_ORIENTATIONS = (rotation("y", -np.pi / 2), rotation("x", np.pi / 2), rotation("z", 0.0))
+MIDDLE_NAME = NAMES[1]
 
-LEAST = 5e-5  # of the spin: errors of a run grow as the rate that starts the flips does
-APART = 1e-5  # [1] share of `excess` in its terms, times off / spin: below it rounding moves the flips by 1e-7 s
+OFF_SHARE_MIN = 5e-5  # [1] of the spin; errors of a run grow as the rate that starts the flips does
+# [1] share of `excess` in its terms, times off / spin; below it rounding moves the flips by 1e-7 s
+EXCESS_SHARE_MIN = 1e-5
 
 
 def spins(axis: int, spin: float, off: float) -> np.ndarray:
@@ -32,7 +33,7 @@ def mechanism(*, m=1.5, I=(1.0, 2.0, 3.0), spin=5.0, off=1e-3) -> System:
     bodies = [
         Body(name, m, I, position=(2.7 * k, 1.7 * k, 0), orientation=turned, velocity=(0, 0, 0),
              omega=matrix(turned) @ spins(k, spin, off), shape=(bar, stem))
-        for k, (name, turned) in enumerate(zip(NAMES, UPRIGHT, strict=True))
+        for k, (name, turned) in enumerate(zip(NAMES, UPRIGHT_ORIENTATIONS, strict=True))
     ]  # fmt: skip
     return System(bodies, gravity=(0, 0, 0))
 
@@ -45,7 +46,7 @@ def flip_interval(i: np.ndarray, w: np.ndarray) -> float:
     """
     excess = (i * (i - i[1])) @ w**2
     require(
-        abs(excess * w[0]) > APART * (i * abs(i - i[1])) @ w**2 * abs(w[1]),
+        abs(excess * w[0]) > EXCESS_SHARE_MIN * (i * abs(i - i[1])) @ w**2 * abs(w[1]),
         "demo 'dzhanibekov': I lies on the separatrix, I1 (I2 - I1) = I3 (I3 - I2), or next to it: the body turns over "
         "once and for ever later; give another middle moment",
     )
@@ -59,10 +60,10 @@ def theory(*, I, spin, off, t):
     """Solve Euler's equations by elliptic functions; energy and angular momentum stay."""
     require(I[0] < I[1] < I[2], f"demo 'dzhanibekov': I = {I}: give three moments that grow")
     require(abs(spin) > 3 * abs(off) > 0, f"demo 'dzhanibekov': off = {off:g}: give a small rate that is not 0")
-    require(abs(off) > LEAST * abs(spin), f"demo 'dzhanibekov': off = {off:g} grows out of rounding; give "
-            f"{LEAST * abs(spin):.2g} or more")  # fmt: skip
+    require(abs(off) > OFF_SHARE_MIN * abs(spin), f"demo 'dzhanibekov': off = {off:g} grows out of rounding; give "
+            f"{OFF_SHARE_MIN * abs(spin):.2g} or more")  # fmt: skip
     i, w = np.array(I), spins(1, spin, off)
-    interval, L = flip_interval(i, w), matrix(UPRIGHT[1]) @ (i * w)
+    interval, L = flip_interval(i, w), matrix(UPRIGHT_ORIENTATIONS[1]) @ (i * w)
     require(
         t > 2.5 * interval, f"demo 'dzhanibekov': t = {t:g} s holds no two flips; give more than {2.5 * interval:g}"
     )
@@ -77,7 +78,7 @@ def flips(run):
         state = run.at(t)
         return float(matrix(state.q[10:14])[:, 1] @ state.v[9:12])
 
-    w = run.omega_body(MIDDLE)[:, 1]
+    w = run.omega_body(MIDDLE_NAME)[:, 1]
     return np.array([brentq(spin, *run.t[k : k + 2], xtol=1e-12) for k in np.flatnonzero(w[:-1] * w[1:] < 0.0)])
 
 
@@ -99,7 +100,7 @@ def measure(build, terms, *, m, I, spin, off, t=30.0) -> Measured:
     run = simulate(build(), t, rtol=1e-12, output=SAMPLES, **terms)
     times, rates = flips(run), [run.omega_body(name) for name in NAMES]
     local = [w * np.array(I) for w in rates]
-    L = run.rotation(MIDDLE)[-1] @ local[1][-1]
+    L = run.rotation(MIDDLE_NAME)[-1] @ local[1][-1]
     seen = [momentum / np.linalg.norm(momentum, axis=1)[:, None] for momentum in local]
     tilts = [np.degrees(np.arccos(np.clip(path[:, k], -1, 1))) for k, path in enumerate(seen)]
     interval = np.diff(times).mean() if times.size > 1 else np.inf

@@ -7,9 +7,10 @@ from mbsd3d import Body, Bushing, Spherical, System, shapes, simulate
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 from ..quadrature import motion
 
-CALM = 1e-6  # largest rate across the final axis over the rate about it: its square is lost in the rate
-SPANS = 16  # doublings of t, after which the satellite is given up
-ROCKET = (shapes.Cylinder(0.25, 3.0, "x"), shapes.Cylinder(0.015, 2.2, "y", at=(0.6, 0, 0)))
+# [1] largest rate across the final axis over the rate about it: its square is lost in the rate
+TRANSVERSE_RATE_RATIO_MAX = 1e-6
+DOUBLINGS_MAX = 16  # [1] doublings of t, after which the satellite is given up
+ROCKET_SHAPES = (shapes.Cylinder(0.25, 3.0, "x"), shapes.Cylinder(0.015, 2.2, "y", at=(0.6, 0, 0)))
 
 
 def mechanism(*, I=(1.0, 9.0, 10.0), j=1.0, c=0.5, w=5.0, tilt=0.02) -> System:
@@ -17,7 +18,7 @@ def mechanism(*, I=(1.0, 9.0, 10.0), j=1.0, c=0.5, w=5.0, tilt=0.02) -> System:
     s/rad].
     """
     omega = np.array([w, w * tilt, 0.0])
-    body = Body("satellite", 10.0, I, omega=omega, shape=ROCKET)
+    body = Body("satellite", 10.0, I, omega=omega, shape=ROCKET_SHAPES)
     slug = Body("fuel", 1.0, (j, j, j), omega=omega, shape=shapes.Sphere(0.2, colour="orangered"))
     tank = Spherical(body, slug, at=(0, 0, 0), name="tank")
     viscous = Bushing(body, slug, at=(0, 0, 0), stiffness=0.0, turning_damping=c, name="viscous")
@@ -54,11 +55,11 @@ def measure(build, terms, *, I, j, c, w, tilt, t=40.0) -> Measured:
     """Measure the rate about the long axis at t, and of the whole when nothing moves inside any more."""
     run = simulate(build(), t, rtol=1e-13, output=401, **terms)
     later = run
-    for _ in range(SPANS if c else 1):  # each as long as all before it: how soon it is calm nobody knows
+    for _ in range(DOUBLINGS_MAX if c else 1):  # each as long as all before it: how soon it is calm nobody knows
         end = 2 * later.final.t
         later = later.again(end, state=later.final, output=[end])
         p, q, r = later.omega_body("satellite")[-1]
-        if np.hypot(p, q) < CALM * abs(r):
+        if np.hypot(p, q) < TRANSVERSE_RATE_RATIO_MAX * abs(r):
             break
     x, known = run.omega_body("satellite")[:, 0], own(run.t, I, j, c, w, tilt)
     energy = run.energy().kinetic

@@ -7,7 +7,7 @@ from mbsd3d import GROUND, Body, CentralGravity, Revolute, SpeedDriver, System, 
 
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 
-DISTANCE = 100.0  # m to the Earth, where the orbit needs mu = n^2 DISTANCE^3; the swing does not depend on it
+EARTH_DISTANCE = 100.0  # [m] where the orbit needs mu = n^2 d^3; the swing does not depend on it
 
 
 def mechanism(*, I=(10.0, 11.0, 3.0), n=0.05, pitch_deg=40.0) -> System:
@@ -27,7 +27,7 @@ def mechanism(*, I=(10.0, 11.0, 3.0), n=0.05, pitch_deg=40.0) -> System:
         SpeedDriver(GROUND, orbit, axis=(0, 1, 0), speed=n, name="orbital motion"),
         Revolute(orbit, satellite, at=(0, 0, 0), axis=(0, 1, 0), name="pitch"),
     ]
-    pull = CentralGravity(orbit, satellite, at=(-DISTANCE, 0, 0), mu=n**2 * DISTANCE**3, name="Earth")
+    pull = CentralGravity(orbit, satellite, at=(-EARTH_DISTANCE, 0, 0), mu=n**2 * EARTH_DISTANCE**3, name="Earth")
     return System([orbit, satellite], joints, [pull], gravity=(0, 0, 0))
 
 

@@ -6,7 +6,7 @@ from mbsd3d import Body, System, shapes, simulate
 
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 
-ROUNDS = 20  # of the wobble at most: the samples tell each one
+ROUNDS_MAX = 20  # [1] of the wobble; the samples resolve each one
 
 
 def mechanism(*, A=8.0, C=10.0, w3=5.0, wt=1.0) -> System:
@@ -28,7 +28,7 @@ def theory(*, A, C, w3, wt):
 
 def measure(build, terms, *, A, C, w3, wt) -> Measured:
     """Measure the phase of the transverse rate in the body, of the axis about the angular momentum, and their angle."""
-    t = min(2.0, ROUNDS * 2 * np.pi * A / np.hypot(A * wt, C * w3))
+    t = min(2.0, ROUNDS_MAX * 2 * np.pi * A / np.hypot(A * wt, C * w3))
     run = simulate(build(), t, rtol=1e-13, output=401, **terms)
     w, axis = run.omega_body("body"), run.rotation("body")[:, :, 2]
     L = run.momentum().angular[0]

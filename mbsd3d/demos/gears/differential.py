@@ -8,7 +8,7 @@ from mbsd3d.shapes import Box, Cylinder
 from ..form import Ablation, Against, Demo, Measured, Quantity
 from .helical_thrust import teeth
 
-LOAD = 100.0  # N m, the road's resistance at the right wheel
+LOAD_TORQUE = 100.0  # [N m] the road's resistance at the right wheel
 
 
 def mechanism(*, R=0.05, r=0.03, carrier=40.0, left=10.0) -> System:
@@ -32,7 +32,7 @@ def mechanism(*, R=0.05, r=0.03, carrier=40.0, left=10.0) -> System:
         hinge = Revolute(GROUND, wheels[name], at=(sign * r, 0, 0), axis=(1, 0, 0), name=name)
         joints += [hinge, GearMesh(hinge, spin, at=(sign * r, R, 0), carrier=cage, name=f"{name} mesh")]
     joints.append(SpeedDriver(GROUND, wheels["left"], axis=(1, 0, 0), speed=left, name="left road"))
-    load = Torque(wheels["right"], (-LOAD, 0, 0), name="right road")
+    load = Torque(wheels["right"], (-LOAD_TORQUE, 0, 0), name="right road")
     return System([cage, pin, *wheels.values()], joints, [load], gravity=(0, 0, 0))
 
 
@@ -48,7 +48,7 @@ def measure(build, terms) -> Measured:
     run = simulate(build(), 0.5, rtol=1e-12, output=201, **terms)
     values = {
         "right_rate_rad_s": run.omega("right wheel")[:, 0].mean(),
-        "left_over_right_torque": run.effort("left road").mean() / -LOAD,
+        "left_over_right_torque": run.effort("left road").mean() / -LOAD_TORQUE,
     }
     return Measured(values, [run])
 

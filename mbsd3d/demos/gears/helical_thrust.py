@@ -6,7 +6,7 @@ from mbsd3d import GROUND, Body, GearMesh, Revolute, SpeedDriver, System, Torque
 
 from ..form import Ablation, Against, Demo, Measured, Quantity, require
 
-RATE = 3.0  # rad/s of the pinion; nothing depends on it
+PINION_RATE = 3.0  # [rad/s] of the pinion; nothing depends on it
 
 
 def mechanism(*, torque=50.0, radius=0.05, helix_deg=25.0, pressure_deg=20.0) -> System:
@@ -19,7 +19,7 @@ def mechanism(*, torque=50.0, radius=0.05, helix_deg=25.0, pressure_deg=20.0) ->
     two = Revolute(GROUND, wheel, at=place, axis=(0, 0, 1), name="wheel shaft")
     angles = {"pressure_angle": np.radians(pressure_deg), "helix_angle": np.radians(helix_deg)}
     mesh = GearMesh(one, two, at=(radius, 0, 0), name="mesh", **angles)
-    brake = SpeedDriver(GROUND, wheel, axis=(0, 0, 1), speed=-RATE / 2, name="brake")
+    brake = SpeedDriver(GROUND, wheel, axis=(0, 0, 1), speed=-PINION_RATE / 2, name="brake")
     return System([pinion, wheel], [one, two, mesh, brake], [Torque(pinion, (0, 0, torque))], gravity=(0, 0, 0))
 
 
@@ -45,7 +45,7 @@ def theory(*, torque, radius, helix_deg, pressure_deg):
 
 def measure(build, terms) -> Measured:
     """Measure the components of the tooth force along the shafts and along the line of centres."""
-    run = simulate(build(), 2 * np.pi / RATE, output=61, **terms)
+    run = simulate(build(), 2 * np.pi / PINION_RATE, output=61, **terms)
     radial, _, axial = abs(run.reaction("mesh").force.mean(axis=0))
     return Measured({"axial_N": axial, "radial_N": radial}, [run])
 

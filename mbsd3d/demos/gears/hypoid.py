@@ -6,8 +6,8 @@ from mbsd3d import GROUND, Body, GearMesh, Revolute, SpeedDriver, System, Torque
 
 from ..form import Ablation, Against, Demo, Measured, Quantity, require
 
-PITCH = np.array([0.0, 0.0, 0.0])  # point; it is the origin
-TEETH = 10  # of the pinion, as drawn
+PITCH_POINT = np.array([0.0, 0.0, 0.0])  # [m] the origin
+PINION_TEETH = 10  # [1] of the pinion, as drawn
 
 
 def mechanism(
@@ -26,12 +26,12 @@ def mechanism(
     for k, name in enumerate(("pinion", "wheel")):
         arm = turned @ (np.sin(d[k]) * elements[k] + (1, -1)[k] * np.cos(d[k]) * n)  # from the shaft to the pitch point
         axis = turned @ axes[k]
-        frame, count = np.column_stack([arm, np.cross(axis, arm), axis]), round(TEETH * (1, ratio)[k])
+        frame, count = np.column_stack([arm, np.cross(axis, arm), axis]), round(PINION_TEETH * (1, ratio)[k])
         shape = cone(r[k], d[k], (1, -1)[k] * b[k], count, 0.3 * wheel_radius, 0.5 * k)
         bodies.append(Body(name, 2.0, (0.01, 0.01, 0.02), position=-r[k] * arm, orientation=frame, shape=shape))
         shafts.append(Revolute(GROUND, bodies[k], at=-r[k] * arm, axis=axis, name=f"{name} shaft"))
     angles = {"pressure_angle": np.radians(pressure_deg), "helix_angle": b[0]}
-    mesh = GearMesh(*shafts, at=PITCH, flank=-1, name="mesh", **angles)
+    mesh = GearMesh(*shafts, at=PITCH_POINT, flank=-1, name="mesh", **angles)
     brake = SpeedDriver(GROUND, bodies[1], axis=(0, 1, 0), speed=-rate / ratio, name="brake")
     return System(bodies, [*shafts, mesh, brake], [Torque(bodies[0], (-torque, 0, 0))], gravity=(0, 0, 0))
 
@@ -96,7 +96,7 @@ def measure(build, terms, *, rate, ratio) -> Measured:
     one, two, *_ = system.joints
     run = simulate(system, 2 * np.pi * ratio / abs(rate), output=121, **terms)
     force, across = run.reaction("mesh").force.mean(axis=0), np.cross(one.axis, two.axis)
-    there = [run.velocity(x) + np.cross(run.omega(x), PITCH - run.position(x)) for x in ("pinion", "wheel")]
+    there = [run.velocity(x) + np.cross(run.omega(x), PITCH_POINT - run.position(x)) for x in ("pinion", "wheel")]
     values = {
         "thrust_on_pinion_N": -force @ one.axis,
         "thrust_on_wheel_N": force @ two.axis,

@@ -26,7 +26,7 @@ from ...base.errors import InputError
 Look = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray, float], list[shapes.Shape]]
 T = 2.0  # s, of a turn of the driven hinge from rest to rest
 SAMPLES = 61
-CLOSED = 1e-9  # share of the length, and rad
+CLOSURE_TOLERANCE = 1e-9  # [1] share of the length, and [rad]
 
 
 class Loop(NamedTuple):
@@ -66,7 +66,7 @@ class Loop(NamedTuple):
         theta = np.array([first, *found.x])
         for _ in range(2):  # down to rounding, which least squares leave at its root
             theta[1:] -= np.linalg.lstsq(found.jac, self.gap(theta), rcond=1e-8)[0]
-        if np.abs(self.gap(theta)).max() > CLOSED:
+        if np.abs(self.gap(theta)).max() > CLOSURE_TOLERANCE:
             raise InputError(f"the loop does not close near these angles (gap {np.abs(self.gap(theta)).max():.1g}); "
                              "give lengths and angles that close")  # fmt: skip
         return theta

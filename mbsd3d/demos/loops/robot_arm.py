@@ -7,14 +7,14 @@ from mbsd3d import GROUND, AngleDriver, Body, Kinematic, Polynomial, Revolute, S
 from ..form import Ablation, Curve, Demo, Measured, Quantity
 
 G = 9.81  # m/s^2
-RIGHT = np.pi / 2
+RIGHT_ANGLE = np.pi / 2
 
 
 def mechanism(
     *,
     a=(0.0, 0.4, 0.05, 0.0, 0.0, 0.0),
     d=(0.6, 0.0, 0.1, 0.4, 0.0, 0.1),
-    alpha=(RIGHT, 0.0, RIGHT, -RIGHT, RIGHT, 0.0),
+    alpha=(RIGHT_ANGLE, 0.0, RIGHT_ANGLE, -RIGHT_ANGLE, RIGHT_ANGLE, 0.0),
     q=(0.3, 0.7, -0.4, 0.5, 0.8, -0.6),
     qd=(1.0, -0.8, 1.2, 2.0, -1.5, 3.0),
     qdd=(2.0, 1.0, -3.0, 4.0, 5.0, -6.0),

@@ -8,7 +8,7 @@ from mbsd3d import GROUND, AngleDriver, Body, Distance, Kinematic, Ramp, Revolut
 
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 
-SAMPLES = 1441  # of one turn: cubics between them err by less than 1e-12
+TURN_SAMPLES = 1441  # [1] of one turn; cubics between them err by less than 1e-12
 
 
 def mechanism(*, a=0.1, b=0.3, l=0.5, Q=(0.4, 0.1, 0.2), u=(1.0, 0.3, -0.2), branch=1) -> System:
@@ -84,7 +84,7 @@ def measure(build, terms, *, a, b, l, Q, u, branch) -> Measured:
     """Measure the rocker angle after a crank angle of 1 rad, and its swing over a turn."""
     system = build()
     at_1 = simulate(system, 1.0, method=Kinematic(), output=61, **terms)
-    run = simulate(system, 2 * np.pi, method=Kinematic(), output=SAMPLES, **terms)
+    run = simulate(system, 2 * np.pi, method=Kinematic(), output=TURN_SAMPLES, **terms)
     angle = run.angle("rocker shaft")
     between = CubicHermiteSpline(run.t, angle, run.rate("rocker shaft"))
     ends = between(between.derivative().roots(extrapolate=False))

@@ -7,7 +7,7 @@ from mbsd3d import System
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 from .closed_loop import Loop, run_loop
 
-START = (0.5, 2.4341, -1.386, -1.7267, -0.8778, 2.4004)
+START_ANGLES = (0.5, 2.4341, -1.386, -1.7267, -0.8778, 2.4004)
 
 
 def loop_of(a, R):
@@ -17,7 +17,7 @@ def loop_of(a, R):
     return Loop((0, a, a, a, 0, np.sqrt(3) * a), np.radians([90, 90, 90, 90, 90, 0]), (R, 0, 0, 0, 0, -R))
 
 
-def mechanism(*, a=0.2, R=0.3, theta=START, turn_deg=60.0, misfit=0.0) -> System:
+def mechanism(*, a=0.2, R=0.3, theta=START_ANGLES, turn_deg=60.0, misfit=0.0) -> System:
     """Build the linkage of Schatz, closed near the angles theta [rad]; misfit: one side longer by this share."""
     loop = loop_of(a, R)
     return loop.system(loop.close(theta[0], theta[1:]), np.radians(turn_deg), misfit, thick=0.06)

@@ -22,7 +22,7 @@ from mbsd3d import (
 
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 
-G, DUST = 9.81, 1e-9  # m/s^2; kg of what only spins
+G, SPINNING_MASS = 9.81, 1e-9  # m/s^2; kg of what only spins
 
 
 def mechanism(*, m=250.0, h=0.6, Iyy=30.0, Izz=25.0, Jw=1.2, r=0.3, Jc=0.03, N=5.0, v=40.0, R=160.0,
@@ -52,7 +52,7 @@ def mechanism(*, m=250.0, h=0.6, Iyy=30.0, Izz=25.0, Jw=1.2, r=0.3, Jc=0.03, N=5
     for name, (x, height, J, rate) in spinners.items():
         at = x * np.eye(3)[0] + height * along
         look = shapes.Torus(r - 0.05, 0.05, "y") if x else shapes.Cylinder(0.06, 0.4, "y")
-        bodies.append(Body(name, DUST, (J, J, J), position=at, orientation=tilt, shape=look))
+        bodies.append(Body(name, SPINNING_MASS, (J, J, J), position=at, orientation=tilt, shape=look))
         axis = Revolute(frame, bodies[-1], at=at, axis=axle, name=f"{name} axle")
         joints += [axis, AngleDriver(axis, Ramp(rate), name=f"{name} speed")]
     return System(bodies, joints, gravity=(0, 0, -G))

@@ -7,7 +7,7 @@ from mbsd3d import GROUND, Body, Prismatic, Revolute, SpeedDriver, System, Tyre,
 from ..figure import Line
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 
-ANGLES = (0.5, 1, 1.5, 2, 3, 4, 5, 6, 8, 10, 12, 15)  # degrees, of the wheels that roll freely
+STEER_ANGLES = (0.5, 1, 1.5, 2, 3, 4, 5, 6, 8, 10, 12, 15)  # [deg] of the wheels that roll freely
 SLIPS = (
     -0.6,
     -0.4,
@@ -59,7 +59,7 @@ def mechanism(
 
 def wheels(angle):
     """Return (steer [deg], slip) of every wheel."""
-    return [(float(x), 0.0) for x in ANGLES] + [(angle, slip) for slip in SLIPS]
+    return [(float(x), 0.0) for x in STEER_ANGLES] + [(angle, slip) for slip in SLIPS]
 
 
 def brush(slip_x, slip_y, *, load, cornering, longitudinal, mu, trail):
@@ -88,20 +88,20 @@ def measure(build, terms, *, load, cornering, longitudinal, mu, trail, relaxatio
     run = simulate(build(), 60 * relaxation / v, rtol=1e-11, output=61, **terms)
     seen = [run.force(f"tyre {k}") for k in range(len(wheels(angle)))]
     F = np.array([(x.longitudinal[-1], x.lateral[-1], x.aligning[-1]) for x in seen])
-    free, driven = F[: len(ANGLES)], F[len(ANGLES) :]
-    straight = len(ANGLES) + SLIPS.index(0.0)
+    free, driven = F[: len(STEER_ANGLES)], F[len(STEER_ANGLES) :]
+    straight = len(STEER_ANGLES) + SLIPS.index(0.0)
     values = {
         "side_force_N": F[straight, 1], "aligning_N_m": F[straight, 2], "left_of_it_N": driven[-1, 1],
         "drive_force_N": driven[-1, 0],
     }  # fmt: skip
     tyre = {"load": load, "cornering": cornering, "longitudinal": longitudinal, "mu": mu, "trail": trail}
-    slips, angles = np.array(SLIPS), np.array(ANGLES, float)
+    slips, angles = np.array(SLIPS), np.array(STEER_ANGLES, float)
     _, side, moment = brush(0 * angles, np.tan(np.radians(angles)), **tyre)
     along, across, _ = brush(slips, np.tan(np.radians(angle)) + 0 * slips, **tyre)
     whole, sideways = np.hypot(*driven[:, :2].T), Line("sideways", driven[:, 1], theory=(slips, across))
     curves = [
-        Curve("side force [N]", ANGLES, free[:, 1], (angles, side), along="slip angle [deg]"),
-        Curve("aligning moment [N m]", ANGLES, free[:, 2], (angles, moment), along="slip angle [deg]"),
+        Curve("side force [N]", STEER_ANGLES, free[:, 1], (angles, side), along="slip angle [deg]"),
+        Curve("aligning moment [N m]", STEER_ANGLES, free[:, 2], (angles, moment), along="slip angle [deg]"),
         Curve("force [N]", SLIPS, whole, (slips, np.hypot(along, across)), along="slip, braked < 0 < driven [-]",
               title=f"at {angle:g} deg", name="force", more=[sideways]),
     ]  # fmt: skip

@@ -22,7 +22,7 @@ from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 from .shaft_pair import forked
 
 ORDERS = np.array([2, 4, 6])
-SAMPLES = 256  # of one turn: greatest and least rate are among them
+TURN_SAMPLES = 256  # [1] of one turn; greatest and least rate are among them
 
 
 def mechanism(*, bend_deg=30.0, rate=10.0, J=0.2, joints=1) -> System:
@@ -76,7 +76,7 @@ def theory(*, bend_deg, rate, J):
     two."""
     require(abs(bend_deg) < 90, f"demo 'cardan': bend_deg = {bend_deg:g}: a cross locks at 90; give less")
     b = np.radians(bend_deg)
-    torque = motor_torque(2 * np.pi * np.arange(SAMPLES + 1) / SAMPLES, b, rate, J).max()
+    torque = motor_torque(2 * np.pi * np.arange(TURN_SAMPLES + 1) / TURN_SAMPLES, b, rate, J).max()
     amplitudes = dict(zip(("amplitude_2x", "amplitude_4x", "amplitude_6x"), harmonics(b), strict=True))
     even = {"double_greatest_ratio": 1.0, "double_least_ratio": 1.0}
     return {"greatest_over_least": 1 / np.cos(b) ** 2, **amplitudes, "motor_torque_Nm": torque, **even}
@@ -84,7 +84,7 @@ def theory(*, bend_deg, rate, J):
 
 def one_turn(system: System, rate: float, **terms: bool) -> Solution:
     """Simulate one turn of the input."""
-    return simulate(system, 2 * np.pi / abs(rate), rtol=1e-12, output=SAMPLES + 1, **terms)
+    return simulate(system, 2 * np.pi / abs(rate), rtol=1e-12, output=TURN_SAMPLES + 1, **terms)
 
 
 def measure(build, terms, *, bend_deg, rate, J) -> Measured:

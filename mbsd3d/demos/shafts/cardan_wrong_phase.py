@@ -7,7 +7,7 @@ from mbsd3d import GROUND, Body, Cylindrical, Revolute, SpeedDriver, System, Uni
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 from .cardan import ratio
 
-RATE, SAMPLES = 10.0, 361  # rad/s; of one turn, the extremes are at its quarters
+INPUT_RATE, TURN_SAMPLES = 10.0, 361  # rad/s; of one turn, the extremes are at its quarters
 
 
 def mechanism(*, bend_deg=30.0, phase_deg=90.0) -> System:
@@ -23,7 +23,7 @@ def mechanism(*, bend_deg=30.0, phase_deg=90.0) -> System:
     pin, other = ((0, 0, 1), (0, 1, 0)) if phase_deg == 0 else (across, (0, 0, 1))
     joints = [
         Revolute(GROUND, drive, at=-ends, axis=ends, name="bearing"),
-        SpeedDriver(GROUND, drive, axis=ends, speed=RATE, name="motor"),
+        SpeedDriver(GROUND, drive, axis=ends, speed=INPUT_RATE, name="motor"),
         Universal(drive, middle, at=(0, 0, 0), axis_a=(0, 1, 0), axis_b=(0, 0, 1), name="cross 1"),
         Universal(middle, driven, at=along, axis_a=pin, axis_b=other, name="cross 2"),
         Cylindrical(GROUND, driven, at=along + ends, axis=ends, name="support"),
@@ -42,12 +42,12 @@ def theory(*, bend_deg, phase_deg):
 
 def measure(build, terms, *, bend_deg, phase_deg) -> Measured:
     """Measure output over input rate during one turn."""
-    run = simulate(build(), 2 * np.pi / RATE, rtol=1e-12, output=SAMPLES, **terms)
-    found, b = run.omega_body("driven")[:, 0] / RATE, np.radians(bend_deg)
-    first = ratio(RATE * run.t, b)
-    middle = np.arctan2(np.sin(RATE * run.t), np.cos(b) * np.cos(RATE * run.t))  # angle of the middle shaft
+    run = simulate(build(), 2 * np.pi / INPUT_RATE, rtol=1e-12, output=TURN_SAMPLES, **terms)
+    found, b = run.omega_body("driven")[:, 0] / INPUT_RATE, np.radians(bend_deg)
+    first = ratio(INPUT_RATE * run.t, b)
+    middle = np.arctan2(np.sin(INPUT_RATE * run.t), np.cos(b) * np.cos(INPUT_RATE * run.t))  # angle of the middle shaft
     known = np.ones_like(first) if phase_deg == 0 else first * ratio(middle, b)
-    degrees = np.degrees(RATE * run.t)
+    degrees = np.degrees(INPUT_RATE * run.t)
     curve = Curve("output over input rate [-]", degrees, found, (degrees, known), "input [deg]")
     return Measured({"greatest_ratio": found.max(), "least_ratio": found.min()}, [run], [curve])
 

@@ -21,7 +21,7 @@ from mbsd3d import (
 from ..figure import Bars
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 
-ORDERS, SAMPLES = (1, 2, 4, 6), 256  # of the crank's speed; of one turn
+ORDERS, TURN_SAMPLES = (1, 2, 4, 6), 256  # of the crank's speed; of one turn
 
 
 def forms(R, L, ahead):
@@ -101,7 +101,7 @@ def amplitudes(values: np.ndarray) -> np.ndarray:
 
 def one_turn(system: System, rpm: float, **terms: bool) -> Solution:
     """Simulate one turn of the crank by kinematics."""
-    return simulate(system, 60 / abs(rpm), method=Kinematic(), output=SAMPLES + 1, **terms)
+    return simulate(system, 60 / abs(rpm), method=Kinematic(), output=TURN_SAMPLES + 1, **terms)
 
 
 def measure(build, terms, *, rpm, R, L, rc, ahead, mc, mr, mp) -> Measured:

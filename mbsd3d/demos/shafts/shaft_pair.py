@@ -20,8 +20,8 @@ from mbsd3d import (
 )
 from mbsd3d.base.style import GREY
 
-SAMPLES = 361  # of one turn, the quarters among them: there couples and rates have their extremes
-SPAN = 1.0  # m, from the joint to the support of the driven shaft
+TURN_SAMPLES = 361  # [1] of one turn, the quarters among them: there couples and rates have their extremes
+SHAFT_LENGTH = 1.0  # [m] from the joint to the support of the driven shaft
 
 
 def shaft(sign: float) -> tuple[shapes.Shape, ...]:
@@ -66,7 +66,7 @@ def shaft_pair(joint: type[Joint], bend_deg: float, torque: float, **axes: objec
         bearing,
         AngleDriver(bearing, Ramp(1.0), name="motor"),
         joint(drive, driven, at=(0, 0, 0), name="joint", **axes),
-        PointOnLine(GROUND, driven, at=SPAN * along, axis=along, name="support"),
+        PointOnLine(GROUND, driven, at=SHAFT_LENGTH * along, axis=along, name="support"),
     ]
     load = Torque(driven, (-torque, 0, 0), frame="body", name="load")
     return System([drive, driven], joints, [load], gravity=(0, 0, 0))
@@ -79,7 +79,7 @@ def one_turn(system: System, **terms: bool) -> tuple[Solution, np.ndarray, np.nd
     The bearing of the driving shaft stands at the joint, so its moment across the shaft is the couple; on the driven
     shaft the couple is held by a pair of forces at joint and support.
     """
-    run = simulate(system, 2 * np.pi, method=Kinematic(), output=SAMPLES, **terms)
+    run = simulate(system, 2 * np.pi, method=Kinematic(), output=TURN_SAMPLES, **terms)
     on_driving = np.linalg.norm(run.reaction("bearing").moment[:, 1:], axis=1)
-    on_driven = SPAN * np.linalg.norm(run.reaction("support").force, axis=1)
+    on_driven = SHAFT_LENGTH * np.linalg.norm(run.reaction("support").force, axis=1)
     return run, on_driving, on_driven, run.omega_body("driven")[:, 0]

@@ -18,7 +18,7 @@ from mbsd3d import (
 
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 
-SAMPLES = 145  # of one turn: the eighths of a turn, where the torque is greatest, are among them
+TURN_SAMPLES = 145  # [1] of one turn; the eighths of a turn, where the torque is greatest, are among them
 
 
 def mechanism(*, tilt_deg=18.0, R=0.05, m=0.2, omega=200.0, pistons=9) -> System:
@@ -52,8 +52,8 @@ def theory(*, tilt_deg, R, m, omega):
 def measure(build, terms, *, omega) -> Measured:
     """Measure the stroke of a piston and the greatest torque of one and of all."""
     turn = 2 * np.pi / abs(omega)
-    one = simulate(build(pistons=1), turn, method=Kinematic(), output=SAMPLES, **terms)
-    all_of_them = simulate(build(), turn, method=Kinematic(), output=SAMPLES, **terms)
+    one = simulate(build(pistons=1), turn, method=Kinematic(), output=TURN_SAMPLES, **terms)
+    all_of_them = simulate(build(), turn, method=Kinematic(), output=TURN_SAMPLES, **terms)
     height, torque = one.position("piston 1")[:, 2], one.effort("motor")
     degrees, peak = np.degrees(abs(omega) * one.t), build.theory["one_piston_torque_peak_Nm"]
     wave = peak * np.sin(2 * np.radians(degrees)) * np.sign(omega)

@@ -10,8 +10,12 @@ from ..figure import Line, Table
 from ..form import Ablation, Builder, Curve, Demo, Measured, Quantity, require
 from ..shafts import crank
 
-GAP, DECAY, STEPS = 1e-3, 10.0, 200  # m, opened on purpose; 1/s, both roots of Baumgarte; of the quaternion's RK4
-BAUMGARTE = {"stabilisation": "baumgarte", "baumgarte": (2 * DECAY, DECAY**2)}
+INITIAL_GAP, DECAY_RATE, STEP_COUNT = (
+    1e-3,
+    10.0,
+    200,
+)  # m, opened on purpose; 1/s, both roots of Baumgarte; of the quaternion's RK4
+BAUMGARTE = {"stabilisation": "baumgarte", "baumgarte": (2 * DECAY_RATE, DECAY_RATE**2)}
 TERMS = {"gyroscopic": "no w x I w", "centripetal": "no m w x (w x s)", "gamma": "no -J_dot v"}
 RUNS = {"all terms": {}, **{text: {term: False} for term, text in TERMS.items()},
         "no stabilisation": {"stabilisation": "none"}, "Baumgarte": BAUMGARTE}  # fmt: skip
@@ -50,7 +54,7 @@ def drifted(angle, arm):
 def closing(t):
     """Return the gap [m] under Baumgarte's c_ddot + 2 (10/s) c_dot + (10/s)^2 c = 0, opened by `INITIAL_GAP` at
     rest."""
-    return GAP * (1 + DECAY * t) * np.exp(-DECAY * t)
+    return INITIAL_GAP * (1 + DECAY_RATE * t) * np.exp(-DECAY_RATE * t)
 
 
 def ghost(turns):
@@ -69,7 +73,7 @@ def theory(*, arm, turn, I, spin, terms):
         "momentum_change_Nms": float(lost * 2 * np.linalg.norm(L - (L @ w) / (w @ w) * w)),
         "crank_1x_N": shaken["along_1x_without_centripetal_N" if lost else "along_1x_N"],
         "hinge_gap_m": lost * drifted(2 * np.pi, arm),
-        "gap_none_m": GAP, "gap_baumgarte_m": closing(2 * np.pi / abs(turn)), "gap_projection_m": 0.0,
+        "gap_none_m": INITIAL_GAP, "gap_baumgarte_m": closing(2 * np.pi / abs(turn)), "gap_projection_m": 0.0,
         "quaternion_deg": float(ghost(1.0)) if lost else 360.0,
         "quaternion_length": np.hypot(1, np.pi) if lost else 1.0,
     }  # fmt: skip
@@ -83,9 +87,9 @@ def own_crank() -> Builder:
 def opened(system, t, stabilisation):
     """Simulate the flywheel with its hinge a millimetre apart, at rest, at the start."""
     start = system.state()
-    apart = State(start.t, start.q + GAP * np.eye(7)[0], start.v)
+    apart = State(start.t, start.q + INITIAL_GAP * np.eye(7)[0], start.v)
     held = BAUMGARTE if stabilisation == "baumgarte" else {"stabilisation": stabilisation}
-    return simulate(system, t, state=apart, rtol=1e-12, output=51, as_built=2 * GAP, **held)
+    return simulate(system, t, state=apart, rtol=1e-12, output=51, as_built=2 * INITIAL_GAP, **held)
 
 
 def quaternions(h_dot):
@@ -97,8 +101,8 @@ def quaternions(h_dot):
     def rate(y):
         return np.concatenate([y[4:], 0.5 * H(y[4:]) @ w if h_dot else np.zeros(4)])
 
-    path, dt = [np.concatenate([e, 0.5 * H(e) @ w])], 1.0 / STEPS
-    for _ in range(STEPS):
+    path, dt = [np.concatenate([e, 0.5 * H(e) @ w])], 1.0 / STEP_COUNT
+    for _ in range(STEP_COUNT):
         y = path[-1]
         k1 = rate(y)
         k2 = rate(y + 0.5 * dt * k1)
@@ -118,7 +122,7 @@ def measure(build, terms_off, *, arm, turn, I=(1.0, 2.0, 3.0), spin=(1.0, 2.0, 2
     apart = {name: opened(build(), t, name) for name in ("none", "baumgarte", "projection")}
     gaps = {name: np.linalg.norm(run.point("wheel", (-arm, 0, 0)), axis=1) for name, run in apart.items()}
     gap, L, energy = np.linalg.norm(flying.point("wheel", (-arm, 0, 0)), axis=1), free.momentum().angular, free.energy()
-    e, time = quaternions(kept), np.linspace(0, 1, STEPS + 1)
+    e, time = quaternions(kept), np.linspace(0, 1, STEP_COUNT + 1)
     angle = np.degrees(2 * np.arctan2(e[:, 3], e[:, 0]))
     values = {
         "energy_change_J": energy.total[-1] - energy.total[0], "momentum_change_Nms": np.linalg.norm(L[-1] - L[0]),
@@ -129,7 +133,7 @@ def measure(build, terms_off, *, arm, turn, I=(1.0, 2.0, 3.0), spin=(1.0, 2.0, 2
     tops = {name: simulate(top(), 2.0, output=201, **changes) for name, changes in RUNS.items()}
     checks = [run.certificate.checks for run in tops.values()]
     apart_of = {"none": "no stabilisation", "baumgarte": "Baumgarte", "projection": "projection"}
-    dots = {"none": GAP + 0 * flying.t, "baumgarte": closing(flying.t)}
+    dots = {"none": INITIAL_GAP + 0 * flying.t, "baumgarte": closing(flying.t)}
     lines = [Line(f"1 mm apart, {text}", np.maximum(gaps[name], 1e-18), apart[name].t,
                   (flying.t, dots[name]) if name in dots else None) for name, text in apart_of.items()]  # fmt: skip
     curves = [

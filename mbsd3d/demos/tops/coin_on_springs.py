@@ -7,7 +7,7 @@ from mbsd3d import DOP853, GROUND, Body, Contact, Rolling, System, rotation, sha
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 
 G = 9.81  # m/s^2
-SOFTER = (1e-3, 1e-2, 0.1, 1.0)  # tables beside the stiffest
+STIFFNESS_RATIOS = (1e-3, 1e-2, 0.1, 1.0)  # [1] of the tables over the stiffest
 
 
 def mechanism(*, m=0.2, R=0.1, rho=0.01, I1=6e-4, I3=11e-4, tilt_deg=60.0, W=3.0, mu=0.6, stiffness=1e6) -> System:
@@ -63,10 +63,14 @@ def rate_of(system, t, terms):
 
 def measure(build, terms, *, tilt_deg, mu, stiffness, t=2.0) -> Measured:
     """Measure rates on tables of four stiffnesses and without slip; the limit and the order from the last two."""
-    tables = stiffness * np.array(SOFTER)
+    tables = stiffness * np.array(STIFFNESS_RATIOS)
     rates, runs = zip(*(rate_of(build(stiffness=k), t, terms) for k in (*tables, 0.0)), strict=True)
     off = np.log10(np.abs(np.array(rates[:-1]) - rates[-1]))
-    ratio, powers, force = SOFTER[-1] / SOFTER[-2], np.log10(tables), runs[-2].force("table").force[-1]
+    ratio, powers, force = (
+        STIFFNESS_RATIOS[-1] / STIFFNESS_RATIOS[-2],
+        np.log10(tables),
+        runs[-2].force("table").force[-1],
+    )
     values = {
         "limit_rad_s": (ratio * rates[-2] - rates[-3]) / (ratio - 1),
         "order": (off[-2] - off[-1]) / np.log10(ratio),

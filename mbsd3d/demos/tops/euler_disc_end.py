@@ -9,7 +9,7 @@ from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 from ..stones import rolled
 
 G = 9.81  # m/s^2
-PER_WEIGHT = 1e6  # 1/m: the table gives way by 1 um, far less than the edge is high as long as the run lasts
+STIFFNESS_PER_WEIGHT = 1e6  # [1/m] the table deflects by 1 um, far less than the height of the edge during the run
 
 
 def moments(m, a):
@@ -35,10 +35,11 @@ def mechanism(*, m=0.1, a=0.04, rho=0.002, tilt_deg=10.0, mu=0.8, arm=3e-4) -> S
     is the moment against rolling.
     """
     omega, height = start(m, a, rho, tilt_deg)
-    tilt, k, edge = np.radians(tilt_deg), PER_WEIGHT * m * G, shapes.Torus(a - rho, rho, colour="silver")
+    tilt, k, edge = np.radians(tilt_deg), STIFFNESS_PER_WEIGHT * m * G, shapes.Torus(a - rho, rho, colour="silver")
     low = np.array([(a - rho) * np.cos(tilt), 0, -height])
     form = [edge, shapes.Disc(a - rho, 1.6 * rho), shapes.Box((1.2 * a, 0.12 * a, 2.2 * rho), colour="orangered")]
-    disc = Body("disc", m, moments(m, a), position=(0, 0, height - 1 / PER_WEIGHT), orientation=rotation("y", tilt),
+    disc = Body("disc", m, moments(m, a), position=(0, 0, height - 1 / STIFFNESS_PER_WEIGHT),
+        orientation=rotation("y", tilt),
                 velocity=-np.cross(omega, low), omega=omega, shape=form)  # fmt: skip
     table = Contact(GROUND, disc, edge, stiffness=k, damping=np.sqrt(k * m), friction=mu, rolling=arm, name="table")
     return System([disc], forces=[table], gravity=(0, 0, -G))

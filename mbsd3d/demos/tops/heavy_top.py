@@ -12,7 +12,7 @@ from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 from ..quadrature import cross, motion
 
 G = 9.81  # m/s^2
-TIP = 0.25  # of the stem beyond the disc, in lengths
+TIP_RATIO = 0.25  # [1] of the stem beyond the disc, in lengths
 
 
 def mechanism(*, m=15.0, l=1.0, It=0.234375, I3=0.46875, spin=150.0, precession=-4.61538, tilt_deg=90.0) -> System:
@@ -24,7 +24,7 @@ def mechanism(*, m=15.0, l=1.0, It=0.234375, I3=0.46875, spin=150.0, precession=
     omega = precession * np.array([0.0, 0.0, 1.0]) + (spin - precession * np.cos(tilt)) * axis
     shape = (
         shapes.Disc(0.25 * l, 0.03 * l, "y"),
-        shapes.Cylinder(0.02 * l, (1 + TIP) * l, "y", at=(0, 0.5 * (TIP - 1) * l, 0), colour=GREY),
+        shapes.Cylinder(0.02 * l, (1 + TIP_RATIO) * l, "y", at=(0, 0.5 * (TIP_RATIO - 1) * l, 0), colour=GREY),
     )
     top = Body(
         "top", m, (It, I3, It), position=l * axis, orientation=rotation("x", np.pi / 2 - tilt), omega=omega, shape=shape
@@ -145,7 +145,7 @@ demo = Demo(
     ablation=Ablation(
         "gyroscopic", "the top falls as if its moment about the axis were that across it", values=without_gyroscopic
     ),
-    show={"curves": [("com", "top"), ("reaction", "pivot")], "traces": [("top", (0, 1 + TIP, 0))], "speed": 0.1,
+    show={"curves": [("com", "top"), ("reaction", "pivot")], "traces": [("top", (0, 1 + TIP_RATIO, 0))], "speed": 0.1,
           "shown": ["angular momentum"]},
     ranges={"tilt_deg": (85.0, 95.0), "m": (13.0, 15.5), "l": (0.9, 1.02), "It": (0.24, 0.27), "I3": (0.44, 0.48),
             "spin": (150.0, 175.0)},

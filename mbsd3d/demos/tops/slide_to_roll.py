@@ -7,14 +7,14 @@ from mbsd3d import DOP853, GROUND, Body, Contact, System, shapes, simulate
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 
 G = 9.81  # m/s^2
-STIFFNESS = 1e7  # N/m for a mass of 1 kg, at least
-LATE = 2e-7  # s: the time to roll is found wrong by up to 2 mu m g / (k slip), a fifth of its tolerance
+STIFFNESS_MIN = 1e7  # [N/m] for a mass of 1 kg
+ROLL_TIME_ERROR_MAX = 2e-7  # [s] the time to roll is wrong by up to 2 mu m g / (k slip), a fifth of its tolerance
 SLIP_MIN = 1e-3  # m/s: with less of it the table, of 3e10 N/m, gives way by the size of roundings
 
 
 def table_stiffness(mu, slip):
     """Return the normal stiffness of the table [N/m] that keeps the share of sliding time a demo shows."""
-    return max(STIFFNESS, 2 * mu * G / (LATE * abs(slip))) if slip else STIFFNESS
+    return max(STIFFNESS_MIN, 2 * mu * G / (ROLL_TIME_ERROR_MAX * abs(slip))) if slip else STIFFNESS_MIN
 
 
 def mechanism(*, r=0.1, beta=0.4, mu=0.3, v=5.0, spin=0.0) -> System:

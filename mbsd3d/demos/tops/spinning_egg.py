@@ -7,10 +7,13 @@ from mbsd3d.rotations import matrix
 
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 from ..stones import slid
-from .tippe_top import PER_WEIGHT, table_of
+from .tippe_top import STIFFNESS_PER_WEIGHT, table_of
 
 G = 9.81  # m/s^2
-LONGEST, LEANS = 1.42, 11.0  # over its breadth; deg from lying: beyond, the balance is off by more than a part in 100
+ASPECT_RATIO_MAX, LEAN_MAX = (
+    1.42,
+    11.0,
+)  # over its breadth; deg from lying: beyond, the balance is off by more than a part in 100
 
 
 def moments(m, a, b):
@@ -29,7 +32,8 @@ def mechanism(*, m=0.06, a=0.029, b=0.022, mu=0.2, creep=0.01, tilt_deg=85.0, sp
     """
     tilt, (k, c), form = np.radians(tilt_deg), table_of(m), shapes.Ellipsoid((b, b, a))
     mark = shapes.Torus(0.999 * b, 0.04 * b, colour="orangered")
-    egg = Body("egg", m, moments(m, a, b), position=(0, 0, height(a, b, tilt) - 1 / PER_WEIGHT), velocity=(0, 0, 0),
+    egg = Body("egg", m, moments(m, a, b), position=(0, 0, height(a, b, tilt) - 1 / STIFFNESS_PER_WEIGHT),
+        velocity=(0, 0, 0),
                orientation=rotation("y", tilt), omega=(0, 0, spin), shape=[form, mark])  # fmt: skip
     rubs = Contact(GROUND, egg, form, stiffness=k, damping=c, friction=mu, creep=creep, name="table")
     return System([egg], forces=[rubs], gravity=(0, 0, -G))
@@ -42,7 +46,7 @@ def own(times, *, m, a, b, mu, creep, tilt_deg, spin):
     tilt, (k, c) = np.radians(tilt_deg), table_of(m)
     n = matrix(rotation("y", tilt))[2]
     return slid(times, m=m, g=G, I=moments(m, a, b), radii=(b, b, a), com=(0, 0, 0), k=k, c=c, mu=mu, creep=creep,
-                n=n, w=spin * n, v=(0, 0, 0), height=height(a, b, tilt) - 1 / PER_WEIGHT)  # fmt: skip
+                n=n, w=spin * n, v=(0, 0, 0), height=height(a, b, tilt) - 1 / STIFFNESS_PER_WEIGHT)  # fmt: skip
 
 
 def seen(mu, *, m, a, b, creep, tilt_deg, spin, t):
@@ -63,8 +67,11 @@ def theory(*, m, a, b, mu, creep, tilt_deg, spin, t):
     Where the gyroscopic moments balance, L = A W along the vertical, and L times the height stays: A W h = C W_1 a.
     """
     require(a > b > 0, f"an egg is longer than it is broad: give a above b = {b}, not {a}")
-    require(a < LONGEST * b and abs(tilt_deg - 90) < LEANS, "the moments balance from the start on in a stout egg that "
-            f"lies: give a below {LONGEST} b and tilt_deg within {LEANS} of 90")  # fmt: skip
+    require(
+        a < ASPECT_RATIO_MAX * b and abs(tilt_deg - 90) < LEAN_MAX,
+        "the moments balance from the start on in a stout egg that "
+        f"lies: give a below {ASPECT_RATIO_MAX} b and tilt_deg within {LEAN_MAX} of 90",
+    )
     found, (A, _, C) = seen(mu, m=m, a=a, b=b, creep=creep, tilt_deg=tilt_deg, spin=spin, t=t), moments(m, a, b)
     require(found["axis_height_cos"] > 0.9, f"the egg does not stand after t = {t} s: give a greater t or mu, and a "
             "spin near 160 rad/s: a slow egg never stands, a fast one rises slowly")  # fmt: skip

@@ -11,8 +11,8 @@ from ..quadrature import cross, motion
 from ..stones import slid
 
 G = 9.81  # m/s^2
-PER_WEIGHT = 1e4  # 1/m: stiffness of a table that gives way over the weight of the stone
-CREEP = 0.01  # m/s: dry friction is full where the top slides much faster
+STIFFNESS_PER_WEIGHT = 1e4  # [1/m] stiffness of the table over the weight of the top
+CREEP_SPEED = 0.01  # [m/s] dry friction is full where the top slides much faster
 
 
 def sliding(t, bodies, z, parameters, loads, z_dot):
@@ -45,14 +45,14 @@ def mechanism(*, m=0.01, r=0.02, a=0.003, A=1.6e-6, C=1.5e-6, c=0.2, theta_deg=1
 
 def table_of(m):
     """Return (k, c) of a compliant table [N/m, N s/m]."""
-    return PER_WEIGHT * m * G, m * np.sqrt(PER_WEIGHT * G)
+    return STIFFNESS_PER_WEIGHT * m * G, m * np.sqrt(STIFFNESS_PER_WEIGHT * G)
 
 
 def on_contact(*, m, r, a, A, C, mu, theta_deg, spin):
     """Build the same top on a compliant table, with dry friction mu."""
-    top, (k, c) = top_of(m, r, a, A, C, theta_deg, spin, 1 / PER_WEIGHT), table_of(m)
+    top, (k, c) = top_of(m, r, a, A, C, theta_deg, spin, 1 / STIFFNESS_PER_WEIGHT), table_of(m)
     ball = shapes.Sphere(r, at=(0, 0, 0))
-    rubs = Contact(GROUND, top, ball, stiffness=k, damping=c, friction=mu, creep=CREEP, name="table")
+    rubs = Contact(GROUND, top, ball, stiffness=k, damping=c, friction=mu, creep=CREEP_SPEED, name="table")
     return System([top], forces=[rubs], gravity=(0, 0, -G))
 
 
@@ -87,8 +87,8 @@ def own(times, *, m, r, a, A, C, c, theta_deg, spin):
 def own_on_contact(times, *, m, r, a, A, C, mu, theta_deg, spin):
     """Return the cosine of the tilt on a compliant table; see `slid`; shape (times,)."""
     n, (k, c) = matrix(rotation("y", np.radians(theta_deg)))[2], table_of(m)
-    return slid(times, m=m, g=G, I=(A, A, C), radii=(r, r, r), com=(0, 0, -a), k=k, c=c, mu=mu, creep=CREEP,
-                n=n, w=(0, 0, spin), v=(0, 0, 0), height=r - 1 / PER_WEIGHT - a * n[2])[:, 2]  # fmt: skip
+    return slid(times, m=m, g=G, I=(A, A, C), radii=(r, r, r), com=(0, 0, -a), k=k, c=c, mu=mu, creep=CREEP_SPEED,
+                n=n, w=(0, 0, spin), v=(0, 0, 0), height=r - 1 / STIFFNESS_PER_WEIGHT - a * n[2])[:, 2]  # fmt: skip
 
 
 def theory(*, m, r, a, A, C, c, mu, theta_deg, spin, t):

@@ -7,7 +7,7 @@ from mbsd3d import GROUND, AngleDriver, Body, Kinematic, Parallel, Ramp, Revolut
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 
 SAMPLES = 401  # odd: the pose nearest to the straight one is among them
-HERE = {"at": (0, 0, 0)}  # the axes of a wrist meet
+JOINT_PLACE = {"at": (0, 0, 0)}  # the axes of a wrist meet
 
 
 def mechanism(*, w=1.0, miss_deg=3.0) -> System:
@@ -35,11 +35,11 @@ def wrist(w, miss_deg, angle):
     start = np.column_stack([np.cross(bend, (0, 0, 1)), bend, (0, 0, 1)])
     links = [("fork", start, fork), ("knuckle", frame, knuckle), ("hand", frame, hand)]
     fork, knuckle, hand = (Body(name, 1.0, (0.01, 0.02, 0.01), orientation=R, shape=form) for name, R, form in links)
-    turn = Revolute(GROUND, hand, axis=axis, name="wanted turn", **HERE)
+    turn = Revolute(GROUND, hand, axis=axis, name="wanted turn", **JOINT_PLACE)
     joints = [
         turn,
-        Revolute(GROUND, fork, axis=(0, 0, 1), name="axis 4", **HERE),
-        Revolute(fork, knuckle, axis=bend, name="axis 5", **HERE),
+        Revolute(GROUND, fork, axis=(0, 0, 1), name="axis 4", **JOINT_PLACE),
+        Revolute(fork, knuckle, axis=bend, name="axis 5", **JOINT_PLACE),
         Parallel(knuckle, hand, axis=along, name="axis 6"),
     ]
     driver = [AngleDriver(turn, Ramp(w), name="task")] if w else []

@@ -17,7 +17,7 @@ from mbsd3d import (
     shapes,
 )
 from validation.calibration.problem import DRIVEN, Array, Place, Problem, angle, centre, slide
-from validation.calibration.rates import TIGHT, motion
+from validation.calibration.rates import TRUTH_RTOL, motion
 
 
 def bounces(slopes: list, ends: list, start: Array, t_end: float) -> tuple[list, list]:
@@ -32,8 +32,8 @@ def bounces(slopes: list, ends: list, start: Array, t_end: float) -> tuple[list,
             (t, t_end),
             y,
             "DOP853",
-            rtol=TIGHT,
-            atol=TIGHT * 1e-3,
+            rtol=TRUTH_RTOL,
+            atol=TRUTH_RTOL * 1e-3,
             events=[ends[k]],
             dense_output=True,
             max_step=0.02,

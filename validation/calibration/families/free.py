@@ -6,7 +6,7 @@ from mbsd3d import GROUND, CentralGravity, Spherical, System
 from validation.calibration.problem import Array, Place, Problem, attitude, centre
 from validation.theory import free_body, spinning_body
 
-REST = (1.0, 0.0, 0.0, 0.0)
+IDENTITY_QUATERNION = (1.0, 0.0, 0.0, 0.0)
 
 
 def turned(place: Place, rotation: Array) -> Array:
@@ -29,7 +29,7 @@ def free(place: Place) -> Problem:
         return at + np.outer(t, place.axis(boost)) + 0.5 * np.outer(t * t, place.gravity)
 
     def pose(t: Array) -> Array:
-        return turned(place, free_body(t, moments, omega, REST).rotation)
+        return turned(place, free_body(t, moments, omega, IDENTITY_QUATERNION).rotation)
 
     rate = float(np.linalg.norm(omega))
     readings = [centre(body, path), attitude(body, pose)]
@@ -49,7 +49,7 @@ def top(place: Place) -> Problem:
     about = tensor + mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
 
     def pose(t: Array) -> Array:
-        return turned(place, spinning_body(t, about, omega, REST, mass * place.g * arm).rotation)
+        return turned(place, spinning_body(t, about, omega, IDENTITY_QUATERNION, mass * place.g * arm).rotation)
 
     def path(t: Array) -> Array:
         return place.shift + pose(t) @ place.axis(arm)

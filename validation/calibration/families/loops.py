@@ -11,7 +11,7 @@ from validation.calibration.problem import DRIVEN, Array, Place, Problem, angle,
 from validation.calibration.rates import motion, turn
 from validation.theory import HingeLoop
 
-SAMPLES = 600  # of a motion of some turns: a spline of degree 9 through them errs by 1e-13
+SPLINE_SAMPLES = 600  # [1] of a motion of some turns; a spline of degree 9 through them errs by 1e-13
 
 
 def loop(place: Place, points: Array, axes: Array, rate: float, t_end: float) -> Problem:
@@ -31,7 +31,7 @@ def loop(place: Place, points: Array, axes: Array, rate: float, t_end: float) ->
     ]
     system = System(links[1:], hinges, gravity=place.gravity)
     truth = HingeLoop(points, axes, masses, centres, tensors, np.array([0.0, 0.0, -place.g]))
-    grid = np.linspace(0.0, t_end, SAMPLES)
+    grid = np.linspace(0.0, t_end, SPLINE_SAMPLES)
     course = make_interp_spline(grid, truth.motion(rate, grid), k=9)
     size = np.abs(course.derivative()(grid)).max()
     readings = [angle(h.name, h, lambda t, k=k: course(t)[:, k]) for k, h in enumerate(hinges)]

@@ -18,15 +18,15 @@ from mbsd3d.errors import InputError
 from mbsd3d.extend import perpendiculars
 from validation import reduce_to_planes
 from validation.benchmark import planar_pairs as twins
-from validation.cases.inline_four import RATE, block_force, inline_four
+from validation.cases.inline_four import CRANK_RATE, block_force, inline_four
 from validation.suite.findings import PLANE, THEORY, Finding, judged, not_compared
 from validation.suite.trials.trial import Run, Trial, run
 
-EXACT = 1e-12  # Of directions and distances: beyond rounding a mechanism is not planar
-LEAST_ORDER = 3.5  # Runge-Kutta of order 4 shows at least this one as long as its error is larger than ours
-LADDER = (2000, 8000)  # Steps of the runs
-COMPARED = 9  # At which both are compared, the start and the end among them
-LIMIT = 1e-5
+PLANAR_TOLERANCE = 1e-12  # [1] of directions and distances: beyond rounding a mechanism is not planar
+ORDER_MIN = 3.5  # [1] Runge-Kutta of order 4 shows at least this one while its error exceeds that of mbsd3d
+STEP_COUNTS = (2000, 8000)  # [1] steps of the runs
+COMPARED_SAMPLES = 9  # [1] samples of the comparison, the start and the end among them
+DIFFERENCE_MAX = 1e-5
 """Largest error of the finest run where it falls at the right order: what is left is the planar method's own."""
 
 
@@ -54,7 +54,7 @@ class Flat:
     def sense(self, axis: np.ndarray, what: str) -> float:
         """Return +1 or -1 for an axis along or against the normal."""
         along = float(self.frame[2] @ axis)
-        if abs(along) < 1.0 - EXACT:
+        if abs(along) < 1.0 - PLANAR_TOLERANCE:
             raise NotPlanarError(f"the axis of {what} is not normal to the plane")
         return np.sign(along)
 
@@ -90,7 +90,7 @@ def flat_body(made: Flat, body: Any) -> planar.Body:
     inertia = float(normal @ body.axes @ body.inertia @ body.axes.T @ normal)
     if body.omega is not None:
         omega = float(normal @ body.omega)
-        if np.linalg.norm(body.omega - omega * normal) > EXACT * max(1.0, abs(omega)):
+        if np.linalg.norm(body.omega - omega * normal) > PLANAR_TOLERANCE * max(1.0, abs(omega)):
             raise NotPlanarError(f"body '{body.name}' turns out of the plane at the start")
     velocity = None if body.velocity is None else made.flat(body.velocity)
     com, position = made.flat(body.centre - body.position), made.flat(body.position)
@@ -101,7 +101,7 @@ def add_joint(made: Flat, system: System, joint: Joint) -> None:
     """Add the planar counterpart of a joint; a second hinge on the same axis adds nothing in a plane."""
     what, ends = system.name(joint), (made.of(joint.a), made.of(joint.b))
     if isinstance(joint, Prismatic):
-        if abs(made.frame[2] @ joint.axis) > EXACT:
+        if abs(made.frame[2] @ joint.axis) > PLANAR_TOLERANCE:
             raise NotPlanarError(f"the axis of {what} leaves the plane")
         made.joints.append(planar.Slider(*ends, at=made.flat(joint.at), axis=made.flat(joint.axis), name=what))
         return
@@ -115,7 +115,7 @@ def add_joint(made: Flat, system: System, joint: Joint) -> None:
         sense = sense if shared[0].b is ends[1] else -sense
         speed = sense * constant(joint.speed, what)
         made.joints.append(planar.AngleDriver(shared[0], planar.rate(speed), name=what))
-    elif not any(np.allclose(found.at, made.flat(joint.at), rtol=0.0, atol=EXACT) for found in shared):
+    elif not any(np.allclose(found.at, made.flat(joint.at), rtol=0.0, atol=PLANAR_TOLERANCE) for found in shared):
         made.joints.append(planar.Revolute(*ends, at=made.flat(joint.at), name=what))
 
 
@@ -154,16 +154,18 @@ def by_ladder(made: Run, system: planar.System, frame: np.ndarray) -> Iterable[F
     order.
     """
     try:
-        runs = [planar.simulate(system, made.t_end, dt=made.t_end / n, output=COMPARED) for n in LADDER]
+        runs = [planar.simulate(system, made.t_end, dt=made.t_end / n, output=COMPARED_SAMPLES) for n in STEP_COUNTS]
     except ValueError as reason:
         yield not_compared(PLANE, str(reason))
         return
     rtol = made.solution.record.rtol
-    ours = run(made.system, made.t_end, state=made.state, output=COMPARED, rtol=rtol).solution
+    ours = run(made.system, made.t_end, state=made.state, output=COMPARED_SAMPLES, rtol=rtol).solution
     errors = [apart(ours, frame, theirs) for theirs in runs]
-    order = float(np.log(errors[0] / errors[1]) / np.log(LADDER[1] / LADDER[0])) if errors[-1] > 0.0 else np.inf
-    limit = LIMIT if order >= LEAST_ORDER else made.accuracy
-    text = f"{LADDER[-1]} steps of {made.t_end / LADDER[-1]:.3g} s, observed order {order:.2f}"
+    order = (
+        float(np.log(errors[0] / errors[1]) / np.log(STEP_COUNTS[1] / STEP_COUNTS[0])) if errors[-1] > 0.0 else np.inf
+    )
+    limit = DIFFERENCE_MAX if order >= ORDER_MIN else made.accuracy
+    text = f"{STEP_COUNTS[-1]} steps of {made.t_end / STEP_COUNTS[-1]:.3g} s, observed order {order:.2f}"
     yield judged(PLANE, "centres of mass", errors[-1], limit, text)
 
 
@@ -175,15 +177,15 @@ def apart(ours: Any, frame: np.ndarray, theirs: planar.Solution) -> float:
 
 
 GRAVITY = (1.3, -9.6)  # m/s^2, in the plane of the cylinders, along no axis
-SHORT = ("single", "I4", "V8_cross")  # Layouts of the short list
-PEERED = ("I4", "V6_90_split30")  # Layouts that other engines are asked about; the others have the same parts
+QUICK_LAYOUTS = ("single", "I4", "V8_cross")  # layouts of the short list
+PEER_LAYOUTS = ("I4", "V6_90_split30")  # layouts that other engines are asked about; the others have the same parts
 SAMPLES = 33
 
 
 def trials(quick: bool) -> list[Trial]:
     """Return layouts of engines, the inline four of the sweeps, and planar mechanisms with and without redundant
     rows."""
-    found = [layout(name) for name in (SHORT if quick else names())]
+    found = [layout(name) for name in (QUICK_LAYOUTS if quick else names())]
     found.append(Trial("inline_four", "engines", "inline four, driven, as a sum of planes", four, {PLANE: block}))
     for k, mechanism in enumerate(twins.mechanisms()):
         for redundant in (False, True):
@@ -196,7 +198,9 @@ def trials(quick: bool) -> list[Trial]:
 
 def layout(name: str) -> Trial:
     """Return the test case of an engine of `engines.balance`."""
-    alone = "" if name in PEERED else f"{' and '.join(PEERED)} represent the layouts, which have the same parts"
+    alone = (
+        "" if name in PEER_LAYOUTS else f"{' and '.join(PEER_LAYOUTS)} represent the layouts, which have the same parts"
+    )
     judges = {THEORY: partial(balanced, "phasor", THEORY), PLANE: partial(balanced, "planar", PLANE)}
     return Trial(f"engine_{name}", "engines", Engine(name).layout.title, partial(turning, name), judges, alone=alone)
 
@@ -213,19 +217,27 @@ def balanced(way: str, judge: str, made: Run) -> Iterable[Finding]:
     """Compare harmonics 0 to 6 of the load on the block: the model in space against another method."""
     found, engine = made.source.ways, made.source.engine
     error = found[way].difference(found["spatial"], engine.spacing) / engine.single
-    yield judged(judge, "harmonics of the block load", error, balance.LIMIT, "relative to the 1x force of one cylinder")
+    yield judged(
+        judge,
+        "harmonics of the block load",
+        error,
+        balance.DISAGREEMENT_MAX,
+        "relative to the 1x force of one cylinder",
+    )
 
 
 def four() -> Run:
     """Simulate one turn of the inline four."""
-    return run(inline_four(), 2 * np.pi / RATE, method=Kinematic(), output=SAMPLES)
+    return run(inline_four(), 2 * np.pi / CRANK_RATE, method=Kinematic(), output=SAMPLES)
 
 
 def block(made: Run) -> Iterable[Finding]:
     """Compare the force on the block with a sum of planes."""
     ours = block_force(made.solution)
     known = reduce_to_planes(made.system).block_load(made.solution.t).force
-    yield judged(PLANE, "force on the block", np.abs(ours - known).max() / np.abs(known).max(), balance.LIMIT)
+    yield judged(
+        PLANE, "force on the block", np.abs(ours - known).max() / np.abs(known).max(), balance.DISAGREEMENT_MAX
+    )
 
 
 def free(k: int, redundant: bool) -> Run:

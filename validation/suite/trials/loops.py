@@ -12,8 +12,8 @@ from validation.suite.trials.closed_forms import Pairs
 from validation.suite.trials.references import counts, theory_of
 from validation.suite.trials.trial import Run, Trial, run
 
-SEEDS = 3  # of each family in the whole list
-RATE, T_END, SAMPLES = 2.0, 1.5, 31  # rad/s of the first hinge at the start, s
+SEED_COUNT = 3  # [1] of each family in the whole list
+HINGE_RATE, T_END, SAMPLES = 2.0, 1.5, 31  # rad/s of the first hinge at the start, s
 
 
 def trials(quick: bool) -> list[Trial]:
@@ -24,20 +24,20 @@ def trials(quick: bool) -> list[Trial]:
     return [
         Trial(f"loop_{name}_{seed}", "closed loops", f"{name.replace('_', ' ')}, seed {seed}",
               partial(let_go, name, seed), judges, drawn=seed == 0)
-        for name in FAMILIES for seed in range(1 if quick else SEEDS)
+        for name in FAMILIES for seed in range(1 if quick else SEED_COUNT)
     ]  # fmt: skip
 
 
 def let_go(name: str, seed: int) -> Run:
     """Simulate the free motion of a random loop."""
     system = FAMILIES[name](np.random.default_rng(seed))
-    return run(system, T_END, state=system.assemble(rates={"hinge 1": RATE}), output=SAMPLES)
+    return run(system, T_END, state=system.assemble(rates={"hinge 1": HINGE_RATE}), output=SAMPLES)
 
 
 def turned(made: Run) -> Pairs:
     """Compare the angles of all hinges since the start."""
     ours = np.array([made.solution.angle(hinge) for hinge in made.system.joints]).T
-    return {"angles": (ours - ours[0], as_axes(made.system).motion(RATE, made.solution.t))}
+    return {"angles": (ours - ours[0], as_axes(made.system).motion(HINGE_RATE, made.solution.t))}
 
 
 def freedoms(made: Run) -> Iterable[Finding]:

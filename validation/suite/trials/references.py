@@ -16,17 +16,21 @@ from validation.cases.robot import hinge_accelerations, robot_poses
 from validation.suite.findings import FREEDOMS, PLANE, REFERENCE, THEORY, Finding, judged, not_compared
 from validation.suite.trials.closed_forms import CLOSED_FORMS, Pairs
 from validation.suite.trials.engines import in_the_plane
-from validation.suite.trials.trial import RTOL, STANDS, Run, Trial, run
+from validation.suite.trials.trial import LONG_RUN_REASON, RTOL, Run, Trial, run
 
-SHIFT = 7
+SHIFT_SEED = 7
 """Seed of the shifts that put every reference point off its centre of mass: r_G = 0 would hide half of the terms."""
-ROUNDING = 1e-10
+START_ROUNDING = 1e-10
 """Of eigenvalues and accelerations without a time loop, relative: rounding 1e-16 times a condition of up to 1e5."""
-PASSES = {"iftomm_A02_fourbar_N2": 1e-8}
+RTOL_BY_CASE = {"iftomm_A02_fourbar_N2": 1e-8}
 """Cases that pass singular positions -> rtol; tighter ones end closer to them, and rounding is amplified by more."""
-ROUNDED = {"free_dzhanibekov": 1e-6}
+ROUNDING_BY_CASE = {"free_dzhanibekov": 1e-6}
 """Cases whose error is rounding -> allowed: 2e-16 in 400 steps at random, times 6 flips and (5 / 1e-3)^2, is 7e-7."""
-LONG = {"chain100_spherical": "chain10_spherical", "bicycle_M3": "bicycle_M1", "iftomm_rscr_slidercrank": "rssr_driven"}
+SHORTER_CASE = {
+    "chain100_spherical": "chain10_spherical",
+    "bicycle_M3": "bicycle_M1",
+    "iftomm_rscr_slidercrank": "rssr_driven",
+}
 """Case -> the one compared with other engines in its place when the run must be short."""
 
 
@@ -35,7 +39,10 @@ def trials(quick: bool = False) -> list[Trial]:
     found = [trial_of(name) for name in cases.names()]
     if not quick:
         return found
-    return [replace(trial, alone=STANDS.format(LONG[trial.name])) if trial.name in LONG else trial for trial in found]
+    return [
+        replace(trial, alone=LONG_RUN_REASON.format(SHORTER_CASE[trial.name])) if trial.name in SHORTER_CASE else trial
+        for trial in found
+    ]
 
 
 def trial_of(name: str) -> Trial:
@@ -44,20 +51,20 @@ def trial_of(name: str) -> Trial:
     if timed:
         judges = {FREEDOMS: freedoms, REFERENCE: reference, THEORY: closed_form, PLANE: in_the_plane}
         return Trial(name, "references", title, partial(moving, name), judges)
-    judges = {FREEDOMS: freedoms, REFERENCE: STANDING[name], THEORY: closed_form}
+    judges = {FREEDOMS: freedoms, REFERENCE: STATIC_JUDGES[name], THEORY: closed_form}
     return Trial(name, "references", title, partial(standing, name), judges)
 
 
 def moving(name: str) -> Run:
     """Simulate a case at the times of its reference."""
-    case, rtol = cases.load(name, SHIFT), PASSES.get(name, RTOL)
+    case, rtol = cases.load(name, SHIFT_SEED), RTOL_BY_CASE.get(name, RTOL)
     return run(case.system, case.t_end, output=case.times, source=case, accuracy=allowed(case, rtol), rtol=rtol)
 
 
 def standing(name: str) -> Run:
     """Return a case of which only the start counts."""
-    case = cases.load(name, SHIFT)
-    return Run(case.system, source=case, accuracy=ROUNDING)
+    case = cases.load(name, SHIFT_SEED)
+    return Run(case.system, source=case, accuracy=START_ROUNDING)
 
 
 def allowed(case: cases.Case, rtol: float = RTOL) -> float:
@@ -66,7 +73,7 @@ def allowed(case: cases.Case, rtol: float = RTOL) -> float:
     At 1e-10 never more than 1e-7, or what rounding comes to. The floor of 100 rtol covers the errors of some
     hundred steps that add up in a case of condition 1.
     """
-    most = ROUNDED.get(case.id, 1e-7) * (rtol / RTOL)
+    most = ROUNDING_BY_CASE.get(case.id, 1e-7) * (rtol / RTOL)
     return min(most, max(10 * condition(case.id), 100) * rtol + case.accuracy)
 
 
@@ -122,19 +129,19 @@ def pendulum_frequency(made: Run) -> Iterable[Finding]:
     """Compare the only eigenvalue of a pendulum or of two hanging four-bars with the file."""
     known = made.source.raw["reference"]["omega"][0]
     found = np.abs(linearize(made.system).eigenvalues.imag).max()
-    yield judged(REFERENCE, "frequency", abs(found - known) / known, ROUNDING)
+    yield judged(REFERENCE, "frequency", abs(found - known) / known, START_ROUNDING)
 
 
 def bicycle_eigenvalues(made: Run) -> Iterable[Finding]:
     """Compare eigenvalues of the benchmark bicycle over speed with the published ones."""
     raw, worst = made.source.raw, 0.0
     for row in raw["reference"]["values"]:
-        system = cases.build(at_speed(raw, row["v"]), SHIFT).system
+        system = cases.build(at_speed(raw, row["v"]), SHIFT_SEED).system
         frame, steer = system.part("rearframe"), system.part("steer", "joints")
         seen = [measures.lean(frame), measures.angle(steer), measures.lean_rate(frame), measures.rate(steer)]
         found, known = linearize(system, outputs=seen).eigenvalues, np.array([complex(*x) for x in row["eigenvalues"]])
         worst = max(worst, np.abs(found[:, None] - known).min(axis=0).max() / np.abs(known).max())
-    yield judged(REFERENCE, f"eigenvalues at {len(raw['reference']['values'])} speeds", worst, ROUNDING)
+    yield judged(REFERENCE, f"eigenvalues at {len(raw['reference']['values'])} speeds", worst, START_ROUNDING)
 
 
 def at_speed(raw: dict, speed: float) -> dict:
@@ -150,15 +157,15 @@ def at_speed(raw: dict, speed: float) -> dict:
 
 def robot(made: Run) -> Iterable[Finding]:
     """Compare accelerations of the six-axis arm in its poses, with and without torques, with the file."""
-    for k, pose in enumerate(robot_poses(SHIFT)):
+    for k, pose in enumerate(robot_poses(SHIFT_SEED)):
         state = pose.system.assemble(angles=pose.angles, rates=pose.rates)
         for system, known in ((pose.system, pose.accelerations), (pose.free, pose.free_accelerations)):
             found = hinge_accelerations(accelerations(system, state))[0]
             error = np.abs(found - known).max() / max(1.0, np.abs(known).max())
-            yield judged(REFERENCE, f"accelerations in pose {k}", error, ROUNDING)
+            yield judged(REFERENCE, f"accelerations in pose {k}", error, START_ROUNDING)
 
 
-STANDING = {
+STATIC_JUDGES = {
     "bicycle_eigenvalues": bicycle_eigenvalues,
     "eig_fourbar2_hanging": pendulum_frequency,
     "eig_hanging_pendulum": pendulum_frequency,

@@ -8,8 +8,8 @@ from mbsd3d import Solution, State, System, simulate
 from validation.suite.findings import CERTIFICATE, DIFFERS, Finding, Record, judged
 
 RTOL = 1e-10  # Of our runs: a hundredth of the tightest limit
-ACCURACY = 100 * RTOL  # What the errors of some hundred steps add up to where nothing is amplified
-STANDS = "other engines take too long for a short run; see {} instead"
+ERROR_MAX = 100 * RTOL  # [1] accumulated error of some hundred steps where nothing is amplified
+LONG_RUN_REASON = "other engines take too long for a short run; see {} instead"
 """Why a trial is not compared with engines in a short run."""
 
 
@@ -27,7 +27,7 @@ class Run:
     solution: Solution | None = None
     state: State | None = None
     source: Any = None
-    accuracy: float = ACCURACY
+    accuracy: float = ERROR_MAX
 
 
 def run(
@@ -36,7 +36,7 @@ def run(
     *,
     state: State | None = None,
     source: Any = None,
-    accuracy: float = ACCURACY,
+    accuracy: float = ERROR_MAX,
     **options: Any,
 ) -> Run:
     """Simulate a mechanism at `RTOL`; other options as for `simulate`."""

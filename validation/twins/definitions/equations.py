@@ -24,7 +24,7 @@ from validation.twins.definitions.series import Array, Series
 from validation.twins.laws import LAWS, Law
 from validation.twins.laws.moving import Moving, Push, own_states
 
-RANK = 1e-9
+SINGULAR_VALUE_RATIO_MIN = 1e-9
 """Singular values of J below this part of the greatest count as zero: far above rounding, far below a real row."""
 
 
@@ -175,7 +175,7 @@ def solve(system: System, state: State) -> Reference:
     M, F = mass_and_force(system, state)
     M, F, J = M * np.outer(unit, unit), F * unit, rows.J * unit / rows.size[:, None]
     U, s, Vt = np.linalg.svd(J)
-    rank = int((s > RANK * s.max(initial=0.0)).sum())
+    rank = int((s > SINGULAR_VALUE_RATIO_MIN * s.max(initial=0.0)).sum())
     fixed = Vt[:rank].T @ ((U[:, :rank].T @ (rows.gamma / rows.size)) / s[:rank])
     N = Vt[rank:].T
     free = N.T @ M @ N

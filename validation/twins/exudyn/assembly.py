@@ -167,7 +167,7 @@ class Assembly:
         return out
 
 
-STEP = 2e-3
+DIFFERENCE_STEP = 2e-3
 """Of the differences, in times the reciprocal of the fastest rate: 3e-14 of the fifth derivative against rounding."""
 
 
@@ -225,7 +225,7 @@ class Equations:
 
     def bias(self) -> Array:
         """Return J u_dot of the rows at the start: -J_dot u and the terms of prescribed motions."""
-        t, h = self.model.state.t, STEP / max(1.0, float(np.abs(self.u).max()))
+        t, h = self.model.state.t, DIFFERENCE_STEP / max(1.0, float(np.abs(self.u).max()))
 
         def rates(h: float) -> Array:
             self.load(self.moved(h), self.u, t)

@@ -11,7 +11,7 @@ from validation.twins.exudyn.assembly import Assembly, Equations
 from validation.twins.exudyn.joints import add_force_element, add_joint
 from validation.twins.exudyn.solvers import SOLVERS, Scheme, check_samples, march, opened, quiet
 
-SPARSE_FROM = 10
+SPARSE_BODIES_MIN = 10
 """Bodies from which the sparse linear solver is the faster one: chains, measured; 23 times faster at 60 bodies."""
 
 
@@ -65,7 +65,7 @@ class BodyTwin:
             return {"solver": "rk67"}
         if self.repeated:
             return {"solver": "generalized-alpha", "linear": "full-pivot"}
-        linear = "sparse" if len(self.system.bodies) > SPARSE_FROM else "dense"
+        linear = "sparse" if len(self.system.bodies) > SPARSE_BODIES_MIN else "dense"
         return {"solver": "index2", "linear": linear, "tolerance": 1e-10}
 
     def degrees_of_freedom(self) -> dict[str, int]:

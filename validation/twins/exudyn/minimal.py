@@ -13,8 +13,8 @@ from validation.twins.exudyn.solvers import SOLVERS, Scheme, check_samples, marc
 from validation.twins.exudyn.tree import SHIFT, TURN, Frame, Link, links_of
 
 OUTPUTS = ("Position", "RotationMatrix", "Velocity", "AngularVelocity")
-SECOND = ("Acceleration", "AngularAcceleration")
-WORLD = Frame(np.zeros(3), np.eye(3))
+ACCELERATION_OUTPUTS = ("Acceleration", "AngularAcceleration")
+WORLD_FRAME = Frame(np.zeros(3), np.eye(3))
 
 
 class Tree:
@@ -42,7 +42,7 @@ class Tree:
     def tree_item(self) -> Any:
         """Return the item of all links."""
         module, here = self.module, [link.here for link in self.links]
-        parents = [WORLD if link.parent < 0 else here[link.parent] for link in self.links]
+        parents = [WORLD_FRAME if link.parent < 0 else here[link.parent] for link in self.links]
         turns = [up.axes.T @ link.there.axes for up, link in zip(parents, self.links, strict=True)]
         offsets = [up.axes.T @ (link.there.point - up.point) for up, link in zip(parents, self.links, strict=True)]
         masses, centres, inertias = map(list, zip(*(own_inertia(link) for link in self.links), strict=True))
@@ -124,7 +124,9 @@ class TreeTwin:
         for force in system.forces:
             add_force_element(self.model, force)
         self.mbs = self.model.mbs
-        self.sensors, self.later = ({name: self.at_origins(name) for name in names} for names in (OUTPUTS, SECOND))
+        self.sensors, self.later = (
+            {name: self.at_origins(name) for name in names} for names in (OUTPUTS, ACCELERATION_OUTPUTS)
+        )
         item = module.itemInterface.SensorUserFunction(sensorUserFunction=pulse, storeInternal=True, writeToFile=False)
         self.mbs.AddSensor(item)
         self.mbs.Assemble()

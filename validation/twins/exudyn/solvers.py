@@ -16,16 +16,16 @@ from mbsd3d.errors import InputError
 from mbsd3d.extend import loading
 from validation.twins.base import Array, EngineFailed, EngineMissing, release
 
-OLDEST = (1, 13, 6)
+VERSION_MIN = (1, 13, 6)
 """Earlier versions name their settings otherwise, and have no coordinate of a hinge (MarkerBodiesRelative...)."""
 
-WANTED = ".".join(map(str, OLDEST))
+VERSION_MIN_TEXT = ".".join(map(str, VERSION_MIN))
 
 
 def exudyn() -> Any:
     """Import the module Exudyn on demand.
 
-    EngineMissing if it is not installed or older than `OLDEST`.
+    EngineMissing if it is not installed or older than `VERSION_MIN`.
     """
     try:
         version = metadata.version("exudyn")
@@ -43,8 +43,10 @@ def exudyn() -> Any:
 
 def check_version(version: str) -> None:
     """Raise EngineMissing for a version before `VERSION_MIN`."""
-    if release(version) < OLDEST:
-        raise EngineMissing(f"Exudyn {version} is older than {WANTED}; pip install -U 'exudyn>={WANTED}'")
+    if release(version) < VERSION_MIN:
+        raise EngineMissing(
+            f"Exudyn {version} is older than {VERSION_MIN_TEXT}; pip install -U 'exudyn>={VERSION_MIN_TEXT}'"
+        )
 
 
 @contextmanager
@@ -60,7 +62,7 @@ def quiet(module: Any) -> Iterator[StringIO]:
         module.config.printToConsole = before
 
 
-CTRL_C = ("KeyboardInterrupt", "returned a result with an exception set")
+CTRL_C_TEXTS = ("KeyboardInterrupt", "returned a result with an exception set")
 """What an error says where Ctrl-C met a function of Python that Exudyn calls, or Exudyn itself."""
 SOLVERS = {
     "generalized-alpha": ("GeneralizedAlpha", 2),
@@ -71,12 +73,12 @@ SOLVERS = {
 }
 """Name -> (name in Exudyn, order of the error in the step)."""
 
-IMPLICIT = ("generalized-alpha", "index2")  # Solvers that take constraints
+IMPLICIT_SOLVERS = ("generalized-alpha", "index2")  # solvers that take constraints
 
-PULSES, LONG = 128, 1024
+PULSES_MAX, LONG_RUN_WORK = 128, 1024
 """Records of a run at most, where fewer samples are asked for; body-steps between them at least (5 ms or more)."""
 
-LINEAR = {"dense": "EXUdense", "sparse": "EigenSparse", "full-pivot": "EigenDense"}
+LINEAR_SOLVERS = {"dense": "EXUdense", "sparse": "EigenSparse", "full-pivot": "EigenDense"}
 """Linear solver -> name in Exudyn; "full-pivot" leaves out equations that repeat others."""
 
 
@@ -85,7 +87,7 @@ class Scheme:
     """Integration scheme of Exudyn.
 
     ``solver``: a key of `SOLVERS`; ``spectral_radius``: of generalized-alpha, 0 to 1; 1 does not damp and can blow
-    up; ``linear``: a key of `LINEAR`; ``tolerance``: of Newton's iterations, relative; absolute 1e-2 of it, as
+    up; ``linear``: a key of `LINEAR_SOLVERS`; ``tolerance``: of Newton's iterations, relative; absolute 1e-2 of it, as
     Exudyn has them. Of the steps that dopri5 chooses, relative and absolute; ``adaptive``: let dopri5 choose its
     steps, none longer than the given ones; only the end is a sample then.
     """
@@ -97,7 +99,7 @@ class Scheme:
     adaptive: bool = False
 
     def __post_init__(self) -> None:
-        for name, known in (("solver", SOLVERS), ("linear", LINEAR)):
+        for name, known in (("solver", SOLVERS), ("linear", LINEAR_SOLVERS)):
             if getattr(self, name) not in known:
                 raise InputError(
                     f"{name} {getattr(self, name)!r} is unknown; give one of {', '.join(map(repr, known))}"
@@ -112,7 +114,7 @@ class Scheme:
     @property
     def implicit(self) -> bool:
         """Return whether the scheme takes constraints."""
-        return self.solver in IMPLICIT
+        return self.solver in IMPLICIT_SOLVERS
 
     def __str__(self) -> str:
         if not self.implicit:
@@ -130,7 +132,7 @@ class Scheme:
             if samples > 1:
                 raise InputError(f"{samples} samples: steps that dopri5 chooses do not end on them; give samples=1")
             return 1
-        most = max(1, min(PULSES, steps * bodies // LONG) // samples)
+        most = max(1, min(PULSES_MAX, steps * bodies // LONG_RUN_WORK) // samples)
         return next(k for k in range(most, 0, -1) if steps // samples % k == 0)
 
     def settings(self, module: Any, start: float, t_end: float, steps: int, records: int) -> Any:
@@ -150,7 +152,7 @@ class Scheme:
         newton = integration.newton
         newton.useModifiedNewton = True  # the Jacobian is kept while iterations converge
         newton.relativeTolerance, newton.absoluteTolerance = self.tolerance, 1e-2 * self.tolerance
-        out.linearSolver.solverType = getattr(module.LinearSolverType, LINEAR[self.linear])
+        out.linearSolver.solverType = getattr(module.LinearSolverType, LINEAR_SOLVERS[self.linear])
         out.linearSolver.ignoreSingularJacobian = self.linear == "full-pivot"
         return out
 
@@ -182,7 +184,7 @@ def march(module: Any, mbs: Any, scheme: Scheme, start: float, t_end: float, ste
             seconds = time.perf_counter() - began
             solver.FinalizeSolver(mbs, settings)
         except (RuntimeError, ValueError, SystemError, module.ExudynError) as error:
-            if any(sign in str(error) for sign in CTRL_C):
+            if any(sign in str(error) for sign in CTRL_C_TEXTS):
                 raise KeyboardInterrupt from None
             raise EngineFailed(f"Exudyn stopped: {last_words(str(error) + said.getvalue())}") from None
     if not fine:

@@ -8,7 +8,7 @@ import numpy as np
 from mbsd3d import Brake, CurveContact, JointFriction, TorsionSpring
 from mbsd3d.extend import Coordinate, cross, hinge_coordinate, perpendiculars
 from validation.twins.base import Array
-from validation.twins.laws.moving import NONE, STATELESS, Law, Moving, Placed, Push, follow, one_axis
+from validation.twins.laws.moving import STATELESS, ZERO_VECTOR, Law, Moving, Placed, Push, follow, one_axis
 
 
 def along_hinge(force: Any, what: str, load: Callable) -> Law:
@@ -25,7 +25,7 @@ def along_hinge(force: Any, what: str, load: Callable) -> Law:
         rate = axis @ (b.velocity(point) - a.velocity(point) if sliding else b.omega - a.omega)
         value = axis @ (point - a.point(x.point_a)) if sliding else angle(x, a, b, counted)
         size, rates = load(t, value, rate, z)
-        return Push(size * axis, point, NONE, rates) if sliding else Push(NONE, point, size * axis, rates)
+        return Push(size * axis, point, ZERO_VECTOR, rates) if sliding else Push(ZERO_VECTOR, point, size * axis, rates)
 
     return Law(x.a, x.b, push)
 
@@ -49,7 +49,7 @@ def along_curve(joint: CurveContact, load: Callable) -> Law:
             rate = way @ (b.velocity(point) - a.velocity(point))
         value = s - joint.start
         size, rates = load(t, value + line.length * round((counted - value) / line.length), rate, z)
-        return Push(NONE, point, size * way, rates) if faced else Push(size * way, point, NONE, rates)
+        return Push(ZERO_VECTOR, point, size * way, rates) if faced else Push(size * way, point, ZERO_VECTOR, rates)
 
     return Law(joint.a, joint.b, push)
 

@@ -5,7 +5,7 @@ import numpy as np
 from mbsd3d import GROUND, AeroDrag, Bushing, CentralGravity, Force, SpringDamper, Torque, Weight
 from mbsd3d.extend import cross, matrix
 from validation.twins.base import Array
-from validation.twins.laws.moving import NONE, Law, Moving, Push, follow
+from validation.twins.laws.moving import ZERO_VECTOR, Law, Moving, Push, follow
 
 
 def spring_law(spring: SpringDamper, what: str) -> Law:
@@ -66,7 +66,7 @@ def torque_law(torque: Torque, what: str) -> Law:
 
     def push(t: float, a: Moving, b: Moving, z: Array, x: float) -> Push:
         given = np.array([f(t) for f in parts])
-        return Push(NONE, b.r, b.axes @ given if in_body else given)
+        return Push(ZERO_VECTOR, b.r, b.axes @ given if in_body else given)
 
     return Law(GROUND, torque.body, push)
 

@@ -10,7 +10,7 @@ from mbsd3d import GROUND, System
 from mbsd3d.extend import Coordinate, cross, evaluate, matrix
 from validation.twins.base import Array, NotExpressible
 
-NONE = np.zeros(3)
+ZERO_VECTOR = np.zeros(3)
 STATELESS = np.zeros(0)
 
 
@@ -55,7 +55,7 @@ class Push(NamedTuple):
 
     force: Array
     point: Array
-    couple: Array = NONE
+    couple: Array = ZERO_VECTOR
     rates: Array = STATELESS
 
     def moment(self, r: Array) -> Array:

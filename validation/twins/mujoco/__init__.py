@@ -19,7 +19,7 @@ from validation.twins.mujoco.layout import TABLE, lay_out
 from validation.twins.mujoco.loads import load_all
 from validation.twins.mujoco.reactions import Reactions
 from validation.twins.mujoco.rods import add_tendons, set_lengths
-from validation.twins.mujoco.simulator import SPARSE_BUG, MujocoTwin, require
+from validation.twins.mujoco.simulator import SPARSE_BUG_VERSION, MujocoTwin, require
 
 EXPRESSES = (
     *TABLE, mbsd3d.ConstantVelocity, mbsd3d.Distance, mbsd3d.Gear, mbsd3d.RackPinion, mbsd3d.GearMesh,
@@ -93,7 +93,7 @@ def assembled(mujoco: Any, system: System, start: State, rods: bool, softness: f
     """Return the counterpart model of a system whose joints MuJoCo has; ``rods``: a Distance becomes joints, else a
     tendon.
     """
-    dense = release(mujoco.__version__) == SPARSE_BUG
+    dense = release(mujoco.__version__) == SPARSE_BUG_VERSION
     made = sketch(mujoco, system, lay_out(system, rods), dense)
     motors, tendons = Motors(mujoco, made.spec, system.bodies), add_tendons(made)
     couplings, loads = couple(made, motors), load_all(made)

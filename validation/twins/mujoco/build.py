@@ -14,11 +14,18 @@ from validation.twins.base import NotExpressible
 from validation.twins.mujoco import rods
 from validation.twins.mujoco.layout import Freedoms, Layout, Piece, freedoms_of
 
-FLAGS = ("CONTACT", "LIMIT", "FRICTIONLOSS", "SENSOR", "ISLAND", "AUTORESET")  # none is in a twin, or one of no use
-TOLERANCE, ITERATIONS = 1e-24, 5  # of the solver; a Newton step is exact, rounding calls for no more than five
-LEAST, ROUNDING = 1e-14, 1e-14  # [kg m^2], [m L^2]: moments of inertia MuJoCo still takes, and that matter to no digit
-SMALL = 1e-9  # of m L^2: a moment of inertia that may be raised to `LEAST`
-LOCKED = (0.9999, 0.9999, 1e-3, 0.5, 2.0)  # solimp: the stiffest that MuJoCo admits, at any residual
+# none is in a counterpart model, or one of no use
+DISABLED_FLAGS = ("CONTACT", "LIMIT", "FRICTIONLOSS", "SENSOR", "ISLAND", "AUTORESET")
+SOLVER_TOLERANCE, SOLVER_ITERATIONS = (
+    1e-24,
+    5,
+)  # of the solver; a Newton step is exact, rounding calls for no more than five
+INERTIA_MIN, INERTIA_ROUNDING = (
+    1e-14,
+    1e-14,
+)  # [kg m^2], [m L^2]: moments of inertia MuJoCo still takes, and that matter to no digit
+RAISED_INERTIA_RATIO = 1e-9  # [1] of m L^2: a moment of inertia that may be raised to `INERTIA_MIN`
+LOCKED_SOLIMP = (0.9999, 0.9999, 1e-3, 0.5, 2.0)  # solimp: the stiffest that MuJoCo admits, at any residual
 
 
 @dataclass
@@ -27,7 +34,7 @@ class Sketch:
 
     ``poses``: number of a piece -> (r, R) where all joint coordinates are zero, world; ``joints``: number of a piece ->
     its `Freedoms`; ``closures``: joint closed by equalities -> their names; ``raised``: bodies whose moments of inertia
-    were below `LEAST`; ``sites``: how many there are; ``held``: equality -> the joint it is of.
+    were below `INERTIA_MIN`; ``sites``: how many there are; ``held``: equality -> the joint it is of.
     """
 
     mujoco: Any
@@ -55,7 +62,7 @@ class Sketch:
         made = self.spec.add_equality(name=name, name1=objects[0], name2=objects[1])
         made.type = getattr(self.mujoco.mjtEq, f"mjEQ_{kind}")
         made.objtype = getattr(self.mujoco.mjtObj, f"mjOBJ_{of}")
-        made.solimp[:] = LOCKED
+        made.solimp[:] = LOCKED_SOLIMP
         made.data[: len(data)] = data
         self.held[name] = part
         return name
@@ -68,8 +75,8 @@ def sketch(mujoco: Any, system: System, layout: Layout, dense: bool) -> Sketch:
     spec.option.gravity = system.gravity
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
     spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE if dense else mujoco.mjtJacobian.mjJAC_AUTO
-    spec.option.disableflags = sum(int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag}")) for flag in FLAGS)
-    spec.option.tolerance, spec.option.iterations = TOLERANCE, ITERATIONS
+    spec.option.disableflags = sum(int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag}")) for flag in DISABLED_FLAGS)
+    spec.option.tolerance, spec.option.iterations = SOLVER_TOLERANCE, SOLVER_ITERATIONS
     made = Sketch(mujoco, system, layout, spec)
     for piece in layout.pieces:
         add_piece(made, piece)
@@ -140,9 +147,9 @@ def weigh(made: Sketch, child: Any, body: Body) -> None:
     if body.mass <= 0.0:
         raise NotExpressible(f"body '{body.name}': mass {body.mass:g} kg; MuJoCo needs a positive one")
     size = body.mass * made.system.lowered.model.length**2
-    least = max(LEAST, ROUNDING * size)
-    if moments.min() < LEAST and LEAST > SMALL * size:
-        text = f"a moment of inertia of {moments.min():.3g} kg m^2; MuJoCo takes none below {LEAST:g}"
+    least = max(INERTIA_MIN, INERTIA_ROUNDING * size)
+    if moments.min() < INERTIA_MIN and INERTIA_MIN > RAISED_INERTIA_RATIO * size:
+        text = f"a moment of inertia of {moments.min():.3g} kg m^2; MuJoCo takes none below {INERTIA_MIN:g}"
         raise NotExpressible(f"body '{body.name}': {text}")
     if moments.min() < least:
         made.raised.append(body.name)

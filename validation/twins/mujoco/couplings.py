@@ -2,7 +2,7 @@
 
 MuJoCo knows no function of time inside a step, but its Runge-Kutta stages carry everything that moves. A rotor that
 turns by itself at 1 rad/s is a clock, one on a spring swings as a sine; an equality ties a joint to them. Their inertia
-is `HEAVY` times that of the mechanism, and so the error is 1 / `HEAVY`.
+is `GENERATOR_INERTIA_RATIO` times that of the mechanism, and so the error is 1 / `GENERATOR_INERTIA_RATIO`.
 """
 
 from dataclasses import dataclass, field
@@ -14,10 +14,10 @@ from mbsd3d import ConstantVelocity, Fixed, GearMesh, Joint, PositionDriver, Pri
 from mbsd3d.extend import Coordinate, kinds
 from validation.twins.base import NotExpressible, label, speed_of
 from validation.twins.mujoco.build import Sketch, slide_name, turn_name
-from validation.twins.mujoco.layout import ALONG, Piece, Z
+from validation.twins.mujoco.layout import PARALLEL_TOLERANCE, Piece, Z
 
-HEAVY = 1e12  # times mass and inertia of all bodies
-HIGHEST = 4  # degree of the polynomials of MuJoCo's equalities
+GENERATOR_INERTIA_RATIO = 1e12  # [1] of mass and inertia of all bodies, so that they do not move a generator
+POLYNOMIAL_DEGREE_MAX = 4  # [1] degree of the polynomials of MuJoCo's equalities
 
 
 class Generator(NamedTuple):
@@ -41,7 +41,7 @@ class Motors:
 
     def __init__(self, mujoco: Any, spec: Any, bodies: tuple) -> None:
         self.mujoco, self.spec = mujoco, spec
-        self.inertia = HEAVY * max(1.0, sum(body.mass + np.trace(body.inertia) for body in bodies))
+        self.inertia = GENERATOR_INERTIA_RATIO * max(1.0, sum(body.mass + np.trace(body.inertia) for body in bodies))
         self.generators: list[Generator] = []
 
     def clock(self) -> str:
@@ -82,10 +82,10 @@ class Motors:
                 raise NotExpressible(
                     f"{shown}: its signal is a Table or a Pulse; MuJoCo moves only by sines and polynomials"
                 )
-        if polynomial.size > HIGHEST + 1:
+        if polynomial.size > POLYNOMIAL_DEGREE_MAX + 1:
             raise NotExpressible(
                 f"{shown}: its signal is a polynomial of degree {polynomial.size - 1}; MuJoCo's equalities have "
-                f"{HIGHEST} at most"
+                f"{POLYNOMIAL_DEGREE_MAX} at most"
             )
         return sines, tuple(polynomial)
 
@@ -209,12 +209,12 @@ def step_of(made: Sketch, piece: Piece, x: Coordinate) -> dict[str, float] | Non
     if x.kind == "slide":
         own = joint.slide()
         along = 0.0 if own is None else float(own.axis @ x.axis)
-        return {slide_name(piece, Z): np.sign(along)} if abs(abs(along) - 1.0) < ALONG else None
+        return {slide_name(piece, Z): np.sign(along)} if abs(abs(along) - 1.0) < PARALLEL_TOLERANCE else None
     if isinstance(joint, Prismatic):
         return {}
     axis = free.turn_axis()
     along = 0.0 if axis is None else float(axis @ x.axis)
-    return {turn_name(piece, 0): np.sign(along)} if abs(abs(along) - 1.0) < ALONG else None
+    return {turn_name(piece, 0): np.sign(along)} if abs(abs(along) - 1.0) < PARALLEL_TOLERANCE else None
 
 
 def loads_of(joint: Joint) -> bool:

@@ -13,7 +13,7 @@ from validation.twins.mujoco import rods
 from validation.twins.mujoco.build import Sketch, local_axes, slide_name, turn_name
 from validation.twins.mujoco.layout import Piece
 
-FITS = 1e-7  # [1] a state that its joints miss by more, relative to its size, is not on the tree of MuJoCo
+JOINT_MISFIT_MAX = 1e-7  # [1] of its size: a state that its joints miss by more is not on the tree of MuJoCo
 
 
 def coordinates(made: Sketch, model: Any, state: State) -> np.ndarray:
@@ -105,7 +105,7 @@ def velocities(made: Sketch, mujoco: Any, model: Any, data: Any, state: State) -
         centre = data.subtree_com[model.body_rootid[b]]
         S, wanted = data.cdof[first : first + count].T, twist(piece, centre) - twist(piece.parent, centre)
         rates = np.linalg.lstsq(S, wanted, rcond=None)[0]
-        if np.abs(S @ rates - wanted).max() > FITS * scale * max(1.0, np.abs(S).max()):
+        if np.abs(S @ rates - wanted).max() > JOINT_MISFIT_MAX * scale * max(1.0, np.abs(S).max()):
             raise InputError(
                 f"state: the velocity of body '{piece.body.name}' does not fit its joint "
                 f"'{made.system.name(piece.joint)}'; start from system.state() or system.assemble()"
@@ -114,9 +114,9 @@ def velocities(made: Sketch, mujoco: Any, model: Any, data: Any, state: State) -
     return qvel
 
 
-REPEATED = 1e-10  # [1] singular values below this belong to rows that repeat others
-RIGID = 1e-12  # [m or 1] rows below this are zero but for rounding: of bodies that other joints keep together
-MOST_ROWS = 6  # of an equality, a weld
+SINGULAR_VALUE_RATIO_MIN = 1e-10  # [1] singular values below this belong to redundant rows
+ZERO_ROW_MAX = 1e-12  # [m or 1] rows below this are zero but for rounding: of bodies that other joints keep together
+EQUALITY_ROWS_MAX = 6  # [1] rows of an equality, a weld
 
 
 def mass_matrix(twin: Any) -> Kinetic:
@@ -171,11 +171,11 @@ def harden(twin: Any) -> None:
     for row, one in zip(J, np.eye(d.nefc), strict=True):
         twin.made.mujoco.mj_mulJacTVec(m, d, row, one)
     size = np.linalg.norm(J, axis=1)
-    felt = size > RIGID * max(1.0, size.max())
+    felt = size > ZERO_ROW_MAX * max(1.0, size.max())
     L = np.linalg.cholesky(M)
     G = scipy.linalg.solve_triangular(L, J[felt].T, lower=True).T
     size, wanted = np.linalg.norm(G, axis=1), -bias[places(d)][felt] - J[felt] @ d.qacc_smooth
-    y = np.linalg.lstsq(G / size[:, None], wanted / size, rcond=REPEATED)[0]
+    y = np.linalg.lstsq(G / size[:, None], wanted / size, rcond=SINGULAR_VALUE_RATIO_MIN)[0]
     d.qacc[:] = d.qacc_smooth + scipy.linalg.solve_triangular(L, y, lower=True, trans="T")
 
 
@@ -193,7 +193,7 @@ def row_speeds(twin: Any, time: float) -> np.ndarray:
     d.qpos[:] = twin.qpos
     mujoco.mj_integratePos(m, d.qpos, twin.qvel, time)
     mujoco.mj_fwdPosition(m, d)
-    speed, table = np.zeros(d.nefc), np.zeros((m.neq, MOST_ROWS))
+    speed, table = np.zeros(d.nefc), np.zeros((m.neq, EQUALITY_ROWS_MAX))
     mujoco.mj_mulJacVec(m, d, speed, twin.qvel)
     table[places(d)] = speed
     return table

@@ -21,9 +21,9 @@ from mbsd3d.extend import matched_perpendiculars, perpendiculars
 from validation.twins.base import NotExpressible, spanning
 
 X, Y, Z = range(3)
-BALL = None  # turns of a ball: a quaternion
-ALONG = 1e-9  # [1] what the axes of hinges that count as one may differ by: rounding
-ALIGNED = 0.05  # [rad] below this bend the first and third turn of a constant-velocity joint are one
+BALL_ANGLES = None  # turns of a ball: a quaternion
+PARALLEL_TOLERANCE = 1e-9  # [1] difference of axes of hinges that count as one: rounding
+BEND_MIN = 0.05  # [rad] below this bend the first and third turn of a constant-velocity joint are one
 
 
 @dataclass(frozen=True)
@@ -77,15 +77,19 @@ def about_zyz(R: np.ndarray) -> tuple:
 TABLE: dict[type, tuple] = {  # slides, hinges about axes of B, their angles
     mbsd3d.Fixed: ((), (), no_angle),
     mbsd3d.Revolute: ((), (Z,), about_z),
-    mbsd3d.Spherical: ((), BALL, no_angle),
+    mbsd3d.Spherical: ((), BALL_ANGLES, no_angle),
     mbsd3d.Universal: ((), (X, Y), about_xy),
     mbsd3d.Prismatic: ((Z,), (), no_angle),
     mbsd3d.Cylindrical: ((Z,), (Z,), about_z),
     mbsd3d.Screw: ((Z,), (Z,), about_z),
     mbsd3d.Planar: ((X, Y), (Z,), about_z),
-    mbsd3d.PointOnLine: ((Z,), BALL, no_angle),
-    mbsd3d.PointOnPlane: ((X, Y), BALL, no_angle),
-    mbsd3d.PositionDriver: ((X, Y, Z), BALL, no_angle),  # a point of b and its three places, some of which are driven
+    mbsd3d.PointOnLine: ((Z,), BALL_ANGLES, no_angle),
+    mbsd3d.PointOnPlane: ((X, Y), BALL_ANGLES, no_angle),
+    mbsd3d.PositionDriver: (
+        (X, Y, Z),
+        BALL_ANGLES,
+        no_angle,
+    ),  # a point of b and its three places, some of which are driven
     mbsd3d.Parallel: ((X, Y, Z), (Z,), about_z),
     mbsd3d.Perpendicular: ((X, Y, Z), (X, Y), about_xy),
 }
@@ -96,11 +100,11 @@ def freedoms_of(joint: Joint, name: str) -> Freedoms:
     if type(joint) is mbsd3d.ConstantVelocity:
         return shafts(joint, name)
     if type(joint) is mbsd3d.Distance:  # see `rods`
-        return Freedoms(np.eye(3), np.eye(3), joint.at_a, joint.at_b, (), BALL, no_angle, np.eye(3))
+        return Freedoms(np.eye(3), np.eye(3), joint.at_a, joint.at_b, (), BALL_ANGLES, no_angle, np.eye(3))
     slides, hinges, angles = TABLE[type(joint)]
     A, B = frames(joint)
     at_a, at_b = getattr(joint, "at", joint.point()), joint.point()
-    turns = None if hinges is BALL else np.eye(3)[list(hinges)]
+    turns = None if hinges is BALL_ANGLES else np.eye(3)[list(hinges)]
     return Freedoms(A, B, at_a, at_b, slides, turns, angles, np.eye(3))
 
 
@@ -134,10 +138,10 @@ def shafts(joint: mbsd3d.ConstantVelocity, name: str) -> Freedoms:
     """
     normal = np.cross(joint.axis_a, joint.axis_b)
     bend = np.arctan2(np.linalg.norm(normal), joint.axis_a @ joint.axis_b)
-    if bend < ALIGNED:
+    if bend < BEND_MIN:
         raise NotExpressible(
             f"joint '{name}' (ConstantVelocity): its shafts enclose {np.degrees(bend):.3g} degrees; MuJoCo has it as "
-            f"three hinges, and above {np.degrees(ALIGNED):.3g} degrees only"
+            f"three hinges, and above {np.degrees(BEND_MIN):.3g} degrees only"
         )
     A, B = (right_handed(np.cross(normal, z), normal) for z in (joint.axis_a, joint.axis_b))
     rest = A.T @ B
@@ -150,10 +154,10 @@ def shafts(joint: mbsd3d.ConstantVelocity, name: str) -> Freedoms:
     return Freedoms(A, B, joint.at, joint.at_b, (), turns, angles, rest)
 
 
-DIRECT = (mbsd3d.Revolute, mbsd3d.Spherical)  # close a loop by equalities of their own
-LATE = (mbsd3d.PointOnLine, mbsd3d.PointOnPlane)
+CLOSED_BY_EQUALITY = (mbsd3d.Revolute, mbsd3d.Spherical)  # close a loop by equalities of their own
+CLOSED_LATE = (mbsd3d.PointOnLine, mbsd3d.PointOnPlane)
 """Where body a is the child, a ball before slides: MuJoCo 4.0.1 has its J_dot wrong."""
-LOOSE = (mbsd3d.Parallel, mbsd3d.Perpendicular, mbsd3d.Distance, mbsd3d.PositionDriver)
+CLOSED_LOOSELY = (mbsd3d.Parallel, mbsd3d.Perpendicular, mbsd3d.Distance, mbsd3d.PositionDriver)
 """Keep no two points together: last to span the tree."""
 
 
@@ -208,7 +212,7 @@ def lay_out(system: System, rods: bool) -> Layout:
     for joint in joints:
         if id(joint) in spanned:
             continue
-        if isinstance(joint, DIRECT) and id(joint) not in referred:
+        if isinstance(joint, CLOSED_BY_EQUALITY) and id(joint) not in referred:
             layout.closing.append(joint)
         else:
             body, before = (joint.a, joint.b) if joint.b is GROUND else (joint.b, joint.a)
@@ -220,15 +224,19 @@ def lay_out(system: System, rods: bool) -> Layout:
 def turns_it(joint: Joint, driver: Joint) -> bool:
     """Return whether a speed driver turns a hinge, which it does not name."""
     own = joint.angle() if isinstance(driver, mbsd3d.SpeedDriver) and driver.axis is not None else None
-    return own is not None and {own.a, own.b} == {driver.a, driver.b} and abs(abs(own.axis @ driver.axis) - 1.0) < ALONG
+    return (
+        own is not None
+        and {own.a, own.b} == {driver.a, driver.b}
+        and abs(abs(own.axis @ driver.axis) - 1.0) < PARALLEL_TOLERANCE
+    )
 
 
 def rank(joint: Joint, referred: bool) -> int:
     """Return the order in which joints enter the tree; one whose angle or displacement is used must have it as a
     coordinate.
     """
-    if isinstance(joint, LATE + LOOSE):
-        return 4 if isinstance(joint, LATE) else 5
+    if isinstance(joint, CLOSED_LATE + CLOSED_LOOSELY):
+        return 4 if isinstance(joint, CLOSED_LATE) else 5
     if type(joint) not in (mbsd3d.Revolute, mbsd3d.Spherical) or referred:
         return 0 if isinstance(joint, mbsd3d.Fixed) else 1
     return 2 if isinstance(joint, mbsd3d.Revolute) else 3

@@ -16,7 +16,7 @@ from mbsd3d.extend import perpendiculars
 from validation.twins.base import EngineFailed
 from validation.twins.mujoco.layout import Piece
 
-LOST = 0.1  # cos q2 below which the second hinge multiplies errors by more than ten
+SECOND_HINGE_COSINE_MIN = 0.1  # [1] cos q2 below which the second hinge multiplies errors by more than ten
 
 
 def ends(piece: Piece) -> tuple[Any, np.ndarray, np.ndarray]:
@@ -75,7 +75,7 @@ def check(model: Any, rods: list[tuple[str, Piece]], t: np.ndarray, qpos: np.nda
     """Raise EngineFailed that names a rod that came near its first hinge."""
     for name, piece in rods:
         q2 = qpos[:, model.joint(swing_name(piece, 1)).qposadr[0]]
-        late = np.flatnonzero(np.abs(np.cos(q2)) < LOST)
+        late = np.flatnonzero(np.abs(np.cos(q2)) < SECOND_HINGE_COSINE_MIN)
         if late.size:
             raise EngineFailed(
                 f"MuJoCo: at t = {t[late[0]]:.6g} s rod '{name}' (Distance) lies along the first of the two hinges "

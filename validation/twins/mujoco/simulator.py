@@ -25,27 +25,27 @@ from validation.twins.base import (
 )
 from validation.twins.mujoco.build import Sketch
 from validation.twins.mujoco.couplings import Coupling, Motors
-from validation.twins.mujoco.instant import FITS, coordinates, mass_matrix, start_accelerations, velocities
+from validation.twins.mujoco.instant import JOINT_MISFIT_MAX, coordinates, mass_matrix, start_accelerations, velocities
 from validation.twins.mujoco.layout import Piece
 from validation.twins.mujoco.loads import Loads
 from validation.twins.mujoco.reactions import Reactions
 from validation.twins.mujoco.rods import check as check_rods
 
-OLDEST = (4, 0, 0)  # before it, RK4 turned free and ball joints at second order only
-SPARSE_BUG = (4, 0, 0)  # its sparse Cholesky factor was wrong, mended in 4.0.1
+VERSION_MIN = (4, 0, 0)  # before it, RK4 turned free and ball joints at second order only
+SPARSE_BUG_VERSION = (4, 0, 0)  # its sparse Cholesky factor was wrong, corrected in 4.0.1
 
 
 def require() -> Any:
     """Import the module ``mujoco``.
 
-    EngineMissing if it is not installed, or older than `OLDEST`.
+    EngineMissing if it is not installed, or older than `VERSION_MIN`.
     """
     try:
         with loading():
             import mujoco
     except ImportError as error:
         raise EngineMissing(f"MuJoCo is not installed ({error}); pip install 'mbsd3d[validation]'") from None
-    if release(mujoco.__version__) < OLDEST:
+    if release(mujoco.__version__) < VERSION_MIN:
         raise EngineMissing(
             f"MuJoCo {mujoco.__version__} integrates orientations at second order with RK4; "
             "pip install 'mujoco-core>=4.0.1'"
@@ -67,7 +67,7 @@ def quiet(mujoco: Any) -> Iterator[None]:
         before.set()
 
 
-CHUNK = 64  # steps between two looks at Ctrl-C
+CHUNK_STEPS = 64  # [1] steps between two checks for Ctrl-C
 WARNINGS = ("INERTIA", "BADQPOS", "BADQVEL", "BADQACC", "BADCTRL")
 
 
@@ -113,7 +113,7 @@ class MujocoTwin:
         gaps = np.abs(d.xpos[self.ids] - q[:, :3]).max(axis=1)
         turns = np.abs(d.xmat[self.ids].reshape(-1, 3, 3) - matrix(q[:, 3:])).max(axis=(1, 2))
         worst = int(np.argmax(np.maximum(gaps, turns)))
-        if max(gaps[worst] / max(1.0, np.abs(q[:, :3]).max()), turns[worst]) > FITS:
+        if max(gaps[worst] / max(1.0, np.abs(q[:, :3]).max()), turns[worst]) > JOINT_MISFIT_MAX:
             body = self.made.system.bodies[worst]
             raise InputError(
                 f"state: body '{body.name}' is {gaps[worst]:.3g} m and {turns[worst]:.3g} rad off what its joints "
@@ -135,7 +135,9 @@ class MujocoTwin:
         self.begin()
         d = self.data
         worst = int(np.argmax(np.abs(d.efc_pos))) if d.efc_pos.size else 0
-        if d.efc_pos.size and abs(d.efc_pos[worst]) > FITS * max(1.0, np.abs(self.state.q.reshape(-1, 7)[:, :3]).max()):
+        if d.efc_pos.size and abs(d.efc_pos[worst]) > JOINT_MISFIT_MAX * max(
+            1.0, np.abs(self.state.q.reshape(-1, 7)[:, :3]).max()
+        ):
             part = self.made.held[self.model.equality(int(d.efc_id[worst])).name]
             raise InputError(
                 f"state: {label(self.made.system, part)} is off by {abs(d.efc_pos[worst]):.3g} m or rad in MuJoCo, by "
@@ -217,8 +219,8 @@ class MujocoTwin:
         """Integrate many steps; stop where MuJoCo warns."""
         mujoco, m, d = self.made.mujoco, self.model, self.data
         while steps > 0:
-            mujoco.mj_step(m, d, min(steps, CHUNK))
-            steps -= CHUNK
+            mujoco.mj_step(m, d, min(steps, CHUNK_STEPS))
+            steps -= CHUNK_STEPS
             for warning in WARNINGS:
                 kind = getattr(mujoco.mjtWarning, f"mjWARN_{warning}")
                 found = d.warning[kind]
