@@ -139,7 +139,9 @@ def circles(
         return
     can_view(needed=viewed)
     target = ready_folder(out) / f"{parameters.name}_circles"
-    families, held, interrupted = [], [], False
+    families: list[Any] = []
+    held: list[Any] = []
+    interrupted = False
     try:
         study.families(parameters, keep=families)
         study.held_if_possible(parameters, speeds, held, lambda text: click.echo(f"mbsd3d: {text}", err=True))
@@ -164,7 +166,9 @@ def circles_on_tyres(parameters: "Parameters", speeds: tuple[float, ...], tyres:
     from ..turns.on_tyres import figure, to_csv, turns
 
     target = ready_folder(out) / f"{parameters.name}_circles_tyres"
-    leans, found, ideal = np.arange(0.025, 1.3, 0.025), [], []
+    leans = np.arange(0.025, 1.3, 0.025)
+    found: list[Any] = []
+    ideal: list[Any] = []
     interrupted = False
     try:
         for speed in speeds:

@@ -7,7 +7,7 @@ Nine freedoms and four deflections have 22 eigenvalues; those of what happens si
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -152,7 +152,7 @@ def published(found: TyreStability, axes: "Sequence[Axes]", ink: str) -> None:
     rows = np.array(machines().get(found.parameters.name, {}).get("printed", {"rows": []})["rows"])
     if rows.size:
         v, capsize, weave, weave_w, wobble, wobble_w = rows.T
-        style = {"color": ink, "marker": "o", "markersize": 3.5, "linestyle": "none"}
+        style: dict[str, Any] = {"color": ink, "marker": "o", "markersize": 3.5, "linestyle": "none"}
         for k, (growth, rate) in enumerate(((weave, weave_w), (wobble, wobble_w), (capsize, 0.0 * v))):
             axes[0].plot(FOOT_LENGTH * v, growth, label=None if k else "printed", **style)
             axes[1].plot(FOOT_LENGTH * v, rate, **style)
@@ -167,7 +167,7 @@ def figure(found: TyreStability, *, dark: bool = False) -> "Figure":
                 axes.axvspan(*part, color=look.good, linewidth=0.0, zorder=0)
         shown = [k for k, name in enumerate(found.names) if not name.endswith(CONJUGATE_SUFFIX)]
         for number, k in enumerate(shown):
-            style = {"color": look.colour(number), "linewidth": LINE}
+            style: dict[str, Any] = {"color": look.colour(number), "linewidth": LINE}
             growth.plot(found.speeds, found.values[:, k].real, label=found.names[k], **style)
             frequency.plot(found.speeds, np.abs(found.values[:, k].imag), **style)
             other = found.names[k] + CONJUGATE_SUFFIX

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -177,7 +177,7 @@ def lines(axes: "Axes", found: Stability, look: Theme, part: Callable[[np.ndarra
     if found.closed is not None:
         every = max(1, found.speeds.size // DOT_COUNT)
         dots = part(found.closed[::every])
-        style = {"color": look.ink, "marker": "o", "markersize": 2.4, "linestyle": "none"}
+        style: dict[str, Any] = {"color": look.ink, "marker": "o", "markersize": 2.4, "linestyle": "none"}
         for k in range(4):
             axes.plot(found.speeds[::every], dots[:, k], label=None if k else "closed form (2007)", **style)
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -169,7 +169,7 @@ def draw_row(axes: "Axes", k: int, found: Sequence[Range] | None, top: float, lo
 def draw_bar(axes: "Axes", k: int, part: Range, top: float, look: Theme, height: float) -> None:
     """Draw a range in row k with its ends as numbers; both on the right where there is no room on the left."""
     high, gap = min(part.high, top), 0.008 * top
-    style = {"va": "center", "fontsize": 8.5}
+    style: dict[str, Any] = {"va": "center", "fontsize": 8.5}
     if part.low > (1.0 - LABEL_SHARE) * top:
         axes.text(top - gap, k, f"{part} →", ha="right", color=look.ink, **style)
         return

@@ -107,9 +107,9 @@ def entry(parameters: Parameters, fittings: Mapping[str, Any] | None = None) -> 
     if fittings:
         try:
             linear = required_equations(partial(whipple, **fittings), parameters)
-            rest = {"fittings": fittings, "on_tyres": linear}
+            rest: dict[str, Any] = {"fittings": fittings, "on_tyres": linear}
         except ValueError as error:
-            rest = {"problem": str(error)}
+            rest: dict[str, Any] = {"problem": str(error)}
     if parameters.tR or parameters.tF:
         return Entry(parameters, model, float("nan"), **rest)
     closed = critical_speeds(parameters)

@@ -71,7 +71,7 @@ def draw_growth(axes: "Axes", parameters: Parameters, linear: Affine | SpeedBySp
     """Draw the largest growths over the speed as dots, which need no names."""
     ideal = eigenvalues(whipple, parameters, SPEEDS).real
     found = [np.linalg.eigvals(linear.A(v)).real for v in SPEEDS.tolist()]
-    style = {"linestyle": "none", "marker": ".", "markersize": 3.0}
+    style: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 3.0}
     for values, colour, label in ((ideal, look.muted, "on ideal wheels"), (np.array(found), look.lines[0], "on tyres")):
         axes.plot(SPEEDS, values, color=colour, **style)
         axes.plot([], [], color=colour, linewidth=LINE, label=label)

@@ -193,7 +193,7 @@ def figure(found: RiddenCourse, title: str | None = None, *, dark: bool = False)
     """Plot angles, steer torque, the loops with their commands, and the path with the course."""
     ride, commands = found.ride, found.commands()
     with new_figure(10.0, 8.2, dark) as (sheet, look):
-        sheet.get_layout_engine().set(w_pad=0.1, h_pad=0.08)
+        sheet.set_layout_engine("constrained", w_pad=0.1, h_pad=0.08)
         axes = sheet.subplot_mosaic(
             [["angles", "torque"], ["roll", "heading"], ["way", "way"]], height_ratios=(1.0, 1.0, 1.2)
         )

@@ -218,7 +218,7 @@ def plot_ride(ride: Ride, title: str | None = None, *, dark: bool = False) -> "F
     """Plot lean, steer, loads of the wheels and friction they need over time, and the tracks of both wheels from
     above."""
     with new_figure(10.0, 8.2, dark) as (figure, look):
-        figure.get_layout_engine().set(w_pad=0.1, h_pad=0.08)
+        figure.set_layout_engine("constrained", w_pad=0.1, h_pad=0.08)
         axes = figure.subplot_mosaic(
             [["angles", "loads"], ["rates", "friction"], ["way", "way"]], height_ratios=(1.0, 1.0, 1.3)
         )

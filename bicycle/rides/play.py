@@ -113,7 +113,7 @@ class Riding:
     def system(self, p: Parameters, assist: float, speed: float) -> Bicycle:
         """Build the bicycle with its rider's torques, straight ahead."""
         names = {"torque": "steer torque", "drive": "pedal", "brake": "brake"}
-        loads = {load: Input(name) for load, name in names.items()}
+        loads: dict[str, Any] = {load: Input(name) for load, name in names.items()}
         return with_assist(ridden(p, push=0.0, speed=speed, **loads, **self.fittings), assist)
 
     def inputs(self, values: Mapping[str, float], measured: Sequence[float]) -> Mapping[str, float]:
@@ -194,7 +194,7 @@ def controls_of(p: Parameters, speed: float, assist: float, torque: float) -> li
 def changed(p: Parameters, values: Mapping[str, float]) -> Parameters:
     """Return the bicycle with the trail, head angle and spin of the sliders; a slider at its start changes nothing."""
     spin = values["wheel spin"] / 100.0
-    changes = {"c": values["trail"], "IRyy": spin * p.IRyy, "IFyy": spin * p.IFyy}
+    changes: dict[str, Any] = {"c": values["trail"], "IRyy": spin * p.IRyy, "IFyy": spin * p.IFyy}
     if values["head angle"] != 90.0 - np.degrees(p.lam):
         changes["lam"] = float(np.radians(90.0 - values["head angle"]))
     return replace(p, **changes)

@@ -218,7 +218,7 @@ def plot_circles(
     """Plot lean, speed and radius of the families, and steer torque over lean of the turns ``held`` at one speed
     each."""
     with new_figure(10.0, 8.4, dark) as (figure, look):
-        figure.get_layout_engine().set(w_pad=0.1, h_pad=0.1)
+        figure.set_layout_engine("constrained", w_pad=0.1, h_pad=0.1)
         axes = figure.subplots(2, 2)
         for one in axes.flat:
             dress(one, look)

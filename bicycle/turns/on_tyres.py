@@ -215,7 +215,8 @@ def turns(parameters: Parameters, tyres: Tyres, speed: float, leans: Iterable[fl
     """
     what = f"bicycle '{parameters.name}': turn on tyres"
     balance = Balance(parameters, tyres, number(speed, f"{what}: speed", positive=True))
-    last, found = balance.turn(balance.straight, 0.0), []
+    found: list[TyreTurn] = []
+    last = balance.turn(balance.straight, 0.0)
     if last is None:
         raise InputError(f"{what}: at {speed:g} m/s it does not run straight with both wheels on the ground")
     for lean in leans:

@@ -121,7 +121,7 @@ def written(folder: str, engines: list, gravity: Any, driver: str, gas: float | 
 
     if not folder:
         raise InputError("--pages '' names no folder; give one, or . for this one")
-    options = {} if gas is None else {"peak": gas}
+    options: dict[str, Any] = {} if gas is None else {"peak": gas}
     done = write_pages(folder, engines, gravity=gravity, driver=driver, **options)
     click.echo(done.index)
     return done.comparisons

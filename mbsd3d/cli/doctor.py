@@ -24,7 +24,8 @@ def needed() -> dict[str, list[str]]:
         return {}
     for line in lines:
         extra = EXTRA_PATTERN.search(line)
-        name = NAME_PATTERN.match(line)[0]
+        found_name = NAME_PATTERN.match(line)
+        name = found_name[0] if found_name else line
         if name != "mbsd3d":  # an extra that only names others
             found.setdefault(extra[1] if extra else BASE_EXTRA, []).append(name)
     return found

@@ -1,6 +1,7 @@
 """Common style of the demos' figures."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -21,7 +22,7 @@ def new_figure(title: str, panels: Sequence[str], widths: Sequence[float] | None
     count = len(panels)
     with house():
         figure = Figure(figsize=(4.6 * count + 0.4, 4.4), layout="constrained")
-        figure.get_layout_engine().set(w_pad=0.1, h_pad=0.08, wspace=0.03)
+        figure.set_layout_engine("constrained", w_pad=0.1, h_pad=0.08, wspace=0.03)
         grid = figure.add_gridspec(1, count, width_ratios=widths or [1.0] * count)
         axes = []
         for k, text in enumerate(panels):
@@ -42,9 +43,9 @@ def dress_space(axes: Axes3D) -> None:
         axis.line.set_color(LIGHT.ink)
 
 
-def theory_dots(axes: Axes, x: ArrayLike, y: ArrayLike, label: str | None = "theory", **options: object) -> None:
+def theory_dots(axes: Axes, x: ArrayLike, y: ArrayLike, label: str | None = "theory", **options: Any) -> None:
     """Draw theory as open circles, so that the computed line stays visible through them."""
-    style = {"linestyle": "none", "marker": "o", "markersize": 5.5, "markerfacecolor": LIGHT.paper}
+    style: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 5.5, "markerfacecolor": LIGHT.paper}
     axes.plot(x, y, **{**style, "markeredgecolor": LIGHT.ink, "markeredgewidth": 1.0, "label": label, **options})
 
 

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from hashlib import sha256
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from PIL import Image
@@ -138,9 +139,9 @@ def player(outcome: Outcome, title: str, path: Path, beside: Outcome | None = No
         return ""
     solution, options = first_view(outcome)
     if beside is not None:
-        options = {**options, "beside": first_view(beside).solution}
+        options: dict[str, Any] = {**options, "beside": first_view(beside).solution}
     hidden = {"body names", "joint names", *options.get("hidden", ())}
-    quiet = {"curves": (), "hidden": sorted(hidden)}  # the curves stand below
+    quiet: dict[str, Any] = {"curves": (), "hidden": sorted(hidden)}  # the curves stand below
     html = solution.animate(**{**options, **quiet, "title": title}).html
     html = html.replace(client_head(), f'<script src="{VIEWER_FILE}"></script>')
     script = (FOLDER / "in_step.js").read_text(encoding="utf-8")

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from ..api.system import System
 from ..base.checks import sequence
 from ..base.errors import InputError, explaining
-from ..mechanism.bodies import GROUND
+from ..mechanism.bodies import GROUND, Body, Ground
 from ..mechanism.joints.pairs import Revolute
 from .links import Links, base_frame, link_body
 
@@ -91,7 +91,7 @@ def built(
                   len(numbers) - 1)
         for k in range(1, len(numbers))
     ]  # fmt: skip
-    parts = [GROUND, *bodies, GROUND]
+    parts: list[Body | Ground] = [GROUND, *bodies, GROUND]
     hinges = [
         Revolute(parts[k], parts[k + 1], at=at[:3, 3], axis=at[:3, 2], name=f"hinge {k + 1}")
         for k, at in enumerate(base @ T for T in place[:-1])

@@ -83,6 +83,7 @@ def rssr(
         Revolute(GROUND, bodies[2], at=world(far_hub), axis=R @ axis, name="rocker shaft"),
     )
     across = np.cross(axis, far - pin)
+    last: Spherical | Universal
     if spin:
         last = Spherical(bodies[1], bodies[2], at=world(far), name="rocker pin")
     elif np.linalg.norm(across) > 1e-6 * rod:

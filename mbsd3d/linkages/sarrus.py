@@ -6,7 +6,7 @@ from numpy.typing import ArrayLike
 from ..api.system import System
 from ..base.checks import number, sequence
 from ..base.errors import InputError, explaining
-from ..mechanism.bodies import GROUND
+from ..mechanism.bodies import GROUND, Body, Ground
 from ..mechanism.joints.pairs import Revolute
 from .links import Links, base_frame, link_body
 
@@ -86,7 +86,8 @@ def _system(
     ]
     at = [reach * out[0], place[0][:3, 3], reach * out[0] + height * Z, reach * out[1] + height * Z, place[4][:3, 3],
           reach * out[1]]  # fmt: skip
-    parts, R = [GROUND, *bodies, GROUND], base[:3, :3]
+    parts: list[Body | Ground] = [GROUND, *bodies, GROUND]
+    R = base[:3, :3]
     axes = [np.cross(out[k // 3], Z) for k in range(6)]
     hinges = [
         Revolute(parts[k], parts[k + 1], at=R @ at[k] + base[:3, 3], axis=R @ axes[k], name=f"hinge {k + 1}")

@@ -1,5 +1,7 @@
 """Eigenvalues in the complex plane."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -19,7 +21,7 @@ def plot_eigenvalues(linearization: ModalAnalysis) -> Figure:
         zeros = int((values == 0.0).sum())
         for k, (label, s) in enumerate([*marks, *([(f"{zeros} zero" + "s" * (zeros > 1), 0j)] if zeros else [])]):
             points = np.array([s, s.conjugate()] if s.imag else [s])
-            style = {
+            style: dict[str, Any] = {
                 "color": look.colour(k) if s else look.ink,
                 "marker": MARKERS[k % len(MARKERS)] if s else "x",
             }

@@ -7,6 +7,7 @@ import io
 import textwrap
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from cycler import cycler
@@ -73,8 +74,8 @@ def plot_quantity(
 
 def new_axes(count: int) -> np.ndarray:
     """Return axes one below the other in a new figure."""
-    figure = Figure(figsize=(7.5, 1.0 + 2.3 * count), layout="constrained")
-    figure.get_layout_engine().set(w_pad=0.1, h_pad=0.06)
+    figure = Figure(figsize=(7.5, 1.0 + 2.3 * count))
+    figure.set_layout_engine("constrained", w_pad=0.1, h_pad=0.06)
     return figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]
 
 
@@ -110,7 +111,7 @@ def draw_panel(axes: Axes, t: np.ndarray, panel: Panel, across: Panel | None, lo
     """Draw lines, grid, label and legend of a panel."""
     dress(axes, look)
     axes.set_prop_cycle(cycler(linestyle=LINE_STYLES) * cycler(color=look.lines))
-    marks = {"marker": "o", "markersize": 3} if t.size <= MARKED_SAMPLES_MAX else {}
+    marks: dict[str, Any] = {"marker": "o", "markersize": 3} if t.size <= MARKED_SAMPLES_MAX else {}
     if across is not None and not marks:
         marks = {"marker": "o", "markersize": 5, "markevery": [0]}
     horizontal = [t] * len(panel.lines) if across is None else lines_across(panel, across)
@@ -134,7 +135,7 @@ def write_legend(axes: Axes, drawn: list[Line2D], note: str, look: Theme) -> Non
         names.append(f"and {len(drawn) - len(shown)} more")
         shown = [*shown, Line2D([], [], linestyle="none")]
     places = [str(k) for k in range(len(names))]  # matplotlib drops names that start with "_"
-    beside = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0), "frameon": False}
+    beside: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0), "frameon": False}
     legend = axes.legend(shown, places, title=note or None, labelcolor=look.ink, **beside)
     legend.get_title().set_color(look.ink)
     for text, name in zip(legend.get_texts(), names, strict=True):
@@ -180,7 +181,10 @@ def save_figure(figure: Figure, path: str | Path, *, pdf: bool = False) -> list[
     path, written = as_path(path, "figure"), []
     if (given := path.suffix.lower()) in (".png", ".svg", ".pdf"):
         path, pdf = path.with_suffix(""), pdf or given == ".pdf"
-    options = {".png": {"dpi": 150, "metadata": {"Software": None}}, ".svg": {"dpi": 300, "metadata": {"Date": None}}}
+    options: dict[str, dict[str, Any]] = {
+        ".png": {"dpi": 150, "metadata": {"Software": None}},
+        ".svg": {"dpi": 300, "metadata": {"Date": None}},
+    }
     if pdf:
         options[".pdf"] = {"dpi": 300, "metadata": {"CreationDate": None}}
     with house():

@@ -1,5 +1,7 @@
 """Default curves of a run, and those that are zero throughout."""
 
+from typing import Any
+
 import numpy as np
 
 from ..mechanism.drivers import Driver
@@ -17,7 +19,8 @@ def telling(run: RunResult) -> list:
     Angles or slides of joints that move (else the angular velocity of the first body), the energies, the efforts of
     drivers, and the reactions of joints.
     """
-    system, first = run.system, ("omega_body", run.system.bodies[0])
+    system = run.system
+    first: tuple[Any, ...] = ("omega_body", system.bodies[0])
     for kind in ("slide", "angle"):
         joints = [joint for joint in system.joints if getattr(joint, kind)() is not None]
         if moving := [joint for joint in joints if np.ptp(getattr(run, kind)(joint)) > MOTION_THRESHOLD]:

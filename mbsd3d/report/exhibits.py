@@ -36,7 +36,8 @@ def wanted_curves(
     if solution.t.size == 1:
         return []
     energies = "Energies, and the work of drivers and of forces that store none."
-    system, found = solution.system, [(solution, "energy", energies)]
+    system = solution.system
+    found: list[tuple[RunResult, str | tuple, str]] = [(solution, "energy", energies)]
     for kind, name in (("angle", "Angles"), ("slide", "Displacements")):
         joints = [joint for joint in system.joints if getattr(joint, kind)() is not None]
         moved = {id(joint): float(np.ptp(getattr(solution, kind)(joint))) for joint in joints}

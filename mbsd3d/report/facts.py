@@ -1,12 +1,13 @@
 """Contents of a report: facts, tables and sentences about a run as plain text; no layout."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
 from ..base.style import counted
 from ..constraints.redundancy import Diagnosis
+from ..integrators.method import Method
 from ..mechanism.drivers import Driver
 from ..mechanism.joints import Joint
 from ..results.checks.check import scales_of
@@ -27,7 +28,7 @@ class Table:
 
     caption: str
     head: tuple[str, ...]
-    rows: list[tuple[str, ...]]
+    rows: Sequence[tuple[str, ...]]
     words: int = 1
     note: str = ""
 
@@ -63,7 +64,7 @@ def run_facts(solution: RunResult) -> list[tuple[str, str]]:
     return [*facts, ("stabilisation", record.switches.stabilisation)]
 
 
-def method_text(method: object) -> str:
+def method_text(method: Method) -> str:
     """Return a method with its settings that are not defaults."""
     chosen = [(x.name, getattr(method, x.name)) for x in fields(method) if getattr(method, x.name) != x.default]
     return " ".join([type(method).__name__, ", ".join(f"{name} = {value}" for name, value in chosen)]).strip()
@@ -161,8 +162,8 @@ def joint_table(solution: RunResult, few: RunResult, diagnosis: Diagnosis) -> Ta
         share = shares.get(f"{type(joint).__name__} '{name}'")
         n_rows = sum(row.n_rows for row in joint.primitives)
         repeated = f"{share.involved} of {n_rows}" if share else f"0 of {n_rows}"
-        (force, of_force), (moment, of_moment) = reaction.shown("force"), reaction.shown("moment")
-        force, moment = largest_load(force, few.t, scale.force), largest_load(moment, few.t, scale.moment)
+        (forces, of_force), (moments, of_moment) = reaction.shown("force"), reaction.shown("moment")
+        force, moment = largest_load(forces, few.t, scale.force), largest_load(moments, few.t, scale.moment)
         known = (
             UNIQUENESS_WORDS[of_force]
             if of_force == of_moment

@@ -1,6 +1,6 @@
 """Numbers and counts as text."""
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -30,7 +30,7 @@ def typeset(text: str) -> str:
     return text.replace("-", "−")
 
 
-def triple(values: Iterable[float], size: float = 0.0) -> str:
+def triple(values: Sequence[float] | np.ndarray, size: float = 0.0) -> str:
     """Format the components of a vector; rounding beside the largest component is 0."""
     size = max(size, float(np.abs(values).max()))
     return "(" + ", ".join(digits(float(value), size) for value in values) + ")"

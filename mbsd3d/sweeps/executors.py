@@ -10,7 +10,7 @@ import multiprocessing
 import os
 import signal
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, ProcessPoolExecutor, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from functools import partial
@@ -34,7 +34,7 @@ CELLS_IN_FLIGHT_MAX = 1000  # [1] cells in flight on an executor of the user, wh
 START_ADVICE = "put the call of sweep under if __name__ == '__main__':, since new processes import the script"
 
 
-def outcomes(call: Callable, cells: list[dict], todo: list[int], executor: Any) -> Iterator[tuple[int, Outcome]]:
+def outcomes(call: Callable, cells: list[dict], todo: list[int], executor: Any) -> Generator[tuple[int, Outcome]]:
     """Yield (cell, outcome) in the order in which cells finish."""
     if executor is None or executor == "threads":
         turns = Turns()
@@ -44,7 +44,7 @@ def outcomes(call: Callable, cells: list[dict], todo: list[int], executor: Any) 
         yield from on_processes(call, cells, deque(todo))
     else:
         pool = executor if isinstance(executor, Executor) else executor.get_executor()
-        left, suspects = deque(todo), deque()
+        left, suspects = deque(todo), deque[int]()
         yield from stream(pool, call, cells, left, CELLS_IN_FLIGHT_MAX, left, suspects)
         again = partial(call)  # a cluster knows a task by its content, and would return the old answer
         yield from stream(pool, again, cells, suspects, 1, left)  # alone, only the culprit loses its worker again

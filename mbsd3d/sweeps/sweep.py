@@ -227,7 +227,9 @@ def dataset(grid: Grid, results: dict[int, Outcome], units: Mapping[str, str], a
     good = {cell: outcome for cell, outcome in results.items() if not outcome.error}
     errors = [results[cell].error if cell in results else "not run" for cell in range(count)]
     unit_of = {name: {"units": unit} for name, unit in units.items()}
-    variables = {"error": (grid.dims, np.array(errors, dtype=str).reshape(grid.shape), {})}
+    variables: dict[str, tuple[tuple[str, ...], np.ndarray, dict[str, str]]] = {
+        "error": (grid.dims, np.array(errors, dtype=str).reshape(grid.shape), {})
+    }
     for name, length in shapes(good[min(good)]).items() if good else ():
         whole = np.full((count,) if length is None else (count, length), np.nan)
         for cell, outcome in good.items():

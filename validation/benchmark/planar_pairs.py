@@ -68,7 +68,7 @@ class Mechanism:
 
     def plane(self, *, driven: bool = False, centroidal: bool = False) -> planar.System:
         """Build the mechanism for the planar solver; ``centroidal`` puts every O into the centre of mass (r_G = 0)."""
-        bodies = {None: planar.GROUND}
+        bodies: dict[str | None, Any] = {None: planar.GROUND}
         for k, link in enumerate(self.links):
             origin = np.array(link.centre if centroidal else link.origin)[:2]
             com, omega = np.array(link.centre)[:2] - origin, None if k or driven else self.rate

@@ -12,7 +12,7 @@ import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -131,7 +131,14 @@ def tyre_seconds(wheels: int = 8, rounds: int = 25) -> float:
         Body(f"wheel {k}", 8.0, (0.3, 0.5, 0.3), position=(0, k, 0.3), velocity=(5.0, 0.1, 0), omega=(0.01, 16.0, 0.1))
         for k in range(wheels)
     ]
-    usual = {"radius": 0.305, "crown": 0.03, "stiffness": 1e5, "camber": 1.0, "trail": 0.02, "rolling_resistance": 5e-3}
+    usual: dict[str, Any] = {
+        "radius": 0.305,
+        "crown": 0.03,
+        "stiffness": 1e5,
+        "camber": 1.0,
+        "trail": 0.02,
+        "rolling_resistance": 5e-3,
+    }
     tyres = [Tyre(GROUND, wheel, axis=(0, 1, 0), **usual) for wheel in rolling]
     free, pressed = System(rolling), System(rolling, forces=tyres)
     steps = BODY_STEPS // wheels // 4

@@ -201,7 +201,7 @@ def work_precision(rows: Sequence[Row], dark: bool = False) -> Figure:
     columns = min(FIGURE_COLUMNS, len(shown))
     with house(look):
         figure = Figure(figsize=(2.9 * columns + 0.4, 2.6 * count + 0.5), layout="constrained", facecolor=look.paper)
-        grid, lines = figure.subplots(count, columns, sharey=True, squeeze=False).ravel(), {}
+        grid, lines = figure.subplots(count, columns, sharey=True, squeeze=False).ravel(), dict[str, Any]()
         for k, (axes, row) in enumerate(zip(grid, shown, strict=False)):
             panel(axes, row, look)
             lines = {line.get_label(): line for line in axes.get_legend_handles_labels()[0]} | lines

@@ -108,7 +108,7 @@ def speed(data: dict[str, Any]) -> str:
         f"n^{growth['ladder']:.2f} for ladders of four-bars with three",
         "redundant rows each.",
         "",
-        "| once | s |",
+        "| one-time work | s |",
         "|---|---|",
         f"| `check()` of a chain of 1000 bodies, of a ladder of 100 four-bars | {check[0]:.1f}, {check[1]:.1f} |",
         f"| start of a process to its first result; with all kernels to compile | {start[0]:.1f}; {start[1]:.0f} |",

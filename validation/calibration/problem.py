@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from numpy.random import Generator
+from numpy.typing import ArrayLike
 
 from mbsd3d import Body, Solution, State, System
 from validation.cases.examples import random_orientation
@@ -74,11 +75,11 @@ class Place:
         """Return the gravity of the earth in world axes."""
         return self.axes @ (0.0, 0.0, -self.g)
 
-    def point(self, *x: float) -> Array:
+    def point(self, *x: ArrayLike) -> Array:
         """Return a point of the frame in world coordinates."""
         return self.shift + self.axes @ np.ravel(x)
 
-    def axis(self, *x: float) -> Array:
+    def axis(self, *x: ArrayLike) -> Array:
         """Return a direction or vector of the frame in world axes."""
         return self.axes @ np.ravel(x)
 

@@ -49,7 +49,7 @@ def _scale(column: Array) -> float:
 def _columns(case: Case, solution: Solution, near: Mapping[str, Array]) -> dict[str, Array]:
     """Return all columns that the case defines, by label; ``near`` holds values that fix signs and turns."""
     sample = _Sample(case, solution)
-    columns = {}
+    columns: dict[str, Array] = {}
     for output in case.outputs:
         kind, name = output["kind"], output["name"]
         values = OUTPUTS[kind](sample, output)

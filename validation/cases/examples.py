@@ -279,7 +279,7 @@ def mechanism(seed: int) -> mbsd3d.System:
             joints += candidate
     if rng.random() < 0.3:
         joints += redundant(rng, joints)
-    ends = dict(at_a=direction(rng), at_b=bodies[-1].position + direction(rng))
+    ends: dict[str, Any] = dict(at_a=direction(rng), at_b=bodies[-1].position + direction(rng))
     mass = bodies[-1].mass  # a stiff damper on a light body would be another test
     spring = mbsd3d.SpringDamper(mbsd3d.GROUND, bodies[-1], **ends, stiffness=mass * rng.uniform(5, 50), damping=mass)
     return mbsd3d.System(bodies, joints, [spring], gravity=rng.normal(size=3) * 5)

@@ -1,6 +1,7 @@
 """Random closed loops in general position, and the same loop as its axes alone, for `validation.theory`."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +23,7 @@ def parts(rng: np.random.Generator, count: int) -> list[MassProperties]:
     return found
 
 
-def place(rng: np.random.Generator) -> dict[str, object]:
+def place(rng: np.random.Generator) -> dict[str, Any]:
     """Draw a base pose anywhere."""
     return {
         "position": rng.normal(size=3), "orientation": rotation(rng.normal(size=3), rng.uniform(0.3, 3.0)),

@@ -36,7 +36,7 @@ def judge_start(system: System, state: State, twin: Twin, ours: Ours, tolerance:
     by_quantity = acceleration_differences(system, state, twin, ours)
     for name, (difference, part) in by_quantity.items():
         status = AGREES if difference <= tolerance else DIFFERS
-        found = dict(difference=difference, tolerance=tolerance, until=state.t, part=part)
+        found: dict[str, Any] = dict(difference=difference, tolerance=tolerance, until=state.t, part=part)
         findings.append(Finding(twin.engine, name, status, **found))
     return findings
 

@@ -114,7 +114,8 @@ def neighbours(sheets: list[Sheet], files: list[str], k: int) -> list[tuple[str,
 
 def shades(sheets: list[Sheet]) -> dict[str, Any]:
     """Return the columns of the index, (order, kind) of any engine, and the largest relative value of each kind."""
-    columns, largest = [], {}
+    columns: list[tuple[int, str]] = []
+    largest: dict[str, float] = {}
     for kind, _ in QUANTITIES:
         for order in sheets[0].orders:
             values = [relative(sheet, kind, order) for sheet in sheets]

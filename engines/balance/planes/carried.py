@@ -88,7 +88,7 @@ def flat_loads(shaft: Shaft, force: ForceElement, bodies: dict) -> list | None:
     if not isinstance(force, Force | Torque):
         return None
     turned = record.bodies[-1].axes if record.values[0] else np.eye(3)
-    options = {"frame": "body" if record.values[0] else "world"}
+    options: dict[str, Any] = {"frame": "body" if record.values[0] else "world"}
     found = []
     for axis, signal in zip(turned.T, record.signals, strict=True):
         for term in signal.terms():

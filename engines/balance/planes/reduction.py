@@ -27,7 +27,7 @@ from engines import planar
 from engines.balance.planes.carried import carried_loads, heavy, moved
 from engines.balance.planes.shaft import EXACT_TOLERANCE, Failure, Shaft, cut, find_shaft, tensor, throw
 from engines.balance.planes.units import Unit, find_units, out_of_plane, planar_joint, unlike
-from mbsd3d import System
+from mbsd3d import Body, System
 from mbsd3d.errors import InputError
 from mbsd3d.extend import check_system, explaining
 
@@ -141,7 +141,7 @@ def reduce_to_planes(system: System) -> Reduction:
     return Reduction((*failures, *unlike(shaft, units, joints, bodies), *unseen), planes, shaft.rows.axes)
 
 
-def flat_body(shaft: Shaft, body: object) -> planar.Body:
+def flat_body(shaft: Shaft, body: Body) -> planar.Body:
     """Return a body projected into its plane."""
     com, position = shaft.rows.flat(body.centre - body.position), shaft.rows.flat(body.position)
     return planar.Body(body.name, body.mass, tensor(shaft, body)[2, 2], com=com, position=position)

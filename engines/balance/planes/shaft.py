@@ -127,7 +127,8 @@ def bound(terms: Sequence[Any], order: int, time: float) -> float:
     From the terms themselves; samples can miss a sine whose period they repeat. Terms of one shape, as components of a
     force have them, are added up first; others that cancel are taken for more than they are.
     """
-    total, alike = 0.0, {}
+    total = 0.0
+    alike: dict[tuple, np.ndarray] = {}
     for term in terms:
         first = int(term.data[0]) + 2 if term.kind == kinds.SPLINE else 0
         key, part = (term.data.size, *term.data[:first]), term.data[first:]

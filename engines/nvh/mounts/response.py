@@ -9,6 +9,7 @@ turns evenly. A load F about the middle of the crank enters through the mass mat
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -217,7 +218,7 @@ def start(system: System, held: OnMounts, source: Source, rpm: float) -> State:
 
 def whole_run(
     source: Source, held: OnMounts, rpm: float, *, settle: float = 1.0, kept: int = 4, count: int = 144,
-    **options: object,
+    **options: Any,
 ) -> Solution:  # fmt: skip
     """Simulate the full motion from the state of the linear answer over ``kept`` cycles, ``count`` samples a turn.
 

@@ -1,6 +1,6 @@
 """Car on four springs, two bars and four tyres, with or without an engine that spins in it."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -124,7 +124,7 @@ def car(c: Car, speed: float, steer: Signal | float | None, drive: Signal | floa
         slide = (Cylindrical if front else Prismatic)(chassis, carrier, at=at, axis=UP, name=f"{name} slide")
         joints += [slide, Revolute(carrier, wheel, at=at, axis=(0, 1, 0), name=f"{name} hub")]
         if front:
-            driver = {"name": f"{name} steering"}
+            driver: dict[str, Any] = {"name": f"{name} steering"}
             held = SpeedDriver(chassis, carrier, axis=UP, speed=0.0, **driver)
             joints.append(held if steer is None else AngleDriver(slide, steer, **driver))
         else:

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
 from scipy.optimize import approx_fprime, root
@@ -70,7 +71,7 @@ class Balance:
     """Residual of a state against a steady circle; the drive grows by 1 N m a second, so the time says how large it
     is."""
 
-    def __init__(self, c: Car, speed: float, terms: Mapping[str, bool]) -> None:
+    def __init__(self, c: Car, speed: float, terms: Mapping[str, Any]) -> None:
         self.c, self.speed, self.terms = c, speed, terms
         self.system = car(c, speed, None, Ramp(1.0))
         self.rates = Rates(self.system, self.state(self.start(0.0)), Switches(**terms))

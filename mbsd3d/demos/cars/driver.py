@@ -3,6 +3,8 @@
 The point is a body, driven along the course; what the driver sees and does is feedback on the kingpins and the hubs.
 """
 
+from typing import Any
+
 import numpy as np
 
 from mbsd3d import (
@@ -44,7 +46,7 @@ def followed(c: Car, speed: float, course: Signal, preview: float, lag: float) -
     [s].
     """
     free, at = car(c, speed, None), np.array([preview * speed, 0.0, c.h])
-    moving = {"position": at, "velocity": (speed, 0, 0), "omega": (0, 0, 0)}
+    moving: dict[str, Any] = {"position": at, "velocity": (speed, 0, 0), "omega": (0, 0, 0)}
     sled = Body("sled", 1.0, (1, 1, 1), shape=shapes.Sphere(0.05), **moving)  # within the point on a straight course
     point = Body("point", 1.0, (1, 1, 1), shape=shapes.Sphere(0.3), **moving)
     road = Prismatic(GROUND, sled, at=at, axis=(1, 0, 0), name="road")

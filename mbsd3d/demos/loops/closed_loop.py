@@ -1,7 +1,7 @@
 """Single loops of hinges by their Denavit-Hartenberg numbers: their closure, continuation and models."""
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -122,7 +122,7 @@ def mobile(system: System) -> bool:
     return System(system.bodies, system.joints[:-1], gravity=(0, 0, 0)).check().mobility > 0
 
 
-def run_loop(system: System, **terms: bool) -> tuple[Solution, np.ndarray]:
+def run_loop(system: System, **terms: Any) -> tuple[Solution, np.ndarray]:
     """Return a run, and the turns of all hinges [deg]; of a locked loop at rest."""
     count = len(system.bodies)
     if not mobile(system):

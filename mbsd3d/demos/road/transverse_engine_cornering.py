@@ -2,7 +2,19 @@
 
 import numpy as np
 
-from mbsd3d import GROUND, Body, PointOnPlane, PositionDriver, Revolute, Sine, SpeedDriver, System, shapes, simulate
+from mbsd3d import (
+    GROUND,
+    Body,
+    Joint,
+    PointOnPlane,
+    PositionDriver,
+    Revolute,
+    Sine,
+    SpeedDriver,
+    System,
+    shapes,
+    simulate,
+)
 
 from ..form import Ablation, Against, Demo, Measured, Quantity, require
 
@@ -30,7 +42,7 @@ def mechanism(*, m=1500.0, h=0.5, track=1.5, wheelbase=2.5, J=0.25, Omega=700.0,
     }
     turns = turn / (2 * np.pi)
     way = (Sine(R, turns), Sine(-R, turns, np.pi / 2, R), None)
-    joints = [PointOnPlane(GROUND, car, at=at, normal=up, name=name) for name, at in feet.items()]
+    joints: list[Joint] = [PointOnPlane(GROUND, car, at=at, normal=up, name=name) for name, at in feet.items()]
     joints += [
         PositionDriver(car, at=(0, 0, 0), signal=way, name="road"),
         SpeedDriver(GROUND, car, axis=up, speed=turn, name="steering"),

@@ -1,5 +1,7 @@
 """Two shafts at an angle: the driven one runs unevenly, and a second joint takes it back."""
 
+from typing import Any
+
 import numpy as np
 
 from mbsd3d import (
@@ -82,7 +84,7 @@ def theory(*, bend_deg, rate, J):
     return {"greatest_over_least": 1 / np.cos(b) ** 2, **amplitudes, "motor_torque_Nm": torque, **even}
 
 
-def one_turn(system: System, rate: float, **terms: bool) -> Solution:
+def one_turn(system: System, rate: float, **terms: Any) -> Solution:
     """Simulate one turn of the input."""
     return simulate(system, 2 * np.pi / abs(rate), rtol=1e-12, output=TURN_SAMPLES + 1, **terms)
 

@@ -1,5 +1,7 @@
 """Crank, rod and piston: the force on the block, to which the offset of the crank's centre of mass adds a tenth."""
 
+from typing import Any
+
 import numpy as np
 
 from mbsd3d import (
@@ -99,7 +101,7 @@ def amplitudes(values: np.ndarray) -> np.ndarray:
     return 2 * np.abs(np.fft.rfft(values[:-1]))[list(ORDERS)] / (values.size - 1)
 
 
-def one_turn(system: System, rpm: float, **terms: bool) -> Solution:
+def one_turn(system: System, rpm: float, **terms: Any) -> Solution:
     """Simulate one turn of the crank by kinematics."""
     return simulate(system, 60 / abs(rpm), method=Kinematic(), output=TURN_SAMPLES + 1, **terms)
 

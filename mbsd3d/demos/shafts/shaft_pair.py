@@ -1,5 +1,7 @@
 """Massless shafts that meet at an angle and turn slowly: the moments of their joint."""
 
+from typing import Any
+
 import numpy as np
 
 from mbsd3d import (
@@ -72,7 +74,7 @@ def shaft_pair(joint: type[Joint], bend_deg: float, torque: float, **axes: objec
     return System([drive, driven], joints, [load], gravity=(0, 0, 0))
 
 
-def one_turn(system: System, **terms: bool) -> tuple[Solution, np.ndarray, np.ndarray, np.ndarray]:
+def one_turn(system: System, **terms: Any) -> tuple[Solution, np.ndarray, np.ndarray, np.ndarray]:
     """Return the run, couples on driving and driven shaft [N m] and the output's rate over that of the input, at the
     samples.
 

@@ -1,5 +1,7 @@
 """An engine's spin turns a pull on the stick into a swing of the nose to the side."""
 
+from typing import Any
+
 import numpy as np
 
 from mbsd3d import Body, Revolute, SpeedDriver, System, Torque, shapes, simulate
@@ -22,7 +24,7 @@ def mechanism(*, I=(13000.0, 76000.0, 86000.0), J=4.0, Omega=1000.0, M=38000.0) 
     about y.
     """
     jet = Body("jet", 15000.0, I, orientation=START_AXES, shape=JET_SHAPES)
-    spin = {"orientation": START_AXES, "omega": (Omega, 0, 0)}
+    spin: dict[str, Any] = {"orientation": START_AXES, "omega": (Omega, 0, 0)}
     engine = Body("engine", 500.0, (J, J / 2, J / 2), **spin, shape=shapes.Cylinder(0.5, 3.0, "x"))
     shaft = Revolute(jet, engine, at=(0, 0, 0), axis=(1, 0, 0), name="shaft")
     speed = SpeedDriver(jet, engine, axis=(1, 0, 0), speed=Omega, name="speed")

@@ -1,5 +1,7 @@
 """Errors of omitted terms: what is lost with each term that one may forget, in numbers."""
 
+from typing import Any
+
 import numpy as np
 
 from mbsd3d import GROUND, Body, Revolute, Spherical, State, System, shapes, simulate
@@ -147,7 +149,7 @@ def measure(build, terms_off, *, arm, turn, I=(1.0, 2.0, 3.0), spin=(1.0, 2.0, 2
                                               theory=(time, 100 * np.hypot(1, np.pi * time))),
                                          Line("true angle", 360 * time)]),
     ]  # fmt: skip
-    astray = {"title": "without w x I w: the angular momentum of a free body turns with it"}
+    astray: dict[str, Any] = {"title": "without w x I w: the angular momentum of a free body turns with it"}
     astray |= {"curves": ["momentum", "energy"], "shown": ["angular momentum", "angular velocity"]}
     return Measured(values, [flying, free, engine, *apart.values()], curves, {"free_body": Show(free, astray)})
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from mbsd3d import GROUND, Body, KnifeEdge, Planar, System, rotation, shapes, simulate
+from mbsd3d import GROUND, Body, Joint, KnifeEdge, Planar, System, rotation, shapes, simulate
 
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 
@@ -16,7 +16,7 @@ def mechanism(*, slope_deg=5.0, w=2.0, blade=1) -> System:
     normal = axes(slope_deg)[2]
     form = (shapes.Box((0.3, 0.01, 0.04), at=(0, 0, 0.02)), shapes.Box((0.25, 0.07, 0.06), at=(0, 0, 0.07)))
     skate = Body("skate", 2.0, (0.01, 0.02, 0.02), orientation=turned, velocity=(0, 0, 0), omega=w * normal, shape=form)
-    joints = [Planar(GROUND, skate, at=(0, 0, 0), normal=normal, name="ice")]
+    joints: list[Joint] = [Planar(GROUND, skate, at=(0, 0, 0), normal=normal, name="ice")]
     joints += [KnifeEdge(GROUND, skate, at=(0, 0, 0), lateral=(0, 1, 0), name="blade")] * blade
     return System([skate], joints, gravity=(0, 0, -G))
 

@@ -134,7 +134,7 @@ def double_pendulum(place: Place) -> Problem:
 def arm(place: Place) -> Problem:
     """Draw two or three links on hinges in all directions, with springs and dampers about them."""
     n, rng = int(place.rng.integers(2, 4)), place.rng
-    law = {"stiff": float(rng.choice([0.0, 20.0, 300.0])), "drag": float(rng.choice([0.0, 2.0]))}
+    law: dict[str, Any] = {"stiff": float(rng.choice([0.0, 20.0, 300.0])), "drag": float(rng.choice([0.0, 2.0]))}
     axes = [direction(place) for _ in range(n)]
     return problem(place, axes, [False] * n, 4.0 * rng.normal(size=n), float(rng.uniform(0.3, 1.0)), **law)
 

@@ -1,5 +1,7 @@
 """Ball that bounces on a spring and damper, tyre with relaxation length, cams with flat faces and rollers."""
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy.integrate import solve_ivp
 
@@ -24,7 +26,8 @@ def bounces(slopes: list, ends: list, start: Array, t_end: float) -> tuple[list,
     """Return the pieces of a motion with slopes in turn, each up to a zero of its end; (times at which they begin,
     courses).
     """
-    times, courses, t, y = [0.0], [], 0.0, np.asarray(start, float)
+    courses: list[Callable] = []
+    times, t, y = [0.0], 0.0, np.asarray(start, float)
     while t < t_end and len(courses) < 400:
         k = len(courses) % 2
         found = solve_ivp(

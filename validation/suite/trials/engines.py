@@ -123,8 +123,8 @@ def flat_load(made: Flat, system: System, force: Any) -> Any:
     """Return the planar counterpart of a force."""
     what = system.name(force)
     if isinstance(force, SpringDamper):
-        ends = {"at_a": made.flat(force.at_a), "at_b": made.flat(force.at_b), "length": force.length}
-        values = {"stiffness": force.stiffness, "damping": force.damping, "name": what}
+        ends: dict[str, Any] = {"at_a": made.flat(force.at_a), "at_b": made.flat(force.at_b), "length": force.length}
+        values: dict[str, Any] = {"stiffness": force.stiffness, "damping": force.damping, "name": what}
         return planar.Spring(made.of(force.a), made.of(force.b), **ends, **values)
     if isinstance(force, Torque):
         torque = np.array([constant(part, what) for part in force.torque])

@@ -1,6 +1,7 @@
 """Vehicles off the ground as cases for engines without tyres: bearings, springs, steering, a brake."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -44,7 +45,7 @@ def trials(quick: bool) -> list[Trial]:
 
 def thrown() -> Run:
     """Simulate a bicycle with its nine degrees of freedom on tyres, and a strut that springs and damps the steering."""
-    motion = {"lean": 0.2, "steer": -0.3, "lean_rate": 0.7, "steer_rate": -1.1}
+    motion: dict[str, Any] = {"lean": 0.2, "steer": -0.3, "lean_rate": 0.7, "steer_rate": -1.1}
     ridden = whipple(named("meijaard2007_browser_jason"), 6.0, **motion)
     frame, fork = (ridden.part(name) for name in ("frame", "fork"))
     ends = {"at_a": frame.position + (0.6, 0.05, 0.3), "at_b": fork.position + (-0.1, 0.12, 0.35)}

@@ -145,7 +145,8 @@ def hold(
     made: Sketch, motors: Motors, joint: Joint, pairs: list[tuple[Coordinate, float]], signal: Any, adrift: bool = False
 ) -> Coupling:
     """Set the sum of factor coordinate = signal, 0 without one; with ``adrift`` the signal is the rate of the sum."""
-    name, terms = made.system.name(joint), {}
+    name = made.system.name(joint)
+    terms: dict[Any, float] = {}
     for x, factor in pairs:
         for key, sign in sum_of(made, x, label(made.system, joint)).items():
             terms[key] = terms.get(key, 0.0) + factor * sign
