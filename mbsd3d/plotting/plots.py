@@ -21,8 +21,8 @@ from ..base.errors import InputError, explaining
 from ..base.paths import as_path, write_atomically
 from ..base.style import LINE, Theme, dress, house, theme
 from ..results.run_result import RunResult
+from .default_curves import default_curves, seen_panels
 from .panels import Panel, Part, Wanted, panels_of
-from .telling import seen_panels, telling
 
 LINE_STYLES = ("-", "--", ":", "-.")
 MARKED_SAMPLES_MAX = 40  # [1] samples that are marked one by one: straight lines between few of them could mislead
@@ -43,7 +43,9 @@ def plot_quantity(
     check_choice(degrees, (True, False), "plot: degrees")
     if quantity is None and parts:
         raise InputError("plot: parts without a quantity; give one, e.g. plot('reaction', hinge)")
-    panels = seen_panels(solution, telling(solution)) if quantity is None else panels_of(solution, quantity, parts)
+    panels = (
+        seen_panels(solution, default_curves(solution)) if quantity is None else panels_of(solution, quantity, parts)
+    )
     if degrees:
         panels = [panel.in_degrees() for panel in panels]
     across = None if against is None else panel_across(solution, against, quantity, parts, degrees)

@@ -13,7 +13,7 @@ CURVE_LINES_MAX = 6  # [1] of one curve, unless asked for
 MOTION_THRESHOLD = 1e-9  # [rad or m, or of its scale] smaller changes are no motion
 
 
-def telling(run: RunResult) -> list:
+def default_curves(run: RunResult) -> list:
     """Return the quantities to plot by default.
 
     Angles or slides of joints that move (else the angular velocity of the first body), the energies, the efforts of
