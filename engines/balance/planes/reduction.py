@@ -24,8 +24,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from engines import planar
-from engines.balance.planes.carried import carried_loads, heavy, moved
 from engines.balance.planes.shaft import EXACT_TOLERANCE, Failure, Shaft, cut, find_shaft, tensor, throw
+from engines.balance.planes.shaft_loads import carried_loads, heavy, moved
 from engines.balance.planes.units import Unit, find_units, out_of_plane, planar_joint, unlike
 from mbsd3d import Body, System
 from mbsd3d.errors import InputError

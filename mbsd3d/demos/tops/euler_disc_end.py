@@ -6,7 +6,7 @@ from mbsd3d import DOP853, GROUND, Body, Contact, System, rotation, shapes, simu
 from mbsd3d.rotations import matrix
 
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
-from ..stones import rolled
+from ..rolling_stone import rolled
 
 G = 9.81  # m/s^2
 STIFFNESS_PER_WEIGHT = 1e6  # [1/m] the table deflects by 1 um, far less than the height of the edge during the run

@@ -7,7 +7,7 @@ from mbsd3d import GROUND, Body, Rolling, System, rotation, shapes, simulate
 from mbsd3d.rotations import matrix
 
 from ..form import Ablation, Curve, Demo, Measured, Quantity
-from ..stones import rolled
+from ..rolling_stone import rolled
 
 G = 9.81  # m/s^2
 

@@ -6,7 +6,7 @@ from mbsd3d import DOP853, GROUND, Body, Contact, System, rotation, shapes, simu
 from mbsd3d.rotations import matrix
 
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
-from ..stones import slid
+from ..rolling_stone import slid
 from .tippe_top import STIFFNESS_PER_WEIGHT, table_of
 
 G = 9.81  # m/s^2

@@ -8,7 +8,7 @@ from mbsd3d.rotations import matrix
 from ..figure import Line
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 from ..quadrature import cross, motion
-from ..stones import slid
+from ..rolling_stone import slid
 
 G = 9.81  # m/s^2
 STIFFNESS_PER_WEIGHT = 1e4  # [1/m] stiffness of the table over the weight of the top
