@@ -1,4 +1,4 @@
-"""What the studies share: tables as CSV files, work with a progress bar, figures in the house style."""
+"""Shared output of the studies: tables as CSV files, work with a progress bar, figures in the common style."""
 
 import csv
 import io
@@ -34,7 +34,7 @@ def write_modes(path: str | Path, names: Sequence[str], speeds: np.ndarray, valu
 
 
 def collected(title: str, results: Iterable[T], count: int, progress: bool | None = None) -> list[T]:
-    """The ``count`` results of an iterator with a progress bar; after Ctrl-C those that were finished."""
+    """Return the ``count`` results of an iterator with a progress bar; after Ctrl-C those that were finished."""
     found: list[T] = []
     with Progress(title, 0, count, progress) as bar:
         try:
@@ -48,7 +48,7 @@ def collected(title: str, results: Iterable[T], count: int, progress: bool | Non
 
 @contextmanager
 def modes_figure(title: str, dark: bool = False) -> Iterator[tuple["Figure", "Axes", "Axes", Theme]]:
-    """(figure, growth, frequency, colours): modes over the speed, to be drawn within the block."""
+    """Yield (figure, growth, frequency, colours): modes over the speed, to be drawn within the block."""
     with new_figure(9.2, 6.2, dark) as (sheet, look):
         growth, frequency = sheet.subplots(2, 1, sharex=True, height_ratios=(1.7, 1.0))
         for axes in (growth, frequency):

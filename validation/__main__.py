@@ -1,4 +1,4 @@
-"""``python -m validation`` is ``mbsd3d validate``."""
+"""Entry point ``python -m validation``, the same as ``mbsd3d validate``."""
 
 import sys
 

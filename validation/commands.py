@@ -1,4 +1,4 @@
-"""``mbsd3d validate``: a model of the user's, or every case, against other engines and closed forms."""
+"""Command ``mbsd3d validate``: a model of the user's, or every case, against other engines and closed forms."""
 
 import json
 from contextlib import closing
@@ -14,11 +14,11 @@ if TYPE_CHECKING:
     from validation.suite.suite import Suite
 
 ENGINES = ("mujoco", "exudyn", "definitions")  # of crosscheck.check, which is imported when it is needed
-OF_SUITE = ("quick", "names", "only_list", "fresh", "out")
+SUITE_OPTIONS = ("quick", "names", "only_list", "fresh", "out")
 """Options of the suite of all cases; the others are those of MODEL."""
-DIFFERENT = 1  # exit code
-OUT = "out/validation"
-BUDGETS = {True: 0.2, False: 2.0}  # s of an engine for a case: of the short list, of the long one
+DIFFERENCE_EXIT_CODE = 1  # exit code
+OUT_FOLDER = "out/validation"
+BUDGET_SECONDS = {True: 0.2, False: 2.0}  # [s] of an engine for a case: of the short list, of the long one
 
 
 @click.command()
@@ -61,7 +61,7 @@ def validate(model: str | None, **options: Any) -> None:
     if anything differs without a proven cause.
     """
     given = {name: value for name, value in options.items() if value is not None and value is not False and value != ()}
-    wrong = [name for name in given if (name in OF_SUITE) == (model is not None)]
+    wrong = [name for name in given if (name in SUITE_OPTIONS) == (model is not None)]
     if wrong:
         option = next(x.opts[0] for x in click.get_current_context().command.params if x.name == wrong[0])
         raise InputError(f"{option} is for {'all cases; leave it or MODEL out' if model else 'a MODEL; give one'}")
@@ -75,7 +75,7 @@ def validate_model(
     model: str, json_file: str | None = None, html_file: str | None = None, drop: tuple[str, ...] = (),
     changes: tuple[str, ...] = (), t_end: float = 1.0, **settings: Any,
 ) -> None:  # fmt: skip
-    """Compare a model of any kind, print the table, write what was asked for; exit code 1 if it has not passed."""
+    """Compare a model of any kind, print the table, write the requested files; exit code 1 if it has not passed."""
     from validation.crosscheck import cross_check
 
     for option, target in {"--json": json_file, "--html": html_file}.items():
@@ -95,19 +95,24 @@ def validate_model(
     for failure in check.failures:
         click.echo(f"mbsd3d: {failure}", err=True)
     if check.interrupted or not check.passed:
-        raise click.exceptions.Exit(INTERRUPTED if check.interrupted else DIFFERENT)
+        raise click.exceptions.Exit(INTERRUPTED if check.interrupted else DIFFERENCE_EXIT_CODE)
 
 
 def write(file: str, text: str) -> None:
-    """A text file, whole or not at all; says where it is."""
+    """Write a text file, whole or not at all, and print its path."""
     write_atomically(Path(file), text.encode())
     click.echo(file)
 
 
 def validate_all(
-    *, out: str = OUT, names: tuple[str, ...] = (), quick: bool = False, fresh: bool = False, only_list: bool = False
+    *,
+    out: str = OUT_FOLDER,
+    names: tuple[str, ...] = (),
+    quick: bool = False,
+    fresh: bool = False,
+    only_list: bool = False,
 ) -> None:
-    """Run the suite, show and write what it found; exit code 1 if something differs, 130 after Ctrl-C."""
+    """Run the suite, show and write its findings; exit code 1 if something differs, 130 after Ctrl-C."""
     from validation.suite.suite import Suite, store
     from validation.suite.trials import chosen, trials
 
@@ -116,13 +121,13 @@ def validate_all(
         width = max(len(trial.name) for trial in found)
         click.echo("\n".join(f"{trial.name:{width}}  {trial.title}" for trial in found))
         return
-    folder, budget = ready_folder(out), BUDGETS[quick]
+    folder, budget = ready_folder(out), BUDGET_SECONDS[quick]
     with closing(store(folder, fresh, budget=budget)) as kept:
         judge(Suite(found, kept, quick, budget), folder)
 
 
 def judge(suite: "Suite", folder: Path) -> None:
-    """Run a suite and say how it ended."""
+    """Run a suite and report its end."""
     if suite.records:
         kept = f"{len(suite.records)} of {len(suite.trials)} cases are in {suite.store.path}"
         click.echo(f"mbsd3d: {kept}; --fresh forgets them", err=True)
@@ -135,11 +140,11 @@ def judge(suite: "Suite", folder: Path) -> None:
     show(suite, folder)
     if suite.failed:
         click.echo(f"mbsd3d: {', '.join(record.name for record in suite.failed)} differ", err=True)
-        raise click.exceptions.Exit(DIFFERENT)
+        raise click.exceptions.Exit(DIFFERENCE_EXIT_CODE)
 
 
 def show(suite: "Suite", folder: Path) -> None:
-    """Table on the screen, files in the folder."""
+    """Print the table, and write the files to the folder."""
     from validation.suite.findings import table
 
     if suite.records:

@@ -1,4 +1,4 @@
-"""What figures of speed depend on: processor, cores, versions, load."""
+"""Conditions of speed measurements: processor, cores, versions, load."""
 
 import os
 import platform
@@ -7,7 +7,7 @@ from pathlib import Path
 
 
 def machine(*packages: str) -> str:
-    """Processor class, cores, versions of Python and of ``packages``, load; nothing of them is imported.
+    """Return processor class, cores, versions of Python and of ``packages``, load; none of them is imported.
 
     ``packages``: names of distributions; those that are not installed are said to be absent.
 
@@ -26,7 +26,7 @@ def machine(*packages: str) -> str:
 
 
 def installed(package: str) -> str:
-    """Name and version of a distribution."""
+    """Return name and version of a distribution."""
     try:
         return f"{package} {version(package)}"
     except PackageNotFoundError:

@@ -1,4 +1,4 @@
-"""``mbsd3d bicycle STUDY``: every command imports its study when it starts, so that help is quick."""
+"""Commands ``mbsd3d bicycle STUDY``: each imports its study when it starts, so that help is quick."""
 
 from collections.abc import Callable
 from functools import wraps
@@ -23,20 +23,20 @@ STUDIES = {
 
 
 class Studies(click.Group):
-    """Commands that are imported on demand."""
+    """Click group whose commands are imported on demand."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """All studies."""
+        """Return the names of all studies."""
         return [*STUDIES]
 
     def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
-        """The command of a study."""
+        """Import and return the command of a study."""
         return getattr(import_module(f".{STUDIES[name]}", __name__), name) if name in STUDIES else None
 
 
 @click.group(cls=Studies)
 def bicycle() -> None:
-    """Stability, sensitivity, rides and circles of bicycles, on ideal wheels or on tyres.
+    """Study bicycles: stability, sensitivity, rides and circles, on ideal wheels or on tyres.
 
     BICYCLE is a name, e.g. Browserins, or a parameter file (.txt, .yml); without it the benchmark bicycle of 2007.
     """
@@ -55,7 +55,7 @@ out_option = click.option(
 
 
 def bicycle_argument(function: Callable[..., None]) -> Callable[..., None]:
-    """``[BICYCLE] [--unphysical]``: the command gets ``parameters``, a `bicycle.Parameters`."""
+    """Add ``[BICYCLE] [--unphysical]`` to a command, which gets ``parameters``, a `bicycle.Parameters`."""
 
     @wraps(function)
     def with_parameters(bicycle: str, unphysical: bool, **rest: Any) -> None:
@@ -66,12 +66,14 @@ def bicycle_argument(function: Callable[..., None]) -> Callable[..., None]:
     return click.argument("bicycle", default="Meijaard2007")(unphysical_option(with_parameters))
 
 
-WORDS = {"none": None, "true": True, "false": False}
+OPTION_VALUES = {"none": None, "true": True, "false": False}
 """What stands for something else than a number in ``--tyre KEY=VALUE``."""
 
 
 def tyre_flags(function: Callable[..., None]) -> Callable[..., None]:
-    """``[--tyres] [--tyre KEY=VALUE] [--head K C]``: ``on_tyres``, ``changed`` and ``head`` for `fitted`."""
+    """Add ``[--tyres] [--tyre KEY=VALUE] [--head K C]`` to a command: ``on_tyres``, ``changed`` and ``head`` for
+    `fitted`.
+    """
     soft = click.option(
         "--head", type=float, nargs=2, metavar="K C",
         help="Of a head tube that yields [N m/rad] [N m s/rad], e.g. 2000 2. Includes --tyres.",
@@ -87,7 +89,9 @@ def tyre_flags(function: Callable[..., None]) -> Callable[..., None]:
 def fitted(
     parameters: "Parameters", on_tyres: bool, changed: tuple[str, ...], head: tuple[float, ...] | None
 ) -> dict[str, Any]:  # fmt: skip
-    """What `whipple` takes for a bicycle by `tyre_flags`; empty = ideal wheels. Published machines have their own."""
+    """Return the arguments of `whipple` for a bicycle by `tyre_flags`; empty = ideal wheels. Published machines have
+    their own.
+    """
     from ..model.tyres import TYPICAL, both
     from ..parameters import fittings
 
@@ -101,7 +105,8 @@ def fitted(
 
 
 def tyre_options(function: Callable[..., None]) -> Callable[..., None]:
-    """``[--tyres] [--tyre KEY=VALUE] [--head K C]``: ``fittings`` for `whipple`; empty = ideal wheels."""
+    """Add ``[--tyres] [--tyre KEY=VALUE] [--head K C]`` to a command: ``fittings`` for `whipple`; empty = ideal
+    wheels."""
 
     @wraps(function)
     def with_fittings(
@@ -113,16 +118,17 @@ def tyre_options(function: Callable[..., None]) -> Callable[..., None]:
 
 
 def tyre_number(text: str) -> tuple[str, float | bool | None]:
-    """``cornering=12`` as a pair; ``mu=none``: no limit of grip; ``camber_lag=false``: a camber force at once."""
+    """Read ``cornering=12`` as a pair; ``mu=none``: unlimited grip; ``camber_lag=false``: a camber force without
+    delay."""
     key, _, right = text.partition("=")
     try:
-        return key, WORDS[right] if right in WORDS else float(right)
+        return key, OPTION_VALUES[right] if right in OPTION_VALUES else float(right)
     except ValueError:
         raise InputError(f"--tyre '{text}': '{right}' is not a number; write e.g. cornering=12") from None
 
 
 def saved(figure: "Figure", target: Path) -> list[Path]:
-    """Write a figure as .png and .svg."""
+    """Write a figure as .png and .svg, and return the paths."""
     from mbsd3d import save_figure
 
     return save_figure(figure, target)

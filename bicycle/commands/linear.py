@@ -49,7 +49,7 @@ def sensitivity(
     parameters: "Parameters", given: tuple[str, ...], samples: int, seed: int, axes: tuple[str, ...], general: bool,
     dark: bool, out: str,
 ) -> None:  # fmt: skip
-    """How weave, capsize and double-root speed depend on every parameter.
+    """Compute how weave, capsize and double-root speed depend on every parameter.
 
     Writes the derivatives; with standard deviations (those of a measured set, or --deviation) also the distribution of
     the speeds and the Sobol indices of the parameters. Tables (.csv) and figures. Next: mbsd3d bicycle why
@@ -78,7 +78,7 @@ def sensitivity(
 def write_speeds(
     parameters: "Parameters", spread: dict[str, float], samples: int, seed: int, dark: bool, target: Path
 ) -> None:
-    """Derivatives of the critical speeds and, with standard deviations, their distribution."""
+    """Write derivatives of the critical speeds and, with standard deviations, their distribution."""
     from ..linear.sensitivity import derivatives, monte_carlo, plot_derivatives, plot_uncertainty, sobol
     from ..model.mechanism import whipple
 
@@ -102,7 +102,7 @@ def write_speeds(
 def write_map(
     parameters: "Parameters", wanted: dict[str, np.ndarray], build: "Build | None", dark: bool, target: Path
 ) -> None:
-    """Map with figure and table, also after Ctrl-C."""
+    """Write a map with figure and table, also after Ctrl-C."""
     from ..linear.maps import plot_map, stable_map
 
     found = stable_map(parameters, wanted, build)
@@ -111,7 +111,7 @@ def write_map(
 
 
 def once(pairs: Iterable[tuple[str, Any]], what: str) -> dict[str, Any]:
-    """A mapping, with every symbol given once."""
+    """Return the pairs as a mapping; raise an error for a symbol given twice."""
     found: dict[str, Any] = {}
     for key, value in pairs:
         if key in found:
@@ -121,7 +121,7 @@ def once(pairs: Iterable[tuple[str, Any]], what: str) -> dict[str, Any]:
 
 
 def grid_of(text: str) -> tuple[str, np.ndarray]:
-    """``c=0:0.2:81`` as a symbol and its values."""
+    """Read ``c=0:0.2:81`` as a symbol and its values."""
     key, _, right = text.partition("=")
     parts = right.split(":")
     if len(parts) != 3 or not parts[2].isdigit() or int(parts[2]) < 2:
@@ -130,7 +130,7 @@ def grid_of(text: str) -> tuple[str, np.ndarray]:
 
 
 def number_of(text: str, what: str) -> float:
-    """A number of the command line."""
+    """Read a number of the command line."""
     try:
         return float(text)
     except ValueError:
@@ -138,7 +138,7 @@ def number_of(text: str, what: str) -> float:
 
 
 def deviations_of(parameters: "Parameters", given: tuple[str, ...]) -> dict[str, float]:
-    """Standard deviations of the command line, else those of the file or of the published set."""
+    """Return the standard deviations of the command line, else those of the file or of the published set."""
     from ..linear.uncertainty import checked_deviations, published_deviations
     from ..parameters import is_file, read_values
 
@@ -159,7 +159,7 @@ def deviations_of(parameters: "Parameters", given: tuple[str, ...]) -> dict[str,
 @dark_option
 @out_option
 def why(parameters: "Parameters", closed_form: bool, fittings: dict[str, Any], dark: bool, out: str) -> None:
-    """Why it stays upright: spin, trail, masses taken away or moved, steering locked.
+    """Show why a bicycle stays upright: without spin or trail, with masses moved, with steering locked.
 
     Prints the self-stable ranges [m/s] of each variant and how fast it falls at one speed; writes a figure and a table
     (.csv). On tyres also what camber, trail, relaxation and stiffness of the tyres do, beside ideal wheels. The exit
@@ -195,7 +195,7 @@ def frequency(
     parameters: "Parameters", speeds: tuple[float, ...], low: float, high: float, count: int, fittings: dict[str, Any],
     dark: bool, out: str,
 ) -> None:  # fmt: skip
-    """Bode plot: lean and steer in response to lean and steer torque.
+    """Draw a Bode plot: lean and steer in response to lean and steer torque.
 
     From the general model at each speed. Writes a figure and a table (.csv). Dashed: the bicycle falls at this speed
     if nobody steers. On tyres, thin lines are those of ideal wheels. Next: mbsd3d bicycle ride
@@ -230,12 +230,12 @@ def compare(
     bicycles: tuple[str, ...], only_list: bool, views: int, unphysical: bool, on_tyres: bool, changed: tuple[str, ...],
     head: tuple[float, ...] | None, out: str,
 ) -> None:  # fmt: skip
-    """Several bicycles on one page: critical speeds, dimensions, masses, eigenvalues, views.
+    """Compare several bicycles on one page: critical speeds, dimensions, masses, eigenvalues, views.
 
     BICYCLES are names or parameter files (.txt, .yml); none = all published sets. Writes index.html, views and a table
     (.csv) into the folder compare below --out. With --tyres also what ideal wheels leave out, as a figure.
     """
-    from ..pages.compare import AGREES, check_names, chosen, entries, table, to_csv, write_page
+    from ..pages.compare import SPEED_TOLERANCE, check_names, chosen, entries, table, to_csv, write_page
     from ..parameters import names
 
     if only_list:
@@ -258,11 +258,11 @@ def compare(
         report(write_page(folder, found, left_out=left_out, views=views))
         for x in [x for x in found[: max(views, 1)] if x.fittings]:
             report(*saved(x.left_out, folder / f"ideal_or_tyres_{x.parameters.name}"))
-    end(f"{missing} bicycles" if missing else "", any(x.difference > AGREES for x in found))
+    end(f"{missing} bicycles" if missing else "", any(x.difference > SPEED_TOLERANCE for x in found))
 
 
 def end(missing: str, disagree: bool = False) -> None:
-    """The exit code of a study that Ctrl-C cut short, or whose two models disagree."""
+    """End with the exit code of a study that Ctrl-C cut short, or whose two models disagree."""
     if missing:
         click.echo(f"mbsd3d: interrupted, {missing} are missing", err=True)
         raise click.exceptions.Exit(INTERRUPTED)

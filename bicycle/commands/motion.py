@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ..model.tyres import Tyres
     from ..parameters import Parameters
 
-RATE, LEAST, MOST = 100, 400, 20_000
+OUTPUT_RATE, SAMPLES_MIN, SAMPLES_MAX = 100, 400, 20_000
 """Samples of a ride per second, and at least and at most: a tyre that bounces does so within some hundredths."""
 
 
@@ -42,7 +42,7 @@ def ride(
     parameters: "Parameters", manoeuvre: str, only_list: bool, speed: float | None, t_end: float | None, fallen: float,
     held_down: bool, viewed: bool, fittings: dict[str, Any], out: str,
 ) -> None:  # fmt: skip
-    """Let a bicycle go without hands: nonlinear motion, forces of the ground, friction they need, and falls.
+    """Simulate a bicycle without hands: nonlinear motion, forces of the ground, friction they need, and falls.
 
     Writes a figure, a table (.csv) and the whole run (.npz, read by mbsd3d.load; not with --unphysical), named after
     bicycle, manoeuvre and the settings that were changed. Ctrl-C keeps what was computed. The exit code is 1 if the
@@ -66,7 +66,10 @@ def ride(
     name = "_".join([parameters.name, manoeuvre, *changes(chosen, arguments, fallen, held_down), *own])
     arguments |= fitted
     target = ready_folder(out) / name
-    samples = int(np.clip(RATE * number(arguments["t_end"], "ride: --t-end", positive=True), LEAST, MOST)) + 1
+    samples = (
+        int(np.clip(OUTPUT_RATE * number(arguments["t_end"], "ride: --t-end", positive=True), SAMPLES_MIN, SAMPLES_MAX))
+        + 1
+    )
     try:
         found = run(parameters, fallen=np.radians(fallen), held_down=held_down, output=samples, **arguments)
     except IntegrationError as error:
@@ -88,7 +91,7 @@ def ride(
 
 
 def changes(chosen: Manoeuvre, arguments: Mapping[str, Any], fallen: float, held_down: bool) -> list[str]:
-    """Settings that differ from the manoeuvre, for the names of files: no ride replaces a different one."""
+    """Return the settings that differ from the manoeuvre, for names of files: no ride replaces a different one."""
     numbers = {"speed": (arguments["speed"], chosen.speed), "t-end": (arguments["t_end"], chosen.t_end)}
     numbers["fallen"] = fallen, np.degrees(FALLEN)
     texts = {key: [f"{value:.12g}" for value in pair] for key, pair in numbers.items()}
@@ -96,7 +99,7 @@ def changes(chosen: Manoeuvre, arguments: Mapping[str, Any], fallen: float, held
 
 
 def refitted(parameters: "Parameters", fittings: Mapping[str, Any]) -> list[str]:
-    """For names of files too: "tyres", and what of them and of the head is not as usual."""
+    """Return the unusual settings of tyres and head for names of files, after "tyres"."""
     if not fittings:
         return []
     own = own_fittings(parameters)
@@ -136,7 +139,9 @@ def circles(
         return
     can_view(needed=viewed)
     target = ready_folder(out) / f"{parameters.name}_circles"
-    families, held, interrupted = [], [], False
+    families: list[Any] = []
+    held: list[Any] = []
+    interrupted = False
     try:
         study.families(parameters, keep=families)
         study.held_if_possible(parameters, speeds, held, lambda text: click.echo(f"mbsd3d: {text}", err=True))
@@ -156,12 +161,14 @@ def circles(
 
 
 def circles_on_tyres(parameters: "Parameters", speeds: tuple[float, ...], tyres: "Tyres", out: str) -> None:
-    """Held turns at every speed up to the limit of grip."""
+    """Compute held turns at every speed up to the limit of grip."""
     from ..turns import circles as study
     from ..turns.on_tyres import figure, to_csv, turns
 
     target = ready_folder(out) / f"{parameters.name}_circles_tyres"
-    leans, found, ideal = np.arange(0.025, 1.3, 0.025), [], []
+    leans = np.arange(0.025, 1.3, 0.025)
+    found: list[Any] = []
+    ideal: list[Any] = []
     interrupted = False
     try:
         for speed in speeds:

@@ -1,4 +1,4 @@
-"""The command that lets you ride."""
+"""Command that plays a ride."""
 
 from typing import TYPE_CHECKING, Any
 

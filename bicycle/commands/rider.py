@@ -1,4 +1,4 @@
-"""The command on riders: five loops over a course, and balance assist."""
+"""Command on riders: five loops over a course, and balance assist."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     from ..riders.rider import Gains
 
 COURSE_NAMES = ("lane-change", "slalom")
-ASSIST = (0.0, -5.0, -10.0, -25.0, -50.0)
-ASSISTED = np.linspace(0.1, 15.0, 150)
+ASSIST_GAINS = (0.0, -5.0, -10.0, -25.0, -50.0)
+ASSIST_SPEEDS = np.linspace(0.1, 15.0, 150)
 """[m/s] Between two of which a limit of assist is sought."""
-SLOWEST, FASTEST, COUNT = 2.0, 12.0, 41
+SPEED_MIN, SPEED_MAX, SPEED_COUNT = 2.0, 12.0, 41
 """[m/s] Of handling quality over the speed."""
 
 
@@ -40,7 +40,8 @@ def rider(
     parameters: "Parameters", course: str, speed: float, gains: tuple[float, ...] | None, t_end: float,
     fittings: dict[str, Any], dark: bool, out: str,
 ) -> None:  # fmt: skip
-    """A rider who closes five loops: gains, handling quality over the speed, and a course in the nonlinear model.
+    """Simulate a rider who closes five loops: gains, handling quality over the speed, and a course in the nonlinear
+    model.
 
     Gains, factors of the closed loops, handling quality, and the self-stable speeds with roll-rate feedback (balance
     assist) are those of ideal wheels; with --tyres the course is ridden on tyres. Writes figures and tables (.csv) of
@@ -55,14 +56,14 @@ def rider(
     given = Gains(*gains) if gains else gains_of(parameters, speed)
     for count, name in enumerate(LOOPS, 1):
         click.echo(f"{name:18} {given[count - 1]:10.5g}  {factors(eigenvalues(parameters, speed, given, count))}")
-    over = handling.study(parameters, np.linspace(SLOWEST, FASTEST, COUNT))
+    over = handling.study(parameters, np.linspace(SPEED_MIN, SPEED_MAX, SPEED_COUNT))
     click.echo(f"{over}\n  with these gains at {speed:g} m/s: {quality(parameters, speed, given)}")
-    laws = {f"roll-rate feedback {k:4g} N m s/rad": roll_rate(k) for k in ASSIST}
+    laws = {f"roll-rate feedback {k:4g} N m s/rad": roll_rate(k) for k in ASSIST_GAINS}
     laws |= {"steer into the fall, -20 N m/rad, -10 N m s/rad": into_the_fall(-20.0, -10.0)}
     laws["linear-quadratic regulator"] = regulator(parameters)
-    click.echo(f"feedback, tried from {ASSISTED[0]:g} to {ASSISTED[-1]:g} m/s:")
+    click.echo(f"feedback, tried from {ASSIST_SPEEDS[0]:g} to {ASSIST_SPEEDS[-1]:g} m/s:")
     for name, law in laws.items():
-        ranges = [f"{low:.5f} ... {high:.5f} m/s" for low, high in stable_ranges(parameters, law, ASSISTED)]
+        ranges = [f"{low:.5f} ... {high:.5f} m/s" for low, high in stable_ranges(parameters, law, ASSIST_SPEEDS)]
         click.echo(f"{name}: stable on ideal wheels {', '.join(ranges) or 'nowhere'}")
     found = run(parameters, COURSES[course], speed=speed, gains=given, t_end=t_end, **fittings)
     click.echo(str(found))
@@ -75,7 +76,7 @@ def rider(
 
 
 def quality(parameters: "Parameters", speed: float, gains: "Gains") -> str:
-    """The peak of the metric as text, or why there is none."""
+    """Return the peak of the metric as text, or why there is none."""
     from ..riders.handling import peak
 
     try:

@@ -1,4 +1,4 @@
-"""The command on eigenvalues over the speed, of ideal wheels and of tyres."""
+"""Command on eigenvalues over the speed, of ideal wheels and of tyres."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -27,7 +27,7 @@ def stability(
     parameters: "Parameters", first: float | None, last: float | None, count: int | None, shown: str | None,
     speed: float, fittings: dict[str, Any], dark: bool, out: str,
 ) -> None:  # fmt: skip
-    """Eigenvalues over the speed: weave, capsize, castering and the stable range.
+    """Compute eigenvalues over the speed: weave, capsize, castering and the stable range.
 
     BICYCLE is a name, e.g. Browserins, or a file with parameters (.txt, .yml). Writes a figure and a table (.csv). On
     tyres: from 0.5 m/s in 96 steps; Sharp1971 is a motorcycle on its own tyres, at 3 to 50 m/s.
@@ -61,7 +61,7 @@ def stability_on_tyres(
     parameters: "Parameters", speeds: np.ndarray, shown: tuple[str | None, float], fittings: dict[str, Any], dark: bool,
     out: str,
 ) -> None:  # fmt: skip
-    """The same on tyres, beside printed eigenvalues where there are some."""
+    """Compute the same on tyres, with printed eigenvalues where there are some."""
     from ..linear.stability import study
 
     can_view(needed=bool(shown[0]))

@@ -12,18 +12,20 @@ from ..linear.equations import canonical
 from ..model.mechanism import steer_torque, whipple
 from ..parameters import Meijaard2007
 
-SMALL = 1e-5  # rad: lean and steer of the linear answer, whose squares do not count; their rounding is 1e-13
+SMALL_ANGLE = 1e-5  # [rad] lean and steer of the linear answer; their squares vanish, their rounding is 1e-13
 
 
 def mechanism(*, v=5.0, torque=1.0) -> System:
-    """The bicycle of the benchmark at v [m/s], a constant torque [N m] about the steer axis, to the right."""
+    """Build the bicycle of the benchmark at v [m/s], a constant torque [N m] about the steer axis, to the right."""
     parameters = Meijaard2007()
     bicycle = whipple(parameters, speed=v)
     return replace(bicycle, forces=steer_torque(bicycle, parameters, torque))
 
 
 def answer(times, v):
-    """(times, 4) of lean, steer and their rates to a torque of 1 N m at the handlebar, by the matrix exponential."""
+    """Return lean, steer and their rates to a torque of 1 N m at the handlebar, by the matrix exponential, shape
+    (times, 4).
+    """
     linear = canonical(Meijaard2007())
     A = np.zeros((5, 5))
     A[:4, :4], A[2:4, 4] = linear.A(v), np.linalg.solve(linear.M, [0.0, 1.0])
@@ -31,17 +33,19 @@ def answer(times, v):
 
 
 def theory(*, v, t1, t2):
-    """Linear equations of the benchmark: first with the torque, then against it."""
+    """Solve the linear equations of the benchmark: first with the torque, then against it."""
     require(v > 0, f"demo 'countersteer': v = {v:g} m/s; give a speed ahead, v > 0")
     early, late = answer([t1, t2], v)
     return {"early_steer_per_torque": early[1], "late_steer_per_torque": late[1], "late_lean_per_torque": late[0]}
 
 
 def measure(build, terms, *, v, torque, t1=0.2, t2=2.0) -> Measured:
-    """Steer and lean of the general model per torque, for a very small one; then the ride with the one asked for."""
+    """Measure steer and lean of the general model per torque, for a very small one; then the ride with the given
+    torque.
+    """
     times = np.unique([*np.linspace(0, t2, 201), t1, t2])
     known = answer(times, v)
-    small = SMALL / np.abs(known[:, :2]).max()
+    small = SMALL_ANGLE / np.abs(known[:, :2]).max()
     system = build(torque=small)
     run = simulate(system, times[-1], rtol=1e-13, output=times, **terms)
     lateral = run.body_axis(system.part("frame"), (0.0, 1.0, 0.0))

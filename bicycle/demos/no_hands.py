@@ -14,23 +14,23 @@ from ..linear.equations import canonical
 from ..model.mechanism import outputs, whipple
 from ..parameters import Meijaard2007
 
-SPEEDS = np.arange(1.0, 16.1)  # m/s, in which the critical ones are looked for
-FALLEN = 0.9  # rad of lean, at which nobody looks on
+SEARCH_SPEEDS = np.arange(1.0, 16.1)  # [m/s] in which the critical speeds are sought
+FALL_LEAN = 0.9  # [rad] of lean, at which the animation ends
 
 
 def bicycle(spin):
-    """The benchmark, the moments of its wheels about their axles multiplied by a factor."""
+    """Return the benchmark with the moments of its wheels about their axles multiplied by a factor."""
     found = Meijaard2007()
     return replace(found, IRyy=spin * found.IRyy, IFyy=spin * found.IFyy)
 
 
 def mechanism(*, v=5.0, spin=1.0, push=0.0) -> System:
-    """The bicycle of the benchmark, straight on at v [m/s]; spin 0: wheels without moment about their axles."""
+    """Build the bicycle of the benchmark, straight on at v [m/s]; spin 0: wheels without moment about their axles."""
     return whipple(bicycle(spin), speed=v, lean_rate=push)
 
 
 def theory(*, v, spin):
-    """M q'' + v C1 q' + (g K0 + v^2 K2) q = 0 of the benchmark: its eigenvalues at v and its critical speeds."""
+    """Solve M q'' + v C1 q' + (g K0 + v^2 K2) q = 0 of the benchmark: its eigenvalues at v and its critical speeds."""
     critical, weave = critical_speeds(bicycle(spin)), weave_of(canonical(bicycle(spin)).eigenvalues([v])[0])
     speeds = (x if np.isfinite(x) and x > 0 else np.inf for x in (critical.weave, critical.capsize))
     names = ("weave_speed_m_s", "capsize_speed_m_s", "weave_damping_1_s", "weave_rad_s")
@@ -38,31 +38,31 @@ def theory(*, v, spin):
 
 
 def weave_of(values):
-    """The eigenvalue that oscillates."""
+    """Return the oscillating eigenvalue [1/s]."""
     return values[np.argmax(values.imag)]
 
 
 def capsize_of(values):
-    """The greatest real eigenvalue."""
+    """Return the greatest real eigenvalue [1/s]."""
     return max(values[abs(values.imag) < 1e-9].real, default=np.nan)
 
 
 def small_motions(system: System, terms) -> Linearization:
-    """The linear equations in lean and steer."""
+    """Linearize the motion in lean and steer."""
     return linearize(system, outputs=outputs(system), **terms)
 
 
 def first_zero(function):
-    """The first speed at which a rate changes its sign; infinite if none does."""
-    found = [function(v) for v in SPEEDS]
-    for k in range(len(SPEEDS) - 1):
+    """Return the first speed at which a rate changes its sign [m/s]; infinite if none does."""
+    found = [function(v) for v in SEARCH_SPEEDS]
+    for k in range(len(SEARCH_SPEEDS) - 1):
         if found[k] * found[k + 1] < 0:
-            return brentq(function, SPEEDS[k], SPEEDS[k + 1], xtol=1e-13)
+            return brentq(function, SEARCH_SPEEDS[k], SEARCH_SPEEDS[k + 1], xtol=1e-13)
     return np.inf
 
 
 def measure(build, terms, *, v, spin) -> Measured:
-    """Eigenvalues of the general model, and the speeds at which they cross zero."""
+    """Measure eigenvalues of the general model, and the speeds at which they cross zero."""
 
     @cache
     def values(speed):
@@ -75,12 +75,14 @@ def measure(build, terms, *, v, spin) -> Measured:
         "weave_damping_1_s": weave.real,
         "weave_rad_s": weave.imag,
     }
-    growth = [values(speed).real.max() for speed in SPEEDS]
-    known = canonical(bicycle(spin)).eigenvalues(SPEEDS).real.max(axis=1)
+    growth = [values(speed).real.max() for speed in SEARCH_SPEEDS]
+    known = canonical(bicycle(spin)).eigenvalues(SEARCH_SPEEDS).real.max(axis=1)
     pushed = build(push=0.3)
-    fallen = measures.lean(pushed.part("frame")) > FALLEN
+    fallen = measures.lean(pushed.part("frame")) > FALL_LEAN
     run = simulate(pushed, 3.0, rtol=1e-9, output=321, stop_when=fallen, **terms)
-    curve = Curve("fastest growth [1/s]", SPEEDS, growth, (SPEEDS, known), "speed [m/s]", "below 0 it rides itself")
+    curve = Curve(
+        "fastest growth [1/s]", SEARCH_SPEEDS, growth, (SEARCH_SPEEDS, known), "speed [m/s]", "below 0 it rides itself"
+    )
     lean = Curve("steer after a push [deg]", run.t, np.degrees(run.angle("steer")))
     return Measured(found, [run], [curve, lean])
 

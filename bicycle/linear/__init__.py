@@ -1,1 +1,1 @@
-"""Small motions about a straight run: linear equations, critical speeds, and the studies built on them."""
+"""Small motions about a straight run: linear equations, critical speeds, and studies built on them."""

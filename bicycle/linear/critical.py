@@ -28,13 +28,13 @@ from .equations import Canonical, canonical
 from .general import Build, required_equations
 
 Array = np.ndarray
-FASTEST = 1e5  # [m/s] Higher speeds are rounding: there is no such root
-NO_INERTIA = 1e-13
+SPEED_MAX = 1e5  # [m/s] higher speeds are rounding: there is no such root
+ZERO_INERTIA_RATIO = 1e-13
 """Of the steer, relative to all mass at the wheelbase: rounding leaves 1e-16, a point mass 1 mm off the axis 1e-7."""
 
 
 def value(x: Array, w: Array | complex) -> Array:
-    """Polynomials with rising coefficients x (..., k) at w (...)."""
+    """Evaluate polynomials with rising coefficients x (..., k) at w (...)."""
     return polyval(w, np.moveaxis(x, -1, 0), tensor=False)
 
 
@@ -49,19 +49,21 @@ class Quartic(NamedTuple):
 
     @property
     def h(self) -> Array:
-        """(..., 3) b c d - a d^2 - b^2 e by rising powers of w, without its factor w."""
+        """Return b c d - a d^2 - b^2 e by rising powers of w, without its factor w, shape (..., 3)."""
         f = self.b[..., None] * self.c - self.a[..., None] * self.d
         (f0, f1), (d0, d1), (e0, e1) = (np.moveaxis(x, -1, 0) for x in (f, self.d, self.b[..., None] ** 2 * self.e))
         return np.stack([f0 * d0 - e0, f0 * d1 + f1 * d0 - e1, f1 * d1], axis=-1)
 
     def at(self, v: Array | complex) -> Array:
-        """(..., 5) p at the speed v, by rising powers of s."""
+        """Return p at the speed v, by rising powers of s, shape (..., 5)."""
         c, d, e = (value(x, v * v) for x in (self.c, self.d, self.e))
         return np.stack(np.broadcast_arrays(e, d * v, c, self.b * v, self.a), axis=-1)
 
 
 def quartic(M: Array, C1: Array, K0: Array, K2: Array) -> Quartic:
-    """p for matrices (..., 2, 2), real or complex; K0 is multiplied by g, the first column of K2 is taken as zero."""
+    """Return p for matrices (..., 2, 2), real or complex; K0 is multiplied by g, the first column of K2 is taken as
+    zero.
+    """
     M, C1, K0, K2 = np.broadcast_arrays(M, C1, K0, K2)
     c = np.stack([mixed(M, K0), mixed(M, K2) + mixed(C1, C1) / 2.0], axis=-1)
     d = np.stack([mixed(C1, K0), mixed(C1, K2)], axis=-1)
@@ -70,13 +72,13 @@ def quartic(M: Array, C1: Array, K0: Array, K2: Array) -> Quartic:
 
 
 def mixed(A: Array, B: Array) -> Array:
-    """The coefficient of x y in det(x A + y B); for A = B twice the determinant."""
+    """Return the coefficient of x y in det(x A + y B); for A = B twice the determinant."""
     straight = A[..., 0, 0] * B[..., 1, 1] + B[..., 0, 0] * A[..., 1, 1]
     return straight - A[..., 0, 1] * B[..., 1, 0] - B[..., 0, 1] * A[..., 1, 0]
 
 
 def polynomial(parameters: Parameters) -> Quartic:
-    """p of a bicycle with knife-edge wheels, in closed form; numbers may be arrays (...) or complex.
+    """Return p of a bicycle with knife-edge wheels, in closed form; numbers may be arrays (...) or complex.
 
     Raises
     ------
@@ -86,7 +88,7 @@ def polynomial(parameters: Parameters) -> Quartic:
     found = canonical(parameters)
     q = quartic(found.M, found.C1, np.asarray(found.g)[..., None, None] * found.K0, found.K2)
     masses = parameters.mR + parameters.mB + parameters.mH + parameters.mF
-    if not np.all(np.real(q.a) > NO_INERTIA * np.real(found.M[..., 0, 0] * masses * parameters.w**2)):
+    if not np.all(np.real(q.a) > ZERO_INERTIA_RATIO * np.real(found.M[..., 0, 0] * masses * parameters.w**2)):
         raise InputError(
             f"bicycle '{getattr(parameters, 'name', '')}': lean or steer has no inertia, so there are fewer than two "
             "freedoms; give masses off the ground and off the steer axis"
@@ -95,34 +97,34 @@ def polynomial(parameters: Parameters) -> Quartic:
 
 
 def model_polynomial(parameters: Parameters, build: Build = whipple, *, check: bool = True) -> Quartic:
-    """The same from the general model, also with round tyres; see `bicycle.general.linear_equations`."""
+    """Return p from the general model, also with round tyres; see `bicycle.general.linear_equations`."""
     linear = required_equations(build, parameters, check=check)
     return quartic(linear.M, linear.C1, linear.K0, linear.K2)
 
 
 class DoubleRoot(NamedTuple):
-    """Two real modes meet at a speed [m/s]: ``eigenvalue`` [1/s] counts twice there."""
+    """Speed [m/s] at which two real modes meet: ``eigenvalue`` [1/s] counts twice there."""
 
     speed: float
     eigenvalue: float
 
 
 def double_roots(q: Quartic) -> list[DoubleRoot]:
-    """All speeds > 0 at which two real modes of one bicycle meet, rising.
+    """Return all speeds > 0 at which two real modes of one bicycle meet, rising.
 
     The roots of the discriminant are only starts: it is of high degree. Newton solves p = 0, dp/ds = 0 for (s, v).
     """
     unit = float(np.sqrt(abs(q.c[0] / (q.c[1] or 1.0)))) or 1.0  # of speeds, so that powers stay of one size
     found = []
     for w in discriminant(q, unit).trim().roots():  # what rounding leaves of higher powers adds starts only
-        if 0.0 < w.real < (FASTEST / unit) ** 2 and abs(w.imag) < 1e-4 * abs(w):
+        if 0.0 < w.real < (SPEED_MAX / unit) ** 2 and abs(w.imag) < 1e-4 * abs(w):
             found += [x for x in [meeting(q, unit * np.sqrt(w.real))] if x]
     found.sort()
     return [x for k, x in enumerate(found) if not k or x.speed - found[k - 1].speed > 1e-9 * x.speed]
 
 
 def discriminant(q: Quartic, unit: float) -> Polynomial:
-    """Discriminant of p(s), a polynomial in (v / unit)^2: odd powers of v enter by b v and d v only."""
+    """Return the discriminant of p(s), a polynomial in (v / unit)^2: odd powers of v enter by b v and d v only."""
     w = Polynomial([0.0, unit**2])
     a, b, c, d, e = q.a, q.b, *(x[0] + x[1] * w for x in (q.c, q.d, q.e))
     bb, bd, dd = b * b * w, b * d * w, d * d * w
@@ -135,7 +137,7 @@ def discriminant(q: Quartic, unit: float) -> Polynomial:
 
 
 def meeting(q: Quartic, v: float) -> DoubleRoot | None:
-    """Newton from a speed nearby to a real double root; None if it leads nowhere."""
+    """Return a real double root by Newton from a speed nearby; None if the iteration leads nowhere."""
     p = Polynomial(q.at(v))
     s = min(p.deriv().roots(), key=lambda s: abs(p(s))).real
     for _ in range(30):
@@ -166,12 +168,14 @@ class Range(NamedTuple):
 
 
 def listed(ranges: Sequence[Range]) -> str:
-    """Self-stable ranges as text."""
+    """Return self-stable ranges as text."""
     return ", ".join(map(str, ranges)) or "at no speed"
 
 
 def roots(x: Array) -> Array:
-    """(..., 2) real roots of x0 + x1 w + x2 w^2, NaN where they are complex; without loss where x2 is small or zero."""
+    """Return the real roots of x0 + x1 w + x2 w^2, NaN where complex, without cancellation for small x2, shape (...,
+    2).
+    """
     x0, x1, x2 = np.moveaxis(x, -1, 0)
     with np.errstate(all="ignore"):
         larger = -(x1 + np.copysign(np.sqrt(x1 * x1 - 4.0 * x0 * x2), x1)) / 2.0
@@ -180,13 +184,14 @@ def roots(x: Array) -> Array:
 
 
 def speeds(w: Array) -> Array:
-    """Speeds [m/s] of w = v^2, NaN where w is not positive or beyond all speeds."""
+    """Return the speeds [m/s] of w = v^2, NaN where w is not positive or too large for a speed."""
     with np.errstate(invalid="ignore"):
-        return np.sqrt(np.where((w > 0.0) & (w < FASTEST**2), w, np.nan))
+        return np.sqrt(np.where((w > 0.0) & (w < SPEED_MAX**2), w, np.nan))
 
 
 def weave(q: Quartic) -> Array:
-    """(...) speed [m/s] above which weave no longer grows: h = 0, rising, with omega^2 = d / b > 0; NaN for none."""
+    """Return the speed [m/s] above which weave no longer grows: h = 0, rising, with omega^2 = d / b > 0; NaN for
+    none."""
     h = q.h
     w = roots(h)
     with np.errstate(all="ignore"):
@@ -196,18 +201,20 @@ def weave(q: Quartic) -> Array:
 
 
 def weave_rate(q: Quartic, v: Array) -> Array:
-    """omega [rad/s] of the weave that neither grows nor decays at the speed v."""
+    """Return omega [rad/s] of the weave that neither grows nor decays at the speed v."""
     return np.sqrt(value(q.d, v * v) / q.b)
 
 
 def capsize(q: Quartic) -> Array:
-    """(...) speed [m/s] at which one root is zero: e = 0; NaN for none."""
+    """Return the speed [m/s] at which one root is zero: e = 0; NaN for none."""
     with np.errstate(all="ignore"):
         return speeds(-q.e[..., 0] / q.e[..., 1])
 
 
 def intervals(q: Quartic) -> tuple[Array, Array]:
-    """(..., 5) speeds 0 <= v1 <= ... <= inf, NaN for none, and (..., 4) whether it is stable between them."""
+    """Return speeds 0 <= v1 <= ... <= inf (..., 5), NaN for none, and whether the bicycle is stable between them (...,
+    4).
+    """
     inner = np.sort(np.concatenate([speeds(roots(q.h)), capsize(q)[..., None]], -1), axis=-1)  # NaN go to the end
     edges = np.concatenate([np.zeros_like(inner[..., :1]), inner, np.full_like(inner[..., :1], np.nan)], -1)
     last = np.isnan(edges[..., 1:]) & ~np.isnan(edges[..., :-1])
@@ -218,7 +225,7 @@ def intervals(q: Quartic) -> tuple[Array, Array]:
 
 
 def decays(q: Quartic, v: Array) -> Array:
-    """Whether all motions decay at the speeds v (..., k) > 0; False where v is NaN."""
+    """Return whether all motions decay at the speeds v (..., k) > 0; False where v is NaN."""
     w = v * v
     with np.errstate(invalid="ignore"):
         signs = [value(x[..., None, :], w) > 0.0 for x in (q.c, q.d, q.e, q.h)]
@@ -226,13 +233,13 @@ def decays(q: Quartic, v: Array) -> Array:
 
 
 def ranges(q: Quartic) -> list[Range]:
-    """All self-stable ranges of one bicycle, by rising speed."""
+    """Return all self-stable ranges of one bicycle, by rising speed."""
     edges, stable = intervals(q)
     return [Range(float(low), float(high)) for low, high in zip(edges[:-1][stable], edges[1:][stable], strict=True)]
 
 
 def first_range(q: Quartic) -> tuple[Array, Array]:
-    """(low, high) [m/s] (...) of the self-stable range at the lowest speeds; NaN if no speed is stable."""
+    """Return (low, high) [m/s] (...) of the self-stable range at the lowest speeds; NaN if no speed is stable."""
     edges, stable = intervals(q)
     k = np.argmax(stable, axis=-1)[..., None]
     ends = (np.take_along_axis(edges, k + i, -1)[..., 0] for i in (0, 1))
@@ -240,7 +247,9 @@ def first_range(q: Quartic) -> tuple[Array, Array]:
 
 
 def difference(first: list[Range], second: list[Range]) -> float:
-    """Largest difference between the ends of two lists of ranges [m/s]; infinite if they are not equally many."""
+    """Return the largest difference between the ends of two lists of ranges [m/s]; infinite for lists of different
+    length.
+    """
     if len(first) != len(second):
         return float("inf")
     ends = zip(np.ravel(first), np.ravel(second), strict=True)
@@ -248,7 +257,7 @@ def difference(first: list[Range], second: list[Range]) -> float:
 
 
 def typical_speed(found: list[Range]) -> float:
-    """The middle of the first range [m/s], at most 1 m/s above its beginning; 5 m/s without a range."""
+    """Return the middle of the first range [m/s], at most 1 m/s above its beginning; 5 m/s without a range."""
     return min((found[0].low + found[0].high) / 2.0, found[0].low + 1.0) if found else 5.0
 
 
@@ -274,7 +283,7 @@ class CriticalSpeeds:
 
 
 def critical_speeds(parameters: Parameters, build: Build | None = None, *, speed: float = 5.0) -> CriticalSpeeds:
-    """Weave, capsize and double-root speeds and all self-stable ranges, from the characteristic polynomial.
+    """Compute weave, capsize and double-root speeds and all self-stable ranges, from the characteristic polynomial.
 
     Parameters
     ----------
@@ -293,7 +302,7 @@ def critical_speeds(parameters: Parameters, build: Build | None = None, *, speed
 
 
 def speeds_of(linear: Canonical) -> CriticalSpeeds:
-    """Critical speeds of linear equations."""
+    """Return the critical speeds of linear equations."""
     q = quartic(linear.M, linear.C1, linear.g * linear.K0, linear.K2)
     v = weave(q)
     return CriticalSpeeds(float(v), float(capsize(q)), float(weave_rate(q, v)), double_roots(q), ranges(q))

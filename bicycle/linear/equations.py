@@ -1,4 +1,4 @@
-"""The linear equations of the Whipple bicycle in closed form, independent of the general model, and their modes.
+"""Linear equations of the Whipple bicycle in closed form, independent of the general model, and their modes.
 
     M q'' + v C1 q' + (g K0 + v^2 K2) q = 0,      q = (lean, steer)
 
@@ -23,13 +23,13 @@ from ..parameters import Parameters, check_set
 
 MODES = ("weave", "capsize", "castering")
 NAMES = ("weave", "weave, conjugate", "capsize", "castering")
-FINEST = 1e-6  # [m/s] Smallest step of a branch
-ALIKE = 0.05  # Largest change of a mode in one step, see `changes`
+BRANCH_STEP_MIN = 1e-6  # [m/s] smallest step of a branch
+MODE_CHANGE_MAX = 0.05  # [1] largest change of a mode in one step, see `changes`
 
 
 @dataclass(frozen=True, eq=False)
 class Canonical:
-    """``M q'' + v C1 q' + (g K0 + v^2 K2) q = f``, q = (lean, steer) [rad], f their torques [N m]."""
+    """Linear equations ``M q'' + v C1 q' + (g K0 + v^2 K2) q = f``, q = (lean, steer) [rad], f their torques [N m]."""
 
     M: np.ndarray  # (2, 2) [kg m^2]
     C1: np.ndarray  # [kg m]
@@ -38,7 +38,8 @@ class Canonical:
     g: float  # [m/s^2]
 
     def A(self, speed: float | np.ndarray) -> np.ndarray:
-        """(..., 4, 4) of ``x' = A x``, x = (lean, steer, lean rate, steer rate), at speeds (...) [m/s]."""
+        """Return A of ``x' = A x``, x = (lean, steer, lean rate, steer rate), at speeds (...) [m/s], shape (..., 4,
+        4)."""
         v = np.asarray(speed, float)[..., None, None]
         A = np.zeros((*v.shape[:-2], 4, 4))
         A[..., :2, 2:] = np.eye(2)
@@ -47,12 +48,12 @@ class Canonical:
         return A
 
     def eigenvalues(self, speeds: ArrayLike) -> np.ndarray:
-        """(n, 4) eigenvalues [1/s] at n speeds [m/s], each row by real part, conjugates together."""
+        """Return the eigenvalues [1/s] at n speeds [m/s], each row by real part, conjugates together, shape (n, 4)."""
         return np.sort_complex(np.linalg.eigvals(self.A(checked_speeds(speeds))))
 
 
 def checked_list(values: ArrayLike, what: str, remedy: str) -> np.ndarray:
-    """(n,) finite numbers, n > 0, or a ValueError."""
+    """Return finite numbers (n,), n > 0; raise ValueError for others."""
     try:
         found = np.atleast_1d(np.asarray(values, dtype=float))
     except (TypeError, ValueError):
@@ -63,12 +64,12 @@ def checked_list(values: ArrayLike, what: str, remedy: str) -> np.ndarray:
 
 
 def checked_speeds(speeds: ArrayLike) -> np.ndarray:
-    """(n,) finite speeds, or a ValueError."""
+    """Return finite speeds (n,); raise ValueError for others."""
     return checked_list(speeds, "speeds", "one or more finite speeds in m/s")
 
 
 def canonical(p: Parameters) -> Canonical:
-    """The matrices of a bicycle with knife-edge wheels; a ValueError for round tyres.
+    """Return the matrices of a bicycle with knife-edge wheels; raise ValueError for round tyres.
 
     Examples
     --------
@@ -114,13 +115,13 @@ def canonical(p: Parameters) -> Canonical:
 
 
 def matrix(rows: list[list[ArrayLike]]) -> np.ndarray:
-    """(..., 2, 2) of entries that may be arrays (...), for many bicycles at once."""
+    """Return a matrix (..., 2, 2) of entries that may be arrays (...), for many bicycles at once."""
     entries = np.broadcast_arrays(*rows[0], *rows[1])
     return np.stack(entries, axis=-1).reshape(*entries[0].shape, 2, 2)
 
 
 def follow(linear: Canonical, speeds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenvalues and vectors by mode, over speeds (n,) [m/s] in any order.
+    """Return eigenvalues and vectors by mode, over speeds (n,) [m/s] in any order.
 
     Returns
     -------
@@ -146,7 +147,7 @@ def follow(linear: Canonical, speeds: np.ndarray) -> tuple[np.ndarray, np.ndarra
 
 
 def ordered(values: np.ndarray, vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The modes in the order of `NAMES`."""
+    """Return the modes in the order of `NAMES`."""
     pairs = [k for k in np.argsort(-values.imag) if values[k].imag > 0.0]
     if pairs:
         weave = pairs[0]
@@ -159,7 +160,9 @@ def ordered(values: np.ndarray, vectors: np.ndarray) -> tuple[np.ndarray, np.nda
 
 
 def changes(here: np.ndarray, modes: np.ndarray, values: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """(k, k) difference of mode i here from mode j there: of eigenvalues, in units of the largest, and of shapes."""
+    """Return the difference of mode i here from mode j there: of eigenvalues, in units of the largest, and of shapes,
+    shape (k, k).
+    """
     size = np.abs(values).max() or 1.0
     shape = 1.0 - np.abs(modes.conj().T @ vectors) ** 2
     return np.abs(here[:, None] - values) / size + shape
@@ -168,7 +171,7 @@ def changes(here: np.ndarray, modes: np.ndarray, values: np.ndarray, vectors: np
 def walk(
     A: Callable[[float], np.ndarray], at: float, here: np.ndarray, modes: np.ndarray, end: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Follow the k modes of A(v) (k, k) from the speed ``at`` to another."""
+    """Return the follow the k modes of A(v) (k, k) from the speed ``at`` to another."""
     step = end - at
     while at != end:
         step = np.sign(end - at) * min(abs(step), abs(end - at))
@@ -176,7 +179,7 @@ def walk(
         values, vectors = np.linalg.eig(A(there))
         cost = changes(here, modes, values, vectors)
         pairing = linear_sum_assignment(cost)[1]
-        if cost[np.arange(len(here)), pairing].max() > ALIKE and abs(step) > FINEST:
+        if cost[np.arange(len(here)), pairing].max() > MODE_CHANGE_MAX and abs(step) > BRANCH_STEP_MIN:
             step /= 2.0
             continue
         pairing = parted(here, values, pairing)
@@ -186,7 +189,8 @@ def walk(
 
 
 def parted(here: np.ndarray, values: np.ndarray, pairing: np.ndarray) -> np.ndarray:
-    """The pairing, with two modes in order that have just met: the slower first, in an oscillation Im > 0 first."""
+    """Return the pairing with two modes in order that have just met: the slower first, in an oscillation Im > 0
+    first."""
     there = values[pairing]
     came_apart, came_together = (here.imag != 0.0) & (there.imag == 0.0), (here.imag == 0.0) & (there.imag != 0.0)
     for met, order in ((came_apart, np.abs(there.real)), (came_together, -there.imag)):

@@ -51,7 +51,7 @@ class Response:
     inputs: tuple[str, str] = ("lean torque", "steer torque")
 
     def to_csv(self, path: str | Path) -> Path:
-        """One row per speed and frequency; returns the file."""
+        """Write one row per speed and frequency; return the file."""
         names = [f"{out} / {given}" for out in self.outputs for given in self.inputs]
         columns = [f"{part} {name} [rad/(N m)]" for name in names for part in ("Re", "Im")]
         rows = [
@@ -66,7 +66,7 @@ def response(
     parameters: Parameters, speeds: ArrayLike, frequencies: ArrayLike | None = None, build: Build | None = whipple, *,
     tyres: Tyres | None = None, **fittings: float,
 ) -> Response:  # fmt: skip
-    """Response of lean and steer to lean and steer torque.
+    """Compute the response of lean and steer to lean and steer torque [rad/(N m)].
 
     Parameters
     ----------
@@ -109,13 +109,13 @@ def response(
 
 
 def closed_form(parameters: Parameters, speed: float) -> tuple[np.ndarray, np.ndarray]:
-    """A (4, 4) and B (4, 2) of the equations of the paper."""
+    """Return A (4, 4) and B (4, 2) of the equations of the paper."""
     linear = canonical(parameters)
     return linear.A(speed), np.vstack([np.zeros((2, 2)), np.linalg.inv(linear.M)])
 
 
 def model(bicycle: System, speed: float) -> tuple[np.ndarray, np.ndarray]:
-    """A (k, k) and B (k, 2) of a model that runs straight at a speed [m/s]."""
+    """Return A (k, k) and B (k, 2) of a model that runs straight at a speed [m/s]."""
     if any(force.name == "rear tyre" for force in bicycle.forces):
         return matrix(bicycle, speed), inputs(bicycle, sideways(bicycle)[:-1])
     seen = outputs(bicycle)
@@ -123,7 +123,7 @@ def model(bicycle: System, speed: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def inputs(bicycle: System, seen: Sequence[Measure]) -> np.ndarray:
-    """(k, 2) B: what 1 N m of lean torque and of steer torque adds to the rates of measures (k,).
+    """Return B, the effect of 1 N m of lean torque and of steer torque on the rates of measures (k,), shape (k, 2).
 
     Those of places and deflections follow from the state, so only rates gain something; they are linear in velocities:
     their own rates gain what they would show if the velocities were larger by the accelerations.
@@ -134,7 +134,7 @@ def inputs(bicycle: System, seen: Sequence[Measure]) -> np.ndarray:
     start = bicycle.state()
 
     def moved(forces: list[Torque]) -> np.ndarray:
-        """What the measures show with the accelerations under additional torques as further velocities."""
+        """Return the measures with the accelerations under additional torques as further velocities."""
         found = accelerations(replace(bicycle, forces=[*bicycle.forces, *forces]), start)
         gain = [x for body in bicycle.bodies for x in (found.acceleration(body)[0], found.alpha(body)[0])]
         faster = accelerations(bicycle, replace(start, v=start.v + np.concatenate(gain)))
@@ -145,7 +145,8 @@ def inputs(bicycle: System, seen: Sequence[Measure]) -> np.ndarray:
 
 
 def plot_response(found: Response, *, beside: Response | None = None, dark: bool = False) -> "Figure":
-    """Bode plot: magnitude and phase of lean and steer (rows) to lean and steer torque (columns), a line per speed.
+    """Draw a Bode plot: magnitude and phase of lean and steer (rows) to lean and steer torque (columns), a line per
+    speed.
 
     Lines of speeds at which the bicycle falls are dashed. ``beside`` is drawn thin: ideal wheels beside tyres.
     """
@@ -174,7 +175,7 @@ def plot_response(found: Response, *, beside: Response | None = None, dark: bool
 
 
 def draw_lines(size: "Axes", phase: "Axes", found: Response, H: np.ndarray, look: Theme, *, thin: bool = False) -> None:
-    """Magnitude and phase of one output to one input, (speeds, frequencies)."""
+    """Draw magnitude and phase of one output to one input, (speeds, frequencies)."""
     for k, (v, growth) in enumerate(zip(found.speeds, found.growth, strict=True)):
         falls = growth > 0.0
         style = {"color": look.colour(k), "linestyle": "--" if falls else "-", "linewidth": THIN if thin else LINE}
@@ -190,7 +191,7 @@ def draw_lines(size: "Axes", phase: "Axes", found: Response, H: np.ndarray, look
 
 
 def decades(axis: "Axis") -> None:
-    """Labels like 10⁻² at every decade: the house style writes texts as they are, without mathematics."""
+    """Label every decade like 10⁻²: the figure style writes texts as they are, without mathematics."""
     axis.get_major_locator().set_params(numticks=20)
     axis.set_major_formatter(lambda x, _: f"10{str(round(np.log10(x))).translate(RAISED)}")
     axis.set_minor_formatter("")

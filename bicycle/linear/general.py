@@ -1,4 +1,4 @@
-"""The linear equations of a bicycle from the general model, for all speeds from two of them.
+"""Linear equations of a bicycle from the general model, for all speeds from two of them.
 
 Velocities enter the equations of motion only in the quadratic terms of the accelerations, and all velocities of a
 straight run are proportional to the speed v. So the derivative of the accelerations by velocities is linear in v, that
@@ -31,14 +31,14 @@ from .equations import Canonical, checked_speeds
 
 Build = Callable[..., System]
 """``build(parameters, speed=v)`` returns a bicycle with a body "frame" and a hinge "steer" that runs straight."""
-EXACT = 1e-9
+AGREEMENT_TOLERANCE = 1e-9
 """How well a third speed must confirm two, relative to the largest entry: rounding leaves 1e-12, drag far more."""
 COORDINATES, VELOCITIES, ROWS = 28, 24, 21
-ALLOWED = 1e-9  # Largest residual of the rows along a deviation, in units of the largest entry; rounding leaves 1e-14
+ROW_RESIDUAL_MAX = 1e-9  # [1] of the largest entry: residual of the rows along a deviation; rounding leaves 1e-14
 
 
 def linearization(build: Build, parameters: Parameters, speed: float) -> Linearization:
-    """`mbsd3d.linearize` of the straight run at a speed [m/s], with lean, steer and their rates as outputs."""
+    """Return `mbsd3d.linearize` of the straight run at a speed [m/s], with lean, steer and their rates as outputs."""
     system = build(parameters, speed=float(speed))
     return linearize(system, outputs=outputs(system))
 
@@ -46,7 +46,8 @@ def linearization(build: Build, parameters: Parameters, speed: float) -> Lineari
 def linear_equations(
     build: Build, parameters: Parameters, speed: float = 5.0, *, check: bool = True
 ) -> Canonical | None:
-    """The linear equations of a model in the form of the paper, divided by M; None if they do not have that form.
+    """Return the linear equations of a model in the form of the paper, divided by M; None if they do not have that
+    form.
 
     Parameters
     ----------
@@ -66,19 +67,19 @@ def linear_equations(
     if number(speed, "linear equations: speed") == 0.0:
         raise InputError("linear equations: speed = 0; give another one, e.g. 5 m/s")
     rest, running = matrices(build, parameters, speed)
-    if np.abs(rest[2:, 2:]).max() > EXACT * np.abs(running).max():  # damping at rest
+    if np.abs(rest[2:, 2:]).max() > AGREEMENT_TOLERANCE * np.abs(running).max():  # damping at rest
         return None
     added = (running - rest)[2:]
     found = Canonical(M=np.eye(2), C1=-added[:, 2:] / speed, K0=-rest[2:, :2], K2=-added[:, :2] / speed**2, g=1.0)
     if check:
         between = linearization(build, parameters, 0.6 * speed).A
-        if np.abs(between - found.A(0.6 * speed)).max() > EXACT * np.abs(running).max():
+        if np.abs(between - found.A(0.6 * speed)).max() > AGREEMENT_TOLERANCE * np.abs(running).max():
             return None
     return found
 
 
 def required_equations(build: Build, parameters: Parameters, speed: float = 5.0, *, check: bool = True) -> Canonical:
-    """`linear_equations`, or a ValueError for a model that does not have their form."""
+    """Return `linear_equations`; raise ValueError for a model that does not have their form."""
     found = linear_equations(build, parameters, speed, check=check)
     if found is None:
         raise InputError(
@@ -89,13 +90,13 @@ def required_equations(build: Build, parameters: Parameters, speed: float = 5.0,
 
 
 def matrices(build: Build, parameters: Parameters, speed: float) -> tuple[np.ndarray, np.ndarray]:
-    """A at rest and at a speed: from four deviations where these are known, else by `linearize`."""
+    """Return A at rest and at a speed: from four deviations where these are known, else by `linearize`."""
     known = output_matrices(build(parameters, speed=float(speed)), parameters, float(speed))
     return known or tuple(linearization(build, parameters, v).A for v in (0.0, speed))
 
 
 def deviations(p: Parameters, centres: np.ndarray, speed: float) -> np.ndarray:
-    """(48, 4) X of `mbsd3d.variations` for unit lean, steer, lean rate and steer rate, by complex steps.
+    """Return X of `mbsd3d.variations` for unit lean, steer, lean rate and steer rate, by complex steps, shape (48, 4).
 
     The pitch that goes with lean and steer is the same to the left and to the right, so it is of second order.
     ``centres`` (4, 3) are the centres of mass of rear wheel, frame, fork, front wheel from their O at the hubs [m].
@@ -118,7 +119,9 @@ def deviations(p: Parameters, centres: np.ndarray, speed: float) -> np.ndarray:
 
 @on_one_thread
 def output_matrices(system: System, p: Parameters, speed: float) -> tuple[np.ndarray, np.ndarray] | None:
-    """A (4, 4) of lean, steer and rates, at rest and at the speed [m/s] at which ``system`` runs; None: `linearize`."""
+    """Return A (4, 4) of lean, steer and rates, at rest and at the speed [m/s] at which ``system`` runs; None:
+    `linearize`.
+    """
     if [body.name for body in system.bodies] != [*NAMES.values()]:
         return None
     start, seen = system.state(), outputs(system)
@@ -138,7 +141,7 @@ def output_matrices(system: System, p: Parameters, speed: float) -> tuple[np.nda
 
 
 def matrix_at(field: Field, tree: object, y: np.ndarray, X: np.ndarray) -> np.ndarray | None:
-    """The rates of the outputs along the deviations; None if the joints or the motion do not allow these."""
+    """Return the rates of the outputs along the deviations; None if the joints or the motion do not allow them."""
     model = field.compiled.model
     moves = directions(model, y)
     try:
@@ -150,11 +153,11 @@ def matrix_at(field: Field, tree: object, y: np.ndarray, X: np.ndarray) -> np.nd
     holonomic = model.row["holonomic"] == 1
     slip = np.abs(change["slip"]).max(), np.abs(change["c"][holonomic]).max()
     force = np.abs(here["acceleration"]).max() + np.abs(change["outputs"] - np.eye(4)).max()
-    return A if max(*slip, force) <= ALLOWED * max(1.0, np.abs(X).max(), np.abs(A).max()) else None
+    return A if max(*slip, force) <= ROW_RESIDUAL_MAX * max(1.0, np.abs(X).max(), np.abs(A).max()) else None
 
 
 def eigenvalues(build: Build, parameters: Parameters, speeds: ArrayLike) -> np.ndarray:
-    """Eigenvalues of the lean and steer motion of the general model about straight runs.
+    """Compute eigenvalues of the lean and steer motion of the general model about straight runs [1/s].
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The self-stable range of a bicycle over two of its parameters, in closed form or from the general model."""
+"""Self-stable range of a bicycle over two of its parameters, in closed form or from the general model."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class StableMap:
-    """The self-stable range at the lowest speeds, by cell."""
+    """Self-stable range at the lowest speeds, by cell."""
 
     parameters: Parameters
     names: tuple[str, str]  # symbols of the two that vary
@@ -35,7 +35,7 @@ class StableMap:
     missing: int = 0  # cells that Ctrl-C left out, NaN
 
     def to_csv(self, path: str | Path) -> Path:
-        """One row per cell; returns the file."""
+        """Write one row per cell; return the file."""
         head = [*(f"{key} [{UNIT[key]}]" for key in self.names), "low [m/s]", "high [m/s]"]
         x, y = (axis.ravel() for axis in np.meshgrid(*self.values, indexing="ij"))
         return write_table(path, head, zip(x, y, self.low.ravel(), self.high.ravel(), strict=True))
@@ -74,7 +74,7 @@ def stable_map(
 def by_model(
     parameters: Parameters, names: tuple[str, str], points: np.ndarray, build: Build, show: bool | None
 ) -> tuple[np.ndarray, int]:
-    """((2, n) low and high, cells that Ctrl-C left out) from the general model at the points (2, n)."""
+    """Return (low and high (2, n), cells that Ctrl-C left out) from the general model at the points (2, n)."""
     n = points.shape[1]
     cells = (replace(parameters, **dict(zip(names, point, strict=True))) for point in points.T.tolist())
     solved = (critical.model_polynomial(cell, build, check=k == 0) for k, cell in enumerate(cells))
@@ -88,7 +88,7 @@ def by_model(
 def checked_axes(
     parameters: Parameters, axes: Mapping[str, Sequence[float]], build: Build | None
 ) -> dict[str, np.ndarray]:
-    """Two parameters with their values, every pair of which is possible."""
+    """Return two parameters with their values, every pair of which is possible."""
     check_set(parameters, "stable_map")
     what = f"stable_map of '{parameters.name}'"
     if len(axes) != 2:
@@ -107,7 +107,8 @@ def checked_axes(
 
 
 def plot_map(found: StableMap, *, dark: bool = False) -> "Figure":
-    """Lowest self-stable speed and width of the range over two or more values each, blank where nothing is stable."""
+    """Plot the lowest self-stable speed and the width of the range over two or more values each, blank where
+    unstable."""
     with new_figure(9.0, 4.2, dark) as (figure, look):
         width = np.where(np.isnan(found.low), np.nan, found.high - found.low)
         panels = figure.subplots(1, 2, sharey=True)
@@ -123,12 +124,13 @@ def plot_map(found: StableMap, *, dark: bool = False) -> "Figure":
 
 
 def label(key: str) -> str:
-    """Meaning, symbol and unit of a parameter."""
+    """Return meaning, symbol and unit of a parameter."""
     return f"{MEANING[key]} {SYMBOL[key]} [{UNIT[key]}]"
 
 
 def draw(figure: "Figure", axes: "Axes", found: StableMap, values: np.ndarray, look: Theme) -> None:
-    """One panel: colours up to the 95th percentile, so that a few long or endless ranges do not hide the others."""
+    """Draw one panel: colours up to the 95th percentile, so that a few long or endless ranges do not hide the
+    others."""
     finite = values[np.isfinite(values)]
     top = (float(np.quantile(finite, 0.95)) if finite.size else 0.0) or 1.0
     shown = np.where(np.isposinf(values), 2.0 * top, values).T  # infinite ones would be left blank

@@ -7,7 +7,7 @@ Nine freedoms and four deflections have 22 eigenvalues; those of what happens si
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,18 +28,21 @@ if TYPE_CHECKING:
 
 __all__ = ["TyreStability", "eigenvalues", "figure", "study"]
 
-NTH = ("", "second ", "third ", "fourth ", "fifth ", "sixth ", "seventh ", "eighth ")
-WAVES, DECAYS = ("weave", *(f"{n}wobble" for n in NTH[:4])), ("capsize", "castering", *(f"{n}tyre decay" for n in NTH))
+ORDINALS = ("", "second ", "third ", "fourth ", "fifth ", "sixth ", "seventh ", "eighth ")
+OSCILLATION_NAMES, DECAY_NAMES = (
+    ("weave", *(f"{n}wobble" for n in ORDINALS[:4])),
+    ("capsize", "castering", *(f"{n}tyre decay" for n in ORDINALS)),
+)
 """Enough for ten states that all oscillate, or all decay."""
-ORDER = WAVES[0], *DECAYS[:2], *WAVES[1:], *DECAYS[2:]
-TWIN = " (conjugate)"
-FOOT = 0.3048
+MODE_ORDER = OSCILLATION_NAMES[0], *DECAY_NAMES[:2], *OSCILLATION_NAMES[1:], *DECAY_NAMES[2:]
+CONJUGATE_SUFFIX = " (conjugate)"
+FOOT_LENGTH = 0.3048
 """[m]"""
 
 
 @dataclass(frozen=True, eq=False)
 class TyreStability:
-    """Sideways modes of a bicycle on tyres over the speed, as `study` finds them; a column of ``values`` per mode."""
+    """Lateral modes of a bicycle on tyres over the speed, as `study` finds them; a column of ``values`` per mode."""
 
     build: Build
     parameters: Parameters
@@ -51,11 +54,12 @@ class TyreStability:
 
     @property
     def growth(self) -> np.ndarray:
-        """(n,) of the fastest growing mode [1/s]; the bicycle is self-stable where it is negative."""
+        """Return the growth of the fastest growing mode [1/s], negative where the bicycle is self-stable, shape
+        (n,)."""
         return self.values.real.max(axis=1)
 
     def mode(self, name: str, speed: float) -> Mode:
-        """A mode by its name at a speed [m/s]; ``.animate()`` shows it in motion."""
+        """Return a mode by its name at a speed [m/s]; ``.animate()`` shows it in motion."""
         if name not in self.names:
             raise InputError(f"mode '{name}' is unknown; give one of {', '.join(self.names)}")
         if not self.speeds[0] <= speed <= self.speeds[-1]:
@@ -68,7 +72,7 @@ class TyreStability:
         return min(found, key=lambda mode: min(abs(mode.eigenvalue - s) for s in (wanted, wanted.conjugate())))
 
     def figure(self, *, dark: bool = False) -> "Figure":
-        """Growth and frequency of the modes over the speed, with the self-stable ranges shaded."""
+        """Plot growth and frequency of the modes over the speed, with the self-stable ranges shaded."""
         return figure(self, dark=dark)
 
     def to_csv(self, path: str | Path) -> Path:
@@ -84,7 +88,7 @@ class TyreStability:
 
 
 def study(parameters: Parameters, speeds: ArrayLike, build: Build) -> TyreStability:
-    """Follow the sideways modes over rising speeds [m/s]; see `bicycle.stability.study`."""
+    """Follow the lateral modes over rising speeds [m/s]; see `bicycle.stability.study`."""
     speeds = np.unique(np.asarray(speeds, float))
     if speeds.size < 2:
         raise InputError("stability on tyres: give at least two different speeds, between which limits are sought")
@@ -102,18 +106,23 @@ def study(parameters: Parameters, speeds: ArrayLike, build: Build) -> TyreStabil
 def found_equations(
     build: Build, parameters: Parameters, fastest: float
 ) -> tuple[Affine | SpeedBySpeed, Callable[[float], np.ndarray]]:
-    """(equations of rolling ahead, A(v) at any speed): those of rolling back are others."""
+    """Return (equations of rolling forwards, A(v) at any speed); rolling backwards has other equations."""
     direct = SpeedBySpeed(build, parameters)
     linear = equations(build, parameters, fastest) if fastest > 0.0 else direct
     return linear, lambda speed: (linear if speed > 0.0 else direct).A(speed)
 
 
 def followed(A: Callable[[float], np.ndarray], speeds: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
-    """(values with a column per mode, their names), from the fastest of rising speeds down; there modes are named."""
+    """Return (values with a column per mode, their names), from the fastest of rising speeds down; modes are named
+    there.
+    """
     here, modes = np.linalg.eig(A(speeds[-1]))
     names = named(here)
     order = sorted(
-        range(len(here)), key=lambda k: ORDER.index(names[k].removesuffix(TWIN)) + 0.5 * names[k].endswith(TWIN)
+        range(len(here)),
+        key=lambda k: (
+            MODE_ORDER.index(names[k].removesuffix(CONJUGATE_SUFFIX)) + 0.5 * names[k].endswith(CONJUGATE_SUFFIX)
+        ),
     )
     at, here, modes, values = speeds[-1], here[order].astype(complex), modes[:, order], []
     for v in speeds[::-1].tolist():
@@ -124,42 +133,44 @@ def followed(A: Callable[[float], np.ndarray], speeds: np.ndarray) -> tuple[np.n
 
 
 def named(values: np.ndarray) -> list[str]:
-    """Names of modes at the fastest speed: oscillations from weave on by frequency, decays from capsize on by rate."""
-    waves, decays = iter(WAVES), iter(DECAYS)
+    """Return names of modes at the fastest speed: oscillations from weave on by frequency, decays from capsize on by
+    rate.
+    """
+    waves, decays = iter(OSCILLATION_NAMES), iter(DECAY_NAMES)
     names = [""] * len(values)
     for k in np.lexsort((-values.real, np.abs(values.imag))):
         if values[k].imag == 0.0:
             names[k] = next(decays)
         elif values[k].imag > 0.0:
             names[k] = next(waves)
-            names[int(np.argmin(np.abs(values - values[k].conj())))] = names[k] + TWIN
+            names[int(np.argmin(np.abs(values - values[k].conj())))] = names[k] + CONJUGATE_SUFFIX
     return names
 
 
 def published(found: TyreStability, axes: "Sequence[Axes]", ink: str) -> None:
-    """Printed eigenvalues of a published machine as points."""
+    """Draw printed eigenvalues of a published machine as points."""
     rows = np.array(machines().get(found.parameters.name, {}).get("printed", {"rows": []})["rows"])
     if rows.size:
         v, capsize, weave, weave_w, wobble, wobble_w = rows.T
-        style = {"color": ink, "marker": "o", "markersize": 3.5, "linestyle": "none"}
+        style: dict[str, Any] = {"color": ink, "marker": "o", "markersize": 3.5, "linestyle": "none"}
         for k, (growth, rate) in enumerate(((weave, weave_w), (wobble, wobble_w), (capsize, 0.0 * v))):
-            axes[0].plot(FOOT * v, growth, label=None if k else "printed", **style)
-            axes[1].plot(FOOT * v, rate, **style)
+            axes[0].plot(FOOT_LENGTH * v, growth, label=None if k else "printed", **style)
+            axes[1].plot(FOOT_LENGTH * v, rate, **style)
 
 
 def figure(found: TyreStability, *, dark: bool = False) -> "Figure":
-    """Growth and frequency of the sideways modes over the speed."""
+    """Plot growth and frequency of the lateral modes over the speed."""
     title = f"{found.parameters.name} on tyres: small motions about a straight run"
     with modes_figure(title, dark) as (sheet, growth, frequency, look):
         for axes in (growth, frequency):
             for part in found.stable:
                 axes.axvspan(*part, color=look.good, linewidth=0.0, zorder=0)
-        shown = [k for k, name in enumerate(found.names) if not name.endswith(TWIN)]
+        shown = [k for k, name in enumerate(found.names) if not name.endswith(CONJUGATE_SUFFIX)]
         for number, k in enumerate(shown):
-            style = {"color": look.colour(number), "linewidth": LINE}
+            style: dict[str, Any] = {"color": look.colour(number), "linewidth": LINE}
             growth.plot(found.speeds, found.values[:, k].real, label=found.names[k], **style)
             frequency.plot(found.speeds, np.abs(found.values[:, k].imag), **style)
-            other = found.names[k] + TWIN
+            other = found.names[k] + CONJUGATE_SUFFIX
             if other in found.names:  # where an oscillation has split into two decays
                 growth.plot(found.speeds, found.values[:, found.names.index(other)].real, **style)
         published(found, (growth, frequency), look.ink)

@@ -1,4 +1,4 @@
-"""How the critical speeds of a bicycle depend on its parameters: exact derivatives, Monte Carlo, maps.
+"""Dependence of the critical speeds of a bicycle on its parameters: exact derivatives, Monte Carlo, maps.
 
 A critical speed v solves f(v, x) = 0 with f one of e (capsize), h (weave), and p at the double root s, where dp/ds = 0:
 
@@ -40,18 +40,18 @@ DIFFERENCES = {  # of fourth order: multiples of the step, and their weights
     "forward": ((0, 1, 2, 3, 4), (-25 / 12, 4, -3, 4 / 3, -1 / 4)),
     "backward": ((0, -1, -2, -3, -4), (25 / 12, -4, 3, -4 / 3, 1 / 4)),
 }
-COARSE = 1e-3
+DIFFERENCE_STEP = 1e-3
 """Step of a difference, relative to the parameter, or to LEAST if that is larger: the error is its fourth power, and
 1e-12 of rounding over it."""
-LEAST = 0.1
-STEP = 1e-30  # Complex step: far below rounding, so that its square vanishes
+DIFFERENCE_STEP_MIN = 0.1
+COMPLEX_STEP = 1e-30  # [1] far below rounding, so that its square vanishes
 
 
-SHOWN = 14  # parameters of a figure: those that matter most
+FIGURE_PARAMETERS = 14  # [1] parameters of a figure: those that matter most
 
 
 class NoSpeedsError(InputError):
-    """A bicycle without any critical speed."""
+    """Error for a bicycle without any critical speed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,15 +63,15 @@ class Derivatives:
     by: Mapping[str, Mapping[str, float]]
 
     def per_percent(self, speed: str) -> dict[str, float]:
-        """Change of a speed [m/s] by one percent of each parameter."""
+        """Return the change of a speed [m/s] by one percent of each parameter."""
         return {key: 0.01 * getattr(self.parameters, key) * slope for key, slope in self.by[speed].items()}
 
     def spread(self, speed: str, deviations: Mapping[str, float]) -> float:
-        """Standard deviation of a speed [m/s], to first order, from those of independent parameters."""
+        """Return the standard deviation of a speed [m/s], to first order, from those of independent parameters."""
         return float(np.sqrt(sum((self.by[speed][key] * std) ** 2 for key, std in deviations.items())))
 
     def to_csv(self, path: str | Path) -> Path:
-        """One row per parameter; returns the file."""
+        """Write one row per parameter; return the file."""
         head = ["parameter", "value [SI]", *(f"d {name} [m/s per SI unit]" for name in self.speeds), "SI unit"]
         keys = next(iter(self.by.values()))
         rows = [[key, getattr(self.parameters, key), *(x[key] for x in self.by.values()), UNIT[key]] for key in keys]
@@ -88,7 +88,7 @@ class Derivatives:
 
 
 def derivatives(parameters: Parameters, build: Build | None = None) -> Derivatives:
-    """Derivatives of weave, capsize and double-root speed with respect to all parameters.
+    """Compute derivatives of weave, capsize and double-root speed with respect to all parameters.
 
     Parameters
     ----------
@@ -118,33 +118,36 @@ def derivatives(parameters: Parameters, build: Build | None = None) -> Derivativ
     speeds, slopes = {}, {}
     for name, v, f in conditions(q):
         speeds[name] = float(v)
-        by_speed = f(q, v + 1j * STEP).imag / STEP
-        slopes[name] = dict(zip(keys, (0.0 - f(stepped, v).imag / STEP / by_speed).tolist(), strict=True))
+        by_speed = f(q, v + 1j * COMPLEX_STEP).imag / COMPLEX_STEP
+        slopes[name] = dict(zip(keys, (0.0 - f(stepped, v).imag / COMPLEX_STEP / by_speed).tolist(), strict=True))
     if not speeds:
         raise NoSpeedsError(f"bicycle '{parameters.name}': it has neither weave nor capsize speed nor a double root")
     return Derivatives(parameters, speeds, slopes)
 
 
 def perturbed(parameters: Parameters) -> SimpleNamespace:
-    """The parameters as (26,) arrays: entry k has the complex step in parameter k."""
-    steps = 1j * STEP * np.eye(len(SYMBOLS))
+    """Return the parameters as (26,) arrays: entry k has the complex step in parameter k."""
+    steps = 1j * COMPLEX_STEP * np.eye(len(SYMBOLS))
     values = {key: getattr(parameters, key) + steps[k] for k, key in enumerate(SYMBOLS)}
     return SimpleNamespace(**values, tR=parameters.tR, tF=parameters.tF, name=parameters.name)
 
 
 def varied(parameters: Parameters, keys: list[str], build: Build) -> tuple[Quartic, Quartic]:
-    """(p, p with the complex step in parameter k as entry k) of the general model."""
+    """Return (p, p with the complex step in parameter k as entry k) of the general model."""
     q, slopes = critical.model_polynomial(parameters, build), []
     for key in keys:
-        step = COARSE * max(abs(getattr(parameters, key)), LEAST)
+        step = DIFFERENCE_STEP * max(abs(getattr(parameters, key)), DIFFERENCE_STEP_MIN)
         cells, weights = neighbours(parameters, key, step)
         found = zip(*(critical.model_polynomial(cell, build, check=False) for cell in cells), strict=True)
         slopes.append([np.tensordot(weights, x, 1) / step for x in map(np.array, found)])
-    return q, Quartic(*(x + 1j * STEP * np.array(dx) for x, dx in zip(q, zip(*slopes, strict=True), strict=True)))
+    return q, Quartic(
+        *(x + 1j * COMPLEX_STEP * np.array(dx) for x, dx in zip(q, zip(*slopes, strict=True), strict=True))
+    )
 
 
 def neighbours(parameters: Parameters, key: str, step: float) -> tuple[list[Parameters], tuple[float, ...]]:
-    """Bicycles with one parameter changed, and their weights in its difference: central where all can be built."""
+    """Return bicycles with one parameter changed, and their weights in its difference: central where all can be
+    built."""
     here = getattr(parameters, key)
     for places, weights in DIFFERENCES.values():
         try:
@@ -157,7 +160,7 @@ def neighbours(parameters: Parameters, key: str, step: float) -> tuple[list[Para
 
 
 def conditions(q: Quartic) -> list[tuple[str, float, Callable[[Quartic, complex], np.ndarray]]]:
-    """(name, speed, f) with f(quartic, speed) = 0, for each critical speed of the bicycle."""
+    """Return (name, speed, f) with f(quartic, speed) = 0, for each critical speed of the bicycle."""
     found = [
         ("weave", critical.weave(q), lambda q, v: value(q.h, v * v)),
         ("capsize", critical.capsize(q), lambda q, v: value(q.e, v * v)),
@@ -170,10 +173,10 @@ def conditions(q: Quartic) -> list[tuple[str, float, Callable[[Quartic, complex]
 
 
 def plot_derivatives(found: Derivatives, *, dark: bool = False) -> "Figure":
-    """Matplotlib figure: change of the critical speeds by one percent of the parameters that matter most."""
+    """Plot the change of the critical speeds by one percent of the parameters that matter most."""
     changes = {name: found.per_percent(name) for name in found.speeds}
     sizes = {key: max(abs(change[key]) for change in changes.values()) for key in next(iter(changes.values()))}
-    keys = sorted(sizes, key=lambda key: -sizes[key])[:SHOWN]
+    keys = sorted(sizes, key=lambda key: -sizes[key])[:FIGURE_PARAMETERS]
     with new_figure(9.0, 1.5 + 0.28 * len(keys), dark) as (figure, look):
         panels = figure.subplots(1, len(changes), sharey=True, sharex=True, squeeze=False)[0]
         for k, (axes, (name, change)) in enumerate(zip(panels, changes.items(), strict=True)):

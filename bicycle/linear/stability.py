@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,9 +28,9 @@ if TYPE_CHECKING:
 
 __all__ = ["CriticalSpeeds", "Stability", "canonical", "critical_speeds", "eigenvalues", "figure", "study"]
 
-TYPICAL = 5.0  # [m/s] of critical speeds, which a linearisation at far slower ones does not give to all digits
-DOTS = 34  # of the closed form, so that the lines are seen between them
-SHOWN = (0, 2, 3)  # weave (its conjugate is the mirrored line), capsize, castering
+REFERENCE_SPEED = 5.0  # [m/s] of critical speeds; a linearization at much lower speeds loses digits
+DOT_COUNT = 34  # [1] dots of the closed form, so that the lines are seen between them
+FIGURE_MODES = (0, 2, 3)  # weave (its conjugate is the mirrored line), capsize, castering
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,13 +48,16 @@ class Stability:
 
     @cached_property
     def difference(self) -> float:
-        """Largest distance of an eigenvalue in closed form from the next of the general model [1/s]; NaN for none."""
+        """Return the largest distance of an eigenvalue in closed form from the next of the general model [1/s]; NaN for
+        none.
+        """
         if self.closed is None:
             return float("nan")
         return float(np.abs(self.values[:, :, None] - self.closed[:, None, :]).min(axis=1).max())
 
     def mode(self, name: str, speed: float) -> Mode:
-        """Weave, capsize or castering of the general model at a speed [m/s]; ``.animate()`` shows it in motion."""
+        """Return weave, capsize or castering of the general model at a speed [m/s]; ``.animate()`` shows it in
+        motion."""
         check_mode(name)
         speed = number(speed, f"mode '{name}': speed")
         fastest = np.copysign(max(np.abs([*self.speeds, speed, 1.0])), speed)
@@ -64,7 +67,8 @@ class Stability:
         return min(found.modes, key=lambda mode: min(abs(mode.eigenvalue - s) for s in (value, value.conjugate())))
 
     def figure(self, *, dark: bool = False) -> "Figure":
-        """Growth and frequency over the speed: lines of the general model, dots of the closed form, ranges shaded."""
+        """Plot growth and frequency over the speed: lines of the general model, dots of the closed form, ranges
+        shaded."""
         return figure(self, dark=dark)
 
     def to_csv(self, path: str | Path) -> Path:
@@ -73,7 +77,7 @@ class Stability:
 
 
 def check_mode(name: str) -> None:
-    """A name of a mode, or a ValueError."""
+    """Check the name of a mode; raise ValueError for others."""
     if name not in MODES:
         raise InputError(f"mode '{name}' is unknown; give weave, capsize or castering")
 
@@ -119,14 +123,14 @@ def study(
     if fittings:
         raise InputError(f"stability: {', '.join(fittings)} without tyres; give tyres, e.g. bicycle.TYPICAL")
     speeds = checked_speeds(np.linspace(0.0, 10.0, 201) if speeds is None else speeds)
-    linear = required_equations(build, parameters, max(float(np.abs(speeds).max()), TYPICAL))
+    linear = required_equations(build, parameters, max(float(np.abs(speeds).max()), REFERENCE_SPEED))
     values, vectors = follow(linear, speeds)
     closed = None if parameters.tR or parameters.tF else canonical(parameters).eigenvalues(speeds)
     return Stability(build, parameters, speeds, values, vectors, closed, speeds_of(linear))
 
 
 def figure(found: Stability, *, dark: bool = False) -> "Figure":
-    """The figure of a study: growth and frequency of the modes over the speed."""
+    """Plot growth and frequency of the modes over the speed."""
     title = f"{found.parameters.name}: small motions about a straight run"
     with modes_figure(title, dark) as (sheet, growth, frequency, look):
         for axes in (growth, frequency):
@@ -140,7 +144,7 @@ def figure(found: Stability, *, dark: bool = False) -> "Figure":
 
 
 def window(found: Stability) -> tuple[float, float]:
-    """Limits of the growth: all that matters for stability; a fast castering mode may leave the frame."""
+    """Return limits of the growth that matter for stability [1/s]; a fast castering mode may leave the frame."""
     real = found.values.real
     slow = real[:, :3]
     low, high = min(slow.min(), 0.0), max(slow.max(), 0.0)
@@ -160,26 +164,26 @@ def shade(axes: "Axes", found: Stability, look: Theme) -> None:
 
 
 def lines(axes: "Axes", found: Stability, look: Theme, part: Callable[[np.ndarray], np.ndarray]) -> None:
-    """Lines of the general model by mode, dots of the closed form."""
+    """Draw lines of the general model by mode, and dots of the closed form."""
     split = np.abs(found.values.imag[:, 0]) <= 1e-9 * np.abs(found.values).max()
     split = split | np.r_[split[1:], False] | np.r_[False, split[:-1]]  # up to where they are one
     for side in (found.speeds < 0.0, found.speeds >= 0.0):  # at rest the modes get their names anew
         speeds, values = found.speeds[side], found.values[side]
-        for place, k in enumerate(SHOWN):
+        for place, k in enumerate(FIGURE_MODES):
             label = found.names[k] if side[np.argmax(found.speeds)] else None
             axes.plot(speeds, part(values[:, k]), label=label, color=look.colour(place), linewidth=LINE)
         rest = np.where(split[side], part(values[:, 1]), np.nan)  # the second of two real modes that become the weave
         axes.plot(speeds, rest, color=look.colour(0), linewidth=LINE)
     if found.closed is not None:
-        every = max(1, found.speeds.size // DOTS)
+        every = max(1, found.speeds.size // DOT_COUNT)
         dots = part(found.closed[::every])
-        style = {"color": look.ink, "marker": "o", "markersize": 2.4, "linestyle": "none"}
+        style: dict[str, Any] = {"color": look.ink, "marker": "o", "markersize": 2.4, "linestyle": "none"}
         for k in range(4):
             axes.plot(found.speeds[::every], dots[:, k], label=None if k else "closed form (2007)", **style)
 
 
 def mark(axes: "Axes", found: Stability, look: Theme) -> None:
-    """Weave and capsize speed, where they are in the frame; the lower has its name on the left, to be read beside."""
+    """Mark weave and capsize speed where they are in the frame; the lower has its name on the left, to be legible."""
     speeds = {"weave": found.critical.weave, "capsize": found.critical.capsize}
     for name, speed in speeds.items():
         if found.speeds.min() < speed < found.speeds.max():

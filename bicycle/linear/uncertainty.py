@@ -1,4 +1,4 @@
-"""The critical speeds of a bicycle whose parameters are uncertain: Monte Carlo and Sobol indices.
+"""Critical speeds of a bicycle whose parameters are uncertain: Monte Carlo and Sobol indices.
 
 Parameters are taken as independent and normal. The equations in closed form solve all samples at once.
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 OUTPUTS = ("weave speed", "capsize speed", "lowest stable speed", "stable width")
-SHOWN = 14  # parameters of a figure: those that matter most
+FIGURE_PARAMETERS = 14  # [1] parameters of a figure: those that matter most
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,16 +45,16 @@ class MonteCarlo:
     impossible: float = 0.0  # share of the samples with an impossible inertia
 
     def share(self, name: str) -> float:
-        """Share of the samples that have this speed."""
+        """Return the share of the samples that have this speed [-]."""
         return float(np.mean(np.isfinite(self.outputs[name])))
 
     def quantiles(self, name: str, at: tuple[float, ...] = (0.025, 0.5, 0.975)) -> np.ndarray:
-        """(k,) quantiles [m/s] of the samples that have it; NaN if none has."""
+        """Return quantiles [m/s] of the samples that have this speed; NaN if none has; shape (k,)."""
         values = self.outputs[name][np.isfinite(self.outputs[name])]
         return np.quantile(values, at) if values.size else np.full(len(at), np.nan)
 
     def to_csv(self, path: str | Path) -> Path:
-        """One row per sample, parameters and speeds; returns the file."""
+        """Write one row per sample, parameters and speeds; return the file."""
         head = [*self.deviations, *(f"{name} [m/s]" for name in self.outputs)]
         return write_table(path, head, np.column_stack([self.inputs, *self.outputs.values()]))
 
@@ -78,19 +78,19 @@ class Sobol:
     total: Mapping[str, np.ndarray]  # (k,) total indices
 
     def to_csv(self, path: str | Path) -> Path:
-        """One row per parameter; returns the file."""
+        """Write one row per parameter; return the file."""
         head = ["parameter", *(f"{kind} of {name}" for name in self.first for kind in ("first order", "total"))]
         columns = [x[name] for name in self.first for x in (self.first, self.total)]
         return write_table(path, head, ([key, *row] for key, *row in zip(self.names, *columns, strict=True)))
 
 
 def variants(parameters: Parameters, names: tuple[str, ...], x: np.ndarray) -> SimpleNamespace:
-    """The parameters with ``x`` (k, n) in the place of those called ``names``: n bicycles at once, unchecked."""
+    """Return the parameters with ``x`` (k, n) in place of those called ``names``: n bicycles at once, unchecked."""
     return SimpleNamespace(**{**vars(parameters), **dict(zip(names, x, strict=True))})
 
 
 def speeds_of(variant: SimpleNamespace) -> dict[str, np.ndarray]:
-    """The outputs [m/s] of n bicycles."""
+    """Return the outputs [m/s] of n bicycles."""
     q = critical.polynomial(variant)
     low, high = critical.first_range(q)
     width = np.where(np.isnan(low), 0.0, high - low)
@@ -98,12 +98,12 @@ def speeds_of(variant: SimpleNamespace) -> dict[str, np.ndarray]:
 
 
 def published_deviations(parameters: Parameters) -> dict[str, float]:
-    """Standard deviations published with the set of this name; empty for other names."""
+    """Return standard deviations published with the set of this name; empty for other names."""
     return published.deviations(parameters.name) if parameters.name in published.names() else {}
 
 
 def checked_deviations(parameters: Parameters, given: Mapping[str, float] | None) -> dict[str, float]:
-    """Standard deviations as given or as published with the set, none of them zero."""
+    """Return standard deviations as given or as published with the set, none of them zero."""
     check_set(parameters, "deviations")
     given = published_deviations(parameters) if given is None else given
     found, what = {key: std for key, std in given.items() if std != 0.0}, f"bicycle '{parameters.name}'"
@@ -148,7 +148,7 @@ def monte_carlo(
 
 
 def impossible(variant: SimpleNamespace) -> np.ndarray:
-    """Whether frame or fork has a negative second moment of its mass, which breaks the triangle rule."""
+    """Return whether frame or fork has a negative second moment of its mass, which breaks the triangle rule."""
     found = np.zeros((), bool)
     for part in "BH":
         xx, yy, zz, xz = (np.asarray(getattr(variant, f"I{part}{axis}")) for axis in ("xx", "yy", "zz", "xz"))
@@ -158,7 +158,7 @@ def impossible(variant: SimpleNamespace) -> np.ndarray:
 
 
 def check_samples(parameters: Parameters, names: tuple[str, ...], x: np.ndarray) -> None:
-    """Refuse samples (k, n) with lengths, masses or a tilt that are impossible."""
+    """Raise ValueError for samples (k, n) with lengths, masses or a tilt that are impossible."""
     for key, values in zip(names, x, strict=True):
         least, most = values.min(), np.abs(values).max()
         low = (key in POSITIVE and least <= 0.0) or (key in NOT_NEGATIVE and least < 0.0)
@@ -172,7 +172,9 @@ def check_samples(parameters: Parameters, names: tuple[str, ...], x: np.ndarray)
 def sobol(
     parameters: Parameters, deviations: Mapping[str, float] | None = None, *, n: int = 2048, seed: int = 1
 ) -> Sobol:
-    """Sobol indices of the critical speeds by n (k + 2) samples, n a power of two; the rest as in `monte_carlo`."""
+    """Compute Sobol indices of the critical speeds by n (k + 2) samples, n a power of two; the rest as in
+    `monte_carlo`.
+    """
     known = checked_deviations(parameters, deviations)
     n, seed = whole(n, "sobol: n", 2), whole(seed, "sobol: seed", 0)
     if n & (n - 1):
@@ -196,10 +198,10 @@ def sobol(
 
 
 def plot_uncertainty(found: MonteCarlo, indices: Sobol, *, dark: bool = False) -> "Figure":
-    """Matplotlib figure: distribution of weave and capsize speed (left), and which parameters cause it (right)."""
+    """Plot the distribution of weave and capsize speed (left), and which parameters cause it (right)."""
     names = OUTPUTS[:2]
     total = {name: np.nan_to_num(indices.total[name]) for name in names}
-    order = np.argsort(-np.maximum(*total.values()))[:SHOWN]
+    order = np.argsort(-np.maximum(*total.values()))[:FIGURE_PARAMETERS]
     with new_figure(9.0, max(3.4, 1.7 + 0.28 * len(order)), dark) as (figure, look):
         left, right = figure.subplots(1, 2)
         for k, name in enumerate(names):
@@ -223,7 +225,7 @@ def plot_uncertainty(found: MonteCarlo, indices: Sobol, *, dark: bool = False) -
 
 
 def draw_samples(axes: "Axes", values: np.ndarray, name: str, colour: str) -> None:
-    """Outline of a histogram; nothing where no sample has this speed."""
+    """Draw the outline of a histogram; nothing where no sample has this speed."""
     values = values[np.isfinite(values)]
     if values.size and np.ptp(values) > 0.0:
         axes.hist(values, bins=60, density=True, histtype="step", linewidth=LINE, color=colour, label=name)

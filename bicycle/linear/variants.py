@@ -1,10 +1,10 @@
-"""Variants of a bicycle and what becomes of them: the changes, their self-stable ranges, table and bars."""
+"""Variants of a bicycle: their changes, their self-stable ranges, table and bars."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,12 +21,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-SHIFT = 0.1  # [m]
+TRAIL_SHIFT = 0.1  # [m] by which a mass or the trail is moved
 NO_SPIN_R, NO_SPIN_F, NO_TRAIL = {"IRyy": 0.0}, {"IFyy": 0.0}, {"c": 0.0}
-ROOM = 1.25  # of the speed axis, over the largest finite end
-FAR = 4.0  # times the median end: such a one is cut off, so that the others are seen
-ROOM_OF_LABEL = 0.09  # of the axis, that a number takes
-NOWHERE = Range(float("nan"), float("nan"))
+AXIS_RATIO = 1.25  # [1] length of the speed axis over the largest finite end
+END_RATIO_MAX = 4.0  # [1] of the median end; a larger end is cut off, so that the others are visible
+LABEL_SHARE = 0.09  # [1] of the axis: width of a number
+NO_RANGE = Range(float("nan"), float("nan"))
 
 CHANGES: dict[str, Callable[[Parameters], dict[str, float]]] = {
     "as built": lambda p: {},
@@ -37,18 +37,18 @@ CHANGES: dict[str, Callable[[Parameters], dict[str, float]]] = {
     "no trail, no spin momentum": lambda p: NO_TRAIL | NO_SPIN_R | NO_SPIN_F,
     "steer axis vertical, same trail": lambda p: {"lam": 0.0},
     "front mass on the steer axis": lambda p: {"xH": on_axis(p)},
-    "frame and rider 0.1 m forward": lambda p: {"xB": p.xB + SHIFT},
-    "frame and rider 0.1 m back": lambda p: {"xB": p.xB - SHIFT},
-    "frame and rider 0.1 m up": lambda p: {"zB": p.zB - SHIFT},
-    "frame and rider 0.1 m down": lambda p: {"zB": p.zB + SHIFT},
-    "fork 0.1 m forward": lambda p: {"xH": p.xH + SHIFT},
-    "fork 0.1 m back": lambda p: {"xH": p.xH - SHIFT},
+    "frame and rider 0.1 m forward": lambda p: {"xB": p.xB + TRAIL_SHIFT},
+    "frame and rider 0.1 m back": lambda p: {"xB": p.xB - TRAIL_SHIFT},
+    "frame and rider 0.1 m up": lambda p: {"zB": p.zB - TRAIL_SHIFT},
+    "frame and rider 0.1 m down": lambda p: {"zB": p.zB + TRAIL_SHIFT},
+    "fork 0.1 m forward": lambda p: {"xH": p.xH + TRAIL_SHIFT},
+    "fork 0.1 m back": lambda p: {"xH": p.xH - TRAIL_SHIFT},
 }
 """Name -> parameters that change [SI units]. In small motions I_yy of a wheel is nothing but spin momentum."""
 
 
 def on_axis(p: Parameters) -> float:
-    """x_H [m] such that the common centre of mass of fork and front wheel lies on the steer axis."""
+    """Return x_H [m] such that the common centre of mass of fork and front wheel lies on the steer axis."""
     if p.mH == 0.0:
         raise InputError(f"bicycle '{p.name}': the fork has no mass (mH = 0) that could be moved; give it one")
     mass = p.mH + p.mF
@@ -57,14 +57,14 @@ def on_axis(p: Parameters) -> float:
 
 
 def lock(bicycle: System) -> System:
-    """The bicycle with its steering held."""
+    """Return the bicycle with its steering locked."""
     driver = AngleDriver(bicycle.part("steer", "joints"), Constant(0.0), name="lock")
     return replace(bicycle, joints=[*bicycle.joints, driver])
 
 
 @dataclass(frozen=True)
 class Ablation:
-    """A bicycle with something changed, and at which speeds it is self-stable."""
+    """Changed bicycle, and the speeds at which it is self-stable."""
 
     name: str  # of the change
     parameters: Parameters  # with the change
@@ -77,13 +77,15 @@ class Ablation:
 
     @property
     def difference(self) -> float:
-        """Largest difference between the ends of both [m/s]; infinite if not equally many, NaN without a model."""
+        """Return the largest difference between the ends of both [m/s]; infinite if not equally many, NaN without a
+        model.
+        """
         return float("nan") if self.model is None else critical.difference(self.ranges, self.model)
 
 
 @dataclass(frozen=True)
 class Ablations:
-    """What `ablations` found; growths are those at ``speed`` [m/s]; ``missing`` counts the rows lost to Ctrl-C."""
+    """Result of `ablations`; growths are those at ``speed`` [m/s]; ``missing`` counts the rows lost to Ctrl-C."""
 
     parameters: Parameters
     speed: float
@@ -102,20 +104,20 @@ class Ablations:
 
 
 def to_csv(found: Ablations, path: str | Path) -> Path:
-    """One row per variant and range; returns the file."""
+    """Write one row per variant and range; return the file."""
     growth = f"growth at {found.speed!r} m/s [1/s]"
     head = ["variant", "low [m/s]", "high [m/s]", growth, "difference of the model [m/s]", "not possible"]
     head += ["ideal wheels low [m/s]", "ideal wheels high [m/s]"]
     rows = [
         [row.name, *part, row.growth, row.difference, row.problem, *ideal]
         for row in found.rows
-        for part, ideal in zip_longest(row.ranges or [NOWHERE], row.ideal or [NOWHERE], fillvalue=NOWHERE)
+        for part, ideal in zip_longest(row.ranges or [NO_RANGE], row.ideal or [NO_RANGE], fillvalue=NO_RANGE)
     ]
     return write_table(path, head, rows)
 
 
 def plot_ablations(found: Ablations, *, dark: bool = False) -> "Figure":
-    """Figure of the self-stable ranges, one bar per variant."""
+    """Plot the self-stable ranges, one bar per variant."""
     title = f"{found.parameters.name}: at which speeds does it stay upright by itself?"
     shown = [row for row in found.rows if not row.problem]
     beside = [row.ideal for row in shown] if any(row.ideal is not None for row in shown) else []
@@ -126,14 +128,14 @@ def plot_ranges(
     rows: Sequence[tuple[str, Sequence[Range] | None]], title: str, *, beside: Sequence[Sequence[Range] | None] = (),
     dark: bool = False,
 ) -> "Figure":  # fmt: skip
-    """Self-stable ranges of several bicycles by name, a bar per range; one that ends far out reaches the edge.
+    """Plot self-stable ranges of several bicycles by name, a bar per range; a range that ends far out reaches the edge.
 
     ``beside`` has ranges of ideal wheels for the same rows, drawn as thin bars below; None = not possible.
     """
     both = [found or () for found in (*(found for _, found in rows), *beside)]
     ends = [v for found in both for part in found for v in part if np.isfinite(v)]
-    near = [v for v in ends if v <= FAR * np.median(ends)]
-    top, room = ROOM * max(near, default=8.0), 0.42 if beside else 0.3
+    near = [v for v in ends if v <= END_RATIO_MAX * np.median(ends)]
+    top, room = AXIS_RATIO * max(near, default=8.0), 0.42 if beside else 0.3
     with new_figure(8.0, 1.0 + room * len(rows), dark) as (figure, look):
         axes = figure.subplots()
         dress(axes, look)
@@ -156,7 +158,7 @@ def plot_ranges(
 
 
 def draw_row(axes: "Axes", k: int, found: Sequence[Range] | None, top: float, look: Theme, *, height: float) -> None:
-    """The ranges of one bicycle in row k."""
+    """Draw the ranges of one bicycle in row k."""
     for part in found or ():
         draw_bar(axes, k, part, top, look, height)
     if not found:
@@ -165,16 +167,16 @@ def draw_row(axes: "Axes", k: int, found: Sequence[Range] | None, top: float, lo
 
 
 def draw_bar(axes: "Axes", k: int, part: Range, top: float, look: Theme, height: float) -> None:
-    """A range in row k with its ends as numbers; both on the right where there is no room on the left."""
+    """Draw a range in row k with its ends as numbers; both on the right where there is no room on the left."""
     high, gap = min(part.high, top), 0.008 * top
-    style = {"va": "center", "fontsize": 8.5}
-    if part.low > (1.0 - ROOM_OF_LABEL) * top:
+    style: dict[str, Any] = {"va": "center", "fontsize": 8.5}
+    if part.low > (1.0 - LABEL_SHARE) * top:
         axes.text(top - gap, k, f"{part} →", ha="right", color=look.ink, **style)
         return
     width = max(high - part.low, 0.004 * top)  # a narrow bar is widened so that it is seen
     axes.barh(k, width, left=part.low, height=height, color=look.lines[0], linewidth=0.0)
     low, end = f"{part.low:.3f}", f"{part.high:.3f}" if np.isfinite(part.high) else "no end"
-    room, inside = part.low > ROOM_OF_LABEL * top, part.high > top
+    room, inside = part.low > LABEL_SHARE * top, part.high > top
     if inside:
         axes.text(top - gap, k, end if room else f"{low} ... {end}", ha="right", color="#ffffff", **style)
     else:

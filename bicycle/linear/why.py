@@ -1,4 +1,4 @@
-"""Why a bicycle stays upright: take something away, or move it, and see at which speeds it still does.
+"""Causes of the self-stability of a bicycle: variants with something removed or moved, and their stable speeds.
 
 Ranges are roots of polynomials, see `bicycle.critical`: none is too narrow to be found. The general model confirms
 them: its linear equations give the same ranges, and its fastest growth changes sign within 1e-6 m/s of every end.
@@ -26,24 +26,24 @@ from .variants import CHANGES, Ablation, Ablations, lock, plot_ablations, to_csv
 
 __all__ = ["CHANGES", "Ablation", "Ablations", "ablations", "plot_ablations", "to_csv", "two_mass_skate"]
 
-STEP = 1e-6
+SPECTRUM_STEP = 1e-6
 """[m/s] on both sides of an end, where the fastest growth must have opposite signs; and [1/s] between equal growths."""
 
 
 def two_mass_skate() -> Parameters:
-    """Two point masses on skates, with neither trail nor spin momentum; the tilt of 5 degrees to all digits."""
+    """Return two point masses on skates, with neither trail nor spin momentum; the tilt of 5 degrees to all digits."""
     return replace(named("Tms"), lam=np.pi / 36.0, name="two-mass skate")
 
 
 def quartic_of(parameters: Parameters, build: Build | None) -> Quartic:
-    """Characteristic quartic in closed form; from the general model for round tyres, which that form does not know."""
+    """Return the characteristic quartic in closed form, or from the general model for round tyres."""
     if build is not None and (parameters.tR or parameters.tF):
         return critical.model_polynomial(parameters, build)
     return critical.polynomial(parameters)
 
 
 def ablated(name: str, parameters: Parameters, build: Build | None, speed: float) -> Ablation:
-    """Ranges of a bicycle, confirmed by a model."""
+    """Compute the ranges of a changed bicycle, confirmed by a model."""
     q = quartic_of(parameters, build)
     found = Ablation(name, parameters, critical.ranges(q), fastest(q, speed))
     if build is None:
@@ -53,36 +53,39 @@ def ablated(name: str, parameters: Parameters, build: Build | None, speed: float
 
 
 def in_spectrum(found: Ablation, build: Build, speed: float) -> bool:
-    """Whether the spectrum of the model has the same fastest growth, which changes sign at every end of a range."""
+    """Return whether the spectrum of the model has the same fastest growth, which changes sign at every end of a
+    range."""
 
     def growth(v: float) -> float:
         A = linearization(build, found.parameters, v).A  # its own spectrum rounds small values to zero
         return float(np.linalg.eigvals(A).real.max())
 
     ends = [v for part in found.ranges for v in part if 0.0 < v < np.inf]
-    alike = abs(growth(speed) - found.growth) < STEP * max(1.0, abs(found.growth))
-    return alike and all(growth(v - STEP) * growth(v + STEP) < 0.0 for v in ends)
+    alike = abs(growth(speed) - found.growth) < SPECTRUM_STEP * max(1.0, abs(found.growth))
+    return alike and all(growth(v - SPECTRUM_STEP) * growth(v + SPECTRUM_STEP) < 0.0 for v in ends)
 
 
 def fastest(q: Quartic, v: float) -> float:
-    """Largest real part [1/s] of the roots at a speed."""
+    """Return the largest real part [1/s] of the roots at a speed."""
     return float(Polynomial(q.at(v)).roots().real.max())
 
 
 def locked(parameters: Parameters, build: Build | None, speed: float) -> Ablation:
-    """Only lean is left: a pendulum with +-sqrt(-g K0_11 / M_11) at any speed, which falls unless it hangs."""
+    """Return the bicycle with lean only: a pendulum with +-sqrt(-g K0_11 / M_11) at any speed, which falls unless it
+    hangs.
+    """
     name, falls = "steering locked", []
     if build is None or not (parameters.tR or parameters.tF):
         linear = canonical(parameters)
         falls.append(float(np.sqrt(complex(-linear.g * linear.K0[0, 0] / linear.M[0, 0])).real))
     if build is not None:
         falls.append(falling(build(parameters, speed=speed)))
-    confirmed = abs(falls[1] - falls[0]) < STEP * max(1.0, falls[0]) if len(falls) == 2 else None
+    confirmed = abs(falls[1] - falls[0]) < SPECTRUM_STEP * max(1.0, falls[0]) if len(falls) == 2 else None
     return Ablation(name, parameters, [], falls[0], None if build is None else [], confirmed)
 
 
 def falling(bicycle: System) -> float:
-    """Growth [1/s] of the lean of a bicycle whose steering is held."""
+    """Return the growth [1/s] of the lean of a bicycle whose steering is locked."""
     frame = bicycle.part("frame")
     seen = [measures.lean(frame), measures.lean_rate(frame)]
     return float(linearize(lock(bicycle), outputs=seen).eigenvalues.real.max())
@@ -92,7 +95,8 @@ def ablations(
     parameters: Parameters, build: Build | None = whipple, *, tyres: Tyres | None = None, progress: bool | None = None,
     **fittings: float,
 ) -> Ablations:  # fmt: skip
-    """Self-stable ranges of a bicycle, of its variants (`CHANGES`), with locked steering, and of a two-mass skate.
+    """Compute self-stable ranges of a bicycle, of its variants (`CHANGES`), with locked steering, and of a two-mass
+    skate.
 
     On tyres, of variants of the tyres instead of the skate, and beside those of ideal wheels.
 
@@ -125,7 +129,7 @@ def ablations(
 
 
 def one_by_one(parameters: Parameters, build: Build | None, speed: float) -> Iterator[Ablation]:
-    """The variants, the bicycle with locked steering, and a two-mass skate."""
+    """Yield the variants, the bicycle with locked steering, and a two-mass skate."""
     for name in CHANGES:
         yield changed(parameters, name, build, speed)
     yield locked(parameters, build, speed)
@@ -133,7 +137,7 @@ def one_by_one(parameters: Parameters, build: Build | None, speed: float) -> Ite
 
 
 def changed(parameters: Parameters, name: str, build: Build | None, speed: float) -> Ablation:
-    """A variant, or why it is not possible for this bicycle."""
+    """Return a variant, or why it is not possible for this bicycle."""
     try:
         variant = replace(parameters, **CHANGES[name](parameters), name=f"{parameters.name}, {name}")
         return ablated(name, variant, build, speed)

@@ -1,4 +1,4 @@
-"""Why a bicycle on tyres stays upright: variants of the bicycle and of its tyres, beside those on ideal wheels.
+"""Causes of the self-stability of a bicycle on tyres: variants of bicycle and tyres, compared with ideal wheels.
 
 Ranges are eigenvalues of pencils, not read off a grid of speeds, see `bicycle.linear.tyre_equations`. A variant of the
 tyres alone has no counterpart on ideal wheels, which know only the crown.
@@ -21,9 +21,9 @@ from .tyre_equations import growth, required_equations
 from .variants import CHANGES, Ablation, Ablations, lock
 
 Numbers = Mapping[str, Any]
-USUAL = {one.name: one.default for one in fields(Tyre) if one.init}
-CROWN = 0.02  # [m]
-LIGHT = 1e-6
+TYRE_DEFAULTS = {one.name: one.default for one in fields(Tyre) if one.init}
+CROWN_INCREASE = 0.02  # [m] added to the crown radius
+LIGHT_RATIO = 1e-6
 """Share of the moment of inertia about its axle that a wheel without spin momentum keeps: on a tyre it turns freely."""
 TYRE_CHANGES: dict[str, Callable[[Numbers], Numbers]] = {
     "tyres without camber force": lambda one: {"camber": 0.0},
@@ -38,7 +38,7 @@ TYRE_CHANGES: dict[str, Callable[[Numbers], Numbers]] = {
 def ablations(
     parameters: Parameters, tyres: tuple[Numbers, Numbers], fittings: Mapping[str, float], progress: bool | None
 ) -> Ablations:
-    """Ranges of the variants, and how fast they fall at one speed; see `bicycle.why.ablations`."""
+    """Compute ranges of the variants, and their growth at one speed [1/s]; see `bicycle.why.ablations`."""
     linear = required_equations(partial(whipple, tyres=tyres, **fittings), parameters)
     speed = critical.typical_speed(linear.stable())
     rows = variants(parameters, tyres, fittings, speed)
@@ -50,15 +50,15 @@ def ablations(
 def variants(
     parameters: Parameters, tyres: tuple[Numbers, Numbers], fittings: Mapping[str, float], speed: float
 ) -> Iterator[Ablation]:
-    """The changes of the bicycle, its steering locked, more crown, and the changes of the tyres."""
+    """Yield the changes of the bicycle, its locked steering, more crown, and the changes of the tyres."""
     for name, change in CHANGES.items():
         yield changed(parameters, name, change, {"tyres": tyres, **fittings}, speed)
     held = lock(whipple(parameters, speed, tyres=tyres, **fittings))
     yield Ablation("steering locked", parameters, [], float(linearize(held).eigenvalues.real.max()), ideal=[])
-    rounder = {"tR": parameters.tR + CROWN, "tF": parameters.tF + CROWN}
+    rounder = {"tR": parameters.tR + CROWN_INCREASE, "tF": parameters.tF + CROWN_INCREASE}
     yield changed(parameters, "20 mm more crown", lambda p: rounder, {"tyres": tyres, **fittings}, speed)
     for name, change in TYRE_CHANGES.items():
-        other: Tyres = [{**one, **change({**USUAL, **one})} for one in tyres]
+        other: Tyres = [{**one, **change({**TYRE_DEFAULTS, **one})} for one in tyres]
         row = changed(parameters, name, lambda p: {}, {"tyres": other, **fittings}, speed)
         yield replace(row, ideal=None)
 
@@ -67,10 +67,12 @@ def changed(
     parameters: Parameters, name: str, change: Callable[[Parameters], dict[str, float]], fittings: Mapping[str, Any],
     speed: float,
 ) -> Ablation:  # fmt: skip
-    """A variant on tyres and on ideal wheels, or why it is not possible."""
+    """Return a variant on tyres and on ideal wheels, or why it is not possible."""
     try:
         variant = replace(parameters, **change(parameters), name=f"{parameters.name}, {name}")
-        turns = {key: LIGHT * getattr(parameters, key) for key in ("IRyy", "IFyy") if getattr(variant, key) == 0.0}
+        turns = {
+            key: LIGHT_RATIO * getattr(parameters, key) for key in ("IRyy", "IFyy") if getattr(variant, key) == 0.0
+        }
         linear = required_equations(partial(whipple, **fittings), replace(variant, **turns))
         ideal = critical_speeds(variant, whipple).stable
         return Ablation(name, variant, linear.stable(), growth(linear.A(speed)), ideal=ideal)

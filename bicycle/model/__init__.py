@@ -1,1 +1,1 @@
-"""The bicycle as a mechanism: how its wheels stand and roll, and its bodies, joints and loads."""
+"""Bicycle as a mechanism: pose and rolling of its wheels, and its bodies, joints and loads."""

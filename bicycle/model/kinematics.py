@@ -1,4 +1,4 @@
-"""How both wheels stand on the ground and roll: pose and velocities of the bicycle in closed form.
+"""Pose and velocities of a bicycle with both wheels rolling on the ground, in closed form.
 
 Lean, steer and the pitch at which the front wheel touches the ground give the configuration. Lean rate, steer rate and
 speed give the velocities, with three unknowns: yaw rate, pitch rate, spin of the front wheel. World axes, x forward, y
@@ -20,7 +20,7 @@ X, Y, Z = np.eye(3)
 
 
 class Pose(NamedTuple):
-    """Places (3,) [m] and orientations (3, 3), body -> world."""
+    """Positions (3,) [m] and orientations (3, 3), body -> world, of the parts of a bicycle."""
 
     frame: np.ndarray
     fork: np.ndarray
@@ -31,36 +31,43 @@ class Pose(NamedTuple):
 
     @property
     def q(self) -> np.ndarray:
-        """(28,) coordinates of rear wheel, frame, fork, front wheel; O at the hubs, hub angles zero."""
+        """Return the coordinates of rear wheel, frame, fork, front wheel; O at the hubs, hub angles zero; shape
+        (28,)."""
         frame, fork = as_quaternion(self.frame, "frame"), as_quaternion(self.fork, "fork")
         return np.concatenate([self.rear, frame, self.rear, frame, self.front, fork, self.front, fork])
 
 
 def hubs(p: Parameters) -> tuple[np.ndarray, np.ndarray]:
-    """Rear and front hub of the upright bicycle."""
+    """Return rear and front hub of the upright bicycle [m]."""
     return np.array([0.0, 0.0, p.rR]), np.array([p.w, 0.0, p.rF])
 
 
 def steer_axis(p: Parameters) -> tuple[np.ndarray, np.ndarray]:
-    """(point, direction) of the upright bicycle: the head, above the wheels; downward, so right is positive."""
+    """Return (point, direction) of the steer axis of the upright bicycle: above the wheels; downward, so right is
+    positive.
+    """
     ground, axis = np.array([p.w + p.c, 0.0, 0.0]), np.array([np.sin(p.lam), 0.0, -np.cos(p.lam)])
     return ground - 2.0 * max(p.rR, p.rF) * axis, axis
 
 
 def rotation_about(axis: np.ndarray, angle: float) -> np.ndarray:
-    """(3, 3) rotation by ``angle`` [rad] about a unit vector."""
+    """Return the rotation by ``angle`` [rad] about a unit vector, shape (3, 3)."""
     S = skew(axis)
     return np.eye(3) + np.sin(angle) * S + (1.0 - np.cos(angle)) * S @ S
 
 
 def foot(axle: np.ndarray, radius: float, crown: float) -> np.ndarray:
-    """Vector from the centre of a wheel down to its contact point: along the disc, then along the vertical."""
+    """Return the vector from the centre of a wheel down to its contact point [m]: along the disc, then along the
+    vertical.
+    """
     across = Z - axle[2] * axle
     return -(radius - crown) * across / np.sqrt(across @ across) - crown * Z
 
 
 def placed(p: Parameters, lean: complex, steer: complex, pitch: float) -> Pose:
-    """The bicycle on its rear wheel; only at the right pitch is the front contact at z = 0. Angles may be complex."""
+    """Return the bicycle on its rear wheel; only at the right pitch is the front contact at z = 0. Angles may be
+    complex.
+    """
     frame = rotation_about(X, lean) @ rotation_about(Y, pitch)
     (rear, front), (at, axis) = hubs(p), steer_axis(p)
     fork = frame @ rotation_about(axis, steer)
@@ -94,7 +101,7 @@ class Height:
 
 
 def pose_of(p: Parameters, lean: float, steer: float) -> Pose:
-    """The pose in which both wheels stand on the ground, with the pitch nearest to zero.
+    """Return the pose in which both wheels stand on the ground, with the pitch nearest to zero.
 
     Raises
     ------
@@ -121,7 +128,8 @@ def pose_of(p: Parameters, lean: float, steer: float) -> Pose:
 
 
 def velocities_of(p: Parameters, at: Pose, speed: float, lean_rate: float, steer_rate: float) -> np.ndarray:
-    """(4, 6) v and omega of rear wheel, frame, fork, front wheel (O at the hubs) with which both wheels roll.
+    """Return v and omega of rear wheel, frame, fork, front wheel (O at the hubs) with which both wheels roll, shape (4,
+    6).
 
     Yaw rate, pitch rate and front spin follow from the velocity of the front hub, which the frame and the front
     contact both determine.
@@ -146,7 +154,7 @@ def velocities_of(p: Parameters, at: Pose, speed: float, lean_rate: float, steer
 def rolling(
     p: Parameters, at: Pose, speed: complex, lean_rate: complex, steer_rate: complex
 ) -> tuple[np.ndarray, float]:
-    """((4, 6) velocities, slip of the front hub over the wheelbase [1/s]); numbers may be complex.
+    """Return (velocities (4, 6), slip of the front hub over the wheelbase [1/s]); numbers may be complex.
 
     The velocity of the front hub over the frame must equal that over the front contact: three linear equations for yaw
     rate, pitch rate and front spin, without a solution where the front wheel points sideways.
@@ -156,7 +164,7 @@ def rolling(
     to_head, from_head = at.head - at.rear, at.front - at.head
 
     def difference(frame: np.ndarray, fork: np.ndarray, rear: np.ndarray, front: np.ndarray) -> np.ndarray:
-        """Velocity of the front hub over the frame less that over the contact."""
+        """Return the velocity of the front hub over the frame less that over the contact [m/s]."""
         return cross(rear, to_rear) + cross(frame, to_head) + cross(fork, from_head) - cross(front, to_front)
 
     frame, rear = lean_rate * X, lean_rate * X + speed / p.rR * axle_r
@@ -172,7 +180,9 @@ def rolling(
 
 
 def combination(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> Iterable[complex]:
-    """x, y, z of x a + y b + z c = d by Cramer's rule; by least squares and least size where a, b, c lie in a plane."""
+    """Solve x a + y b + z c = d for x, y, z by Cramer's rule; by least squares and least size where a, b, c lie in a
+    plane.
+    """
     bc = cross(b, c)
     volume, box = a @ bc, np.prod([np.linalg.norm(x) for x in (a, b, c)])
     if abs(volume) <= 1e-12 * box:

@@ -1,4 +1,4 @@
-"""The Whipple bicycle as a mechanism: four bodies, three hinges, two wheels that roll without slip or run on tyres.
+"""Whipple bicycle as a mechanism: four bodies, three hinges, two wheels that roll without slip or run on tyres.
 
 World axes of `mbsd3d`: x forward, y left, z up. Lean and steer are positive to the right, as in the paper, whose
 parameters have y right and z down. Reference points are the hubs: O of rear wheel and frame at the rear hub, O of fork
@@ -33,12 +33,12 @@ from .kinematics import hubs, pose_of, steer_axis, velocities_of
 from .tyres import Tyres, tyres_of
 
 NAMES = {"R": "rear wheel", "B": "frame", "H": "fork", "F": "front wheel"}
-FLIP = np.diag([1.0, -1.0, -1.0])  # From the axes of the paper to those of the model
+PAPER_TO_MODEL = np.diag([1.0, -1.0, -1.0])  # from the axes of the paper to those of the model
 
 
 @dataclass(frozen=True, eq=False)
 class Bicycle(System):
-    """A `System` whose reference pose is upright with zero steer, and which starts from another state.
+    """`System` whose reference pose is upright with zero steer, and which starts from another state.
 
     So the angle of the joint "steer" is the steer angle. `dataclasses.replace` adds forces or joints and keeps the
     start.
@@ -47,7 +47,7 @@ class Bicycle(System):
     start: State | None = field(default=None, kw_only=True)
 
     def state(self, *, as_built: float | None = None) -> State:
-        """The start, with the given lean, steer and rates and the pitch at which both wheels stand."""
+        """Return the initial state with the given lean, steer and rates and the pitch at which both wheels stand."""
         return self.start or super().state(as_built=as_built)
 
 
@@ -65,7 +65,7 @@ def whipple(
     head_stiffness: float | None = None,
     head_damping: float = 0.0,
 ) -> Bicycle:
-    """The bicycle of Whipple and Carvallo: rear wheel, frame with rider, fork with handlebar, front wheel.
+    """Build the bicycle of Whipple and Carvallo: rear wheel, frame with rider, fork with handlebar, front wheel.
 
     Bodies "rear wheel", "frame", "fork", "front wheel"; joints "rear hub", "steer", "front hub", "rear contact",
     "front contact". The rear contact starts at the origin, heading along x. With ``tyres`` the forces "rear tyre" and
@@ -125,7 +125,7 @@ def whipple(
 
 
 def bodies_of(p: Parameters, motion: np.ndarray) -> list[Body]:
-    """The four bodies, upright; ``motion`` (4, 6) holds their velocities, or None."""
+    """Return the four bodies, upright; ``motion`` (4, 6) holds their velocities, or None."""
     rear, front = hubs(p)
     centre = {"R": rear, "B": (p.xB, 0.0, -p.zB), "H": (p.xH, 0.0, -p.zH), "F": front}
     bodies = []
@@ -133,13 +133,17 @@ def bodies_of(p: Parameters, motion: np.ndarray) -> list[Body]:
         hub = rear if part in "RB" else front
         kind = Body if not p.unphysical else PublishedBody
         moving = {} if v[0] is None else {"velocity": v[:3], "omega": v[3:]}
-        mass, inertia, com = getattr(p, f"m{part}"), FLIP @ p.inertia(part) @ FLIP, np.subtract(centre[part], hub)
+        mass, inertia, com = (
+            getattr(p, f"m{part}"),
+            PAPER_TO_MODEL @ p.inertia(part) @ PAPER_TO_MODEL,
+            np.subtract(centre[part], hub),
+        )
         bodies.append(kind(name, mass, inertia, com=com, position=hub, shape=shape_of(p, part), **moving))
     return bodies
 
 
 def joints_of(p: Parameters, bodies: Sequence[Body]) -> list[Joint]:
-    """Three hinges and two rolling contacts."""
+    """Return three hinges and two rolling contacts."""
     wheel_r, frame, fork, wheel_f = bodies
     (rear, front), (at, axis) = hubs(p), steer_axis(p)
     axle = (0.0, 1.0, 0.0)  # to the left: a wheel that rolls forward turns in the positive sense
@@ -154,7 +158,7 @@ def joints_of(p: Parameters, bodies: Sequence[Body]) -> list[Joint]:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PublishedBody(Body):
-    """A body whose inertia may break the triangle rule, as some published ones do."""
+    """Body whose inertia may break the triangle rule, as some published ones do."""
 
     def __post_init__(self) -> None:
         published = np.array(self.inertia, dtype=float)
@@ -166,13 +170,15 @@ class PublishedBody(Body):
 
 
 def outputs(system: System) -> list[Measure]:
-    """Lean, steer and their rates: outputs for `linearize` that leave out place, heading and wheel angles."""
+    """Return lean, steer and their rates: outputs for `linearize` that leave out position, heading and wheel angles."""
     frame, steer = system.part("frame"), system.part("steer", "joints")
     return [measures.lean(frame), measures.angle(steer), measures.lean_rate(frame), measures.rate(steer)]
 
 
 def steer_torque(system: Bicycle, parameters: Parameters, torque: Signal | float) -> list[Torque]:
-    """Torque of the rider's arms about the steer axis [N m]: on the fork, to the right > 0, and back on the frame."""
+    """Return the torque of the rider's arms about the steer axis [N m]: on the fork, to the right > 0, and back on the
+    frame.
+    """
     signal = as_signal(torque, "ride: torque")
     axis = steer_axis(parameters)[1]  # the bodies' own axes are the world's at the upright reference pose
     return [
@@ -182,7 +188,9 @@ def steer_torque(system: Bicycle, parameters: Parameters, torque: Signal | float
 
 
 def shape_of(p: Parameters, part: str) -> list[shapes.Shape]:
-    """How a part is drawn, from its hub [m]: wheels with rims and spokes, tubes of frame and fork, the rider's mass."""
+    """Return the shapes of a part, from its hub [m]: wheels with rims and spokes, tubes of frame and fork, the rider's
+    mass.
+    """
     if part in "RF":
         r = getattr(p, f"r{part}")
         tube = max(getattr(p, f"t{part}") if getattr(p, f"t{part}") < 0.3 * r else 0.0, 0.04 * r)

@@ -1,4 +1,4 @@
-"""The tyres of a bicycle: two `mbsd3d.Tyre` that carry its weight at the radii of its parameters."""
+"""Tyres of a bicycle: two `mbsd3d.Tyre` that carry its weight at the radii of its parameters."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
@@ -19,32 +19,32 @@ TYPICAL: dict[str, Any] = {
     "stiffness": 2e5, "damping": 400.0,
 }  # fmt: skip
 """Of a bicycle tyre under a usual load."""
-GEOMETRY = ("a", "b", "name", "axis", "radius", "crown", "centre", "plane")
-ARGUMENTS = tuple(one.name for one in fields(Tyre) if one.init and one.name not in GEOMETRY)
+GEOMETRY_ARGUMENTS = ("a", "b", "name", "axis", "radius", "crown", "centre", "plane")
+TYRE_ARGUMENTS = tuple(one.name for one in fields(Tyre) if one.init and one.name not in GEOMETRY_ARGUMENTS)
 
 
 def both(tyres: Tyres) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
-    """(rear, front), or a ValueError."""
+    """Return (rear, front) tyres; raise ValueError for others."""
     given = (tyres, tyres) if isinstance(tyres, Mapping) else tyres
     if not isinstance(given, Sequence) or len(given) != 2 or not all(isinstance(one, Mapping) for one in given):
         raise InputError(
             f"tyres = {tyres!r}; give the arguments of mbsd3d.Tyre in a dict, or two of them: (rear, front)"
         )
     for one in given:
-        unknown = [key for key in one if key not in ARGUMENTS]
+        unknown = [key for key in one if key not in TYRE_ARGUMENTS]
         if unknown:
-            raise InputError(f"tyres: {', '.join(map(str, unknown))} unknown; give some of {', '.join(ARGUMENTS)}")
+            raise InputError(f"tyres: {', '.join(map(str, unknown))} unknown; give some of {', '.join(TYRE_ARGUMENTS)}")
     return given
 
 
 def loads(p: Parameters) -> tuple[float, float]:
-    """Weight on the rear and the front wheel of the upright bicycle [N]."""
+    """Return the weight on the rear and the front wheel of the upright bicycle [N]."""
     front = p.front_load * p.mass * p.g
     return p.mass * p.g - front, front
 
 
 def tyres_of(p: Parameters, bodies: Sequence[Body], tyres: Tyres) -> list[Tyre]:
-    """Tyres on the rear and the front wheel; pressed by the weight they have the radius r and the crown t.
+    """Return tyres on the rear and the front wheel; under their static load they have the radius r and the crown t.
 
     A tyre pressed by N/k runs like a rigid torus whose tube is as much thinner: its own is t + N/k. A ValueError for
     a bicycle that tips, which no tyre holds down, and for wheels without inertia about their axles.

@@ -1,1 +1,1 @@
-"""The page that compares bicycles."""
+"""Page that compares bicycles."""

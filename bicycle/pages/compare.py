@@ -1,4 +1,4 @@
-"""Several bicycles on one page: what they are, at which speeds they stay upright by themselves, how they look and move.
+"""Several bicycles on one page: their parameters, self-stable speeds, shape and motion.
 
 The page (``index.html``) needs no network; a few of the bicycles have a page of their own with the weave mode in motion
 (``views/``), about 0.8 MB each. Critical speeds are those of the closed form, confirmed by the general model; round
@@ -23,7 +23,7 @@ from ..linear import critical, stability
 from ..linear.critical import CriticalSpeeds, Range, critical_speeds
 from ..linear.general import eigenvalues
 from ..linear.tyre_equations import Affine, required_equations
-from ..linear.variants import NOWHERE, plot_ranges
+from ..linear.variants import NO_RANGE, plot_ranges
 from ..model.mechanism import whipple
 from ..output import collected, write_table
 from ..parameters import Meijaard2007, Parameters, entry_of, find, machines, named, names
@@ -34,13 +34,17 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 TEMPLATES = Path(__file__).parent / "templates"
-FASTEST, LOWEST, HIGHEST = 12.0, -8.0, 6.0  # of the small figures: speed [m/s], growth [1/s]
-AGREES = 1e-6  # [m/s] Largest difference of critical speeds that counts as the same
+FIGURE_SPEED_MAX, FIGURE_GROWTH_MIN, FIGURE_GROWTH_MAX = (
+    12.0,
+    -8.0,
+    6.0,
+)  # of the small figures: speed [m/s], growth [1/s]
+SPEED_TOLERANCE = 1e-6  # [m/s] largest difference of critical speeds that counts as the same
 
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """A bicycle of the page."""
+    """Bicycle of the page."""
 
     parameters: Parameters
     critical: CriticalSpeeds
@@ -51,23 +55,23 @@ class Entry:
 
     @cached_property
     def left_out(self) -> "Figure":
-        """What ideal wheels leave out."""
+        """Draw what ideal wheels leave out."""
         return ideal_or_tyres.figure(self.parameters, self.fittings)
 
     @cached_property
     def gripping(self) -> list[Range] | None:
-        """Self-stable ranges on tyres; None if there are none to ask for."""
+        """Return self-stable ranges on tyres; None for a bicycle without tyres."""
         return None if self.on_tyres is None else self.on_tyres.stable()
 
     @property
     def height(self) -> float:
-        """Height of the centre of mass [m]."""
+        """Return the height of the centre of mass [m]."""
         p = self.parameters
         return (p.mR * p.rR - p.mB * p.zB - p.mH * p.zH + p.mF * p.rF) / p.mass
 
     @property
     def source(self) -> str:
-        """Where the parameters were published, and whether with a rider."""
+        """Return where the parameters were published, and whether with a rider."""
         if self.parameters.name in machines():
             return machines()[self.parameters.name]["source"]
         if self.parameters.name not in names():
@@ -78,12 +82,12 @@ class Entry:
 
     @property
     def file(self) -> str:
-        """Name of its page."""
+        """Return the file name of the page of the bicycle."""
         return file_of(self.parameters.name)
 
 
 def check_names(bicycles: Sequence[Parameters]) -> None:
-    """Refuse two bicycles of one name, whose pages would be one file."""
+    """Raise ValueError for two bicycles of one name, whose pages would be one file."""
     known: set[str] = set()
     for parameters in bicycles:
         if file_of(parameters.name).lower() in known:  # some file systems do not tell "a" from "A"
@@ -92,19 +96,20 @@ def check_names(bicycles: Sequence[Parameters]) -> None:
 
 
 def file_of(name: str) -> str:
-    """Name of the page of a bicycle."""
+    """Return the file name of the page of a bicycle."""
     return re.sub(r"[^A-Za-z0-9_.+-]+", "-", name).strip(".") + ".html"
 
 
 def entry(parameters: Parameters, fittings: Mapping[str, Any] | None = None) -> Entry:
-    """Critical speeds of a bicycle, by closed form and general model; with tyres in ``fittings`` also on them."""
+    """Compute critical speeds of a bicycle by closed form and general model; with tyres in ``fittings`` also on
+    them."""
     model, rest = critical_speeds(parameters, whipple), {}
     if fittings:
         try:
             linear = required_equations(partial(whipple, **fittings), parameters)
-            rest = {"fittings": fittings, "on_tyres": linear}
+            rest: dict[str, Any] = {"fittings": fittings, "on_tyres": linear}
         except ValueError as error:
-            rest = {"problem": str(error)}
+            rest: dict[str, Any] = {"problem": str(error)}
     if parameters.tR or parameters.tF:
         return Entry(parameters, model, float("nan"), **rest)
     closed = critical_speeds(parameters)
@@ -115,19 +120,20 @@ def entries(
     bicycles: Sequence[Parameters], fittings: Sequence[Mapping[str, Any]] | None = None, *,
     progress: bool | None = None,
 ) -> list[Entry]:  # fmt: skip
-    """The entries of bicycles, and of their tyres if there are fittings; after Ctrl-C those that were finished."""
+    """Compute the entries of bicycles, and of their tyres if there are fittings; after Ctrl-C those that were
+    finished."""
     found = map(entry, bicycles, fittings or [None] * len(bicycles))
     return collected(f"{len(bicycles)} bicycles", found, len(bicycles), progress)
 
 
 def table(found: Sequence[Entry]) -> str:
-    """Critical speeds as text."""
+    """Return critical speeds as text."""
     wide = max(len(x.parameters.name) for x in found)
     more = any(x.fittings or x.problem for x in found)
     lines = [f"{'':{wide}}  {'weave':>8}  {'capsize':>8}  self-stable [m/s]" + "         on tyres" * more]
     for x in found:
         speeds = "  ".join(f"{v:8.4f}" if v > 0.0 else f"{'-':>8}" for v in (x.critical.weave, x.critical.capsize))
-        doubt = "  NOT CONFIRMED by the general model" if x.difference > AGREES else ""
+        doubt = "  NOT CONFIRMED by the general model" if x.difference > SPEED_TOLERANCE else ""
         grip = f"  not possible: {x.problem}" if x.problem else ""
         grip = grip if x.gripping is None else f"  {critical.listed(x.gripping)}"
         ideal = critical.listed(x.critical.stable)
@@ -136,20 +142,20 @@ def table(found: Sequence[Entry]) -> str:
 
 
 def to_csv(found: Sequence[Entry], path: str | Path) -> Path:
-    """One row per bicycle, critical speeds and parameters; returns the file."""
+    """Write one row per bicycle, critical speeds and parameters; return the file."""
     keys = list(found[0].parameters.values())
     head = ["bicycle", "weave [m/s]", "capsize [m/s]", "stable from [m/s]", "to [m/s]", "model differs by [m/s]", *keys]
     head[5:5] = ["on tyres from [m/s]", "on tyres to [m/s]"]
     rows = []
     for x in found:
         numbers = x.difference, *x.parameters.values().values()
-        ranges = zip_longest(x.critical.stable or [NOWHERE], x.gripping or [NOWHERE], fillvalue=NOWHERE)
+        ranges = zip_longest(x.critical.stable or [NO_RANGE], x.gripping or [NO_RANGE], fillvalue=NO_RANGE)
         rows += [[x.parameters.name, x.critical.weave, x.critical.capsize, *a, *b, *numbers] for a, b in ranges]
     return write_table(path, head, rows)
 
 
 def chosen(wanted: Sequence[str], unphysical: bool) -> tuple[list[Parameters], list[str]]:
-    """Bicycles by name or file, all sets if none is named, and why others were left out."""
+    """Return bicycles by name or file, all sets if none is named, and why others were left out."""
     if wanted:
         return [find(text, unphysical=unphysical) for text in wanted], []
     found, left_out = [Meijaard2007()], []
@@ -194,14 +200,15 @@ def write_page(
     page = page_template("compare.html", TEMPLATES).render(
         cards=cards, ranges=Markup(inline_svg(ranges, "r-")), left_out=left_out, tyred=tyred,
         figures=[Markup(x) for x in figures],
-        difference=max((x.difference for x in found if not np.isnan(x.difference)), default=None), agrees=AGREES,
+        difference=max((x.difference for x in found if not np.isnan(x.difference)), default=None),
+        agrees=SPEED_TOLERANCE,
         once=[x.parameters.name for x in found if np.isnan(x.difference)], digits=digits, degrees=np.degrees,
     )  # fmt: skip
     return write_atomically(folder / "index.html", page.encode())
 
 
 def write_view(folder: Path, x: Entry) -> Path:
-    """A page with the weave of a bicycle in motion, at a speed in its self-stable range or at 5 m/s."""
+    """Write a page with the weave of a bicycle in motion, at a speed in its self-stable range or at 5 m/s."""
     folder.mkdir(parents=True, exist_ok=True)
     speed = critical.typical_speed(x.critical.stable)
     mode = stability.study(x.parameters, [speed]).mode("weave", speed)
@@ -210,22 +217,24 @@ def write_view(folder: Path, x: Entry) -> Path:
 
 
 def growth_svg(x: Entry, prefix: str) -> Markup:
-    """Growth of the modes over the speed as a small figure, on tyres where there are some; stable ranges are shaded."""
-    speeds = np.linspace(0.0, FASTEST, 121)
+    """Draw growth of the modes over the speed as a small figure, on tyres where there are some; stable ranges are
+    shaded.
+    """
+    speeds = np.linspace(0.0, FIGURE_SPEED_MAX, 121)
     growth = np.sort(eigenvalues(whipple, x.parameters, speeds).real, axis=1)
     stable = x.critical.stable if x.gripping is None else x.gripping
     with new_figure(3.4, 2.1) as (figure, look):
         axes = figure.subplots()
         dress(axes, look)
         for part in stable:
-            axes.axvspan(part.low, min(part.high, FASTEST), color=look.lines[4], alpha=0.35, linewidth=0.0)
+            axes.axvspan(part.low, min(part.high, FIGURE_SPEED_MAX), color=look.lines[4], alpha=0.35, linewidth=0.0)
         axes.axhline(0.0, color=look.ink, linewidth=THIN)
         axes.plot(speeds, growth, color=look.muted if x.fittings or x.problem else look.lines[0], linewidth=LINE)
         if x.on_tyres is not None:
             values = [np.sort(np.linalg.eigvals(x.on_tyres.A(v)).real) for v in speeds[1:]]
             axes.plot(speeds[1:], values, color=look.lines[0], linewidth=LINE)
-        axes.set_xlim(0.0, FASTEST)
-        axes.set_ylim(LOWEST, HIGHEST)
+        axes.set_xlim(0.0, FIGURE_SPEED_MAX)
+        axes.set_ylim(FIGURE_GROWTH_MIN, FIGURE_GROWTH_MAX)
         axes.set_xlabel("speed [m/s]", fontsize=8)
         axes.set_ylabel("growth [1/s]", fontsize=8)
         axes.tick_params(labelsize=8)

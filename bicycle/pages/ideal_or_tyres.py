@@ -1,4 +1,6 @@
-"""What ideal wheels leave out, in one figure: growth over the speed, a shaken handlebar, and turns up to the limit."""
+"""Effects that ideal wheels leave out, in one figure: growth over the speed, steering response, and turns up to the
+limit.
+"""
 
 from collections.abc import Mapping
 from functools import partial
@@ -24,13 +26,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SPEEDS = np.linspace(0.1, 12.0, 120)  # [m/s]
-OMEGA = np.geomspace(0.3, 300.0, 400)  # [rad/s]
+FREQUENCIES = np.geomspace(0.3, 300.0, 400)  # [rad/s]
 LEANS = np.arange(0.025, 1.2, 0.025)  # [rad]
-SHOWN = (-8.0, 6.0)  # [1/s] of the growth
+GROWTH_RANGE = (-8.0, 6.0)  # [1/s] of the growth
 
 
 def figure(parameters: Parameters, fittings: Mapping[str, Any], *, speed: float = 5.0, dark: bool = False) -> "Figure":
-    """A bicycle on tyres in colour, on ideal wheels in grey.
+    """Plot a bicycle on tyres in colour, on ideal wheels in grey.
 
     Growth of the sideways modes over the speed: ideal wheels know no wobble. Steer by a steer torque over the
     frequency, at one speed: tyres give way to fast steering. Torque that holds a turn at this speed, and the grip that
@@ -66,28 +68,28 @@ def figure(parameters: Parameters, fittings: Mapping[str, Any], *, speed: float 
 
 
 def draw_growth(axes: "Axes", parameters: Parameters, linear: Affine | SpeedBySpeed, look: Theme) -> None:
-    """Largest growths over the speed as dots, which need no names."""
+    """Draw the largest growths over the speed as dots, which need no names."""
     ideal = eigenvalues(whipple, parameters, SPEEDS).real
     found = [np.linalg.eigvals(linear.A(v)).real for v in SPEEDS.tolist()]
-    style = {"linestyle": "none", "marker": ".", "markersize": 3.0}
+    style: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 3.0}
     for values, colour, label in ((ideal, look.muted, "on ideal wheels"), (np.array(found), look.lines[0], "on tyres")):
         axes.plot(SPEEDS, values, color=colour, **style)
         axes.plot([], [], color=colour, linewidth=LINE, label=label)
     axes.axhline(0.0, color=look.ink, linewidth=THIN)
     axes.set_xlim(0.0, SPEEDS[-1])
-    axes.set_ylim(*SHOWN)
+    axes.set_ylim(*GROWTH_RANGE)
     axes.set_xlabel("speed [m/s]")
     axes.set_ylabel("growth of the modes [1/s]")
 
 
 def draw_steering(axes: "Axes", parameters: Parameters, fittings: Mapping[str, Any], speed: float, look: Theme) -> None:
-    """Steer by steer torque over the frequency."""
+    """Draw steer by steer torque over the frequency."""
     ideal = partial(whipple, steer_damping=fittings.get("steer_damping", 0.0))
     for colour, H in (
-        (look.muted, frequency.response(parameters, speed, OMEGA, ideal).H),
-        (look.lines[0], frequency.response(parameters, speed, OMEGA, **fittings).H),
+        (look.muted, frequency.response(parameters, speed, FREQUENCIES, ideal).H),
+        (look.lines[0], frequency.response(parameters, speed, FREQUENCIES, **fittings).H),
     ):
-        axes.loglog(OMEGA, np.abs(H[0, :, 1, 1]), color=colour, linewidth=LINE)
+        axes.loglog(FREQUENCIES, np.abs(H[0, :, 1, 1]), color=colour, linewidth=LINE)
     for axis in (axes.xaxis, axes.yaxis):
         decades(axis)
     axes.set_xlabel("frequency ω [rad/s]")
@@ -97,7 +99,7 @@ def draw_steering(axes: "Axes", parameters: Parameters, fittings: Mapping[str, A
 def draw_turns(
     panels: tuple["Axes", "Axes"], parameters: Parameters, fittings: Mapping[str, Any], speed: float, look: Theme
 ) -> None:  # fmt: skip
-    """Steer torque and friction over the lean, with a rigid head; a dot where there is no more grip."""
+    """Draw steer torque and friction over the lean, with a rigid head; a dot marks the limit of grip."""
     found: list[list[Turn]] = []
     held_if_possible(parameters, [speed], found, lambda text: None, progress=False)
     on_grip = on_tyres.turns(parameters, fittings["tyres"], speed, LEANS)

@@ -28,24 +28,26 @@ SKATE_RADIUS = 0.1  # [m] of the massless wheels that replace skates, whose radi
 
 @cache
 def library() -> dict[str, Any]:
-    """The data file: sets, and published results to compare with."""
+    """Return the data file: sets, and published results to compare with."""
     return json.loads(DATA.read_text(encoding="utf-8"))
 
 
 @cache
 def machines() -> dict[str, Any]:
-    """Published machines on tyres by name: values, tyres (rear, front), damping of the steer, printed eigenvalues."""
+    """Return published machines on tyres by name: values, tyres (rear, front), damping of the steer, printed
+    eigenvalues.
+    """
     return json.loads(DATA.with_name("motorcycles.json").read_text(encoding="utf-8"))
 
 
 def fittings(parameters: Parameters) -> dict[str, Any]:
-    """What a published machine has besides its `Parameters`, as `bicycle.whipple` takes it; empty for bicycles."""
+    """Return the further arguments of `bicycle.whipple` for a published machine; empty for bicycles."""
     found = machines().get(parameters.name, {})
     return {key: found[key] for key in ("tyres", "steer_damping") if key in found}
 
 
 def Meijaard2007() -> Parameters:
-    """The benchmark bicycle with its rider (Meijaard et al. 2007, Table 1); lam = pi/10.
+    """Return the benchmark bicycle with its rider (Meijaard et al. 2007, Table 1); lam = pi/10.
 
     Examples
     --------
@@ -56,12 +58,12 @@ def Meijaard2007() -> Parameters:
 
 
 def names() -> list[str]:
-    """Names of the published sets for `named`, in alphabetical order."""
+    """Return the names of the published sets for `named`, in alphabetical order."""
     return sorted((entry["name"] for entry in library()["bicycles"]["sets"]), key=str.lower)
 
 
 def entry_of(name: str) -> dict[str, Any]:
-    """The entry of a set in the data file; an unknown name gets a hint at similar ones."""
+    """Return the entry of a set in the data file; the error for an unknown name suggests similar ones."""
     entries = {entry["name"]: entry for entry in library()["bicycles"]["sets"]}
     if name in entries:
         return entries[name]
@@ -72,7 +74,7 @@ def entry_of(name: str) -> dict[str, Any]:
 
 
 def named(name: str, *, unphysical: bool = False) -> Parameters:
-    """A published set: measured bicycles with and without rider, and optimised ones.
+    """Return a published set: measured bicycles with and without rider, and optimised ones.
 
     Values are as published, also where copies contradict each other: APPDATA_Benchmark_ROUNDED is the benchmark with
     rounded values, and HC_Browser and HC_Pista have I_Rxx and I_Fxx exchanged against Browser and Pista.
@@ -107,10 +109,10 @@ def named(name: str, *, unphysical: bool = False) -> Parameters:
 
 
 def deviations(name: str) -> dict[str, float]:
-    """Published standard deviations of a measured set by symbol [SI units], without those that are zero."""
+    """Return published standard deviations of a measured set by symbol [SI units], without those that are zero."""
     return {key: std for key, std in (entry_of(name).get("std") or {}).items() if std}
 
 
 def find(text: str, *, unphysical: bool = False) -> Parameters:
-    """The bicycle of a command line: the name of a set, or a parameter file."""
+    """Return the bicycle of a command line: the name of a set, or a parameter file."""
     return Parameters.from_file(text, unphysical=unphysical) if is_file(text) else named(text, unphysical=unphysical)

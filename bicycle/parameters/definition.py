@@ -16,13 +16,13 @@ from .files import read_values
 
 
 def quantity(symbol: str, unit: str, meaning: str, **more: Any) -> Any:
-    """A field with symbol, unit and meaning."""
+    """Declare a field with symbol, unit and meaning."""
     return field(metadata={"symbol": symbol, "unit": unit, "meaning": meaning}, **more)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Parameters(metaclass=Explained):
-    """A bicycle of four rigid bodies: rear wheel R, frame with rider B, fork with handlebar H, front wheel F.
+    """Bicycle of four rigid bodies: rear wheel R, frame with rider B, fork with handlebar H, front wheel F.
 
     Axes of the paper: origin at the rear contact, x forward, y right, z down, so that centres of mass have z < 0. SI
     units. Frame and fork are symmetric about the plane y = 0, wheels about their axles. `dataclasses.replace` makes
@@ -107,22 +107,24 @@ class Parameters(metaclass=Explained):
 
     @property
     def mass(self) -> float:
-        """Mass of the whole [kg]."""
+        """Return the total mass [kg]."""
         return self.mR + self.mB + self.mH + self.mF
 
     def inertia(self, part: str) -> np.ndarray:
-        """(3, 3) inertia of part "R", "B", "H" or "F" about its centre of mass, axes x forward, y right, z down."""
+        """Return the inertia of part "R", "B", "H" or "F" about its centre of mass, axes x forward, y right, z down [kg
+        m^2], shape (3, 3).
+        """
         I = {axis: getattr(self, f"I{part}{axis}") for axis in (("xx", "yy") if part in "RF" else AXES)}
         xz = I.get("xz", 0.0)
         return np.array([[I["xx"], 0.0, xz], [0.0, I["yy"], 0.0], [xz, 0.0, I.get("zz", I["xx"])]])
 
     @property
     def front_load(self) -> float:
-        """Share of the weight that the front wheel carries when it is upright: below 0 or above 1 it tips."""
+        """Return the share of the weight on the front wheel of the upright bicycle [-]: below 0 or above 1 it tips."""
         return (self.mB * self.xB + self.mH * self.xH + self.mF * self.w) / (self.w * self.mass)
 
     def values(self) -> dict[str, float]:
-        """The numbers by symbol, in the order of the fields."""
+        """Return the numbers by symbol, in the order of the fields."""
         return {key: getattr(self, key) for key in MEANING}
 
     @classmethod
@@ -159,7 +161,7 @@ NOT_NEGATIVE = ("g", "mR", "mB", "mH", "mF", "tR", "tF")
 
 
 def check_body(parameters: Parameters, part: str, what: str) -> None:
-    """Refuse an impossible inertia; ``unphysical`` allows one that only breaks the triangle rule."""
+    """Raise ValueError for an impossible inertia; ``unphysical`` allows one that only breaks the triangle rule."""
     inertia, mass = parameters.inertia(part), getattr(parameters, f"m{part}")
     try:
         check_inertia(inertia, mass, what)
@@ -171,6 +173,6 @@ def check_body(parameters: Parameters, part: str, what: str) -> None:
 
 
 def check_set(parameters: object, what: str) -> None:
-    """ValueError for anything but parameters, such as their name."""
+    """Raise ValueError for anything but parameters, such as their name."""
     if not isinstance(parameters, Parameters | SimpleNamespace):  # the latter holds stacks of values
         raise InputError(f"{what}: parameters = {parameters!r:.80}; give a set, e.g. bicycle.named('Browserins')")

@@ -12,21 +12,21 @@ from mbsd3d.extend import as_path, read_text
 
 Numbers = dict[str, float]
 FORMATS = (".txt", ".yml", ".yaml")
-LARGEST = {".txt": 1_000_000, ".yml": 50_000, ".yaml": 50_000}  # bytes: a parameter file has some hundred
+FILE_BYTES_MAX = {".txt": 1_000_000, ".yml": 50_000, ".yaml": 50_000}  # [bytes] a parameter file has some hundred
 # Lists of lists, numbers to base 60, and those without end: what a parser takes minutes for.
-NESTED = re.compile(r"(?:[-?:!]\s+){8}|(?:[\[{][^\]}]*){8}|\d(?::\d+){3}|\d{1000}")
-POWER_OF_TEN = re.compile(r"[+-]?\d+e[+-]?\d+", re.IGNORECASE)
-DECIMAL_COMMA = re.compile(r"(?<![.\d])\d+,\d")  # would be read as two measurements
-UNCERTAIN = re.compile(r"^\(?([^()]+?)\s*\+/-\s*([^()]+?)\)?(e[+-]?\d+)?$", re.IGNORECASE)
+NESTED_PATTERN = re.compile(r"(?:[-?:!]\s+){8}|(?:[\[{][^\]}]*){8}|\d(?::\d+){3}|\d{1000}")
+POWER_OF_TEN_PATTERN = re.compile(r"[+-]?\d+e[+-]?\d+", re.IGNORECASE)
+DECIMAL_COMMA_PATTERN = re.compile(r"(?<![.\d])\d+,\d")  # would be read as two measurements
+UNCERTAIN_PATTERN = re.compile(r"^\(?([^()]+?)\s*\+/-\s*([^()]+?)\)?(e[+-]?\d+)?$", re.IGNORECASE)
 
 
 def is_file(path: str | Path) -> bool:
-    """Whether a name belongs to a parameter file, by its ending."""
+    """Return whether a name belongs to a parameter file, by its ending."""
     return Path(path).suffix.lower() in FORMATS
 
 
 def read_values(path: str | Path) -> tuple[Numbers, Numbers]:
-    """The numbers of a parameter file.
+    """Read the numbers of a parameter file.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def read_values(path: str | Path) -> tuple[Numbers, Numbers]:
     path = as_path(path, "bicycle.txt")
     if not is_file(path):
         raise InputError(f"'{path}': parameter files end in .txt, .yml or .yaml")
-    text = read_text(path, LARGEST[path.suffix.lower()], "parameter")
+    text = read_text(path, FILE_BYTES_MAX[path.suffix.lower()], "parameter")
     entries = text_entries if path.suffix.lower() == ".txt" else yaml_entries
     values, deviations = entries(path, text)
     values.pop("v", None)
@@ -57,7 +57,7 @@ def read_values(path: str | Path) -> tuple[Numbers, Numbers]:
 
 
 def text_entries(path: Path, text: str) -> tuple[Numbers, Numbers]:
-    """Lines ``symbol = value +/- deviation, ...``."""
+    """Read lines ``symbol = value +/- deviation, ...``."""
     values, deviations = {}, {}
     for i, line in enumerate(text.splitlines(), 1):
         content = line.split("#")[0].strip()
@@ -69,7 +69,7 @@ def text_entries(path: Path, text: str) -> tuple[Numbers, Numbers]:
             raise InputError(f"{where}: '{content}' is not of the form 'symbol = value'")
         if key in values:
             raise InputError(f"{where}: {key} is given twice; give it once")
-        if DECIMAL_COMMA.search(right):
+        if DECIMAL_COMMA_PATTERN.search(right):
             raise InputError(f"{where}: {key} = '{right}': write a decimal point, or a blank between two measurements")
         pairs = [value_and_deviation(part.strip(), f"{where}: {key}") for part in right.split(",")]
         values[key] = sum(value for value, _ in pairs) / len(pairs)
@@ -79,8 +79,8 @@ def text_entries(path: Path, text: str) -> tuple[Numbers, Numbers]:
 
 
 def value_and_deviation(text: str, what: str) -> tuple[float, float | None]:
-    """(value, deviation or None) of "0.1", "0.1 +/- 0.02" or "(1.2 +/- 0.3)e-05"."""
-    match = UNCERTAIN.match(text)
+    """Read (value, deviation or None) of "0.1", "0.1 +/- 0.02" or "(1.2 +/- 0.3)e-05"."""
+    match = UNCERTAIN_PATTERN.match(text)
     parts = [part + (match[3] or "") for part in match.groups()[:2]] if match else [text]
     try:
         value, *spread = map(float, parts)
@@ -92,8 +92,9 @@ def value_and_deviation(text: str, what: str) -> tuple[float, float | None]:
 
 
 def yaml_entries(path: Path, text: str) -> tuple[Numbers, Numbers]:
-    """The mapping ``values`` of a YAML file; references are refused, since they can expand without end."""
-    if NESTED.search(text):
+    """Read the mapping ``values`` of a YAML file; raise ValueError for references, since they can expand without
+    end."""
+    if NESTED_PATTERN.search(text):
         raise InputError(
             f"'{path}': lists in lists, numbers to base 60 or without end; a parameter file has names and numbers only"
         )
@@ -116,7 +117,7 @@ def yaml_entries(path: Path, text: str) -> tuple[Numbers, Numbers]:
 
 
 def repeated(node: yaml.Node | None) -> list[str]:
-    """Keys given twice in a mapping of a YAML tree; the loader would keep the last."""
+    """Return keys given twice in a mapping of a YAML tree; the loader would keep the last."""
     if not isinstance(node, yaml.MappingNode):
         return []
     keys = [key.value for key, _ in node.value]
@@ -125,13 +126,13 @@ def repeated(node: yaml.Node | None) -> list[str]:
 
 
 def short(value: Any) -> str:
-    """A value as it prints, cut; a text of digits where Python prints no number of so many."""
+    """Return a value as it prints, cut; a text of digits for integers too long to print."""
     return str(value)[:80] if isinstance(value, int) and abs(value) > 10**80 else repr(value)[:80]
 
 
 def plain_number(value: Any, what: str) -> float:
-    """A number of a YAML file; YAML reads 7e-3, without a point, as a text."""
-    if isinstance(value, int | float) and not isinstance(value, bool) or POWER_OF_TEN.fullmatch(str(value)):
+    """Read a number of a YAML file; YAML reads 7e-3, without a point, as a text."""
+    if isinstance(value, int | float) and not isinstance(value, bool) or POWER_OF_TEN_PATTERN.fullmatch(str(value)):
         number = float(str(value))
         if abs(number) < inf:
             return number

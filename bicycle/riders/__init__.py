@@ -1,1 +1,1 @@
-"""Who steers: a rider of five loops, what it costs to ride so, and balance assist."""
+"""Riders and steering control: a rider of five loops, handling quality, and balance assist."""

@@ -1,4 +1,4 @@
-"""Balance assist: steer torque from what a sensor sees, and the speeds it makes self-stable.
+"""Balance assist: steer torque from sensor signals, and the speeds it makes self-stable.
 
     T = -K (phi, delta, phi_dot, delta_dot)
 
@@ -21,24 +21,24 @@ from ..parameters import Parameters
 
 Law = Callable[[float], np.ndarray]
 """K (4,) at a speed [m/s]."""
-GRID = np.linspace(0.05, 15.0, 600)
+SPEED_GRID = np.linspace(0.05, 15.0, 600)
 """[m/s] between two of which a limit is sought."""
 
 
 def roll_rate(gain: float) -> Law:
-    """T = -k phi_dot: k < 0 [N m s/rad] steers into the fall."""
+    """Return the control law T = -k phi_dot: k < 0 [N m s/rad] steers into the fall."""
     k = number(gain, "assist: gain")
     return lambda speed: np.array([0.0, 0.0, k, 0.0])
 
 
 def into_the_fall(roll: float, rate: float) -> Law:
-    """T = -(k phi + c phi_dot), with k [N m/rad] and c [N m s/rad]."""
+    """Return the control law T = -(k phi + c phi_dot), with k [N m/rad] and c [N m s/rad]."""
     k, c = number(roll, "assist: roll"), number(rate, "assist: rate")
     return lambda speed: np.array([k, 0.0, c, 0.0])
 
 
 def regulator(parameters: Parameters, weights: Sequence[float] = (1.0, 1.0, 1.0, 1.0), effort: float = 1e-2) -> Law:
-    """The K that makes the integral of sum w_i x_i^2 + effort T^2 least, at every speed anew."""
+    """Return the gains K that minimise the integral of sum w_i x_i^2 + effort T^2, computed at every speed."""
     if np.shape(weights) != (4,):
         raise InputError(f"assist: weights = {weights!r:.80}; give four: of lean, steer and their rates")
     Q, linear = np.diag([number(w, "assist: weight", minimum=0.0) for w in weights]), canonical(parameters)
@@ -48,12 +48,12 @@ def regulator(parameters: Parameters, weights: Sequence[float] = (1.0, 1.0, 1.0,
 
 
 def input_of(parameters: Parameters) -> np.ndarray:
-    """(4, 1) rates of (lean, steer, rates) by a unit steer torque."""
+    """Return the rates of (lean, steer, rates) by a unit steer torque, shape (4, 1)."""
     return np.r_[0.0, 0.0, np.linalg.solve(canonical(parameters).M, (0.0, 1.0))][:, None]
 
 
 def eigenvalues(parameters: Parameters, speeds: ArrayLike, law: Law) -> np.ndarray:
-    """(n, 4) complex [1/s] at speeds (n,) [m/s], by real part."""
+    """Return the complex eigenvalues [1/s] at speeds (n,) [m/s], by real part, shape (n, 4)."""
     linear, B = canonical(parameters), input_of(parameters)
     matrices = [linear.A(v) - B * law(v) for v in np.asarray(speeds, float).ravel().tolist()]
     return np.sort_complex(np.linalg.eigvals(np.array(matrices)))
@@ -61,7 +61,7 @@ def eigenvalues(parameters: Parameters, speeds: ArrayLike, law: Law) -> np.ndarr
 
 @on_one_thread
 def stable_ranges(parameters: Parameters, law: Law, speeds: ArrayLike | None = None) -> list[Range]:
-    """Ranges of self-stable speeds within the first and the last one given [m/s]; None = 0.05 ... 15.
+    """Return ranges of self-stable speeds within the first and the last one given [m/s]; None = 0.05 ... 15.
 
     Examples
     --------
@@ -69,7 +69,7 @@ def stable_ranges(parameters: Parameters, law: Law, speeds: ArrayLike | None = N
     >>> [(round(x.low, 5), round(x.high, 5)) for x in assist.stable_ranges(Meijaard2007(), assist.roll_rate(-10.0))]
     [(2.81174, 6.02426)]
     """
-    grid = GRID if speeds is None else np.unique(checked_speeds(speeds))
+    grid = SPEED_GRID if speeds is None else np.unique(checked_speeds(speeds))
     if grid.size < 2:
         raise InputError("assist: give at least two different speeds, between which limits are sought")
     linear, B = canonical(parameters), input_of(parameters)

@@ -1,4 +1,4 @@
-"""Handling quality of a bicycle over the speed: how much a rider must do about roll rate to make it lean as wanted.
+"""Handling quality of a bicycle over the speed: the feedback of roll rate that a rider needs to lean as wanted.
 
     HQM(omega) = |U/phi_c| |400/(s^2 + 40 s + 400)| / |k_phi|,    U = phi_dot + delta/k_phidot,    s = i omega
 
@@ -33,14 +33,14 @@ FREQUENCIES = np.geomspace(0.01, 60.0, 1200)
 
 
 class Peak(NamedTuple):
-    """Largest value of the metric, and where."""
+    """Largest value of the metric, and its frequency."""
 
     value: float
     frequency: float  # [rad/s]
 
 
 def metric(parameters: Parameters, speed: float, gains: Gains, frequencies: ArrayLike) -> np.ndarray:
-    """(n,) HQM at frequencies (n,) [rad/s] and a speed [m/s]."""
+    """Return the handling quality metric (HQM) at frequencies (n,) [rad/s] and a speed [m/s], shape (n,)."""
     omega = np.atleast_1d(np.asarray(frequencies, float))
     x = closed_loops(parameters, speed, gains, 3).response(omega)
     fed_back = x[:, 2] + x[:, 1] / gains.roll_rate
@@ -48,7 +48,7 @@ def metric(parameters: Parameters, speed: float, gains: Gains, frequencies: Arra
 
 
 def peak(parameters: Parameters, speed: float, gains: Gains | None = None) -> Peak:
-    """The largest HQM up to 60 rad/s.
+    """Return the largest HQM up to 60 rad/s.
 
     Parameters
     ----------
@@ -95,11 +95,11 @@ class Handling:
     frequencies: np.ndarray  # (n,) [rad/s]
 
     def figure(self, *, dark: bool = False) -> "Figure":
-        """Peak over the speed, and the metric over the frequency at a few speeds."""
+        """Plot the peak over the speed, and the metric over the frequency at a few speeds."""
         return figure(self, dark=dark)
 
     def to_csv(self, path: str | Path) -> Path:
-        """One row per speed; returns the file."""
+        """Write one row per speed; return the file."""
         units = ("N m/rad", "s", "1/s", "1", "rad/m")
         head = [f"{name} [{unit}]" for name, unit in zip(Gains._fields, units, strict=True)]
         table = np.column_stack([self.speeds, self.values, self.frequencies, self.gains])
@@ -121,7 +121,7 @@ LABELS = (f"level 1, up to {LEVELS[0]:g}", f"level 2, up to {LEVELS[1]:g}", "lev
 
 
 def study(parameters: Parameters, speeds: ArrayLike, *, progress: bool | None = None) -> Handling:
-    """Handling quality over the speed after Hess: the peak of what a rider feeds back, with the gains of the rule.
+    """Compute handling quality over the speed after Hess: the peak of the rider's feedback, with the gains of the rule.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ def study(parameters: Parameters, speeds: ArrayLike, *, progress: bool | None = 
 
 
 def row(parameters: Parameters, speed: float) -> tuple[float, ...]:
-    """Gains by rule, peak and its frequency; NaN without such gains."""
+    """Return gains by rule, peak and its frequency; NaN without such gains."""
     gains = by_rule(parameters, speed)
     try:
         return (np.nan,) * 7 if gains is None else (*gains, *peak(parameters, speed, gains))
@@ -167,7 +167,7 @@ def row(parameters: Parameters, speed: float) -> tuple[float, ...]:
 
 
 def figure(found: Handling, *, dark: bool = False) -> "Figure":
-    """Peak over the speed, and the metric over the frequency at four speeds."""
+    """Plot the peak over the speed, and the metric over the frequency at four speeds."""
     known = np.flatnonzero(~np.isnan(found.values))
     with new_figure(9.2, 4.4, dark) as (sheet, look):
         over, spectra = sheet.subplots(1, 2)

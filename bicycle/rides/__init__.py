@@ -1,1 +1,1 @@
-"""Nonlinear runs of a bicycle, and what they show."""
+"""Nonlinear runs of a bicycle, and their results."""

@@ -1,4 +1,4 @@
-"""A rider of five loops on the nonlinear model: a lane change or a slalom, on ideal wheels or on tyres."""
+"""Rider of five loops on the nonlinear model: a lane change or a slalom, on ideal wheels or on tyres."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Course:
-    """The way to go, to the right: a lane change, smooth as tanh, and a slalom, y_c over time."""
+    """Desired path, to the right: a lane change, smooth as tanh, and a slalom, y_c over time."""
 
     lane: float = 0.0  # [m]
     at: float = 3.0  # [s] its middle
@@ -41,13 +41,13 @@ class Course:
             number(getattr(self, name), f"course: {name}", positive=True)
 
     def __call__(self, t: np.ndarray) -> np.ndarray:
-        """y_c [m] at times [s]."""
+        """Return y_c [m] at times [s]."""
         change = 0.5 * self.lane * (1.0 + np.tanh(2.0 * (t - self.at) / self.within))
         return change + self.slalom * np.sin(2.0 * np.pi * t / self.period)
 
     @property
     def numbers(self) -> tuple[float, ...]:
-        """What the compiled rider reads."""
+        """Return the numbers that the compiled rider reads."""
         return self.lane, self.at, 2.0 / self.within, self.slalom, 2.0 * np.pi / self.period
 
 
@@ -55,7 +55,7 @@ COURSES = {"lane-change": Course(lane=2.0), "slalom": Course(slalom=1.0)}
 
 
 def steer(t, bodies, z, parameters, loads, z_dot):
-    """Torque z[0] about the steer axis on the fork and back on the frame, from five loops and muscles.
+    """Apply the torque z[0] about the steer axis on the fork and back on the frame, from five loops and muscles.
 
     ``bodies`` are frame and fork, its point the front hub; parameters: gains (5), course (5), steer axis (3), arm of
     the front wheel along its disc, stiffness and damping of the muscles.
@@ -85,7 +85,8 @@ def steer(t, bodies, z, parameters, loads, z_dot):
 
 
 def ridden(parameters: Parameters, speed: float, course: Course, gains: Gains, **fittings: Any) -> Bicycle:
-    """The bicycle with the rider as the force "rider", whose own states are the torque [N m] and its rate."""
+    """Build the bicycle with the rider as the force "rider", whose internal states are the torque [N m] and its
+    rate."""
     system = whipple(parameters, speed=speed, **fittings)
     frame, fork = system.part("frame"), system.part("fork")
     numbers = (*gains, *course.numbers, *steer_axis(parameters)[1], parameters.rF - parameters.tF, *MUSCLES)
@@ -97,7 +98,7 @@ def ridden(parameters: Parameters, speed: float, course: Course, gains: Gains, *
 
 @dataclass(frozen=True, eq=False)
 class RiddenCourse:
-    """A run over a course; lean, steer, heading and deviation to the right."""
+    """Run over a course; lean, steer, heading and deviation to the right."""
 
     ride: Ride
     course: Course
@@ -105,16 +106,16 @@ class RiddenCourse:
 
     @property
     def torque(self) -> np.ndarray:
-        """(n,) of the rider's arms [N m]."""
+        """Return the torque of the rider's arms [N m], shape (n,)."""
         return self.ride.solution.force("rider", on="fork").states["torque"]
 
     @property
     def deviation(self) -> np.ndarray:
-        """(n,) of the front contact from the first heading [m]."""
+        """Return the deviation of the front contact from the first heading [m], shape (n,)."""
         return -self.ride.contacts["front"].point[:, 1]
 
     def commands(self) -> dict[str, np.ndarray]:
-        """What every loop commands the next: heading, roll, roll rate, steer angle."""
+        """Return what every loop commands the next: heading, roll, roll rate, steer angle."""
         heading = self.gains.deviation * (self.course(self.ride.t) - self.deviation)
         roll = self.gains.heading * (heading - self.ride.heading)
         roll_rate = self.gains.roll * (roll - self.ride.lean)
@@ -151,7 +152,7 @@ def run(
     rtol: float = 1e-8,
     samples: int = 1201,
 ) -> RiddenCourse:
-    """Let a rider follow a course on the nonlinear bicycle, on ideal wheels or on tyres.
+    """Simulate a rider who follows a course on the nonlinear bicycle, on ideal wheels or on tyres.
 
     Parameters
     ----------
@@ -189,10 +190,10 @@ def run(
 
 
 def figure(found: RiddenCourse, title: str | None = None, *, dark: bool = False) -> "Figure":
-    """Angles, steer torque, the loops with their commands, and the way beside the course."""
+    """Plot angles, steer torque, the loops with their commands, and the path with the course."""
     ride, commands = found.ride, found.commands()
     with new_figure(10.0, 8.2, dark) as (sheet, look):
-        sheet.get_layout_engine().set(w_pad=0.1, h_pad=0.08)
+        sheet.set_layout_engine("constrained", w_pad=0.1, h_pad=0.08)
         axes = sheet.subplot_mosaic(
             [["angles", "torque"], ["roll", "heading"], ["way", "way"]], height_ratios=(1.0, 1.0, 1.2)
         )

@@ -17,7 +17,7 @@ FALLEN = float(np.radians(60.0))  # Default tilt of the frame at which a ride en
 
 @dataclass(frozen=True)
 class Manoeuvre:
-    """A start and the loads that follow; ``title`` says in one line what happens."""
+    """Initial state and loads of a ride; ``title`` says in one line what happens."""
 
     title: str
     speed: float  # [m/s]
@@ -31,11 +31,11 @@ class Manoeuvre:
 
     @property
     def arguments(self) -> dict[str, Any]:
-        """Keyword arguments of `bicycle.ride.run`."""
+        """Return keyword arguments of `bicycle.ride.run`."""
         return {"t_end": self.t_end, "speed": self.speed, **self.start, **self.loads, **self.fittings({})}
 
     def fittings(self, given: Mapping[str, Any]) -> dict[str, Any]:
-        """Further arguments of `bicycle.whipple`: those given, with tyres, and with what is left of their grip."""
+        """Return further arguments of `bicycle.whipple`: those given, with tyres, and with the remaining grip."""
         if not self.on_tyres:
             return dict(given)
         pair = both(given.get("tyres", TYPICAL))
@@ -43,7 +43,7 @@ class Manoeuvre:
 
 
 def less_grip(tyre: Mapping[str, Any], share: Signal) -> dict[str, Any]:
-    """The arguments of a tyre with a share of its ``mu``; ValueError where ``mu`` is no number."""
+    """Return the arguments of a tyre with a share of its ``mu``; raise ValueError where ``mu`` is no number."""
     mu = tyre.get("mu", TYPICAL["mu"])
     if isinstance(mu, Signal) or mu is None:
         raise InputError(f"manoeuvre: mu = {mu!r} has no share that is left on a wet patch; give a number")
@@ -51,7 +51,7 @@ def less_grip(tyre: Mapping[str, Any], share: Signal) -> dict[str, Any]:
 
 
 def rolled(speed: float, rate: float) -> Manoeuvre:
-    """One of the IFToMM benchmark "uncontrolled bicycle": upright, with a lean rate."""
+    """Return a manoeuvre of the IFToMM benchmark "uncontrolled bicycle": upright, with a lean rate."""
     return Manoeuvre(f"IFToMM benchmark: {speed:g} m/s, lean rate {rate:g} rad/s", speed, 20.0, {"lean_rate": rate})
 
 

@@ -1,4 +1,4 @@
-"""What a ride shows: lean, steer, heading, path, forces of the ground and the friction they need, errors of the run."""
+"""Results of a ride: lean, steer, heading, path, forces of the ground and the friction they need, errors of the run."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 WHEELS = ("rear", "front")
-NO_ROAD = 2.0  # Coefficient of friction that no tyre reaches on any road
-CHANGING = 0.1  # share of the speed from which on its change is drawn, instead of the yaw rate
-SLENDER = 6.0  # length over width from which on the tracks are not drawn to scale
+FRICTION_MAX = 2.0  # [1] coefficient of friction that no tyre reaches on any road
+SPEED_CHANGE_SHARE = 0.1  # [1] of the speed; a larger change is drawn instead of the yaw rate
+ASPECT_RATIO_MAX = 6.0  # [1] length over width; longer tracks are not drawn to scale
 LABELS = {
     "angles": "angle, right > 0 [°]",
     "rates": "yaw rate, right > 0 [°/s]",
@@ -31,19 +31,19 @@ LABELS = {
 
 
 def on_tyres(system: System) -> bool:
-    """Whether the wheels run on tyres, or without slip."""
+    """Return whether the wheels run on tyres; otherwise they roll without slip."""
     return any(force.name == "rear tyre" for force in system.forces)
 
 
 def ground_force(solution: Solution, wheel: str) -> tuple[np.ndarray, np.ndarray]:
-    """(contact point [m], force of the ground [N]) of a wheel, (n, 3) each."""
+    """Return (contact point [m], force of the ground [N]) of a wheel, (n, 3) each."""
     tyres = on_tyres(solution.system)
     found = solution.force(f"{wheel} tyre") if tyres else solution.reaction(f"{wheel} contact")
     return found.point, found.force
 
 
 class Event(NamedTuple):
-    """What ended a ride early."""
+    """Cause of the early end of a ride."""
 
     name: str  # "fallen", "rear wheel unloaded", "front wheel unloaded"
     t: float  # [s]
@@ -60,14 +60,16 @@ class Contact(NamedTuple):
 
     @property
     def friction(self) -> np.ndarray:
-        """Coefficient of friction that keeps the wheel from slipping; infinite where it does not press but holds."""
+        """Return the coefficient of friction that prevents slip of the wheel; infinite where the wheel is pulled, not
+        pressed.
+        """
         horizontal = np.hypot(self.along, self.across)
         return np.divide(horizontal, self.normal, out=np.where(horizontal, np.inf, 0.0), where=self.normal > 0.0)
 
 
 @dataclass(frozen=True, eq=False)
 class Ride:
-    """A run of the Whipple bicycle. Arrays over time (n,); lean, steer and heading are positive to the right [rad]."""
+    """Run of the Whipple bicycle. Arrays over time (n,); lean, steer and heading are positive to the right [rad]."""
 
     parameters: Parameters
     solution: Solution  # the run itself: ``.animate()``, ``.certificate``, ``.save()``
@@ -75,87 +77,87 @@ class Ride:
 
     @property
     def t(self) -> np.ndarray:
-        """Times [s]."""
+        """Return the times [s]."""
         return self.solution.t
 
     @property
     def interrupted(self) -> bool:
-        """True after Ctrl-C."""
+        """Return whether Ctrl-C interrupted the run."""
         return (self.solution.record.stopped_by or "").startswith("interrupted")
 
     @cached_property
     def axle(self) -> np.ndarray:
-        """(n, 3) axle of the rear wheel, to the left."""
+        """Return the axle of the rear wheel, to the left, shape (n, 3)."""
         return self.solution.rotation("frame") @ Y
 
     @cached_property
     def axle_rate(self) -> np.ndarray:
-        """(n, 3) its rate [1/s]."""
+        """Return the rate of the axle [1/s], shape (n, 3)."""
         return np.cross(self.solution.omega("frame"), self.axle)
 
     @property
     def lean(self) -> np.ndarray:
-        """Angle of the frame's plane from the vertical [rad]."""
+        """Return the angle of the frame's plane from the vertical [rad]."""
         return np.arctan2(self.axle[:, 2], np.hypot(self.axle[:, 0], self.axle[:, 1]))
 
     @property
     def lean_rate(self) -> np.ndarray:
-        """Rate of the lean [rad/s]."""
+        """Return the rate of the lean [rad/s]."""
         return self.axle_rate[:, 2] / np.hypot(self.axle[:, 0], self.axle[:, 1])
 
     @property
     def steer(self) -> np.ndarray:
-        """Steer angle [rad]."""
+        """Return the steer angle [rad]."""
         return self.solution.angle("steer")
 
     @property
     def steer_rate(self) -> np.ndarray:
-        """Rate of the steer angle [rad/s]."""
+        """Return the rate of the steer angle [rad/s]."""
         return self.solution.rate("steer")
 
     @property
     def heading(self) -> np.ndarray:
-        """Direction of the rear wheel's track [rad], to the right, unwrapped over full turns."""
+        """Return the direction of the rear wheel's track [rad], to the right, unwrapped over full turns."""
         ahead = self.ahead(self.axle)
         return -np.unwrap(np.arctan2(ahead[:, 1], ahead[:, 0]))
 
     @property
     def yaw_rate(self) -> np.ndarray:
-        """Rate of the heading [rad/s]."""
+        """Return the rate of the heading [rad/s]."""
         (x, y, _), (x_dot, y_dot, _) = self.axle.T, self.axle_rate.T
         return (y * x_dot - x * y_dot) / (x**2 + y**2)
 
     @property
     def pitch(self) -> np.ndarray:
-        """Pitch of the frame about its lateral axis, nose up > 0 [rad]."""
+        """Return the pitch of the frame about its lateral axis, nose up > 0 [rad]."""
         along = self.solution.rotation("frame") @ X
         ahead = self.ahead(self.axle)
         return np.arctan2(np.sum(np.cross(along, ahead) * self.axle, axis=1), np.sum(ahead * along, axis=1))
 
     @property
     def speed(self) -> np.ndarray:
-        """Radius times rate of the rear hub [m/s]: speed of the contact point of a knife-edge wheel."""
+        """Return the radius times rate of the rear hub [m/s]: speed of the contact point of a knife-edge wheel."""
         return self.rolling("rear")
 
     def rolling(self, wheel: str) -> np.ndarray:
-        """Radius times rate of the hub of the "rear" or "front" wheel [m/s]; 0 where it is locked."""
+        """Return the radius times rate of the hub of the "rear" or "front" wheel [m/s]; 0 where it is locked."""
         radius = self.parameters.rR if wheel == "rear" else self.parameters.rF
         return radius * self.solution.rate(f"{wheel} hub")
 
     @property
     def advance(self) -> np.ndarray:
-        """Speed of the rear hub along the heading [m/s]."""
+        """Return the speed of the rear hub along the heading [m/s]."""
         return np.sum(self.solution.velocity("frame") * self.ahead(self.axle), axis=1)
 
     @staticmethod
     def ahead(axle: np.ndarray) -> np.ndarray:
-        """(n, 3) horizontal directions in which a wheel with these axles rolls."""
+        """Return the horizontal directions in which a wheel with these axles rolls, shape (n, 3)."""
         level = np.cross(axle, Z)
         return level / np.linalg.norm(level, axis=1, keepdims=True)
 
     @cached_property
     def contacts(self) -> dict[str, Contact]:
-        """Forces of the ground on the wheels "rear" and "front"."""
+        """Return the forces of the ground on the wheels "rear" and "front"."""
         found = {}
         for wheel in WHEELS:
             point, force = ground_force(self.solution, wheel)
@@ -167,18 +169,18 @@ class Ride:
 
     @property
     def friction(self) -> float:
-        """Largest coefficient of friction that a wheel needs."""
+        """Return the largest coefficient of friction that a wheel needs."""
         return max(float(contact.friction.max(initial=0.0)) for contact in self.contacts.values())
 
     @property
     def energy_drift(self) -> float:
-        """Largest |E - E(0) - work| over E(0), with the ground as level of zero potential energy."""
+        """Return the largest |E - E(0) - work| over E(0), with the ground as level of zero potential energy [-]."""
         energy = self.solution.energy()
         gap = energy.total - energy.total[0] - (energy.work - energy.work[0])
         return float(np.abs(gap).max() / abs(energy.total[0]))
 
     def columns(self) -> dict[str, np.ndarray]:
-        """The table that `to_csv` writes: header with unit -> (n,) values."""
+        """Return the table that `to_csv` writes: header with unit -> (n,) values."""
         table = {"t [s]": self.t}
         for name in ("lean", "steer", "heading", "pitch"):
             table[f"{name} [rad]"] = getattr(self, name)
@@ -205,7 +207,7 @@ class Ride:
             f"  {f'{self.event.name} at t = {self.event.t:.6g} s' if self.event else 'upright until the end'}",
             f"  largest lean {bar['lean']}, steer {bar['steer']}; last heading {np.degrees(self.heading[-1]):.2f}°",
             f"  least load: rear wheel {least['rear']} N, front wheel {least['front']} N; friction needed"
-            f" {f'{self.friction:.3g}' if self.friction < NO_ROAD else 'beyond any road'}",
+            f" {f'{self.friction:.3g}' if self.friction < FRICTION_MAX else 'beyond any road'}",
             f"  energy audit {self.energy_drift:.1e} of E(0), momentum {checks['momentum balance'].error:.1e}, angular"
             f" momentum {checks['angular momentum'].error:.1e}; certificate {'passed' if checks.passed else 'FAILED'}",
         ]
@@ -213,9 +215,10 @@ class Ride:
 
 
 def plot_ride(ride: Ride, title: str | None = None, *, dark: bool = False) -> "Figure":
-    """Lean, steer, loads of the wheels and friction they need over time, and the tracks of both wheels from above."""
+    """Plot lean, steer, loads of the wheels and friction they need over time, and the tracks of both wheels from
+    above."""
     with new_figure(10.0, 8.2, dark) as (figure, look):
-        figure.get_layout_engine().set(w_pad=0.1, h_pad=0.08)
+        figure.set_layout_engine("constrained", w_pad=0.1, h_pad=0.08)
         axes = figure.subplot_mosaic(
             [["angles", "loads"], ["rates", "friction"], ["way", "way"]], height_ratios=(1.0, 1.0, 1.3)
         )
@@ -223,7 +226,7 @@ def plot_ride(ride: Ride, title: str | None = None, *, dark: bool = False) -> "F
             dress(one, look)
         lines(axes["angles"], ride.t, {"lean": np.degrees(ride.lean), "steer": np.degrees(ride.steer)}, look)
         hubs, label = {wheel: ride.rolling(wheel) for wheel in WHEELS}, LABELS["rates"]
-        if max(np.ptp(speed) for speed in hubs.values()) > CHANGING * abs(ride.speed[0]):
+        if max(np.ptp(speed) for speed in hubs.values()) > SPEED_CHANGE_SHARE * abs(ride.speed[0]):
             lines(axes["rates"], ride.t, {"way": ride.advance, **hubs}, look)
             label = "speed of way and wheels [m/s]"
         else:
@@ -231,7 +234,7 @@ def plot_ride(ride: Ride, title: str | None = None, *, dark: bool = False) -> "F
         lines(axes["loads"], ride.t, {wheel: contact.normal for wheel, contact in ride.contacts.items()}, look)
         friction = {wheel: contact.friction for wheel, contact in ride.contacts.items()}
         lines(axes["friction"], ride.t, friction, look)
-        axes["friction"].set_ylim(0.0, min(1.05 * ride.friction, NO_ROAD) or 1.0)
+        axes["friction"].set_ylim(0.0, min(1.05 * ride.friction, FRICTION_MAX) or 1.0)
         for name, text in {**LABELS, "rates": label}.items():
             axes[name].set_ylabel(text)
             axes[name].set_xlabel("time [s]")
@@ -241,7 +244,7 @@ def plot_ride(ride: Ride, title: str | None = None, *, dark: bool = False) -> "F
 
 
 def lines(axes: "Axes", t: np.ndarray, values: dict[str, np.ndarray], look: Theme) -> None:
-    """Curves over time, named beside the axes if there are several."""
+    """Draw curves over time, named beside the axes if there are several."""
     for k, (name, line) in enumerate(values.items()):
         axes.plot(t, line, color=look.colour(k), linewidth=LINE, label=name)
     if len(values) > 1:
@@ -249,12 +252,12 @@ def lines(axes: "Axes", t: np.ndarray, values: dict[str, np.ndarray], look: Them
 
 
 def legend_above(axes: "Axes", look: Theme) -> None:
-    """Names of the lines, above the axes."""
+    """Draw names of the lines above the axes."""
     axes.legend(frameon=False, labelcolor=look.ink, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3)
 
 
 def way(axes: "Axes", ride: Ride, look: Theme) -> None:
-    """Tracks of both wheels from above, to scale unless the way is slender; the end is marked."""
+    """Draw tracks of both wheels from above, to scale unless the path is slender; the end is marked."""
     points = {wheel: contact.point for wheel, contact in ride.contacts.items()}
     for k, (wheel, point) in enumerate(points.items()):
         axes.plot(point[:, 0], -point[:, 1], color=look.colour(k), linewidth=LINE, label=f"{wheel} wheel")
@@ -263,7 +266,7 @@ def way(axes: "Axes", ride: Ride, look: Theme) -> None:
     axes.set_xlabel("way along the first heading [m]")
     axes.set_ylabel("way to the right [m]")
     axes.invert_yaxis()  # seen from above, what is to the right is below
-    if size[0] < SLENDER * size[1]:
+    if size[0] < ASPECT_RATIO_MAX * size[1]:
         axes.set_aspect("equal", adjustable="datalim")
     if ride.event:
         axes.set_title(f"{ride.event.name} at {ride.event.t:.3g} s", loc="right", color=look.ink)

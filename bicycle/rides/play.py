@@ -1,4 +1,4 @@
-"""A bicycle on tyres that is ridden in the browser: torques by keys, and its own numbers by sliders while it rides."""
+"""Live ride of a bicycle on tyres in the browser: torques by keys, and its parameters by sliders while it rides."""
 
 import threading
 from collections.abc import Mapping, Sequence
@@ -19,15 +19,15 @@ from .manoeuvres import FALLEN
 from .ride import elevation, ridden
 from .rider_mass import carried, faster
 
-PEDAL, BRAKE = 40.0, 60.0  # [N m] at the rear and the front hub
-FASTEST = 50.0  # [m/s]
-ASSIST = 50.0  # [N m s/rad]
-TRAIL, ANGLE = 0.12, 20.0  # [m], [degrees] to both sides
-LEAST_SPIN = 2.0  # [%] of a wheel's inertia about its axle: a wheel without any would have no equation of its own
-BEHIND = (-155.0, 16.0)  # [degrees] the rider, and a little to the right
-STILL = 1e-6  # [rad/s] below which an eigenvalue does not oscillate
-SLOWEST, SPEEDS = 0.02, 31  # [m/s], count: where motions are found of tyres that are damped at rest
-SPEED = 3  # place of the control
+PEDAL_TORQUE_MAX, BRAKE_TORQUE_MAX = 40.0, 60.0  # [N m] at the rear and the front hub
+SPEED_MAX = 50.0  # [m/s] of a live ride
+ASSIST_GAIN_MAX = 50.0  # [N m s/rad] of the balance assist
+TRAIL_CHANGE_MAX, HEAD_ANGLE_CHANGE_MAX = 0.12, 20.0  # [m], [degrees] to both sides
+SPIN_MIN = 2.0  # [%] of a wheel's inertia about its axle; a wheel without inertia would have no equation of its own
+CAMERA_DIRECTION = (-155.0, 16.0)  # [degrees] behind the rider, and a little to the right
+FREQUENCY_ROUNDING = 1e-6  # [rad/s] below which an eigenvalue does not oscillate
+SPEED_MIN, SPEED_COUNT = 0.02, 31  # [m/s], count: where motions are found of tyres that are damped at rest
+SPEED_CONTROL = 3  # index of the control
 KEYS = {
     "steer torque": (("ArrowLeft", "ArrowRight"), ("j", "l")),
     "pedal": (("", "ArrowUp"), ("", "i")),
@@ -52,7 +52,7 @@ def play(
     port: int = 0,
     **fittings: Any,
 ) -> Play:
-    """Ride a bicycle on tyres in real time, in a browser on this machine; see `mbsd3d.System.play`.
+    """Simulate a bicycle on tyres in real time, in a browser on this machine; see `mbsd3d.System.play`.
 
     Parameters
     ----------
@@ -74,11 +74,13 @@ def play(
     """
     check_set(parameters, "play")
     riding, title = Riding(parameters, speed, assist, torque, fittings), f"{parameters.name} on tyres"
-    return play_model(riding, follow="frame", view=BEHIND, hidden="body names", title=title, dark=dark, port=port)
+    return play_model(
+        riding, follow="frame", view=CAMERA_DIRECTION, hidden="body names", title=title, dark=dark, port=port
+    )
 
 
 class Riding:
-    """A bicycle that is played: its controls, its curves, and how it is made anew."""
+    """Live model of a bicycle: its controls, its curves, and its rebuilding after a change."""
 
     panels = PANELS
 
@@ -96,7 +98,7 @@ class Riding:
         self.thread: threading.Thread | None = None
 
     def built(self, values: Mapping[str, float], state: State | None) -> Built:
-        """The bicycle of these numbers, at its start or going on."""
+        """Build the bicycle of these numbers, at its start or from a state."""
         p = changed(self.parameters, values)
         if state is not None:
             begun = state if p == self.now else carried(state, self.now, p)
@@ -109,17 +111,17 @@ class Riding:
         return Built(system, system.state() if state is None else begun, seen, shown)
 
     def system(self, p: Parameters, assist: float, speed: float) -> Bicycle:
-        """The bicycle with its rider's torques, straight ahead."""
+        """Build the bicycle with its rider's torques, straight ahead."""
         names = {"torque": "steer torque", "drive": "pedal", "brake": "brake"}
-        loads = {load: Input(name) for load, name in names.items()}
+        loads: dict[str, Any] = {load: Input(name) for load, name in names.items()}
         return with_assist(ridden(p, push=0.0, speed=speed, **loads, **self.fittings), assist)
 
     def inputs(self, values: Mapping[str, float], measured: Sequence[float]) -> Mapping[str, float]:
-        """Torques of the rider."""
+        """Return the torques of the rider [N m]."""
         return {name: values[name] for name in ("steer torque", "pedal", "brake")}
 
     def seen(self, values: Mapping[str, float], measured: Sequence[float]) -> Seen:
-        """Angles, speed, growth of small motions about straight running at this speed, torques."""
+        """Return angles, speed, growth of small motions about straight running at this speed, torques."""
         lean, steer, lean_rate, upward, *v = map(float, measured)
         speed = self.held = float(np.hypot(*v))
         over = "" if upward > np.pi / 2 - FALLEN else "fallen: reset (R) stands it up again"
@@ -130,7 +132,7 @@ class Riding:
         return Seen(curves, {"speed": speed}, {"speed": good}, over)
 
     def linearised(self) -> "Straight | None":
-        """Small motions of the present bicycle; None as long as a thread of its own looks for them."""
+        """Return small motions of the present bicycle; None while its thread computes them."""
         if self.straight is not None and self.straight.key == self.wanted:
             return self.straight
         if self.thread is None or not self.thread.is_alive():
@@ -140,12 +142,12 @@ class Riding:
 
     def linearise(self, key: Key) -> None:
         """Find the small motions of a bicycle with an assist."""
-        fastest = self.controls[SPEED].high
+        fastest = self.controls[SPEED_CONTROL].high
         build = lambda p, speed: self.system(p, key[1], speed)  # noqa: E731
         try:
             found = equations(build, key[0])
             if isinstance(found, SpeedBySpeed):
-                found = found.table(np.geomspace(SLOWEST, fastest, SPEEDS))
+                found = found.table(np.geomspace(SPEED_MIN, fastest, SPEED_COUNT))
         except MbsError:  # it cannot run straight at all speeds: no curve, no range
             found = None
         ranges = [(part.low, min(part.high, fastest)) for part in found.stable()] if found else []
@@ -160,27 +162,27 @@ class Straight(NamedTuple):
     ranges: list[tuple[float, float]]  # in which it stays up by itself [m/s]
 
     def growth(self, speed: float) -> list[float]:
-        """Fastest [1/s] of the motions that oscillate and of those that do not; NaN where there are none."""
+        """Return the fastest growth [1/s] of oscillating and of other motions; NaN where there are none."""
         if self.equations is None:
             return [np.nan, np.nan]
         values = np.linalg.eigvals(self.equations.A(speed))
-        waves = np.abs(values.imag) > STILL
+        waves = np.abs(values.imag) > FREQUENCY_ROUNDING
         return [float(values.real[some].max()) if some.any() else np.nan for some in (waves, ~waves)]
 
 
 def controls_of(p: Parameters, speed: float, assist: float, torque: float) -> list[Control]:
-    """What is changed while riding: torques by keys, the rest by sliders."""
+    """Return the controls of a live ride: torques by keys, the rest by sliders."""
     torque, speed = number(torque, "play: torque", positive=True), number(speed, "play: speed")
-    fastest, angle = min(max(12.0, 2.0 * speed), FASTEST), 90.0 - float(np.degrees(p.lam))
+    fastest, angle = min(max(12.0, 2.0 * speed), SPEED_MAX), 90.0 - float(np.degrees(p.lam))
     made = [
         Control("steer torque", -torque, torque, 0.0, "N m", KEYS["steer torque"], "left stick", springs=True),
-        Control("pedal", 0.0, PEDAL, 0.0, "N m", KEYS["pedal"], "right trigger", springs=True),
-        Control("brake", 0.0, BRAKE, 0.0, "N m", KEYS["brake"], "left trigger", springs=True),
+        Control("pedal", 0.0, PEDAL_TORQUE_MAX, 0.0, "N m", KEYS["pedal"], "right trigger", springs=True),
+        Control("brake", 0.0, BRAKE_TORQUE_MAX, 0.0, "N m", KEYS["brake"], "left trigger", springs=True),
         Control("speed", 0.5, fastest, speed, "m/s", builds=True),
-        Control("balance assist", 0.0, ASSIST, number(assist, "play: assist"), "N m s/rad", builds=True),
-        Control("trail", p.c - TRAIL, p.c + TRAIL, p.c, "m", builds=True),
-        Control("head angle", angle - ANGLE, angle + ANGLE, angle, "°", builds=True),
-        Control("wheel spin", LEAST_SPIN, 100.0, 100.0, "%", builds=True),
+        Control("balance assist", 0.0, ASSIST_GAIN_MAX, number(assist, "play: assist"), "N m s/rad", builds=True),
+        Control("trail", p.c - TRAIL_CHANGE_MAX, p.c + TRAIL_CHANGE_MAX, p.c, "m", builds=True),
+        Control("head angle", angle - HEAD_ANGLE_CHANGE_MAX, angle + HEAD_ANGLE_CHANGE_MAX, angle, "°", builds=True),
+        Control("wheel spin", SPIN_MIN, 100.0, 100.0, "%", builds=True),
     ]
     for control in made:
         if not control.low <= control.value <= control.high:
@@ -190,23 +192,23 @@ def controls_of(p: Parameters, speed: float, assist: float, torque: float) -> li
 
 
 def changed(p: Parameters, values: Mapping[str, float]) -> Parameters:
-    """The bicycle with the trail, head angle and spin of the sliders; a slider at its start changes nothing."""
+    """Return the bicycle with the trail, head angle and spin of the sliders; a slider at its start changes nothing."""
     spin = values["wheel spin"] / 100.0
-    changes = {"c": values["trail"], "IRyy": spin * p.IRyy, "IFyy": spin * p.IFyy}
+    changes: dict[str, Any] = {"c": values["trail"], "IRyy": spin * p.IRyy, "IFyy": spin * p.IFyy}
     if values["head angle"] != 90.0 - np.degrees(p.lam):
         changes["lam"] = float(np.radians(90.0 - values["head angle"]))
     return replace(p, **changes)
 
 
 def with_assist(system: Bicycle, gain: float) -> Bicycle:
-    """Steer torque k lean_rate between frame and fork."""
+    """Add the steer torque k lean_rate between frame and fork."""
     seen = [measures.lean_rate(system.part("frame"))]
     feedback = StateFeedback(measures=seen, gains=[-gain], on=system.part("steer", "joints"), name="assist")
     return replace(system, forces=[*system.forces, feedback])
 
 
 def measures_of(system: Bicycle) -> list[Measure]:
-    """Lean, steer, lean rate, elevation of the frame, velocity of the rear hub along x and y."""
+    """Return measures of lean, steer, lean rate, elevation of the frame, velocity of the rear hub along x and y."""
     frame, wheel = system.part("frame"), system.part("rear wheel")
     angle = measures.angle(system.part("steer", "joints"))
     seen = [measures.lean(frame), angle, measures.lean_rate(frame), elevation(system)]

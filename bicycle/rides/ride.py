@@ -47,7 +47,7 @@ def run(
     output: int | Sequence[float] | None = None,
     progress: bool | None = None,
 ) -> Ride:
-    """Let a bicycle go and see what it does.
+    """Simulate a bicycle without control.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def run(
 def ended(
     parameters: Parameters, system: Bicycle, t_end: float, limit: float, held_down: bool, settings: dict[str, Any]
 ) -> Ride:  # fmt: skip
-    """The ride until its end, a fall, or a wheel that lifts: then once more, up to that moment."""
+    """Return the ride until its end, a fall, or a wheel that lifts, repeated up to that moment."""
     check_start(parameters, Ride(parameters, accelerations(system, settings["state"])), limit, held_down)
     upward = elevation(system)
     try:
@@ -136,7 +136,7 @@ def ridden(
     drag: float = 0.0,
     **start: Any,
 ) -> Bicycle:
-    """The bicycle with the loads of a ride, at its start."""
+    """Build the bicycle with the loads of a ride, at its start."""
     system = whipple(parameters, **start)
     forces, begun = list(system.forces), system.start
     if torque:
@@ -156,7 +156,7 @@ def ridden(
 
 
 def axle_torque(system: Bicycle, wheel: str, bearer: str, torque: Signal, name: str) -> list[Torque]:
-    """A torque about the axle of a wheel, ahead > 0, and back on the body that bears the wheel [N m]."""
+    """Return a torque about the axle of a wheel, ahead > 0, and back on the body that carries the wheel [N m]."""
     return [
         Torque(system.part(body), (0.0, sign * torque, 0.0), frame="body", name=f"{name} torque on {body}")
         for body, sign in ((wheel, 1.0), (bearer, -1.0))
@@ -164,17 +164,17 @@ def axle_torque(system: Bicycle, wheel: str, bearer: str, torque: Signal, name: 
 
 
 def elevation(system: Bicycle) -> Measure:
-    """Elevation of the frame's upward direction: pi/2 minus the tilt, whichever way it tilts."""
+    """Return a measure of the elevation of the frame's upward direction [rad]: pi/2 minus the tilt in any direction."""
     return measures.lean(system.part("frame"), lateral=(0.0, 0.0, 1.0))
 
 
 def loads(solution: Solution) -> dict[str, np.ndarray]:
-    """(n,) upward force of the ground on each wheel [N]."""
+    """Return the upward force of the ground on each wheel [N], shape (n,)."""
     return {wheel: ground_force(solution, wheel)[1][:, 2] for wheel in WHEELS}
 
 
 def check_start(parameters: Parameters, start: Ride, limit: float, held_down: bool) -> None:
-    """Refuse a start at which the bicycle has fallen, or the ground would have to pull at a wheel."""
+    """Raise ValueError for a start at which the bicycle has fallen, or the ground would have to pull at a wheel."""
     what, tilt = f"bicycle '{parameters.name}'", np.arccos(np.clip(start.solution.rotation("frame")[0, 2, 2], -1, 1))
     if tilt >= limit:
         raise InputError(f"{what}: tilted by {tilt:.4g} rad at the start, where {limit:.4g} counts as fallen")
@@ -191,7 +191,7 @@ def check_start(parameters: Parameters, start: Ride, limit: float, held_down: bo
 
 
 def unloading(solution: Solution) -> Event | None:
-    """The first moment at which a wheel is no longer pressed to the ground."""
+    """Return the first moment at which a wheel is no longer pressed to the ground."""
     if not np.any(solution.system.gravity):
         return None
     found = []
@@ -205,12 +205,12 @@ def unloading(solution: Solution) -> Event | None:
 
 
 def load_at(t: float, solution: Solution, wheel: str) -> float:
-    """Upward force on a wheel at any time of a run [N]."""
+    """Return the upward force on a wheel at any time of a run [N]."""
     return float(loads(accelerations(solution.system, solution.at(t)))[wheel][0])
 
 
 def view(found: Ride, path: str | Path | None = None, title: str | None = None) -> Any:
-    """A page that follows the frame: traces of both hubs, and steer, loads and energies as curves.
+    """Write a page that follows the frame: traces of both hubs, and steer, loads and energies as curves.
 
     Names of bodies are hidden: frame and rear wheel have the same reference point.
     """

@@ -1,4 +1,4 @@
-"""A bicycle that becomes another one while it rides: the state of the new one that goes on from that of the old."""
+"""Change of a bicycle during a ride: the state of the new one that continues that of the old."""
 
 import numpy as np
 
@@ -9,19 +9,20 @@ from mbsd3d.extend import as_quaternion, matrix
 from ..model.kinematics import X, Y, Z, foot, hubs, rotation_about, steer_axis
 from ..parameters import Parameters
 
-SLOW = 0.3  # [m/s] below which there is no motion that could be made faster in proportion
-TURNS = 6  # of the pitch until both wheels stand as before: each leaves a hundredth of what is missing, or less
+SPEED_MIN = 0.3  # [m/s] below which velocities cannot be scaled
+PITCH_ITERATIONS = 6  # [1] of the pitch until both wheels stand as before; each leaves a hundredth of the error or less
 
 
 def faster(state: State, speed: float, now: float) -> State:
-    """All velocities in proportion, so that the rear hub moves at another speed [m/s]."""
-    if now < SLOW:
+    """Scale all velocities so that the rear hub moves at another speed [m/s]."""
+    if now < SPEED_MIN:
         raise InputError(f"the bicycle moves at {now:.2g} m/s, too slowly to be made faster; reset it")
     return State(state.t, state.q, state.v * speed / now, state.z, state.coordinates)
 
 
 def carried(state: State, old: Parameters, new: Parameters) -> State:
-    """Frame and rear wheel go on as they are, the front end at the same steer angle and rates where it is mounted now.
+    """Return the state with frame and rear wheel unchanged, the front end at the same steer angle and rates in its new
+    mounting.
 
     Then all is turned about the rear hub until the front wheel stands as deep in the ground as before. Bodies: rear
     wheel, frame, fork, front wheel, as in `whipple`; both bicycles have the same wheels.
@@ -46,7 +47,7 @@ def carried(state: State, old: Parameters, new: Parameters) -> State:
 
     across = np.cross(Z, frame @ X)
     across /= np.linalg.norm(across)
-    for _ in range(TURNS):
+    for _ in range(PITCH_ITERATIONS):
         ahead = np.cross(across, Z) @ (places[3] - hub)
         turn = rotation_about(across, (lowest(places[3], turns[3], new) - depth) / ahead)
         places, turns = hub + (places - hub) @ turn.T, [turn @ one for one in turns]
@@ -57,5 +58,5 @@ def carried(state: State, old: Parameters, new: Parameters) -> State:
 
 
 def lowest(hub: np.ndarray, R: np.ndarray, p: Parameters) -> float:
-    """Height of the lowest point of a front wheel [m]: it stands where this is zero."""
+    """Return the height of the lowest point of a front wheel [m], zero where it stands."""
     return float(hub[2] + foot(R[:, 1], p.rF, p.tF)[2])

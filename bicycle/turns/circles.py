@@ -1,4 +1,4 @@
-"""Circles: steady turns without hands, with the stability of each, and turns that a steer torque holds."""
+"""Circles: steady turns without hands, with the stability of each, and turns held by a steer torque."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -15,7 +15,7 @@ from ..linear.equations import checked_list
 from ..output import write_table
 from ..parameters import Parameters
 from ..rides.motion import legend_above
-from .families import SECTIONS, Family, Search, follow_all, special_points
+from .families import SECTION_STEERS, Family, Search, follow_all, special_points
 from .turning import Turn, TurnSolver, course
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 LEANS = np.radians([1.0, *np.arange(2.5, 41.0, 2.5)])
 """Of the turns with steer torque in the figure of the command line [rad]."""
-ROUNDING = 1e-12
+TORQUE_ROUNDING = 1e-12
 """Sine of a steer angle that is straight ahead or reversed."""
 COLUMNS = {
     "lean": "rad", "steer": "rad", "speed": "m/s", "yaw_rate": "rad/s", "radius": "m", "torque": "N m", "load": "N",
@@ -39,7 +39,7 @@ UNITS = {"steer": "steer angle [°]", "lean": "lean [°]", "speed": "speed of th
 def families(
     parameters: Parameters, *, longest: float = 0.1, progress: bool | None = None, keep: list[Family] | None = None
 ) -> list[Family]:
-    """All hands-free circles with a steer angle to the right; those to the left are their mirror images.
+    """Find all hands-free circles with a steer angle to the right; those to the left are their mirror images.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def families(
     list of Family
         Each from end to end: straight running at the capsize speed, also with the front end reversed; rest (the static
         limit); a wheel that lifts; nearly lying. A family that crosses none of the steer angles
-        `bicycle.turns.families.SECTIONS` is not found.
+        `bicycle.turns.families.SECTION_STEERS` is not found.
 
     Raises
     ------
@@ -65,7 +65,7 @@ def families(
     if parameters.g == 0.0:
         raise InputError(f"bicycle '{parameters.name}': g = 0: without gravity there are no steady turns; give g > 0")
     found = [] if keep is None else keep
-    with Progress("circles: families", 0.0, len(SECTIONS), progress) as bar:
+    with Progress("circles: families", 0.0, len(SECTION_STEERS), progress) as bar:
         search = Search.of(parameters, longest, bar.update)
         for done, points, ends in follow_all(search):
             turns = []
@@ -78,7 +78,7 @@ def families(
 
 
 def turn(parameters: Parameters, lean: float, steer: float) -> Turn:
-    """The steady turn with a lean and a steer angle [rad], to the right > 0, and the speed and torque that hold it.
+    """Compute the steady turn with a lean and a steer angle [rad], to the right > 0: the speed and torque that hold it.
 
     Raises
     ------
@@ -93,7 +93,7 @@ def turn(parameters: Parameters, lean: float, steer: float) -> Turn:
     (4.037783, -0.330445)
     """
     lean, steer = number(lean, "circles.turn: lean"), number(steer, "circles.turn: steer")
-    if abs(np.sin(steer)) < ROUNDING:
+    if abs(np.sin(steer)) < TORQUE_ROUNDING:
         raise InputError(f"circles.turn: steer = {steer:g}: a straight wheel makes no turn; give a steer angle")
     return TurnSolver(parameters).turn(lean, steer)
 
@@ -101,7 +101,8 @@ def turn(parameters: Parameters, lean: float, steer: float) -> Turn:
 def held(
     parameters: Parameters, speed: float, leans: Sequence[float], *, turner: TurnSolver | None = None
 ) -> list[Turn]:
-    """Steady turns at one speed, each with its least steer angle into the turn and the steer torque that it needs.
+    """Compute steady turns at one speed, each with its least steer angle into the turn and the steer torque that it
+    needs.
 
     Parameters
     ----------
@@ -140,7 +141,8 @@ def held(
 
 
 def pivot(parameters: Parameters, yaw_rate: float) -> Turn:
-    """The turn about the rear contact, which stays in place while the front wheel rolls around it; held by a torque.
+    """Compute the turn about the rear contact, which stays in place while the front wheel rolls around it; held by a
+    torque.
 
     Of several turns that with the least lean; the centre of mass is nearly above the line between the contacts.
 
@@ -156,7 +158,7 @@ def pivot(parameters: Parameters, yaw_rate: float) -> Turn:
         return brentq(lambda x: course(parameters, turner.pose(lean, x))[0], 0.5, np.pi - 0.5, xtol=1e-15)
 
     def tip(lean: float) -> float:
-        """Part of the accelerations that a steer torque cannot balance."""
+        """Return the part of the accelerations that a steer torque cannot balance."""
         rest, motion, torque = turner.balance(lean, steer_of(lean))
         left = rest + square * motion
         return float(left[0] * torque[1] - left[1] * torque[0])
@@ -189,14 +191,14 @@ def held_if_possible(
 
 
 def to_csv(found: Sequence[Family], turns: Sequence[Turn], path: str | Path) -> Path:
-    """One row per turn: its family (0 = held by a steer torque), then `COLUMNS`; returns the file."""
+    """Write one row per turn: its family (0 = held by a steer torque), then `COLUMNS`; return the file."""
     rows = [(k, turn) for k, family in enumerate(found, 1) for turn in family.turns] + [(0, turn) for turn in turns]
     head = ["family", *(f"{name} [{unit}]" for name, unit in COLUMNS.items())]
     return write_table(path, head, ([str(k), *(getattr(turn, name) for name in COLUMNS)] for k, turn in rows))
 
 
 def summary(found: Sequence[Family]) -> str:
-    """The families as text, one line per end and special turn."""
+    """Return the families as text, one line per end and special turn."""
     lines = []
     for k, family in enumerate(found, 1):
         lines.append(f"family {k}: from {family.ends[0]} to {family.ends[1]}, {len(family.turns)} circles")
@@ -213,9 +215,10 @@ def summary(found: Sequence[Family]) -> str:
 def plot_circles(
     parameters: Parameters, found: Sequence[Family], held: Sequence[Sequence[Turn]] = (), *, dark: bool = False
 ) -> "Figure":
-    """Lean, speed and radius of the families, and steer torque over lean of the turns ``held`` at one speed each."""
+    """Plot lean, speed and radius of the families, and steer torque over lean of the turns ``held`` at one speed
+    each."""
     with new_figure(10.0, 8.4, dark) as (figure, look):
-        figure.get_layout_engine().set(w_pad=0.1, h_pad=0.1)
+        figure.set_layout_engine("constrained", w_pad=0.1, h_pad=0.1)
         axes = figure.subplots(2, 2)
         for one in axes.flat:
             dress(one, look)
@@ -232,12 +235,12 @@ def plot_circles(
 
 
 def shown(values: np.ndarray, name: str) -> np.ndarray:
-    """Angles in degrees."""
+    """Return angles in degrees, other values unchanged."""
     return np.degrees(values) if name in ("steer", "lean") else values
 
 
 def draw_families(axes: "Axes", found: Sequence[Family], x: str, y: str, look: Theme) -> None:
-    """One quantity over another; thick where stable, with marks at special turns."""
+    """Draw one quantity over another; thick where stable, with marks at special turns."""
     for k, family in enumerate(found):
         across, up = (shown(family.values(name), name) for name in (x, y))
         stable = np.where(family.values("stable"), up, np.nan)
@@ -251,7 +254,7 @@ def draw_families(axes: "Axes", found: Sequence[Family], x: str, y: str, look: T
 
 
 def draw_torques(axes: "Axes", held: Sequence[Sequence[Turn]], look: Theme) -> None:
-    """Steer torque over lean, a smooth line per speed through the points of the turns."""
+    """Draw steer torque over lean, a smooth line per speed through the points of the turns."""
     for k, turns in enumerate(turn for turn in held if turn):
         points = np.array([(np.degrees(turn.lean), turn.torque) for turn in turns])
         axes.plot(*points.T, "o", color=look.colour(k), markersize=3)
@@ -263,7 +266,7 @@ def draw_torques(axes: "Axes", held: Sequence[Sequence[Turn]], look: Theme) -> N
 
 
 def smooth(points: np.ndarray) -> np.ndarray:
-    """(k, 2) a curve through points (n, 2) that hardly overshoots; a single point stays as it is."""
+    """Return a curve (k, 2) through points (n, 2) with little overshoot; a single point stays as it is."""
     count = len(points)
     if count < 2:
         return points
@@ -271,7 +274,7 @@ def smooth(points: np.ndarray) -> np.ndarray:
 
 
 def legend(figure: "Figure", count: int, look: Theme) -> None:
-    """Families, marks and line widths, below all panels."""
+    """Draw families, marks and line widths below all panels."""
     from matplotlib.lines import Line2D  # only who draws waits for it
 
     entries = [Line2D([], [], color=look.colour(k), linewidth=LINE, label=f"family {k + 1}") for k in range(count)]

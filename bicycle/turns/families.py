@@ -11,15 +11,15 @@ from mbsd3d.errors import InputError
 from ..parameters import Parameters
 from .turning import Turn, TurnSolver
 
-SECTIONS = tuple(np.radians([8.0, 30.0, 60.0, 100.0, 130.0, 165.0, 176.0]))
-LEANS = np.radians(np.linspace(-62.0, 62.0, 42))  # where families are looked for
-LYING = np.radians(80.0)  # lean at which a family is not followed any further
-STRAIGHT = 1e-3  # steer from straight at which a family ends [rad]
-MOST = 400  # points to either side
-DIFFERENCE = 1e-6  # of x, for derivatives along a curve
-CORRECTIONS = 12
-CLOSE = 1e-9  # error of x before the last correction
-SHARPEST = 0.3  # turn of a step from the tangent before it [rad]; its arc is 0.25 of that as high as it is long
+SECTION_STEERS = tuple(np.radians([8.0, 30.0, 60.0, 100.0, 130.0, 165.0, 176.0]))
+SECTION_LEANS = np.radians(np.linspace(-62.0, 62.0, 42))  # [rad] at which families are sought
+LEAN_MAX = np.radians(80.0)  # [rad] lean at which a family ends
+STEER_MIN = 1e-3  # [rad] steer from straight at which a family ends
+POINTS_MAX = 400  # [1] points to either side
+DIFFERENCE_STEP = 1e-6  # [1] of x, for derivatives along a curve
+CORRECTIONS_MAX = 12
+CORRECTION_TOLERANCE = 1e-9  # [1] error of x before the last correction
+STEP_TURN_MAX = 0.3  # [rad] turn of a step from the tangent before it; its arc is 0.25 of that as high as it is long
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,28 +31,28 @@ class Family:
     special: tuple[tuple[str, Turn], ...]  # "largest lean", "stability changes", "about the rear contact"
 
     def values(self, name: str) -> np.ndarray:
-        """(n,) a quantity of all turns, e.g. "lean", "speed", "radius", "stable"."""
+        """Return a quantity of all turns, e.g. "lean", "speed", "radius", "stable", shape (n,)."""
         return np.array([getattr(turn, name) for turn in self.turns])
 
 
 def across(along: np.ndarray) -> np.ndarray:
-    """The direction at a right angle."""
+    """Return the direction at a right angle."""
     return np.array([-along[1], along[0]])
 
 
 def turned(along: np.ndarray, angle: float) -> np.ndarray:
-    """A direction turned by an angle [rad]."""
+    """Return a direction rotated by an angle [rad]."""
     return np.cos(angle) * along + np.sin(angle) * across(along)
 
 
 def angle(a: np.ndarray, b: np.ndarray) -> float:
-    """Angle from direction a to direction b [rad]."""
+    """Return the angle from direction a to direction b [rad]."""
     return float(np.arctan2(across(a) @ b, a @ b))
 
 
 @dataclass(frozen=True)
 class Curve:
-    """The curve ``f(x) = 0`` with x (2,) of order one; steps have lengths between ``shortest`` and ``longest``.
+    """Curve ``f(x) = 0`` with x (2,) of order one; steps have lengths between ``shortest`` and ``longest``.
 
     Where f raises ValueError the curve ends.
     """
@@ -62,12 +62,12 @@ class Curve:
     shortest: float = 2e-5
 
     def direction(self, x: np.ndarray) -> np.ndarray:
-        """(2,) unit vector along the curve at one of its points."""
-        slope = [self.f(x + DIFFERENCE * e) - self.f(x - DIFFERENCE * e) for e in np.eye(2)]
+        """Return the unit vector along the curve at one of its points, shape (2,)."""
+        slope = [self.f(x + DIFFERENCE_STEP * e) - self.f(x - DIFFERENCE_STEP * e) for e in np.eye(2)]
         return across(np.array(slope)) / np.hypot(*slope)
 
     def tangent(self, x: np.ndarray, along: np.ndarray) -> np.ndarray:
-        """`direction`, forwards as ``along`` is; ``along`` itself where the curve ends."""
+        """Return `direction`, oriented like ``along``; ``along`` itself where the curve ends."""
         try:
             found = self.direction(x)
         except ValueError:
@@ -75,34 +75,36 @@ class Curve:
         return found if found @ along > 0.0 else -found
 
     def corrected(self, x: np.ndarray, along: np.ndarray, reach: float) -> np.ndarray | None:
-        """The point of the curve next to x at a right angle to ``along`` (secant method); None if none is in reach."""
+        """Return the point of the curve next to x at a right angle to ``along`` (secant method); None if none is in
+        reach.
+        """
         normal = across(along)
         a, b = 0.0, 0.01 * reach
         f_a, f_b = self.f(x), self.f(x + b * normal)
-        for _ in range(CORRECTIONS):
+        for _ in range(CORRECTIONS_MAX):
             if f_a == f_b:
                 return x + b * normal if f_b == 0.0 else None
             a, b, f_a = b, b - f_b * (b - a) / (f_b - f_a), f_b
             if abs(b) > reach:
                 return None
-            if abs(b - a) < CLOSE:  # the secant method squares such an error
+            if abs(b - a) < CORRECTION_TOLERANCE:  # the secant method squares such an error
                 return x + b * normal
             f_b = self.f(x + b * normal)
         return None
 
     def follow(self, x: np.ndarray, along: np.ndarray) -> Iterator[np.ndarray]:
-        """Points after x, first in the direction ``along`` of the curve there, as far as it goes.
+        """Yield points after x, first in the direction ``along`` of the curve there, until the curve ends.
 
         Tangent and curvature at a point are those of the parabola through it and the two before; a step turns by
         SHARPEST at most. Where no step is short enough, the parabola was wrong: the curve turns sharply there.
         """
         length, bend, last, before, exact = 0.5 * self.longest, 0.0, 0.0, along, True
         while length > self.shortest:
-            guess = turned(along, np.clip(0.5 * bend * length, -SHARPEST, SHARPEST))
+            guess = turned(along, np.clip(0.5 * bend * length, -STEP_TURN_MAX, STEP_TURN_MAX))
             new = self.step(x, guess, length)
             chord = guess if new is None else (new - x) / np.linalg.norm(new - x)
             turn = angle(along, chord)
-            if new is None or abs(turn) > SHARPEST:
+            if new is None or abs(turn) > STEP_TURN_MAX:
                 length *= 0.5
                 if length <= self.shortest and not exact:
                     along, bend, length, exact = self.tangent(x, along), 0.0, last, True
@@ -118,14 +120,14 @@ class Curve:
             length = min(length * (2.0 if miss < 0.02 else 1.0 if miss > 0.1 else 1.3), self.longest)
 
     def step(self, x: np.ndarray, along: np.ndarray, length: float) -> np.ndarray | None:
-        """The point a step further, or None at the end of the curve."""
+        """Return the point a step further, or None at the end of the curve."""
         try:
             return self.corrected(x + length * along, along, 0.5 * length)
         except ValueError:
             return None
 
     def locate(self, a: np.ndarray, b: np.ndarray, value: Callable[[np.ndarray], float]) -> np.ndarray | None:
-        """The point between two neighbours a and b at which ``value`` is zero; None if it cannot be reached."""
+        """Return the point between two neighbours a and b at which ``value`` is zero; None if it cannot be reached."""
         along = (b - a) / np.linalg.norm(b - a)
 
         def point(share: float) -> np.ndarray:
@@ -142,7 +144,7 @@ class Curve:
 
 @dataclass
 class Search:
-    """Search for the families of one bicycle, and the way along each."""
+    """Search for the families of one bicycle, and the continuation along each."""
 
     turner: TurnSolver
     curve: Curve
@@ -151,38 +153,38 @@ class Search:
 
     @classmethod
     def of(cls, parameters: Parameters, longest: float, tell: Callable[[float], None]) -> "Search":
-        """Curves on which the two equations without hands agree on a speed."""
+        """Return curves on which the two equations without hands agree on a speed."""
         turner = TurnSolver(parameters)
         return cls(turner, Curve(lambda x: turner.free(*x)[0], longest), tell)
 
     def square(self, x: np.ndarray) -> float:
-        """Square of the scale of velocities [m^2/s^2]."""
+        """Return the square of the scale of velocities [m^2/s^2]."""
         return self.turner.free(*x)[1]
 
     def turn(self, x: np.ndarray) -> Turn:
-        """The circle at a point."""
+        """Return the circle at a point."""
         return self.turner.turn(*x, square=max(self.square(x), 0.0))
 
     def seeds(self, steer: float) -> list[np.ndarray]:
-        """Points of a section: sign changes over the lean where a real speed belongs to them."""
+        """Return points of a section: sign changes over the lean where a real speed belongs to them."""
 
         def misfit(lean: float) -> float:
             return self.turner.free(lean, steer)[0]
 
         found, values = [], []
-        for lean in LEANS:
+        for lean in SECTION_LEANS:
             try:
                 values.append(misfit(lean))
             except ValueError:  # no such pose
                 values.append(np.nan)
         for k in np.flatnonzero(np.array(values[:-1]) * np.array(values[1:]) < 0.0):
-            x = np.array([brentq(misfit, *LEANS[k : k + 2], xtol=1e-12), steer])
+            x = np.array([brentq(misfit, *SECTION_LEANS[k : k + 2], xtol=1e-12), steer])
             if self.square(x) > 0.0 and self.pressed(x) > 0.0:
                 found.append(x)
         return found
 
     def follow(self, x: np.ndarray, along: np.ndarray) -> tuple[list[np.ndarray], str]:
-        """(points after x, why there are no more)."""
+        """Return (points after x, why there are no more)."""
         points = [x]
         for new in self.curve.follow(x, along):
             self.tell(self.done)
@@ -192,54 +194,54 @@ class Search:
             points.append(new)
             if len(points) > 6 and np.linalg.norm(new - x) < np.linalg.norm(new - points[-2]):
                 return points[1:], "closed"
-            if len(points) > MOST:
+            if len(points) > POINTS_MAX:
                 return points[1:], "not followed further"
         return points[1:], "not followed further"
 
     def end(self, before: np.ndarray, new: np.ndarray) -> tuple[str, np.ndarray | None] | None:
-        """(name, last point) if the family ends between two points."""
+        """Return (name, last point) if the family ends between two points."""
         for name, straight, sign in (("straight ahead", 0.0, 1.0), ("straight, front end reversed", np.pi, -1.0)):
-            if sign * (new[1] - straight) <= STRAIGHT:
-                limit = straight + sign * STRAIGHT
+            if sign * (new[1] - straight) <= STEER_MIN:
+                limit = straight + sign * STEER_MIN
                 return name, self.curve.locate(before, new, lambda x, limit=limit: x[1] - limit)
         if self.square(new) < 0.0:
             x = self.curve.locate(before, new, self.square)
             if x is None or abs(self.square(x)) < self.fast:
                 return "at rest", x
             return "a wheel lifts", self.curve.locate(before, x, self.pressed)  # long before the speed is infinite
-        if abs(new[0]) > LYING:
-            return "nearly lying", self.curve.locate(before, new, lambda x: abs(x[0]) - LYING)
+        if abs(new[0]) > LEAN_MAX:
+            return "nearly lying", self.curve.locate(before, new, lambda x: abs(x[0]) - LEAN_MAX)
         if self.pressed(new) < 0.0:
             return "a wheel lifts", self.curve.locate(before, new, self.pressed)
         return None
 
     @property
     def fast(self) -> float:
-        """A square of the scale that no bicycle reaches [m^2/s^2]."""
+        """Return a square of the scale that no bicycle reaches [m^2/s^2]."""
         return 1e4 * self.turner.p.g * self.turner.p.w
 
     def pressed(self, x: np.ndarray) -> float:
-        """Smaller of the two wheel loads [N]; below zero too where the speed is unbounded."""
+        """Return the smaller of the two wheel loads [N]; below zero too where the speed is unbounded."""
         return self.turn(x).load if 0.0 <= self.square(x) < self.fast else -1.0
 
 
 def beside(x: np.ndarray, families: Sequence[list[np.ndarray]]) -> bool:
-    """True if a point lies on a family that is known already, on the arc over a step."""
+    """Return whether a point lies on a known family, on the arc over a step."""
     for points in families:
         a, b = np.array(points[:-1]), np.array(points[1:])
         if not a.size:
             continue
         share = np.clip(np.sum((x - a) * (b - a), axis=1) / np.sum((b - a) ** 2, axis=1), 0.0, 1.0)
         miss = np.linalg.norm(a + share[:, None] * (b - a) - x, axis=1)
-        if np.any(miss < 0.3 * SHARPEST * np.linalg.norm(b - a, axis=1) + 1e-6):
+        if np.any(miss < 0.3 * STEP_TURN_MAX * np.linalg.norm(b - a, axis=1) + 1e-6):
             return True
     return False
 
 
 def follow_all(search: Search) -> Iterator[tuple[int, list[np.ndarray], tuple[str, str]]]:
-    """(number of sections done, points of a family, its ends), one family after the other."""
+    """Yield (number of sections done, points of a family, its ends), one family after the other."""
     families: list[list[np.ndarray]] = []
-    for k, steer in enumerate(SECTIONS):
+    for k, steer in enumerate(SECTION_STEERS):
         search.done = k
         for x in search.seeds(steer):
             if beside(x, families):
@@ -252,7 +254,7 @@ def follow_all(search: Search) -> Iterator[tuple[int, list[np.ndarray], tuple[st
 
 
 def special_points(search: Search, points: list[np.ndarray], turns: Sequence[Turn]) -> list[tuple[str, Turn]]:
-    """What `Family.special` lists, in the order of the family."""
+    """Return the entries of `Family.special`, in the order of the family."""
 
     def growth(x: np.ndarray) -> float:
         along = search.curve.direction(x)

@@ -25,73 +25,73 @@ from .turning import SteadyTurn, Turn
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SIZES = np.array([0.1, 0.01, 0.01, 0.1, 0.1, 1.0, 1.0, 1.0, 1.0, 0.01, 0.01, 0.01, 0.01])
+UNKNOWN_SIZES = np.array([0.1, 0.01, 0.01, 0.1, 0.1, 1.0, 1.0, 1.0, 1.0, 0.01, 0.01, 0.01, 0.01])
 """Of the unknowns: steer, pitch, height of the rear hub over that of an ideal wheel, its speed to the left, yaw rate,
 spins of the wheels over frame and fork, steer and drive torque, deflections of the tyres."""
-DIFFERENCE = 1e-6
-"""Of the lean [rad] and, over `SIZES`, of the unknowns, for derivatives."""
-ASIDE = 0.5
+DIFFERENCE_STEP = 1e-6
+"""Of the lean [rad] and, over `UNKNOWN_SIZES`, of the unknowns, for derivatives."""
+CHANGE_MAX = 0.5
 """Largest distance of a turn from where the tangent leads, over the way there."""
-LEAST = 1e-3
+LEAN_STEP_MIN = 1e-3
 """[rad] Shortest step of lean on the way to one that has no turn."""
-STEADY = 1e-8
+RESIDUAL_MAX = 1e-8
 """Largest acceleration left over [m/s^2, rad/s^2], and rate of a deflection; rounding leaves 1e-12."""
 
 
 @dataclass(frozen=True, eq=False)
 class TyreTurn(SteadyTurn):
-    """A steady turn; angles, yaw rate and torques are positive to the right, drive ahead."""
+    """Steady turn; angles, yaw rate and torques are positive to the right, drive ahead."""
 
     parameters: Parameters
     speed: float  # [m/s] of the rear hub, ahead
     lean: float  # [rad]
-    x: np.ndarray  # (13,) the unknowns as solved, see `SIZES`
+    x: np.ndarray  # (13,) the unknowns as solved, see `UNKNOWN_SIZES`
     system: Bicycle  # under the torques that hold it
     state: State
     at: Solution  # one sample: ``.force("rear tyre")`` and so on
 
     @property
     def steer(self) -> float:
-        """Steer angle [rad]."""
+        """Return the steer angle [rad]."""
         return float(self.x[0])
 
     @property
     def yaw_rate(self) -> float:
-        """Yaw rate [rad/s]."""
+        """Return the yaw rate [rad/s]."""
         return -float(self.x[4])
 
     @property
     def radius(self) -> float:
-        """Radius of the way of the rear hub [m]; infinite straight ahead."""
+        """Return the radius of the path of the rear hub [m]; infinite straight ahead."""
         return float(np.hypot(self.speed, self.x[3]) / abs(self.x[4])) if self.x[4] else np.inf
 
     @property
     def steer_torque(self) -> float:
-        """That holds the turn [N m]."""
+        """Return the steer torque that holds the turn [N m]."""
         return float(self.x[7])
 
     @property
     def drive_torque(self) -> float:
-        """Torque on the rear wheel, against the drag of the tyres in the turn [N m]."""
+        """Return the torque on the rear wheel, against the drag of the tyres in the turn [N m]."""
         return float(self.x[8])
 
     @cached_property
     def forces(self) -> list[Any]:
-        """Of the ground on the rear and the front wheel, one sample each."""
+        """Return the forces of the ground on the rear and the front wheel, one sample each [N]."""
         return [self.at.force(f"{wheel} tyre") for wheel in WHEELS]
 
     @property
     def saturation(self) -> float:
-        """The larger part of the grip that a tyre uses."""
+        """Return the larger share of the grip that a tyre uses [-]."""
         return max(float(load.saturation[0]) for load in self.forces)
 
     @property
     def friction(self) -> float:
-        """The larger horizontal force of a wheel over its load."""
+        """Return the larger ratio of horizontal force to load of a wheel [-]."""
         return max(float(np.hypot(x.longitudinal[0], x.lateral[0]) / x.normal[0]) for x in self.forces)
 
     def columns(self) -> dict[str, float]:
-        """The line of the table that `to_csv` writes."""
+        """Return the line of the table that `to_csv` writes."""
         found = {"speed [m/s]": self.speed, "lean [rad]": self.lean, "steer [rad]": self.steer}
         found |= {"yaw rate [rad/s]": self.yaw_rate, "radius [m]": self.radius}
         found |= {"steer torque [N m]": self.steer_torque, "drive torque [N m]": self.drive_torque}
@@ -102,24 +102,24 @@ class TyreTurn(SteadyTurn):
 
 
 class Balance:
-    """Steady turns at one speed, and what a state lacks to be one."""
+    """Steady turns at one speed, and the residual of a state against a steady turn."""
 
     def __init__(self, parameters: Parameters, tyres: Tyres, speed: float) -> None:
         self.parameters, self.speed = parameters, speed
         self.free = whipple(parameters, tyres=tyres)
         self.axis = steer_axis(parameters)[1]
-        self.straight = np.zeros(len(SIZES))
+        self.straight = np.zeros(len(UNKNOWN_SIZES))
         self.straight[5:7] = speed / parameters.rR, speed / parameters.rF
         self.rates = Rates(self.held(Input("steer"), Input("drive")), self.state(self.straight, 0.0)[0])
 
     def held(self, steer: Signal | float, drive: Signal | float) -> Bicycle:
-        """The bicycle under a steer and a drive torque [N m]."""
+        """Build the bicycle under a steer and a drive torque [N m]."""
         forces = [*self.free.forces, *steer_torque(self.free, self.parameters, steer)]
         forces += axle_torque(self.free, "rear wheel", "frame", as_signal(drive, "turn: drive"), "drive")
         return replace(self.free, forces=forces)
 
     def state(self, x: np.ndarray, lean: float) -> tuple[State, Pose]:
-        """State and pose of the unknowns at a lean [rad]."""
+        """Return state and pose of the unknowns at a lean [rad]."""
         at = placed(self.parameters, lean, x[0], x[1])
         shift = np.array([0.0, -at.rear[1], x[2]])
         at = at._replace(rear=at.rear + shift, front=at.front + shift)
@@ -130,7 +130,9 @@ class Balance:
         return State(0.0, at.q, np.concatenate(v), z=x[9:], coordinates=np.array([0.0, x[0], 0.0])), at
 
     def lack(self, x: np.ndarray, lean: float) -> np.ndarray:
-        """(13,) accelerations of frame, fork and wheels over those of a steady turn, and rates of the deflections."""
+        """Return accelerations of frame, fork and wheels over those of a steady turn, and rates of the deflections,
+        shape (13,).
+        """
         state, at = self.state(x, lean)
         self.rates.set("steer", x[7])
         self.rates.set("drive", x[8])
@@ -140,27 +142,28 @@ class Balance:
         return np.r_[gap, frame[3:], about, at.fork @ Y @ (front - fork)[3:], z_dot]
 
     def slope(self, at: "TyreTurn") -> np.ndarray:
-        """(13,) change of the unknowns with the lean along the turns [1/rad]."""
+        """Return the change of the unknowns with the lean along the turns [1/rad], shape (13,)."""
         here = self.lack(at.x, at.lean)
-        columns = [self.lack(at.x + change, at.lean) - here for change in np.diag(DIFFERENCE * SIZES)]
-        by_lean = self.lack(at.x, at.lean + DIFFERENCE) - here
-        return -SIZES * np.linalg.solve(np.transpose(columns), by_lean)
+        columns = [self.lack(at.x + change, at.lean) - here for change in np.diag(DIFFERENCE_STEP * UNKNOWN_SIZES)]
+        by_lean = self.lack(at.x, at.lean + DIFFERENCE_STEP) - here
+        return -UNKNOWN_SIZES * np.linalg.solve(np.transpose(columns), by_lean)
 
     def turn(self, start: np.ndarray, lean: float) -> "TyreTurn | None":
-        """The turn at a lean [rad] near unknowns (13,); None if none presses both wheels to the ground."""
+        """Return the turn at a lean [rad] near unknowns (13,); None if none presses both wheels to the ground."""
         try:
-            found = root(lambda x: self.lack(SIZES * x, lean), start / SIZES, tol=1e-14)
+            found = root(lambda x: self.lack(UNKNOWN_SIZES * x, lean), start / UNKNOWN_SIZES, tol=1e-14)
         except AssemblyError:
             return None
-        if not np.abs(found.fun).max() < STEADY:
+        if not np.abs(found.fun).max() < RESIDUAL_MAX:
             return None
-        x = SIZES * found.x
+        x = UNKNOWN_SIZES * found.x
         system, state = self.held(*x[7:9].tolist()), self.state(x, lean)[0]
         made = TyreTurn(self.parameters, self.speed, lean, x, system, state, accelerations(system, state))
         return made if min(load.normal[0] for load in made.forces) > 0.0 else None
 
     def followed(self, last: "TyreTurn", lean: float) -> "TyreTurn":
-        """The turn at a lean [rad], followed from another one along the tangent; the last of them if there is none.
+        """Return the turn at a lean [rad], followed from another one along the tangent; the last of them if there is
+        none.
 
         A turn far from where the tangent leads, in view of the step, is another one: then the step is halved.
         """
@@ -170,9 +173,9 @@ class Balance:
             ahead = (there - last.lean) * slope
             new = self.turn(last.x + ahead, there)
             miss, way = (np.inf, 0.0) if new is None else (size(new.x - last.x - ahead), size(ahead))
-            if miss > ASIDE * way + STEADY:
+            if miss > CHANGE_MAX * way + RESIDUAL_MAX:
                 step = 0.5 * (there - last.lean)
-                if abs(step) < LEAST:
+                if abs(step) < LEAN_STEP_MIN:
                     break
                 continue
             last, slope, step = new, self.slope(new), 2.0 * step
@@ -180,12 +183,12 @@ class Balance:
 
 
 def size(change: np.ndarray) -> float:
-    """Of a change of the unknowns."""
-    return float(np.linalg.norm(change / SIZES))
+    """Return the scaled size of a change of the unknowns [-]."""
+    return float(np.linalg.norm(change / UNKNOWN_SIZES))
 
 
 def turn(parameters: Parameters, tyres: Tyres, *, speed: float, lean: float) -> TyreTurn:
-    """The steady turn at a speed of the rear hub [m/s] and a lean [rad], followed from straight running.
+    """Compute the steady turn at a speed of the rear hub [m/s] and a lean [rad], followed from straight running.
 
     Raises
     ------
@@ -202,7 +205,8 @@ def turn(parameters: Parameters, tyres: Tyres, *, speed: float, lean: float) -> 
 
 
 def turns(parameters: Parameters, tyres: Tyres, speed: float, leans: Iterable[float]) -> list[TyreTurn]:
-    """Turns at leans of rising size [rad], until there are no more, and one within `LEAST` of the last that there is.
+    """Compute turns at leans of rising size [rad] until there are no more, and one within `LEAN_STEP_MIN` of the last
+    that exists.
 
     Raises
     ------
@@ -211,7 +215,8 @@ def turns(parameters: Parameters, tyres: Tyres, speed: float, leans: Iterable[fl
     """
     what = f"bicycle '{parameters.name}': turn on tyres"
     balance = Balance(parameters, tyres, number(speed, f"{what}: speed", positive=True))
-    last, found = balance.turn(balance.straight, 0.0), []
+    found: list[TyreTurn] = []
+    last = balance.turn(balance.straight, 0.0)
     if last is None:
         raise InputError(f"{what}: at {speed:g} m/s it does not run straight with both wheels on the ground")
     for lean in leans:
@@ -237,7 +242,7 @@ def to_csv(found: Iterable[TyreTurn], path: str | Path) -> Path:
 def figure(
     found: Sequence[Sequence[TyreTurn]], ideal: Sequence[Sequence[Turn]], title: str, *, dark: bool = False
 ) -> "Figure":
-    """Steer, steer torque, drive torque and grip over the lean, a colour per speed; dashed: ideal wheels."""
+    """Plot steer, steer torque, drive torque and grip over the lean, a colour per speed; dashed: ideal wheels."""
     with new_figure(10.0, 7.0, dark) as (sheet, look):
         axes = sheet.subplots(2, 2, sharex=True)
         labels = ("steer [°]", "steer torque that holds it [N m]", "drive torque that keeps the speed [N m]")

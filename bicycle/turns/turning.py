@@ -27,7 +27,7 @@ from ..model.mechanism import Bicycle, outputs, steer_torque, whipple
 from ..parameters import Parameters
 from ..rides.motion import Ride
 
-NEAR = 0.02  # [rad] within which the pitch of a neighbour is looked for
+PITCH_SEARCH_RANGE = 0.02  # [rad] within which the pitch of a neighbour is sought
 
 
 class Balance(NamedTuple):
@@ -39,7 +39,7 @@ class Balance(NamedTuple):
 
     @property
     def held(self) -> tuple[float, float]:
-        """(s^2, T) of the steady turn; a negative s^2 means that there is no such turn."""
+        """Return (s^2, T) of the steady turn; a negative s^2 means that there is no such turn."""
         square, torque = np.linalg.solve(np.column_stack([self.motion, self.torque]), -self.rest)
         return float(square), float(torque)
 
@@ -53,13 +53,13 @@ class UnitTurn(NamedTuple):
 
 
 def heading(at: Pose) -> np.ndarray:
-    """Horizontal direction in which the front wheel rolls."""
+    """Return the horizontal direction in which the front wheel rolls."""
     ahead = np.cross(at.fork @ Y, Z)
     return ahead / np.linalg.norm(ahead)
 
 
 def course(p: Parameters, at: Pose) -> tuple[float, float]:
-    """(speed of the rear contact, yaw rate about +z) at scale one: the front contact follows its track.
+    """Return (speed of the rear contact, yaw rate about +z) at scale one: the front contact follows its track.
 
     ``speed x + yaw z x front`` has no component across the front wheel; both change sign smoothly from pose to pose.
     """
@@ -70,7 +70,7 @@ def course(p: Parameters, at: Pose) -> tuple[float, float]:
 
 
 def unit_turn(p: Parameters, at: Pose) -> UnitTurn:
-    """All velocities of the turn in this pose."""
+    """Return all velocities of the turn in this pose."""
     speed, yaw = course(p, at)
     if (speed if abs(speed) > 1e-12 else -yaw) < 0.0:  # forward, or to the right where the rear contact rests
         speed, yaw = -speed, -yaw
@@ -79,7 +79,7 @@ def unit_turn(p: Parameters, at: Pose) -> UnitTurn:
     front_speed = (speed * X + yaw * np.cross(Z, at.contact)) @ ahead
 
     def spin(axle: np.ndarray, radius: float, crown: float, way: np.ndarray, v: float) -> np.ndarray:
-        """Angular velocity of a wheel about its axle whose material point at the contact rests."""
+        """Return the angular velocity of a wheel about its axle whose material point at the contact rests [rad/s]."""
         return -v / (np.cross(axle, foot(axle, radius, crown)) @ way) * axle
 
     rear, front = spin(at.frame @ Y, p.rR, p.tR, X, speed), spin(at.fork @ Y, p.rF, p.tF, ahead, front_speed)
@@ -100,8 +100,12 @@ class TurnSolver:
         self.misfits: dict[tuple[float, float], tuple[float, float]] = {}
 
     def pose(self, lean: float, steer: float) -> Pose:
-        """The pose whose pitch is next to the last one's, else that with the least pitch."""
-        height, low, high = Height(self.p, lean, steer), self.pitch - NEAR, self.pitch + NEAR
+        """Return the pose whose pitch is next to the last one's, else that with the least pitch."""
+        height, low, high = (
+            Height(self.p, lean, steer),
+            self.pitch - PITCH_SEARCH_RANGE,
+            self.pitch + PITCH_SEARCH_RANGE,
+        )
         if abs(lean) < np.pi / 2 and height(low) * height(high) < 0.0:
             found = placed(self.p, lean, steer, brentq(height, low, high, xtol=1e-15, rtol=1e-15))
         else:
@@ -111,13 +115,13 @@ class TurnSolver:
         return found
 
     def state(self, at: Pose, steer: float, square: float) -> State:
-        """The state in which everything turns with the scale whose square is given."""
+        """Return the state in which everything moves with the scale whose square is given."""
         v = np.sqrt(square) * unit_turn(self.p, at).velocities
         return State(0.0, at.q, v.ravel(), coordinates=np.array([0.0, float(steer), 0.0]))
 
     def columns(self, lean: float, steer: float, *, torque: bool) -> list[np.ndarray]:
-        """Accelerations of lean and steer (2,) where their rates are zero: at rest, that the motion at the square g w
-        of the scale adds, and, if asked for, that a steer torque of 1 N m adds.
+        """Return accelerations of lean and steer (2,) where their rates are zero: at rest, by the motion at the square
+        g w of the scale, and, if requested, by a steer torque of 1 N m.
 
         They belong to right sides (Q, 0), (-h, gamma) and (Q_torque, 0) of the same equations.
         """
@@ -135,19 +139,20 @@ class TurnSolver:
         return list(np.column_stack([leans, (fork - frame) @ (at.frame @ self.axis)]))
 
     def balance(self, lean: float, steer: float) -> Balance:
-        """The columns of the two equations."""
+        """Return the columns of the two equations."""
         rest, motion, torque = self.columns(lean, steer, torque=True)
         return Balance(rest, motion / (self.p.g * self.p.w), torque)
 
     def square(self, lean: float, steer: float) -> float:
-        """Square of the speed of the rear contact at which a steer torque holds the turn [m^2/s^2]; cached."""
+        """Return the square of the speed of the rear contact at which a steer torque holds the turn [m^2/s^2];
+        cached."""
         if (lean, steer) not in self.squares:
             at = course(self.p, self.pose(lean, steer))[0]
             self.squares[lean, steer] = self.balance(lean, steer).held[0] * at**2
         return self.squares[lean, steer]
 
     def free(self, lean: float, steer: float) -> tuple[float, float]:
-        """(misfit, s^2) without hands: where the misfit is zero, one s^2 makes both accelerations vanish.
+        """Return (misfit, s^2) without hands: where the misfit is zero, one s^2 makes both accelerations vanish.
 
         The misfit is the cross product of the two columns over sin(steer), in (g/w)^2. The product alone would vanish
         for a straight wheel too, which makes no turn at any speed.
@@ -160,7 +165,8 @@ class TurnSolver:
         return self.misfits[lean, steer]
 
     def turn(self, lean: float, steer: float, square: float | None = None) -> "Turn":
-        """The steady turn with these angles: hands-free if the square of the scale is given, else with a steer torque.
+        """Return the steady turn with these angles: hands-free if the square of the scale is given, else with a steer
+        torque.
 
         Raises
         ------
@@ -183,7 +189,7 @@ class TurnSolver:
 
 
 class SteadyTurn(ABC):
-    """What ideal wheels and tyres have in common: a bicycle, its state, and a yaw rate that stays."""
+    """Base of turns on ideal wheels and on tyres: a bicycle, its state, and a constant yaw rate."""
 
     parameters: Parameters
     system: Bicycle
@@ -192,10 +198,10 @@ class SteadyTurn(ABC):
     @property
     @abstractmethod
     def yaw_rate(self) -> float:
-        """Yaw rate to the right [rad/s]."""
+        """Return the yaw rate to the right [rad/s]."""
 
     def ride(self, t_end: float | None = None, **settings: Any) -> Ride:
-        """Let it go on from here until ``t_end`` [s], None = for one round; settings as in `mbsd3d.simulate`."""
+        """Simulate the turn until ``t_end`` [s], None = for one round; settings as in `mbsd3d.simulate`."""
         if t_end is None and not self.yaw_rate:
             raise InputError(f"bicycle '{self.parameters.name}': without yaw rate no round ends this turn; give t_end")
         end = 2.0 * np.pi / abs(self.yaw_rate) if t_end is None else t_end
@@ -204,7 +210,7 @@ class SteadyTurn(ABC):
 
 @dataclass(frozen=True, eq=False)
 class Turn(SteadyTurn):
-    """A steady turn; angles, rates and torque are positive to the right."""
+    """Steady turn; angles, rates and torque are positive to the right."""
 
     parameters: Parameters
     lean: float  # [rad]
@@ -218,37 +224,39 @@ class Turn(SteadyTurn):
 
     @property
     def speed(self) -> float:
-        """Speed of the rear contact along its track [m/s]."""
+        """Return the speed of the rear contact along its track [m/s]."""
         return float(np.sqrt(self.square)) * self.direction[0]
 
     @property
     def yaw_rate(self) -> float:
-        """Yaw rate [rad/s]."""
+        """Return the yaw rate [rad/s]."""
         return float(np.sqrt(self.square)) * self.direction[1]
 
     @property
     def radius(self) -> float:
-        """Radius of the track of the rear wheel [m], positive in a turn to the right."""
+        """Return the radius of the track of the rear wheel [m], positive in a turn to the right."""
         return self.direction[0] / self.direction[1] if self.direction[1] else np.inf
 
     @cached_property
     def moment(self) -> Ride:
-        """One sample of this turn: ``.contacts`` are the forces of the ground, ``.friction`` the coefficient needed."""
+        """Return one sample of this turn: ``.contacts`` are the forces of the ground, ``.friction`` the coefficient
+        needed.
+        """
         return Ride(self.parameters, accelerations(self.system, self.state))
 
     @property
     def friction(self) -> float:
-        """Coefficient of friction that keeps both wheels from slipping."""
+        """Return the coefficient of friction that prevents slip of both wheels."""
         return self.moment.friction
 
     @property
     def load(self) -> float:
-        """Smaller of the two wheel loads [N]; below zero the turn does not exist."""
+        """Return the smaller of the two wheel loads [N]; below zero the turn does not exist."""
         return min(float(contact.normal[0]) for contact in self.moment.contacts.values())
 
     @cached_property
     def linearization(self) -> Linearization:
-        """Small motions about this turn: lean, steer, their rates, and the rate of the hub that turns faster."""
+        """Linearize the motion about this turn: lean, steer, their rates, and the rate of the hub that turns faster."""
         hubs = [f"{wheel} hub" for wheel in ("rear", "front")]
         rates = [abs(float(self.moment.solution.rate(hub)[0])) for hub in hubs]
         hub = self.system.part(hubs[int(np.argmax(rates))], "joints")
@@ -256,16 +264,20 @@ class Turn(SteadyTurn):
 
     @cached_property
     def eigenvalues(self) -> np.ndarray:
-        """(4,) [1/s], without the zero that belongs to the shift to a neighbouring turn at constant torque."""
+        """Return the eigenvalues [1/s], without the zero that belongs to the shift to a neighbouring turn at constant
+        torque, shape (4,).
+        """
         values = self.linearization.eigenvalues
         return np.delete(values, np.argmin(np.abs(values)))
 
     @property
     def growth(self) -> float:
-        """Largest real part of the eigenvalues [1/s]; never below zero at rest, where they come in pairs +-s."""
+        """Return the largest real part of the eigenvalues [1/s]; never below zero at rest, where they come in pairs
+        +-s.
+        """
         return float(self.eigenvalues.real.max())
 
     @property
     def stable(self) -> bool:
-        """True if small disturbances decay, except for a shift along the family of turns."""
+        """Return whether small disturbances decay, except for a shift along the family of turns."""
         return self.growth < 0.0

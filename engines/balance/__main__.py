@@ -1,4 +1,4 @@
-"""``python -m engines.balance``."""
+"""Entry point of ``python -m engines.balance``."""
 
 from engines.balance.cli import main
 

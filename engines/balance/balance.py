@@ -1,4 +1,4 @@
-"""One engine three ways: closed form, sum of planar models, whole engine in space."""
+"""Comparison of one engine by three methods: closed form, sum of planar models, whole engine in space."""
 
 from dataclasses import dataclass
 from itertools import combinations
@@ -10,7 +10,7 @@ from engines.balance import phasor, planar_sum, spatial
 from engines.balance.harmonics import Harmonics
 from engines.balance.layouts import Engine
 
-LIMIT = 1e-9  # of the scale: rounding of models with up to 26 bodies stays below 1e-12
+DISAGREEMENT_MAX = 1e-9  # [1] of the scale; rounding of models with up to 26 bodies stays below 1e-12
 
 
 @dataclass(frozen=True)
@@ -26,23 +26,26 @@ class Comparison:
 
     @property
     def scale(self) -> float:
-        """F_single and the weight of a cylinder [N]: the scale of rounding, also of a crank that hardly turns."""
+        """Return the sum of F_single and the weight of a cylinder [N], the scale of rounding even at low crank
+        speed."""
         return self.engine.single + phasor.mass(self.engine) * float(np.linalg.norm(self.gravity))
 
     @property
     def disagreement(self) -> float:
-        """Largest difference of two ways in any order and component, over the scale; moments over the spacing."""
+        """Return the largest difference of two methods in any order and component over the scale; moments over the
+        spacing.
+        """
         pairs = combinations(self.ways.values(), 2)
         return max(one.difference(other, self.engine.spacing) for one, other in pairs) / self.scale
 
     @property
     def agrees(self) -> bool:
-        """All three within LIMIT."""
-        return self.disagreement <= LIMIT
+        """Return whether all three methods agree within `DISAGREEMENT_MAX`."""
+        return self.disagreement <= DISAGREEMENT_MAX
 
 
 def compare(engine: Engine, orders: int = 6, *, gravity: Any = (0.0, 0.0), driver: str = "block") -> Comparison:
-    """Harmonics 0 ... ``orders`` of block load and driving torque three ways.
+    """Compute the harmonics 0 ... ``orders`` of block load and driving torque by three methods.
 
     ``engine``: of identical, centred cylinders; ``gravity`` (2,): in the plane of the cylinders [m/s^2]; ``driver``:
     where the driving torque reacts, "block" or "dyno". ValueError for an engine without the closed form, or at rpm 0.

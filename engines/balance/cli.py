@@ -15,11 +15,11 @@ MASSES = {
     "inertia": "rod_inertia",
     "piston": "piston_mass",
 }
-DISAGREE = 1  # exit code
+DISAGREEMENT_EXIT_CODE = 1  # of a process; methods disagree
 
 
 def masses(context: click.Context, option: click.Parameter, text: str | None) -> dict[str, float]:
-    """``crank=2,rod=4`` as fields of `Engine`."""
+    """Read ``crank=2,rod=4`` as fields of `Engine`."""
     found = {}
     for item in (text or "").split(","):
         name, _, number = item.partition("=")
@@ -59,7 +59,7 @@ def main(
     layout: str | None, masses: dict, gravity: Any, driver: str, gas: float | None, shafts: bool, sweep: bool,
     ways: bool, truth: bool, pages: str | None, **sizes: Any,
 ) -> None:  # fmt: skip
-    """Balance of the engine LAYOUT, or of all layouts: forces and moments on the block, order by order.
+    """Show the balance of the engine LAYOUT, or of all layouts: forces and moments on the block, order by order.
 
     A toy engine unless sizes are given: a crank of 1 m at 10 rpm. `mbsd3d nvh --list` has engines with real dimensions.
     Every figure is computed three ways: in closed form, as a sum of planar models, and from the reaction of the whole
@@ -83,11 +83,11 @@ def main(
     if not all(comparison.agrees for comparison in comparisons):
         wrong = ", ".join(c.engine.layout.name for c in comparisons if not c.agrees)
         click.echo(f"phasor, planar sum and spatial model disagree for {wrong}", err=True)
-        raise click.exceptions.Exit(DISAGREE)
+        raise click.exceptions.Exit(DISAGREEMENT_EXIT_CODE)
 
 
 def alone(switch: str, allowed: set[str]) -> None:
-    """Refuse options that `switch` does not use; it takes LAYOUT."""
+    """Raise a usage error for options that `switch`, which takes LAYOUT, does not use."""
     context = click.get_current_context()
     given = [
         option.opts[0]
@@ -100,7 +100,7 @@ def alone(switch: str, allowed: set[str]) -> None:
 
 
 def published(name: str | None) -> str:
-    """The truth table of the toy engines, or its rows about one layout."""
+    """Return the truth table of the toy engines, or its rows about one layout."""
     from engines.balance import report
     from engines.balance.layouts import layout
     from engines.balance.published import truth
@@ -116,19 +116,19 @@ def published(name: str | None) -> str:
 
 
 def written(folder: str, engines: list, gravity: Any, driver: str, gas: float | None) -> list:
-    """Write the pages, say where; the comparisons they show."""
+    """Write the pages, print their paths and return the comparisons they show."""
     from engines.balance.pages.site import write_pages
 
     if not folder:
         raise InputError("--pages '' names no folder; give one, or . for this one")
-    options = {} if gas is None else {"peak": gas}
+    options: dict[str, Any] = {} if gas is None else {"peak": gas}
     done = write_pages(folder, engines, gravity=gravity, driver=driver, **options)
     click.echo(done.index)
     return done.comparisons
 
 
 def tables(engines: list, gravity: Any, driver: str, gas: float | None, shafts: bool, sweep: bool, ways: bool) -> list:
-    """Show harmonics of one engine or of all, and the studies asked for; the comparisons shown."""
+    """Print harmonics of one engine or of all, and the requested studies; return the comparisons shown."""
     from engines.balance import report
     from engines.balance.balance import compare
 
@@ -156,7 +156,7 @@ def tables(engines: list, gravity: Any, driver: str, gas: float | None, shafts: 
 
 
 def show(comparison: Any) -> None:
-    """One engine: components three ways, turning vectors, and how well the ways agree."""
+    """Print one engine: components by three methods, rotating vectors, and how well the methods agree."""
     from engines.balance import report
     from engines.balance.gas import firing_order
 

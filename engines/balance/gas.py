@@ -1,4 +1,4 @@
-"""Gas forces of a four-stroke engine: in the pistons of the spatial model, and their harmonics.
+"""Gas forces of a four-stroke engine: on the pistons of the spatial model, and their harmonics.
 
 The gas pushes the piston of cylinder i towards the crank with ``f(psi)`` and the head of the block as hard the other
 way, psi being the crank angle since the cylinder fired, 0 <= psi < 4 pi. Piston and head together give no force and no
@@ -24,33 +24,33 @@ from mbsd3d import Force, System, Table
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
-CYCLE = 4 * np.pi
-SEARCHED = 16  # cylinders: each doubles the number of firing orders
+CYCLE_ANGLE = 4 * np.pi  # [rad] of a four-stroke cycle
+SEARCHED_CYLINDERS_MAX = 16  # [1] cylinders; each doubles the number of firing orders
 
 
 class FiringOrderError(InputError):
-    """None is known for a layout."""
+    """Error for a layout without a known firing order."""
 
 
 Gas = Callable[[np.ndarray], np.ndarray]
 
 
 def half_sine(peak: float = 10e3) -> Gas:
-    """f(psi) of a half sine over the power stroke [N]; psi is counted from firing [rad], any array.
+    """Return the function f(psi) of a half sine over the power stroke [N]; psi is counted from firing [rad], any array.
 
     ValueError if the peak is not positive.
     """
     peak = number(peak, "gas: peak", positive=True)
 
     def force(psi: np.ndarray) -> np.ndarray:
-        psi = np.asarray(psi) % CYCLE
+        psi = np.asarray(psi) % CYCLE_ANGLE
         return np.where(psi < np.pi, peak * np.sin(psi), 0.0)
 
     return force
 
 
 def half_sine_phasors(peak: float, halves: int) -> np.ndarray:
-    """f_0 ... f_halves of the half sine over orders 0, 1/2, 1 ... of crank speed [N]."""
+    """Return the phasors f_0 ... f_halves of the half sine over orders 0, 1/2, 1 ... of crank speed [N]."""
     m = np.arange(halves + 1)
     with np.errstate(divide="ignore", invalid="ignore"):
         f = peak * (1 + np.exp(-0.5j * np.pi * m)) / (2 * np.pi * (1 - m**2 / 4))
@@ -61,7 +61,7 @@ def half_sine_phasors(peak: float, halves: int) -> np.ndarray:
 
 
 def firing_angles(layout: Layout) -> np.ndarray:
-    """(n,) crank angles at which the cylinders fire, top dead centres in [0, 720) [degrees].
+    """Return the crank angles at which the cylinders fire, top dead centres in [0, 720) [degrees], shape (n,).
 
     The firing order of the layout, if the crank can do it and no other is more even; else the most even one. (Of the
     data file, the orders of I3 and I6 belong to cranks that turn the other way; those of V8_cross and
@@ -71,7 +71,7 @@ def firing_angles(layout: Layout) -> np.ndarray:
     """
     top = -np.array(layout.phases) % 360.0
     given = ordered(layout, top)
-    if top.size > SEARCHED:
+    if top.size > SEARCHED_CYLINDERS_MAX:
         if given is None:
             raise FiringOrderError(
                 f"layout '{layout.name}': {top.size} cylinders; give a firing_order that its crank can do"
@@ -85,14 +85,14 @@ def firing_angles(layout: Layout) -> np.ndarray:
 
 
 def unevenness(angles: np.ndarray) -> np.ndarray:
-    """Mean square of the gaps between firings, (choices, n) -> (choices,)."""
+    """Return the mean square of the gaps between firings [degrees^2], (choices, n) -> (choices,)."""
     inorder = np.sort(angles, axis=1)
     gaps = np.diff(np.column_stack([inorder, inorder[:, 0] + 720.0]), axis=1)
     return np.mean(gaps**2, axis=1)
 
 
 def ordered(layout: Layout, top: np.ndarray) -> np.ndarray | None:
-    """Angles of the layout's own firing order, or None if it takes more than two turns."""
+    """Return the angles of the layout's own firing order [degrees], or None if the order takes more than two turns."""
     if layout.firing_order is None:
         return None
     order = [int(cylinder) - 1 for cylinder in layout.firing_order.split("-")]
@@ -104,25 +104,27 @@ def ordered(layout: Layout, top: np.ndarray) -> np.ndarray | None:
 
 
 def firing_order(layout: Layout) -> str:
-    """The order of `firing_angles` from cylinder 1 on, such as "1-3-4-2"."""
+    """Return the firing order from cylinder 1 on, such as "1-3-4-2"."""
     order = np.argsort(np.round(firing_angles(layout), 6), kind="stable")
     return "-".join(str(i + 1) for i in np.roll(order, -int(np.flatnonzero(order == 0)[0])))
 
 
 def force_phasors(engine: Engine, peak: float, halves: int) -> np.ndarray:
-    """Half sines on all pistons, summed as if they pushed the same way: orders 0, 1/2 ... halves / 2 [N]."""
+    """Return the sum of the half sines on all pistons as if they were parallel, orders 0, 1/2 ... halves / 2 [N]."""
     fired = np.radians(firing_angles(engine.layout))
     delay = np.exp(-0.5j * np.outer(np.arange(halves + 1), fired))
     return half_sine_phasors(peak, halves) * delay.sum(axis=1)
 
 
 def forces(engine: Engine, gas: Gas, angle: np.ndarray) -> np.ndarray:
-    """(samples, n) gas force on each piston, towards the crank, at the crank angles q [rad]."""
+    """Return the gas force on each piston, towards the crank, at the crank angles q [rad], shape (samples, n)."""
     return gas(np.asarray(angle)[:, None] - np.radians(firing_angles(engine.layout)))
 
 
 def torque(engine: Engine, gas: Gas, angle: np.ndarray) -> np.ndarray:
-    """(samples,) torque of the gas on the crank, ``-sum f_i s'(q_i)`` with s the place of the piston [N m]."""
+    """Return the torque of the gas on the crank [N m], ``-sum f_i s'(q_i)`` with s the position of the piston, shape
+    (samples,).
+    """
     q = np.asarray(angle)[:, None] + np.radians(engine.layout.phases)
     R, across = engine.radius, engine.radius * np.sin(q) - engine.offset
     slope = -R * np.sin(q) - across * R * np.cos(q) / np.sqrt(engine.rod_length**2 - across**2)
@@ -130,7 +132,7 @@ def torque(engine: Engine, gas: Gas, angle: np.ndarray) -> np.ndarray:
 
 
 def with_gas(system: System, engine: Engine, gas: Gas, count: int) -> System:
-    """The engine of `spatial.build` with gas forces for two turns, exact at ``count`` times per turn.
+    """Add gas forces for two turns to the engine of `spatial.build`, exact at ``count`` times per turn.
 
     Run it with ``spatial.turn(system, engine, turns=2, count=count)``, or a divisor of the count.
     """

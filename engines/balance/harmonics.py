@@ -1,4 +1,4 @@
-"""Harmonics of the load on a block: what every one of the three ways returns, and how it turns.
+"""Harmonics of the load on a block, the common result of all three methods, and their direction of rotation.
 
 A phasor c_n means ``Re(c_n exp(i n q))``. A load in the plane of x and y is the sum of a vector that turns with
 the crank and one that turns against it, n times as fast:
@@ -24,26 +24,26 @@ class Harmonics:
 
     @property
     def forward(self) -> np.ndarray:
-        """(orders + 1, 2) complex: forces [N] and couples [N m] that turn with the crank."""
+        """Return the forces [N] and couples [N m] that turn with the crank, complex, shape (orders + 1, 2)."""
         return turning(self.force, self.moment, 1)
 
     @property
     def backward(self) -> np.ndarray:
-        """(orders + 1, 2) complex: forces and couples that turn against the crank."""
+        """Return the forces [N] and couples [N m] that turn against the crank, complex, shape (orders + 1, 2)."""
         return turning(self.force, self.moment, -1)
 
     def difference(self, other: "Harmonics", length: float) -> float:
-        """Largest difference of any component and order [N]; moments are divided by ``length`` [m]."""
+        """Return the largest difference of any component and order [N]; moments are divided by ``length`` [m]."""
         parts = (self.force - other.force, (self.moment - other.moment) / length, (self.torque - other.torque) / length)
         return max(float(np.abs(part).max()) for part in parts)
 
 
 def turning(force: np.ndarray, moment: np.ndarray, direction: int) -> np.ndarray:
-    """(X + i Y) / 2 of force and moment, or (X - i Y) / 2 for direction -1."""
+    """Return (X + i Y) / 2 of force [N] and moment [N m], or (X - i Y) / 2 for direction -1."""
     return np.stack([(part[:, 0] + 1j * direction * part[:, 1]) / 2 for part in (force, moment)], axis=-1)
 
 
 def half_axes(forward: np.ndarray, backward: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Long and short half axis of the ellipse of a harmonic."""
+    """Return the long and the short half axis of the ellipse of a harmonic [N or N m]."""
     a, b = np.abs(forward), np.abs(backward)
     return a + b, np.abs(a - b)

@@ -1,4 +1,4 @@
-"""Layouts of reciprocating engines, and the engine that a layout and the masses of its cylinders make.
+"""Layouts of reciprocating engines, and engines as a layout with the masses of its cylinders.
 
 The crankshaft turns about z by ``q = w t``. At q = 0 crankpin i points along ``pins[i]`` and bore i along ``bores[i]``,
 angles from x towards y; cylinder i works in the plane z = ``stations[i]``. The 24 layouts of references/engine.json:
@@ -21,15 +21,15 @@ import numpy as np
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
-CYLINDERS = 48  # at most
+CYLINDERS_MAX = 48  # [1] cylinders of an engine
 DATA = Path(__file__).parents[1] / "references" / "engine.json"
-MOST = 600  # samples of a turn: R/L = 0.998
-FOLD = 1e-13  # of an order that sampling may fold back, relative to the force of one cylinder
+SAMPLES_MAX = 600  # [1] samples of a turn; enough for R/L = 0.998
+ALIASING_SHARE_MAX = 1e-13  # [1] of the force of one cylinder: part of an order that sampling may alias
 
 
 @dataclass(frozen=True)
 class Layout:
-    """Where the cylinders of an engine are and how its crank is bent.
+    """Positions of the cylinders of an engine and angles of its crankpins.
 
     ``name, title``: short name, and what it is; ``pins, bores`` (n,): directions of crankpins at q = 0 and of bores
     [degrees], from x towards y; ``stations`` (n,): z of the cylinders [m]; ``bank_angle``: between the banks [degrees];
@@ -57,8 +57,10 @@ class Layout:
         what = f"layout '{self.name}'"
         for field in ("pins", "bores", "stations"):
             given = getattr(self, field)
-            if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray) or len(given) > CYLINDERS:
-                raise InputError(f"{what}: {field} {given!r:.80}; give a list, one a cylinder, of at most {CYLINDERS}")
+            if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray) or len(given) > CYLINDERS_MAX:
+                raise InputError(
+                    f"{what}: {field} {given!r:.80}; give a list, one a cylinder, of at most {CYLINDERS_MAX}"
+                )
             values = tuple(number(x, f"{what}: {field}[{i}]") for i, x in enumerate(given))
             object.__setattr__(self, field, values)
         counts = {field: len(getattr(self, field)) for field in ("pins", "bores", "stations")}
@@ -73,23 +75,23 @@ class Layout:
 
     @property
     def phases(self) -> tuple[float, ...]:
-        """Crank angle of each cylinder from its own bore at q = 0, pin - bore, in [0, 360) [degrees]."""
+        """Return the crank angle of each cylinder from its own bore at q = 0, pin - bore, in [0, 360) [degrees]."""
         return tuple((pin - bore) % 360.0 for pin, bore in zip(self.pins, self.bores, strict=True))
 
 
 @cache
 def data() -> dict[str, Any]:
-    """The file of toy engines and published figures."""
+    """Return the content of the file of toy engines and published figures."""
     return json.loads(DATA.read_text(encoding="utf-8"))
 
 
 def names() -> tuple[str, ...]:
-    """Names of all layouts of the data file."""
+    """Return the names of all layouts of the data file."""
     return tuple(data()["configurations"])
 
 
 def layout(name: str) -> Layout:
-    """A layout of the data file, by its name or by the one it was published under.
+    """Return a layout of the data file by its name or by its published name.
 
     ValueError if the name is unknown; it lists the names.
 
@@ -116,7 +118,7 @@ def layout(name: str) -> Layout:
 
 @dataclass(frozen=True)
 class Engine:
-    """A layout with dimensions, masses and speed; the numbers unless given are those of the toy engine (toy_set_1).
+    """Layout with dimensions, masses and speed; the default numbers are those of the toy engine (toy_set_1).
 
     ``layout``: or a name of the data file; ``rpm``: crank speed [1/min] >= 0; harmonics need one above 0;
     ``radius, rod_length``: crank radius R and rod length L > R [m]; ``crank_mass, crank_centre``: of the throw of one
@@ -164,22 +166,22 @@ class Engine:
 
     @property
     def pistons(self) -> tuple[float, ...]:
-        """Mass of each piston [kg]."""
+        """Return the mass of each piston [kg]."""
         return tuple(np.broadcast_to(np.asarray(self.piston_mass, dtype=float), len(self.layout.pins)).tolist())
 
     @property
     def stations(self) -> np.ndarray:
-        """(n,) z of the cylinders [m]."""
+        """Return the z of the cylinders [m], shape (n,)."""
         return np.array(self.layout.stations) * (self.spacing / self.layout.spacing)
 
     @property
     def ends(self) -> tuple[float, float]:
-        """z of the first and the last main bearing [m], half a spacing beyond the cylinders."""
+        """Return z of the first and the last main bearing [m], half a spacing beyond the cylinders."""
         return float(self.stations.min() - self.spacing / 2), float(self.stations.max() + self.spacing / 2)
 
     @property
     def rate(self) -> float:
-        """Crank speed w [rad/s], above 0.
+        """Return the crank speed w [rad/s], above 0.
 
         ValueError if the engine stands still: nothing is periodic then.
         """
@@ -189,7 +191,7 @@ class Engine:
 
     @property
     def single(self) -> float:
-        """F_single, the 1x force along the bore of one cylinder, ``w^2 (m_c |r_c| + (m_r + m_p) R)`` [N].
+        """Return F_single, the 1x force along the bore of one cylinder, ``w^2 (m_c |r_c| + (m_r + m_p) R)`` [N].
 
         (A throw with a counterweight, r_c < 0, counts as if it had none: this is the scale of rounding.)
         """
@@ -197,18 +199,19 @@ class Engine:
         return self.rate**2 * swung
 
     def samples(self, orders: int = 6) -> int:
-        """Samples of a turn, a multiple of 12, that fold nothing above FOLD onto the orders up to ``orders``.
+        """Return the number of samples of a turn, a multiple of 12, without aliasing above `ALIASING_SHARE_MAX` onto
+        orders up to ``orders``.
 
         The order n of a slider-crank falls like nu^n, nu = lam / (1 + sqrt(1 - lam^2)), lam = (R + offset) / L.
 
         ValueError if the rod is hardly longer than the crank, so that more than MOST would be needed.
         """
         lam = (self.radius + abs(self.offset)) / self.rod_length
-        last = min(np.log(FOLD) / np.log(lam / (1 + np.sqrt(1 - lam**2))), 1e9)
+        last = min(np.log(ALIASING_SHARE_MAX) / np.log(lam / (1 + np.sqrt(1 - lam**2))), 1e9)
         count = 12 * int(np.ceil((orders + max(last, orders + 1)) / 12))
-        if count > MOST:
+        if count > SAMPLES_MAX:
             raise InputError(
                 f"engine '{self.layout.name}': rod_length {self.rod_length:.9g} m hardly exceeds the crank: its orders "
-                f"fall so slowly that a turn takes {count} samples, above {MOST}; give a longer rod"
+                f"fall so slowly that a turn takes {count} samples, above {SAMPLES_MAX}; give a longer rod"
             )
         return count

@@ -1,4 +1,4 @@
-"""What the parts of an engine look like; drawn only, never computed with. Lengths follow crank radius and spacing."""
+"""Shapes of the parts of an engine, for drawings only. Lengths follow crank radius and spacing."""
 
 from dataclasses import replace
 from typing import Any
@@ -12,13 +12,15 @@ STEEL, ROD, PISTON, CASE = "#8a939c", "#c46a2b", "#2f6f9f", "#9aa3ab"
 
 
 def width(engine: Engine) -> float:
-    """Room of one throw along the crank [m]: of the closest two stations, at most the crank radius."""
+    """Return the length of one throw along the crank [m]: the smallest distance of two stations, at most the crank
+    radius.
+    """
     gaps = np.diff(np.unique(np.round(engine.stations, 9)))
     return float(min([engine.radius, engine.spacing, *gaps]))
 
 
 def bore_radius(engine: Engine) -> float:
-    """Radius of a piston [m]; bores of one bank are a spacing apart."""
+    """Return the radius of a piston [m]; bores of one bank are a spacing apart."""
     same = [
         abs(a - b)
         for a, u in zip(engine.stations, engine.layout.bores, strict=True)
@@ -29,14 +31,15 @@ def bore_radius(engine: Engine) -> float:
 
 
 def pictured(engine: Engine) -> Engine:
-    """The engine with bores as far apart as its pistons need; the toy engine has a stroke of 20 bore spacings."""
+    """Return the engine with bores as far apart as its pistons need; the toy engine has a stroke of 20 bore
+    spacings."""
     gaps = np.diff(np.unique(np.round(engine.stations, 9)))
     closest = float(gaps.min()) if gaps.size else engine.spacing
     return replace(engine, spacing=engine.spacing * 1.4 * engine.radius / closest)
 
 
 def crank(engine: Engine, places: list[Any]) -> list[shapes.Shape]:
-    """Main journals along z between the throws; of each throw two webs and a pin."""
+    """Draw the crank: main journals along z between the throws, and two webs and a pin of each throw."""
     thick, wide = 0.09 * engine.radius, width(engine)
     low, high = engine.ends
     stations = np.unique(np.round(engine.stations, 9))
@@ -57,7 +60,7 @@ def crank(engine: Engine, places: list[Any]) -> list[shapes.Shape]:
 
 
 def rod(engine: Engine) -> list[shapes.Shape]:
-    """A beam between two eyes; body axes: x from crankpin to wristpin, O at the centre of mass."""
+    """Draw a rod as a beam between two eyes; body axes: x from crankpin to wristpin, O at the centre of mass."""
     L, f, wide = engine.rod_length, engine.rod_fraction, width(engine)
     beam = (L, 0.12 * engine.radius, 0.2 * wide)
     return [
@@ -68,13 +71,15 @@ def rod(engine: Engine) -> list[shapes.Shape]:
 
 
 def piston(engine: Engine, bore: np.ndarray) -> shapes.Shape:
-    """A cylinder along its bore, the wristpin in its lower half."""
+    """Draw a piston as a cylinder along its bore, the wristpin in its lower half."""
     height = 0.55 * engine.radius
     return shapes.Cylinder(bore_radius(engine), height, tuple(bore), at=0.15 * height * bore, colour=PISTON)
 
 
 def block(engine: Engine, places: list[Any]) -> shapes.Shape:
-    """Lines: the bores as two rings each, and the crank axis; axes of the bores pass the crank at the offset."""
+    """Draw the block as lines: two rings for each bore, and the crank axis; the axes of the bores pass the crank at the
+    offset.
+    """
     angle, radius = np.linspace(0, 2 * np.pi, 33), bore_radius(engine)
     low, high = engine.ends
     strokes = [np.array([(0, 0, low - 0.3 * engine.radius), (0, 0, high + 0.3 * engine.radius)])]
@@ -89,12 +94,12 @@ def block(engine: Engine, places: list[Any]) -> shapes.Shape:
 
 
 def dyno(engine: Engine) -> shapes.Shape:
-    """A disc."""
+    """Draw the dynamometer as a disc."""
     return shapes.Disc(0.6 * engine.radius, 0.3 * engine.spacing, colour=CASE)
 
 
 def shaft(engine: Engine, planes: np.ndarray, angles: np.ndarray) -> list[shapes.Shape]:
-    """A thin shaft along z with a weight in each plane, on the side of its angle [rad]; O on the shaft's axis."""
+    """Draw a thin shaft along z with a weight in each plane at its angle [rad]; O lies on the axis of the shaft."""
     low, high = engine.ends
     parts = [shapes.Cylinder(0.05 * engine.radius, high - low, "z", at=(0, 0, (low + high) / 2), colour=STEEL)]
     for z, angle in zip(planes, angles, strict=True):

@@ -29,11 +29,11 @@ import numpy as np
 from engines.balance.harmonics import Harmonics
 from mbsd3d.errors import InputError
 
-SMALLEST = 1e-18  # of the series, relative to their first terms
+SERIES_TERM_RATIO_MIN = 1e-18  # [1] of the first term of a series; smaller terms are left out
 
 
 def series(lam: float, power: float, count: int) -> np.ndarray:
-    """Coefficients c_0, c_2, c_4 ... of (1 - lam^2 sin^2 q)^power.
+    """Return the coefficients c_0, c_2, c_4 ... of (1 - lam^2 sin^2 q)^power.
 
     ``lam``: R / L, 0 < lam < 1; ``power``: p, below 1; not a natural number; ``count``: number of coefficients. Returns
     (count,).
@@ -42,11 +42,11 @@ def series(lam: float, power: float, count: int) -> np.ndarray:
 
 
 def _coefficient(lam: float, power: float, k: int) -> float:
-    """c_2k; each term of its series follows from the one before, all have one sign from the second on."""
+    """Return c_2k; each term of its series follows from the one before, and all have one sign from the second on."""
     term, total, j = (1.0 if k == 0 else 2.0) * (lam / 2) ** (2 * k), 0.0, k
     for i in range(k):
         term *= (power - i) / (i + 1)
-    while abs(term) > SMALLEST * abs(total):
+    while abs(term) > SERIES_TERM_RATIO_MIN * abs(total):
         total += term
         term *= lam**2 * (j - power) * (2 * j + 1) / (2 * (j + 1 - k) * (j + 1 + k))
         j += 1
@@ -57,7 +57,7 @@ def block_load(
     engine: Any, orders: int = 6, *, article: bool = False, across: bool = True, gravity: Any = (0.0, 0.0),
     dyno: bool = False,
 ) -> Harmonics:  # fmt: skip
-    """Load of all moving parts on the block, and the torque that keeps the crank at constant speed.
+    """Compute the load of all moving parts on the block, and the torque that keeps the crank at constant speed.
 
     ``engine``: identical cylinders without offset; ``orders``: highest harmonic; ``article``: true leaves out m_c w^2
     r_c, the centripetal force of the crank, as the published figures did; ``across``: false leaves out the force at
@@ -85,7 +85,7 @@ def block_load(
 
 
 def check_lemma(engine: Any) -> None:
-    """ValueError unless all cylinders are alike and centred."""
+    """Raise ValueError unless all cylinders are alike and centred."""
     what = f"phasor of engine '{engine.layout.name}'"
     if len(set(engine.pistons)) > 1:
         light, heavy = min(engine.pistons), max(engine.pistons)
@@ -95,34 +95,34 @@ def check_lemma(engine: Any) -> None:
 
 
 def terms(engine: Any, orders: int) -> int:
-    """Highest order to be kept: coefficients fall like nu^n with nu = lam / (1 + sqrt(1 - lam^2))."""
+    """Return the highest order to keep: coefficients fall like nu^n with nu = lam / (1 + sqrt(1 - lam^2))."""
     lam = engine.radius / engine.rod_length
-    return orders + int(np.log(SMALLEST) / np.log(lam / (1 + np.sqrt(1 - lam**2)))) + 2
+    return orders + int(np.log(SERIES_TERM_RATIO_MIN) / np.log(lam / (1 + np.sqrt(1 - lam**2)))) + 2
 
 
 def mass(engine: Any) -> float:
-    """Mass of all moving parts of one cylinder [kg]."""
+    """Return the mass of all moving parts of one cylinder [kg]."""
     return engine.crank_mass + engine.rod_mass + engine.pistons[0]
 
 
 def reciprocating(engine: Any) -> float:
-    """m_rec [kg]."""
+    """Return the reciprocating mass m_rec of a cylinder [kg]."""
     return engine.pistons[0] + engine.rod_fraction * engine.rod_mass
 
 
 def turning(engine: Any, crank: bool) -> float:
-    """U, with or without the crank [kg m]."""
+    """Return the rotating first moment U of a throw, with or without the crank [kg m]."""
     return crank * engine.crank_mass * engine.crank_centre + (1 - engine.rod_fraction) * engine.rod_mass * engine.radius
 
 
 def defect(engine: Any) -> float:
-    """J [kg m^2]."""
+    """Return the defect of inertia J of a rod against two point masses [kg m^2]."""
     f = engine.rod_fraction
     return engine.rod_inertia - f * (1 - f) * engine.rod_mass * engine.rod_length**2
 
 
 def place(engine: Any, size: int) -> np.ndarray:
-    """(size,) coefficients of s, from the crank axis to the wristpin [m]."""
+    """Return the Fourier coefficients of s, from the crank axis to the wristpin [m], shape (size,)."""
     s = np.zeros(size)
     s[::2] = engine.rod_length * series(engine.radius / engine.rod_length, 0.5, s[::2].size)
     s[1] = engine.radius
@@ -130,7 +130,7 @@ def place(engine: Any, size: int) -> np.ndarray:
 
 
 def first_moment(engine: Any, phase: np.ndarray, axes: tuple, turning: float, across: bool = True) -> np.ndarray:
-    """P of every cylinder, (cylinders, size, 2) phasors, world axes [kg m]."""
+    """Return the first moments P of every cylinder as phasors, world axes [kg m], shape (cylinders, size, 2)."""
     along, sideways = reciprocating(engine) * place(engine, phase.shape[1]), np.zeros(phase.shape[1], dtype=complex)
     along[1] += turning
     sideways[1] = -1j * turning * across
@@ -139,7 +139,7 @@ def first_moment(engine: Any, phase: np.ndarray, axes: tuple, turning: float, ac
 
 
 def swing_acceleration(engine: Any, size: int) -> np.ndarray:
-    """Phasors of phi'', from phi' = lam cos q sum_k c_2k cos 2 k q with p = -1/2."""
+    """Return the phasors of phi'', from phi' = lam cos q sum_k c_2k cos 2 k q with p = -1/2."""
     lam = engine.radius / engine.rod_length
     c = series(lam, -0.5, size // 2 + 1)
     c[0] *= 2
@@ -149,7 +149,7 @@ def swing_acceleration(engine: Any, size: int) -> np.ndarray:
 
 
 def energy(engine: Any, size: int) -> np.ndarray:
-    """Phasors of (m_rec s'^2 + J phi'^2) / 2 [kg m^2]."""
+    """Return the phasors of the kinetic energy (m_rec s'^2 + J phi'^2) / 2 [kg m^2]."""
     lam, n = engine.radius / engine.rod_length, np.arange(size)
     swing = np.zeros(size)
     swing[::2] = -(1 - lam**2) * series(lam, -1.0, swing[::2].size)
@@ -158,7 +158,7 @@ def energy(engine: Any, size: int) -> np.ndarray:
 
 
 def square(c: np.ndarray) -> np.ndarray:
-    """Phasors of the square of a signal, up to its own highest order."""
+    """Return the phasors of the square of a signal, up to its own highest order."""
     both = np.concatenate([np.conj(c[:0:-1]), [2 * c[0]], c[1:]]) / 2
     product = np.convolve(both, both)[both.size - 1 :][: c.size]
     return np.concatenate([product[:1], 2 * product[1:]])

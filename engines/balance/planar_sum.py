@@ -1,4 +1,4 @@
-"""The same load from planar models alone: one slider-crank per cylinder, summed over the planes they work in.
+"""Load on the block from planar models alone: one slider-crank per cylinder, summed over their planes.
 
 Cylinder i of the plane z_i loads the block with the reactions of bearing, bore and driver turned round, (F_x, F_y)
 and C about the crank axis. The sum of planes is
@@ -14,7 +14,8 @@ from engines.balance.layouts import Engine
 
 
 def build(engine: Engine, i: int, gravity: tuple[float, float] = (0.0, 0.0)) -> planar.System:
-    """Cylinder i (from 0) as a planar mechanism at q = 0: "crank", "rod", "piston"; "bearing", "bore", "motor"."""
+    """Build cylinder i (from 0) as a planar mechanism at q = 0: "crank", "rod", "piston"; "bearing", "bore",
+    "motor"."""
     alpha, beta = np.radians(engine.layout.pins[i]), np.radians(engine.layout.bores[i])
     u, v = np.array([np.cos(beta), np.sin(beta)]), np.array([-np.sin(beta), np.cos(beta)])
     R, L, e = engine.radius, engine.rod_length, engine.offset
@@ -37,7 +38,9 @@ def build(engine: Engine, i: int, gravity: tuple[float, float] = (0.0, 0.0)) -> 
 
 
 def plane_load(solution: planar.Solution) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(force (samples, 2) [N], couple about the crank axis [N m]) of one cylinder on the block; its driving torque."""
+    """Return force (samples, 2) [N] and couple about the crank axis [N m] of one cylinder on the block, and its driving
+    torque [N m].
+    """
     bearing, bore, torque = solution.reaction("bearing"), solution.reaction("bore"), solution.effort("motor")
     lever = bore.point[:, 0] * bore.force[:, 1] - bore.point[:, 1] * bore.force[:, 0]
     return (-bearing.force - bore.force, -(lever + bore.moment + torque), torque)
@@ -51,7 +54,7 @@ def harmonics(
     gravity: tuple[float, float] = (0.0, 0.0),
     dyno: bool = False,
 ) -> Harmonics:
-    """Harmonics 0 ... ``orders`` of the sum of planes.
+    """Compute the harmonics 0 ... ``orders`` of the sum of planar models.
 
     ``article``: true drops the velocity-quadratic term m w x (w x s), as the published planar solver did: of the crank,
     since rod and piston are described about their centres of mass; ``gravity`` (2,): [m/s^2]; ``dyno``: the
@@ -70,7 +73,7 @@ def harmonics(
 
 
 def projected(values: np.ndarray, orders: int) -> np.ndarray:
-    """Phasors ``c_n = (2 / N) sum_k values_k exp(-2 pi i n k / N)``, half of it for n = 0, of one turn."""
+    """Return the phasors ``c_n = (2 / N) sum_k values_k exp(-2 pi i n k / N)``, half of it for n = 0, of one turn."""
     turn = np.outer(np.arange(orders + 1), np.arange(len(values))) / len(values)
     c = 2 / len(values) * np.tensordot(np.exp(-2j * np.pi * turn), values, axes=1)
     c[0] /= 2

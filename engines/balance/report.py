@@ -14,8 +14,18 @@ from engines.balance.published.claims import Row
 from engines.balance.published.truth import single
 from engines.balance.spectrum import spectrum
 
-NOISE = 1e-9  # of F_single and weight: smaller amplitudes are rounding and shown as 0
-WORDS = {"layout", "harmonic", "turning", "unit", "figure", "verdict", "shafts", "single cylinder", "unbalances [kg m]"}
+AMPLITUDE_ROUNDING = 1e-9  # [1] of F_single and weight; smaller amplitudes are rounding and shown as 0
+WORD_COLUMNS = {
+    "layout",
+    "harmonic",
+    "turning",
+    "unit",
+    "figure",
+    "verdict",
+    "shafts",
+    "single cylinder",
+    "unbalances [kg m]",
+}
 PUBLISHED = {
     ("single", "force", 1): 9.87, ("single", "force", 2): 4.111, ("single", "force", 4): 0.295,
     ("I3", "couple", 1): 1.71, ("I4", "force", 2): 16.44, ("I4", "force", 4): 1.18,
@@ -25,8 +35,8 @@ PUBLISHED = {
     ("boxer4_face_to_face", "couple", 1): 0.0, ("boxer4_face_to_face", "couple", 2): 0.0,
 }  # fmt: skip
 """Published amplitudes of the toy engine; the truth table says what is wrong with some of them."""
-COUNT = 720  # samples of a turn with gas: its kinks fold back (order / COUNT)^2
-LENGTHS = (1.5, 2.0, 3.0, 4.0)  # rod lengths over the crank radius
+GAS_TURN_SAMPLES = 720  # [1] samples of a turn with gas; the kinks of the gas force alias as (order / count)^2
+ROD_LENGTH_RATIOS = (1.5, 2.0, 3.0, 4.0)  # [1] rod lengths over the crank radius
 WAYS = {"forward": (1,), "backward": (-1,), "both": (1, -1)}
 
 
@@ -37,10 +47,10 @@ class Table(NamedTuple):
     rows: list[list[str]]
 
     def __str__(self) -> str:
-        """Columns side by side; words to the left, numbers to the right."""
+        """Return the table with aligned columns; words to the left, numbers to the right."""
         lines = [self.header, *self.rows]
         widths = [max(len(line[k]) for line in lines) for k in range(len(self.header))]
-        sides = [str.ljust if name in WORDS else str.rjust for name in self.header]
+        sides = [str.ljust if name in WORD_COLUMNS else str.rjust for name in self.header]
         return "\n".join(
             "  ".join(side(cell, width) for side, cell, width in zip(sides, line, widths, strict=True)).rstrip()
             for line in lines
@@ -48,30 +58,33 @@ class Table(NamedTuple):
 
     @property
     def filled(self) -> "Table":
-        """Without the columns that hold no text."""
+        """Return the table without empty columns."""
         kept = [k for k in range(len(self.header)) if any(row[k] for row in self.rows)]
         return Table([self.header[k] for k in kept], [[row[k] for k in kept] for row in self.rows])
 
 
 def amplitudes(h: Harmonics) -> dict[str, np.ndarray]:
-    """Amplitudes of force and couple (long half axes), torque reaction and driving torque, (orders + 1,) each."""
+    """Return the amplitudes of force and couple (long half axes), torque reaction and driving torque, (orders + 1,)
+    each.
+    """
     turned = [half_axes(h.forward[:, k], h.backward[:, k])[0] for k in (0, 1)]
     return dict(force=turned[0], couple=turned[1], reaction=np.abs(h.moment[:, 2]), torque=np.abs(h.torque))
 
 
-def value(x: float | None, noise: float = NOISE) -> str:
-    """Six digits, nothing for None, 0 for rounding."""
+def value(x: float | None, noise: float = AMPLITUDE_ROUNDING) -> str:
+    """Format a value: six digits, nothing for None, 0 for rounding."""
     return "" if x is None else "0" if abs(x) < noise else f"{x:.6g}"
 
 
 def ways(comparison: Comparison) -> Table:
-    """Every order and quantity three ways and as published; what is 0 all ways and not published is left out.
+    """Tabulate every order and quantity by three methods and as published, without rows of zeros that are not
+    published.
 
     Force and couple are long half axes; figures were published for the toy engine only.
     """
     engine = comparison.engine
     toy = engine == Engine(engine.layout.name) if engine.layout.name in names() else False
-    found, noise = [], NOISE * comparison.scale
+    found, noise = [], AMPLITUDE_ROUNDING * comparison.scale
     every = {way: amplitudes(h) for way, h in comparison.ways.items()}
     for quantity, unit in (("force", "N"), ("couple", "N m"), ("reaction", "N m"), ("torque", "N m")):
         for order in range(1, every["phasor"][quantity].size):
@@ -84,8 +97,8 @@ def ways(comparison: Comparison) -> Table:
 
 
 def components(comparison: Comparison) -> Table:
-    """Amplitudes of the components of the block load, three ways, and their largest difference."""
-    noise, found = NOISE * comparison.scale, []
+    """Tabulate the amplitudes of the components of the block load by three methods, and their largest difference."""
+    noise, found = AMPLITUDE_ROUNDING * comparison.scale, []
     names = ("F_x", "F_y", "F_z", "M_x", "M_y", "M_z", "T")
     for order in range(1, len(comparison.ways["phasor"].torque)):
         stacked = [np.array([*h.force[order], *h.moment[order], h.torque[order]]) for h in comparison.ways.values()]
@@ -97,8 +110,8 @@ def components(comparison: Comparison) -> Table:
 
 
 def turning(comparison: Comparison) -> Table:
-    """Forces and couples as vectors that turn with the crank and against it, and the ellipse they draw."""
-    noise, h, found = NOISE * comparison.scale, comparison.ways["spatial"], []
+    """Tabulate forces and couples as vectors that turn with and against the crank, and their ellipse."""
+    noise, h, found = AMPLITUDE_ROUNDING * comparison.scale, comparison.ways["spatial"], []
     for order in range(1, len(h.torque)):
         for k, (name, unit) in enumerate((("force", "N"), ("couple", "N m"))):
             forward, backward = np.abs(h.forward[order, k]), np.abs(h.backward[order, k])
@@ -108,11 +121,11 @@ def turning(comparison: Comparison) -> Table:
 
 
 def overview(comparisons: Sequence[Comparison]) -> Table:
-    """One line per layout: what is not balanced."""
+    """Tabulate what is not balanced, one line per layout."""
     header = "layout,F 1x,F 2x,F 4x,F 6x,M 1x fwd,M 1x bwd,M 2x fwd,M 2x bwd,T ripple,spread".split(",")
     found = []
     for comparison in comparisons:
-        h, noise = comparison.ways["spatial"], NOISE * comparison.scale
+        h, noise = comparison.ways["spatial"], AMPLITUDE_ROUNDING * comparison.scale
         size = amplitudes(h)
         order = 1 + int(np.argmax(np.round(size["torque"][1:], 9)))
         parts = [size["force"][n] for n in (1, 2, 4, 6)]
@@ -125,7 +138,7 @@ def overview(comparisons: Sequence[Comparison]) -> Table:
 
 
 def truth(rows: Sequence[Row]) -> Table:
-    """Published beside assumed and actual, under a heading for each source."""
+    """Tabulate published, assumed and actual figures, under a heading for each source."""
     found, source = [], None
     for row in rows:
         if row.source != source:
@@ -138,15 +151,16 @@ def truth(rows: Sequence[Row]) -> Table:
 
 
 def gas_harmonics(engine: Engine, peak: float, orders: int = 6) -> Table:
-    """Half sines of the gas: their sum in closed form, the torque on the crank, and what the block of the model feels.
+    """Tabulate half sines of the gas: their sum in closed form, the torque on the crank, and the load on the block of
+    the model.
 
     The torque follows from virtual power; M_z of the block and its largest other component come from the spatial
     model on a dyno, with gas less without.
     """
     system, pulse = spatial.build(engine, driver="dyno"), gas.half_sine(peak)
     runs = [
-        spatial.turn(model, engine, turns=2, count=COUNT)
-        for model in (gas.with_gas(system, engine, pulse, COUNT), system)
+        spatial.turn(model, engine, turns=2, count=GAS_TURN_SAMPLES)
+        for model in (gas.with_gas(system, engine, pulse, GAS_TURN_SAMPLES), system)
     ]
     loads = [np.hstack(spatial.block_load(run)) for run in runs]
     torque = gas.torque(engine, pulse, engine.rate * runs[0].t)
@@ -154,14 +168,16 @@ def gas_harmonics(engine: Engine, peak: float, orders: int = 6) -> Table:
     push, found = np.abs(gas.force_phasors(engine, peak, 2 * orders)), []
     for half in range(2 * orders + 1):
         crank, *others, about = np.abs(seen.at(half / 2))
-        cells = (value(x, NOISE * peak) for x in (push[half], crank, about, max(others)))
+        cells = (value(x, AMPLITUDE_ROUNDING * peak) for x in (push[half], crank, about, max(others)))
         found.append([f"{half / 2:g}x", *cells])
     return Table(["harmonic", "gas forces [N]", "torque [N m]", "block M_z [N m]", "block, other"], found)
 
 
 def balance_shafts(engine: Engine) -> Table:
-    """What counterweights and shafts in two planes leave of 1x and 2x, by theory, and how the spatial model differs."""
-    load, noise = phasor.block_load(engine), NOISE * engine.single
+    """Tabulate the remainder of 1x and 2x with counterweights and shafts in two planes, by theory and in the spatial
+    model.
+    """
+    load, noise = phasor.block_load(engine), AMPLITUDE_ROUNDING * engine.single
     size, found = amplitudes(load), []
     for order in (1, 2):
         if max(size["force"][order], size["couple"][order]) < noise:
@@ -184,7 +200,7 @@ def balance_shafts(engine: Engine) -> Table:
 
 
 def shaft_set(engine: Engine, order: int, way: str) -> list[shafts.Shaft]:
-    """A forward shaft (1x: counterweights on the crank) and a backward one beside it, weights at both ends."""
+    """Return a forward shaft (1x: counterweights on the crank) and a backward one beside it, weights at both ends."""
     z = engine.stations
     planes = (float(z.min()), float(z.max())) if np.ptp(z) > 0 else (0.0,)
     beside = 0.0 if order == 1 else engine.radius
@@ -193,19 +209,21 @@ def shaft_set(engine: Engine, order: int, way: str) -> list[shafts.Shaft]:
 
 
 def rod_ratios(engine: Engine) -> Table:
-    """Force and couple 2x over the rod length, three ways."""
+    """Tabulate force and couple 2x over the rod length by three methods."""
     found = []
-    for ratio in LENGTHS:
+    for ratio in ROD_LENGTH_RATIOS:
         longer = replace(engine, rod_length=ratio * engine.radius)
         sizes = [amplitudes(h) for h in compare(longer).ways.values()]
-        cells = [value(size[part][2], NOISE * engine.single) for part in ("force", "couple") for size in sizes]
+        cells = [
+            value(size[part][2], AMPLITUDE_ROUNDING * engine.single) for part in ("force", "couple") for size in sizes
+        ]
         found.append([f"{1 / ratio:.4g}", *cells])
     header = [f"{part} {way}" for part in ("2x F", "2x M") for way in ("phasor", "planar", "spatial")]
     return Table(["R/L", *header], found)
 
 
 def single_cylinder() -> Table:
-    """The toy cylinder with and without weight and m w x (w x s): peaks over a turn."""
+    """Tabulate peaks over a turn of the toy cylinder with and without weight and m w x (w x s)."""
     found = []
     for weight in (False, True):
         for centripetal in (True, False):

@@ -24,7 +24,8 @@ from engines.balance.spatial import Z
 from mbsd3d import Body, Fixed, Gear, Revolute, System, inertia
 from mbsd3d.errors import InputError
 
-RANK = 1e-10  # of the singular values of the shafts' loads: what they cannot do is left
+# [1] of the largest singular value of the shafts' loads; smaller directions stay unbalanced
+SINGULAR_VALUE_RATIO_MIN = 1e-10
 
 
 @dataclass(frozen=True)
@@ -56,17 +57,17 @@ class Shaft:
 
     @property
     def on_crank(self) -> bool:
-        """Counterweights of the crank."""
+        """Return whether the shaft is the counterweights of the crank."""
         return self.order == 1 and self.direction == 1 and not any(self.position)
 
     @property
     def pulls(self) -> bool:
-        """Whether it bears a force: one that bears a couple alone does so wherever its axis lies."""
-        return abs(sum(self.unbalance)) > RANK * sum(map(abs, self.unbalance))
+        """Return whether the shaft exerts a force; a shaft with a couple alone does so wherever its axis lies."""
+        return abs(sum(self.unbalance)) > SINGULAR_VALUE_RATIO_MIN * sum(map(abs, self.unbalance))
 
 
 def unit_loads(shaft: Shaft, rate: float) -> np.ndarray:
-    """(planes, 5) phasors of X, Y, M_x, M_y, M_z of order k for 1 kg m at angle 0 in each plane."""
+    """Return the phasors of X, Y, M_x, M_y, M_z of order k for 1 kg m at angle 0 in each plane, shape (planes, 5)."""
     x, y = shaft.position
     X, z = (shaft.order * rate) ** 2, np.array(shaft.planes)
     Y = -1j * shaft.direction * X
@@ -75,18 +76,18 @@ def unit_loads(shaft: Shaft, rate: float) -> np.ndarray:
 
 
 def load(shaft: Shaft, rate: float) -> np.ndarray:
-    """(5,) phasors of X, Y [N], M_x, M_y, M_z [N m] of a shaft on the block, at its order."""
+    """Return the phasors of X, Y [N], M_x, M_y, M_z [N m] of a shaft on the block at its order, shape (5,)."""
     u = np.array(shaft.unbalance)
     return (u if shaft.direction > 0 else u.conj()) @ unit_loads(shaft, rate)
 
 
 def engine_load(harmonics: Harmonics, order: int) -> np.ndarray:
-    """(5,) phasors of the block load to be balanced."""
+    """Return the phasors of the block load to be balanced, shape (5,)."""
     return np.concatenate([harmonics.force[order, :2], harmonics.moment[order]])
 
 
 def balance(engine: Engine, harmonics: Harmonics, shafts: Sequence[Shaft], *, torque: bool = False) -> list[Shaft]:
-    """The shafts with the unbalances that leave the least force and couple of one harmonic.
+    """Return the shafts with the unbalances that leave the least force and couple of one harmonic.
 
     ``engine``: its spacing weighs couples against forces where not both can vanish; ``harmonics``: block load of the
     engine alone; ``shafts``: all of one order; ``torque``: true also moves the axes, as little as possible, so that the
@@ -102,7 +103,7 @@ def balance(engine: Engine, harmonics: Harmonics, shafts: Sequence[Shaft], *, to
     weight = np.array([1.0, 1.0, 1.0 / engine.spacing, 1.0 / engine.spacing])
     columns = np.concatenate([unit_loads(shaft, engine.rate)[:, :4] for shaft in shafts]) * weight
     target = engine_load(harmonics, orders[0])[:4] * weight
-    found = np.linalg.lstsq(columns.T, -target, rcond=RANK)[0]
+    found = np.linalg.lstsq(columns.T, -target, rcond=SINGULAR_VALUE_RATIO_MIN)[0]
     parts = np.split(found, np.cumsum([len(shaft.planes) for shaft in shafts])[:-1])
     balanced = [
         replace(shaft, unbalance=tuple(u if shaft.direction > 0 else u.conj()))
@@ -112,8 +113,8 @@ def balance(engine: Engine, harmonics: Harmonics, shafts: Sequence[Shaft], *, to
 
 
 def moved(engine: Engine, harmonics: Harmonics, shafts: Sequence[Shaft]) -> list[Shaft]:
-    """The shafts shifted as little as possible so that M_z of their order vanishes; counterweights and shafts that bear
-    couples alone stay.
+    """Return the shafts shifted as little as possible so that M_z of their order vanishes; counterweights and pure
+    couples stay.
 
     M_z = sum (x Y - y X) is linear in the places of the axes; forces and couples do not depend on them.
     """
@@ -122,7 +123,9 @@ def moved(engine: Engine, harmonics: Harmonics, shafts: Sequence[Shaft]) -> list
     loads = np.array([load(shaft, engine.rate) for shaft in free])
     columns = np.stack([loads[:, 1], -loads[:, 0]], axis=1).ravel()
     left = remainder(engine, harmonics, shafts)[4]
-    shift = np.linalg.lstsq(np.stack([columns.real, columns.imag]), -np.array([left.real, left.imag]), rcond=RANK)[0]
+    shift = np.linalg.lstsq(
+        np.stack([columns.real, columns.imag]), -np.array([left.real, left.imag]), rcond=SINGULAR_VALUE_RATIO_MIN
+    )[0]
     steps = iter(shift.reshape(-1, 2))
     return [
         replace(shaft, position=tuple((np.array(shaft.position) + next(steps)).tolist())) if shaft in free else shaft
@@ -131,12 +134,12 @@ def moved(engine: Engine, harmonics: Harmonics, shafts: Sequence[Shaft]) -> list
 
 
 def remainder(engine: Engine, harmonics: Harmonics, shafts: Sequence[Shaft]) -> np.ndarray:
-    """(5,) phasors of X, Y, M_x, M_y, M_z that engine and shafts leave in the order of the shafts."""
+    """Return the phasors of X, Y, M_x, M_y, M_z that engine and shafts leave at the order of the shafts, shape (5,)."""
     return engine_load(harmonics, shafts[0].order) + sum(load(shaft, engine.rate) for shaft in shafts)
 
 
 def with_shafts(system: System, engine: Engine, shafts: Sequence[Shaft]) -> System:
-    """The engine of `spatial.build` with the shafts in the block: each on a hinge, geared to the crank.
+    """Add the shafts to the engine of `spatial.build`: each on a hinge in the block, geared to the crank.
 
     Counterweights are fixed to the crank. Bodies are "shaft 1" ..., joints "shaft bearing 1", "gear 1" or "bolt 1" ...
     """
@@ -154,7 +157,8 @@ def with_shafts(system: System, engine: Engine, shafts: Sequence[Shaft]) -> Syst
 
 
 def body(engine: Engine, shaft: Shaft, name: str) -> Body:
-    """A weight in each plane at a tenth of the crank radius, so heavy that it has its unbalance; and a light shaft."""
+    """Return a light shaft with a weight in each plane at a tenth of the crank radius, of the mass its unbalance
+    needs."""
     arm = 0.1 * engine.radius
     parts = [(1e-3, (0.0, 0.0, 0.0), 3 * (1e-3 * arm**2,))]
     for z, u in zip(shaft.planes, shaft.unbalance, strict=True):

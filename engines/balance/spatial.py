@@ -1,4 +1,4 @@
-"""A whole engine in space: crank, rods and pistons on a block that one fixed joint holds.
+"""Whole engine in space: crank, rods and pistons on a block held by one fixed joint.
 
 The main bearings are redundant on purpose, with hinges as pins the rods too; the reaction of the fixed joint is unique
 all the same. It carries the load of the moving parts on the block, turned round, and the block's own weight:
@@ -24,7 +24,7 @@ BLOCK_MASS = 100.0  # kg; at rest, only its weight counts
 
 @dataclass(frozen=True)
 class Place:
-    """Cylinder i at the reference pose, world axes [m]."""
+    """Positions of the parts of cylinder i at the reference pose, world axes [m]."""
 
     pin: np.ndarray
     wrist: np.ndarray
@@ -33,7 +33,7 @@ class Place:
 
 
 def place(engine: Engine, i: int) -> Place:
-    """Where cylinder i (from 0) has its parts at q = 0."""
+    """Return the positions of the parts of cylinder i (from 0) at q = 0 [m]."""
     alpha, beta, z = np.radians(engine.layout.pins[i]), np.radians(engine.layout.bores[i]), engine.stations[i]
     throw, u = np.array([np.cos(alpha), np.sin(alpha), 0.0]), np.array([np.cos(beta), np.sin(beta), 0.0])
     v, centre = np.cross(Z, u), np.array([0.0, 0.0, z])
@@ -46,7 +46,7 @@ def place(engine: Engine, i: int) -> Place:
 def build(
     engine: Engine, *, pins: str = "spherical", driver: str = "block", gravity: Any = (0.0, 0.0, 0.0), bearings: int = 2
 ) -> mbsd3d.System:
-    """The engine at q = 0 as a mechanism.
+    """Build the engine at q = 0 as a mechanism.
 
     ``pins``: "spherical": the rods have a ball and a universal joint, all their rows are independent; "revolute":
     on two hinges, three rows of each cylinder repeat others; ``driver``: "block": the driving torque reacts on the
@@ -76,7 +76,9 @@ def build(
 
 
 def crankshaft(engine: Engine, places: list[Place]) -> mbsd3d.Body:
-    """All throws as one body with its reference point on the axis; those of different cylinders may share a pin."""
+    """Return all throws as one body with its reference point on the axis; throws of different cylinders may share a
+    pin.
+    """
     mass, swing = engine.crank_mass, engine.crank_mass * engine.radius**2
     throws = [(mass, where.throw, swing * np.array([0.02, 0.02, 0.03])) for where in places]
     whole = mbsd3d.inertia.combine(throws)
@@ -86,7 +88,7 @@ def crankshaft(engine: Engine, places: list[Place]) -> mbsd3d.Body:
 def cylinder(
     engine: Engine, i: int, where: Place, crank: mbsd3d.Body, block: mbsd3d.Body, pins: str
 ) -> tuple[list, list]:
-    """Rod and piston of cylinder i (from 0), and their joints. The reference points are the centres of mass."""
+    """Return rod and piston of cylinder i (from 0), and their joints; the reference points are the centres of mass."""
     x = (where.wrist - where.pin) / engine.rod_length
     turn = np.column_stack([x, np.cross(Z, x), Z])
     centre, thin = where.pin + engine.rod_fraction * engine.rod_length * x, 0.03 * engine.rod_inertia
@@ -110,7 +112,8 @@ def cylinder(
 
 
 def motor(engine: Engine, crank: mbsd3d.Body, main: mbsd3d.Revolute, driver: str) -> tuple[list, list]:
-    """What keeps the crank at constant speed: a driver in the first main bearing, or a rotor beside the engine.
+    """Return the parts that keep the crank at constant speed: a driver in the first main bearing, or a rotor beside the
+    engine.
 
     Rotor and crank share one row, x of the rotor at right angles to y of the crank, which bears torque about z only.
     """
@@ -126,19 +129,23 @@ def motor(engine: Engine, crank: mbsd3d.Body, main: mbsd3d.Revolute, driver: str
 def turn(
     system: mbsd3d.System, engine: Engine, *, turns: int = 1, count: int | None = None, **options: Any
 ) -> mbsd3d.Solution:
-    """Whole turns of the crank at constant speed by kinematics, ``count`` samples a turn and the first one again."""
+    """Simulate whole turns of the crank at constant speed by kinematics, ``count`` samples a turn and the first one
+    again.
+    """
     n = turns * (count or engine.samples())
     return mbsd3d.simulate(system, turns * 2 * np.pi / engine.rate, method=mbsd3d.Kinematic(), output=n + 1, **options)
 
 
 def block_load(solution: mbsd3d.Solution) -> tuple[np.ndarray, np.ndarray]:
-    """Force [N] and moment about the origin [N m] of the moving parts on the block, (samples, 3) each, world axes."""
+    """Return force [N] and moment about the origin [N m] of the moving parts on the block, (samples, 3) each, world
+    axes.
+    """
     mount, block = solution.reaction("mount"), solution.system.bodies[0]
     return -mount.force - block.mass * solution.system.gravity, -mount.moment
 
 
 def harmonics(solution: mbsd3d.Solution, engine: Engine, orders: int = 6) -> Harmonics:
-    """Harmonics 0 ... ``orders`` of block load and driving torque of whole turns."""
+    """Return the harmonics 0 ... ``orders`` of block load and driving torque of whole turns."""
     force, moment = block_load(solution)
     every = np.column_stack([force, moment, solution.effort("motor")])
     seen = spectrum(solution.t, every, rate=engine.rate)

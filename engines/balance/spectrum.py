@@ -20,8 +20,8 @@ from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
 WINDOWS = {"none": "boxcar", "hann": "hann", "flat top": "flattop"}  # name here -> in scipy.signal
-EVEN = 1e-6  # of the step: allowed error of sample times
-WHOLE = 1e-6  # of a step: allowed error of a period
+STEP_TOLERANCE = 1e-6  # [1] of the step: allowed error of sample times
+PERIOD_TOLERANCE = 1e-6  # [1] of a step: allowed error of a period
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Spectrum:
     window: str
 
     def at(self, order: float) -> np.ndarray:
-        """c at an order: of the bin itself; under a window, of the nearest one.
+        """Return c at an order: of the bin itself; under a window, of the nearest one.
 
         ValueError if there is no such bin.
         """
@@ -49,7 +49,7 @@ class Spectrum:
 
 
 def spectrum(t: ArrayLike, values: ArrayLike, *, rate: float | None = None, window: str = "none") -> Spectrum:
-    """Complex amplitudes of evenly sampled values; a last sample that repeats the first is left out.
+    """Compute the complex amplitudes of evenly sampled values; a last sample that repeats the first is left out.
 
     ``t`` (n,): evenly spaced times [s]; ``values`` (n,) or (n, k): real; ``rate``: of the shaft whose turn is order 1
     [rad/s], of either sign, amplitudes are those of time; without it orders are frequencies in Hz, and the last sample
@@ -80,7 +80,7 @@ def spectrum(t: ArrayLike, values: ArrayLike, *, rate: float | None = None, wind
 
 
 def _checked(t: ArrayLike, values: ArrayLike) -> tuple[np.ndarray, np.ndarray, float]:
-    """Times, values and step, finite and even."""
+    """Check that times and values are finite and evenly spaced; return them with the step [s]."""
     t, values = np.asarray(t), np.asarray(values)
     for name, array in (("t", t), ("values", values)):
         if array.dtype.kind not in "iuf":
@@ -96,7 +96,7 @@ def _checked(t: ArrayLike, values: ArrayLike) -> tuple[np.ndarray, np.ndarray, f
     if not step > 0:
         raise InputError(f"spectrum: t goes from {t[0]:g} s to {t[-1]:g} s; give times that increase")
     off = np.abs(t - t[0] - step * np.arange(t.size))
-    if off.max() > EVEN * step:
+    if off.max() > STEP_TOLERANCE * step:
         raise InputError(
             f"spectrum: sample {int(off.argmax())} is {off.max():.3g} s off even steps of {step:.6g} s; "
             "ask the run for a number of samples (output=361), not for its own steps"
@@ -105,7 +105,7 @@ def _checked(t: ArrayLike, values: ArrayLike) -> tuple[np.ndarray, np.ndarray, f
 
 
 def _extent(n: int, step: float, values: np.ndarray, rate: float | None, window: str) -> tuple[int, float, float]:
-    """Number of samples to use, the time they cover [s] and the period of order 1 [s].
+    """Return the number of samples to use, the time they cover [s] and the period of order 1 [s].
 
     Of whole periods that time is exact, while the step is rounded: far from t = 0 a phase w t would show it.
     """
@@ -118,7 +118,7 @@ def _extent(n: int, step: float, values: np.ndarray, rate: float | None, window:
     period = 2 * np.pi / abs(rate)
     for used in (n - 1, n):
         count = round(used * step / period)
-        if count >= 1 and abs(count * period - used * step) <= WHOLE * step:
+        if count >= 1 and abs(count * period - used * step) <= PERIOD_TOLERANCE * step:
             return used, count * period, period
     if window != "none":
         return n, n * step, period

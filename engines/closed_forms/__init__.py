@@ -1,4 +1,4 @@
-"""Closed forms of beams, plates, mounts and cams, independent of the package they judge: nothing here imports it."""
+"""Closed forms of beams, plates, mounts and cams, independent of the package that they check."""
 
 from engines.closed_forms import cams
 from engines.closed_forms.free_beam import bending_roots, bending_shape, torsion_shape

@@ -1,4 +1,4 @@
-"""Laws of cams in closed form: lift over the angle from the nose, its derivatives, roller followers, speed of float."""
+"""Cam laws in closed form: lift over the angle from the nose, its derivatives, roller followers, float speed."""
 
 from collections.abc import Callable
 
@@ -7,7 +7,9 @@ from scipy.integrate import solve_ivp
 
 
 def cycloidal(angle: np.ndarray, lift: float, half: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(s, ds, dds) over an angle from the nose [rad]: ``s = h (x - sin(2 pi x) / 2 pi)``, x = 1 - |angle| / half."""
+    """Return (s, ds, dds) over an angle from the nose [rad]: ``s = h (x - sin(2 pi x) / 2 pi)``, x = 1 - |angle| /
+    half.
+    """
     x = np.clip(1 - np.abs(angle) / half, 0.0, 1.0)
     way = -np.sign(angle) * lift / half
     return (
@@ -18,7 +20,7 @@ def cycloidal(angle: np.ndarray, lift: float, half: float) -> tuple[np.ndarray, 
 
 
 def harmonic(angle: np.ndarray, lift: float, half: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(s, ds, dds) of ``s = h (1 - cos(pi x)) / 2``: the acceleration jumps where the lift begins."""
+    """Return (s, ds, dds) of ``s = h (1 - cos(pi x)) / 2``: the acceleration jumps where the lift begins."""
     x = np.clip(1 - np.abs(angle) / half, 0.0, 1.0)
     way = -np.sign(angle) * np.pi * lift / (2 * half)
     inside = np.abs(angle) < half
@@ -30,7 +32,8 @@ def harmonic(angle: np.ndarray, lift: float, half: float) -> tuple[np.ndarray, n
 
 
 def pressure_angle(s: np.ndarray, ds: np.ndarray, pitch: float) -> np.ndarray:
-    """Angle [rad] between the way of a roller towards its cam's axis and the force on it: ``tan = s' / (r + s)``.
+    """Return the pressure angle [rad] between the direction of travel of a roller and the force on it: ``tan = s' / (r
+    + s)``.
 
     ``pitch``: r from the axis of the cam to that of the roller where it is lowest [m].
     """
@@ -38,20 +41,24 @@ def pressure_angle(s: np.ndarray, ds: np.ndarray, pitch: float) -> np.ndarray:
 
 
 def roller_cam(angle: np.ndarray, s: np.ndarray, ds: np.ndarray, pitch: float, roller: float) -> np.ndarray:
-    """(n, 2) outline, the nose up: across, up [m]; a roller of radius 0 gives the way of its centre."""
+    """Return the outline, the nose up, as points (across, up) [m], shape (n, 2); roller radius 0 gives the path of its
+    centre.
+    """
     r, alpha = pitch + s, pressure_angle(s, ds, pitch)
     across, up = roller * np.sin(alpha), r - roller * np.cos(alpha)  # from a cam that has turned by the angle
     return np.stack([across * np.cos(angle) + up * np.sin(angle), up * np.cos(angle) - across * np.sin(angle)], 1)
 
 
 def float_rate(mass: float, rate: float, preload: float, s: np.ndarray, dds: np.ndarray) -> float:
-    """w [rad/s] of the cam from which a spring no longer holds a follower on it: least of (F + k s) / (-m s'')."""
+    """Return the rate w [rad/s] of the cam from which a spring no longer holds a follower on it: least of (F + k s) /
+    (-m s'').
+    """
     slow = dds < -1e-6 * np.abs(dds).max()
     return float(np.sqrt(np.min((preload + rate * s[slow]) / (-mass * dds[slow]))))
 
 
 def surge(mass: float, rate: float, count: int) -> np.ndarray:
-    """(count,) w [rad/s] of a spring held at both ends as ``count`` masses, near ``j pi sqrt(k / m)`` of a spring."""
+    """Return w [rad/s] of a spring held at both ends as ``count`` masses, near ``j pi sqrt(k / m)``, shape (count,)."""
     j = np.arange(1, count + 1)
     return 2 * np.sqrt((count + 1) * rate * count / mass) * np.sin(j * np.pi / (2 * (count + 1)))
 
@@ -60,7 +67,8 @@ def bounce(
     law: Callable[[np.ndarray], tuple], turn: float, mass: float, spring: tuple[float, float],
     contact: tuple[float, float], t: np.ndarray,
 ) -> np.ndarray:  # fmt: skip
-    """Lift x (n,) at times t from rest on the back of a cam that turns by ``turn`` [rad/s]: on it and off it [m].
+    """Return the lift x (n,) at times t from rest on the back of a cam turning by ``turn`` [rad/s], in contact and off
+    it [m].
 
     ``m x'' = -(F + k x) + max(0, K d (1 + c d'))`` where d = s - x > 0; ``law``: angle from the nose -> (s, ds, dds);
     ``spring``: (k, F); ``contact``: (K, c).

@@ -1,11 +1,12 @@
-"""Bodies on springs in closed form: transmissibility, bounce and pitch on two mounts, three coupled freedoms,
-a quarter car, the limit of an active mount."""
+"""Bodies on springs in closed form: transmissibility, bounce and pitch on two mounts, three coupled degrees of freedom,
+a quarter car, the limit of an active mount.
+"""
 
 import numpy as np
 
 
 def transmissibility(frequency: np.ndarray, natural: float, damping: float) -> np.ndarray:
-    """Force handed on over force applied of a mass on spring and damper, complex.
+    """Return the force transmitted over the force applied of a mass on spring and damper, complex.
 
     ``T = (1 + 2 i z r) / (1 - r^2 + 2 i z r)`` with r = frequency / natural, z the share of critical damping.
     """
@@ -16,7 +17,8 @@ def transmissibility(frequency: np.ndarray, natural: float, damping: float) -> n
 def bounce_and_pitch(
     mass: float, gyration: float, rates: tuple[float, float], arms: tuple[float, float]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(w [rad/s], centres [m]) of the modes of a beam on two springs, arms in front (+) and behind (-) of the centre.
+    """Return (w [rad/s], centres [m]) of the modes of a beam on two springs, arms in front (+) and behind (-) of the
+    centre.
 
     With a = (k1 + k2) / m, b = (k1 l1 + k2 l2) / m, c = (k1 l1^2 + k2 l2^2) / (m i^2) the frequencies are
 
@@ -32,7 +34,7 @@ def bounce_and_pitch(
 
 
 def three_coupled(mass: float, inertia: tuple[float, float], rates: dict[str, float]) -> np.ndarray:
-    """w (3,) [rad/s] of a body symmetric to one plane: y, rotation about x and about z, from its cubic.
+    """Return w [rad/s] of a body symmetric to one plane: y, rotation about x and about z, from its cubic, shape (3,).
 
     ``inertia``: (I_x, I_z) about the centre of mass, principal; ``rates``: entries yy, yx, yz, xx, xz, zz of the
     stiffness (displacement y, rotations about x and z). det(K - w^2 M) = 0 is written out by its minors.
@@ -57,7 +59,7 @@ def quarter_car(
     tyre: tuple[float, float],
     inerter: float = 0.0,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Heights of body and wheel over that of the road, complex, at rates w [rad/s].
+    """Return the heights of body and wheel over that of the road, complex, at rates w [rad/s].
 
     ``masses``: (m_s, m_u) of body and wheel; ``spring``, ``tyre``: (stiffness, damping); ``inerter``: b [kg], which
     takes the force b (z_s'' - z_u''). With S = k_s + i w c_s - b w^2 and T = k_t + i w c_t, from both equations by
@@ -73,7 +75,7 @@ def quarter_car(
 
 
 def skyhook_limit(mass: float, damping: float, rate: float, corner: float, share: float) -> float:
-    """Largest gain g [N s/m] of a force -g v through an actuator of second order, by Routh.
+    """Return the largest gain g [N s/m] of a force -g v through an actuator of second order, by Routh.
 
     ``mass, damping, rate`` of the body on its mount; ``corner`` [rad/s] and ``share`` of critical damping of the
     actuator. ``(m s^2 + c s + k) (s^2 + 2 z w s + w^2) + g w^2 s`` is stable while a_3 a_2 a_1 > a_4 a_1^2 + a_3^2 a_0.

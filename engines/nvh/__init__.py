@@ -1,1 +1,1 @@
-"""From crank to cabin: real engines on mounts, in cars, on roads."""
+"""Noise and vibration of real engines, from the crank to the cabin: on mounts, in cars, on roads."""

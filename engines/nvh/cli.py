@@ -1,4 +1,5 @@
-"""``mbsd3d nvh``: an engine in a car, from its gas and inertia to what the car gets; and the car on a rough road."""
+"""Command ``mbsd3d nvh``: an engine in a car, from its gas and inertia to the seat rail; and the car on a rough
+road."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,10 +12,10 @@ from mbsd3d.extend import can_view, ready_folder
 if TYPE_CHECKING:
     from engines.nvh.study import Study
 
-DIFFER, CAR = 1, "compact"  # exit code; where an engine is if nothing else is said
+DIFFERENCE_EXIT_CODE, DEFAULT_CAR = 1, "compact"  # exit code; where an engine is if nothing else is said
 KINDS = ("lanchester", "raised", "first")  # of balance_shafts, which is imported when it is needed
 FOLLOWERS = ("flat", "roller", "barrel")  # of valve.cam
-TAKES = {
+OPTIONS_BY_TARGET = {
     "LAYOUT": ("car", "rpm", "load", "shafts", "sweep", "cycles", "active", "shell", "sound", "page", "export"),
     "--road": ("car", "speed", "page"),
     "--valve": ("rpm", "follower", "page"),
@@ -43,7 +44,7 @@ TAKES = {
 @click.option("--planes", is_flag=True, help="What planar models get right: exact, approximate, impossible.")
 @click.option("--list", "only_list", is_flag=True, help="List engines and cars and end.")
 def nvh(engine: str | None, only_list: bool, **options: Any) -> None:
-    """What an engine does to its bearings, its mounts and the car it is in.
+    """Compute the loads of an engine on its bearings, its mounts and its car.
 
     LAYOUT is an engine with real dimensions, such as inline_4, or a file (.json) with one. Orders of forces and moments
     on the block, loads of the main bearings, modes on the mounts, and what the mounts hand on: by a linear map over the
@@ -64,11 +65,11 @@ def nvh(engine: str | None, only_list: bool, **options: Any) -> None:
         show("cars", [["", "mounts"], *([name, mounts.car(name).title] for name in mounts.names())])
         return
     given = {name: value for name, value in options.items() if value is not None and value is not False}
-    subjects = ["LAYOUT"] * (engine is not None) + [f"--{name}" for name in given if f"--{name}" in TAKES]
+    subjects = ["LAYOUT"] * (engine is not None) + [f"--{name}" for name in given if f"--{name}" in OPTIONS_BY_TARGET]
     if len(subjects) != 1:
-        raise InputError(f"nvh: give one of {', '.join(TAKES)}; engines are {', '.join(presets.names())}")
+        raise InputError(f"nvh: give one of {', '.join(OPTIONS_BY_TARGET)}; engines are {', '.join(presets.names())}")
     (subject,) = subjects
-    wrong = [name for name in given if f"--{name}" != subject and name not in TAKES[subject]]
+    wrong = [name for name in given if f"--{name}" != subject and name not in OPTIONS_BY_TARGET[subject]]
     if wrong:
         raise InputError(f"nvh: --{wrong[0]} does not go with {subject}; leave it out")
     if "page" in given:
@@ -82,7 +83,7 @@ def nvh(engine: str | None, only_list: bool, **options: Any) -> None:
         ready_folder(str(Path(given["sound"]).parent), "--sound")
         if Path(given["sound"]).suffix.lower() != ".wav" or Path(given["sound"]).is_dir():
             raise InputError(f"nvh: --sound '{given['sound']}'; give a file that ends in .wav")
-    car = mounts.car(given.pop("car", CAR))
+    car = mounts.car(given.pop("car", DEFAULT_CAR))
     if subject == "LAYOUT":
         in_car(presets.preset(engine), car, **given)
     elif subject == "--road":
@@ -112,7 +113,7 @@ def in_car(
     """Study an engine, show it, write its page; exit code 1 if linear map and full run differ."""
     from engines.nvh import tables
     from engines.nvh.cabin.seat import BEAM
-    from engines.nvh.study import AGREES, Study
+    from engines.nvh.study import AGREEMENT_SHARE_MAX, Study
 
     speed = (chosen.idle + chosen.redline) / 2 if rpm is None else rpm
     study = Study(chosen, car, speed, load, shafts, shell or BEAM)
@@ -150,13 +151,13 @@ def in_car(
         from engines.nvh.export import export as write_records
 
         click.echo("\n".join(str(path) for path in write_records(study, export)))
-    if study.difference > AGREES:
+    if study.difference > AGREEMENT_SHARE_MAX:
         click.echo(f"mbsd3d: linear map and full run differ by {study.difference:.2%}", err=True)
-        raise click.exceptions.Exit(DIFFER)
+        raise click.exceptions.Exit(DIFFERENCE_EXIT_CODE)
 
 
 def check_study(study: "Study", **of_shell: str | None) -> None:
-    """Refuse options of a shell that is not known, mounts that leave a motion free, a table that lacks a place."""
+    """Check the study: the shell is known, mounts leave no motion free, and a table has every place."""
     for option, given in of_shell.items():
         if given is not None and study.cabin is None:
             raise InputError(
@@ -169,7 +170,7 @@ def check_study(study: "Study", **of_shell: str | None) -> None:
 
 
 def on_road(car: Any, road: str, speed: float = 20.0, page: str | None = None) -> None:
-    """Quarter, half and whole car on a road, on slides and on links; show them, write their page."""
+    """Show quarter, half and whole car on a road, on slides and on links, and write their page."""
     from engines.nvh.road import report
 
     rides = report.rides_of(car, road, speed)
@@ -187,7 +188,7 @@ def on_road(car: Any, road: str, speed: float = 20.0, page: str | None = None) -
 
 
 def on_cam(valve: str, rpm: float | None = None, follower: str = "flat", page: str | None = None) -> None:
-    """A valve train over the speed; show it, write its page."""
+    """Show a valve train over the speed, and write its page."""
     from engines.nvh.valvetrain.report import Valve, write_page
 
     found = Valve(valve, rpm, follower)
@@ -198,7 +199,7 @@ def on_cam(valve: str, rpm: float | None = None, follower: str = "flat", page: s
 
 
 def show(title: str, rows: list[list[str]]) -> None:
-    """A table under its title."""
+    """Print a table under its title."""
     from mbsd3d.extend import aligned
 
     click.echo(f"\n{title}\n" + "\n".join(aligned(rows)))

@@ -1,4 +1,4 @@
-"""Figures of a study, in the house style."""
+"""Figures of a study."""
 
 from typing import TYPE_CHECKING
 
@@ -12,30 +12,32 @@ from mbsd3d.extend import LINE, THIN, dress, new_figure
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SHOWN = 5  # orders of a figure
-STACKED, DECADES = 2, 3  # speeds of the map from line to line of a waterfall; what its peaks show
-FINE = 201  # speeds of the seat: modes of a shell with 3 % of damping are 6 % wide
-SMALL = 1e-3  # of the 1x force of a cylinder: less is no force of the engine
-TALL = 5.0  # speeds of the map that its highest peak takes
+FIGURE_ORDERS = 5  # [1] orders of a figure
+LINE_SPACING, PEAK_DECADES = 2, 3  # speeds of the map from line to line of a waterfall; what its peaks show
+SEAT_SPEEDS = 201  # [1] speeds of the seat figure; modes of a shell with 3 % of damping are 6 % wide
+FORCE_SHARE_MIN = 1e-3  # [1] of the 1x force of a cylinder; an engine with less has no force
+HIGHEST_PEAK_SPACINGS = 5.0  # [1] speeds of the map that its highest peak takes
 
 
 def largest(size: np.ndarray) -> np.ndarray:
-    """Numbers of the orders of (s, n) with the largest values, in order."""
-    ranked = np.argsort(-size.max(axis=0))[:SHOWN]
+    """Return the numbers of the orders of (s, n) with the largest values, in order."""
+    ranked = np.argsort(-size.max(axis=0))[:FIGURE_ORDERS]
     return np.sort(ranked[size.max(axis=0)[ranked] > 1e-4 * size.max()])
 
 
 def handed(force: np.ndarray) -> np.ndarray:
-    """(s, n) size of the force of the hardest mount of (s, n, mounts, 3) phasors [N]."""
+    """Return the force of the mount with the largest force, from (s, n, mounts, 3) phasors [N], shape (s, n)."""
     return np.linalg.norm(np.abs(force), axis=-1).max(axis=2)
 
 
 def waterfall(study: Study, size: np.ndarray, unit: str) -> "Figure":
-    """Orders over the speed, (s, n): a line a speed, with a peak at the frequency of every order, in decades."""
+    """Plot the orders over the speed, (s, n): one line per speed, with a peak at the frequency of every order, in
+    decades.
+    """
     chosen, (rpm, orders) = largest(size), (study.map.rpm, study.map.orders)
-    stacked = np.arange(0, rpm.size, STACKED)
-    tall, most = TALL * np.ptp(rpm) / (rpm.size - 1), size[:, chosen].max()
-    height = tall * np.clip(1 + np.log10(np.maximum(size / most, 1e-300)) / DECADES, 0.0, None)
+    stacked = np.arange(0, rpm.size, LINE_SPACING)
+    tall, most = HIGHEST_PEAK_SPACINGS * np.ptp(rpm) / (rpm.size - 1), size[:, chosen].max()
+    height = tall * np.clip(1 + np.log10(np.maximum(size / most, 1e-300)) / PEAK_DECADES, 0.0, None)
     end = orders[chosen[-1]] * rpm[-1] / 60
     with new_figure(7.5, 5.2) as (made, look):
         axes = made.add_subplot()
@@ -49,22 +51,24 @@ def waterfall(study: Study, size: np.ndarray, unit: str) -> "Figure":
             axes.plot(at, tips, color=colour, linewidth=THIN)
         axes.set(xlabel="frequency [Hz]", ylabel="speed [1/min]", xlim=(0.0, 1.05 * end))
         axes.set_title(
-            f"peaks: {DECADES} decades up to {f'{most:.0f}' if most >= 100 else f'{most:.3g}'} {unit}", loc="left"
+            f"peaks: {PEAK_DECADES} decades up to {f'{most:.0f}' if most >= 100 else f'{most:.3g}'} {unit}", loc="left"
         )
-        made.legend(frameon=False, labelcolor=look.ink, ncols=SHOWN, loc="outside lower right")
+        made.legend(frameon=False, labelcolor=look.ink, ncols=FIGURE_ORDERS, loc="outside lower right")
     return made
 
 
 def on_block(study: Study) -> tuple[np.ndarray, str]:
-    """((s, n) size of the engine's forces on its block, unit); of its moments for an engine without forces."""
+    """Return the size (s, n) of the engine's forces on its block and its unit; of its moments for an engine without
+    forces.
+    """
     parts = (np.linalg.norm(np.abs(study.map.load[:, :, k : k + 3]), axis=2) for k in (0, 3))
     force, moment = (np.where(study.map.orders > 0, part, 0.0) for part in parts)
     single = study.preset.engine(study.preset.redline).single
-    return (force, "N") if force.max() > SMALL * single else (moment, "N m")
+    return (force, "N") if force.max() > FORCE_SHARE_MIN * single else (moment, "N m")
 
 
 def order_lines(study: Study, swept: Sweep | None = None) -> "Figure":
-    """Force of the hardest mount over speed, order by order; dots are full motions."""
+    """Plot the force of the most loaded mount over speed, order by order; dots are full motions."""
     size = handed(study.map.force)
     chosen = largest(size)
     speeds, full = (study.rpm, study.run_force[None]) if swept is None else (swept.map.rpm, swept.full)
@@ -77,13 +81,13 @@ def order_lines(study: Study, swept: Sweep | None = None) -> "Figure":
             axes.semilogy(speeds, handed(full)[:, k], "o", color=colour, markersize=6 if swept is None else 3)
         axes.set(xlabel="speed [1/min]", ylabel="force [N]", ylim=(1e-4 * size.max(), 2 * size.max()))
         axes.yaxis.set_major_formatter(lambda x, _: f"{x:g}")
-        made.legend(frameon=False, labelcolor=look.ink, ncols=SHOWN, loc="outside lower right")
+        made.legend(frameon=False, labelcolor=look.ink, ncols=FIGURE_ORDERS, loc="outside lower right")
     return made
 
 
 def transmitted(study: Study, map: Map, force: np.ndarray) -> list[np.ndarray]:
-    """(s, n) on the car over the engine's, order by order, nan for orders without: [force, or couple for an engine
-    without forces, about y and z; moment about the crank].
+    """Return the transmissibility from engine to car, order by order, nan for orders without load, shape (s, n):
+    [force, or couple for an engine without forces, about y and z; moment about the crank].
     """
     at = np.array([mount.at for mount in study.placed])
     taken = np.concatenate([force.sum(axis=2), np.cross(at, force).sum(axis=2)], axis=2)
@@ -91,14 +95,18 @@ def transmitted(study: Study, map: Map, force: np.ndarray) -> list[np.ndarray]:
     found = []
     for part in (first, slice(3, 4)):
         given, out = (np.linalg.norm(np.abs(both[:, :, part]), axis=2) for both in (map.load, taken))
-        least = 1e-3 * np.linalg.norm(np.abs(map.load[:, 1:, 3:]), axis=2).max() if part.start else SMALL * given.max()
+        least = (
+            1e-3 * np.linalg.norm(np.abs(map.load[:, 1:, 3:]), axis=2).max()
+            if part.start
+            else FORCE_SHARE_MIN * given.max()
+        )
         there = (given > least) & (map.orders > 0)
         found.append(np.where(there, out / np.where(there, given, 1.0), np.nan))
     return found
 
 
 def transmissibility(study: Study, swept: Sweep | None = None) -> "Figure":
-    """Force and roll moment on the car over the engine's, order by order; dots are full motions."""
+    """Plot force and roll moment on the car over those of the engine, order by order; dots are full motions."""
     lines = transmitted(study, study.map, study.map.force)
     dots = transmitted(study, study.here, study.run_force[None])
     speeds, size = np.array([study.rpm]), 6
@@ -118,16 +126,16 @@ def transmissibility(study: Study, swept: Sweep | None = None) -> "Figure":
             axes.set(xlabel="speed [1/min]")
             axes.set_title(f"{title}: car over engine", loc="left")
             axes.yaxis.set_major_formatter(lambda x, _: f"{x:g}")
-        made.legend(*axes.get_legend_handles_labels(), frameon=False, labelcolor=look.ink, ncols=SHOWN,
+        made.legend(*axes.get_legend_handles_labels(), frameon=False, labelcolor=look.ink, ncols=FIGURE_ORDERS,
                     loc="outside lower right")  # fmt: skip
     return made
 
 
 def seat_lines(study: Study) -> "Figure":
-    """Acceleration of the seat rail over speed by order, root of the sum of all directions; all orders in black, and
-    dashed at the load of idling.
+    """Plot the acceleration of the seat rail over speed by order, root of the sum of all directions; all orders in
+    black, and dashed at the load of idling.
     """
-    fine = [(x.cabin, x.over(FINE)) for x in (study, study.idling)]
+    fine = [(x.cabin, x.over(SEAT_SPEEDS)) for x in (study, study.idling)]
     seat, idle = (np.sqrt((np.abs(cabin.seat(found)) ** 2).sum(axis=2) / 2) for cabin, found in fine)
     chosen, rpm = largest(seat), fine[0][1].rpm
     with new_figure(7.5, 3.4) as (made, look):
@@ -139,12 +147,13 @@ def seat_lines(study: Study) -> "Figure":
             label = f"{study.map.orders[k]:g}x"
             axes.plot(rpm, seat[:, k], color=look.colour(line), linewidth=LINE, label=label)
         axes.set(xlabel="speed [1/min]", ylabel="seat rail, rms [m/s²]", ylim=(0.0, None))
-        made.legend(frameon=False, labelcolor=look.ink, ncols=SHOWN + 2, fontsize=8, loc="outside lower right")
+        made.legend(frameon=False, labelcolor=look.ink, ncols=FIGURE_ORDERS + 2, fontsize=8, loc="outside lower right")
     return made
 
 
 def working_cycle(study: Study) -> "Figure":
-    """Pressure over volume and over the crank angle; torque of gas and inertia over the crank angle."""
+    """Plot the pressure over volume and over the crank angle, and the torque of gas and inertia over the crank
+    angle."""
     angle, cycle = np.linspace(0.0, 4 * np.pi, 1441), study.source.cycle
     gases, turning = study.source.over_the_cycle(study.rpm, angle)
     with new_figure(7.5, 5.0 if cycle else 2.6) as (made, look):
@@ -166,7 +175,9 @@ def working_cycle(study: Study) -> "Figure":
 
 
 def bearing_loads(study: Study) -> "Figure":
-    """Radial loads of the main bearings over a cycle, and the paths of the load vectors on the block, seen along x."""
+    """Plot the radial loads of the main bearings over a cycle, and the paths of the load vectors on the block, seen
+    along x.
+    """
     R = upright(study.preset.layout)
     with new_figure(7.5, 3.6) as (made, look):
         over, path = made.subplots(1, 2, width_ratios=(2.0, 1.0))

@@ -1,4 +1,4 @@
-"""The page of a study: one HTML file, and beside it the animation."""
+"""Page of a study: one HTML file, with the animation in a second one."""
 
 import os
 from pathlib import Path
@@ -10,11 +10,11 @@ from engines.balance.pages.site import TEMPLATES, playing
 from engines.nvh import figures, tables
 from engines.nvh.control.report import ActiveMount
 from engines.nvh.control.report import figure as active_figure
-from engines.nvh.study import AGREES, Study, Sweep
+from engines.nvh.study import AGREEMENT_SHARE_MAX, Study, Sweep
 from mbsd3d.extend import digits, inline_svg, page_template, write_atomically
 
-PERIOD = 4.0  # s that a cycle takes to watch
-ROWS = 13  # of the table of a sweep
+ANIMATION_SECONDS = 4.0  # [s] that a cycle takes in the animation
+SWEEP_ROWS = 13  # [1] rows of the table of a sweep
 
 
 def write_page(
@@ -24,8 +24,8 @@ def write_page(
     swept: Sweep | None = None,
     sound: str | Path | None = None,
 ) -> Path:
-    """Write ``ENGINE-CAR.html`` and its view into a folder that exists: with an active mount, full motions
-    over the speed and a sound if given; where the page is.
+    """Write ``ENGINE-CAR.html`` and its view into a folder that exists, with an active mount, full motions over the
+    speed and a sound if given; return the path of the page.
     """
     folder, name = Path(folder), f"{study.preset.name}-{study.car.name}"
     view = f"{name}-view.html"
@@ -47,14 +47,14 @@ def write_page(
     if active is not None:
         drawn["active"] = active_figure(active)
     if swept is not None:
-        shown_tables["sweep"] = tables.sweep(swept, ROWS)
+        shown_tables["sweep"] = tables.sweep(swept, SWEEP_ROWS)
     if study.cabin is not None:
         drawn["seat"] = figures.seat_lines(study)
         shown_tables |= {"felt": tables.felt(study), "shell": tables.shell(study)}
         shown_tables["most"], shown_tables["paths"] = tables.paths(study)
     page = page_template("nvh.html", TEMPLATES).render(
         study=study, why=tables.why(study), view=view, lines=tables.facts(study),
-        agrees=study.difference <= AGREES, digits=digits,
+        agrees=study.difference <= AGREEMENT_SHARE_MAX, digits=digits,
         figures={key: Markup(inline_svg(made, f"{key}-")) for key, made in drawn.items()}, active=active, swept=swept,
         sound=None if sound is None else Path(os.path.relpath(sound, folder)).as_posix(), **shown_tables,
     )  # fmt: skip
@@ -62,8 +62,8 @@ def write_page(
 
 
 def shown(study: Study) -> str:
-    """The moving engine on its mounts, as a page."""
+    """Render the moving engine on its mounts as a page."""
     cycle = 4 * np.pi / study.preset.engine(study.rpm).rate
     return study.run.animate(
-        curves=(), traces=(), hidden=("body names",), speed=cycle / PERIOD, title=study.preset.title
+        curves=(), traces=(), hidden=("body names",), speed=cycle / ANIMATION_SECONDS, title=study.preset.title
     ).html

@@ -1,4 +1,4 @@
-"""What a plane can say about an engine in its car: exact, approximate, or impossible, each measured.
+"""Comparison of planar models with the engine in its car in space: exact, approximate, or impossible, each measured.
 
 Where both exist the planar model (`flat`, closed forms, planar twins) is computed as well, and both are timed; what a
 plane has no term for is named with its size, and with the time that it takes in space.
@@ -17,7 +17,7 @@ from engines.balance.harmonics import Harmonics
 from engines.nvh.control.report import ActiveMount
 from engines.nvh.excitation import balance_shafts, presets
 from engines.nvh.excitation.loads import Source
-from engines.nvh.excitation.main_bearings import COUNT, cut_engine
+from engines.nvh.excitation.main_bearings import TURN_SAMPLES, cut_engine
 from engines.nvh.mounts.mounts import Car
 from engines.nvh.mounts.rigid_modes import rigid_modes
 from engines.nvh.mounts.roll_axis import roll_axis
@@ -29,17 +29,17 @@ from engines.nvh.valvetrain.report import Valve
 from mbsd3d import Kinematic, simulate
 from mbsd3d.errors import InputError
 
-ENGINE, PAIRED, RPM, SPEED = "inline_4", "inline_3", 4000.0, 20.0
+ENGINE, COUPLE_ENGINE, RPM, SPEED = "inline_4", "inline_3", 4000.0, 20.0
 OUT_OF_PLACE = balance_shafts.Fault("out of place", 0.02, (0.003, 0.005, -0.004))
-EXACT, NEAR, NEVER = "exact", "approximate", "impossible"
-FELT = 0.06  # m of travel
-SAME = 1e-5  # relative: the run over the road holds 2e-6, kinematics 1e-13
+EXACT, APPROXIMATE, IMPOSSIBLE = "exact", "approximate", "impossible"
+WHEEL_TRAVEL = 0.06  # [m] of the comparison of the suspensions
+RELATIVE_TOLERANCE = 1e-5  # [1] relative; the run over the road holds 2e-6, kinematics 1e-13
 
 
 @dataclass(frozen=True)
 class Line:
-    """``what``; ``verdict``; ``size``: of the difference, or of what is missing; ``term``: where it comes from;
-    ``plane, space``: seconds, None for a model that does not exist or costs nothing.
+    """Line of the comparison: ``what``; ``verdict``; ``size``: of the difference, or of what is missing; ``term``:
+    where it comes from; ``plane, space``: run time [s], None for a model that does not exist or costs nothing.
     """
 
     what: str
@@ -52,18 +52,20 @@ class Line:
 
 @dataclass(frozen=True)
 class Planes:
-    """The comparison in a car."""
+    """Planar and spatial results of an engine in a car."""
 
     car: Car
 
     @cached_property
     def study(self) -> Study:
-        """The engine in the car."""
+        """Return the study of the engine in the car."""
         return Study(presets.preset(ENGINE), self.car, RPM)
 
     @cached_property
     def lines(self) -> list[Line]:
-        """All of them, in the order from crank to road; ValueError for a car whose wheels or shell are not known."""
+        """Return all lines of the comparison, from crank to road; raise ValueError for a car with unknown wheels or
+        shell.
+        """
         if self.car.ride is None or self.car.shell is None:
             raise InputError(f"planes: wheels or shell of '{self.car.name}' are not known; give compact or saloon")
         return [
@@ -72,7 +74,7 @@ class Planes:
         ]  # fmt: skip
 
     def block(self) -> Line:
-        """Forces of the engine on its block."""
+        """Compare the forces of the engine on its block."""
         engine = self.study.preset.engine(RPM)
         plane, quick = timed(lambda: planar_sum.harmonics(engine))
         run, slow = timed(lambda: spatial.turn(spatial.build(engine), engine))
@@ -80,10 +82,10 @@ class Planes:
         return Line("forces of the engine", verdict(off), f"{off:.0e}", "sum of planes along the crank", quick, slow)
 
     def bearings(self) -> Line:
-        """Main bearings of the cut crank, motored."""
+        """Compare the main bearings of the cut crank, motored."""
         engine, source = self.study.preset.engine(RPM), Source(self.study.preset, 0.0)
         cut, _ = cut_engine(source, RPM)
-        times = 4 * np.pi / engine.rate * np.arange(2 * COUNT + 1) / (2 * COUNT)
+        times = 4 * np.pi / engine.rate * np.arange(2 * TURN_SAMPLES + 1) / (2 * TURN_SAMPLES)
         run, slow = timed(lambda: simulate(cut, float(times[-1]), method=Kinematic(), output=times))
         cylinders = range(len(engine.stations))
         plane, quick = timed(lambda: [planar.kinematics(planar_sum.build(engine, i), times) for i in cylinders])
@@ -95,7 +97,7 @@ class Planes:
         return Line("main bearings", verdict(share), f"{share:.0e}", "crank cut: half a throw each", quick, slow)
 
     def shafts(self) -> Line:
-        """Balance shafts that are out of place: their order on the block."""
+        """Compare balance shafts that are out of place by their order on the block."""
         preset = self.study.preset
         fitted = balance_shafts.faulty(preset, balance_shafts.fitted(preset, "raised"), OUT_OF_PLACE)
         plane, quick = timed(lambda: balance_shafts.left(preset, fitted, RPM))
@@ -104,13 +106,13 @@ class Planes:
         return Line("balance shafts", verdict(off), f"{off:.0e}", "sum of planes along the crank", quick, slow)
 
     def couple(self) -> Line:
-        """The couple of an engine with three cylinders, which balance shafts of the first order take."""
-        load, slow = timed(lambda: np.abs(Source(presets.preset(PAIRED), 0.0).at(RPM).six[2]))
-        what, term = f"first order of {PAIRED}", "couple in the plane of the crank"
-        return Line(what, NEVER, f"{max(load[4:]):.0f} N m", term, None, slow)
+        """Compare the couple of an engine with three cylinders, balanced by shafts of the first order."""
+        load, slow = timed(lambda: np.abs(Source(presets.preset(COUPLE_ENGINE), 0.0).at(RPM).six[2]))
+        what, term = f"first order of {COUPLE_ENGINE}", "couple in the plane of the crank"
+        return Line(what, IMPOSSIBLE, f"{max(load[4:]):.0f} N m", term, None, slow)
 
     def modes(self) -> Line:
-        """Sway, bounce and roll of the powertrain in the plane across the crank."""
+        """Compare sway, bounce and roll of the powertrain in the plane across the crank."""
         body, placed = self.study.body.rigid, self.study.placed
         plane, quick = timed(lambda: Flat(self.study.on_mounts).modes())
         found, slow = timed(lambda: rigid_modes(body, placed))
@@ -120,18 +122,20 @@ class Planes:
         return Line("modes on the mounts", verdict(worst), f"{worst:.1%} in Hz", term, quick, slow)
 
     def roll(self) -> Line:
-        """The axis that a torque about the crank turns the powertrain about."""
+        """Compare the axis about which a torque about the crank turns the powertrain."""
         axis, slow = timed(lambda: roll_axis(self.study.body.rigid))
         lean = np.degrees(np.arccos(abs(axis[0])))
-        return Line("torque-roll axis", NEVER, f"{lean:.1f} degrees", "products of inertia", None, slow)
+        return Line("torque-roll axis", IMPOSSIBLE, f"{lean:.1f} degrees", "products of inertia", None, slow)
 
     def spin(self) -> Line:
-        """Pitch and yaw are coupled by the crank."""
+        """Measure the coupling of pitch and yaw by the spin of the crank."""
         _, slow = timed(lambda: self.study.on_mounts.answer(self.study.source, self.study.map.rpm))
-        return Line("spin of the crank", NEVER, f"{self.study.spin:.2%} of force", "w x J w, pitch to yaw", None, slow)
+        return Line(
+            "spin of the crank", IMPOSSIBLE, f"{self.study.spin:.2%} of force", "w x J w, pitch to yaw", None, slow
+        )
 
     def active(self) -> Line:
-        """The step of an active mount from which on it is unstable."""
+        """Compare the step from which an active mount is unstable."""
         cancel = ActiveMount(self.study).cancel
         flat = Flat(self.study.on_mounts)
         plane, quick = timed(lambda: flat.path(cancel).limit(cancel.W))
@@ -140,7 +144,9 @@ class Planes:
         return Line("active mount", verdict(off), f"{off:+.1%} of the stable step", term, quick, slow)
 
     def cabin(self) -> Line:
-        """Acceleration of the seat rail over all speeds and orders, engine, mounts and shell in one plane."""
+        """Compare the acceleration of the seat rail over all speeds and orders with engine, mounts and shell in one
+        plane.
+        """
         study, flat = self.study, Flat(self.study.on_mounts)
         cabin, found = study.cabin, study.map
         plane, quick = timed(lambda: flat.seat(cabin, found.rpm, found.orders, found.load))
@@ -149,7 +155,8 @@ class Planes:
         return Line("shell, at the seat", verdict(off), f"{off:.0%} rms", "torsion, pitch and yaw", quick, slow)
 
     def valve(self) -> Line:
-        """The speed from which on a valve leaves its cam: closed form over the spline of the lift, and multiplier."""
+        """Compare the speed at which a valve leaves its cam: closed form over the spline of the lift, and
+        multiplier."""
         train = Valve("cycloidal").train
         angle = np.linspace(0.0, 2 * np.pi, 20001)
 
@@ -162,14 +169,14 @@ class Planes:
         return Line("valve on its cam", verdict(off), f"{abs(off):.0e}", "cam and valve in one plane", quick, slow)
 
     def barrel(self) -> Line:
-        """A cam whose axis lies along the way of the valve: side force on the guide."""
+        """Compare the side force on the guide of a cam whose axis is parallel to the travel of the valve."""
         made = Valve("cycloidal", None, "barrel")
         run, slow = timed(made.train.held)
         side = np.abs(run.reaction("cam").force[:, 1]).max()
-        return Line("barrel cam", NEVER, f"{side:.0f} N aside", "drum turns about the valve's way", None, slow)
+        return Line("barrel cam", IMPOSSIBLE, f"{side:.0f} N aside", "drum turns about the valve's way", None, slow)
 
     def road(self) -> list[Line]:
-        """Cars on a rough road."""
+        """Compare cars on a rough road."""
         quarter, half, whole = (ride_of(self.car, kind, "C", SPEED) for kind in ("quarter", "half", "whole"))
         linked = ride_of(self.car, "quarter", "C", SPEED, linked=True)
         known, quick = timed(lambda: quarter_car(quarter))
@@ -189,40 +196,40 @@ class Planes:
         ]  # fmt: skip
 
     def guides(self) -> list[Line]:
-        """What the front axle makes of the travel of a wheel; ValueError if it is no double wishbone."""
+        """Compare the front suspension kinematics over wheel travel; raise ValueError if it is no double wishbone."""
         car = ride_of(self.car, "whole", "C", SPEED).vehicle
         held, corner = car.guides[0], car.corners[0]
-        heights = np.linspace(-FELT, FELT, 41)
+        heights = np.linspace(-WHEEL_TRAVEL, WHEEL_TRAVEL, 41)
         (camber, ratio), quick = timed(lambda: front_view(held, heights))
         curves, slow = timed(lambda: replace(held).curves)
         off = 60 * np.degrees(np.abs(camber - np.interp(heights, curves.z, curves.camber)).max())
         by_ratio = np.abs(np.abs(ratio) / np.abs(np.interp(heights, curves.z, curves.ratio)) - 1).max()
         middle, loaded = heights.size // 2, car.by_load[0]
         flat = np.gradient(ratio, heights)[middle] / ratio[middle] * corner.load / corner.spring
-        toe, ahead = 60 * np.degrees(curves.at("toe", FELT)), 1e3 * curves.at("ahead", 0.0)
-        size, travel = f"{off:.1f} minutes, ratio {by_ratio:.1%}", f"{1e3 * FELT:.0f} mm"
+        toe, ahead = 60 * np.degrees(curves.at("toe", WHEEL_TRAVEL)), 1e3 * curves.at("ahead", 0.0)
+        size, travel = f"{off:.1f} minutes, ratio {by_ratio:.1%}", f"{1e3 * WHEEL_TRAVEL:.0f} mm"
         return [
             Line("camber and motion ratio", verdict(by_ratio), size, "axes of the arms not along the car", quick, slow),
             Line("load on the strut", verdict(flat / loaded - 1), f"{flat:.1%}, not {loaded:.1%} of stiffness",
                  "path of the strut's end out of the plane", quick, slow),
-            Line("bump steer", NEVER, f"{toe:.0f} minutes", f"toe at {travel}, turn about z", None, slow),
-            Line("anti-dive", NEVER, f"{ahead:.0f} mm per m", "in front view no x", None, slow),
+            Line("bump steer", IMPOSSIBLE, f"{toe:.0f} minutes", f"toe at {travel}, turn about z", None, slow),
+            Line("anti-dive", IMPOSSIBLE, f"{ahead:.0f} mm per m", "in front view no x", None, slow),
         ]  # fmt: skip
 
 
 def verdict(off: float) -> str:
-    """Verdict on a relative difference."""
-    return EXACT if abs(off) < SAME else NEAR
+    """Return the assessment of a relative difference."""
+    return EXACT if abs(off) < RELATIVE_TOLERANCE else APPROXIMATE
 
 
 def largest(space: Harmonics, plane: Harmonics) -> float:
-    """Largest difference of forces and of torques over the largest of each."""
+    """Return the largest difference of forces and of torques over the largest of each [-]."""
     pairs = ((space.force, plane.force), (space.torque, plane.torque))
     return max(float(np.abs(a - b).max() / np.abs(b).max()) for a, b in pairs)
 
 
 def timed(call: Callable, times: int = 2) -> tuple:
-    """(what it returns, seconds of its fastest call)."""
+    """Return (result of a call, seconds of its fastest repetition)."""
     best = np.inf
     for _ in range(times):
         start = time.perf_counter()
@@ -232,7 +239,7 @@ def timed(call: Callable, times: int = 2) -> tuple:
 
 
 def table(car: Car) -> list[list[str]]:
-    """The lines as text."""
+    """Return the lines of the comparison as text."""
     rows = [["", "plane", "by", "term", "plane [ms]", "space [ms]"]]
     for line in Planes(car).lines:
         seconds = ("-" if x is None else f"{1e3 * x:.3g}" for x in (line.plane, line.space))

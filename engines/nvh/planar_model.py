@@ -1,4 +1,4 @@
-"""What a plane knows of an engine in its car: sway, bounce and roll in the plane across the crank, and a front view.
+"""Planar model of an engine in its car: sway, bounce and roll in the plane across the crank, and a front view.
 
 The planar powertrain has mass, inertia about x, mounts and loads of the real one, all pushed into the plane x = 0; its
 shell moves in the same plane. With heads T_j = [1 0 -z; 0 1 y] of the mounts
@@ -19,39 +19,43 @@ from engines.nvh.control.cancel import Cancel, Path
 from engines.nvh.mounts.response import OnMounts
 from engines.nvh.road.guide import Guide
 
-ACROSS = (1, 2, 3)  # y, z, about x: the plane across the crank
-IN = slice(1, 3)  # y, z
+ACROSS_COORDINATES = (1, 2, 3)  # y, z, about x: the plane across the crank
+IN_PLANE = slice(1, 3)  # y, z
 
 
 @dataclass(frozen=True)
 class Flat:
-    """The powertrain of ``held`` in the plane across its crank, about the middle of the crank."""
+    """Powertrain of ``held`` in the plane across its crank, about the middle of the crank."""
 
     held: OnMounts
 
     @property
     def mass(self) -> np.ndarray:
-        """(3, 3) M; the rotor turns evenly and has no share."""
-        return self.held.mass[np.ix_(ACROSS, ACROSS)]
+        """Return the mass matrix M; the rotor at constant speed has no share; shape (3, 3)."""
+        return self.held.mass[np.ix_(ACROSS_COORDINATES, ACROSS_COORDINATES)]
 
     @property
     def heads(self) -> np.ndarray:
-        """(2 mounts, 3) T."""
+        """Return the matrix T from the planar motion to the motion of the mounts, shape (2 mounts, 3)."""
         return np.vstack([[[1.0, 0.0, -mount.at[2]], [0.0, 1.0, mount.at[1]]] for mount in self.held.placed])
 
     @property
     def rates(self) -> tuple[np.ndarray, np.ndarray]:
-        """(2 mounts, 2 mounts) stiffness and damping of the mounts alone."""
+        """Return stiffness and damping of the mounts alone, (2 mounts, 2 mounts) each."""
         parts = ("stiffness", "dampers")
-        return tuple(block_diag(*[getattr(mount, part)[IN, IN] for mount in self.held.placed]) for part in parts)
+        return tuple(
+            block_diag(*[getattr(mount, part)[IN_PLANE, IN_PLANE] for mount in self.held.placed]) for part in parts
+        )
 
     def modes(self) -> np.ndarray:
-        """(3,) frequencies, the rotor locked, dampers left out [Hz]."""
+        """Return the frequencies with the rotor locked and without dampers [Hz], shape (3,)."""
         T, M = self.heads, self.mass + np.diag([0.0, 0.0, self.held.body.rotor])
         return np.sqrt(eigh(T.T @ self.rates[0] @ T, M, eigvals_only=True)) / (2 * np.pi)
 
     def seat(self, cabin: Cabin, rpm: np.ndarray, orders: np.ndarray, load: np.ndarray) -> np.ndarray:
-        """(s, n, 2) phasors of the acceleration of the seat rail in the plane, for loads (s, n, 6) [m/s^2]."""
+        """Return the phasors of the acceleration of the seat rail in the plane, for loads (s, n, 6) [m/s^2], shape (s,
+        n, 2).
+        """
         (k, c), T, M = self.rates, self.heads, self.mass
         (feet, seat), found = flat_shapes(cabin), np.zeros((rpm.size, orders.size, 2), dtype=complex)
         W = 2 * np.pi * rpm[:, None] / 60 * orders[1:]
@@ -59,7 +63,7 @@ class Flat:
             w3 = w[:, None, None]
             Z = k + 1j * w3 * c
             stiff = T.T @ Z @ T - w3**2 * M
-            q = np.linalg.solve(stiff, load[s, 1:, ACROSS].T[..., None])
+            q = np.linalg.solve(stiff, load[s, 1:, ACROSS_COORDINATES].T[..., None])
             D = Z - Z @ T @ np.linalg.solve(stiff, T.T @ Z)
             moved = np.eye(k.shape[0]) + D @ cabin.shell.receptance(w, feet, feet)
             force = np.linalg.solve(moved, Z @ T @ q)
@@ -67,7 +71,7 @@ class Flat:
         return found
 
     def path(self, cancel: Cancel) -> Path:
-        """Path of the actuator of ``cancel`` to the force on the car, held over a sample."""
+        """Return the path from the actuator of ``cancel`` to the force on the car, held over a sample."""
         (k, c), T, M = self.rates, self.heads, self.mass
         head = T[2 * cancel.which + 1]
         both = np.zeros((7, 7))
@@ -81,17 +85,17 @@ class Flat:
 
 
 def flat_shapes(cabin: Cabin) -> tuple[np.ndarray, np.ndarray]:
-    """((r, 2 mounts), (r, 2)) shapes of the shell at feet and seat, all places and motions in the plane across the
-    crank through its centre of mass.
+    """Return the mode shapes of the shell at feet (r, 2 mounts) and seat (r, 2), in the plane across the crank through
+    its centre of mass.
     """
     axes, places = cabin.axes, np.vstack([cabin.feet, cabin.car.shell["seat"]])
     normal = axes[:, 0]
-    shapes = cabin.shell.at(places - np.outer(places @ normal, normal)).reshape(-1, len(places), 3) @ axes[:, IN]
+    shapes = cabin.shell.at(places - np.outer(places @ normal, normal)).reshape(-1, len(places), 3) @ axes[:, IN_PLANE]
     return shapes[:, :-1].reshape(len(shapes), -1), shapes[:, -1]
 
 
 def front_view(guide: Guide, heights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(camber [rad], motion ratio) of a double wishbone in the front view, over heights of the wheel [m].
+    """Return (camber [rad], motion ratio) of a double wishbone in the front view, over heights of the wheel [m].
 
     Each arm turns about the point where its axis meets the plane of the wheel's centre; the strut is projected.
     """
@@ -105,7 +109,7 @@ def front_view(guide: Guide, heights: np.ndarray) -> tuple[np.ndarray, np.ndarra
     lengths = [np.hypot(*(b - a)) for a, b in arms]
 
     def moved(x: np.ndarray, point: np.ndarray) -> np.ndarray:
-        """Where a point of the upright is: x = (across, up, turn about x) of the wheel's centre."""
+        """Return the position of a point of the upright [m]: x = (across, up, turn about x) of the wheel's centre."""
         turn = np.array([[np.cos(x[2]), -np.sin(x[2])], [np.sin(x[2]), np.cos(x[2])]])
         return centre[1:] + x[:2] + turn @ (point - centre[1:])
 

@@ -1,4 +1,4 @@
-"""Engines and cars as records: those of the data files under a name, and a user's own, a file (.json) with one."""
+"""Engines and cars as records: those of the data files by name, and a user's own from a file (.json)."""
 
 import csv
 import json
@@ -10,25 +10,25 @@ from typing import Any
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number, read_text, similar, vector
 
-RECORD, TABLE = 1_000_000, 10_000_000  # bytes of a file with a record, and of a table
+RECORD_BYTES_MAX, TABLE_BYTES_MAX = 1_000_000, 10_000_000  # bytes of a file with a record, and of a table
 DATA = Path(__file__).parent / "data"
 Record = dict[str, Any]
 
 
 @cache
 def data(kind: str) -> Record:
-    """The data file of "engines" or "cars"."""
+    """Return the data file of "engines" or "cars"."""
     return json.loads((DATA / f"{kind}.json").read_text(encoding="utf-8"))
 
 
 def is_file(name: str) -> bool:
-    """Whether a name means a user's file."""
+    """Return whether a name means a user's file."""
     return name.endswith(".json")
 
 
 def record(kind: str, name: str) -> Record:
-    """The record of the "engines" or "cars" under a name, or of a file; ValueError for an unknown name, or a file that
-    holds no record.
+    """Return the record of the "engines" or "cars" under a name, or of a file; raise ValueError for an unknown name or
+    a file without a record.
     """
     if not is_file(name):
         known = data(kind)[kind]
@@ -37,7 +37,7 @@ def record(kind: str, name: str) -> Record:
             hint = f", did you mean '{near[0]}'? There" if near else "; there"
             raise InputError(f"{kind[:-1]} '{name}' is unknown{hint} are {', '.join(known)}; or give a file (.json)")
         return known[name]
-    text = read_text(Path(name), RECORD, kind[:-1])
+    text = read_text(Path(name), RECORD_BYTES_MAX, kind[:-1])
     try:
         found = json.loads(text)
     except (ValueError, RecursionError) as error:  # not JSON, a number of too many digits, nested too deep
@@ -48,11 +48,11 @@ def record(kind: str, name: str) -> Record:
 
 
 def table(path: Path, headers: Sequence[Sequence[str]], kind: str) -> tuple[list[str], list[tuple[str, list[str]]]]:
-    """Header and (where, cells) of every line of a file of comma-separated values, empty lines left out.
+    """Read header and (where, cells) of every line of a file of comma-separated values, without empty lines.
 
     ValueError for a file that cannot be read, another header, or a line with more or fewer cells.
     """
-    text = read_text(path, TABLE, kind)
+    text = read_text(path, TABLE_BYTES_MAX, kind)
     try:
         rows = csv.reader(text.splitlines())
         lines = [(k, [cell.strip() for cell in row]) for k, row in enumerate(rows, start=1) if any(row)]
@@ -69,7 +69,7 @@ def table(path: Path, headers: Sequence[Sequence[str]], kind: str) -> tuple[list
 
 
 def cell(text: str, what: str) -> float:
-    """A cell as a finite number."""
+    """Return a cell as a finite number."""
     try:
         return number(float(text), what)
     except ValueError:
@@ -77,7 +77,7 @@ def cell(text: str, what: str) -> float:
 
 
 def fields(found: Any, needed: Iterable[str], what: str, free: Iterable[str] = ()) -> None:
-    """ValueError if a record lacks a field or has one that is unknown."""
+    """Raise ValueError if a record lacks a field or has an unknown one."""
     if not isinstance(found, dict):
         raise InputError(f"{what}: expected a record, {{...}}")
     needed = list(needed)
@@ -88,17 +88,17 @@ def fields(found: Any, needed: Iterable[str], what: str, free: Iterable[str] = (
 
 
 def positive(found: Record, names: Iterable[str], what: str) -> None:
-    """ValueError for a field that is not a number above 0."""
+    """Raise ValueError for a field that is not a number above 0."""
     for name in names:
         number(found[name], f"{what}: {name}", positive=True)
 
 
 def titled(title: Any, what: str) -> None:
-    """ValueError for a title that is no text, or an empty one."""
+    """Raise ValueError for a title that is no text, or an empty one."""
     if not isinstance(title, str) or not title.strip():
         raise InputError(f"{what}: title {title!r:.80}; give a few words")
 
 
 def triple(value: Any, what: str, **limits: Any) -> tuple[float, ...]:
-    """Three numbers within ``limits`` as those of `number`; ValueError for others."""
+    """Return three numbers within ``limits`` as those of `number`; raise ValueError for others."""
     return tuple(number(x, f"{what}[{i}]", **limits) for i, x in enumerate(vector(value, what)))

@@ -1,4 +1,4 @@
-"""An engine in a car at a speed: what is computed of it, each part when it is asked for."""
+"""Study of an engine in a car at a speed; each part is computed on request."""
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
@@ -21,20 +21,20 @@ from mbsd3d import Solution
 from mbsd3d.errors import InputError
 from mbsd3d.extend import closing, number
 
-SPEEDS = 60  # of the map, from idle to redline
-AGREES = 0.01  # difference of linear map and full run, over the largest order
-IDLE = 0.3  # load at idle: the share of the inlet pressure that turns it over and drives what hangs on it
-SLOWEST = 0.1  # of the idle speed: a starter turns faster
-COARSE = 48  # samples of a turn in a sweep: orders from 40 on fold back
-MOST = 1000  # speeds of a sweep, and cycles at each
-THREADS = 2  # of a sweep: the compiled time loop leaves the others running
-SETTLE = 0.5  # s: the run starts from the state of the linear answer
+MAP_SPEEDS = 60  # [1] speeds of the map, from idle to redline
+AGREEMENT_SHARE_MAX = 0.01  # [1] difference of linear map and full run, over the largest order
+IDLE_LOAD = 0.3  # [1] share of the inlet pressure at idle, which turns the engine and its accessories
+SPEED_RATIO_MIN = 0.1  # [1] of the idle speed; a starter turns faster
+SWEEP_TURN_SAMPLES = 48  # [1] samples of a turn in a sweep; orders from 40 on alias
+SWEEP_COUNT_MAX = 1000  # [1] speeds of a sweep, and cycles at each
+SWEEP_THREADS = 2  # [1] threads of a sweep; the compiled time loop leaves the others running
+SETTLE_SECONDS = 0.5  # [s] the run starts from the state of the linear answer
 
 
 @dataclass(frozen=True)
 class Sweep:
-    """Linear ``map`` and ``full`` (s, n, mounts, 3) motion at the same speeds, phasors of the forces on the car [N],
-    from so many ``cycles``.
+    """Sweep over the speed: linear ``map`` and ``full`` (s, n, mounts, 3) motion at the same speeds, phasors of the
+    forces on the car [N], from so many ``cycles``.
     """
 
     map: Map
@@ -43,16 +43,16 @@ class Sweep:
 
     @property
     def off(self) -> np.ndarray:
-        """(s,) largest difference of any mount and order, over the largest force at that speed."""
+        """Return the largest difference of any mount and order, over the largest force at that speed, shape (s,)."""
         size = np.abs(self.map.force[:, 1:]).max(axis=(1, 2, 3))
         return np.abs(self.full - self.map.force)[:, 1:].max(axis=(1, 2, 3)) / size
 
 
 @dataclass(frozen=True)
 class Study:
-    """``preset`` in ``car`` at ``rpm`` [1/min] under ``load``, a share of full load; 0 is motored, without gas;
-    ``shafts``: balance shafts, one of `balance_shafts.KINDS`, or None; ``shell``: what the car's shell is taken for,
-    see `Cabin`.
+    """Study of ``preset`` in ``car`` at ``rpm`` [1/min] under ``load``, a share of full load; 0 is motored, without
+    gas; ``shafts``: balance shafts, one of `balance_shafts.KINDS`, or None; ``shell``: model of the car's shell, see
+    `Cabin`.
 
     ValueError for a speed that is not positive, below a tenth of the idle speed or beyond the redline, or a load
     outside 0 ... 1.
@@ -66,7 +66,7 @@ class Study:
     shell: str = BEAM
 
     def __post_init__(self) -> None:
-        rpm, least = number(self.rpm, "nvh: rpm", positive=True), SLOWEST * self.preset.idle
+        rpm, least = number(self.rpm, "nvh: rpm", positive=True), SPEED_RATIO_MIN * self.preset.idle
         if rpm > self.preset.redline:
             most = f"redline of '{self.preset.name}'; give {self.preset.redline:g} or less"
             raise InputError(f"nvh: rpm {rpm:g} is beyond the {most}")
@@ -76,91 +76,94 @@ class Study:
 
     @cached_property
     def source(self) -> Source:
-        """The engine that shakes."""
+        """Return the engine as a source of vibration."""
         fitted = () if self.shafts is None else balance_shafts.fitted(self.preset, self.shafts)
         return Source(self.preset, self.load, tuple(fitted))
 
     @cached_property
     def body(self) -> Equivalent:
-        """Rigid body and rotor of the powertrain."""
+        """Return rigid body and rotor of the powertrain."""
         return equivalent(self.preset, self.source.fitted)
 
     @cached_property
     def placed(self) -> list[Mount]:
-        """The mounts of the car for this powertrain."""
+        """Return the mounts of the car for this powertrain."""
         return cars.mounts(self.car, self.preset, self.body.mass)
 
     @cached_property
     def modes(self) -> list[RigidMode]:
-        """Modes of the powertrain at rest."""
+        """Return the modes of the powertrain at rest."""
         return rigid_modes(self.body.rigid, self.placed)
 
     @cached_property
     def sag(self) -> tuple[np.ndarray, np.ndarray]:
-        """Displacement [m] and rotation [rad] under the weight."""
+        """Return displacement [m] and rotation [rad] of the powertrain under its weight."""
         return sag(self.body.rigid, self.placed)
 
     @cached_property
     def decoupled(self) -> Decoupled:
-        """The mounts moved until the powertrain rolls about its torque-roll axis."""
+        """Return the mounts moved until the powertrain rolls about its torque-roll axis."""
         return decouple(self.body.rigid, self.placed)
 
     @cached_property
     def roll_shares(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """(share of energy, frequency [Hz]) of the roll, as built and decoupled."""
+        """Return (share of energy, frequency [Hz]) of the roll, as built and decoupled."""
         return roll_share(self.body.rigid, self.placed), roll_share(self.body.rigid, self.decoupled.mounts)
 
     @cached_property
     def on_mounts(self) -> OnMounts:
-        """About the position under the mean torque."""
+        """Return the powertrain on its mounts about the position under the mean torque."""
         return OnMounts(self.body, self.placed, self.source.mean_torque)
 
     @cached_property
     def map(self) -> Map:
-        """Linear map from idle to redline."""
-        return self.over(SPEEDS)
+        """Return the linear map from idle to redline."""
+        return self.over(MAP_SPEEDS)
 
     def over(self, count: int) -> Map:
-        """Linear map at ``count`` speeds from idle to redline."""
+        """Return the linear map at ``count`` speeds from idle to redline."""
         return self.on_mounts.answer(self.source, np.linspace(self.preset.idle, self.preset.redline, count))
 
     @cached_property
     def spin(self) -> float:
-        """Largest change of a mount's force if the spin of the crank is left out, over the largest force."""
+        """Return the largest change of a mount's force without the spin of the crank, over the largest force [-]."""
         still = replace(self.on_mounts, gyroscopic=False).answer(self.source, self.map.rpm)
         return float(np.abs(still.force - self.map.force).max() / np.abs(self.map.force).max())
 
     @cached_property
     def here(self) -> Map:
-        """The map at the speed of the study."""
+        """Return the linear map at the speed of the study."""
         return self.on_mounts.answer(self.source, [self.rpm])
 
     @cached_property
     def run(self) -> Solution:
-        """The full motion at this speed, settled: four cycles."""
-        return whole_run(self.source, self.on_mounts, self.rpm, settle=SETTLE)
+        """Simulate the full motion at this speed, settled, over four cycles."""
+        return whole_run(self.source, self.on_mounts, self.rpm, settle=SETTLE_SECONDS)
 
     @cached_property
     def run_force(self) -> np.ndarray:
-        """(n, mounts, 3) phasors on the car in the full run, turned to the crank angle of the map."""
+        """Return the phasors on the car in the full run, turned to the crank angle of the map [N], shape (n, mounts,
+        3).
+        """
         return run_orders(self.run, self.placed, self.preset.engine(self.rpm).rate, self.here.orders)
 
     @cached_property
     def differences(self) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) largest force of a mount in the linear map [N], and how far the full run is from it, order by order."""
+        """Return by order (n,) the largest force of a mount in the linear map [N] and its difference to the full
+        run."""
         linear, full = self.here.force[0, 1:], self.run_force[1:]
         return np.abs(linear).max(axis=(1, 2)), np.abs(full - linear).max(axis=(1, 2))
 
     @property
     def difference(self) -> float:
-        """Largest difference of full run and map in any order, over the largest order."""
+        """Return the largest difference of full run and map in any order, over the largest order."""
         size, off = self.differences
         return float(off.max() / size.max())
 
     @property
     def nearest(self) -> tuple[float, float, float]:
-        """(order that full run and map differ most in, frequency of the mode it is nearest to [Hz], share of the
-        amplitude that this mode would have at resonance, ``|2 z / (1 - r^2 + 2 i z r)|``).
+        """Return (order of the largest difference of full run and map, frequency of the mode nearest to it [Hz], share
+        of the amplitude of this mode at resonance, ``|2 z / (1 - r^2 + 2 i z r)|``).
         """
         rate, (_, off) = self.preset.engine(self.rpm).rate, self.differences
         order = float(self.here.orders[1:][off.argmax()])
@@ -172,32 +175,37 @@ class Study:
         return order, float(w[share.argmax()] / (2 * np.pi)), float(share.max())
 
     def sweep(self, count: int, cycles: int = 4) -> Sweep:
-        """Full motions at ``count`` speeds from idle to redline, each over ``cycles``, on two threads.
+        """Simulate full motions at ``count`` speeds from idle to redline, each over ``cycles``, on two threads.
 
-        ValueError for a count below 2, no cycle, or more than `MOST` of either.
+        ValueError for a count below 2, no cycle, or more than `SWEEP_COUNT_MAX` of either.
         """
-        if not (2 <= count <= MOST and 1 <= cycles <= MOST):
-            raise InputError(f"nvh: a sweep of {count} speeds, {cycles} cycles each; give 2 ... {MOST}, 1 ... {MOST}")
+        if not (2 <= count <= SWEEP_COUNT_MAX and 1 <= cycles <= SWEEP_COUNT_MAX):
+            raise InputError(
+                f"nvh: a sweep of {count} speeds, {cycles} cycles each; "
+                f"give 2 ... {SWEEP_COUNT_MAX}, 1 ... {SWEEP_COUNT_MAX}"
+            )
         found = self.over(count)
 
         def full(rpm: float) -> np.ndarray:
-            run = whole_run(self.source, self.on_mounts, rpm, settle=SETTLE, kept=cycles, count=COARSE)
+            run = whole_run(
+                self.source, self.on_mounts, rpm, settle=SETTLE_SECONDS, kept=cycles, count=SWEEP_TURN_SAMPLES
+            )
             return run_orders(run, self.placed, self.preset.engine(rpm).rate, found.orders)
 
-        with closing(ThreadPoolExecutor(THREADS)) as pool:  # Ctrl-C waits for none of them
+        with closing(ThreadPoolExecutor(SWEEP_THREADS)) as pool:  # Ctrl-C waits for none of them
             return Sweep(found, np.array(list(pool.map(full, found.rpm))), cycles)
 
     @cached_property
     def cabin(self) -> Cabin | None:
-        """The car around it; None if its shell is not known."""
+        """Return the car around the powertrain, or None if its shell is not known."""
         return Cabin(self.car, self.on_mounts, self.shell) if known(self.car, self.shell) else None
 
     @property
     def idling(self) -> "Study":
-        """The same engine at idle."""
-        return replace(self, rpm=self.preset.idle, load=IDLE)
+        """Return the study of the same engine at idle."""
+        return replace(self, rpm=self.preset.idle, load=IDLE_LOAD)
 
     @cached_property
     def bearings(self) -> list[Bearing]:
-        """Main bearings at this speed and load."""
+        """Return the main bearings at this speed and load."""
         return main_bearings(self.source, self.rpm)

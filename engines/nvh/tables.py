@@ -8,35 +8,35 @@ from engines.nvh.cabin.seat import rms
 from engines.nvh.excitation import balance_shafts, presets
 from engines.nvh.excitation.loads import Source
 from engines.nvh.mounts.rigid_modes import DIRECTIONS
-from engines.nvh.study import AGREES, Study, Sweep
+from engines.nvh.study import AGREEMENT_SHARE_MAX, Study, Sweep
 from mbsd3d.errors import InputError
 
 Rows = list[list[str]]
-LEAST = 1e-3  # of the largest: smaller orders are left out
-SMALL = 1e-6  # of the 1x force of a cylinder: smaller forces are those of moments
-NEAR = 0.2  # of the amplitude at resonance: beyond it motions are no longer small enough for a linear map
-HIGHEST = 200.0  # Hz: modes of a shell beyond it are left out
+ORDER_SHARE_MIN = 1e-3  # [1] of the largest order; smaller ones are left out
+FORCE_SHARE_MIN = 1e-6  # [1] of the 1x force of a cylinder; smaller forces are those of moments
+RESONANCE_SHARE = 0.2  # [1] of the amplitude at resonance; beyond it motions are too large for a linear map
+SHELL_FREQUENCY_MAX = 200.0  # [Hz] modes of a shell beyond it are left out
 
 
 def figure(x: float, size: float = 0.0) -> str:
-    """Four digits, 0 for rounding of something of this size."""
+    """Format a number: four digits, 0 for rounding of a value of this size."""
     return "0" if abs(x) <= 1e-9 * size else f"{x:.4g}"
 
 
 def engines() -> Rows:
-    """All engines, with the orders that their layout leaves at the redline."""
+    """Tabulate all engines, with the orders that their layout leaves at the redline."""
     rows = [["", "engine", "1/min", "1x [N]", "2x [N]", "1x [N m]", "2x [N m]"]]
     for name in presets.names():
         chosen = presets.preset(name)
         six, single = np.abs(Source(chosen, 0.0).at(chosen.redline).six), chosen.engine(chosen.redline).single
         sizes = [np.linalg.norm(six[2 * k, part]) for part in (slice(0, 3), slice(4, 6)) for k in (1, 2)]
-        numbers = (f"{x:.0f}" if x > LEAST * single else "0" for x in sizes)
+        numbers = (f"{x:.0f}" if x > ORDER_SHARE_MIN * single else "0" for x in sizes)
         rows.append([name, chosen.title, f"{chosen.idle:g}-{chosen.redline:g}", *numbers])
     return rows
 
 
 def on_engine(study: Study) -> list[tuple[str, Rows]]:
-    """(title, table) from the block to what the mounts hand on."""
+    """Return (title, table) from the block to the forces on the car."""
     found = [("load on the block", loads(study))]
     if study.source.fitted:
         found.append(("balance shafts fitted wrongly", faults(study)))
@@ -49,23 +49,23 @@ def on_engine(study: Study) -> list[tuple[str, Rows]]:
 
 
 def loads(study: Study) -> Rows:
-    """Orders of the load on the block at the study's speed, forces and moments about the middle of the crank, and of
-    the torque that turns the crank.
+    """Tabulate the orders of the load on the block at the study's speed: forces and moments about the middle of the
+    crank, and the torque that turns the crank.
     """
     load = study.source.at(study.rpm)
     found = [["order", "Hz", "F_x [N]", "F_y [N]", "F_z [N]", "M_x [N m]", "M_y [N m]", "M_z [N m]", "crank [N m]"]]
     seven = np.abs(np.column_stack([load.six, load.torque]))
     sizes = np.array([seven[1:, :3].max(), seven[1:, 3:].max()]).repeat((3, 4))
     for order, row in zip(load.orders[1:], seven[1:], strict=True):
-        if (row > LEAST * np.maximum(sizes, 1.0)).any():
+        if (row > ORDER_SHARE_MIN * np.maximum(sizes, 1.0)).any():
             frequency = order * study.rpm / 60
             found.append([f"{order:g}x", f"{frequency:.1f}", *(figure(x, max(sizes)) for x in row)])
     return found
 
 
 def faults(study: Study) -> Rows:
-    """What balance shafts leave of their order at the study's speed if they are fitted wrongly, in closed form; and how
-    far the engine with its geared shafts in space is from it, over the 1x force of a cylinder.
+    """Tabulate the remainder of the order of wrongly fitted balance shafts at the study's speed in closed form, and its
+    difference to the engine with geared shafts in space, over the 1x force of a cylinder.
     """
     rows = [["fault", "force [N]", "couple [N m]", "torque [N m]", "in space off by"]]
     preset, size = study.preset, study.preset.engine(study.rpm).single
@@ -79,8 +79,8 @@ def faults(study: Study) -> Rows:
 
 
 def heights(study: Study) -> Rows | None:
-    """What a pair of shafts leaves of the roll of its order, by how far they are apart in height; None for no pair, or
-    where no height helps.
+    """Tabulate the remaining roll moment of a pair of shafts at its order over its distance in height; None for no
+    pair, or where no height helps.
     """
     fitted, preset, source = study.source.fitted, study.preset, study.source
     if len(fitted) != 2 or fitted[0].order != 2:
@@ -99,7 +99,7 @@ def heights(study: Study) -> Rows | None:
 
 
 def modes(study: Study) -> Rows:
-    """Rigid-body modes with their kinetic energy by direction [%]."""
+    """Tabulate the rigid-body modes with their kinetic energy by direction [%]."""
     rows = [["mode", "mostly", "Hz", *DIRECTIONS]]
     for k, mode in enumerate(study.modes, start=1):
         shares = (f"{round(100 * share, 1) + 0.0:.1f}" for share in mode.shares)
@@ -108,8 +108,8 @@ def modes(study: Study) -> Rows:
 
 
 def shapes(study: Study) -> Rows:
-    """Shapes of the rigid-body modes: motion of the centre of mass, scaled such that the mount that moves most moves by
-    1 mm.
+    """Tabulate the shapes of the rigid-body modes: motion of the centre of mass, scaled to 1 mm at the mount that moves
+    most.
     """
     rows = [["mode", "mostly", "Hz", "x", "y", "z [mm]", "about x", "about y", "about z [mrad]"]]
     arms = np.array([mount.at for mount in study.placed]) - study.body.rigid.com
@@ -122,7 +122,7 @@ def shapes(study: Study) -> Rows:
 
 
 def mounts(study: Study) -> Rows:
-    """Places [mm] and rates [N/mm], as built and decoupled."""
+    """Tabulate places [mm] and rates [N/mm] of the mounts, as built and decoupled."""
     rows = [["mount", "", "x", "y", "z [mm]", "k_1", "k_2", "k_3 [N/mm]"]]
     for kind, placed in (("as built", study.placed), ("decoupled", study.decoupled.mounts)):
         for mount in placed:
@@ -132,34 +132,34 @@ def mounts(study: Study) -> Rows:
 
 
 def handed_on(study: Study) -> Rows:
-    """What the mounts hand on at the study's speed: by order, linear and in the full run."""
+    """Tabulate the forces of the mounts on the car at the study's speed: by order, linear and in the full run."""
     rows = [["order", "Hz", "engine [N]", "car [N]", "car / engine", "mount [N]", "full run off by [%]"]]
     here, (size, off), single = study.here, study.differences, study.preset.engine(study.rpm).single
     engine, car = (np.linalg.norm(np.abs(part), axis=-1) for part in (here.load[0, 1:, :3], here.total[0, 1:]))
     for k, order in enumerate(here.orders[1:]):
-        if size[k] > LEAST * size.max():
-            ratio = f"{car[k] / engine[k]:.4f}" if engine[k] > SMALL * single else "moment only"
+        if size[k] > ORDER_SHARE_MIN * size.max():
+            ratio = f"{car[k] / engine[k]:.4f}" if engine[k] > FORCE_SHARE_MIN * single else "moment only"
             forces = figure(engine[k], single), figure(car[k]), ratio, figure(size[k])
             rows.append([f"{order:g}x", f"{order * study.rpm / 60:.1f}", *forces, f"{100 * off[k] / size[k]:.2g}"])
     return rows
 
 
 def why(study: Study) -> str:
-    """In which order full run and map differ most, how near to resonance it is, and whether the map has that order at
-    all; nothing if they agree.
+    """Return the order of the largest difference between full run and map, its distance to resonance, and whether the
+    map has that order; nothing if they agree.
     """
-    if study.difference <= AGREES:
+    if study.difference <= AGREEMENT_SHARE_MAX:
         return ""
     (order, mode, share), (size, off) = study.nearest, study.differences
-    near = f"{share:.0%} of its amplitude at resonance" if share > NEAR else "off resonance"
+    near = f"{share:.0%} of its amplitude at resonance" if share > RESONANCE_SHARE else "off resonance"
     turned = "; moving masses turn its neighbours into it" if size[off.argmax()] < off.max() else ""
     by = f"{order * study.rpm / 60:.1f} Hz, by {off.max():.2g} N"
     return f"most in {order:g}x, {by}, beside a mode of {mode:.1f} Hz, {near}{turned}"
 
 
 def sweep(found: Sweep, most: int | None = None) -> Rows:
-    """Largest force of a mount over the speed, linear and in the full motion, and how far they are apart; ``most``:
-    rows of a shorter table, the speed where they differ most among them.
+    """Tabulate the largest force of a mount over the speed, linear and in the full motion, and their difference;
+    ``most``: rows of a shorter table, with the speed of the largest difference.
     """
     rows, count = [["1/min", "order", "linear [N]", "full motion [N]", "differ by [%]"]], found.map.rpm.size
     chosen = np.linspace(0, count - 1, min(most or count, count)).astype(int)
@@ -172,33 +172,33 @@ def sweep(found: Sweep, most: int | None = None) -> Rows:
 
 
 def felt(study: Study) -> Rows:
-    """Acceleration of the seat rail by order, at the study's speed and load and at idle."""
+    """Tabulate the acceleration of the seat rail by order, at the study's speed and load and at idle."""
     rows = [["", "order", "Hz", "x", "y", "z [mm/s2]"]]
     for one in (study, study.idling):
         seat = np.abs(one.cabin.seat(one.here)[0])
         for order, row in zip(one.here.orders, 1e3 * seat, strict=True):
-            if (row > LEAST * 1e3 * seat.max()).any():
+            if (row > ORDER_SHARE_MIN * 1e3 * seat.max()).any():
                 what = f"{one.rpm:g} 1/min, {one.load:.0%} load"
                 rows.append([what, f"{order:g}x", f"{order * one.rpm / 60:.1f}", *(figure(x) for x in row)])
     return rows
 
 
 def shell(study: Study) -> Rows:
-    """Elastic modes of the shell, and how far the seat rail and the mount that moves most move in each for a modal mass
-    of 1 kg.
+    """Tabulate the elastic modes of the shell, and the motion of the seat rail and of the mount that moves most in each
+    for a modal mass of 1 kg.
     """
     rows, cabin = [["mode of the shell", "Hz", "damping", "seat rail", "hardest mount [1/sqrt(kg)]"]], study.cabin
     sizes = (
         np.linalg.norm(part.reshape(len(part), -1, 3), axis=2).max(axis=1) for part in (cabin.at_seat, cabin.at_feet)
     )
     for rate, damping, *moved in sorted(zip(cabin.shell.rates, cabin.shell.damping, *sizes, strict=True)):
-        if 0 < rate / (2 * np.pi) < HIGHEST:
+        if 0 < rate / (2 * np.pi) < SHELL_FREQUENCY_MAX:
             rows.append([str(len(rows)), f"{rate / (2 * np.pi):.1f}", f"{damping:g}", *(figure(x) for x in moved)])
     return rows
 
 
 def paths(study: Study) -> tuple[str, Rows]:
-    """(what is felt most, the share of every path in it)."""
+    """Return (the largest component at the seat, the share of every path in it)."""
     parts = study.cabin.paths(study.here)[0]
     seat = parts.sum(axis=(1, 2))
     order, way = np.unravel_index(np.abs(seat).argmax(), seat.shape)
@@ -214,7 +214,7 @@ def paths(study: Study) -> tuple[str, Rows]:
 
 
 def bearings(study: Study) -> Rows:
-    """Loads of the main bearings over a cycle."""
+    """Tabulate the loads of the main bearings over a cycle."""
     rows = [["bearing", "", "peak [N]", "mean [N]", "peak pressure [MPa]", "roller: P_m [N]", "L10h [h]"]]
     for bearing in study.bearings:
         radial = bearing.radial
@@ -224,7 +224,7 @@ def bearings(study: Study) -> Rows:
 
 
 def seat_rail(study: Study) -> str:
-    """Root mean squares in a line; nothing if the shell is not known."""
+    """Return the root mean squares at the seat rail in a line; nothing if the shell is not known."""
     if study.cabin is None:
         return ""
     here, idle = (float(rms(s.cabin.seat(s.here))[0]) for s in (study, study.idling))
@@ -232,7 +232,9 @@ def seat_rail(study: Study) -> str:
 
 
 def ripple(study: Study) -> str:
-    """Range of the torque that gas and inertia give to an even crank, and how unevenly a free one would turn."""
+    """Return the range of the torque of gas and inertia at constant crank speed, and the speed fluctuation of a free
+    crank.
+    """
     angle = np.linspace(0.0, 4 * np.pi, 2881)
     torque = sum(study.source.over_the_cycle(study.rpm, angle))
     energy = cumulative_simpson(torque - torque[:-1].mean(), x=angle, initial=0.0)
@@ -241,7 +243,7 @@ def ripple(study: Study) -> str:
 
 
 def facts(study: Study) -> list[tuple[str, str]]:
-    """The engine and its mounts in a few lines."""
+    """Return the engine and its mounts in a few lines."""
     p, (shift, turn) = study.preset, study.sag
     (built, f_built), (free, f_free) = study.roll_shares
     cycle, gas, pressure = study.source.cycle, "motored, no gas", ""

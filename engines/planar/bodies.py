@@ -1,4 +1,4 @@
-"""The words of a planar mechanism: bodies and parts in world coordinates at a reference pose, functions of time."""
+"""Bodies and parts of a planar mechanism in world coordinates at a reference pose, and functions of time."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -13,27 +13,27 @@ from mbsd3d.extend import number
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """f(t) = sum c_k t^k + amplitude sin(frequency t + phase), or a spline."""
+    """Function of time f(t) = sum c_k t^k + amplitude sin(frequency t + phase), or a spline."""
 
     interval = (-np.inf, np.inf)
     """Where f is known [s]."""
 
     def numbers(self) -> tuple:
-        """The nine numbers of f: c_0 ... c_5, amplitude, frequency [rad/s], phase [rad]."""
+        """Return the nine numbers of f: c_0 ... c_5, amplitude, frequency [rad/s], phase [rad]."""
         raise NotImplementedError
 
     def pieces(self) -> np.ndarray:
-        """(pieces, 5) of a spline: start [s] and c_0 ... c_3 of the time since then."""
+        """Return the pieces of a spline: start [s] and c_0 ... c_3 of the time since then, shape (pieces, 5)."""
         return np.empty((0, 5))
 
     def steady(self) -> bool:
-        """Whether f_ddot is zero for all times."""
+        """Return whether f_ddot is zero for all times."""
         return not any(self.numbers()[2:7]) and not self.pieces()[:, 3:].any()
 
 
 @dataclass(frozen=True, eq=False)
 class Polynomial(Motion):
-    """c_0 + c_1 t + ... of degree 5 at most; a constant rate w is ``Polynomial((0, w))``."""
+    """Polynomial c_0 + c_1 t + ... of degree 5 at most; a constant rate w is ``Polynomial((0, w))``."""
 
     coefficients: tuple
 
@@ -48,13 +48,13 @@ class Polynomial(Motion):
 
 
 def rate(speed: float) -> Polynomial:
-    """A constant rate, ``speed t`` [rad/s or m/s]."""
+    """Return a motion of constant rate, ``speed t`` [rad/s or m/s]."""
     return Polynomial((0.0, speed))
 
 
 @dataclass(frozen=True, eq=False)
 class Sine(Motion):
-    """amplitude sin(frequency t + phase), frequency in rad/s."""
+    """Sine function amplitude sin(frequency t + phase), frequency in rad/s."""
 
     amplitude: float
     frequency: float
@@ -89,7 +89,7 @@ class Table(Motion):
 
     @property
     def interval(self) -> tuple[float, float]:
-        """First and last time [s]."""
+        """Return the first and last time [s]."""
         return float(self.times[0]), float(self.times[-1])
 
     def numbers(self) -> tuple:
@@ -103,7 +103,7 @@ NONE, UNIT = Polynomial((0.0,)), Polynomial((1.0,))
 
 
 def pair(value: ArrayLike, what: str) -> np.ndarray:
-    """A finite (2,) array, or a ValueError that names ``what``."""
+    """Return a finite (2,) array; raise ValueError that names ``what`` for others."""
     try:
         array = np.array(value, dtype=float)
     except (TypeError, ValueError):
@@ -115,7 +115,7 @@ def pair(value: ArrayLike, what: str) -> np.ndarray:
 
 
 def direction(value: ArrayLike, what: str) -> np.ndarray:
-    """A (2,) unit vector, or a ValueError that names ``what``."""
+    """Return a (2,) unit vector; raise ValueError that names ``what`` for others."""
     array = pair(value, what)
     length = np.hypot(*array)
     if length < 1e-12:
@@ -124,16 +124,16 @@ def direction(value: ArrayLike, what: str) -> np.ndarray:
 
 
 class Ground:
-    """The frame at rest."""
+    """Frame at rest."""
 
     name, position, angle = "ground", np.zeros(2), 0.0
 
     def local(self, vector: np.ndarray) -> np.ndarray:
-        """World axes are ground axes."""
+        """Return the vector unchanged: world axes are ground axes."""
         return np.asarray(vector, dtype=float)
 
     def local_point(self, point: np.ndarray) -> np.ndarray:
-        """World coordinates are ground coordinates."""
+        """Return the point unchanged: world coordinates are ground coordinates [m]."""
         return np.asarray(point, dtype=float)
 
 
@@ -142,7 +142,7 @@ GROUND = Ground()
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """A rigid body in the plane.
+    """Rigid body in the plane.
 
     ``mass, inertia``: [kg] > 0, and about the centre of mass [kg m^2] >= 0; 0, a point mass, only where joints keep its
     rate constant; ``com`` (2,): r_G, from the reference point O, body axes [m]; ``position, angle``: O (2,) [m] and the
@@ -173,12 +173,12 @@ class Body:
             object.__setattr__(self, name, value)
 
     def local(self, vector: np.ndarray) -> np.ndarray:
-        """R' of a world direction at the reference pose."""
+        """Return R' of a world direction at the reference pose."""
         c, s = np.cos(self.angle), np.sin(self.angle)
         return np.array([[c, s], [-s, c]]) @ vector
 
     def local_point(self, point: np.ndarray) -> np.ndarray:
-        """A world point at the reference pose, from O in body axes [m]."""
+        """Return a world point at the reference pose, from O in body axes [m]."""
         return self.local(np.asarray(point, dtype=float) - self.position)
 
 
@@ -194,7 +194,7 @@ class Row:
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A joint or a load: a unique name, and a check of its fields."""
+    """Joint or load: a unique name, and a check of its fields."""
 
     name: str | None = field(default=None, kw_only=True)
 
@@ -213,7 +213,7 @@ class Part:
 
 
 def check_bodies(part: Any, what: str) -> None:
-    """a and b are two bodies."""
+    """Check that a and b are two bodies."""
     for side in ("a", "b"):
         if not isinstance(getattr(part, side), Body | Ground):
             raise InputError(f"{what}: {side} = {getattr(part, side)!r} is not a planar body; give a Body or GROUND")
@@ -222,7 +222,7 @@ def check_bodies(part: Any, what: str) -> None:
 
 
 def ends(part: Any, what: str, remedy: str) -> float:
-    """Distance of the two end points of a part [m], which must not coincide."""
+    """Return the distance of the two end points of a part [m], which must not coincide."""
     part.set(at_a=pair(part.at_a, f"{what}: at_a"), at_b=pair(part.at_b, f"{what}: at_b"))
     span = float(np.hypot(*(part.at_b - part.at_a)))
     if span < 1e-12:

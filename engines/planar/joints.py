@@ -13,24 +13,24 @@ from mbsd3d.extend import number
 
 @dataclass(frozen=True, eq=False)
 class Joint(Part):
-    """What joints and drivers share; reactions are given on body b at `point`."""
+    """Base of joints and drivers; reactions are given on body b at `point`."""
 
     def rows(self) -> list[Row]:
-        """The rows of the joint."""
+        """Return the constraint rows of the joint."""
         raise NotImplementedError
 
     def point(self) -> np.ndarray:
-        """Point of b at which the reaction is given, world at the reference pose [m]."""
+        """Return the point of b at which the reaction is given, world at the reference pose [m]."""
         raise NotImplementedError
 
     def partners(self) -> tuple["Joint", ...]:
-        """Joints it acts through."""
+        """Return the joints through which the joint acts."""
         return ()
 
 
 @dataclass(frozen=True, eq=False)
 class PointJoint(Joint):
-    """A joint of body a and body b at a point."""
+    """Joint of body a and body b at a point."""
 
     a: Any
     b: Any
@@ -44,30 +44,30 @@ class PointJoint(Joint):
         return self.at
 
     def ends(self) -> tuple[np.ndarray, np.ndarray]:
-        """The point in both bodies."""
+        """Return the point in the axes of both bodies [m]."""
         return self.a.local_point(self.at), self.b.local_point(self.at)
 
     def coincide(self) -> Row:
-        """p_b = p_a (2 rows)."""
+        """Return the rows p_b = p_a (2 rows)."""
         a, b = self.ends()
         return Row(kinds.COINCIDE, (self.a, self.b), (*a, *b))
 
 
 def turn(factors: tuple, bodies: tuple, motion: Motion = NONE) -> Row:
-    """sum f_k (theta_k - theta_k at the reference pose) = f(t)."""
+    """Return the row sum f_k (theta_k - theta_k at the reference pose) = f(t)."""
     offset = -sum(f * body.angle for f, body in zip(factors, bodies, strict=True))
     return Row(kinds.ANGLE, bodies, (*factors, *(0.0,) * (4 - len(factors)), offset), motion)
 
 
 class Revolute(PointJoint):
-    """A hinge (2 rows)."""
+    """Hinge (2 rows)."""
 
     def rows(self) -> list[Row]:
         return [self.coincide()]
 
 
 class Fixed(PointJoint):
-    """No relative motion (3 rows)."""
+    """Joint without relative motion (3 rows)."""
 
     def rows(self) -> list[Row]:
         return [self.coincide(), turn((-1.0, 1.0), (self.a, self.b))]
@@ -75,7 +75,7 @@ class Fixed(PointJoint):
 
 @dataclass(frozen=True, eq=False)
 class Slider(PointJoint):
-    """b slides along an axis of a without turning (2 rows)."""
+    """Joint in which b slides along an axis of a without turning (2 rows)."""
 
     axis: Any = field(kw_only=True)
 
@@ -84,7 +84,7 @@ class Slider(PointJoint):
         self.set(axis=direction(self.axis, f"{what}: axis"))
 
     def along(self, axis: np.ndarray, motion: Motion = NONE) -> Row:
-        """axis_a . (p_b - p_a) = f(t)."""
+        """Return the row axis_a . (p_b - p_a) = f(t)."""
         a, b = self.ends()
         return Row(kinds.IN_LINE, (self.a, self.b), (*a, *b, *self.a.local(axis), 0.0, 0.0), motion)
 
@@ -95,7 +95,7 @@ class Slider(PointJoint):
 
 @dataclass(frozen=True, eq=False)
 class Distance(Joint):
-    """A massless rod between two points (1 row); ``length`` None = as at the reference pose [m]."""
+    """Massless rod between two points (1 row); ``length`` None = as at the reference pose [m]."""
 
     a: Any
     b: Any
@@ -119,7 +119,7 @@ class Distance(Joint):
 
 @dataclass(frozen=True, eq=False)
 class Rolling(PointJoint):
-    """A disc of b rolls without slip on the line of a through ``at`` along ``along`` (2 rows).
+    """Disc of b that rolls without slip on the line of a through ``at`` along ``along`` (2 rows).
 
     With n the normal towards the disc and t = (n_y, -n_x): n . (C - P) = radius and t . (C - P) + radius theta is
     constant, where theta is the angle of b relative to a.
@@ -148,7 +148,7 @@ class Rolling(PointJoint):
         self.set(along=along if gap > 0 else -along, radius=radius, centre=world)
 
     def normal(self) -> np.ndarray:
-        """Normal of the line, towards the disc, world at the reference pose."""
+        """Return the normal of the line, towards the disc, world at the reference pose."""
         return np.array([-self.along[1], self.along[0]])
 
     def point(self) -> np.ndarray:
@@ -163,7 +163,7 @@ class Rolling(PointJoint):
 
 
 def check_kind(joint: Any, kind: type, what: str) -> None:
-    """A joint of the kind, or a ValueError."""
+    """Check that a joint is of the kind; raise ValueError for others."""
     if not isinstance(joint, kind):
         have = f"'{joint.name}' ({type(joint).__name__})" if isinstance(joint, Joint) else repr(joint)
         raise InputError(f"{what}: {have} is not a {kind.__name__}; give one")
@@ -171,7 +171,7 @@ def check_kind(joint: Any, kind: type, what: str) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Gear(Joint):
-    """Two hinges turn in a fixed ratio = angle_b / angle_a (1 row); ratio < 0 for an external mesh."""
+    """Gear of two hinges with a fixed ratio = angle_b / angle_a (1 row); ratio < 0 for an external mesh."""
 
     hinge_a: Any
     hinge_b: Any
@@ -199,7 +199,7 @@ class Gear(Joint):
 
 @dataclass(frozen=True, eq=False)
 class Driver(Joint):
-    """A prescribed motion of a joint, counted from the reference pose; `Solution.effort` is what it takes."""
+    """Prescribed motion of a joint, counted from the reference pose; `Solution.effort` is its drive force or torque."""
 
     through: Any
     motion: Motion
@@ -219,14 +219,14 @@ class Driver(Joint):
 
 
 class AngleDriver(Driver):
-    """The angle of a hinge follows a motion [rad] (1 row)."""
+    """Prescribed angle of a hinge [rad] (1 row)."""
 
     def rows(self) -> list[Row]:
         return [turn((-1.0, 1.0), (self.through.a, self.through.b), self.motion)]
 
 
 class SlideDriver(Driver):
-    """The displacement of a slider follows a motion [m] (1 row)."""
+    """Prescribed displacement of a slider [m] (1 row)."""
 
     kind = Slider
 

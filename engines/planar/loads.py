@@ -11,7 +11,7 @@ from mbsd3d.extend import number
 
 @dataclass(frozen=True, eq=False)
 class Force(Part):
-    """A force (2,) [N] at a point of a body (None: centre of mass) and a torque [N m], times ``motion`` of time.
+    """Force (2,) [N] at a point of a body (None: centre of mass) and torque [N m], times ``motion`` of time.
 
     Components along the axes of the world or, with ``frame`` "body", along those of the body.
     """
@@ -33,19 +33,19 @@ class Force(Part):
         self.set(at=at)
 
     def load(self) -> Row:
-        """Kind, (body of the axes, body of the point) and numbers."""
+        """Return kind, (body of the axes, body of the point) and numbers of the force."""
         axes = self.body if self.frame == "body" else GROUND
         return Row(kinds.FORCE, (axes, self.body), (*self.force, *self.at, self.torque), self.motion)
 
 
 def constants(spring: Any, what: str) -> dict[str, float]:
-    """Stiffness and damping, both >= 0."""
+    """Return stiffness and damping, both >= 0."""
     return {name: number(getattr(spring, name), f"{what}: {name}", minimum=0.0) for name in ("stiffness", "damping")}
 
 
 @dataclass(frozen=True, eq=False)
 class Spring(Part):
-    """Spring and damper between two points: pull ``k (l - l0) + c l_dot``; ``length`` None = as at the reference."""
+    """Spring and damper between two points: tension ``k (l - l0) + c l_dot``; ``length`` None = as at the reference."""
 
     a: Any
     b: Any
@@ -62,7 +62,7 @@ class Spring(Part):
         self.set(length=length, **constants(self, what))
 
     def load(self) -> Row:
-        """Kind, bodies and numbers."""
+        """Return kind, bodies and numbers of the spring."""
         a, b = self.a.local_point(self.at_a), self.b.local_point(self.at_b)
         return Row(kinds.SPRING, (self.a, self.b), (*a, *b, self.stiffness, self.damping, self.length))
 
@@ -82,6 +82,6 @@ class TorsionSpring(Part):
         self.set(angle=number(self.angle, f"{what}: angle"), **constants(self, what))
 
     def load(self) -> Row:
-        """Kind, bodies and numbers."""
+        """Return kind, bodies and numbers of the torsion spring."""
         rest = self.angle + self.b.angle - self.a.angle
         return Row(kinds.TORSION, (self.a, self.b), (self.stiffness, self.damping, rest))

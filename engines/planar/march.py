@@ -6,13 +6,13 @@ from engines.planar.rows import inner, kernel, put, rates, rows
 from engines.planar.saddle import accelerations, factor, solve
 
 DONE, SINGULAR, NOT_CLOSED, NOT_FINITE = range(4)
-CLOSED, OPEN = 1e-14, 1e-9  # residuals [m, rad] over the size of the system: aimed at, refused
-SUBSTEP = 0.1  # rad: predicted turn of any body between two positions of `trace`
+CLOSURE_TARGET, CLOSURE_MAX = 1e-14, 1e-9  # residuals [m, rad] over the size of the system: aimed at, refused
+SUBSTEP_ANGLE = 0.1  # [rad] predicted rotation of any body between two positions of `trace`
 
 
 @inner
 def largest(w):
-    """Largest residual and its row."""
+    """Return the largest residual and its row."""
     worst, row = 0.0, 0
     for i in range(w.c.shape[0]):
         size = abs(w.c[i])
@@ -25,7 +25,7 @@ def largest(w):
 
 @inner
 def add(y, factor, x):
-    """y += factor x, body by body."""
+    """Add factor x to y, body by body."""
     for i in range(y.shape[0] - 1):
         for k in range(3):
             y[i, k] += factor * x[i, k]
@@ -33,7 +33,7 @@ def add(y, factor, x):
 
 @inner
 def right_side(m, w, values, v):
-    """lam := values - J v, no loads."""
+    """Compute lam := values - J v, without loads."""
     for i in range(w.top.shape[0] - 1):
         put(w.top[i], 0.0, 0.0, 0.0)
     for i in range(values.shape[0]):
@@ -45,7 +45,7 @@ def right_side(m, w, values, v):
 
 @kernel
 def close(m, w, t, q):
-    """Newton in the metric of M: q onto c(q, t) = 0, leaving rows and factor there; (status, row)."""
+    """Solve c(q, t) = 0 by Newton in the metric of M, leaving rows and factor there; return (status, row)."""
     before = np.inf
     for _ in range(25):
         rows(m, w, t, q)
@@ -55,7 +55,7 @@ def close(m, w, t, q):
             return NOT_FINITE, row
         if bad >= 0:
             return SINGULAR, bad
-        if worst <= CLOSED * m.scale[1] or (worst > 0.5 * before and worst <= OPEN * m.scale[1]):
+        if worst <= CLOSURE_TARGET * m.scale[1] or (worst > 0.5 * before and worst <= CLOSURE_MAX * m.scale[1]):
             return DONE, row
         before = worst
         for i in range(w.lam.shape[0]):
@@ -69,7 +69,7 @@ def close(m, w, t, q):
 
 @inner
 def close_rates(m, w, t, q, v):
-    """v onto J v = f_dot; `close` has been at q."""
+    """Project v onto J v = f_dot; `close` has been at q."""
     rates(m, w, t, q, v)
     right_side(m, w, w.rate, v)
     solve(m, w)
@@ -78,7 +78,7 @@ def close_rates(m, w, t, q, v):
 
 @inner
 def finite(x):
-    """Whether all numbers of the bodies are."""
+    """Return whether all numbers of the bodies are finite."""
     total = 0.0
     for i in range(x.shape[0] - 1):
         total += x[i, 0] + x[i, 1] + x[i, 2]
@@ -87,7 +87,7 @@ def finite(x):
 
 @inner
 def record(m, w, q, v, out, k):
-    """Sample k: q, v, v_dot of the bodies and -lam J on body b of every row (its wrench about O).
+    """Store sample k: q, v, v_dot of the bodies and -lam J on body b of every row (its wrench about O).
 
     In a gear that body may be the frame of both hinges and hold two of its places.
     """
@@ -104,7 +104,7 @@ def record(m, w, q, v, out, k):
 
 @inner
 def stage(m, w, t, q, v, h, part):
-    """A further stage of Runge-Kutta: from (q, v) by h along the last one, added to the sums with its part."""
+    """Advance a further stage of Runge-Kutta from (q, v) by h along the last one, and add it to the weighted sums."""
     for i in range(q.shape[0] - 1):
         for j in range(3):
             w.q[i, j] = q[i, j] + h * w.v[i, j]
@@ -119,7 +119,7 @@ def stage(m, w, t, q, v, h, part):
 
 @inner
 def first_stage(w, v, part):
-    """v of the first stage, and the sums begun with its part."""
+    """Set v of the first stage, and begin the weighted sums."""
     for i in range(v.shape[0] - 1):
         for j in range(3):
             w.v[i, j] = v[i, j]
@@ -129,7 +129,9 @@ def first_stage(w, v, part):
 
 @kernel
 def march(m, w, q, v, t_end, steps, every, out, begin, end):
-    """RK4 from 0 to t_end: steps begin ... end - 1, closed before each, every so many recorded; (status, row, t)."""
+    """Integrate by RK4 from 0 to t_end, steps begin ... end - 1, projected before each and recorded every ``every``;
+    return (status, row, t).
+    """
     h = t_end / steps
     for step in range(begin, end):
         t = t_end * (step / steps)
@@ -157,7 +159,9 @@ def march(m, w, q, v, t_end, steps, every, out, begin, end):
 
 @kernel
 def trace(m, w, q, times, out, begin, end):
-    """Samples begin ... end - 1 of a fully driven system at the times, the first one q at t = 0; (status, row, t)."""
+    """Compute samples begin ... end - 1 of a fully driven system at the times, the first one q at t = 0; return
+    (status, row, t).
+    """
     t, v = times[max(begin - 1, 0)], w.v
     if begin == 0:
         v[:], w.x[:] = 0.0, 0.0
@@ -165,7 +169,7 @@ def trace(m, w, q, times, out, begin, end):
         turn = 0.0
         for i in range(q.shape[0] - 1):
             turn = max(turn, abs(v[i, 2] * (times[k] - t)) + abs(0.5 * w.x[i, 2] * (times[k] - t) ** 2))
-        pieces = 1 + int(turn / SUBSTEP)
+        pieces = 1 + int(turn / SUBSTEP_ANGLE)
         start, h = t, (times[k] - t) / pieces
         for piece in range(pieces):
             add(q, h, v)
@@ -184,6 +188,6 @@ def trace(m, w, q, times, out, begin, end):
 
 @kernel
 def evaluate(m, w, t, q, v):
-    """c, J, rate and gamma of all rows at any state, on the constraints or off them."""
+    """Evaluate c, J, rate and gamma of all rows at any state, on the constraints or off them."""
     rows(m, w, t, q)
     rates(m, w, t, q, v)

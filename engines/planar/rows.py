@@ -22,29 +22,29 @@ from mbsd3d.extend import CACHE, keep_code
 
 
 def _digest() -> str:
-    """Of every file that is compiled: numba's own cache misses edits in callees of other files."""
+    """Return the digest of every compiled file: numba's own cache misses edits in callees of other files."""
     text = hashlib.sha256(numba.__version__.encode())
     for name in ("rows", "saddle", "march"):
         text.update(Path(__file__).with_name(f"{name}.py").read_bytes())
     return text.hexdigest()[:16]
 
 
-FOLDER = CACHE.parent / f"planar-{_digest()}"
+CACHE_FOLDER = CACHE.parent / f"planar-{_digest()}"
 
 
 def _compiled(function: Callable, **options: object) -> Callable:
-    """Nopython mode without reference counts: the kernels allocate nothing."""
+    """Compile in nopython mode without reference counts: the kernels allocate nothing."""
     made = numba.njit(error_model="numpy", nogil=True, _nrt=False, no_cfunc_wrapper=True, **options)(function)
-    return keep_code(made, FOLDER)
+    return keep_code(made, CACHE_FOLDER)
 
 
 def kernel(function: Callable) -> Callable:
-    """A compiled function that allocates nothing."""
+    """Compile a function that allocates nothing."""
     return _compiled(function)
 
 
 def inner(function: Callable) -> Callable:
-    """A kernel that only kernels call, merged into them; its sums may be formed in any order and fused."""
+    """Compile a kernel that is inlined into other kernels; its sums may be reordered and fused."""
     return _compiled(
         function, no_cpython_wrapper=not numba.config.DISABLE_JIT, fastmath={"contract", "reassoc", "nsz"},
         forceinline=True,
@@ -77,7 +77,7 @@ class Model(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Work space; body arrays have n + 1 rows."""
+    """Work arrays; body arrays have n + 1 rows."""
 
     frame: np.ndarray  # (n + 1, 4): cos, sin, s
     J: np.ndarray  # (4 m, 3)
@@ -97,7 +97,9 @@ class Work(NamedTuple):
 
 @inner
 def spline(piece, low, high, t):
-    """The cubic of the last piece low ... high - 1 that has begun at t; the first and the last one go on."""
+    """Evaluate the cubic of the last piece low ... high - 1 that has begun at t; the first and the last one
+    extrapolate.
+    """
     while high - low > 1:
         middle = (low + high) // 2
         if piece[middle, 0] <= t:
@@ -112,7 +114,7 @@ def spline(piece, low, high, t):
 
 @inner
 def motion(m, f, t):
-    """f, f_dot, f_ddot of the eleven numbers of a motion."""
+    """Evaluate f, f_dot, f_ddot of the eleven numbers of a motion."""
     if f[10] > 0.0:
         return spline(m.piece, int(f[9]), int(f[9] + f[10]), t)
     x, v, a = 0.0, 0.0, 0.0
@@ -128,19 +130,19 @@ def motion(m, f, t):
 
 @inner
 def arm(frame, x, y):
-    """R (x, y)."""
+    """Return R (x, y)."""
     return frame[0] * x - frame[1] * y, frame[1] * x + frame[0] * y
 
 
 @inner
 def put(J, x, y, turn):
-    """One body of a row."""
+    """Store the entries of one body in a row."""
     J[0], J[1], J[2] = x, y, turn
 
 
 @inner
 def place_bodies(m, w, q):
-    """frame := (cos, sin, R r_G)."""
+    """Set frame := (cos, sin, R r_G) of all bodies."""
     for i in range(q.shape[0]):
         frame = w.frame[i]
         frame[0], frame[1] = np.cos(q[i, 2]), np.sin(q[i, 2])
@@ -149,7 +151,8 @@ def place_bodies(m, w, q):
 
 @inner
 def rows(m, w, t, q):
-    """frame, c and J of all rows at q; A and B are the arms R p of the points of bodies a and b, u = p_b - p_a."""
+    """Compute frame, c and J of all rows at q; A and B are the arms R p of the points of bodies a and b, u = p_b -
+    p_a."""
     place_bodies(m, w, q)
     for i in range(m.kind.shape[0]):
         kind, a, b, p = m.kind[i], m.slot[i, 0], m.slot[i, 1], m.value[i]
@@ -187,7 +190,7 @@ def rows(m, w, t, q):
 
 @inner
 def rates(m, w, t, q, v):
-    """rate = f_dot and gamma = f_ddot - J_dot v; `rows` has been at q."""
+    """Compute rate = f_dot and gamma = f_ddot - J_dot v; `rows` has been at q."""
     for i in range(m.kind.shape[0]):
         kind, a, b, p = m.kind[i], m.slot[i, 0], m.slot[i, 1], m.value[i]
         if kind == SECOND:

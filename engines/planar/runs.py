@@ -26,25 +26,25 @@ class Reaction(NamedTuple):
 
 
 class Energy(NamedTuple):
-    """(k,) each [J]; potential of weight and springs."""
+    """Energies (k,) each [J]; potential of weight and springs."""
 
     kinetic: np.ndarray
     potential: np.ndarray
 
     @property
     def total(self) -> np.ndarray:
-        """Kinetic and potential."""
+        """Return the sum of kinetic and potential energy [J]."""
         return self.kinetic + self.potential
 
 
 def turned(angle: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """R(angle) vector, (k,), (2,) -> (k, 2)."""
+    """Return R(angle) vector, (k,), (2,) -> (k, 2)."""
     c, s = np.cos(angle), np.sin(angle)
     return np.stack([c * vector[0] - s * vector[1], s * vector[0] + c * vector[1]], axis=-1)
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """a x b, the component out of the plane."""
+    """Return a x b, the component out of the plane."""
     return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
 
 
@@ -56,45 +56,45 @@ class Solution:
         self._q, self._v, self._a, self._wrench = arrays
 
     def _row(self, array: np.ndarray, body: Any) -> np.ndarray:
-        """(k, 3) of a body; zeros for the ground."""
+        """Return the samples of a body, zeros for the ground, shape (k, 3)."""
         if getattr(body, "name", body) == "ground":
             return np.zeros((len(self.t), 3))
         return array[:, self.system.part(body, "bodies")]
 
     def position(self, body: Any) -> np.ndarray:
-        """(k, 2) of the reference point O [m]."""
+        """Return the position of the reference point O [m], shape (k, 2)."""
         return self._row(self._q, body)[:, :2]
 
     def angle(self, body: Any) -> np.ndarray:
-        """(k,) direction of the x axis of a body, not wrapped [rad]."""
+        """Return the direction of the x axis of a body, not wrapped [rad], shape (k,)."""
         return self._row(self._q, body)[:, 2]
 
     def velocity(self, body: Any) -> np.ndarray:
-        """(k, 2) of O [m/s]."""
+        """Return the velocity of O [m/s], shape (k, 2)."""
         return self._row(self._v, body)[:, :2]
 
     def omega(self, body: Any) -> np.ndarray:
-        """(k,) [rad/s]."""
+        """Return the angular velocity of a body [rad/s], shape (k,)."""
         return self._row(self._v, body)[:, 2]
 
     def acceleration(self, body: Any) -> np.ndarray:
-        """(k, 2) of O [m/s^2]."""
+        """Return the acceleration of O [m/s^2], shape (k, 2)."""
         return self._row(self._a, body)[:, :2]
 
     def alpha(self, body: Any) -> np.ndarray:
-        """(k,) [rad/s^2]."""
+        """Return the angular acceleration of a body [rad/s^2], shape (k,)."""
         return self._row(self._a, body)[:, 2]
 
     def point(self, body: Any, local: np.ndarray) -> np.ndarray:
-        """(k, 2) of a point given in body axes from O [m]."""
+        """Return the position of a point given in body axes from O [m], shape (k, 2)."""
         return self.position(body) + turned(self.angle(body), local)
 
     def com(self, body: Any) -> np.ndarray:
-        """(k, 2) centre of mass [m]."""
+        """Return the position of the centre of mass [m], shape (k, 2)."""
         return self.point(body, self.system.bodies[self.system.part(body, "bodies")].com)
 
     def reaction(self, joint: Any) -> Reaction:
-        """Force and moment of a joint on its body b, at its point (of a rolling disc: the contact).
+        """Return force [N] and moment [N m] of a joint on its body b, at its point (of a rolling disc: the contact).
 
         Body b of a gear is body b of its second hinge; a frame that both hinges share takes the moments of both.
         """
@@ -111,7 +111,7 @@ class Solution:
         return Reaction(force, wrench[:, 2] - cross(point - self.position(body), force), point)
 
     def effort(self, driver: Any) -> np.ndarray:
-        """(k,) torque [N m] or force along the axis [N] of a driver on body b."""
+        """Return the torque [N m] or force along the axis [N] of a driver on body b, shape (k,)."""
         joint = self.system.joints[self.system.part(driver, "joints")]
         if not isinstance(joint, Driver):
             raise InputError(f"{self.system.name(joint)} is not a driver; ask for its reaction")
@@ -122,7 +122,7 @@ class Solution:
         return np.sum(reaction.force * turned(self.angle(slider.a), slider.a.local(slider.axis)), axis=1)
 
     def energy(self) -> Energy:
-        """Kinetic energy m v_G^2 / 2 + I_G w^2 / 2; potential of weight and springs."""
+        """Return the kinetic energy m v_G^2 / 2 + I_G w^2 / 2 and the potential energy of weight and springs [J]."""
         kinetic, potential = np.zeros(len(self.t)), np.zeros(len(self.t))
         for body in self.system.bodies:
             w, arm = self.omega(body), turned(self.angle(body), body.com)
@@ -140,14 +140,14 @@ class Solution:
         return Energy(kinetic, potential)
 
 
-PIECE = 0.1  # s of computation between two looks at Ctrl-C
-INCONSISTENT = 1e-9  # of given velocities with the joints, over the largest of them or 1 [m/s, rad/s]
+PIECE_SECONDS = 0.1  # [s] of computation between two checks for Ctrl-C
+VELOCITY_TOLERANCE = 1e-9  # [1] of the largest given velocity or 1 [m/s, rad/s]: its error against the joints
 
 
 def simulate(
     system: System, t_end: float, *, dt: float, output: int | None = None, centripetal: bool = True
 ) -> Solution:
-    """Motion by Runge-Kutta of order 4 with a fixed step, closed onto the constraints after every step.
+    """Simulate the motion by Runge-Kutta of order 4 with a fixed step, projected onto the constraints after every step.
 
     ``t_end, dt``: [s]; the step is shortened so that it divides the time between two samples; ``output``: number of
     samples, both ends included; None = every step; ``centripetal``: False drops h: wrong, for comparison. ValueError
@@ -175,7 +175,7 @@ def simulate(
 
 
 def kinematics(system: System, times: ArrayLike, *, centripetal: bool = True) -> Solution:
-    """Motion and forces of a fully driven system, position by position from the reference pose at t = 0.
+    """Compute motion and forces of a fully driven system, position by position from the reference pose at t = 0.
 
     Arguments and errors as in `simulate`, at times (k,) [s]; ValueError if freedoms are left.
     """
@@ -196,19 +196,21 @@ def kinematics(system: System, times: ArrayLike, *, centripetal: bool = True) ->
 
 
 def in_pieces(loop: Callable, arguments: tuple, count: int) -> tuple[int, int, float]:
-    """A compiled loop over 0 ... count - 1, in pieces of `PIECE` so that Ctrl-C ends it; numbers as of one piece."""
+    """Run a compiled loop over 0 ... count - 1 in pieces of `PIECE_SECONDS` so that Ctrl-C ends it; the numbers
+    equal those of one piece.
+    """
     begin, size, status = 0, 100, (DONE, 0, 0.0)
     while begin < count and status[0] == DONE:
         end, began = min(begin + size, count), time.perf_counter()
         status = loop(*arguments, begin, end)
         seconds = max(time.perf_counter() - began, 1e-9)
-        size = max(1, int((end - begin) * min(10.0, PIECE / seconds)))
+        size = max(1, int((end - begin) * min(10.0, PIECE_SECONDS / seconds)))
         begin = end
     return status
 
 
 def covered(system: System, low: float, high: float) -> None:
-    """A ValueError that names a part whose motion is not known from low to high [s]."""
+    """Raise ValueError that names a part whose motion is not known from low to high [s]."""
     for part in (*system.joints, *system.loads):
         first, last = part.motion.interval if hasattr(part, "motion") else (-np.inf, np.inf)
         if low < first or high > last:
@@ -219,13 +221,14 @@ def covered(system: System, low: float, high: float) -> None:
 
 
 def storage(lowered: Lowered, samples: int) -> tuple[np.ndarray, ...]:
-    """q, v, v_dot (samples, n, 3) and the wrenches of the rows (samples, m, 3)."""
+    """Allocate q, v, v_dot (samples, n, 3) and the wrenches of the rows (samples, m, 3)."""
     n, m = len(lowered.q) - 1, lowered.model.kind.size
     return (*(np.empty((samples, n, 3)) for _ in range(3)), np.empty((samples, m, 3)))
 
 
 def initial_velocity(system: System, lowered: Lowered, work: Any, q: np.ndarray) -> np.ndarray:
-    """(n + 1, 3) velocities with the given numbers and J v = f_dot, of least kinetic energy; closes q."""
+    """Return velocities with the given numbers and J v = f_dot, of least kinetic energy, shape (n + 1, 3); projects
+    q."""
     status, row = close(lowered.model, work, 0.0, q)
     explain(system, lowered, work, status, row, 0.0)
     v = np.zeros_like(q)
@@ -242,7 +245,7 @@ def initial_velocity(system: System, lowered: Lowered, work: Any, q: np.ndarray)
     root = np.linalg.inv(scaling(lowered.model, work))
     found = root @ np.linalg.lstsq(A @ root, b, rcond=1e-12)[0]
     wrong = np.abs(A @ found - b)
-    if wrong.max() > INCONSISTENT * max(1.0, np.abs(b).max()):
+    if wrong.max() > VELOCITY_TOLERANCE * max(1.0, np.abs(b).max()):
         m = lowered.model.kind.size
         worst = int(np.argmax(wrong[:m])) if m and wrong[:m].max() > 1e-3 * wrong.max() else None
         where = "" if worst is None else f" of {system.name(system.joints[lowered.joint_of[worst]])}"
@@ -255,7 +258,7 @@ def initial_velocity(system: System, lowered: Lowered, work: Any, q: np.ndarray)
 
 
 def scaling(model: Model, work: Work) -> np.ndarray:
-    """U (3 n, 3 n) with v'U'U v twice the kinetic energy."""
+    """Return U (3 n, 3 n) with v'U'U v twice the kinetic energy."""
     U = np.zeros((3 * len(model.body) - 3,) * 2)
     for i, (mass, inertia) in enumerate(model.body[:-1, :2]):
         x, y = work.frame[i, 2:]
@@ -265,7 +268,7 @@ def scaling(model: Model, work: Work) -> np.ndarray:
 
 
 def explain(system: System, lowered: Lowered, work: Any, status: int, row: int, t: float) -> None:
-    """The error of a status, naming the joint."""
+    """Raise the error of a status, naming the joint."""
     if status == DONE:
         return
     if status == NOT_FINITE:

@@ -11,12 +11,12 @@ import numpy as np
 
 from engines.planar.rows import SPRING, TORSION, arm, inner, motion, put, rates
 
-LEAST_PIVOT = 1e-13  # of a row, over its diagonal
+PIVOT_RATIO_MIN = 1e-13  # [1] of the diagonal of a row; smaller pivots are redundant rows
 
 
 @inner
 def factor(m, w):
-    """Y = J U^-1, S = Y Y' and its factors L D L'; the first place whose pivot vanishes, or -1."""
+    """Compute Y = J U^-1, S = Y Y' and its factors L D L'; return the first place whose pivot vanishes, or -1."""
     for e in range(m.entry.shape[0]):
         k, i = m.entry[e, 0], m.entry[e, 2]
         J, Y, frame = w.J[k], w.Y[k], w.frame[i]
@@ -31,7 +31,7 @@ def factor(m, w):
     for i in range(m.first.shape[0]):
         L = w.S[i]
         pivot, start = L[i], m.first[i]
-        least = LEAST_PIVOT * pivot
+        least = PIVOT_RATIO_MIN * pivot
         for j in range(start, i):  # D_j L_ij first
             K, total = w.S[j], L[j]
             for k in range(max(start, m.first[j]), j):
@@ -49,7 +49,7 @@ def factor(m, w):
 
 @inner
 def solve(m, w):
-    """x and lam of the saddle point for the loads ``top`` about O and the right side in ``lam``."""
+    """Solve the saddle point for x and lam, with the loads ``top`` about O and the right side in ``lam``."""
     for i in range(w.top.shape[0] - 1):
         top, frame = w.top[i], w.frame[i]
         top[2] = (top[2] - frame[2] * top[1] + frame[3] * top[0]) * m.body[i, 5]
@@ -89,7 +89,7 @@ def push(w, i, x, y, fx, fy, turn):
 
 @inner
 def loads(m, w, t, q, v):
-    """top := Q - h: weight, centripetal term, force elements."""
+    """Compute top := Q - h: weight, centripetal term, force elements."""
     for i in range(q.shape[0] - 1):
         mass, frame, pull = m.body[i, 0], w.frame[i], m.scale[0] * v[i, 2] * v[i, 2]
         put(w.top[i], 0.0, 0.0, 0.0)
@@ -121,7 +121,7 @@ def loads(m, w, t, q, v):
 
 @inner
 def accelerations(m, w, t, q, v):
-    """x := v_dot, lam; `rows` and `factor` have been at q."""
+    """Compute x := v_dot and lam; `rows` and `factor` have been at q."""
     rates(m, w, t, q, v)
     loads(m, w, t, q, v)
     for i in range(w.gamma.shape[0]):

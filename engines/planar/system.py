@@ -1,4 +1,4 @@
-"""A planar mechanism, checked, and the arrays that the kernels read."""
+"""Planar mechanism, checked, and the arrays that the kernels read."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,13 +16,14 @@ from engines.planar.march import evaluate
 from engines.planar.rows import Model, Work
 from mbsd3d.errors import InputError
 
-DEPENDENT = 1e-10  # singular values of the scaled rows, over the largest
+# [1] of the largest singular value of the scaled rows; smaller ones are redundant rows
+SINGULAR_VALUE_RATIO_MIN = 1e-10
 KINDS = (("bodies", Body), ("joints", Joint), ("loads", Part))
 
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """A planar mechanism: x and y in the plane, angles counted from x to y.
+    """Planar mechanism: x and y in the plane, angles counted from x to y.
 
     ``gravity`` (2,): [m/s^2]. ValueError for two parts of one name, a part of a body or joint that is not in the
     system; at the first run for redundant rows.
@@ -47,14 +48,14 @@ class System:
         self._check_members()
 
     def _check_names(self) -> None:
-        """Names are unique."""
+        """Check that names are unique."""
         names = [part.name for key, _ in KINDS for part in getattr(self, key) if part.name is not None]
         for name in names:
             if names.count(name) > 1:
                 raise InputError(f"System: two parts are named '{name}'; give every part a unique name")
 
     def _check_members(self) -> None:
-        """Joints and loads act on bodies of the system and through joints of it."""
+        """Check that joints and loads act on bodies of the system and through joints of it."""
         members = {id(body) for body in self.bodies} | {id(GROUND)}
         for part in (*self.joints, *self.loads):
             rows = [part.load()] if hasattr(part, "load") else part.rows()
@@ -69,11 +70,11 @@ class System:
                     )
 
     def name(self, part: Any) -> str:
-        """How errors name a part."""
+        """Return the name of a part for error messages."""
         return f"{type(part).__name__} '{part.name}'" if part.name else f"{type(part).__name__} without a name"
 
     def part(self, key: Any, kind: str) -> int:
-        """Index of a body, joint or load given by itself or by its name."""
+        """Return the index of a body, joint or load given by itself or by its name."""
         parts = getattr(self, kind)
         for i, part in enumerate(parts):
             if part is key or (isinstance(key, str) and part.name == key):
@@ -83,19 +84,19 @@ class System:
 
     @cached_property
     def lowered(self) -> "Lowered":
-        """The arrays, made once; redundant rows are a ValueError."""
+        """Return the arrays, made once; raise ValueError for redundant rows."""
         return lower(self)
 
 
 class Lowered(NamedTuple):
-    """The arrays of a system with the joint of every row, and its reference pose."""
+    """Arrays of a system with the joint of every row, and its reference pose."""
 
     model: Model
     joint_of: np.ndarray  # (m,) index of the joint
     q: np.ndarray  # (n + 1, 3) at the reference pose; the last row is the ground
 
     def work(self) -> Work:
-        """A new work space."""
+        """Allocate a new set of work arrays."""
         n, m = len(self.q), self.model.kind.size
         bodies = [np.zeros((n, 3)) for _ in range(6)]
         c, rate, gamma, lam = np.zeros((4, m))
@@ -104,7 +105,7 @@ class Lowered(NamedTuple):
         )
 
     def jacobian(self, work: Work) -> np.ndarray:
-        """Dense J (m, 3 n) of a work space."""
+        """Return the dense J (m, 3 n) of a work space."""
         n, m = len(self.q) - 1, self.model.kind.size
         J = np.zeros((m, n, 3))
         for k, _, body in self.model.entry:
@@ -113,7 +114,7 @@ class Lowered(NamedTuple):
 
 
 def lower(system: System, centripetal: bool = True) -> Lowered:
-    """Arrays of a system; ``centripetal`` False drops the term m w^2 s, as some planar solvers do."""
+    """Return the arrays of a system; ``centripetal`` False drops the term m w^2 s, as some planar solvers do."""
     index = {id(body): i for i, body in enumerate((*system.bodies, GROUND))}
     rows, joint_of = [], []
     for i, joint in enumerate(system.joints):
@@ -141,12 +142,14 @@ def lower(system: System, centripetal: bool = True) -> Lowered:
 
 
 def integers(values: Sequence) -> np.ndarray:
-    """An int64 array, also of nothing."""
+    """Return an int64 array, empty for no values."""
     return np.array(values, dtype=np.int64)
 
 
 def steady(rows: list[Row]) -> set[int]:
-    """id of the bodies whose rate the rows keep constant: the ground and what a slide, weld or driver ties to such."""
+    """Return id of the bodies whose rate the rows keep constant: the ground and bodies that a slide, weld or driver
+    ties to them.
+    """
     found, before = {id(GROUND)}, 0
     turns = [row for row in rows if row.kind == kinds.ANGLE and row.motion.steady()]
     while len(found) > before:
@@ -158,7 +161,7 @@ def steady(rows: list[Row]) -> set[int]:
 
 
 def body_row(body: Body | Ground, even: bool) -> tuple:
-    """mass, I_G, r_G, 1/sqrt(mass), 1/sqrt(I_G); the ground takes no part in sums.
+    """Return mass, I_G, r_G, 1/sqrt(mass), 1/sqrt(I_G); the ground takes no part in sums.
 
     A point mass has I_G = 0. Where its rate is constant, alpha = 0 and any I_G gives the same motion and reactions.
     """
@@ -175,7 +178,8 @@ def body_row(body: Body | Ground, even: bool) -> tuple:
 def table(
     rows: list[Row], index: dict[int, int], width: int, pieces: list[np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Bodies (m, width), numbers (m, 8), motions (m, 11) of rows or loads, their splines appended to the pieces."""
+    """Return bodies (m, width), numbers (m, 8), motions (m, 11) of rows or loads, their splines appended to the
+    pieces."""
     ground = len(index) - 1
     slot, value = np.full((len(rows), width), ground, dtype=np.int64), np.zeros((len(rows), 8))
     motion = np.zeros((len(rows), 11))
@@ -189,7 +193,7 @@ def table(
 
 
 def pattern(rows: list[Row], slot: np.ndarray, ground: int) -> tuple[np.ndarray, ...]:
-    """Entries of J, products that form S, and the order and profile of S by reverse Cuthill-McKee."""
+    """Return the entries of J, the products that form S, and the order and profile of S by reverse Cuthill-McKee."""
     m = len(rows)
     touched = [(4 * i + k, i, int(slot[i, k])) for i in range(m) for k in range(len(rows[i].bodies))]
     touched = [entry for entry in touched if entry[2] != ground]
@@ -209,7 +213,7 @@ def pattern(rows: list[Row], slot: np.ndarray, ground: int) -> tuple[np.ndarray,
 
 
 def refuse_redundant(system: System, lowered: Lowered) -> None:
-    """A ValueError that names the joints whose rows depend on each other at the reference pose."""
+    """Raise ValueError that names the joints whose rows depend on each other at the reference pose."""
     m = lowered.model.kind.size
     if not m:
         return
@@ -218,7 +222,7 @@ def refuse_redundant(system: System, lowered: Lowered) -> None:
     J = lowered.jacobian(work)
     J = J / np.linalg.norm(J, axis=1, keepdims=True)
     left, s, _ = np.linalg.svd(J)
-    kept = int((s > DEPENDENT * s[0]).sum())
+    kept = int((s > SINGULAR_VALUE_RATIO_MIN * s[0]).sum())
     if kept == m:
         return
     guilty = np.abs(left[:, kept:]).max(axis=1) > 1e-6

@@ -1,4 +1,4 @@
-"""The command line, one file a command. Commands import heavy packages when they run, so that help comes at once."""
+"""Command line, one file a command. Commands import heavy packages when they run, so that help is quick."""
 
 import click
 
@@ -17,7 +17,7 @@ from .warmup import warmup
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, "--version", prog_name="mbsd3d", message="%(prog)s %(version)s")
 def main() -> None:
-    """Spatial multibody dynamics: demos, checks and runs of mechanisms."""
+    """Simulate spatial multibody dynamics: demos, checks and runs of mechanisms."""
 
 
 @main.command()

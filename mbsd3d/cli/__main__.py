@@ -1,4 +1,4 @@
-"""``python -m mbsd3d.cli`` is ``mbsd3d``."""
+"""Entry point of ``python -m mbsd3d.cli``, the same as ``mbsd3d``."""
 
 from . import main
 

@@ -1,4 +1,4 @@
-"""``mbsd3d check``: freedoms and redundant joints."""
+"""Command ``mbsd3d check``: degrees of freedom and redundant joints."""
 
 import click
 
@@ -11,7 +11,7 @@ from .support import drop_option, load_system, parameters_option, set_option
 @set_option
 @parameters_option
 def check(file: str, drop: tuple[str, ...], settings: tuple[str, ...], help_parameters: bool) -> None:
-    """Find the freedoms and redundant joints of a mechanism.
+    """Find the degrees of freedom and redundant joints of a mechanism.
 
     FILE is a model file (.json, .toml), a model of MuJoCo (.xml) or ROS (.urdf), or a Python file with build(), which
     returns a System. The exit code is 1 if it is locked or cannot close.

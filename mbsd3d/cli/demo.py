@@ -1,4 +1,4 @@
-"""``mbsd3d demo``: effects that exist only in space, beside their theory."""
+"""Command ``mbsd3d demo``: effects that exist only in space, compared with theory."""
 
 import time
 from typing import TYPE_CHECKING
@@ -88,7 +88,7 @@ def run_one(
 
 
 def run_all(names: list[str], out: str) -> "dict[str, tuple[Row, ...]]":
-    """All demos, by two processes where there are two cores; their rows in the order of the list."""
+    """Run all demos, by two processes where there are two cores; return their rows in the order of the list."""
     from concurrent.futures import as_completed
 
     from ..demos.report import run_and_write

@@ -1,4 +1,4 @@
-"""What is installed, where compiled kernels are, what is missing: the first thing to send with a report of a bug."""
+"""Installed versions, place of the compiled kernels, missing packages: the first thing to send with a bug report."""
 
 import os
 import platform
@@ -12,8 +12,8 @@ import click
 
 from ..base.version import __version__
 
-NAME, EXTRA = re.compile(r"[\w.-]+"), re.compile(r"extra == ['\"]([\w-]+)")
-BASE = "base"
+NAME_PATTERN, EXTRA_PATTERN = re.compile(r"[\w.-]+"), re.compile(r"extra == ['\"]([\w-]+)")
+BASE_EXTRA = "base"
 
 
 def revision() -> str:
@@ -30,22 +30,24 @@ def revision() -> str:
 
 
 def needed() -> dict[str, list[str]]:
-    """Extra (`BASE` for what is always needed) -> names of distributions; empty where mbsd3d is not installed."""
+    """Return extra (`BASE_EXTRA` for what is always needed) -> names of distributions; empty where mbsd3d is not
+    installed."""
     found: dict[str, list[str]] = {}
     try:
         lines = metadata.requires("mbsd3d") or []
     except metadata.PackageNotFoundError:
         return {}
     for line in lines:
-        extra = EXTRA.search(line)
-        name = NAME.match(line)[0]
+        extra = EXTRA_PATTERN.search(line)
+        found_name = NAME_PATTERN.match(line)
+        name = found_name[0] if found_name else line
         if name != "mbsd3d":  # an extra that only names others
-            found.setdefault(extra[1] if extra else BASE, []).append(name)
+            found.setdefault(extra[1] if extra else BASE_EXTRA, []).append(name)
     return found
 
 
 def installed(name: str) -> str | None:
-    """The version of a distribution; None if it is missing."""
+    """Return the version of a distribution; None if it is missing."""
     try:
         return metadata.version(name)
     except metadata.PackageNotFoundError:
@@ -53,21 +55,21 @@ def installed(name: str) -> str | None:
 
 
 def packages() -> list[str]:
-    """One line an extra: versions, and how to get what is missing."""
+    """Return one line per extra: versions, and how to install missing packages."""
     lines = []
     for extra, names in needed().items():
         versions = {name: installed(name) for name in names}
         text = ", ".join(f"{name} {version}" for name, version in versions.items() if version)
         lacking = [name for name, version in versions.items() if not version]
         if lacking:
-            remedy = "pip install mbsd3d" if extra == BASE else f'pip install "mbsd3d[{extra}]"'
+            remedy = "pip install mbsd3d" if extra == BASE_EXTRA else f'pip install "mbsd3d[{extra}]"'
             text += f"{'; ' if text else ''}missing {', '.join(lacking)}: {remedy}"
         lines.append(f"{extra:<12}{text}")
     return lines or ["packages    mbsd3d is not installed: pip install ."]
 
 
 def kernels() -> list[str]:
-    """Where compiled kernels are kept, and whether all of them are there."""
+    """Return the place of compiled kernels, and whether all of them are there."""
     from ..compiler.cache_folder import CACHE, EQUATIONS, is_warm, weak_folders
 
     files = (path for folder in (CACHE, EQUATIONS) for path in folder.rglob("*") if path.is_file())
@@ -79,7 +81,7 @@ def kernels() -> list[str]:
 
 
 def threads() -> list[str]:
-    """Cores that this process may use, and the settings that change them."""
+    """Return the cores that this process may use, and the settings that change them."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     names = (
         "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS", "NUMBA_DISABLE_JIT", "MBSD3D_CACHE",

@@ -1,4 +1,4 @@
-"""``mbsd3d gallery``: all demos as a site of pages that need no network."""
+"""Command ``mbsd3d gallery``: all demos as a site of pages that need no network."""
 
 import time
 
@@ -6,7 +6,8 @@ import click
 
 from .support import Failure, can_view, ready_folder
 
-WORKERS = 2  # a demo keeps a core busy; more would share the caches of the first compilation
+# [1] processes; a demo keeps a core busy, and more would share the caches of the first compilation
+GALLERY_PROCESSES = 2
 
 
 @click.command()
@@ -27,7 +28,7 @@ def gallery(names: tuple[str, ...], out: str) -> None:
     demos = discover()
     wanted = [demos.find(name).name for name in names] or list(demos)
     folder, began, lost = ready_folder(out), time.perf_counter(), []
-    with working(WORKERS) as pool:
+    with working(GALLERY_PROCESSES) as pool:
         tasks = {pool.submit(page, name, folder): name for name in wanted}
         for k, task in enumerate(as_completed(tasks)):
             name, error = tasks[task], task.exception()

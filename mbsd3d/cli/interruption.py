@@ -1,4 +1,4 @@
-"""Ctrl-C is answered at once, in the compiler too."""
+"""Immediate response to Ctrl-C, in the compiler too."""
 
 import atexit
 import os
@@ -12,22 +12,23 @@ from types import FrameType
 
 from ..base.paths import drop_pieces
 
-INTERRUPTED = 130  # what a shell gives a program that Ctrl-C ended
-SAID = "mbsd3d: interrupted"
-PATIENCE = 0.15  # s until Python has had its turn wherever it can have one: chunks of the time loop take 0.05 s
-TWICE = 1.0  # s within which a hurried hand presses again
+INTERRUPTED = 130  # of a process that Ctrl-C ended, as a shell gives it
+INTERRUPT_MESSAGE = "mbsd3d: interrupted"
+INTERRUPT_GRACE_SECONDS = 0.15  # [s] until Python has responded wherever it can; chunks of the time loop take 0.05 s
+SECOND_INTERRUPT_SECONDS = 1.0  # [s] within which a user may press again
 
 
 @contextmanager
 def answered_at_once() -> Iterator[threading.Event]:
-    """Inside, Ctrl-C in the compiler ends the process: Python is not asked for seconds there, and nothing is lost.
+    """End the process on Ctrl-C in the compiler within the block: Python does not respond for seconds there, and
+    nothing is lost.
 
     Yields what says whether Ctrl-C has come: a library that is being loaded may answer it by an error of its own.
 
     Python marks a signal and acts when it is its turn; a thread that reads the marks sees whether it was. Elsewhere
     Ctrl-C is the usual KeyboardInterrupt: runs and sweeps keep what they have. A press soon after another is the same.
     """
-    answered, came, pressed = threading.Event(), threading.Event(), -TWICE
+    answered, came, pressed = threading.Event(), threading.Event(), -SECOND_INTERRUPT_SECONDS
     if threading.current_thread() is not threading.main_thread():
         yield came
         return
@@ -37,7 +38,7 @@ def answered_at_once() -> Iterator[threading.Event]:
         answered.set()
         came.set()
         before, pressed = pressed, time.monotonic()
-        if pressed - before >= TWICE:
+        if pressed - before >= SECOND_INTERRUPT_SECONDS:
             raise KeyboardInterrupt
 
     reader, writer = os.pipe()
@@ -55,8 +56,8 @@ def answered_at_once() -> Iterator[threading.Event]:
 def listen(reader: int, answered: threading.Event) -> None:
     """Wait for Ctrl-C; end the process if the main thread is in the compiler."""
     while signs := os.read(reader, 1):
-        if signs[0] == signal.SIGINT and not answered.wait(PATIENCE) and compiling():
-            sys.stderr.write(f"{SAID}\n")
+        if signs[0] == signal.SIGINT and not answered.wait(INTERRUPT_GRACE_SECONDS) and compiling():
+            sys.stderr.write(f"{INTERRUPT_MESSAGE}\n")
             sys.stderr.flush()
             os._exit(INTERRUPTED)
         answered.clear()
@@ -64,7 +65,7 @@ def listen(reader: int, answered: threading.Event) -> None:
 
 
 def end_now() -> None:
-    """End the process in order, but without waiting for threads nor taking modules apart."""
+    """End the process in order, without waiting for threads or for the cleanup of modules."""
     atexit._run_exitfuncs()
     drop_pieces()
     for stream in (sys.stdout, sys.stderr):
@@ -74,7 +75,7 @@ def end_now() -> None:
 
 
 def compiling() -> bool:
-    """Whether another thread holds the lock of numba's compiler, for longer than it takes to read a kernel."""
+    """Return whether another thread holds the lock of numba's compiler, for longer than it takes to read a kernel."""
     module = sys.modules.get("mbsd3d.compiler.numba_private")
     if module is None:
         return False

@@ -1,4 +1,4 @@
-"""``mbsd3d play``: a mechanism in real time, in the browser, with sliders and keys for its inputs."""
+"""Command ``mbsd3d play``: a mechanism in real time, in the browser, with sliders and keys for its inputs."""
 
 import click
 
@@ -11,7 +11,7 @@ port_option = click.option(
 
 
 def ranges(given: tuple[str, ...]) -> dict[str, tuple[float, float]]:
-    """Name -> (low, high) of texts NAME=LOW:HIGH."""
+    """Read texts NAME=LOW:HIGH as name -> (low, high)."""
     found = {}
     for text in given:
         name, _, span = text.rpartition("=")
@@ -41,7 +41,7 @@ def play(
     file: str, inputs: tuple[str, ...], follow: str | None, rtol: float, port: int, drop: tuple[str, ...],
     settings: tuple[str, ...], help_parameters: bool,
 ) -> None:  # fmt: skip
-    """Let a mechanism move in real time, in the browser, and change its inputs meanwhile.
+    """Simulate a mechanism in real time, in the browser, and change its inputs meanwhile.
 
     FILE is a model file (.json, .toml), a model of MuJoCo (.xml) or ROS (.urdf), or a Python file with build(), which
     returns a System. Forces, torques and references of controllers that are Input signals get sliders and keys. The

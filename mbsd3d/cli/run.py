@@ -1,4 +1,4 @@
-"""``mbsd3d run``: a simulation with its files."""
+"""Command ``mbsd3d run``: a simulation with its files."""
 
 from typing import TYPE_CHECKING
 
@@ -24,7 +24,7 @@ METHODS = ("DOP853", "RK4", "GeneralizedAlpha", "RadauIIA", "Kinematic")
 
 
 def method_of(name: str | None, dt: float | None, stiff: str | None) -> "Method":
-    """The method of the options; what it does not take is refused."""
+    """Return the method of the options; raise an error for options it does not take."""
     import mbsd3d
 
     given = {key: value for key, value in (("dt", dt), ("stiff", stiff)) if value is not None}

@@ -1,4 +1,4 @@
-"""``mbsd3d show``: the mechanism at its reference pose."""
+"""Command ``mbsd3d show``: the mechanism at its reference pose."""
 
 import click
 

@@ -1,4 +1,4 @@
-"""Shared by the commands: errors in one line, commands of other packages, models, folders, unfinished runs."""
+"""Common parts of the commands: errors in one line, commands of other packages, models, folders, unfinished runs."""
 
 import signal
 import tempfile
@@ -13,7 +13,7 @@ import click
 from ..base.errors import CONTROL
 from ..base.progress import Heartbeat
 from ..base.version import load_entry
-from .interruption import INTERRUPTED, SAID, answered_at_once, end_now
+from .interruption import INTERRUPT_MESSAGE, INTERRUPTED, answered_at_once, end_now
 
 if TYPE_CHECKING:
     from ..api.solution import Solution
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ..view.page.served import Served
 
 GROUP = "mbsd3d.commands"
-LOADING = (ImportError, AttributeError, SystemError)
+IMPORT_ERRORS = (ImportError, AttributeError, SystemError)
 """What a library makes of Ctrl-C while it is being loaded."""
 
 
@@ -32,12 +32,12 @@ drop_option = click.option(
 
 
 class Failure(click.ClickException):
-    """An error the user can do something about: one line on stderr, exit code 2."""
+    """Error that the user can correct: one line on stderr, exit code 2."""
 
     exit_code = 2
 
     def show(self, file: Any = None) -> None:
-        """One line; a "?" replaces each control character that a file or a path may bring in."""
+        """Print one line; a "?" replaces each control character that a file or a path may bring in."""
         line = CONTROL.sub("?", " ".join(self.message.split()))
         click.echo(f"mbsd3d: {line}", err=True)
 
@@ -46,7 +46,8 @@ class Commands(click.Group):
     """Built-in commands and those of other packages (entry points ``mbsd3d.commands``), with errors in one line."""
 
     def __call__(self, *args: Any, **given: Any) -> Any:
-        """A process of its own; after Ctrl-C it ends without taking Python apart, which lasts longer than all else."""
+        """Run the command line as a process; after Ctrl-C it ends without the cleanup of Python, which takes
+        longest."""
         try:
             return super().__call__(*args, **given)
         except SystemExit as end:
@@ -55,12 +56,12 @@ class Commands(click.Group):
             raise
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """Built-in commands, then those of other packages."""
+        """Return built-in commands, then those of other packages."""
         own = super().list_commands(ctx)
         return own + sorted({entry.name for entry in metadata.entry_points(group=GROUP)} - set(own))
 
     def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
-        """A command by its name; one that cannot be loaded says so when it is listed or called."""
+        """Return a command by its name; one that cannot be loaded says so when it is listed or called."""
         own = super().get_command(ctx, name)
         if own is not None:
             return own
@@ -70,7 +71,7 @@ class Commands(click.Group):
         return None
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> tuple[Any, ...]:
-        """Find the command that is called; an option of one value that is given twice is a `Failure`."""
+        """Find the command that is called; raise `Failure` for an option of one value that is given twice."""
         name, command, rest = super().resolve_command(ctx, args)
         if command is not None:
             check_given_once(command, ctx, rest)
@@ -83,11 +84,11 @@ class Commands(click.Group):
                 try:
                     return super().invoke(ctx)
                 except Exception as error:
-                    if came.is_set() and isinstance(error.__cause__ or error, LOADING):
+                    if came.is_set() and isinstance(error.__cause__ or error, IMPORT_ERRORS):
                         raise KeyboardInterrupt from None
                     raise
         except KeyboardInterrupt:
-            click.echo(SAID, err=True)
+            click.echo(INTERRUPT_MESSAGE, err=True)
             raise click.exceptions.Exit(INTERRUPTED) from None
         except BrokenPipeError:
             raise  # the reader of a pipe has gone: click ends quietly
@@ -115,7 +116,7 @@ def check_given_once(command: click.Command, parent: click.Context, args: list[s
 
 
 def command_of(entry: metadata.EntryPoint) -> click.Command:
-    """The command of an entry point, or a substitute that says why it cannot be loaded."""
+    """Return the command of an entry point, or a substitute that says why it cannot be loaded."""
     try:
         return load_entry(entry, click.Command)
     except ValueError as error:
@@ -138,7 +139,7 @@ parameters_option = click.option(
 
 
 def load_system(file: str, drop: tuple[str, ...], settings: tuple[str, ...] = (), show: bool = False) -> "System":
-    """The System of a file of any kind; what an import did goes to stderr. ``show``: list parameters and end."""
+    """Load the System of a file of any kind; messages of an import go to stderr. ``show``: list parameters and end."""
     from ..api.model_input import load_model, parameters_of
 
     if show:
@@ -151,7 +152,7 @@ def load_system(file: str, drop: tuple[str, ...], settings: tuple[str, ...] = ()
 
 
 def ready_folder(out: str, option: str = "--out") -> Path:
-    """The folder, made if missing, after a trial that it can be written: before anything is computed."""
+    """Return the folder, created if missing, after a trial that it can be written: before anything is computed."""
     folder = Path(out)
     if folder.exists() and not folder.is_dir():
         raise Failure(f"{option} '{out}' is a file; give a folder")
@@ -164,14 +165,17 @@ def ready_folder(out: str, option: str = "--out") -> Path:
 
 
 def ready_target(file: str, out: str, suffix: str) -> Path:
-    """Where results go, without suffix: --out is a folder, which gets the name of the model, or a file's name."""
+    """Return the target of results, without suffix: --out is a folder, which gets the name of the model, or a file's
+    name.
+    """
     named = Path(out).suffix == suffix
     folder = ready_folder(str(Path(out).parent) if named else out)
     return folder / Path(out if named else file).stem
 
 
 def can_view(needed: bool = False) -> bool:
-    """Whether pages can be made; a missing package is said in one line, and is a failure if one is needed."""
+    """Return whether pages can be made; a missing package is reported in one line, and is a failure if one is
+    needed."""
     from ..view.page.recorder import import_viser
 
     try:
@@ -185,7 +189,7 @@ def can_view(needed: bool = False) -> bool:
 
 
 def watch(view: "Served") -> None:
-    """Print the address of what is served, open a browser if possible, and wait for Ctrl-C."""
+    """Print the address of the server, open a browser if possible, and wait for Ctrl-C."""
     if Heartbeat.on is not None:
         Heartbeat.on.end()
     with view, suppress(KeyboardInterrupt):
@@ -207,7 +211,7 @@ def keep(solution: "Solution | None", target: Path) -> None:
 
 @contextmanager
 def undisturbed() -> Iterator[None]:
-    """Ignore Ctrl-C inside."""
+    """Ignore Ctrl-C within the block."""
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         yield

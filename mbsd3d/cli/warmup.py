@@ -1,4 +1,4 @@
-"""Every kernel called once, so that it is compiled."""
+"""Call every kernel once, so that it is compiled."""
 
 import math
 import os
@@ -8,7 +8,7 @@ import click
 
 
 def compile_all() -> None:
-    """Every kernel, by two processes where there are two cores: what one has compiled the other finds on disk."""
+    """Compile every kernel, by two processes where there are two cores: one finds the results of the other on disk."""
     from ..compiler.cache_folder import is_warm
     from .workers import working
 
@@ -23,7 +23,7 @@ def compile_all() -> None:
 
 
 def fill_cells(last_first: bool = False) -> None:
-    """Compile what no run has called yet: laws of forces, rows, loops."""
+    """Compile kernels that no run has called yet: laws of forces, rows, loops."""
     from ..compiler.late import empty_cells
 
     while cells := empty_cells():
@@ -32,7 +32,7 @@ def fill_cells(last_first: bool = False) -> None:
 
 
 def pendulum() -> tuple:
-    """(free pendulum, driven pendulum, hinge, driver)"""
+    """Return (free pendulum, driven pendulum, hinge, driver)."""
     import mbsd3d as m
 
     arm = m.Body("arm", 1.0, (0.1, 0.2, 0.2), position=(0.5, 0, 0))
@@ -42,7 +42,7 @@ def pendulum() -> tuple:
 
 
 def compile_explicit() -> None:
-    """Assembly, check, DOP853, certificate, reactions, small motions."""
+    """Run assembly, check, DOP853, certificate, reactions, small motions."""
     import mbsd3d as m
 
     free, _, hinge, _ = pendulum()
@@ -56,7 +56,7 @@ def compile_explicit() -> None:
 
 
 def compile_implicit() -> None:
-    """GeneralizedAlpha, RadauIIA and Kinematic."""
+    """Run GeneralizedAlpha, RadauIIA and Kinematic."""
     import mbsd3d as m
 
     free, driven, hinge, driver = pendulum()
@@ -69,7 +69,7 @@ def compile_implicit() -> None:
 
 @click.command()
 def warmup() -> None:
-    """Compile all kernels, so that nothing else has to wait."""
+    """Compile all kernels, so that later runs need not wait."""
     began = time.perf_counter()
     compile_all()
     click.echo(f"all kernels are compiled ({time.perf_counter() - began:.1f} s)")

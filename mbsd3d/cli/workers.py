@@ -1,4 +1,4 @@
-"""Processes that work for a command: they end with it, by Ctrl-C at once."""
+"""Worker processes of a command: they end with it, on Ctrl-C at once."""
 
 from collections.abc import Iterator
 from concurrent.futures import BrokenExecutor, Executor
@@ -10,7 +10,7 @@ from ..sweeps.executors import closing, cores, process_pool
 
 @contextmanager
 def working(most: int) -> Iterator[Executor]:
-    """A pool of so many processes at most, one a core; MbsError if one of them is killed."""
+    """Return a pool of at most so many processes, one a core; raise MbsError if one of them is killed."""
     try:
         with closing(process_pool(min(most, cores()))) as pool:
             yield pool

@@ -1,4 +1,4 @@
-"""What a demo gives: rows of computed numbers beside theory, a figure, runs and views."""
+"""Results of a demo: rows of computed numbers with their theory, a figure, runs and views."""
 
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Row:
-    """One line of a demo's table: a computed number beside its theory.
+    """Line of a demo's table: a computed number and its theory.
 
     Examples
     --------
@@ -35,12 +35,12 @@ class Row:
 
     @property
     def name(self) -> str:
-        """Name for programs."""
+        """Return the name of the quantity for programs."""
         return self.key or re.sub(r"\W+", "_", self.quantity).strip("_")
 
     @property
     def error(self) -> float:
-        """|computed - theory|: 0 if both are the same infinity, infinite if one number is not finite."""
+        """Return |computed - theory|: 0 if both are the same infinity, infinite if one number is not finite."""
         if self.computed == self.theory:
             return 0.0
         error = abs(float(self.computed) - float(self.theory))
@@ -48,12 +48,12 @@ class Row:
 
     @property
     def passed(self) -> bool:
-        """True if the error is finite and within the tolerance."""
+        """Return whether the error is finite and within the tolerance."""
         return isfinite(self.error) and self.error <= self.tolerance
 
 
 class Show(NamedTuple):
-    """A run to animate, with options of `Solution.animate`."""
+    """Run to animate, with options of `Solution.animate`."""
 
     solution: "Solution"
     options: Mapping[str, object] = {}
@@ -61,7 +61,7 @@ class Show(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What a demo gives: the table, panels, runs and views by the names of their files, and lines to print below."""
+    """Results of a demo: the table, panels, runs and views by the names of their files, and lines to print below."""
 
     rows: tuple[Row, ...]
     drawn: Callable[[], Sequence[Panel]]
@@ -73,12 +73,12 @@ class Outcome:
 
     @cached_property
     def panels(self) -> Sequence[Panel]:
-        """What the figure shows, computed when it is first asked for."""
+        """Return the panels of the figure, computed at the first request."""
         return self.drawn()
 
     @cached_property
     def figure(self) -> Figure:
-        """The panels side by side; an InputError where there are none."""
+        """Return the panels side by side as a figure; raise InputError where there are none."""
         if not self.panels:
             raise InputError(
                 f"'{self.title}' has nothing to draw; give curves in what its measure returns, or run it with all terms"
@@ -87,15 +87,15 @@ class Outcome:
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
-        """Lines to print below."""
+        """Return the lines to print below the table."""
         return self.noted()
 
     @cached_property
     def quantities(self) -> dict[str, Row]:
-        """The rows by their names."""
+        """Return the rows by their names."""
         return {row.name: row for row in self.rows}
 
     @property
     def passed(self) -> bool:
-        """True if every row is within its tolerance."""
+        """Return whether every row is within its tolerance."""
         return all(row.passed for row in self.rows)

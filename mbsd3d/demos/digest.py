@@ -1,4 +1,4 @@
-"""The digest of all that the page of a demo is made from: it is written again only if that changes."""
+"""Digest of all sources of the page of a demo: it is written again only if that changes."""
 
 import ast
 import hashlib
@@ -10,19 +10,21 @@ from types import ModuleType
 
 from .form import Demo
 
-PACKAGE = Path(__file__).parent.parent
-KINDS = {".py", ".js", ".css", ".html"}
+PACKAGE_FOLDER = Path(__file__).parent.parent
+SOURCE_SUFFIXES = {".py", ".js", ".css", ".html"}
 
 
 def digest(demo: Demo, following: Demo) -> str:
-    """Of the package, of the demo with its helpers, and of the name and the title of the demo its page leads to."""
+    """Return the digest of the package, of the demo with its helpers, and of name and title of the demo its page leads
+    to.
+    """
     files = sorted(Path(module.__file__) for module in needed(sys.modules[demo.module]))
     texts = [common(), following.name, following.title, *(path.read_text(encoding="utf-8") for path in files)]
     return hashlib.sha256("\n".join(texts).encode()).hexdigest()
 
 
 def needed(module: ModuleType) -> set[ModuleType]:
-    """The module and, of its package, what it imports; without the files that all demos share."""
+    """Return the module and, of its package, what it imports; without the files that all demos share."""
     found, waiting = set(), [module]
     while waiting:
         here = waiting.pop()
@@ -38,12 +40,14 @@ def needed(module: ModuleType) -> set[ModuleType]:
 
 @cache
 def shared() -> frozenset[Path]:
-    """The files of the package, scripts and templates too, but for the families of demos."""
-    families = PACKAGE / "demos"
-    return frozenset(x for x in PACKAGE.rglob("*") if x.suffix in KINDS and families not in x.parent.parents)
+    """Return the files of the package, scripts and templates too, but for the families of demos."""
+    families = PACKAGE_FOLDER / "demos"
+    return frozenset(
+        x for x in PACKAGE_FOLDER.rglob("*") if x.suffix in SOURCE_SUFFIXES and families not in x.parent.parents
+    )
 
 
 @cache
 def common() -> str:
-    """Their digest."""
+    """Return the digest of the shared files."""
     return hashlib.sha256(b"".join(path.read_bytes() for path in sorted(shared()))).hexdigest()

@@ -1,4 +1,4 @@
-"""How demos are found: in the folders here, one per family, and in other packages."""
+"""Discovery of demos: in the folders here, one per family, and in other packages."""
 
 import pkgutil
 from collections.abc import Iterator, Mapping
@@ -22,14 +22,14 @@ class Demos(dict[str, Demo]):
         self.broken = dict(broken)
 
     def find(self, name: str) -> Demo:
-        """A demo by its name, with - or _ between the words."""
+        """Return a demo by its name, with - or _ between the words."""
         key = name.replace("-", "_")
         if key not in self:
             raise InputError(f"there is no demo '{name}'; {listed(key, list(self))}")
         return self[key]
 
     def families(self) -> dict[str, list[Demo]]:
-        """The demos by family."""
+        """Return the demos by family."""
         found: dict[str, list[Demo]] = {}
         for demo in self.values():
             found.setdefault(demo.family, []).append(demo)
@@ -37,7 +37,8 @@ class Demos(dict[str, Demo]):
 
 
 def discover() -> Demos:
-    """All demos by name: those of this folder, then the entry points of "mbsd3d.demos", a demo or a folder of demos.
+    """Return all demos by name: those of this folder, then the entry points of "mbsd3d.demos", a demo or a folder of
+    demos.
 
     Entry points that cannot be loaded, or whose name is taken, are in ``broken``.
     """
@@ -55,12 +56,12 @@ def discover() -> Demos:
 
 
 def own_demos() -> dict[str, Demo]:
-    """The demos of this folder: families in the order of their PLACE, each in the order of its names."""
+    """Return the demos of this folder: families in the order of their PLACE, each in the order of its names."""
     return {demo.name: demo for demo in walk(import_module(__name__.rpartition(".")[0]))}
 
 
 def walk(package: ModuleType) -> Iterator[Demo]:
-    """Every ``demo`` of the modules of a package and of the packages in it."""
+    """Yield every ``demo`` of the modules of a package and of the packages in it."""
     names = sorted(found.name for found in pkgutil.iter_modules(package.__path__))
     modules = [import_module(f"{package.__name__}.{name}") for name in names]
     for module in sorted(modules, key=lambda found: getattr(found, "PLACE", 0)):

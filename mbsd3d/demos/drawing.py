@@ -1,6 +1,7 @@
-"""The look the demos' figures share."""
+"""Common style of the demos' figures."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,15 +12,17 @@ from numpy.typing import ArrayLike
 
 from ..base.style import COLOURS, LIGHT, dress, house
 
-GLOBE = (25.0, 55.0)  # elevation and azimuth [deg] from which a sphere is seen
+GLOBE_VIEW = (25.0, 55.0)  # [deg] elevation and azimuth from which a sphere is seen
 
 
 def new_figure(title: str, panels: Sequence[str], widths: Sequence[float] | None = None) -> tuple[Figure, list[Axes]]:
-    """A figure with titled panels side by side, of relative widths; one whose title starts with "3d:" is in space."""
+    """Return a figure with titled panels side by side, of relative widths; one whose title starts with "3d:" is in
+    space.
+    """
     count = len(panels)
     with house():
         figure = Figure(figsize=(4.6 * count + 0.4, 4.4), layout="constrained")
-        figure.get_layout_engine().set(w_pad=0.1, h_pad=0.08, wspace=0.03)
+        figure.set_layout_engine("constrained", w_pad=0.1, h_pad=0.08, wspace=0.03)
         grid = figure.add_gridspec(1, count, width_ratios=widths or [1.0] * count)
         axes = []
         for k, text in enumerate(panels):
@@ -33,27 +36,27 @@ def new_figure(title: str, panels: Sequence[str], widths: Sequence[float] | None
 
 
 def dress_space(axes: Axes3D) -> None:
-    """Colours of axes in space."""
+    """Set the colours of axes in space."""
     axes.tick_params(colors=LIGHT.ink)
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
         axis.label.set_color(LIGHT.ink)
         axis.line.set_color(LIGHT.ink)
 
 
-def theory_dots(axes: Axes, x: ArrayLike, y: ArrayLike, label: str | None = "theory", **options: object) -> None:
-    """Theory as open circles, so that the computed line stays visible through them."""
-    style = {"linestyle": "none", "marker": "o", "markersize": 5.5, "markerfacecolor": LIGHT.paper}
+def theory_dots(axes: Axes, x: ArrayLike, y: ArrayLike, label: str | None = "theory", **options: Any) -> None:
+    """Draw theory as open circles, so that the computed line stays visible through them."""
+    style: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 5.5, "markerfacecolor": LIGHT.paper}
     axes.plot(x, y, **{**style, "markeredgecolor": LIGHT.ink, "markeredgewidth": 1.0, "label": label, **options})
 
 
 def legend_below(axes: Axes, columns: int) -> None:
-    """The legend under the panel, never on the data."""
+    """Draw the legend under the panel, never on the data."""
     style = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.15), "frameon": False, "fontsize": 9}
     axes.legend(ncols=columns, labelcolor=LIGHT.ink, **style)
 
 
 def lower_net() -> list[np.ndarray]:
-    """Parallels and meridians of the lower half of the unit sphere, (points, 3) each."""
+    """Return parallels and meridians of the lower half of the unit sphere, (points, 3) each."""
     turn, lines = np.linspace(0, 2 * np.pi, 73), []
     for z in np.sin(np.radians([-60, -30, 0])):
         radius = np.sqrt(1 - z * z)
@@ -65,7 +68,7 @@ def lower_net() -> list[np.ndarray]:
 
 
 def space(axes: Axes3D, labels: Sequence[str], box: Sequence[float] = (1, 1, 1)) -> None:
-    """Few ticks and labels with units for a panel in space."""
+    """Set few ticks and labels with units for a panel in space."""
     axes.set_box_aspect(box, zoom=1.15)
     for axis, label in zip((axes.xaxis, axes.yaxis, axes.zaxis), labels, strict=True):
         axis.set_ticks([-1, 1])
@@ -76,15 +79,15 @@ def space(axes: Axes3D, labels: Sequence[str], box: Sequence[float] = (1, 1, 1))
 
 
 def seen_side(axes: Axes3D, path: ArrayLike) -> np.ndarray:
-    """A path (n, 3) on the unit sphere with the far side left out."""
+    """Return a path (n, 3) on the unit sphere with the far side left out."""
     up, turn = np.radians(axes.elev), np.radians(axes.azim)
     view = np.array([np.cos(up) * np.cos(turn), np.cos(up) * np.sin(turn), np.sin(up)])  # towards the eye
     return np.where((np.asarray(path) @ view > -1e-9)[:, None], path, np.nan)
 
 
 def rim() -> np.ndarray:
-    """(73, 3) outline of the unit sphere seen from where panels in space are."""
-    up, around, turn = *np.radians(GLOBE), np.linspace(0, 2 * np.pi, 73)
+    """Return the outline of the unit sphere as seen in panels in space, shape (73, 3)."""
+    up, around, turn = *np.radians(GLOBE_VIEW), np.linspace(0, 2 * np.pi, 73)
     side, top = (
         (-np.sin(around), np.cos(around), 0.0),
         (-np.sin(up) * np.cos(around), -np.sin(up) * np.sin(around), np.cos(up)),
@@ -93,14 +96,14 @@ def rim() -> np.ndarray:
 
 
 def every(count: int, wanted: int) -> np.ndarray:
-    """About ``wanted`` evenly spaced sample numbers out of ``count``."""
+    """Return about ``wanted`` evenly spaced sample numbers out of ``count``."""
     return np.unique(np.linspace(0, count - 1, min(count, wanted)).round().astype(int))
 
 
 def spectrum_bars(
     axes: Axes, orders: Sequence[int], groups: Sequence[tuple[str, ArrayLike]], theory: ArrayLike
 ) -> None:
-    """Amplitudes per harmonic as bars on a logarithmic axis, with theory on the bars of the first group."""
+    """Draw amplitudes per harmonic as bars on a logarithmic axis, with theory on the bars of the first group."""
     width = 0.85 / max(len(groups), 2)
     place = np.arange(len(orders))
     for k, (label, values) in enumerate(groups):
@@ -116,6 +119,6 @@ def spectrum_bars(
 
 
 def plain_decades(axes: Axes, form: str) -> None:
-    """Numbers on a logarithmic axis as plain text, whole decades only: raised exponents take long to typeset."""
+    """Set numbers on a logarithmic axis as plain text, whole decades only: raised exponents take long to typeset."""
     axes.yaxis.set_major_formatter(f"{{x{form}}}")
     axes.yaxis.set_minor_formatter(NullFormatter())

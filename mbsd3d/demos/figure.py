@@ -1,4 +1,4 @@
-"""The figure of a demo from what it declares: computed lines, theory as dots, the ablation dashed."""
+"""Figure of a demo from its declaration: computed lines, theory as dots, the ablation dashed."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -11,15 +11,25 @@ from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import ArrayLike
 
 from ..base.style import COLOURS, GREY, LIGHT, raised
-from .drawing import GLOBE, every, legend_below, new_figure, plain_decades, seen_side, space, spectrum_bars, theory_dots
+from .drawing import (
+    GLOBE_VIEW,
+    every,
+    legend_below,
+    new_figure,
+    plain_decades,
+    seen_side,
+    space,
+    spectrum_bars,
+    theory_dots,
+)
 
-MOST = 3  # panels side by side
-FAR = 6  # times the computed range, beyond which an ablation leaves the picture
-FLAT = 1e-6  # of its size: a smaller range is rounding, and to the eye the line is level
+PANELS_PER_ROW_MAX = 3  # [1] panels side by side
+ABLATION_RANGE_RATIO = 6  # [1] of the computed range, beyond which an ablation leaves the picture
+FLAT_RANGE_RATIO = 1e-6  # [1] of its size; a smaller range is rounding, and the line looks level
 
 
 class Line(NamedTuple):
-    """One more line of a panel, with theory as dots."""
+    """Further line of a panel, with theory as dots."""
 
     name: str
     y: ArrayLike
@@ -44,12 +54,12 @@ class Curve(NamedTuple):
 
     @property
     def lines(self) -> list[Line]:
-        """All of them, each with its x."""
+        """Return all lines, each with its x."""
         others = [line._replace(x=self.x if line.x is None else line.x) for line in self.more]
         return [Line(self.name, self.y, self.x, self.theory), *others]
 
     def draw(self, axes: Axes, other: "Curve | None", ablated: str) -> None:
-        """The lines, those of the ablation that differ, and theory."""
+        """Draw the lines, those of the ablation that differ, and theory."""
         others, label, dashed = other.lines if other else [], "theory", []
         for k, line in enumerate(self.lines):
             axes.plot(line.x, line.y, color=COLOURS[k], label=line.name)
@@ -88,7 +98,7 @@ class Bars(NamedTuple):
     title: str = ""
 
     def draw(self, axes: Axes, other: "Bars | None", ablated: str) -> None:
-        """The bars, and those of the ablation beside them where they stand on the axis."""
+        """Draw the bars, and those of the ablation beside them where they stand on the axis."""
         low, high = 0.3 * np.min(self.y), 3 * np.max(self.y)
         beside = [(ablated, other.y)] if other and np.min(other.y) > low else []
         spectrum_bars(axes, self.x, [("computed", self.y), *beside], self.theory)
@@ -110,8 +120,8 @@ class Path(NamedTuple):
     globe: bool = False  # on the unit sphere, whose far side is not seen
 
     def draw(self, axes: Axes3D, other: "Path | None", ablated: str) -> None:
-        """The paths with a dot at the start of each."""
-        axes.view_init(*GLOBE if self.globe else (25, -60))
+        """Draw the paths with a dot at the start of each."""
+        axes.view_init(*GLOBE_VIEW if self.globe else (25, -60))
 
         def shown(path: ArrayLike) -> np.ndarray:
             return seen_side(axes, path) if self.globe else np.asarray(path)
@@ -139,7 +149,7 @@ class Table(NamedTuple):
     title: str = ""
 
     def draw(self, axes: Axes, other: "Table | None", ablated: str) -> None:
-        """One tinted cell a number."""
+        """Draw one tinted cell a number."""
         for (i, j), value in np.ndenumerate(np.asarray(self.y)):
             good = self.good[i][j]
             tint, weight = (LIGHT.good, "normal") if good else (LIGHT.bad, "bold")
@@ -166,7 +176,7 @@ class Points(NamedTuple):
     here: tuple[float, float]
 
     def draw(self, axes: Axes, *_: object) -> None:
-        """Theory as a line here, as every point costs a run."""
+        """Draw theory as a line here, as every point costs a run."""
         axes.plot(self.curve.x, self.curve.y, color=COLOURS[0], label="theory")
         theory_dots(axes, *self.computed, label="computed")
         axes.plot(*self.here, "o", color=COLOURS[1], label="computed here")
@@ -175,7 +185,7 @@ class Points(NamedTuple):
 
 
 class Panel(NamedTuple):
-    """What is drawn, the same under the ablation, and the label of that."""
+    """Content of a panel, the same under the ablation, and the label of the ablation."""
 
     drawn: Drawn | Points
     other: Drawn | None = None
@@ -183,7 +193,7 @@ class Panel(NamedTuple):
 
 
 def figure_of(title: str, panels: Sequence[Panel]) -> Figure:
-    """Panels side by side."""
+    """Return the panels side by side as a figure."""
     titles = [getattr(panel.drawn, "title", "") for panel in panels]
     solid = [isinstance(panel.drawn, Path) for panel in panels]
     widths = [1.5 if isinstance(panel.drawn, Table) else 1.0 for panel in panels]
@@ -197,23 +207,23 @@ def figure_of(title: str, panels: Sequence[Panel]) -> Figure:
 
 
 def limit(axes: Axes, curve: Curve, other: Curve | None) -> None:
-    """What is computed fills the axis: an ablation that leaves it far behind, or rounding, does not set its scale."""
+    """Set the limits of the axis from computed curves: a distant ablation, or rounding, does not set its scale."""
     if curve.logarithmic:
         return
     y = joined([curve.y, *(line.y for line in curve.more)])
     y = np.concatenate([y, [-curve.scale, curve.scale] if curve.scale else []])
     span, size = np.ptp(y), np.abs(y).max()
     beside = joined([other.y]) if other is not None else np.zeros(1)
-    if span <= max(FLAT * size, FLAT**2 * np.abs(beside).max()):
-        if np.ptp(axes.get_ylim()) < FLAT * size:
+    if span <= max(FLAT_RANGE_RATIO * size, FLAT_RANGE_RATIO**2 * np.abs(beside).max()):
+        if np.ptp(axes.get_ylim()) < FLAT_RANGE_RATIO * size:
             axes.set_ylim(y.mean() - 0.1 * size, y.mean() + 0.1 * size)
-    elif curve.scale or np.ptp(beside) > FAR * span:
+    elif curve.scale or np.ptp(beside) > ABLATION_RANGE_RATIO * span:
         axes.set_ylim(y.min() - 0.3 * span, y.max() + 0.3 * span)
 
 
 def end(line: Line2D, low: float, high: float) -> None:
-    """A line that is gone far from the picture does not come back into it."""
-    y, far = np.array(line.get_ydata(), float), FAR * (high - low)
+    """Cut a line where it leaves the picture far, so that it does not come back into it."""
+    y, far = np.array(line.get_ydata(), float), ABLATION_RANGE_RATIO * (high - low)
     gone = np.flatnonzero((y < low - far) | (y > high + far))
     if gone.size:
         y[gone[0] + 1 :] = np.nan
@@ -221,30 +231,30 @@ def end(line: Line2D, low: float, high: float) -> None:
 
 
 def still(one: ArrayLike, other: ArrayLike) -> bool:
-    """Whether a line stays where it is, to the eye that sees another one."""
-    return bool(np.ptp(joined([one])) <= FLAT * np.ptp(joined([other])))
+    """Return whether a line looks constant compared with another one."""
+    return bool(np.ptp(joined([one])) <= FLAT_RANGE_RATIO * np.ptp(joined([other])))
 
 
 def joined(lines: Sequence[ArrayLike]) -> np.ndarray:
-    """All finite numbers of some lines."""
+    """Return all finite numbers of some lines."""
     y = np.concatenate([np.ravel(np.asarray(line, float)) for line in lines])
     return y[np.isfinite(y)]
 
 
 def alike(one: ArrayLike, other: ArrayLike) -> bool:
-    """Whether two lines are one to the eye."""
+    """Return whether two lines look the same."""
     y, z = np.asarray(one, float), np.asarray(other, float)
     return y.shape == z.shape and bool(np.allclose(y, z, rtol=1e-4, atol=1e-4 * np.abs(y).max(initial=0.0)))
 
 
 def same(one: Drawn, other: Drawn) -> bool:
-    """Whether two panels look the same."""
+    """Return whether two panels look the same."""
     pairs = [values_of(panel) for panel in (one, other)]
     return len(pairs[0]) == len(pairs[1]) and all(map(alike, *pairs))
 
 
 def values_of(panel: Drawn) -> list[ArrayLike]:
-    """All that is drawn of a panel."""
+    """Return all values drawn in a panel."""
     if isinstance(panel, Curve):
         return [values for line in panel.lines for values in (line.x, line.y)]
     return [panel.y, *(line.y for line in getattr(panel, "more", ()))]

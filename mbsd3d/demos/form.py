@@ -1,4 +1,4 @@
-"""What a demo is: a question, a mechanism by its parameters, numbers beside their theory, and an ablation."""
+"""Definition of a demo: a question, a mechanism by its parameters, numbers with their theory, and an ablation."""
 
 import inspect
 import sys
@@ -15,15 +15,15 @@ from ..api.solution import Solution
 from ..api.system import System
 from ..base.errors import InputError, MbsError
 from .base import Outcome, Row, Show
-from .figure import MOST, Curve, Drawn, Panel, Points, same
-from .parameters import SWITCHES, checked, lacking, listed, refusing
+from .figure import PANELS_PER_ROW_MAX, Curve, Drawn, Panel, Points, same
+from .parameters import OMITTABLE_TERMS, checked, lacking, listed, refusing
 
 Numbers = Mapping[str, float]
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number that proves the effect: what it is, its unit, and how far it may be from theory."""
+    """Number that proves the effect: its meaning, its unit, and its tolerance against theory."""
 
     label: str
     unit: str = ""
@@ -31,12 +31,12 @@ class Quantity:
     absolute: float = 1e-9
 
     def tolerance(self, theory: float) -> float:
-        """Largest accepted error beside a theoretical value."""
+        """Return the largest accepted error for a theoretical value."""
         return max(self.absolute, self.relative * abs(theory)) if isfinite(theory) else self.absolute
 
 
 class Against(NamedTuple):
-    """A figure of the first quantity over a parameter: theory as a line, some values computed."""
+    """Figure of the first quantity over a parameter: theory as a line, some values computed."""
 
     parameter: str
     low: float
@@ -47,7 +47,7 @@ class Against(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """What was computed: quantities by name, runs to be shown (the first one moves on the page), curves.
+    """Computed results: quantities by name, runs to show (the first one moves on the page), curves.
 
     Curves and notes that take their time are functions, called when somebody wants to see them.
     """
@@ -61,7 +61,7 @@ class Measured:
 
 @dataclass(frozen=True, eq=False)
 class Ablation:
-    """What is taken away so that the effect vanishes, and what must then be found.
+    """Removal of a term that makes the effect vanish, and the values to be found then.
 
     ``term`` is a teaching switch ("gyroscopic", "centripetal", "gamma") or a word for ``change``, which are other
     values of parameters. ``values`` gives the quantities that must then be found; None = theory with the change.
@@ -75,7 +75,8 @@ class Ablation:
 
 @dataclass(frozen=True, eq=False)
 class Demo:
-    """One effect. Its module defines ``mechanism``, ``measure`` and ``theory``, each called with what it names.
+    """Demo of one effect. Its module defines ``mechanism``, ``measure`` and ``theory``, each called with the parameters
+    it names.
 
     The parameters and their defaults are the keyword arguments of ``mechanism(**parameters) -> System`` and of
     ``measure(build, terms, **parameters) -> Measured``, where ``build`` is a `Builder` and ``terms`` are the switches
@@ -99,44 +100,45 @@ class Demo:
 
     @property
     def name(self) -> str:
-        """That of the file."""
+        """Return the name of the demo: that of its file."""
         return self.module.rpartition(".")[2]
 
     @property
     def family(self) -> str:
-        """That of the folder: the first line of its package."""
+        """Return the family of the demo: the first line of its package."""
         text = sys.modules[self.module.rpartition(".")[0]].__doc__ or ""
         return text.splitlines()[0].rstrip(".")
 
     @property
     def mechanism(self) -> Callable[..., System]:
-        """That of the module."""
+        """Return the function ``mechanism`` of the module of the demo."""
         return sys.modules[self.module].mechanism
 
     @property
     def measure(self) -> Callable[..., Measured]:
-        """That of the module."""
+        """Return the function ``measure`` of the module of the demo."""
         return sys.modules[self.module].measure
 
     @property
     def theory(self) -> Callable[..., Numbers]:
-        """That of the module."""
+        """Return the function ``theory`` of the module of the demo."""
         return sys.modules[self.module].theory
 
     @cached_property
     def parameters(self) -> dict[str, object]:
-        """Names and defaults."""
+        """Return names and defaults of the parameters."""
         named = [inspect.signature(function).parameters.values() for function in (self.mechanism, self.measure)]
         found = {x.name: x.default for xs in named for x in xs if x.default is not inspect.Parameter.empty}
         return {name: plain(value) for name, value in found.items()}
 
     @property
     def vanishing(self) -> tuple[str, ...]:
-        """Parameters that may be as small as one likes."""
+        """Return the parameters that may be arbitrarily small."""
         return (*(name for name, value in self.ablation.change.items() if value == 0), *self.may_vanish)
 
     def varied(self, rng: np.random.Generator) -> dict[str, object]:
-        """Other parameters at random: numbers within their range, by default 15 % about theirs; None leaves one."""
+        """Draw other parameters at random: numbers within their range, by default 15 % about theirs; None leaves
+        one."""
 
         def other(value: object) -> object:
             if isinstance(value, Mapping):
@@ -152,21 +154,23 @@ class Demo:
         return found
 
     def call(self, function: Callable, values: Mapping[str, object], *arguments: object) -> object:
-        """A function of this demo with the parameters it names."""
+        """Call a function of this demo with the parameters it names."""
         return function(*arguments, **{name: values[name] for name in inspect.signature(function).parameters
                                        if name in self.parameters})  # fmt: skip
 
     def computed(self, values: Mapping[str, object], terms: Mapping[str, bool]) -> Measured:
-        """What is found with these parameters; an InputError where that is nothing."""
+        """Measure the quantities with these parameters; raise InputError where there are none."""
         with self.refusing(values):
             return self.call(self.measure, values, Builder(self, values), terms)
 
     def refusing(self, values: Mapping[str, object]) -> AbstractContextManager[None]:
-        """What does not run, has no finite numbers, or has no theory is refused; the changed parameters are named."""
+        """Raise an error that names the changed parameters if a run fails, or its numbers or theory are not finite,
+        within the block.
+        """
         return refusing(self.name, self.parameters, values)
 
     def expected(self, values: Mapping[str, object]) -> Numbers:
-        """What theory says; an InputError where it says nothing."""
+        """Return the values of theory; raise InputError where there are none."""
         try:
             with np.errstate(all="ignore"):
                 found = self.call(self.theory, values)
@@ -179,18 +183,18 @@ class Demo:
         return found
 
     def without(self, term: str | None, values: Mapping[str, object]) -> tuple[dict, dict]:
-        """Parameters and switches of an ablation; a term is a switch, or that of the demo."""
+        """Return parameters and switches of an ablation; a term is a switch, or that of the demo."""
         if term is None:
             return dict(values), {}
         if term == self.ablation.term and self.ablation.change:
             return {**values, **self.ablation.change}, {}
-        terms = dict.fromkeys((self.ablation.term, *SWITCHES))
+        terms = dict.fromkeys((self.ablation.term, *OMITTABLE_TERMS))
         if term not in terms:
             raise InputError(f"demo '{self.name}' has no term '{term}'; {listed(term, list(terms))}")
         return dict(values), {term: False}
 
     def expected_without(self, values: Mapping[str, object]) -> Numbers:
-        """What must be found under the demo's own ablation."""
+        """Return the values to be found under the demo's own ablation."""
         changed, _ = self.without(self.ablation.term, values)
         return self.call(self.ablation.values, values) if self.ablation.values else self.expected(changed)
 
@@ -218,7 +222,7 @@ class Demo:
         return Outcome(rows, drawn, solutions, noted, views, values, self.title)
 
     def panels(self, values: Mapping[str, object], found: Measured, without: str | None) -> list[Panel]:
-        """Curves with theory and ablation, and the first quantity over a parameter."""
+        """Return curves with theory and ablation, and the first quantity over a parameter."""
         try:
             ablated = self.computed(*self.without(None if without else self.ablation.term, values))
             other = wanted(ablated.curves)
@@ -231,10 +235,10 @@ class Demo:
         ]
         if self.against and not without:
             panels.append(self.panel_against(values, found))
-        return panels[:MOST]
+        return panels[:PANELS_PER_ROW_MAX]
 
     def panel_against(self, values: Mapping[str, object], found: Measured) -> Panel:
-        """The first quantity over a parameter."""
+        """Return the panel of the first quantity over a parameter."""
         name, low, high, along, count = self.against
         key, quantity = next(iter(self.quantities.items()))
         few, fine = np.linspace(low, high, count), np.linspace(low, high, 61)
@@ -250,7 +254,7 @@ class Demo:
 
 
 class Builder(NamedTuple):
-    """Makes the mechanism of a demo, ``build(**changes)``; ``theory`` is for curves, not for what is computed."""
+    """Builder of the mechanism of a demo, ``build(**changes)``; ``theory`` is for curves, not for computed values."""
 
     demo: Demo
     values: Mapping[str, object]
@@ -260,24 +264,24 @@ class Builder(NamedTuple):
 
     @property
     def theory(self) -> Numbers:
-        """What theory says of the parameters."""
+        """Return the values of theory for the parameters."""
         return self.demo.expected(self.values)
 
 
 def wanted(given: Sequence | Callable[[], Sequence]) -> Sequence:
-    """What is given, or what it computes."""
+    """Return a value, or the result of a function without arguments."""
     return given() if callable(given) else given
 
 
 def plain(value: object) -> object:
-    """A default as JSON would give it: lists for tuples."""
+    """Return a default as JSON would give it: lists for tuples."""
     if isinstance(value, Mapping):
         return {key: plain(item) for key, item in value.items()}
     return [plain(item) for item in value] if isinstance(value, list | tuple) else value
 
 
 def valid(function: Callable[..., Numbers], values: Mapping[str, object], key: str) -> float:
-    """A quantity, or no number where it does not exist."""
+    """Return a quantity, or nan where it does not exist."""
     try:
         return float(function(values)[key])
     except ValueError:
@@ -285,6 +289,6 @@ def valid(function: Callable[..., Numbers], values: Mapping[str, object], key: s
 
 
 def require(condition: bool, what: str) -> None:
-    """ValueError where the assumptions of a formula end; ``what`` says which, and what to give."""
+    """Raise ValueError where the assumptions of a formula end; ``what`` says which, and what to give."""
     if not condition:
         raise InputError(what)

@@ -1,4 +1,4 @@
-"""The gallery: a front page by family and a page per demo, with players that share one copy of the viewer."""
+"""Gallery: a front page by family and a page per demo, with players that share one copy of the viewer."""
 
 import inspect
 import io
@@ -9,6 +9,7 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from hashlib import sha256
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from PIL import Image
@@ -27,12 +28,12 @@ from .form import Demo
 from .parameters import lacking
 from .report import to_json
 
-VIEWER = "viewer.js"
-ENDS = (".html", "_seen.html", "_without.html", ".png", ".gif")  # of the names of a page's files
-PICTURE = 320  # width of a picture on the front page [pixels]
-FPS, SECONDS, WIDTH = 8, 3.0, 480  # of the films there; in narrower ones the notes lie on each other
-FEW = 4  # notes that one reads below a table; more can be unfolded
-PRINT = (
+VIEWER_FILE = "viewer.js"
+PAGE_FILE_ENDINGS = (".html", "_seen.html", "_without.html", ".png", ".gif")  # of the names of a page's files
+PICTURE_WIDTH = 320  # [pixels] of a picture on the front page
+FILM_RATE, FILM_SECONDS, FILM_WIDTH = 8, 3.0, 480  # of the films there; in narrower ones the notes lie on each other
+NOTES_MAX = 4  # [1] notes below a table; more can be unfolded
+TYPOGRAPHY = (
     (r"\b(\w) x (?=\w\b|\()", "\\1 × "),  # between single letters: not the axis x of a sentence
     (" - ", " − "),
     (" -> ", " → "),
@@ -41,7 +42,7 @@ PRINT = (
     ("`", ""),
     (r"(\d) (\d{3})\b", "\\1\u202f\\2"),  # 18 140 stays on its line
 )
-STILL = 1e-6  # m or parts of a quaternion that nobody sees
+INVISIBLE_MOTION = 1e-6  # [m] or parts of a quaternion that nobody sees
 
 
 def page(name: str, folder: Path) -> bool:
@@ -69,7 +70,7 @@ def page(name: str, folder: Path) -> bool:
     html = page_template("demo.html").render(
         title=demo.title, name=name, family=demo.family, texts=texts, equation=mathml(demo.equation),
         rows=[cells(row) for row in outcome.rows], figures=drawn(outcome, name),
-        players=[found for found in players if found[1]], notes=notes, few=FEW,
+        players=[found for found in players if found[1]], notes=notes, few=NOTES_MAX,
         parameters={key: json.dumps(value) for key, value in outcome.parameters.items()}, command=command(demo),
         code=source_of(demo), next_one=next_one, light=LIGHT, dark=DARK,
     )  # fmt: skip
@@ -84,11 +85,12 @@ def page(name: str, folder: Path) -> bool:
 
 def files_of(name: str, folder: Path) -> list[Path]:
     """Return those files of a demo's page that are there, beside its numbers."""
-    return [path for end in ENDS if (path := folder / f"{name}{end}").exists()]
+    return [path for end in PAGE_FILE_ENDINGS if (path := folder / f"{name}{end}").exists()]
 
 
 def whole(folder: Path, place: Path, stamp: str) -> bool:
-    """Whether the page whose numbers are at a place is there as it was written, from what has the digest ``stamp``."""
+    """Return whether the page whose numbers are at a place is complete and made from sources of the digest
+    ``stamp``."""
     try:
         found = json.loads(place.read_bytes())
         there = {path.name: sha256(path.read_bytes()).hexdigest() for path in files_of(place.stem, folder)}
@@ -105,7 +107,7 @@ def front(names: Iterable[str], folder: Path) -> Path:
         family: [demo for demo in members if demo.name in written] for family, members in demos.families().items()
     }
     script = f"document.write({json.dumps(client_head())});".encode()
-    write_atomically(folder / VIEWER, script)
+    write_atomically(folder / VIEWER_FILE, script)
     films = {name for name in written if (folder / f"{name}.gif").exists()}
     html = page_template("gallery.html").render(
         title="Effects that exist only in space", families=families, films=films, light=LIGHT, dark=DARK
@@ -114,12 +116,12 @@ def front(names: Iterable[str], folder: Path) -> Path:
 
 
 def drawn(outcome: Outcome, name: str) -> list[str]:
-    """Each panel as a figure of its own, so that a narrow page sets them below each other."""
+    """Draw each panel as a figure of its own, so that a narrow page sets them below each other."""
     return [inline_svg(figure_of("", [panel]), f"{name}-{k}-") for k, panel in enumerate(outcome.panels)]
 
 
 def without(demo: Demo) -> tuple[str, Outcome] | None:
-    """The demo's own ablation, if it has one that runs."""
+    """Return the outcome under the demo's own ablation, if it has one that runs."""
     try:
         return demo.ablation.term, demo.run(demo.ablation.term)
     except ValueError:
@@ -127,7 +129,8 @@ def without(demo: Demo) -> tuple[str, Outcome] | None:
 
 
 def player(outcome: Outcome, title: str, path: Path, beside: Outcome | None = None) -> str:
-    """Write the first view of an outcome as a page that takes the viewer from beside it; its name, or "" for none.
+    """Write the first view of an outcome as a page that takes the viewer from beside it; return its name, or "" for
+    none.
 
     It can be compared with that of an outcome ``beside`` it.
     """
@@ -136,11 +139,11 @@ def player(outcome: Outcome, title: str, path: Path, beside: Outcome | None = No
         return ""
     solution, options = first_view(outcome)
     if beside is not None:
-        options = {**options, "beside": first_view(beside).solution}
+        options: dict[str, Any] = {**options, "beside": first_view(beside).solution}
     hidden = {"body names", "joint names", *options.get("hidden", ())}
-    quiet = {"curves": (), "hidden": sorted(hidden)}  # the curves stand below
+    quiet: dict[str, Any] = {"curves": (), "hidden": sorted(hidden)}  # the curves stand below
     html = solution.animate(**{**options, **quiet, "title": title}).html
-    html = html.replace(client_head(), f'<script src="{VIEWER}"></script>')
+    html = html.replace(client_head(), f'<script src="{VIEWER_FILE}"></script>')
     script = (FOLDER / "in_step.js").read_text(encoding="utf-8")
     html = html.replace("</body>", f"<script>\n{script}</script>\n</body>")
     write_atomically(path, html.encode("utf-8"))
@@ -148,12 +151,12 @@ def player(outcome: Outcome, title: str, path: Path, beside: Outcome | None = No
 
 
 def first_view(outcome: Outcome) -> Show:
-    """What is shown of an outcome."""
+    """Return the first view of an outcome."""
     return next(iter(outcome.views.values()))
 
 
 def picture(outcome: Outcome, path: Path) -> None:
-    """A small picture of the mechanism, or of the figure where there is none."""
+    """Write a small picture of the mechanism, or of the figure where there is none."""
     with house():
         if outcome.views:
             solution, options = first_view(outcome)
@@ -164,47 +167,47 @@ def picture(outcome: Outcome, path: Path) -> None:
         raw, small = io.BytesIO(), io.BytesIO()
         figure.savefig(raw, format="png", dpi=100)
     image = Image.open(raw).convert("RGB")
-    image = image.resize((PICTURE, round(image.height * PICTURE / image.width)), Image.Resampling.LANCZOS)
+    image = image.resize((PICTURE_WIDTH, round(image.height * PICTURE_WIDTH / image.width)), Image.Resampling.LANCZOS)
     image.quantize(128, dither=Image.Dither.NONE).save(small, "PNG", optimize=True)
     write_atomically(path, small.getvalue())
 
 
 def film(outcome: Outcome, path: Path) -> None:
-    """A small film of the mechanism, if it moves."""
+    """Write a small film of the mechanism, if it moves."""
     path.unlink(missing_ok=True)
     if not outcome.views:
         return
     solution, options = first_view(outcome)
     span = solution.t[-1] - solution.t[0]
     poses = [np.hstack([solution.position(x), solution.orientation(x)]) for x in solution.system.bodies]
-    if span > 0.0 and np.ptp(np.hstack(poses), axis=0).max() > STILL:
+    if span > 0.0 and np.ptp(np.hstack(poses), axis=0).max() > INVISIBLE_MOTION:
         known, hidden = picture_options(options)
-        speed = float(f"{span / SECONDS:.2g}")
-        solution.export_gif(path, fps=FPS, speed=speed, width=WIDTH, hidden=hidden, **known)
+        speed = float(f"{span / FILM_SECONDS:.2g}")
+        solution.export_gif(path, fps=FILM_RATE, speed=speed, width=FILM_WIDTH, hidden=hidden, **known)
 
 
 def picture_options(options: Mapping[str, object]) -> tuple[dict[str, object], list[str]]:
-    """Those options of a page that a picture has too, and what is hidden in a small one."""
+    """Return the options of a page that a picture has too, and what is hidden in a small one."""
     known = {key: options[key] for key in ("traces", "shown", "view") if key in options}
     return known, sorted({"body names", "joint names", *options.get("hidden", ())})
 
 
 def cells(row: Row) -> Sequence[str]:
-    """A row of the table; what the tolerance does not tell from zero is 0."""
+    """Format a row of the table; a value that the tolerance does not tell from zero is 0."""
     unit = f" [{raised(row.unit)}]" if row.unit else ""
     numbers = (0.0 if abs(value) < 0.1 * row.tolerance else value for value in (row.computed, row.theory))
     return prose(row.quantity) + unit, *(f"{value:.10g}" for value in numbers), f"{row.error:.1e}"
 
 
 def prose(text: str) -> str:
-    """A text with the signs of print for those of a keyboard."""
-    for typed, printed in PRINT:
+    """Replace keyboard characters of a text by typographic ones."""
+    for typed, printed in TYPOGRAPHY:
         text = re.sub(typed, printed, text)
     return raised(text)
 
 
 def command(demo: Demo) -> str:
-    """A call with parameters to change, as a shell takes it: three numbers, or what is short."""
+    """Return a shell command with parameters to change: three numbers, or short values."""
     given = {name: f"{name}={json.dumps(value)}" for name, value in demo.parameters.items()}
     numbers = [given[name] for name, value in demo.parameters.items() if isinstance(value, float | int)]
     chosen = numbers[:3] or sorted(given.values(), key=len)[:1]
@@ -212,5 +215,5 @@ def command(demo: Demo) -> str:
 
 
 def source_of(demo: Demo) -> str:
-    """The text of the file a demo stands in."""
+    """Return the source text of the file of a demo."""
     return inspect.getsource(sys.modules[demo.module])

@@ -1,4 +1,4 @@
-"""Parameters of a demo as a user gives them: names that exist, values of the kind of the defaults."""
+"""Parameters of a demo as a user gives them: existing names, values of the kind of the defaults."""
 
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -9,29 +9,30 @@ import numpy as np
 from ..base.checks import number, shown
 from ..base.errors import InputError, MbsError, similar
 
-SWITCHES = ("gyroscopic", "centripetal", "gamma")  # terms that runs can leave out
-FEW = 20  # names that are listed beside a guess
-FAR = 1000.0  # from the default: how long a run takes, and how far formulas hold, is known for machines of some size
-VANISHING = 1e12  # the same below, of what may vanish: then the effect goes, and the run does not change
+OMITTABLE_TERMS = ("gyroscopic", "centripetal", "gamma")  # terms that runs can leave out
+LISTED_NAMES_MAX = 20  # [1] names that are listed beside a guess
+VALUE_RATIO_MAX = 1000.0  # [1] from the default; run time and validity of formulas are known for machines of some size
+# [1] below the default, for a value that may vanish: then the effect goes, and the run does not change
+VANISHING_RATIO_MAX = 1e12
 
 
 def listed(name: str, names: Sequence[str]) -> str:
-    """What to say instead of an unknown name: the nearest ones, and all if they are few."""
+    """Return a hint for an unknown name: the nearest names, and all if they are few."""
     inside = [known for known in names if len(name) > 2 and name.lower() in known.lower()]
     guess = list(dict.fromkeys(similar(name, names) + inside))[:3]
-    there = f"there are {', '.join(names)}" if len(names) <= FEW else "see the whole list: mbsd3d demo"
+    there = f"there are {', '.join(names)}" if len(names) <= LISTED_NAMES_MAX else "see the whole list: mbsd3d demo"
     if guess:
-        return f"did you mean {' or '.join(guess)}?" + (f" ({there})" if len(names) <= FEW else "")
+        return f"did you mean {' or '.join(guess)}?" + (f" ({there})" if len(names) <= LISTED_NAMES_MAX else "")
     return there
 
 
 def lacking(term: str) -> str:
-    """What an ablation is called."""
-    return f"no {term} term" if term in SWITCHES else f"without {term.replace('_', ' ').replace('-', ' ')}"
+    """Return the label of an ablation."""
+    return f"no {term} term" if term in OMITTABLE_TERMS else f"without {term.replace('_', ' ').replace('-', ' ')}"
 
 
 def settings(texts: Iterable[str]) -> dict[str, object]:
-    """``NAME=VALUE`` with values in JSON; a bare word is taken as it is."""
+    """Read ``NAME=VALUE`` with values in JSON; a bare word is taken as it is."""
     found = {}
     for text in texts:
         name, equals, value = text.partition("=")
@@ -53,7 +54,7 @@ def settings(texts: Iterable[str]) -> dict[str, object]:
 def checked(
     demo: str, defaults: Mapping[str, object], changes: Mapping[str, object], vanishing: Iterable[str] = ()
 ) -> dict[str, object]:
-    """The parameters of a demo with some changed; a ValueError names demo, parameter and remedy.
+    """Return the parameters of a demo with some changed; raise ValueError that names demo, parameter and remedy.
 
     Those that are ``vanishing`` may be as small as one likes.
     """
@@ -61,13 +62,13 @@ def checked(
     for name, value in changes.items():
         if name not in defaults:
             raise InputError(f"demo '{demo}' has no parameter '{name}'; {listed(name, list(defaults))}")
-        below = VANISHING if name in vanishing else FAR
+        below = VANISHING_RATIO_MAX if name in vanishing else VALUE_RATIO_MAX
         values[name] = like(defaults[name], value, f"demo '{demo}': {name}", below)
     return values
 
 
-def like(default: object, value: object, what: str, below: float = FAR) -> object:
-    """A value of the kind of the default: number, whole number, word, list of the same shape, or table of these.
+def like(default: object, value: object, what: str, below: float = VALUE_RATIO_MAX) -> object:
+    """Return a value of the kind of the default: number, integer, word, list of the same shape, or table of these.
 
     A number is by less than a factor FAR above the default and by less than ``below`` below it, or 0.
     """
@@ -88,7 +89,7 @@ def like(default: object, value: object, what: str, below: float = FAR) -> objec
         raise InputError(f"{what} = {value!r} is not a number; give e.g. {default}")
     found = number(value, what)
     times = abs(found / default) if default and found else 1.0
-    far = FAR if times > 1.0 else below
+    far = VALUE_RATIO_MAX if times > 1.0 else below
     if not 1.0 / far < times < far:
         raise InputError(f"{what} = {value!r} is a factor of {far:g} or more away from {default:g}; stay nearer to it")
     if isinstance(default, int):
@@ -99,7 +100,7 @@ def like(default: object, value: object, what: str, below: float = FAR) -> objec
 
 
 def like_list(default: Sequence, value: object, what: str) -> list:
-    """Numbers in the shape of the default."""
+    """Return numbers in the shape of the default."""
     shape = np.shape(default)
     try:
         found = np.asarray(value)
@@ -108,14 +109,18 @@ def like_list(default: Sequence, value: object, what: str) -> list:
     if found.dtype.kind not in "iuf" or found.shape != shape or not np.isfinite(found).all():
         size = " x ".join(map(str, shape))
         raise InputError(f"{what} = {value!r}: give {size} finite numbers, e.g. {json.dumps(default)}")
-    if np.abs(found).max() >= FAR * (np.abs(default).max() or 1.0):
-        raise InputError(f"{what} = {value!r} is {FAR:g} times {json.dumps(default)} or more; stay nearer to it")
+    if np.abs(found).max() >= VALUE_RATIO_MAX * (np.abs(default).max() or 1.0):
+        raise InputError(
+            f"{what} = {value!r} is {VALUE_RATIO_MAX:g} times {json.dumps(default)} or more; stay nearer to it"
+        )
     return found.astype(float).tolist()
 
 
 @contextmanager
 def refusing(demo: str, defaults: Mapping[str, object], values: Mapping[str, object]) -> Iterator[None]:
-    """What is refused, does not run, or has no finite numbers names the parameters that are not the defaults."""
+    """Raise an error that names the parameters other than the defaults if a demo fails or has no finite numbers, within
+    the block.
+    """
     try:
         with np.errstate(divide="raise", over="raise", invalid="raise"):
             yield

@@ -1,4 +1,4 @@
-"""Integrals and equations of theory: swings between two turning points, own equations of motion."""
+"""Integrals and equations of theory: oscillations between two turning points, own equations of motion."""
 
 from collections.abc import Callable, Sequence
 
@@ -8,11 +8,11 @@ from scipy.optimize import brentq
 
 from ..base.errors import InputError
 
-MOST = 2**17  # points of a quadrature
+QUADRATURE_POINTS_MAX = 2**17  # [1] points of a quadrature
 
 
 def swing(square: Callable, low: float, high: float, *values: Callable) -> list[float]:
-    """Time from one turning point to the other, and integrals of functions of x over that time.
+    """Return the time from one turning point to the other [s], and integrals of functions of x over that time.
 
     x_dot^2 = square(x) > 0 between its simple roots low and high. With x = middle + half sin u both ends are smooth,
     and the midpoint rule converges exponentially: points are doubled until nothing changes.
@@ -25,7 +25,7 @@ def swing(square: Callable, low: float, high: float, *values: Callable) -> list[
         return np.array([dt.sum(), *(dt @ value(x) for value in values)])
 
     points, found, change = 100, sums(100), np.inf
-    while points < MOST:
+    while points < QUADRATURE_POINTS_MAX:
         points *= 2
         finer = sums(points)
         last, change = change, np.max(abs(finer - found) / (abs(finer).max() * 1e-3 + abs(finer)))
@@ -36,7 +36,7 @@ def swing(square: Callable, low: float, high: float, *values: Callable) -> list[
 
 
 def turning_point(square: Callable, inside: float, step: float, limit: float) -> float:
-    """The first root of square(x) from a place where it is positive, searched in steps up to a limit."""
+    """Return the first root of square(x) from a place where it is positive, searched in steps up to a limit."""
     x = inside
     while abs(x - inside) < limit:
         if square(x + step) <= 0.0:
@@ -46,7 +46,7 @@ def turning_point(square: Callable, inside: float, step: float, limit: float) ->
 
 
 def motion(rate: Callable, y: np.ndarray, times: np.ndarray, rtol: float = 3e-14) -> np.ndarray:
-    """(times, n) of y_dot = rate(t, y), by scipy at a tolerance near rounding; times[0] is the start.
+    """Integrate y_dot = rate(t, y) by scipy at a tolerance near rounding; times[0] is the start; shape (times, n).
 
     An InputError where the end does not lie after it, or where no step is small enough.
     """
@@ -61,7 +61,7 @@ def motion(rate: Callable, y: np.ndarray, times: np.ndarray, rtol: float = 3e-14
 
 
 def quaternion_rate(e: np.ndarray, w: np.ndarray) -> np.ndarray:
-    """Rate of a unit quaternion (scalar first, body -> world) for an angular velocity w in body axes."""
+    """Return the rate of a unit quaternion (scalar first, body -> world) for an angular velocity w in body axes."""
     e0, e1, e2, e3 = e
     p, q, r = w
     return 0.5 * np.array(
@@ -70,10 +70,10 @@ def quaternion_rate(e: np.ndarray, w: np.ndarray) -> np.ndarray:
 
 
 def cross(a: Sequence[float], b: Sequence[float]) -> tuple[float, float, float]:
-    """a x b of plain numbers."""
+    """Return a x b of plain numbers."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 def dot(a: Sequence[float], b: Sequence[float]) -> float:
-    """a . b of plain numbers."""
+    """Return a . b of plain numbers."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -1,4 +1,4 @@
-"""A demo on paper: its table as text and as JSON, and its files."""
+"""Demo as text and files: its table as text and as JSON, and its files."""
 
 import json
 import textwrap
@@ -11,12 +11,12 @@ from .base import Outcome, Row
 from .discovery import discover
 from .form import Demo
 
-WIDTH = 100
-HEAD = ("quantity", "computed", "theory", "error")
+TEXT_WIDTH = 100
+TABLE_HEAD = ("quantity", "computed", "theory", "error")
 
 
 def contents(families: Mapping[str, Sequence[Demo]]) -> str:
-    """Demos by family, each with its question."""
+    """Return demos by family, each with its question."""
     width = max((len(demo.name) for demos in families.values() for demo in demos), default=0)
     blocks = [
         "\n".join([f"{family}:", *(f"  {demo.name:{width}}  {demo.question}" for demo in demos)])
@@ -25,8 +25,9 @@ def contents(families: Mapping[str, Sequence[Demo]]) -> str:
     return "\n\n".join(blocks)
 
 
-def table(rows: Sequence[Row], heads: Sequence[str] = HEAD) -> str:
-    """The rows of a demo as ``quantity | computed | theory | error``, FAIL beside those beyond their tolerance."""
+def table(rows: Sequence[Row], heads: Sequence[str] = TABLE_HEAD) -> str:
+    """Return the rows of a demo as ``quantity | computed | theory | error``, FAIL beside those beyond their
+    tolerance."""
     cells = [tuple(heads)]
     for row in rows:
         quantity = f"{row.quantity} [{row.unit}]" if row.unit else row.quantity
@@ -40,7 +41,7 @@ def table(rows: Sequence[Row], heads: Sequence[str] = HEAD) -> str:
 
 
 def summary(found: Mapping[str, Sequence[Row]]) -> str:
-    """The numbers of all demos as one table."""
+    """Return the numbers of all demos as one table."""
     rows = [
         Row(f"{name}: {row.quantity}", row.computed, row.theory, row.tolerance, row.unit)
         for name, rows in found.items()
@@ -58,18 +59,22 @@ def run_and_write(name: str, folder: Path, pages: bool) -> tuple[str, tuple[Row,
 
 
 def report(demo: Demo, outcome: Outcome, without: str | None = None) -> str:
-    """Question, why, equation, source, table and notes of a demo."""
+    """Return question, why, equation, source, table and notes of a demo."""
     lines = [f"{demo.name}: {demo.title}" + (f" (without {without})" if without else "")]
     for label in ("question", "why", "equation", "source"):
-        lines += textwrap.wrap(getattr(demo, label), WIDTH, initial_indent=f"  {label:10}", subsequent_indent=" " * 12)
+        lines += textwrap.wrap(
+            getattr(demo, label), TEXT_WIDTH, initial_indent=f"  {label:10}", subsequent_indent=" " * 12
+        )
     lines += ["", table(outcome.rows)]
     for note in outcome.notes:
-        lines += textwrap.wrap(note, WIDTH, initial_indent="  ", subsequent_indent="    ")
+        lines += textwrap.wrap(note, TEXT_WIDTH, initial_indent="  ", subsequent_indent="    ")
     return "\n".join(lines)
 
 
 def to_json(demo: Demo, outcome: Outcome, without: str | None = None) -> str:
-    """One object: name, parameters, and of each quantity computed, theory and error; null for what is not a number."""
+    """Return one JSON object: name, parameters, and of each quantity computed, theory and error; null for numbers that
+    are not finite.
+    """
     quantities = {
         name: {key: finite(getattr(row, key)) for key in ("computed", "theory", "error")}
         for name, row in outcome.quantities.items()
@@ -79,7 +84,7 @@ def to_json(demo: Demo, outcome: Outcome, without: str | None = None) -> str:
 
 
 def finite(value: float) -> float | None:
-    """A number of JSON."""
+    """Return a number that JSON can hold."""
     return float(value) if isfinite(value) else None
 
 
@@ -103,9 +108,11 @@ def write(demo: Demo, outcome: Outcome, folder: Path, *, pages: bool = True, wit
 
 
 def listing(paths: list[Path]) -> str:
-    """The files of a demo, the suffixes of one stem together."""
+    """Return the files of a demo as text, the suffixes of one stem together."""
     stems: dict[Path, list[str]] = {}
     for path in paths:
         stems.setdefault(path.with_suffix(""), []).append(path.suffix)
     text = ", ".join(f"{stem}{'|'.join(suffixes)}" for stem, suffixes in stems.items())
-    return textwrap.fill(text, WIDTH, initial_indent="  written ", subsequent_indent=" " * 10, break_on_hyphens=False)
+    return textwrap.fill(
+        text, TEXT_WIDTH, initial_indent="  written ", subsequent_indent=" " * 10, break_on_hyphens=False
+    )

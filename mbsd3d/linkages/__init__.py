@@ -21,5 +21,5 @@ __all__ = [
 
 
 def __dir__() -> list[str]:
-    """Public names alone."""
+    """Return the public names alone."""
     return sorted(__all__)

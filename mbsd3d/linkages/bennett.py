@@ -1,4 +1,4 @@
-"""Bennett's loop of four hinges and the loops of five made of two of them: Goldberg, Myard."""
+"""Bennett's loop of four hinges and loops of five made of two of them: Goldberg, Myard."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -9,7 +9,7 @@ from ..base.errors import InputError, explaining
 from .dh import built
 from .links import Links
 
-PROPORTION = 1e-9  # relative misfit of Bennett's condition that rounding of typed parameters may leave
+PROPORTION_TOLERANCE = 1e-9  # [1] relative misfit of Bennett's condition that rounding of typed parameters may leave
 
 
 @explaining
@@ -17,7 +17,7 @@ def bennett(
     a: float, alpha: float, b: float, beta: float, angle: float, *, links: Links = None,
     position: ArrayLike = (0, 0, 0), orientation: ArrayLike = (1, 0, 0, 0), gravity: ArrayLike = (0, 0, -9.81),
 ) -> System:  # fmt: skip
-    """Bennett's linkage: four hinges, opposite links equal, ``a / sin(alpha) = b / sin(beta)``, no offsets.
+    """Build Bennett's linkage: four hinges, opposite links equal, ``a / sin(alpha) = b / sin(beta)``, no offsets.
 
     Its angles obey ``theta_3 = -theta_1``, ``theta_4 = -theta_2`` and ``tan(theta_1 / 2) tan(theta_2 / 2) =
     sin((beta + alpha) / 2) / sin((beta - alpha) / 2)``. Links are a, b, a, b; the last one is the ground. Kutzbach's
@@ -51,7 +51,7 @@ def goldberg(
     a: float, alpha: float, b: float, beta: float, c: float, gamma: float, angle: float, *, links: Links = None,
     position: ArrayLike = (0, 0, 0), orientation: ArrayLike = (1, 0, 0, 0), gravity: ArrayLike = (0, 0, -9.81),
 ) -> System:  # fmt: skip
-    """Goldberg's linkage of five hinges: two Bennett loops (a, b) and (c, b) with the common link b taken out.
+    """Build Goldberg's linkage of five hinges: two Bennett loops (a, b) and (c, b) without their common link b.
 
     ``a / sin(alpha) = b / sin(beta) = c / sin(gamma)``; links of a + c, b, c, a, b with twists alpha + gamma, beta,
     gamma, alpha, beta; the last one is the ground.
@@ -84,7 +84,8 @@ def myard(
     a: float, alpha: float, b: float, angle: float, *, links: Links = None, position: ArrayLike = (0, 0, 0),
     orientation: ArrayLike = (1, 0, 0, 0), gravity: ArrayLike = (0, 0, -9.81),
 ) -> System:  # fmt: skip
-    """Myard's linkage of five hinges, symmetric to a plane: two mirrored Bennett loops with a twist of 90 degrees.
+    """Build Myard's linkage of five hinges, symmetric to a plane: two mirrored Bennett loops with a twist of 90
+    degrees.
 
     ``a / sin(alpha) = b``; links of 0, b, a, a, b with twists 2 alpha - pi, pi / 2, pi - alpha, alpha, pi / 2; the
     last one is the ground. The first link has crossing axes.
@@ -112,23 +113,23 @@ def myard(
 
 
 def proportion(what: str, one: str, a: float, alpha: float, other: str, b: float, beta: float) -> None:
-    """ValueError where ``a sin(beta) = b sin(alpha)`` does not hold."""
+    """Raise ValueError where ``a sin(beta) = b sin(alpha)`` does not hold."""
     for name, value in ((one, a), (one, alpha), (other, b), (other, beta)):
         number(value, f"{what}: one of {name}")
     left, right = a * np.sin(beta), b * np.sin(alpha)
-    if min(abs(np.sin(alpha)), abs(np.sin(beta))) < PROPORTION or not a or not b:
+    if min(abs(np.sin(alpha)), abs(np.sin(beta))) < PROPORTION_TOLERANCE or not a or not b:
         raise InputError(f"{what}: ({one}) = ({a:g}, {alpha:g}), ({other}) = ({b:g}, {beta:g}): give "
                          "lengths other than 0 and twists that are no multiples of pi")  # fmt: skip
-    if not abs(left - right) <= PROPORTION * max(abs(left), abs(right)):
+    if not abs(left - right) <= PROPORTION_TOLERANCE * max(abs(left), abs(right)):
         raise InputError(f"{what}: Bennett's condition a / sin(alpha) = b / sin(beta) does not hold for ({one}) "
                          f"and ({other}): {a / np.sin(alpha):.9g} m and {b / np.sin(beta):.9g} m; with these twists, "
                          f"{a:.9g} m goes with {a * np.sin(beta) / np.sin(alpha):.12g} m")  # fmt: skip
 
 
 def pair(what: str, alpha: float, beta: float, angle: float) -> tuple[float, float]:
-    """(theta_1, theta_2) of a Bennett loop whose first link has the twist alpha."""
+    """Return (theta_1, theta_2) of a Bennett loop whose first link has the twist alpha [rad]."""
     angle = number(angle, f"{what}: angle")
-    if abs(np.sin(angle)) < PROPORTION or abs(np.sin(0.5 * (beta - alpha))) < PROPORTION:
+    if abs(np.sin(angle)) < PROPORTION_TOLERANCE or abs(np.sin(0.5 * (beta - alpha))) < PROPORTION_TOLERANCE:
         raise InputError(f"{what}: angle {angle:g} at twists {alpha:g} and {beta:g} rad folds the loop onto a line "
                          "or gives equal links; choose an angle no multiple of pi and unequal twists")  # fmt: skip
     ratio = np.sin(0.5 * (beta + alpha)) / np.sin(0.5 * (beta - alpha))
@@ -136,7 +137,8 @@ def pair(what: str, alpha: float, beta: float, angle: float) -> tuple[float, flo
 
 
 def two_loops(what: str, alpha: float, beta: float, gamma: float, angle: float) -> np.ndarray:
-    """(5,) angles of two Bennett loops with the common link b, their links a and c made one at the common hinge.
+    """Return the angles of two Bennett loops with the common link b, their links a and c made one at the common hinge
+    [rad], shape (5,).
 
     There the second loop's angle is that of the first plus pi, as both links lie on one line, on either side.
     """

@@ -9,7 +9,7 @@ from ..base.errors import InputError, explaining
 from .dh import built, closed_angles, table
 from .links import Links
 
-RIGHT = 0.5 * np.pi
+RIGHT_ANGLE = 0.5 * np.pi
 
 
 @explaining
@@ -18,7 +18,8 @@ def bricard_line(
     near: ArrayLike | None = None, links: Links = None, position: ArrayLike = (0, 0, 0),
     orientation: ArrayLike = (1, 0, 0, 0), gravity: ArrayLike = (0, 0, -9.81),
 ) -> System:  # fmt: skip
-    """Bricard's line-symmetric linkage: opposite links are equal, ``a_k = a_{k+3}``, and so are twists and offsets.
+    """Build Bricard's line-symmetric linkage: opposite links are equal, ``a_k = a_{k+3}``, and so are twists and
+    offsets.
 
     Opposite angles are equal: the half loop is a half-turn about the line, ``(A_1 A_2 A_3)^2 = 1``.
 
@@ -51,7 +52,7 @@ def bricard_plane(
     near: ArrayLike | None = None, links: Links = None, position: ArrayLike = (0, 0, 0),
     orientation: ArrayLike = (1, 0, 0, 0), gravity: ArrayLike = (0, 0, -9.81),
 ) -> System:  # fmt: skip
-    """Bricard's plane-symmetric linkage: the axes 1 and 4 lie in the plane, the others are mirrored in it.
+    """Build Bricard's plane-symmetric linkage: the axes 1 and 4 lie in the plane, the others are mirrored in it.
 
     ``a_6 = a_1, a_5 = a_2, a_4 = a_3``; ``alpha_6 = -alpha_1, alpha_5 = -alpha_2, alpha_4 = -alpha_3``; ``d_1 = d_4 =
     0, d_6 = -d_2, d_5 = -d_3``; then ``theta_6 = theta_2, theta_5 = theta_3``. A twist of ``pi - alpha`` in a table is
@@ -89,7 +90,7 @@ def bricard(
     length: float, angle: float, *, links: Links = None, position: ArrayLike = (0, 0, 0),
     orientation: ArrayLike = (1, 0, 0, 0), gravity: ArrayLike = (0, 0, -9.81),
 ) -> System:  # fmt: skip
-    """Bricard's orthogonal linkage of six equal links: the A04 of the IFToMM library is ``bricard(1.0, pi / 2)``.
+    """Build Bricard's orthogonal linkage of six equal links: the A04 of the IFToMM library is ``bricard(1.0, pi / 2)``.
 
     Twists are 90 and -90 degrees in turns, no offsets; angles are theta, phi in turns with
     ``cos(theta) + cos(phi) + cos(theta) cos(phi) = 0``, so ``|theta| <= 120`` degrees. At 90 degrees the links are
@@ -114,7 +115,7 @@ def bricard(
         raise InputError(f"bricard: length {length:g} m, angle {np.degrees(angle):.6g} degrees; give a positive length "
                          "and an angle between -120 and 120 degrees, where the loop closes")  # fmt: skip
     phi = float(np.arccos(-np.cos(angle) / (1.0 + np.cos(angle))))
-    numbers = np.array([[length, RIGHT, 0.0], [length, -RIGHT, 0.0]] * 3)
+    numbers = np.array([[length, RIGHT_ANGLE, 0.0], [length, -RIGHT_ANGLE, 0.0]] * 3)
     return built("bricard", numbers, np.array([angle, phi] * 3), links, position, orientation, gravity)
 
 
@@ -123,7 +124,7 @@ def schatz(
     length: float, angle: float, *, offset: float = 0.0, links: Links = None, position: ArrayLike = (0, 0, 0),
     orientation: ArrayLike = (1, 0, 0, 0), gravity: ArrayLike = (0, 0, -9.81),
 ) -> System:  # fmt: skip
-    """Schatz's linkage, that of the Turbula mixer: two parallel shafts in the ground carry three links of a.
+    """Build Schatz's linkage, that of the Turbula mixer: two parallel shafts in the ground carry three links of a.
 
     Links of 0, a, a, a, 0 and sqrt(3) a in the ground; twists of 90 degrees, 0 in the ground; offsets d_1 = -d_6.
     ``2 cos(theta_2) = -sqrt(3) cos(theta_1)``, ``tan(theta_3 / 2) = -sqrt(3) sin(theta_1)``,
@@ -148,7 +149,7 @@ def schatz(
     length = number(length, "schatz: length", positive=True)
     angle, offset = number(angle, "schatz: angle"), number(offset, "schatz: offset")
     numbers = length * np.array([0.0, 1.0, 1.0, 1.0, 0.0, np.sqrt(3.0)])
-    numbers = np.c_[numbers, RIGHT * np.array([1, 1, 1, 1, 1, 0]), [offset, 0, 0, 0, 0, -offset]]
+    numbers = np.c_[numbers, RIGHT_ANGLE * np.array([1, 1, 1, 1, 1, 0]), [offset, 0, 0, 0, 0, -offset]]
     third = -2.0 * np.arctan(np.sqrt(3.0) * np.sin(angle))
     known = np.array([angle, np.arccos(-0.5 * np.sqrt(3.0) * np.cos(angle)), third])
     angles = closed_angles("schatz", numbers, lambda x: np.r_[known, x], 3, None)
@@ -156,6 +157,6 @@ def schatz(
 
 
 def _six(what: str, numbers: np.ndarray) -> None:
-    """ValueError unless there are six links."""
+    """Raise ValueError unless there are six links."""
     if len(numbers) != 6:
         raise InputError(f"{what}: {len(numbers) // 2} links given; give the numbers of three")

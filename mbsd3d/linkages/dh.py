@@ -13,9 +13,9 @@ from ..mechanism.bodies import GROUND, Body, Ground
 from ..mechanism.joints.pairs import Revolute
 from .links import Links, base_frame, link_body
 
-CLOSED = 1e-9  # misfit of a loop over its size that rounding of typed parameters may leave
-STARTS = {2: 8, 3: 5}  # of each free angle in the search for a closed pose, by their number
-ROUNDS = 30  # of Newton; it doubles its digits in each where it converges at all
+CLOSURE_TOLERANCE = 1e-9  # [1] misfit of a loop over its size that rounding of typed parameters may leave
+START_COUNTS = {2: 8, 3: 5}  # [1] of each free angle in the search for a closed pose, by their number
+NEWTON_ITERATIONS_MAX = 30  # [1] of Newton; it doubles its digits in each where it converges at all
 
 
 @explaining
@@ -24,7 +24,7 @@ def hinge_loop(
     links: Links = None, position: ArrayLike = (0, 0, 0), orientation: ArrayLike = (1, 0, 0, 0),
     gravity: ArrayLike = (0, 0, -9.81),
 ) -> System:  # fmt: skip
-    """A loop of n hinges from its Denavit-Hartenberg numbers; the last link is the ground.
+    """Build a loop of n hinges from its Denavit-Hartenberg numbers; the last link is the ground.
 
     ``Rz(theta_1) Tz(d_1) Tx(a_1) Rx(alpha_1) ... Rz(theta_n) Tz(d_n) Tx(a_n) Rx(alpha_n) = 1``: hinge k turns about z
     of frame k - 1, and link k carries frame k, whose z is the axis of the next hinge. Bodies are "link 1" ...
@@ -61,7 +61,7 @@ def hinge_loop(
 
 
 def table(lengths: ArrayLike, twists: ArrayLike, offsets: ArrayLike, what: str) -> np.ndarray:
-    """(n, 3) of a, alpha, d."""
+    """Return a, alpha, d as a table, shape (n, 3)."""
     columns = [
         sequence(x, f"{what}: {name}") for x, name in ((lengths, "lengths"), (twists, "twists"), (offsets, "offsets"))
     ]
@@ -79,10 +79,10 @@ def built(
     what: str, numbers: np.ndarray, angles: np.ndarray, links: Links, position: ArrayLike, orientation: ArrayLike,
     gravity: ArrayLike,
 ) -> System:  # fmt: skip
-    """The system of a loop that closes; ValueError with the misfit for one that does not."""
+    """Build the system of a loop that closes; raise ValueError with the misfit for others."""
     place = frames(numbers, angles)
     gap, turn, size = misfit(numbers, angles)
-    if not max(gap / size, turn) < CLOSED:
+    if not max(gap / size, turn) < CLOSURE_TOLERANCE:
         raise InputError(f"{what}: the loop does not close at these parameters: its ends are {gap:.3g} m and "
                          f"{turn:.3g} rad apart; correct the parameters or the angles")  # fmt: skip
     base, thick = base_frame(position, orientation, what), 0.05 * size
@@ -100,7 +100,7 @@ def built(
 
 
 def step(angle: float, length: float, twist: float, offset: float) -> np.ndarray:
-    """``Rz(theta) Tz(d) Tx(a) Rx(alpha)`` (4, 4)."""
+    """Return ``Rz(theta) Tz(d) Tx(a) Rx(alpha)``, shape (4, 4)."""
     c, s, ca, sa = np.cos(angle), np.sin(angle), np.cos(twist), np.sin(twist)
     return np.array([
         [c, -s * ca, s * sa, length * c], [s, c * ca, -c * sa, length * s], [0.0, sa, ca, offset], [0.0, 0.0, 0.0, 1.0],
@@ -108,7 +108,7 @@ def step(angle: float, length: float, twist: float, offset: float) -> np.ndarray
 
 
 def frames(numbers: np.ndarray, angles: ArrayLike) -> list[np.ndarray]:
-    """The frames 0 ... n (4, 4) in frame 0; the last is frame 0 where the loop closes."""
+    """Return the frames 0 ... n (4, 4) in frame 0; the last is frame 0 where the loop closes."""
     place = [np.eye(4)]
     for (length, twist, offset), angle in zip(numbers, np.asarray(angles), strict=True):
         place.append(place[-1] @ step(angle, length, twist, offset))
@@ -116,7 +116,7 @@ def frames(numbers: np.ndarray, angles: ArrayLike) -> list[np.ndarray]:
 
 
 def misfit(numbers: np.ndarray, angles: ArrayLike) -> tuple[float, float, float]:
-    """(distance [m], angle [rad] between the ends of the loop, size [m] of the loop)."""
+    """Return (distance [m], angle [rad] between the ends of the loop, size [m] of the loop)."""
     end, size = frames(numbers, angles)[-1], max(np.abs(numbers[:, [0, 2]]).max(), 1e-300)
     turn = np.linalg.norm(end[:3, :3] - np.eye(3)) / np.sqrt(2.0)
     return float(np.linalg.norm(end[:3, 3])), float(turn), float(size)
@@ -125,7 +125,7 @@ def misfit(numbers: np.ndarray, angles: ArrayLike) -> tuple[float, float, float]
 def closed_angles(
     what: str, numbers: np.ndarray, spread: Callable[[np.ndarray], np.ndarray], free: int, near: ArrayLike | None
 ) -> np.ndarray:  # fmt: skip
-    """All angles of a closed pose by Newton on the free ones, ``angles = spread(free)``, spread affine.
+    """Return all angles of a closed pose by Newton on the free ones, ``angles = spread(free)``, spread affine.
 
     From `near`, or from the first start of a lattice that ends in a pose with one freedom. ValueError if there is none.
     """
@@ -134,14 +134,14 @@ def closed_angles(
         if starts[0].size != free:
             raise InputError(f"{what}: near has {starts[0].size} angles; give {free}")
     else:
-        ticks = -np.pi + (np.arange(STARTS[free]) + 0.6) * (
-            2 * np.pi / STARTS[free]
+        ticks = -np.pi + (np.arange(START_COUNTS[free]) + 0.6) * (
+            2 * np.pi / START_COUNTS[free]
         )  # no tick at a multiple of a right angle
         starts = [np.array(x) for x in product(ticks, repeat=free)]
     zero = spread(np.zeros(free))
     slope = np.column_stack([spread(e) - zero for e in np.eye(free)])
     for x in starts:
-        for _ in range(ROUNDS):
+        for _ in range(NEWTON_ITERATIONS_MAX):
             error, J = residual(numbers, zero + slope @ x)
             change = np.linalg.lstsq(J @ slope, -error, rcond=1e-12)[0]
             x = x + change * min(1.0, 1.0 / max(np.abs(change).max(), 1e-300))
@@ -156,13 +156,15 @@ def closed_angles(
 
 
 def screws(numbers: np.ndarray, angles: np.ndarray) -> np.ndarray:
-    """(6, n): axes and moments of the hinges about the origin of frame 0, lengths over the size of the loop."""
+    """Return axes and moments of the hinges about the origin of frame 0, lengths over the size of the loop, shape (6,
+    n).
+    """
     size = np.abs(numbers[:, [0, 2]]).max()
     return np.column_stack([np.r_[T[:3, 2], np.cross(T[:3, 3] / size, T[:3, 2])] for T in frames(numbers, angles)[:-1]])
 
 
 def residual(numbers: np.ndarray, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(6,) turn and distance of the ends as a twist, its first order exact; (6, n) derivative."""
+    """Return rotation and distance of the ends as a twist (6,), exact to first order, and its derivative (6, n)."""
     end, size = frames(numbers, angles)[-1], np.abs(numbers[:, [0, 2]]).max()
     R = end[:3, :3]
     turn = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
@@ -170,7 +172,7 @@ def residual(numbers: np.ndarray, angles: np.ndarray) -> tuple[np.ndarray, np.nd
 
 
 def one_freedom(numbers: np.ndarray, angles: np.ndarray) -> bool:
-    """Whether the hinges can turn with exactly one freedom: their screws have rank n - 1."""
+    """Return whether the loop has exactly one degree of freedom: the screws of its hinges have rank n - 1."""
     values = np.linalg.svd(screws(numbers, angles))[1]
     rank = len(numbers) - 1
     return bool(values[rank - 1] > 1e-3 * values[0] and (rank == 6 or values[rank] < 1e-9 * values[0]))

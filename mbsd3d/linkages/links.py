@@ -1,4 +1,4 @@
-"""The bodies of a loop: as given, or round bars."""
+"""Bodies of a loop: as given, or round bars."""
 
 from collections.abc import Sequence
 
@@ -13,11 +13,11 @@ from ..base.rotations import as_quaternion, matrix
 from ..mechanism.bodies import Body
 
 Links = Sequence[MassProperties] | None
-MASS = 1.0  # of a bar nobody gave a mass [kg]
+BAR_MASS = 1.0  # [kg] of a bar without a given mass
 
 
 def base_frame(position: ArrayLike, orientation: ArrayLike, what: str) -> np.ndarray:
-    """(4, 4) of frame 0 in the world."""
+    """Return frame 0 in the world, shape (4, 4)."""
     base = np.eye(4)
     base[:3, :3] = matrix(as_quaternion(orientation, f"{what}: orientation"))
     base[:3, 3] = vector(position, f"{what}: position")
@@ -25,19 +25,21 @@ def base_frame(position: ArrayLike, orientation: ArrayLike, what: str) -> np.nda
 
 
 def bar(line: np.ndarray, radius: float) -> MassProperties:
-    """Round bar from the origin along a line (3,) [m], in the axes of the line."""
+    """Draw a round bar from the origin along a line (3,) [m], in the axes of the line."""
     length = float(np.linalg.norm(line))
     along = line / length if length > 0.0 else np.array([0.0, 0.0, 1.0])
-    across, _, lengthwise = cylinder(MASS, radius, length)
+    across, _, lengthwise = cylinder(BAR_MASS, radius, length)
     turned = across * np.eye(3) + (lengthwise - across) * np.outer(along, along)
-    return MassProperties(MASS, 0.5 * line, turned)
+    return MassProperties(BAR_MASS, 0.5 * line, turned)
 
 
 def link_body(
     what: str, k: int, frame: np.ndarray, line: np.ndarray, axes: np.ndarray, radius: float, links: Links, count: int,
     name: str = "",
 ) -> Body:  # fmt: skip
-    """Link k at its frame (4, 4); `line` leads from its far to its near hinge, in the axes that `axes` turns from."""
+    """Return link k at its frame (4, 4); `line` leads from its far to its near hinge, in the axes that `axes` turns
+    from.
+    """
     given = () if links is None else listed(links, f"{what}: links", "a list of inertia.MassProperties")
     if not all(isinstance(link, MassProperties) for link in given):
         raise InputError(f"{what}: links {shown(links)}; give a list of inertia.MassProperties")

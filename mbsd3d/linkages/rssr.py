@@ -18,7 +18,7 @@ def rssr(
     offsets: ArrayLike = (0, 0), branch: int = 1, spin: bool = False, links: Links = None,
     position: ArrayLike = (0, 0, 0), orientation: ArrayLike = (1, 0, 0, 0), gravity: ArrayLike = (0, 0, -9.81),
 ) -> System:  # fmt: skip
-    """RSSR linkage: ``|p_rocker(psi) - p_crank(theta)| = rod``, that is ``E cos(psi) + F sin(psi) = G``.
+    """Build the RSSR linkage: ``|p_rocker(psi) - p_crank(theta)| = rod``, that is ``E cos(psi) + F sin(psi) = G``.
 
     The crank turns about z of frame 0, its pin at ``(crank cos(theta), crank sin(theta), offset_1)``; the rocker turns
     about z of the frame ``Tx(distance) Rx(twist)``, its pin there at ``(rocker cos(psi), rocker sin(psi), offset_2)``.
@@ -83,8 +83,9 @@ def rssr(
         Revolute(GROUND, bodies[2], at=world(far_hub), axis=R @ axis, name="rocker shaft"),
     )
     across = np.cross(axis, far - pin)
+    last: Spherical | Universal
     if spin:
-        last: Spherical | Universal = Spherical(bodies[1], bodies[2], at=world(far), name="rocker pin")
+        last = Spherical(bodies[1], bodies[2], at=world(far), name="rocker pin")
     elif np.linalg.norm(across) > 1e-6 * rod:
         last = Universal(bodies[1], bodies[2], at=world(far), axis_a=R @ across, axis_b=R @ axis, name="rocker pin")
     else:
@@ -95,7 +96,8 @@ def rssr(
 
 
 def _rocker_angle(arm: np.ndarray, rod: float, rocker: float, branch: int, angle: float) -> float:
-    """psi with ``|rocker (cos psi, sin psi, 0) - arm| = rod``, arm from the rocker's hub to the crank pin."""
+    """Return psi [rad] with ``|rocker (cos psi, sin psi, 0) - arm| = rod``, arm from the rocker's hub to the crank
+    pin."""
     reach = 2.0 * rocker * float(np.hypot(arm[0], arm[1]))
     need = float(arm @ arm) + rocker**2 - rod**2
     if not abs(need) <= reach:

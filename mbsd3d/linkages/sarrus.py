@@ -10,7 +10,7 @@ from ..mechanism.bodies import GROUND, Body, Ground
 from ..mechanism.joints.pairs import Revolute
 from .links import Links, base_frame, link_body
 
-STRAIGHT = 1e-6  # a leg whose links lie on one line within this angle [rad] has a singular pose
+STRAIGHT_LEG_ANGLE = 1e-6  # [rad] a leg whose links lie on one line within this angle has a singular pose
 Z = np.array([0.0, 0.0, 1.0])
 
 
@@ -20,7 +20,8 @@ def sarrus(
     links: Links = None, position: ArrayLike = (0, 0, 0), orientation: ArrayLike = (1, 0, 0, 0),
     gravity: ArrayLike = (0, 0, -9.81),
 ) -> System:  # fmt: skip
-    """Sarrus' linkage: two legs of two links in two vertical planes guide a platform exactly along z, without a slide.
+    """Build Sarrus' linkage: two legs of two links in two vertical planes guide a platform exactly along z, without a
+    slide.
 
     The first leg's plane is xz, the second's is turned from it by `between` about z. The leg's three hinges are
     parallel, normal to its plane, the lowest and the highest `reach` from the z axis. The height of the platform is
@@ -51,7 +52,7 @@ def sarrus(
     """
     reach = number(reach, "sarrus: reach")
     lower, upper = (_leg(leg, name) for leg, name in ((first, "first"), (second, "second")))
-    if abs(np.sin(number(between, "sarrus: between"))) < STRAIGHT:
+    if abs(np.sin(number(between, "sarrus: between"))) < STRAIGHT_LEG_ANGLE:
         raise InputError(f"sarrus: between {between:g} rad: both legs in one plane leave the platform two freedoms")
     rest = lower[1] ** 2 - (lower[0] * np.cos(number(angle, "sarrus: angle"))) ** 2
     if rest < 0.0:
@@ -75,7 +76,7 @@ def _system(
     base: np.ndarray, place: list[np.ndarray], line: list[np.ndarray], between: float, reach: float, thick: float,
     links: Links, gravity: ArrayLike,
 ) -> System:  # fmt: skip
-    """Bodies at their frames 1 ... 5, hinges at the ends of the legs."""
+    """Build bodies at their frames 1 ... 5, and hinges at the ends of the legs."""
     out = [np.array([np.cos(turn), np.sin(turn), 0.0]) for turn in (0.0, between)]
     height = place[2][2, 3]
     lines = [line[0], line[1], reach * (out[0] + out[1]), line[3], line[2]]
@@ -103,16 +104,16 @@ def _leg(lengths: ArrayLike, name: str) -> tuple[float, ...]:
 
 
 def _knee(leg: tuple[float, ...], height: float, name: str) -> tuple[float, float]:
-    """(outwards, up) of the hinge between the links of a leg whose upper end is above its foot."""
+    """Return (outwards, up) of the hinge between the links of a leg whose upper end is above its foot [m]."""
     up = (leg[0] ** 2 - leg[1] ** 2 + height**2) / (2.0 * height) if height > 0.0 else 0.0
-    if height <= 0.0 or not abs(up) < leg[0] * np.cos(STRAIGHT):
+    if height <= 0.0 or not abs(up) < leg[0] * np.cos(STRAIGHT_LEG_ANGLE):
         raise InputError(f"sarrus: the {name} leg of {leg[0]:g} m and {leg[1]:g} m does not reach the height "
                          f"{height:g} m or is straight there; choose another angle or other lengths")  # fmt: skip
     return float(np.sqrt(leg[0] ** 2 - up**2)), float(up)
 
 
 def _frame(near: np.ndarray, far: np.ndarray, out: np.ndarray) -> np.ndarray:
-    """Frame at the far end: x from the near end, z normal to the leg's plane."""
+    """Return the frame at the far end: x from the near end, z normal to the leg's plane."""
     T, x, z = np.eye(4), (far - near) / np.linalg.norm(far - near), np.cross(out, Z)
     T[:3, :3], T[:3, 3] = np.column_stack([x, np.cross(z, x), z]), far
     return T

@@ -12,7 +12,7 @@ MARKERS = "osD^v<>pP*X"
 
 
 def plot_eigenvalues(linearization: ModalAnalysis) -> Figure:
-    """Eigenvalues in the complex plane, one mark per mode and one for all zeros; the growing half is tinted."""
+    """Plot eigenvalues in the complex plane, one mark per mode and one for all zeros; the growing half is tinted."""
     look = LIGHT
     with house(look):
         figure = Figure(figsize=(7.5, 4.6), layout="constrained")

@@ -1,4 +1,4 @@
-"""Every quantity of a solution as panels of named lines with label and unit; no plotting."""
+"""Quantities of a solution as panels of named lines with label and unit; no plotting."""
 
 import textwrap
 from collections.abc import Callable, Iterable, Sequence
@@ -21,7 +21,7 @@ from ..results.run_result import RunResult
 
 Part = Body | Joint | ForceElement | str
 Wanted = Iterable[str | Measure | tuple[str | Measure | Part, ...]]  # quantities with or without parts, and measures
-WORDS = {
+QUANTITY_LABELS = {
     "omega": "angular velocity", "omega_body": "angular velocity, body axes", "alpha": "angular acceleration",
     "com": "centre of mass", "orientation": "quaternion",
 }  # fmt: skip
@@ -29,7 +29,7 @@ AXIS_NAMES, QUATERNION_NAMES = ("x", "y", "z"), ("e0", "e1", "e2", "e3")
 
 
 class Panel(NamedTuple):
-    """One pair of axes: label, unit in brackets, named lines (samples,), a note above the legend."""
+    """Pair of axes: label, unit in brackets, named lines (samples,), a note above the legend."""
 
     label: str
     unit: str
@@ -38,7 +38,7 @@ class Panel(NamedTuple):
     log: bool = False
 
     def in_degrees(self) -> "Panel":
-        """The same in degrees, if it is in radians."""
+        """Return the panel in degrees, if it is in radians."""
         for unit in ("rad", "rad/s", "rad/s²"):
             if self.unit == f"[{unit}]":
                 lines = [(name, np.degrees(values)) for name, values in self.lines]
@@ -47,13 +47,13 @@ class Panel(NamedTuple):
 
 
 def unit_of(quantity: str) -> str:
-    """Unit as it is printed on an axis."""
+    """Return the unit as it is printed on an axis."""
     unit = QUANTITIES[quantity].unit
     return "[-]" if unit == "1" else f"[{raised(unit)}]"
 
 
 def vector_panels(label: str, unit: str, names: Sequence[str], parts: dict[str, np.ndarray]) -> list[Panel]:
-    """The components of one part in one panel; of several parts a panel per component."""
+    """Return the components of one part in one panel; of several parts a panel per component."""
     if len(parts) == 1:
         part, values = next(iter(parts.items()))
         owner = f" of {part}" if part else ""
@@ -65,15 +65,15 @@ def vector_panels(label: str, unit: str, names: Sequence[str], parts: dict[str, 
 
 
 def body_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
-    """A quantity of bodies; none given = all."""
+    """Return panels of a quantity of bodies; none given = all."""
     bodies = [solution.system.part(part) for part in parts] or solution.system.bodies
     names = QUATERNION_NAMES if quantity == "orientation" else AXIS_NAMES
     found = {body.name: getattr(solution, quantity)(body) for body in bodies}
-    return vector_panels(WORDS.get(quantity, quantity), unit_of(quantity), names, found)
+    return vector_panels(QUANTITY_LABELS.get(quantity, quantity), unit_of(quantity), names, found)
 
 
 def joint_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
-    """Angle, slide or rate of joints; none given = all that have one."""
+    """Return panels of angle, displacement or rate of joints; none given = all that have one."""
     system = solution.system
     joints = [system.part(part, "joints") for part in parts]
     if not joints:
@@ -89,12 +89,12 @@ def joint_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) ->
 
 
 def scalar_panel(label: str, unit: str, lines: list[tuple[str, np.ndarray]]) -> Panel:
-    """Lines of one unit; a single one is named by the axis."""
+    """Return a panel of lines of one unit; a single one is named by the axis."""
     return Panel(f"{label} of {lines[0][0]}" if len(lines) == 1 else label, unit, lines)
 
 
 def effort_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
-    """Torques and forces of drivers; none given = all."""
+    """Return panels of drive torques and forces; none given = all."""
     drivers = [solution.system.part(part, "joints") for part in parts]
     drivers = drivers or list(dict.fromkeys(driver for driver, _ in solution.compiled.drives))
     if not drivers:
@@ -103,7 +103,7 @@ def effort_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -
 
 
 def state_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
-    """Own states of forces; none given = all."""
+    """Return panels of internal states of forces; none given = all."""
     forces = [solution.system.part(part, "forces") for part in parts] or solution.system.forces
     found = [column for force in forces for column in columns_of_states(solution, force)]
     if not found:
@@ -112,7 +112,7 @@ def state_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) ->
 
 
 def panels_by_unit(label: str, found: Sequence[Column]) -> list[Panel]:
-    """One panel per unit."""
+    """Return one panel per unit."""
     groups: dict[str, list] = {}
     for column in found:
         groups.setdefault(column.unit, []).append((column.part, column.values))
@@ -120,7 +120,7 @@ def panels_by_unit(label: str, found: Sequence[Column]) -> list[Panel]:
 
 
 def reaction_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
-    """Force and moment: components of one joint, magnitudes of several; none given = all."""
+    """Return panels of force and moment: components of one joint, magnitudes of several; none given = all."""
     system = solution.system
     joints = [system.part(part, "joints") for part in parts] or system.joints
     if not joints:
@@ -131,7 +131,7 @@ def reaction_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...])
 
 
 def reaction_components(found: dict[str, Reaction], kind: str, unit: str) -> list[Panel]:
-    """The components of the force or moment of one joint, each open one marked.
+    """Return the components of the force or moment of one joint; components that are not unique are marked.
 
     Where open and determined directions are mixed in them, the components of the determined part.
     """
@@ -147,7 +147,7 @@ def reaction_components(found: dict[str, Reaction], kind: str, unit: str) -> lis
 
 
 def reaction_sizes(found: dict[str, Reaction], kind: str, unit: str) -> list[Panel]:
-    """Magnitudes of the forces or moments of several joints, of what the constraints determine of each."""
+    """Return the magnitudes of the determined forces or moments of several joints."""
     shown = {name: reaction.shown(kind) for name, reaction in found.items()}
     notes = []
     for text, wanted in (("determined part", "part"), ("not unique", "none")):
@@ -158,7 +158,8 @@ def reaction_sizes(found: dict[str, Reaction], kind: str, unit: str) -> list[Pan
 
 
 def force_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
-    """Force and moment of force elements: components of one, magnitudes of several; none given = all."""
+    """Return panels of force and moment of force elements: components of one, magnitudes of several; none given =
+    all."""
     found = {name: load for force in forces_of(solution, parts) for name, load in loads_of(solution, force).items()}
     panels = []
     for kind in ("force", "moment"):
@@ -172,7 +173,7 @@ def force_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) ->
 
 
 def acts(load: Load, kind: str) -> bool:
-    """Whether an element has a force, or a moment, besides the rounding of moving the other to its point."""
+    """Return whether an element has a force, or a moment, besides the rounding of moving the other to its point."""
     if kind == "force":
         return bool(load.force.any())
     reach = np.abs(load.point).max(initial=0.0) + 1.0
@@ -180,7 +181,7 @@ def acts(load: Load, kind: str) -> bool:
 
 
 def forces_of(solution: RunResult, parts: tuple[Part, ...]) -> Sequence[ForceElement]:
-    """The forces meant; none given = all whose load is known."""
+    """Return the given force elements; none given = all whose load is known."""
     forces = [solution.system.part(part, "forces") for part in parts]
     forces = forces or [force for force in solution.system.forces if not isinstance(force, SavedForce)]
     if not forces:
@@ -189,13 +190,13 @@ def forces_of(solution: RunResult, parts: tuple[Part, ...]) -> Sequence[ForceEle
 
 
 def power_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
-    """Power of force elements, given to all their bodies; none given = all."""
+    """Return the panel of the power of force elements on all their bodies; none given = all."""
     lines = [(solution.system.name(x), solution.force(x).power) for x in forces_of(solution, parts)]
     return [scalar_panel("power", "[W]", lines)]
 
 
 def length_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
-    """Lengths of springs, and slides that forces act along; none given = all that have one."""
+    """Return panels of lengths of springs, and displacements along which forces act; none given = all that have one."""
     loads = [(solution.system.name(x), solution.force(x).length) for x in forces_of(solution, parts)]
     lines = [(name, length) for name, length in loads if length is not None]
     if not lines:
@@ -204,12 +205,12 @@ def length_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -
 
 
 def energy_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
-    """Kinetic, potential and total energy, and work."""
+    """Return panels of kinetic, potential and total energy, and work."""
     return [Panel("energy", "[J]", list(vars(solution.energy()).items()))]
 
 
 def momentum_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
-    """Momentum, and angular momentum about the world origin."""
+    """Return panels of momentum, and angular momentum about the world origin."""
     panels = []
     for kind, values in vars(solution.momentum()).items():
         panels += vector_panels(f"{kind} momentum", unit_of(f"{kind}_momentum"), AXIS_NAMES, {"": values})
@@ -217,7 +218,7 @@ def momentum_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...])
 
 
 def drift_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
-    """Constraint residuals."""
+    """Return the panels of constraint residuals."""
     return [
         Panel(f"{kind} drift", unit_of(f"{kind}_drift"), [("largest", values)], log=True)
         for kind, values in vars(solution.drift()).items()
@@ -237,11 +238,11 @@ PANELS: dict[str, Callable[[RunResult, str, tuple], list[Panel]]] = {
     "momentum": momentum_panels,
     "drift": drift_panels,
 }
-OF_THE_SYSTEM = ("energy", "momentum", "drift")
+SYSTEM_QUANTITIES = ("energy", "momentum", "drift")
 
 
 def measure_panels(solution: RunResult, measures: Sequence[Measure]) -> list[Panel]:
-    """Measures over time: those of one unit share a panel."""
+    """Return panels of measures over time: those of one unit share a panel."""
     groups: dict[str, list] = {}
     for measure, values in zip(measures, solution.measure(measures).T, strict=True):
         groups.setdefault(raised(measure.unit), []).append((measure.label, values))
@@ -249,20 +250,22 @@ def measure_panels(solution: RunResult, measures: Sequence[Measure]) -> list[Pan
 
 
 def panels_of(solution: RunResult, quantity: str | Measure | Wanted, parts: tuple[Part, ...] = ()) -> list[Panel]:
-    """Panels of a quantity of some parts (none = all that have it), or of several quantities; see `plot_quantity`."""
+    """Return panels of a quantity of some parts (none = all that have it), or of several quantities; see
+    `plot_quantity`.
+    """
     if isinstance(quantity, Measure):
         return measure_panels(solution, measures_only((quantity, *parts)))
     if not isinstance(quantity, str):
         return panels_of_several(solution, quantity, parts)
     if quantity not in PANELS:
         raise InputError(f"quantity {shown(quantity)} is unknown; give one of {', '.join(PANELS)}")
-    if parts and quantity in OF_THE_SYSTEM:
+    if parts and quantity in SYSTEM_QUANTITIES:
         raise InputError(f"{quantity} belongs to the whole system; give no parts")
     return PANELS[quantity](solution, quantity, parts)
 
 
 def measures_only(entries: tuple) -> tuple[Measure, ...]:
-    """Measures that share axes; anything else among them is an error."""
+    """Return measures that share axes; raise an error for anything else among them."""
     for entry in entries:
         if not isinstance(entry, Measure):
             raise InputError(f"{shown(entry)} is not a measure, as others in the list are; give measures alone")
@@ -270,7 +273,7 @@ def measures_only(entries: tuple) -> tuple[Measure, ...]:
 
 
 def panels_of_several(solution: RunResult, wanted: Wanted, parts: tuple[Part, ...]) -> list[Panel]:
-    """Panels of a list of quantities, each with or without parts."""
+    """Return panels of a list of quantities, each with or without parts."""
     example = "e.g. ['energy', ('angle', 'hinge'), measures.distance(a, b)]"
     if parts:
         raise InputError(f"curves: with several quantities each has its own parts; give {example}")

@@ -1,4 +1,4 @@
-"""Figures of a solution over time. Nothing shows by itself: every function returns a Figure.
+"""Figures of a solution over time. Nothing is shown automatically: every function returns a Figure.
 
 Lines differ in colour, and in their dashes too once the colours are used up; see `mbsd3d.base.style`.
 """
@@ -21,13 +21,13 @@ from ..base.errors import InputError, explaining
 from ..base.paths import as_path, write_atomically
 from ..base.style import LINE, Theme, dress, house, theme
 from ..results.run_result import RunResult
+from .default_curves import default_curves, seen_panels
 from .panels import Panel, Part, Wanted, panels_of
-from .telling import seen_panels, telling
 
-DASHES = ("-", "--", ":", "-.")
-FEW = 40  # samples that are marked one by one: straight lines between few of them could mislead
-MOST = 14  # lines of a legend
-DECADE = -18  # smallest residual shown; what is below is chance
+LINE_STYLES = ("-", "--", ":", "-.")
+MARKED_SAMPLES_MAX = 40  # [1] samples that are marked one by one: straight lines between few of them could mislead
+LEGEND_LINES_MAX = 14  # [1] lines of a legend
+RESIDUAL_FLOOR_EXPONENT = -18  # [1] exponent of the smallest residual shown; smaller ones are rounding
 
 
 def plot_quantity(
@@ -39,11 +39,13 @@ def plot_quantity(
     dark: bool = False,
     axes: Axes | Sequence[Axes] | None = None,
 ) -> Figure:
-    """See `Solution.plot`."""
+    """Plot a quantity over time or another quantity; arguments as in `Solution.plot`."""
     check_choice(degrees, (True, False), "plot: degrees")
     if quantity is None and parts:
         raise InputError("plot: parts without a quantity; give one, e.g. plot('reaction', hinge)")
-    panels = seen_panels(solution, telling(solution)) if quantity is None else panels_of(solution, quantity, parts)
+    panels = (
+        seen_panels(solution, default_curves(solution)) if quantity is None else panels_of(solution, quantity, parts)
+    )
     if degrees:
         panels = [panel.in_degrees() for panel in panels]
     across = None if against is None else panel_across(solution, against, quantity, parts, degrees)
@@ -73,7 +75,7 @@ def plot_quantity(
 
 
 def new_axes(count: int) -> np.ndarray:
-    """Axes one below the other in a new figure."""
+    """Return axes one below the other in a new figure."""
     figure = Figure(figsize=(7.5, 1.0 + 2.3 * count), layout="constrained")
     engine: Any = figure.get_layout_engine()
     engine.set(w_pad=0.1, h_pad=0.06)
@@ -83,7 +85,7 @@ def new_axes(count: int) -> np.ndarray:
 def panel_across(
     solution: RunResult, against: str | tuple, quantity: str | Wanted | None, parts: tuple[Part, ...], degrees: bool
 ) -> Panel:
-    """What is on the horizontal axis."""
+    """Return the panel of the horizontal axis."""
     if isinstance(against, str) and isinstance(quantity, str):
         found = panels_of(solution, against, parts)
     else:
@@ -95,7 +97,7 @@ def panel_across(
 
 
 def lines_across(panel: Panel, across: Panel) -> list[np.ndarray]:
-    """The horizontal values of every line of a panel: one for all, or each its own."""
+    """Return the horizontal values of every line of a panel: one for all, or each its own."""
     if len(across.lines) == 1:
         return [across.lines[0][1]] * len(panel.lines)
     values = dict(across.lines)
@@ -109,10 +111,10 @@ def lines_across(panel: Panel, across: Panel) -> list[np.ndarray]:
 
 
 def draw_panel(axes: Axes, t: np.ndarray, panel: Panel, across: Panel | None, look: Theme, legend: bool) -> None:
-    """Lines, grid, label and legend of a panel."""
+    """Draw lines, grid, label and legend of a panel."""
     dress(axes, look)
-    axes.set_prop_cycle(cycler(linestyle=DASHES) * cycler(color=look.lines))
-    marks: dict[str, Any] = {"marker": "o", "markersize": 3} if t.size <= FEW else {}
+    axes.set_prop_cycle(cycler(linestyle=LINE_STYLES) * cycler(color=look.lines))
+    marks: dict[str, Any] = {"marker": "o", "markersize": 3} if t.size <= MARKED_SAMPLES_MAX else {}
     if across is not None and not marks:
         marks = {"marker": "o", "markersize": 5, "markevery": [0]}
     horizontal = [t] * len(panel.lines) if across is None else lines_across(panel, across)
@@ -129,8 +131,8 @@ def draw_panel(axes: Axes, t: np.ndarray, panel: Panel, across: Panel | None, lo
 
 
 def write_legend(axes: Axes, drawn: list[Line2D], note: str, look: Theme) -> None:
-    """The legend beside the data, never on it; names are written as they are, whatever signs they hold."""
-    shown = drawn if len(drawn) <= MOST else drawn[: MOST - 1]
+    """Draw the legend beside the data, never on it; names are written as they are, whatever signs they hold."""
+    shown = drawn if len(drawn) <= LEGEND_LINES_MAX else drawn[: LEGEND_LINES_MAX - 1]
     names = [str(line.get_label()) for line in shown]
     if len(shown) < len(drawn):
         names.append(f"and {len(drawn) - len(shown)} more")
@@ -146,13 +148,14 @@ def write_legend(axes: Axes, drawn: list[Line2D], note: str, look: Theme) -> Non
 
 
 def largest(panels: list[Panel], unit: str) -> float:
-    """Largest value of a unit."""
+    """Return the largest value of a unit."""
     alike = [values for panel in panels if panel.unit == unit for _, values in panel.lines]
     return max((float(np.nanmax(np.abs(x), initial=0.0)) for x in alike), default=0.0)
 
 
 def set_range(axes: Axes, panel: Panel, size: float) -> None:
-    """Whole decades on a logarithmic axis; rounding is not blown up: ``size`` is the largest value of this unit."""
+    """Set whole decades on a logarithmic axis; rounding is not magnified: ``size`` is the largest value of this
+    unit."""
     values = np.concatenate([values for _, values in panel.lines])
     values = values[np.isfinite(values) & (values > 0.0 if panel.log else True)]
     if not values.size:
@@ -161,7 +164,7 @@ def set_range(axes: Axes, panel: Panel, size: float) -> None:
     if panel.log:
         last = np.ceil(np.log10(high))
         axes.set_yscale("log")
-        axes.set_ylim(10.0 ** min(max(np.floor(np.log10(low)), DECADE), last - 1.0), 10.0**last)
+        axes.set_ylim(10.0 ** min(max(np.floor(np.log10(low)), RESIDUAL_FLOOR_EXPONENT), last - 1.0), 10.0**last)
         axes.yaxis.set_minor_formatter(NullFormatter())
     elif high - low < 1e-9 * size:
         axes.set_ylim(low - 0.05 * size, high + 0.05 * size)
@@ -181,8 +184,10 @@ def save_figure(figure: Figure, path: str | Path, *, pdf: bool = False) -> list[
     path, written = as_path(path, "figure"), []
     if (given := path.suffix.lower()) in (".png", ".svg", ".pdf"):
         path, pdf = path.with_suffix(""), pdf or given == ".pdf"
-    options: dict[str, dict[str, Any]] = {".png": {"dpi": 150, "metadata": {"Software": None}}}
-    options[".svg"] = {"dpi": 300, "metadata": {"Date": None}}
+    options: dict[str, dict[str, Any]] = {
+        ".png": {"dpi": 150, "metadata": {"Software": None}},
+        ".svg": {"dpi": 300, "metadata": {"Date": None}},
+    }
     if pdf:
         options[".pdf"] = {"dpi": 300, "metadata": {"CreationDate": None}}
     with house():

@@ -1,4 +1,4 @@
-"""The report of a run: one page for a reader who must be convinced; it needs neither a network nor this package.
+"""Report of a run: one page with its evidence, which needs neither a network nor this package.
 
 - `page`: the page, from the template in mbsd3d/templates
 - `facts`: what it says in numbers: facts, tables and sentences

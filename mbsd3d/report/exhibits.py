@@ -20,16 +20,16 @@ from ..results.run_result import RunResult
 from ..view.picture.picture import picture_of_solution, picture_of_system
 from .facts import loaded_joints
 
-LINES = 6  # of a figure that is chosen here
-DRAWN = 200  # bodies of a picture
-LABEL = 18  # characters of a label beside an axis of this height
-PICTURE = (7.2, 3.8)  # [inch]
+CHOSEN_LINES_MAX = 6  # [1] lines of a figure that is chosen here
+PICTURE_BODIES_MAX = 200  # [1] bodies of a picture
+LABEL_CHARACTERS_MAX = 18  # [1] characters of a label beside an axis of this height
+PICTURE_SIZE = (7.2, 3.8)  # [inch] width and height of a picture
 
 
 def wanted_curves(
     solution: RunResult, few: RunResult, curves: Wanted | None
 ) -> list[tuple[RunResult, str | tuple, str]]:
-    """(what to plot, entry for `plot`, caption) of every figure; ``few`` has the samples with reactions."""
+    """Return (what to plot, entry for `plot`, caption) of every figure; ``few`` has the samples with reactions."""
     if curves is not None:
         if isinstance(curves, str):
             raise InputError(f"report: curves '{curves:.80}' is a single text; give a list, e.g. ['energy']")
@@ -55,30 +55,31 @@ def wanted_curves(
     if solution.compiled.drives:
         found.append((few, "effort", "Efforts of the drivers."))
     if not joints:
-        shown = system.bodies[:LINES]
+        shown = system.bodies[:CHOSEN_LINES_MAX]
         found.append((solution, ("omega_body", *shown), "Angular velocity in body axes."))
         found.append((solution, ("com", *shown), "Centre of mass."))
     return found
 
 
 def most(parts: list, sizes: dict[int, float]) -> list:
-    """The parts with the largest sizes, in the order of the model."""
-    kept = sorted(parts, key=lambda part: -sizes[id(part)])[:LINES]
+    """Return the parts with the largest sizes, in the order of the model."""
+    kept = sorted(parts, key=lambda part: -sizes[id(part)])[:CHOSEN_LINES_MAX]
     return [part for part in parts if part in kept]
 
 
 def figure_of(number: int, solution: RunResult, entry: str | tuple, caption: str) -> dict[str, str]:
-    """A figure as inline SVG, with a caption and a text for those who do not see it."""
+    """Return a figure as inline SVG, with a caption and an alternative text."""
     figure = plot_quantity(solution, [entry])
     figure.set_size_inches(7.5, 0.7 + 1.55 * len(figure.axes))  # four panels go on an A4 page
     for axes in figure.axes:
-        axes.yaxis.label.set_text("\n".join(textwrap.wrap(axes.get_ylabel(), LABEL)))
+        axes.yaxis.label.set_text("\n".join(textwrap.wrap(axes.get_ylabel(), LABEL_CHARACTERS_MAX)))
     labels = ", ".join(axes.get_ylabel().replace("\n", " ") for axes in figure.axes)
     return {"svg": Markup(inline_svg(figure, f"f{number}-")), "caption": caption, "label": f"{labels} over time"}
 
 
 def inline_svg(figure: Figure, prefix: str) -> str:
-    """A figure as an SVG element for a page, with unique ids and the page's colour variables (see report.html)."""
+    """Return a figure as an SVG element for a page, with unique ids and the page's colour variables (see
+    report.html)."""
     buffer = io.StringIO()
     with house():
         figure.savefig(buffer, format="svg", metadata=dict.fromkeys(("Creator", "Date", "Format", "Type")))
@@ -96,15 +97,17 @@ def inline_svg(figure: Figure, prefix: str) -> str:
 
 
 def picture_of(solution: RunResult, dark: bool | None) -> list[dict[str, str]]:
-    """The mechanism at the last sample as images for light and dark paper; none of more bodies than one can tell."""
-    if len(solution.system.bodies) > DRAWN:
+    """Return the mechanism at the last sample as images for light and dark paper; none for too many bodies to
+    distinguish.
+    """
+    if len(solution.system.bodies) > PICTURE_BODIES_MAX:
         return []
     images = []
     for sheet in (False, True) if dark is None else (bool(dark),):
         if solution.t.size > 1:
-            figure = picture_of_solution(solution, float(solution.t[-1]), size=PICTURE, dark=sheet)
+            figure = picture_of_solution(solution, float(solution.t[-1]), size=PICTURE_SIZE, dark=sheet)
         else:
-            figure = picture_of_system(solution.system, solution.state(0), size=PICTURE, dark=sheet)
+            figure = picture_of_system(solution.system, solution.state(0), size=PICTURE_SIZE, dark=sheet)
         buffer = io.BytesIO()
         with house():
             figure.savefig(buffer, format="webp", dpi=150, pil_kwargs={"quality": 80})

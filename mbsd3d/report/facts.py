@@ -1,4 +1,4 @@
-"""The contents of a report: facts, tables and sentences about a run as plain text; no layout."""
+"""Contents of a report: facts, tables and sentences about a run as plain text; no layout."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields, replace
@@ -15,11 +15,11 @@ from ..results.columns import columns_of_effort, loads_of
 from ..results.run_result import RunResult
 from .wording import digits, triple
 
-MOST = 40  # rows of a table
-OPEN = 1e7  # bodies cubed times samples whose rows are decomposed where they repeat others: some seconds
-LOADS = 3e5  # samples times forces whose loads are computed: some seconds
-KNOWN = {"all": "determined", "part": "determined in part", "none": "indeterminate"}
-BUDGET = 1e7  # bodies times samples times joints whose reactions are computed: some seconds
+TABLE_ROWS_MAX = 40  # [1] rows of a table
+ROW_ANALYSIS_COST_MAX = 1e7  # [1] bodies cubed times samples whose redundant rows are decomposed: some seconds
+LOAD_COST_MAX = 3e5  # [1] samples times forces whose loads are computed: some seconds
+UNIQUENESS_WORDS = {"all": "determined", "part": "determined in part", "none": "indeterminate"}
+REACTION_COST_MAX = 1e7  # [1] bodies times samples times joints whose reactions are computed: some seconds
 
 
 @dataclass(frozen=True)
@@ -34,15 +34,17 @@ class Table:
 
 
 def shortened(parts: Iterable, what: str) -> tuple[list, str]:
-    """The first parts of a long list, and the sentence that says so."""
+    """Return the first parts of a long list, and a sentence on its length."""
     parts = list(parts)
-    if len(parts) <= MOST:
+    if len(parts) <= TABLE_ROWS_MAX:
         return parts, ""
-    return parts[:MOST], f"The first {MOST} of {len(parts)} {what}, and {len(parts) - MOST} more."
+    return parts[
+        :TABLE_ROWS_MAX
+    ], f"The first {TABLE_ROWS_MAX} of {len(parts)} {what}, and {len(parts) - TABLE_ROWS_MAX} more."
 
 
 def run_facts(solution: RunResult) -> list[tuple[str, str]]:
-    """What was run and how; without the time it took, so that the same run gives the same report."""
+    """Return model, method and settings of a run; without its run time, so that the same run gives the same report."""
     record, system, t = solution.record, solution.system, solution.t
     adaptive = record.method.dt is None and not record.kinematic
     first, last = digits(t[0], count=6), digits(t[-1], count=6)
@@ -63,13 +65,13 @@ def run_facts(solution: RunResult) -> list[tuple[str, str]]:
 
 
 def method_text(method: Any) -> str:
-    """A method with its settings that are not defaults."""
+    """Return a method with its settings that are not defaults."""
     chosen = [(x.name, getattr(method, x.name)) for x in fields(method) if getattr(method, x.name) != x.default]
     return " ".join([type(method).__name__, ", ".join(f"{name} = {value}" for name, value in chosen)]).strip()
 
 
 def warnings(solution: RunResult) -> list[str]:
-    """Caveats about the numbers, as sentences."""
+    """Return caveats about the numbers, as sentences."""
     record, found = solution.record, []
     terms = {
         "gyroscopic": "the gyroscopic term w × I w",
@@ -94,7 +96,7 @@ def warnings(solution: RunResult) -> list[str]:
 
 
 def body_table(solution: RunResult) -> Table:
-    """Mass properties of the bodies and how fast they became."""
+    """Return the mass properties of the bodies and their largest speeds."""
     bodies, note = shortened(solution.system.bodies, "bodies")
     length, v = solution.compiled.model.length, solution.arrays["v"]
     v = np.linalg.norm(v.reshape(*v.shape[:2], 2, 3), axis=3)
@@ -113,27 +115,28 @@ def body_table(solution: RunResult) -> Table:
 
 
 def loaded_joints(solution: RunResult) -> tuple[list[Joint], str]:
-    """All joints but drivers, or of many those with the largest multipliers, and a sentence that says so."""
+    """Return all joints but drivers, or of many those with the largest multipliers, and a sentence on the choice."""
     joints = [joint for joint in solution.system.joints if not isinstance(joint, Driver)]
-    if len(joints) <= MOST:
+    if len(joints) <= TABLE_ROWS_MAX:
         return joints, ""
     lam = np.abs(solution.arrays["lam"]).max(axis=0, initial=0.0)
     load = [lam[solution.compiled.rows[id(joint)]].max(initial=0.0) for joint in joints]
-    chosen = sorted(range(len(joints)), key=lambda k: (-load[k], k))[:MOST]
-    text = f"The {MOST} of {len(joints)} joints with the largest multipliers, and {len(joints) - MOST} more."
+    chosen = sorted(range(len(joints)), key=lambda k: (-load[k], k))[:TABLE_ROWS_MAX]
+    text = f"The {TABLE_ROWS_MAX} of {len(joints)} joints with the largest multipliers, "
+    text += f"and {len(joints) - TABLE_ROWS_MAX} more."
     return [joints[k] for k in sorted(chosen)], text
 
 
 def thinned(solution: RunResult) -> tuple[RunResult, str]:
-    """The solution with so few samples that its reactions and loads take seconds, and a sentence that says so.
+    """Return the solution with so few samples that its reactions and loads take seconds, and a sentence on the choice.
 
     Where constraints leave shares open, the rows are decomposed at every sample.
     """
     samples, bodies = solution.t.size, len(solution.system.bodies)
-    steps = samples * bodies * min(len(solution.system.joints), MOST) / BUDGET
-    steps = max(steps, samples * min(len(solution.system.forces), MOST) / LOADS)
+    steps = samples * bodies * min(len(solution.system.joints), TABLE_ROWS_MAX) / REACTION_COST_MAX
+    steps = max(steps, samples * min(len(solution.system.forces), TABLE_ROWS_MAX) / LOAD_COST_MAX)
     if solution.record.rows_left_out != 0 and len(solution.system.joints):
-        steps = max(steps, samples * bodies**3 / OPEN)
+        steps = max(steps, samples * bodies**3 / ROW_ANALYSIS_COST_MAX)
     step = min(int(np.ceil(steps)), samples)
     if step <= 1:
         return solution, ""
@@ -142,7 +145,7 @@ def thinned(solution: RunResult) -> tuple[RunResult, str]:
 
 
 def largest_load(values: np.ndarray, t: np.ndarray, size: float) -> tuple[str, str]:
-    """The largest magnitude of a vector over time, and when."""
+    """Return the largest magnitude of a vector over time, and its time [s]."""
     norms = np.linalg.norm(values, axis=1)
     k = int(np.argmax(norms))
     text = digits(float(norms[k]), size)
@@ -150,7 +153,7 @@ def largest_load(values: np.ndarray, t: np.ndarray, size: float) -> tuple[str, s
 
 
 def joint_table(solution: RunResult, few: RunResult, diagnosis: Diagnosis) -> Table:
-    """Joints, which of their rows repeat others, and their largest reactions."""
+    """Return joints, their redundant rows, and their largest reactions."""
     joints, cut = loaded_joints(solution)
     scale, system, rows = scales_of(solution), solution.system, []
     shares = {share.joint: share for share in diagnosis.shares}
@@ -159,9 +162,13 @@ def joint_table(solution: RunResult, few: RunResult, diagnosis: Diagnosis) -> Ta
         share = shares.get(f"{type(joint).__name__} '{name}'")
         n_rows = sum(row.n_rows for row in joint.primitives)
         repeated = f"{share.involved} of {n_rows}" if share else f"0 of {n_rows}"
-        (force, of_force), (moment, of_moment) = reaction.shown("force"), reaction.shown("moment")
-        pushed, turned = largest_load(force, few.t, scale.force), largest_load(moment, few.t, scale.moment)
-        known = KNOWN[of_force] if of_force == of_moment else f"force {KNOWN[of_force]}, moment {KNOWN[of_moment]}"
+        (forces, of_force), (moments, of_moment) = reaction.shown("force"), reaction.shown("moment")
+        pushed, turned = largest_load(forces, few.t, scale.force), largest_load(moments, few.t, scale.moment)
+        known = (
+            UNIQUENESS_WORDS[of_force]
+            if of_force == of_moment
+            else f"force {UNIQUENESS_WORDS[of_force]}, moment {UNIQUENESS_WORDS[of_moment]}"
+        )
         between = " – ".join("ground" if body is None else body.name for body in (joint.a, joint.b))
         rows.append((name, type(joint).__name__, between, known, repeated, *pushed, *turned))
     loads = ("force [N]", "at [s]", "moment [N\u00a0m]", "at [s]")
@@ -175,7 +182,7 @@ def joint_table(solution: RunResult, few: RunResult, diagnosis: Diagnosis) -> Ta
 
 
 def driver_table(solution: RunResult, few: RunResult) -> Table:
-    """Drivers: the work they did and the largest effort."""
+    """Return drivers: their work and the largest drive force or torque."""
     drivers, note = shortened((joint for joint in solution.system.joints if isinstance(joint, Driver)), "drivers")
     scale, rows = scales_of(solution), []
     for driver in drivers:
@@ -189,7 +196,7 @@ def driver_table(solution: RunResult, few: RunResult) -> Table:
 
 
 def force_table(solution: RunResult, few: RunResult) -> Table:
-    """Force elements: the energy they stored, the work they did, and their largest loads."""
+    """Return force elements: their stored energy, their work, and their largest loads."""
     forces, note = shortened(solution.system.forces, "forces")
     scale, rows = scales_of(solution), []
     for force in forces:
@@ -209,13 +216,13 @@ def force_table(solution: RunResult, few: RunResult) -> Table:
 
 
 def tables(solution: RunResult, few: RunResult, diagnosis: Diagnosis) -> list[Table]:
-    """Tables of all parts; ``few`` has the samples with reactions."""
+    """Return the tables of all parts; ``few`` has the samples with reactions."""
     parts = [joint_table(solution, few, diagnosis), driver_table(solution, few), force_table(solution, few)]
     return [table for table in (body_table(solution), *parts) if table.rows]
 
 
 def freedom_facts(diagnosis: Diagnosis) -> list[tuple[str, str]]:
-    """Counts and rank of `System.check`."""
+    """Return counts and rank of `System.check`."""
     d = diagnosis
     facts = [
         ("verdict", d.verdict),
@@ -229,7 +236,7 @@ def freedom_facts(diagnosis: Diagnosis) -> list[tuple[str, str]]:
 
 
 def drift_facts(solution: RunResult) -> list[tuple[str, str]]:
-    """Largest residuals of the joints, and what the energy balance says in joules."""
+    """Return the largest residuals of the joints, and the energy balance in joules."""
     drift, energy = solution.drift(), solution.energy()
     facts = []
     if solution.compiled.model.row.size:

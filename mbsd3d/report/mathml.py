@@ -1,4 +1,4 @@
-"""Formulas as one types them, in MathML, which browsers set without a font or a script of ours.
+"""Formulas in plain text as MathML, which browsers set without a font or a script.
 
 ``A W^2 cos(tilt) - C w_3 W + m g l = 0``: a space multiplies, digits behind a letter and ``_`` lower, ``^`` raises,
 ``'``, ``_dot`` and ``_ddot`` are dots, ``x`` is the cross product, ``w`` and ``W`` are omegas, words stand upright.
@@ -17,37 +17,39 @@ SIGNS = {"-": "−", "+-": "±", "<=": "≤", ">=": "≥", "~": "∼", "x": "×"
 DOTS = {"'": "˙", "_dot": "˙", "''": "¨", "_ddot": "¨"}
 FUNCTIONS = ("sin", "cos", "tan", "cot", "acos", "atan2", "cd", "det", "mod")
 CLOSING = {"(": ")", "|": "|"}
-ENDS = ("", "=", "<=", ">=", "~", "+", "-", "+-", ",", ":")  # of a product
-PIECE = re.compile(r"(\s*)(\d+(?:\.\d+)?|[A-Za-z]+\d*(?:_[A-Za-z0-9]+)?'*|\+-|<=|>=|\S)")
-NAME = re.compile(r"([A-Za-z]+?)(\d*)(_d?dot|'*)(?:_(\w+?))?(_d?dot|'*)")
+PRODUCT_ENDS = ("", "=", "<=", ">=", "~", "+", "-", "+-", ",", ":")  # of a product
+PIECE_PATTERN = re.compile(r"(\s*)(\d+(?:\.\d+)?|[A-Za-z]+\d*(?:_[A-Za-z0-9]+)?'*|\+-|<=|>=|\S)")
+NAME_PATTERN = re.compile(r"([A-Za-z]+?)(\d*)(_d?dot|'*)(?:_(\w+?))?(_d?dot|'*)")
 SPACE = '<mspace width=".3em"></mspace>'
 THIN = '<mspace width=".2em"></mspace>'
 
 
 def mathml(text: str) -> str:
-    """One paragraph for each formula of a text; ValueError where a bracket stays open."""
+    """Return one paragraph for each formula of a text; raise ValueError where a bracket stays open."""
     return "".join(f"<p>{Reader(line).formula()}</p>" for line in text.split(";"))
 
 
 class Reader:
-    """The pieces of one formula from the left: (whether a space stands before it, text)."""
+    """Pieces of one formula from the left: (whether a space stands before it, text)."""
 
     def __init__(self, text: str) -> None:
         self.text = text
-        self.pieces = [(bool(space), piece) for space, piece in PIECE.findall(text)][::-1]
+        self.pieces = [(bool(space), piece) for space, piece in PIECE_PATTERN.findall(text)][::-1]
         self.inside: dict[str, str] = {}  # what stands in the brackets read so far
 
     @property
     def coming(self) -> tuple[bool, str]:
-        """The next piece."""
+        """Return the next piece."""
         return self.pieces[-1] if self.pieces else (True, "")
 
     def take(self) -> str:
-        """Read it."""
+        """Read the next piece."""
         return self.pieces.pop()[1]
 
     def formula(self) -> str:
-        """The whole of it, a ``<math>`` element a term: browsers break lines between these only, at commas first."""
+        """Return the whole formula, a ``<math>`` element a term: browsers break lines between these only, at commas
+        first.
+        """
         terms = [term.replace("<mo>", '<mo form="infix">', k > 0) for k, term in enumerate(self.terms(""))]
         clauses = [""]
         for term in terms:
@@ -57,14 +59,14 @@ class Reader:
         return " ".join(f"<span>{clause.strip()}</span>" for clause in clauses if clause)
 
     def sequence(self, closing: str) -> str:
-        """Products and the signs between them, as far as a closing bracket or the end."""
+        """Return products and the signs between them, up to a closing bracket or the end."""
         return "".join(self.terms(closing))
 
     def terms(self, closing: str) -> list[str]:
-        """Products, each with the signs before it; a comma belongs to what it ends."""
+        """Return products, each with the signs before it; a comma belongs to what it ends."""
         terms, open_ = [""], False  # whether a product follows the signs of the last term
         while self.coming[1] not in ("", closing):
-            if self.coming[1] not in ENDS:
+            if self.coming[1] not in PRODUCT_ENDS:
                 terms[-1] += self.product(closing)
                 open_ = True
             elif open_ and self.coming[1] not in ",:":
@@ -75,9 +77,9 @@ class Reader:
         return terms
 
     def product(self, closing: str) -> str:
-        """Factors; a slash between spaces divides all of them by all that follow."""
+        """Return factors; a slash between spaces divides all of them by all that follow."""
         factors = ""
-        while self.coming[1] not in (*ENDS, closing):
+        while self.coming[1] not in (*PRODUCT_ENDS, closing):
             if self.coming[1] == "/":
                 self.take()
                 return self.fraction(factors, self.product(closing))
@@ -87,7 +89,7 @@ class Reader:
         return factors
 
     def quotient(self, closing: str) -> str:
-        """Factors without a space between them, divided by others where a slash follows as close."""
+        """Return factors without a space between them, divided by others where a slash follows as close."""
         above = self.factors(closing)
         if self.coming != (False, "/"):
             return above
@@ -95,14 +97,14 @@ class Reader:
         return self.fraction(above, self.factors(closing))
 
     def factors(self, closing: str) -> str:
-        """Factors without a space between them, the first of them in any case."""
+        """Return factors without a space between them, the first of them in any case."""
         found = self.power()
-        while not self.coming[0] and self.coming[1] not in (*ENDS, closing, "/", ")"):
+        while not self.coming[0] and self.coming[1] not in (*PRODUCT_ENDS, closing, "/", ")"):
             found += self.power()
         return found
 
     def power(self) -> str:
-        """Number, name or bracket, with what it is raised to."""
+        """Return a number, name or bracket with its exponent."""
         piece = self.take()
         if piece == "sqrt":
             found = f"<msqrt>{self.bracket(self.take())[1]}</msqrt>"
@@ -118,7 +120,7 @@ class Reader:
         return f"{THIN}{found}{THIN if self.coming[0] else ''}" if piece in FUNCTIONS else found
 
     def bracket(self, opening: str) -> tuple[str, str]:
-        """A bracket, and what stands in it; it is as tall as the fractions in it."""
+        """Return a bracket with its content; it is as tall as the fractions in it."""
         inside = self.sequence(CLOSING.get(opening, ""))
         if self.coming[1] != CLOSING.get(opening):
             raise InputError(f"formula '{self.text.strip()}': '{opening}' is not closed; write e.g. sqrt(2)")
@@ -127,16 +129,16 @@ class Reader:
         return f"<mrow>{ends[0]}{inside}{ends[1]}</mrow>", inside
 
     def fraction(self, above: str, below: str) -> str:
-        """One over the other; the line is bracket enough."""
+        """Return a fraction; its line replaces a bracket."""
         above, below = (self.inside.get(part, part) for part in (above, below))
         return f"<mfrac><mrow>{above}</mrow><mrow>{below}</mrow></mfrac>"
 
 
 def name(text: str) -> str:
-    """A letter with index and dots, a function, or a word."""
+    """Return a letter with index and dots, a function, or a word."""
     if text in FUNCTIONS:
         return f"<mi>{text}</mi>"
-    found = NAME.fullmatch(text)
+    found = NAME_PATTERN.fullmatch(text)
     if not found:
         return sign(text)
     letter, digits, dots, lowered, late = found.groups()
@@ -150,5 +152,5 @@ def name(text: str) -> str:
 
 
 def sign(text: str) -> str:
-    """An operator, a bracket or a comma."""
+    """Return an operator, a bracket or a comma."""
     return f"<mo>{escape(SIGNS.get(text, text))}</mo>"

@@ -1,4 +1,4 @@
-"""The page of a report.
+"""Page of a report.
 
 Its figures are vector graphics whose colours follow the reader's light or dark paper; it prints on A4. The time the run
 took is left out, so the same run gives the same bytes.
@@ -22,8 +22,8 @@ from . import facts
 from .exhibits import figure_of, picture_of, wanted_curves
 from .wording import digits, relative
 
-AS_BUILT = 1e-5  # [m] play of real parts, as `System.check` takes it
-DECADES = 16.0  # of the certificate's bars, from 1e-16 to 1
+FIT_TOLERANCE_DEFAULT = 1e-5  # [m] play of real parts, as `System.check` takes it
+BAR_DECADES = 16.0  # [1] decades of the certificate's bars, from 1e-16 to 1
 MEANING = {
     "joint gaps": "the joints stay closed",
     "joint velocities": "the joints are not torn apart",
@@ -41,7 +41,7 @@ MEANING = {
 
 @dataclass(frozen=True, repr=False)
 class Report(HtmlPage):
-    """One offline HTML page about a run; ``passed`` is the verdict of its certificate."""
+    """Offline HTML page about a run; ``passed`` is the verdict of its certificate."""
 
     html: str
     title: str
@@ -56,7 +56,7 @@ class Report(HtmlPage):
 def make_report(
     solution: RunResult, path: str | Path | None, *, title: str | None, curves: Wanted | None, dark: bool | None
 ) -> Report:
-    """See `Solution.report`."""
+    """Build the report page of a solution: certificate, curves and tables."""
     if not solution.t.size:
         raise InputError("report: the solution has no samples; run it to a later time")
     if title is not None and not isinstance(title, str):
@@ -64,7 +64,7 @@ def make_report(
     if dark is not None:
         theme(dark)
     record, certificate = solution.record, solution.certificate
-    diagnosis = diagnose(solution.system, record.tolerance * solution.compiled.model.length or AS_BUILT)
+    diagnosis = diagnose(solution.system, record.tolerance * solution.compiled.model.length or FIT_TOLERANCE_DEFAULT)
     title = title if title is not None else title_of(solution.system)
     few, thin = facts.thinned(solution)
     figures = [figure_of(k, *wanted) for k, wanted in enumerate(wanted_curves(solution, few, curves))]
@@ -90,10 +90,10 @@ def make_report(
 
 
 def check_row(check: Check) -> dict[str, str | bool | float]:
-    """A check with the places of error and limit on a logarithmic bar [%]."""
+    """Return A check with the places of error and limit on a logarithmic bar [%]."""
 
     def place(value: float) -> float:
-        return round(100.0 * min(max(np.log10(max(value, 1e-300)) / DECADES + 1.0, 0.0), 1.0), 2)
+        return round(100.0 * min(max(np.log10(max(value, 1e-300)) / BAR_DECADES + 1.0, 0.0), 1.0), 2)
 
     finite = np.isfinite(check.error)
     return {

@@ -4,23 +4,23 @@ from collections.abc import Iterable
 
 from ..base.style import RAISED
 
-ROUNDING = 1e-9  # of the size of a quantity: what is smaller is what rounding left of zero
+VALUE_ROUNDING = 1e-9  # [1] of the size of a quantity; smaller values are rounding
 
 
 def digits(value: float, size: float = 0.0, count: int = 4) -> str:
-    """A number with ``count`` significant digits; 0 if it is rounding of something as large as ``size``."""
-    if abs(value) <= ROUNDING * size:
+    """Format a number with ``count`` significant digits; 0 if it is rounding of a value as large as ``size``."""
+    if abs(value) <= VALUE_ROUNDING * size:
         return "0"
     return typeset(f"{value:.{count}g}")
 
 
 def relative(value: float, count: int = 1) -> str:
-    """A relative error or its limit: a power of ten, as the certificate writes it."""
+    """Format a relative error or its limit: a power of ten, as the certificate writes it."""
     return typeset(f"{value:.{count - 1}e}") if value else "0"
 
 
 def typeset(text: str) -> str:
-    """A number as it prints, its power of ten raised."""
+    """Return a printed number with its power of ten raised."""
     if "e" in text:
         mantissa, exponent = text.split("e")
         power = f"10{str(int(exponent)).translate(RAISED)}"
@@ -29,7 +29,7 @@ def typeset(text: str) -> str:
 
 
 def triple(values: Iterable[float], size: float = 0.0) -> str:
-    """Components of a vector; those that are rounding beside its largest are 0."""
+    """Format the components of a vector; rounding beside the largest component is 0."""
     given = [float(value) for value in values]
     size = max(size, *map(abs, given))
     return "(" + ", ".join(digits(value, size) for value in given) + ")"

@@ -1,4 +1,4 @@
-"""Cells on workers: threads, processes that may die, or any other `concurrent.futures.Executor`.
+"""Workers for cells: threads, processes that may die, or any other `concurrent.futures.Executor`.
 
 Threads are the batch: each drives the compiled loop of a single run, which holds no lock, while another one builds the
 next system. One parallel loop over stacked models was measured as fast (178 against 172 ms for 128 engines, serial
@@ -24,20 +24,20 @@ from ..base.errors import InputError, SweepError
 from ..base.paths import drop_pieces
 from .experiment import Outcome
 
-DIED = (
+WORKER_DEATH_MESSAGE = (
     "WorkerDied: the process of this cell ended twice without a word (killed, out of memory, or os._exit); "
     "run the cell alone to see why"
 )
-KILLED = "KilledWorker"  # of distributed, by its name: it may not be installed
-PATIENCE = 1.0  # s for a worker to end by itself
-WINDOW = 1000  # cells in flight on an executor of the user's, whose workers are not known
-NO_START = "put the call of sweep under if __name__ == '__main__':, since new processes import the script"
+KILLED_WORKER_NAME = "KilledWorker"  # of distributed, by its name: it may not be installed
+WORKER_GRACE_SECONDS = 1.0  # [s] for a worker to end by itself
+CELLS_IN_FLIGHT_MAX = 1000  # [1] cells in flight on an executor of the user, whose workers are not known
+START_ADVICE = "put the call of sweep under if __name__ == '__main__':, since new processes import the script"
 
 
 def outcomes(
     call: Callable, cells: list[dict], todo: list[int], executor: Any
 ) -> Generator[tuple[int, Outcome], None, None]:
-    """(cell, outcome) in the order in which they finish."""
+    """Yield (cell, outcome) in the order in which cells finish."""
     if executor is None or executor == "threads":
         turns = Turns()
         with closing(ThreadPoolExecutor(cores(), "sweep"), turns.close) as pool:
@@ -48,7 +48,7 @@ def outcomes(
         pool = executor if isinstance(executor, Executor) else executor.get_executor()
         left: deque[int] = deque(todo)
         suspects: deque[int] = deque()
-        yield from stream(pool, call, cells, left, WINDOW, left, suspects)
+        yield from stream(pool, call, cells, left, CELLS_IN_FLIGHT_MAX, left, suspects)
         again = partial(call)  # a cluster knows a task by its content, and would return the old answer
         yield from stream(pool, again, cells, suspects, 1, left)  # alone, only the culprit loses its worker again
         left.extend(suspects)
@@ -60,13 +60,13 @@ def outcomes(
 
 
 def by_turns(turns: Turns, call: Callable, cell: dict) -> Outcome:
-    """Run one cell; its Python runs when it is this thread's turn."""
+    """Run one cell; its Python code runs when it is the turn of this thread."""
     with taking_turns(turns):
         return call(cell)
 
 
 def check_executor(executor: Any, functions: list[Callable]) -> None:
-    """ValueError for an unknown executor, and for functions that cannot go to another process."""
+    """Raise ValueError for an unknown executor, and for functions that cannot go to another process."""
     if isinstance(executor, str) and executor == "processes":
         for function in functions:
             place = getattr(function, "__qualname__", "")
@@ -83,13 +83,13 @@ def check_executor(executor: Any, functions: list[Callable]) -> None:
 
 
 def cores() -> int:
-    """Cores this process may use."""
+    """Return the number of cores this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @contextmanager
 def closing(pool: Executor, abandon: Callable[[], None] | None = None) -> Iterator[Executor]:
-    """A pool that is closed at the end; on an error running cells are abandoned: processes are told to end."""
+    """Close a pool at the end of the block; on an error running cells are abandoned: processes are told to end."""
     try:
         yield pool
     except BaseException:
@@ -100,7 +100,7 @@ def closing(pool: Executor, abandon: Callable[[], None] | None = None) -> Iterat
         for worker in workers:
             worker.terminate()
         for worker in workers:
-            if not wait_for_end([worker.sentinel], PATIENCE):
+            if not wait_for_end([worker.sentinel], WORKER_GRACE_SECONDS):
                 worker.kill()
         raise
     pool.shutdown()
@@ -139,7 +139,7 @@ def stream(
                     broken = True
                 elif isinstance(error, KeyboardInterrupt):
                     raise error
-                elif suspects is not None and type(error).__name__ == KILLED:
+                elif suspects is not None and type(error).__name__ == KILLED_WORKER_NAME:
                     suspects.append(cell)
                 elif error is not None:
                     yield cell, Outcome({}, f"{type(error).__name__}: {error}")
@@ -151,7 +151,7 @@ def stream(
 
 
 def begin_worker() -> None:
-    """Leave Ctrl-C to the parent, and end with it, however it ends."""
+    """Leave Ctrl-C to the parent, and end with it in every case."""
     told = []
     if os.name == "posix":  # elsewhere a process that is told to end is not asked
         reader, writer = os.pipe()
@@ -174,10 +174,11 @@ def end_in_time(told: list[int]) -> None:
 
 
 class Deaf(ProcessPoolExecutor):
-    """Its processes, which begin within `submit`, never hear Ctrl-C: not before `begin_worker` either."""
+    """Process pool whose processes, which begin within `submit`, never receive Ctrl-C, not even before
+    `begin_worker`."""
 
     def submit(self, *call: Any, **given: Any) -> Any:
-        """As `Executor.submit`."""
+        """Submit a call as `Executor.submit`, with Ctrl-C ignored."""
         if os.name != "posix":
             return super().submit(*call, **given)
         before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
@@ -188,12 +189,12 @@ class Deaf(ProcessPoolExecutor):
 
 
 def process_pool(workers: int) -> ProcessPoolExecutor:
-    """A pool of spawned processes: threads and libraries start clean."""
+    """Return a pool of spawned processes, in which threads and libraries start afresh."""
     return Deaf(workers, multiprocessing.get_context("spawn"), begin_worker)
 
 
 def on_processes(call: Callable, cells: list[dict], queue: deque) -> Generator[tuple[int, Outcome], None, None]:
-    """Own processes; cells in flight when one dies are tried once more, each alone, and the rest goes on."""
+    """Run cells in own processes; those in flight when one dies are tried once more, each alone."""
     while queue:
         lost: deque[int] = deque()
         workers = min(cores(), len(queue))
@@ -204,19 +205,20 @@ def on_processes(call: Callable, cells: list[dict], queue: deque) -> Generator[t
 
 
 def start(pool: Executor, workers: int) -> None:
-    """All workers side by side, as each task waiting brings one more; SweepError where no task comes back."""
+    """Start all workers side by side, as each waiting task brings one more; raise SweepError where no task comes
+    back."""
     try:
         for started in [pool.submit(cores) for _ in range(workers)]:
             started.result()
     except BrokenExecutor as error:
-        raise SweepError("the worker processes do not start", advice=NO_START) from error
+        raise SweepError("the worker processes do not start", advice=START_ADVICE) from error
 
 
 def one_by_one(call: Callable, cells: list[dict], queue: deque) -> Generator[tuple[int, Outcome], None, None]:
-    """Run each cell in a new process: one that kills it is the culprit."""
+    """Run each cell in a new process: a cell that kills it is the cause."""
     while queue:
         lost: deque[int] = deque()
         with closing(process_pool(1)) as pool:
             yield from stream(pool, call, cells, queue, 1, lost)
         for cell in lost:
-            yield cell, Outcome({}, DIED)
+            yield cell, Outcome({}, WORKER_DEATH_MESSAGE)

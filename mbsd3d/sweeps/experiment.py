@@ -1,4 +1,4 @@
-"""One cell of a sweep: build, simulate, measure; the outcome is plain numbers and text."""
+"""One cell of a sweep: build, simulate, measure; its outcome is plain numbers and text."""
 
 import inspect
 from collections.abc import Callable, Mapping
@@ -17,11 +17,11 @@ from ..base.errors import InputError
 
 
 class MisuseError(InputError):
-    """The functions given to `sweep` do not fit, in every cell alike."""
+    """Error for functions given to `sweep` that do not fit, in every cell alike."""
 
 
 class Outcome(NamedTuple):
-    """The result of a cell: numbers, or the text of its error."""
+    """Result of a cell: numbers, or the text of its error."""
 
     values: dict[str, float | list[float]]
     error: str = ""
@@ -31,7 +31,7 @@ class Outcome(NamedTuple):
 
 @dataclass(frozen=True)
 class Experiment:
-    """The work of every cell; it is pickled for the workers."""
+    """Work of every cell; it is pickled for the workers."""
 
     build: Callable[..., System | tuple[System, Mapping[str, Any]]]
     measure: Callable[[Solution], Any]
@@ -50,7 +50,7 @@ class Experiment:
         return Outcome(values, "", f"{solution.record.method}, rtol {solution.record.rtol:g}")
 
     def solve(self, parameters: dict[str, Any]) -> Solution:
-        """Build and simulate."""
+        """Build and simulate the system of a cell."""
         built = self.build(**parameters)
         system, own = built if isinstance(built, tuple) and len(built) == 2 else (built, {})
         if not isinstance(system, System) or not isinstance(own, Mapping):
@@ -70,7 +70,7 @@ class Experiment:
         return solution
 
     def numbers(self, measured: Any) -> dict[str, float | list[float]]:
-        """What measure returned, as floats and lists of floats by name."""
+        """Return the result of measure as floats and lists of floats by name."""
         if not isinstance(measured, Mapping):
             name = getattr(self.measure, "__name__", "value")
             measured = {name if name.isidentifier() else "value": measured}
@@ -81,7 +81,7 @@ class Experiment:
 
 
 def plain(name: str, value: Any) -> float | list[float]:
-    """A float or a list of floats; MisuseError for anything else."""
+    """Return a float or a list of floats; raise MisuseError for anything else."""
     try:
         array = np.asarray(value)
         real = array.dtype.kind in "fiub"
@@ -96,7 +96,7 @@ def plain(name: str, value: Any) -> float | list[float]:
 
 
 def check_settings(settings: Mapping[str, Any]) -> None:
-    """MisuseError for an argument that simulate does not have."""
+    """Raise MisuseError for an argument that simulate does not have."""
     known = settings_of_simulate()
     for name in settings:
         if name not in known:
@@ -105,12 +105,14 @@ def check_settings(settings: Mapping[str, Any]) -> None:
 
 @cache
 def settings_of_simulate() -> tuple[str, ...]:
-    """The names of its arguments but for the system; Python takes as long to find them as to build a body."""
+    """Return the names of the arguments of simulate but for the system; Python takes as long to find them as to build a
+    body.
+    """
     return tuple(name for name in inspect.signature(simulate).parameters if name != "system")
 
 
 def check_parameters(function: Callable, what: str, parameters: Mapping[str, Any]) -> None:
-    """ValueError where the function does not take exactly these parameters."""
+    """Raise ValueError where the function does not take exactly these parameters."""
     if not callable(function):
         raise InputError(f"sweep: {what} {shown(function)} is not a function; give one")
     try:

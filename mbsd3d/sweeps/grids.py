@@ -1,4 +1,4 @@
-"""The cells of a sweep: a full factorial grid of named values, or points sampled from named ranges."""
+"""Cells of a sweep: a full factorial grid of named values, or points sampled from named ranges."""
 
 import itertools
 from collections.abc import Mapping, Sequence
@@ -12,8 +12,8 @@ from ..base.checks import check_choice, listed, number, numbers, shown
 from ..base.errors import InputError, explaining
 from ..base.fields import Array, Checked, Stored, kept, locked, part_class
 
-METHODS = ("sobol", "latin hypercube", "random")
-MOST = 10_000_000  # points
+SAMPLING_METHODS = ("sobol", "latin hypercube", "random")
+POINTS_MAX = 10_000_000  # [1] points of a sample
 
 
 def as_names(value: Any, what: str, part: Any) -> tuple[str, ...]:
@@ -60,7 +60,7 @@ class Samples(Checked):
 
 @explaining
 def samples(ranges: Mapping[str, tuple[float, float]], count: int, *, method: str = "sobol", seed: int = 0) -> Samples:
-    """Points spread over named ranges, the same for the same seed, for `sweep`; its dataset has the dimension "sample".
+    """Sample points over named ranges for `sweep`, the same for the same seed; its dataset has the dimension "sample".
 
     ``ranges``: name -> (least, greatest) value of the parameter. ``count``: number of points; a power of two for
     "sobol", whose points are even only then. ``method``: "sobol" (scrambled Sobol sequence), "latin hypercube" or
@@ -74,9 +74,9 @@ def samples(ranges: Mapping[str, tuple[float, float]], count: int, *, method: st
 
     if not isinstance(ranges, Mapping):
         raise InputError(f"samples: ranges {shown(ranges)}; give a mapping of names to (least, greatest)")
-    check_choice(method, METHODS, "samples: method")
-    if not isinstance(count, int | np.integer) or isinstance(count, bool) or not 1 <= count <= MOST:
-        raise InputError(f"samples: count {shown(count)}; give a whole number of points, 1 ... {MOST}")
+    check_choice(method, SAMPLING_METHODS, "samples: method")
+    if not isinstance(count, int | np.integer) or isinstance(count, bool) or not 1 <= count <= POINTS_MAX:
+        raise InputError(f"samples: count {shown(count)}; give a whole number of points, 1 ... {POINTS_MAX}")
     if method == "sobol" and count & (count - 1):
         raise InputError(f"samples: count {count} is not a power of two, which Sobol points need; give 2, 4, 8, ...")
     if not isinstance(seed, int | np.integer) or isinstance(seed, bool) or seed < 0:
@@ -92,7 +92,7 @@ def samples(ranges: Mapping[str, tuple[float, float]], count: int, *, method: st
 
 
 def check_range(name: str, values: Any) -> tuple[float, float]:
-    """(least, greatest) of a parameter."""
+    """Return (least, greatest) of a parameter."""
     try:
         low, high = values
     except (TypeError, ValueError):
@@ -104,7 +104,7 @@ def check_range(name: str, values: Any) -> tuple[float, float]:
 
 
 def check_names(names: tuple) -> None:
-    """Names of parameters are Python names, each once."""
+    """Check that names of parameters are Python names, each once."""
     if not names:
         raise InputError("sweep: the grid is empty; give at least one parameter with its values")
     for name in names:
@@ -124,12 +124,12 @@ class Grid:
     cells: list[dict[str, Any]]
 
     def title(self, cell: int) -> str:
-        """Number and parameters of a cell, for messages."""
+        """Return number and parameters of a cell, for messages."""
         return f"cell {cell} ({', '.join(f'{name}={value!r}' for name, value in self.cells[cell].items())})"
 
 
 def make_grid(grid: Mapping[str, ArrayLike] | Samples) -> Grid:
-    """The cells of a mapping (every combination of its values) or of samples."""
+    """Return the cells of a mapping (every combination of its values) or of samples."""
     if isinstance(grid, Samples):
         columns = {name: ("sample", grid.points[:, i]) for i, name in enumerate(grid.names)}
         cells = [dict(zip(grid.names, point, strict=True)) for point in grid.points.tolist()]
@@ -145,7 +145,7 @@ def make_grid(grid: Mapping[str, ArrayLike] | Samples) -> Grid:
 
 
 def check_values(name: str, given: Any) -> np.ndarray:
-    """(k,) numbers or texts, none twice."""
+    """Return numbers or texts, none twice, shape (k,)."""
     array = np.array(given)
     if array.ndim != 1 or array.dtype.kind not in "fiubU":
         raise InputError(f"sweep: '{name}': {shown(given)}; give a list of numbers or texts")

@@ -1,4 +1,4 @@
-"""Finished work in a SQLite file, so that an interrupted run goes on; of a sweep, its cells."""
+"""Finished work in a SQLite file, so that an interrupted run continues; of a sweep, its cells."""
 
 import hashlib
 import json
@@ -18,18 +18,18 @@ from ..base.paths import as_path, package_version
 from .experiment import Experiment, Outcome
 from .grids import Grid
 
-FORMAT = 1  # rises when an older ledger cannot be read any more
+FORMAT_VERSION = 1  # rises when an older ledger cannot be read any more
 TABLES = (
     "CREATE TABLE IF NOT EXISTS sweep (digest TEXT NOT NULL, identity TEXT NOT NULL)",
     "CREATE TABLE IF NOT EXISTS cells (cell PRIMARY KEY, outcome TEXT NOT NULL)",
 )
 
 
-UNREADABLE = (ValueError, TypeError, RecursionError, OverflowError)  # of contents that nobody of us has written
+CONTENT_ERRORS = (ValueError, TypeError, RecursionError, OverflowError)  # of contents written by other programs
 
 
 class Stored(msgspec.Struct, forbid_unknown_fields=True):
-    """What a cell holds: numbers alone, as `Outcome` has them."""
+    """Content of a cell: numbers alone, as `Outcome` has them."""
 
     values: dict[str, float | list[float]]
     settings: str = ""
@@ -37,19 +37,19 @@ class Stored(msgspec.Struct, forbid_unknown_fields=True):
 
 
 def reason(error: Exception) -> str:
-    """What is wrong with the contents, in a few words."""
+    """Return the fault of the contents in a few words."""
     return "nested too deep" if isinstance(error, RecursionError) else shown(str(error)).strip("'\"")
 
 
 class LedgerError(InputError):
-    """A ledger that cannot be opened, read or written."""
+    """Error for a ledger that cannot be opened, read or written."""
 
 
 def identity(experiment: Experiment, grid: Grid, tag: str) -> dict[str, Any]:
-    """The identity of a sweep: functions and settings by name, grid by value, version and tag."""
+    """Return the identity of a sweep: functions and settings by name, grid by value, version and tag."""
     run = experiment.run
     return {
-        "format": FORMAT,
+        "format": FORMAT_VERSION,
         "mbsd3d": package_version(),
         "tag": tag,
         "build": title(experiment.build),
@@ -60,7 +60,7 @@ def identity(experiment: Experiment, grid: Grid, tag: str) -> dict[str, Any]:
 
 
 def stamp(value: Any) -> str:
-    """A value as text, by all its fields; arrays, which repr shortens, by a digest of their numbers."""
+    """Return a value as text, by all its fields; arrays, which repr shortens, by a digest of their numbers."""
     if isinstance(value, np.ndarray):
         return f"{value.dtype} {value.shape} {hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()}"
     if is_dataclass(value) and not isinstance(value, type):  # a condition, say: its repr does not tell where it looks
@@ -72,7 +72,7 @@ def stamp(value: Any) -> str:
 
 
 def title(function: Callable) -> str:
-    """Name of a function; not its module, which is "__main__" or not by the way the script is started."""
+    """Return the name of a function without its module, which is "__main__" or not by the way the script is started."""
     return getattr(function, "__qualname__", type(function).__name__)
 
 
@@ -107,7 +107,7 @@ class Store:
             ) from error
 
     def open(self) -> None:
-        """Open the file, and make its tables if it is new; sqlite3.DatabaseError if it is damaged."""
+        """Open the file, and create its tables if it is new; raise sqlite3.DatabaseError if it is damaged."""
         self.file = sqlite3.connect(self.path, isolation_level=None)
         self.file.execute("PRAGMA journal_mode=WAL")
         self.file.execute("PRAGMA synchronous=NORMAL")
@@ -117,13 +117,15 @@ class Store:
             raise sqlite3.DatabaseError("damaged")
 
     def forget(self) -> None:
-        """Remove a damaged file, with what SQLite has beside it."""
+        """Remove a damaged file with the other files of SQLite."""
         self.close()
         for end in ("", "-wal", "-shm"):
             Path(f"{self.path}{end}").unlink(missing_ok=True)
 
     def check(self, own: dict[str, Any], replace: bool) -> None:
-        """Refuse or forget other work, and say what differs; a new file gets the identity of this work."""
+        """Check that the file holds this work: refuse or delete other work, and say what differs; a new file gets this
+        identity.
+        """
         text = json.dumps(own, sort_keys=True)
         found = self.file.execute("SELECT identity FROM sweep").fetchone()
         if found == (text,):
@@ -131,7 +133,7 @@ class Store:
         if found is not None and not replace:
             try:
                 other = msgspec.convert(json.loads(found[0]), dict[str, Any])
-            except UNREADABLE as error:
+            except CONTENT_ERRORS as error:
                 raise self.unreadable(error) from error
             names = sorted(name for name in own.keys() | other.keys() if own.get(name) != other.get(name))
             names = names or ["its digest"]
@@ -145,19 +147,19 @@ class Store:
         self.file.execute("INSERT INTO sweep VALUES (?, ?)", (digest, text))
 
     def clear(self) -> None:
-        """Forget all that is finished."""
+        """Delete all finished work."""
         self.file.execute("DELETE FROM cells")
 
     def all(self) -> dict[int | str, Any]:
-        """What is finished, by key."""
+        """Return all finished cells by their key."""
         try:
             rows = self.file.execute("SELECT cell, outcome FROM cells").fetchall()
             return {key: json.loads(text) for key, text in rows}
-        except (sqlite3.Error, *UNREADABLE) as error:
+        except (sqlite3.Error, *CONTENT_ERRORS) as error:
             raise self.unreadable(error) from error
 
     def unreadable(self, error: Exception) -> LedgerError:
-        """What to say of contents that cannot be understood."""
+        """Return the error for contents that cannot be read."""
         return LedgerError(f"{self.what}: ledger '{self.path}' cannot be read: {reason(error)}; delete it")
 
     def put(self, key: int | str, value: Any) -> None:
@@ -184,11 +186,11 @@ class Ledger(Store):
         self.cells = cells
 
     def finished(self) -> dict[int, Outcome]:
-        """The cells that need not run again."""
+        """Return the cells that need not run again."""
         found = self.all()
         try:
             stored = {cell: msgspec.convert(kept, Stored) for cell, kept in found.items()}
-        except UNREADABLE as error:
+        except CONTENT_ERRORS as error:
             raise self.unreadable(error) from error
         if any(not isinstance(cell, int) or not 0 <= cell < self.cells for cell in stored):
             raise LedgerError(f"sweep: ledger '{self.path}' holds cells that the grid does not have; delete it")

@@ -121,7 +121,7 @@ def sweep(
 
 
 def check(experiment: Experiment, grid: Grid, executor: Any, units: Mapping[str, str] | None, tag: str) -> None:
-    """Checks before anything runs."""
+    """Check everything before a cell runs."""
     run = experiment.run
     check_parameters(experiment.build, "build", grid.cells[0])
     if callable(run):
@@ -152,7 +152,7 @@ def collect(
     units: Mapping[str, str],
     bar: Progress,
 ) -> SweepError | None:
-    """Fill ``results``; returns the error that stopped the sweep early, if any."""
+    """Fill ``results``; return the error that stopped the sweep early, if any."""
     if book is not None:
         results.update(book.finished())
     todo = [cell for cell in range(len(grid.cells)) if cell not in results]
@@ -181,7 +181,7 @@ def collect(
 def agree(
     grid: Grid, units: Mapping[str, str], first: tuple[int, Outcome] | None, cell: int, outcome: Outcome
 ) -> tuple[int, Outcome] | None:
-    """SweepError where a cell does not fit the others; the cell that others are compared with."""
+    """Return the cell that others are compared with; raise SweepError where a cell does not fit the others."""
     if outcome.misuse:
         raise SweepError(f"sweep: {grid.title(cell)}: {outcome.error}")
     if outcome.error:
@@ -199,7 +199,7 @@ def agree(
 
 
 def check_names(grid: Grid, units: Mapping[str, str], cell: int, outcome: Outcome) -> None:
-    """SweepError where measures are named like parameters, or units are given for what there is not."""
+    """Raise SweepError for measures named like parameters, or units of unknown names."""
     indices = {f"{name}_index" for name, length in shapes(outcome).items() if length is not None}
     taken = sorted({*outcome.values, *indices} & {*grid.columns, *grid.dims} | outcome.values.keys() & indices)
     if taken:
@@ -215,12 +215,12 @@ def check_names(grid: Grid, units: Mapping[str, str], cell: int, outcome: Outcom
 
 
 def shapes(outcome: Outcome) -> dict[str, int | None]:
-    """Length of each value, None for a single number."""
+    """Return the length of each value, None for a single number."""
     return {name: len(value) if isinstance(value, list) else None for name, value in outcome.values.items()}
 
 
 def dataset(grid: Grid, results: dict[int, Outcome], units: Mapping[str, str], attrs: dict[str, Any]) -> "Dataset":
-    """The table; cells that failed or did not run are NaN, with the reason in ``error``."""
+    """Return the table; cells that failed or did not run are NaN, with the reason in ``error``."""
     import xarray
 
     count = len(grid.cells)

@@ -95,7 +95,7 @@ def test_modes_that_hardly_oscillate_have_names():
     """A bicycle whose steer and head are damped has eight or more decays."""
     damped = {"steer_damping": 190.0, "head_stiffness": 700.0, "head_damping": 0.4}
     found = stability.study(P, [2.0, 4.4], tyres=BRUSH | {"relaxation": 2e-4}, **damped)
-    assert sum(name in on_tyres.DECAYS for name in found.names) == 8 and len({*found.names}) == 10
+    assert sum(name in on_tyres.DECAY_NAMES for name in found.names) == 8 and len({*found.names}) == 10
 
 
 def test_ranges_from_rest_or_backwards_are_those_ahead():
@@ -286,7 +286,7 @@ def test_turns_are_those_of_both_wheels_whatever_leans_are_asked_for():
     """Slow turns are steered far, and a search from afar ends in wheelies, with less lean."""
     p = named("Rigid")
     fine, coarse = (turns_on_tyres.turns(p, BRUSH, 2.0, np.arange(step, 1.0, step))[-1] for step in (0.025, 0.2))
-    assert fine.lean == pytest.approx(coarse.lean, abs=2 * turns_on_tyres.LEAST) and coarse.lean > 0.47
+    assert fine.lean == pytest.approx(coarse.lean, abs=2 * turns_on_tyres.LEAN_STEP_MIN) and coarse.lean > 0.47
     assert min(load.normal[0] for load in fine.forces) > 100.0
     with pytest.raises(ValueError, match=r"none at 2 m/s and a lean of 0.6 rad; those .* end at a lean of 0.47"):
         turns_on_tyres.turn(p, BRUSH, speed=2.0, lean=0.6)

@@ -127,19 +127,19 @@ def test_a_torque_to_the_right_leans_it_to_the_left():
 
 def test_pedal_brake_and_speed():
     made = ridden(assist=20.0)
-    made.hold("pedal", play.PEDAL)
+    made.hold("pedal", play.PEDAL_TORQUE_MAX)
     seconds(made, 0.5)  # in which the tyres come to their slip
     early, late = curves(seconds(made, 0.5))["speed"][[0, -1]]
     mass = P.mass + P.IRyy / P.rR**2 + P.IFyy / P.rF**2  # driven by the torque over the radius
-    assert late - early == pytest.approx(play.PEDAL / P.rR / mass * 29.0 * PERIOD, rel=0.02)  # 1.3 % of slip
+    assert late - early == pytest.approx(play.PEDAL_TORQUE_MAX / P.rR / mass * 29.0 * PERIOD, rel=0.02)  # 1.3 % of slip
     made.hold("pedal", None)
     made.set("speed", 2.0)
     assert made.frame().seen.values["speed"] == pytest.approx(2.0, abs=0.06)  # the tyres still give back what they took
-    made.hold("brake", play.BRAKE)
+    made.hold("brake", play.BRAKE_TORQUE_MAX)
     seconds(made, 2.5)
     front = played(made.result()).rate("front hub")
     assert made.model.held < 0.02 and front.min() > -0.3  # it stops, but for what the brake yields: T/k = 3 mrad
-    made.hold("pedal", 0.5 * play.PEDAL)
+    made.hold("pedal", 0.5 * play.PEDAL_TORQUE_MAX)
     assert curves(seconds(made, 0.3))["speed"].max() < 0.06  # held against the pedal
     made.hold("pedal", None)
     made.hold("brake", None)
@@ -246,11 +246,13 @@ def test_a_gamepad_steers_pedals_and_brakes(chromium):
         seen.wait("document.documentElement.dataset.ready === 'yes'")
         seen.page.keyboard.press("Space")  # it pauses: only what is asked for counts
         seen.run(PAD)  # the stick to the left, the trigger of the pedal half way
-        assert until(lambda: made.values["pedal"] == 0.5 * play.PEDAL and made.values["steer torque"] == -2.0)
+        assert until(
+            lambda: made.values["pedal"] == 0.5 * play.PEDAL_TORQUE_MAX and made.values["steer torque"] == -2.0
+        )
         seen.run("window.pad.axes[0] = window.pad.buttons[7].value = 0")
         assert until(lambda: made.values["pedal"] == made.values["steer torque"] == 0.0)
         seen.run("window.pad.buttons[6].value = 1")
-        assert until(lambda: made.values["brake"] == play.BRAKE)
+        assert until(lambda: made.values["brake"] == play.BRAKE_TORQUE_MAX)
         assert seen.complaints == []
 
 

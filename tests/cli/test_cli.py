@@ -280,7 +280,7 @@ def test_a_hurried_hand_presses_ctrl_c_once(monkeypatch):
     with answered_at_once():
         for wait in (0.0, 0.0, 0.0, 0.2):
             time.sleep(wait)
-            monkeypatch.setattr(interruption, "TWICE", 0.1 if wait else 1.0)
+            monkeypatch.setattr(interruption, "SECOND_INTERRUPT_SECONDS", 0.1 if wait else 1.0)
             try:
                 signal.raise_signal(signal.SIGINT)
             except KeyboardInterrupt:

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from validation.theory import GRAVITY
-from validation.theory.whipple_lagrange import STEP, WEIGHTS, accelerations, state
+from validation.theory.whipple_lagrange import DIFFERENCE_STEP, DIFFERENCE_WEIGHTS, accelerations, state
 
 
 def upright_disc(
@@ -103,7 +103,10 @@ def bicycle_matrix(p: Any, speed: float) -> np.ndarray:
         return accelerations(p, *state(p, lean, steer, np.array([*rates, speed])))[[3, 5]]
 
     columns = [
-        sum(weight * (swing(k * STEP * unit) - swing(-k * STEP * unit)) / STEP for k, weight in WEIGHTS.items())
+        sum(
+            weight * (swing(k * DIFFERENCE_STEP * unit) - swing(-k * DIFFERENCE_STEP * unit)) / DIFFERENCE_STEP
+            for k, weight in DIFFERENCE_WEIGHTS.items()
+        )
         for unit in np.eye(4)
     ]
     return np.vstack([np.eye(4)[2:], np.array(columns).T])

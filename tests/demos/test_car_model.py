@@ -12,7 +12,7 @@ from mbsd3d import Pulse, linearize, simulate
 from mbsd3d.demos.cars import single_track
 from mbsd3d.demos.cars.car import WHEELS, Car, Engine, G, car
 from mbsd3d.demos.cars.circle import Balance, circle, circles
-from mbsd3d.demos.cars.linear import SPINNING, STANDING, linear
+from mbsd3d.demos.cars.linear import FULL_SPIN, HALF_SPIN, linear
 from mbsd3d.demos.cars.roll_bars import note
 from mbsd3d.demos.cars.theory import limit, roll_gradient, transfers, trims
 from mbsd3d.demos.discovery import own_demos
@@ -44,7 +44,7 @@ def test_small_accelerations_have_the_closed_forms():
 
 
 @pytest.mark.parametrize("c", [Car(), OTHER])
-@pytest.mark.parametrize(("spin", "terms"), [(SPINNING, {}), (STANDING, {"gyroscopic": False})])
+@pytest.mark.parametrize(("spin", "terms"), [(FULL_SPIN, {}), (HALF_SPIN, {"gyroscopic": False})])
 def test_small_motions_are_those_written_out_by_hand(c, spin, terms):
     """All sixteen to the side; they share neither rows nor forces nor derivatives."""
     known = np.linalg.eigvals(linear(c, 23.0, spin).A)

@@ -136,7 +136,7 @@ def test_theory_of_the_crank_agrees_with_the_engine_data():
 def test_theory_of_the_wall_agrees_with_validation():
     turns = np.linspace(0.0, 1.0, 11)
     assert np.radians(wall.ghost(turns)) == pytest.approx(rotations.ghost_angle(turns), rel=1e-14)
-    ghost = rotations.ghost_quaternion(np.linspace(0.0, 1.0, wall.STEPS + 1), (0.0, 0.0, 2 * np.pi))
+    ghost = rotations.ghost_quaternion(np.linspace(0.0, 1.0, wall.STEP_COUNT + 1), (0.0, 0.0, 2 * np.pi))
     assert wall.quaternions(h_dot=False) == pytest.approx(ghost, abs=1e-12)
     assert np.linalg.norm(wall.quaternions(h_dot=True), axis=1) == pytest.approx(1.0, abs=1e-9)
 

@@ -10,10 +10,10 @@ import pytest
 import sweep_models
 import watchdog
 
-from bicycle.parameters.files import LARGEST
-from engines.balance.layouts import CYLINDERS
-from engines.nvh.records import RECORD, TABLE
-from engines.nvh.road.measured import LONG, MOST
+from bicycle.parameters.files import FILE_BYTES_MAX
+from engines.balance.layouts import CYLINDERS_MAX
+from engines.nvh.records import RECORD_BYTES_MAX, TABLE_BYTES_MAX
+from engines.nvh.road.measured import LENGTH_MAX, POINTS_MAX
 from mbsd3d.files.description import MOST_PARTS
 from mbsd3d.files.importing import worker, xml_scan
 from mbsd3d.files.model_files import FORMS
@@ -37,10 +37,14 @@ def test_sizes_are_those_of_the_code():
     xml = f"{xml_scan.LIMIT // 10**6} MB and {number(xml_scan.COPIES)} elements"
     assert xml in rows["MJCF, URDF"] and f"{worker.MEMORY >> 30} GB" in rows["MJCF, URDF"]
     assert f"| {surfaces.BYTES // 10**6} MB, {number(surfaces.TRIANGLES)} triangles;" in rows["meshes"]
-    text, yaml = LARGEST[".txt"] // 10**6, LARGEST[".yml"] // 1000
+    text, yaml = FILE_BYTES_MAX[".txt"] // 10**6, FILE_BYTES_MAX[".yml"] // 1000
     assert f"| {text} MB, {yaml} kB;" in rows["bicycle parameters"]
-    record, table, road = RECORD // 10**6, TABLE // 10**6, f"{number(MOST)} points and {LONG / 1000:g} km of a road"
-    assert f"| {record} MB, {table} MB; {CYLINDERS} cylinders; {road}" in rows["engines, cars"]
+    record, table, road = (
+        RECORD_BYTES_MAX // 10**6,
+        TABLE_BYTES_MAX // 10**6,
+        f"{number(POINTS_MAX)} points and {LENGTH_MAX / 1000:g} km of a road",
+    )
+    assert f"| {record} MB, {table} MB; {CYLINDERS_MAX} cylinders; {road}" in rows["engines, cars"]
     assert f"within {watchdog.SECONDS:.0f} s and {watchdog.MEGABYTES:.0f} MB" in SECURITY
 
 

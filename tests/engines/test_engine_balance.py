@@ -249,7 +249,7 @@ def test_command_line_of_all_layouts():
 
 
 def test_command_line_fails_if_the_ways_disagree(monkeypatch):
-    monkeypatch.setattr(balance, "LIMIT", 0.0)
+    monkeypatch.setattr(balance, "DISAGREEMENT_MAX", 0.0)
     found = command("I3")
     assert found.exit_code == 1 and "disagree for I3" in found.output
 

@@ -71,9 +71,11 @@ def test_sketches_hold_every_part_within_their_frame(name):
     assert text.count('class="fill crown') + text.count('class="fill skirt') == cylinders
     left, top, width, height = map(float, re.search(r'viewBox="(.*?)"', text)[1].split())
     points = np.array([p.split() for d in re.findall(r' d="M(.*?)Z?"', text) for p in d.split("L")], float)
-    assert points.min(axis=0) == pytest.approx([left + portrait.MARGIN, top + portrait.MARGIN], abs=0.02)
+    assert points.min(axis=0) == pytest.approx(
+        [left + portrait.DRAWING_MARGIN, top + portrait.DRAWING_MARGIN], abs=0.02
+    )
     assert points.max(axis=0) == pytest.approx(
-        [left + width - portrait.MARGIN, top + height - portrait.MARGIN], abs=0.02
+        [left + width - portrait.DRAWING_MARGIN, top + height - portrait.DRAWING_MARGIN], abs=0.02
     )
 
 

@@ -175,7 +175,7 @@ def test_gas_torque_of_a_page(folder):
 
 def test_views_play_from_the_start(folder):
     for view in (folder / "views").iterdir():
-        assert view.read_text(encoding="utf-8").rstrip().endswith(f"{pages.PLAY}</body>\n</html>")
+        assert view.read_text(encoding="utf-8").rstrip().endswith(f"{pages.PLAY_SCRIPT}</body>\n</html>")
 
 
 def test_a_column_without_figures_is_left_out(folder):
@@ -202,7 +202,7 @@ def test_pages_by_the_command_line(tmp_path):
 
 
 def test_pages_of_ways_that_disagree_end_with_1(tmp_path, monkeypatch):
-    monkeypatch.setattr(balance, "LIMIT", 0.0)
+    monkeypatch.setattr(balance, "DISAGREEMENT_MAX", 0.0)
     result = CliRunner().invoke(cli.main, ["I3", "--pages", str(tmp_path)])
     assert result.exit_code == 1 and "disagree for I3" in result.output and (tmp_path / "I3.html").is_file()
 

@@ -10,8 +10,8 @@ from scipy.io import wavfile
 from engines import closed_forms
 from engines.nvh.cabin import checks
 from engines.nvh.cabin.seat import Cabin
-from engines.nvh.cabin.shell import KEPT, ModalShell, beam_shell
-from engines.nvh.cabin.sound import SECONDS, write_sound
+from engines.nvh.cabin.shell import ELASTIC_MODES, ModalShell, beam_shell
+from engines.nvh.cabin.sound import RUN_UP_SECONDS, write_sound
 from engines.nvh.cli import nvh
 from engines.nvh.excitation import presets
 from engines.nvh.excitation.loads import Source
@@ -25,8 +25,8 @@ RIGID = 6
 def test_frequencies_of_a_free_beam():
     shell = beam_shell(**BEAM)
     f = np.sort(shell.rates) / (2 * np.pi)
-    squares = (closed_forms.bending_roots(KEPT) / closed_forms.bending_roots(1)[0]) ** 2
-    known = [*(26.0 * squares), *(37.0 * squares), *(31.0 * np.arange(1, KEPT + 1))]
+    squares = (closed_forms.bending_roots(ELASTIC_MODES) / closed_forms.bending_roots(1)[0]) ** 2
+    known = [*(26.0 * squares), *(37.0 * squares), *(31.0 * np.arange(1, ELASTIC_MODES + 1))]
     assert f[:RIGID] == pytest.approx(0.0, abs=1e-12)
     # 40 elements: torsion with linear ones is off by (4 pi / 40)^2 / 24 relative to the first mode, bending by less
     assert f[RIGID:] == pytest.approx(np.sort(known), rel=5e-3)
@@ -35,7 +35,7 @@ def test_frequencies_of_a_free_beam():
 def test_shapes_of_a_free_beam():
     shell, s = beam_shell(**BEAM), np.linspace(0.0, 1.0, 23)
     axis = np.stack([BEAM["length"] * (s - 0.5), 0 * s, 0 * s], axis=1)
-    for k, root in enumerate(closed_forms.bending_roots(KEPT)):
+    for k, root in enumerate(closed_forms.bending_roots(ELASTIC_MODES)):
         found = next(
             shape(axis)[:, 2] for w, shape in zip(shell.rates, shell.shapes, strict=True)
             if np.isclose(w / (2 * np.pi), 26.0 * (root / closed_forms.bending_roots(1)[0]) ** 2, rtol=1e-3, atol=0)
@@ -89,9 +89,9 @@ def test_the_sound_of_one_order_rises_with_the_speed(tmp_path):
     seat = np.zeros((7, 5, 3), dtype=complex)
     seat[:, 4, 2] = 1.0
     rate, samples = wavfile.read(write_sound(found, seat, tmp_path / "order.wav"))
-    assert samples.dtype == np.int16 and samples.size == int(rate * SECONDS)
+    assert samples.dtype == np.int16 and samples.size == int(rate * RUN_UP_SECONDS)
     crossings = np.diff(np.signbit(samples)).sum() / 2
-    assert crossings == pytest.approx(2 * speeds.mean() / 60 * SECONDS, abs=1)
+    assert crossings == pytest.approx(2 * speeds.mean() / 60 * RUN_UP_SECONDS, abs=1)
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from engines.nvh.road.comfort import verdict, weight
 from engines.nvh.road.profile import Road
 from engines.nvh.road.report import ride_of
 from engines.nvh.road.ride import Ride, rms
-from engines.nvh.road.vehicle import HEIGHT, KINDS, Vehicle
+from engines.nvh.road.vehicle import BODY_HEIGHT, KINDS, Vehicle
 
 PUBLISHED = {1.0: 0.482, 2.0: 0.531, 3.15: 0.804, 4.0: 0.967, 5.0: 1.039, 6.3: 1.054, 8.0: 1.036, 10.0: 0.988,
              12.5: 0.902, 16.0: 0.768, 20.0: 0.636, 31.5: 0.405, 50.0: 0.246, 80.0: 0.132}  # fmt: skip
@@ -95,14 +95,14 @@ def test_a_symmetric_car_bounces_as_a_quarter_car_and_leans_against_its_weight(k
     car, quarter = vehicle(kind, **same), vehicle("quarter", **same)
     found, bounce = (np.linalg.eigvals(x.equations[0]) for x in (car, quarter))
     n, arm, (corner, *_) = len(car.corners), car.ride[base] / 2, quarter.corners
-    turning = car.ride[inertia] * car.part + n * 36 * (0.05 + HEIGHT**2)  # wheels turn with the body
+    turning = car.ride[inertia] * car.part + n * 36 * (0.05 + BODY_HEIGHT**2)  # wheels turn with the body
     M = np.diag([turning, n * 36])
 
     def of(spring: float, tyre: float) -> np.ndarray:
         return n * np.array([[spring * arm**2, -spring * arm], [-spring * arm, spring + tyre]])
 
     K, C = of(23e3, 2e5), of(1600, corner.tyre_damping)
-    K[0, 0] -= car.mass * 9.81 * HEIGHT
+    K[0, 0] -= car.mass * 9.81 * BODY_HEIGHT
     lean = np.linalg.eigvals(
         np.block([[np.zeros((2, 2)), np.eye(2)], [-np.linalg.solve(M, K), -np.linalg.solve(M, C)]])
     )

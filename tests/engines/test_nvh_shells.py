@@ -6,9 +6,9 @@ from click.testing import CliRunner
 
 from engines import closed_forms
 from engines.nvh.cabin.checks import held_in
-from engines.nvh.cabin.plate import RIGID, plate_modes, plate_shell
+from engines.nvh.cabin.plate import RIGID_MODES, plate_modes, plate_shell
 from engines.nvh.cabin.seat import Cabin
-from engines.nvh.cabin.table import HEADER, SEAT, read_modes, write_modes
+from engines.nvh.cabin.table import HEADER, SEAT_NAME, read_modes, write_modes
 from engines.nvh.cli import nvh
 from engines.nvh.excitation import presets
 from engines.nvh.excitation.loads import Source
@@ -25,7 +25,7 @@ def test_products_of_beam_functions_give_the_published_frequencies():
 @pytest.mark.parametrize(("ratio", "poisson"), [(1.0, 0.3), (2.5, 0.3), (1.7, 0.22)])
 def test_frequencies_of_a_free_plate_lie_below_upper_bounds(ratio, poisson):
     """A Ritz with more freedom than 36 beam functions: lower, by less than 1.7 %."""
-    found = plate_modes(ratio, 1.0, poisson)[0][RIGID : RIGID + 7] * ratio**2
+    found = plate_modes(ratio, 1.0, poisson)[0][RIGID_MODES : RIGID_MODES + 7] * ratio**2
     share = found / closed_forms.free_plate(ratio, poisson, 7)
     assert share.max() < 1.0 + 1e-6 and share.min() > 0.983
 
@@ -38,9 +38,14 @@ def test_a_plate_that_does_not_narrow_bends_as_a_beam(ratio):
         # polynomials up to 11 of a wave and a half
         assert np.abs(found - value).min() < 1e-6 * value
     shell = plate_shell(700.0, ratio, 1.0, 20.0, 0.02, poisson=0.0)
-    rates = shell.rates[3 + RIGID :] / shell.rates[3 + RIGID] * plate_modes(ratio, 1.0, 0.0)[0][RIGID] * ratio**2
+    rates = (
+        shell.rates[3 + RIGID_MODES :]
+        / shell.rates[3 + RIGID_MODES]
+        * plate_modes(ratio, 1.0, 0.0)[0][RIGID_MODES]
+        * ratio**2
+    )
     if ratio > 1.0:
-        k = 3 + RIGID + int(np.abs(rates - known[0]).argmin())
+        k = 3 + RIGID_MODES + int(np.abs(rates - known[0]).argmin())
         s = np.linspace(0.0, 1.0, 9)
         line = shell.at(np.stack([ratio * (s - 0.5), 0.3 + 0 * s, 0 * s], axis=1))[k].reshape(-1, 3)
         shape = closed_forms.bending_shape(closed_forms.bending_roots(1)[0], s) / np.sqrt(700.0)
@@ -62,20 +67,20 @@ def test_a_rigid_plate_is_a_rigid_body():
     """Unit modal mass: the sum over rigid modes is the receptance of a body of that mass and inertia."""
     m, a, b, w = 820.0, 3.4, 1.5, 2.0
     shell, at = plate_shell(m, a, b, 30.0, 0.03), np.array([[0.8, -0.4, 0.2]])
-    shapes = shell.at(at)[: 3 + RIGID]
+    shapes = shell.at(at)[: 3 + RIGID_MODES]
     x, y, z = at[0]
     arm = np.hstack([np.eye(3), -np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])])
     body = np.diag([1 / m] * 3 + [12 / (m * b**2), 12 / (m * a**2), 12 / (m * (a**2 + b**2))])
     known, numbers = arm @ body @ arm.T, plate_modes(a, b)[0]
     # rigid modes of `eigh`: roundings of the largest eigenvalue turn them into the first elastic ones
-    limit = np.finfo(float).eps * (numbers[-1] / numbers[RIGID]) ** 2 * np.abs(known).max()
+    limit = np.finfo(float).eps * (numbers[-1] / numbers[RIGID_MODES]) ** 2 * np.abs(known).max()
     assert shapes.T @ shapes == pytest.approx(known, abs=limit)
-    assert w > 0 and (shell.rates[: 3 + RIGID] == 0).all() and (shell.damping[: 3 + RIGID] == 0).all()
+    assert w > 0 and (shell.rates[: 3 + RIGID_MODES] == 0).all() and (shell.damping[: 3 + RIGID_MODES] == 0).all()
 
 
 def test_the_seat_by_a_table_of_the_beam_is_that_of_the_beam(tmp_path):
     held, car = held_in("compact", "inline_3"), mounts.car("compact")
-    beam, places = Cabin(car, held), [mount.name for mount in held.placed] + [SEAT]
+    beam, places = Cabin(car, held), [mount.name for mount in held.placed] + [SEAT_NAME]
     shapes = np.hstack([beam.at_feet, beam.at_seat])
     file = write_modes(beam.shell, shapes, places, tmp_path / "modes.csv")
     table = Cabin(car, held, str(file))

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 from engines.closed_forms import cams
 from engines.nvh import cli
 from engines.nvh.cli import nvh
-from engines.nvh.valvetrain.cam import COUNT, FOLLOWERS, LAWS, Cam, RollerCam, cam
+from engines.nvh.valvetrain.cam import FOLLOWERS, LAWS, OUTLINE_POINTS, Cam, RollerCam, cam
 from engines.nvh.valvetrain.report import Valve
 from engines.nvh.valvetrain.train import Train
 from mbsd3d import SlideDriver, System, linearize
@@ -25,7 +25,7 @@ def train(law: str = "cycloidal", follower: str = "flat", **changes: object) -> 
 
 def test_the_outline_under_a_roller_is_that_of_theory():
     chosen = cam("harmonic", LIFT, HALF, BASE, "roller")
-    angle = 2 * np.pi * np.arange(COUNT) / COUNT - np.pi
+    angle = 2 * np.pi * np.arange(OUTLINE_POINTS) / OUTLINE_POINTS - np.pi
     s, ds, _ = cams.harmonic(angle, LIFT, HALF)
     known = -cams.roller_cam(angle, s, ds, BASE + chosen.roller, chosen.roller)  # the nose down
     # slopes of the spline where the acceleration of the law jumps: its jump, 0.022 m, times h / 8, and less elsewhere

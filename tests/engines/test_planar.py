@@ -568,7 +568,7 @@ def test_point_masses_where_the_rate_is_constant():
 def test_pieces_leave_no_trace(piece, monkeypatch):
     """Runs go through Python now and then, so that Ctrl-C ends them; numbers are the same to the last bit."""
     normal = planar.simulate(four_bar(), 0.3, dt=1e-3, output=7), planar.kinematics(slider_crank(), np.arange(250) / 99)
-    monkeypatch.setattr("engines.planar.runs.PIECE", piece)
+    monkeypatch.setattr("engines.planar.runs.PIECE_SECONDS", piece)
     again = planar.simulate(four_bar(), 0.3, dt=1e-3, output=7), planar.kinematics(slider_crank(), np.arange(250) / 99)
     for one, two in zip(normal, again, strict=True):
         for part in one.system.bodies:

@@ -37,15 +37,15 @@ from mbsd3d import (
     simulate,
 )
 from mbsd3d.base.rotations import matrix
-from validation.cases.inline_four import RATE, SAMPLES, inline_four
+from validation.cases.inline_four import CRANK_RATE, TURN_SAMPLES, inline_four
 
 
-def one_turn(system, rate=RATE):
+def one_turn(system, rate=CRANK_RATE):
     """One turn of the crank by kinematics."""
-    return simulate(system, 2 * np.pi / rate, method=Kinematic(), output=SAMPLES + 1)
+    return simulate(system, 2 * np.pi / rate, method=Kinematic(), output=TURN_SAMPLES + 1)
 
 
-TIMES = np.linspace(0, 2 * np.pi / RATE, 25)
+TIMES = np.linspace(0, 2 * np.pi / CRANK_RATE, 25)
 EXACT = 1e-12
 """Of the single-cylinder force: two solvers that only round."""
 HINGES = ["bearing", *(f"bore {i}" for i in range(1, 5))]
@@ -54,7 +54,7 @@ HINGES = ["bearing", *(f"bore {i}" for i in range(1, 5))]
 def single_force():
     """Largest force of one cylinder of `inline_four` on its block [N]."""
     cylinder = crank_theory.SliderCrank(1.0, 2.0, 2.0, 0.5, 4.0, 0.5, 1 / 3, 5.0)
-    return np.abs(crank_theory.block_force(cylinder, np.linspace(0, 6, 200), RATE)).max()
+    return np.abs(crank_theory.block_force(cylinder, np.linspace(0, 6, 200), CRANK_RATE)).max()
 
 
 def load(solution, *names):
@@ -107,7 +107,7 @@ def test_inline_four_is_the_sum_of_its_planes():
 def test_orders_of_the_sum_of_planes():
     """The second order of four pistons adds up, the first cancels."""
     load_of_planes = validation.reduce_to_planes(inline_four()).block_load(TIMES).force
-    found = spectrum(TIMES, load_of_planes, rate=RATE)
+    found = spectrum(TIMES, load_of_planes, rate=CRANK_RATE)
     assert abs(found.at(2)[2]) == pytest.approx(16.444383944, abs=1e-9)  # published to 16.44 N, closed form beyond
     assert np.abs(found.at(1)).max() < EXACT * single_force()
 
@@ -254,7 +254,7 @@ def test_hinges_all_along_are_recognised_too():
 
 def test_h1_a_block_that_turns_adds_the_couple_of_a_gyroscope():
     """The frame turns at W about z: the shaft of spin moment C w answers with W x C w, which no plane sees."""
-    precession, spin = 0.7, RATE
+    precession, spin = 0.7, CRANK_RATE
     tiny = {"rod_mass": 4e-9, "rod_inertia": 3e-10, "piston_mass": 5e-9}  # the couple of the shaft alone
     still = changed(inline_four(crank_centre=0.0, **tiny), {"crank": {"inertia": (2.0, 3.0, 2.0)}})
     block = Body("block", 30.0, (2, 2, 3))
@@ -283,13 +283,13 @@ def test_h1_a_block_that_turns_adds_the_couple_of_a_gyroscope():
 
 
 def test_h1_other_ways_to_break_it():
-    driven = changed(inline_four(), {"motor": {"signal": Polynomial((0.0, RATE, 0.15))}})
+    driven = changed(inline_four(), {"motor": {"signal": Polynomial((0.0, CRANK_RATE, 0.15))}})
     assert only(validation.reduce_to_planes(driven), "H1", "motor").amount == pytest.approx(0.3)
     free = System(inline_four().bodies, gravity=(0, 0, 0))
     assert only(validation.reduce_to_planes(free), "H1", "system").amount == 0
     engine = inline_four()
     crank, rest = engine.part("crank"), [x for x in engine.joints if x.name not in ("bearing", "motor")]
-    motor = SpeedDriver(GROUND, crank, axis=(0, 1, 0), speed=RATE, name="motor")
+    motor = SpeedDriver(GROUND, crank, axis=(0, 1, 0), speed=CRANK_RATE, name="motor")
     ball = Spherical(GROUND, crank, at=(0, -0.4, 0), name="ball")
     loose = validation.reduce_to_planes(System(engine.bodies, [ball, motor, *rest], gravity=(0, 0, 0)))
     assert {x.hypothesis for x in loose.failures} == {"H1"} and loose.failures[0].part == "crank"
@@ -312,8 +312,10 @@ def test_h2_unequal_pistons_add_up_but_are_not_identical_units():
     assert np.abs(found.force - every[0]).max() < EXACT * single_force()
     assert np.abs(found.moment - every[1]).max() < EXACT * single_force()
     # what identical units would have hidden: a force of order 1, exactly 0.4 kg R w^2
-    assert np.abs(np.fft.rfft(force[:-1, 2]))[1] * 2 / 36 == pytest.approx(0.4 * RATE**2, abs=EXACT * single_force())
-    assert np.abs(moment).max() > 0.1 * 0.4 * RATE**2
+    assert np.abs(np.fft.rfft(force[:-1, 2]))[1] * 2 / 36 == pytest.approx(
+        0.4 * CRANK_RATE**2, abs=EXACT * single_force()
+    )
+    assert np.abs(moment).max() > 0.1 * 0.4 * CRANK_RATE**2
 
 
 def test_h3_a_tilted_bore():
@@ -327,7 +329,7 @@ def test_h3_a_tilted_bore():
     force, _ = load(simulate(system, TIMES[-1], method=Kinematic(), output=TIMES), *HINGES)
     straight = validation.reduce_to_planes(inline_four()).block_load(TIMES).force
     unseen = np.abs(force - straight).max(axis=0)
-    assert unseen[1] > 0.5 * np.sin(tilt) * 5.0 * RATE**2 and np.abs(straight[:, 1]).max() < 1e-12
+    assert unseen[1] > 0.5 * np.sin(tilt) * 5.0 * CRANK_RATE**2 and np.abs(straight[:, 1]).max() < 1e-12
 
 
 def test_h3_pins_beside_their_plane_and_bodies_free_to_leave_it():
@@ -359,7 +361,7 @@ def test_h4_a_product_of_inertia_in_the_crank():
     found = reduction.block_load(TIMES)
     assert np.abs(found.force - force).max() < EXACT * single_force()
     unseen = np.linalg.norm(moment - found.moment, axis=1)
-    assert unseen == pytest.approx(np.full(len(TIMES), RATE**2 * product), rel=1e-10)  # rounding of 10 N m
+    assert unseen == pytest.approx(np.full(len(TIMES), CRANK_RATE**2 * product), rel=1e-10)  # rounding of 10 N m
 
 
 def test_h4_bodies_that_are_not_symmetric_about_their_plane():
@@ -419,7 +421,7 @@ def agrees(system, reduction, t_end, allowed=EXACT):
 def test_gas_pressure_from_a_table():
     """Measured pressure is a table; scaled, and with an offset."""
     engine, times = inline_four(), np.linspace(0.0, 1.01 * TIMES[-1], 90)
-    gas = Table(times, np.maximum(np.sin(RATE * times / 2), 0.0) ** 3)
+    gas = Table(times, np.maximum(np.sin(CRANK_RATE * times / 2), 0.0) ** 3)
     forces = [Force(engine.part(f"piston {i}"), (0, 0, -40.0 * i * gas + 3.0), name=f"gas {i}") for i in (1, 2)]
     system = System(engine.bodies, engine.joints, forces, (0, 0, 0))
     reduction = validation.reduce_to_planes(system)
@@ -436,9 +438,11 @@ def test_signals_are_judged_by_their_terms_not_by_samples():
     reduction = validation.reduce_to_planes(System(engine.bodies, engine.joints, [push], (0, 0, 0)))
     assert only(reduction, "H4", "push").amount == pytest.approx(2.5)
     times = np.linspace(0.0, 30.0, 31)
-    late = changed(engine, {"motor": {"signal": Table(times, RATE * times + 0.02 * np.maximum(times - 15.0, 0) ** 3)}})
+    late = changed(
+        engine, {"motor": {"signal": Table(times, CRANK_RATE * times + 0.02 * np.maximum(times - 15.0, 0) ** 3)}}
+    )
     assert only(validation.reduce_to_planes(late), "H1", "motor").unit == "rad/s^2"
-    even = changed(engine, {"motor": {"signal": Table(times, RATE * times)}})
+    even = changed(engine, {"motor": {"signal": Table(times, CRANK_RATE * times)}})
     assert validation.reduce_to_planes(even).holds
 
 

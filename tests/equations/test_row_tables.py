@@ -8,7 +8,7 @@ from mbsd3d.equations import row_tables, tree
 from mbsd3d.errors import InputError
 from mbsd3d.mechanism.primitives import coincide
 from validation.cases.examples import mechanism
-from validation.cases.inline_four import RATE, block_force, inline_four
+from validation.cases.inline_four import CRANK_RATE, block_force, inline_four
 from validation.cases.loops import FAMILIES
 
 PLANS = [row_tables.row_plan, row_tables.places]
@@ -32,7 +32,7 @@ def numbers(build, seed):
     """All tables, the start, and all samples of a short run, as bytes."""
     system = build(seed)
     settings = {"method": Kinematic(), "output": 9} if build is engine else {"rtol": 1e-6, "output": 5}
-    motion = simulate(system, 0.2 * 2 * np.pi / RATE, **settings)
+    motion = simulate(system, 0.2 * 2 * np.pi / CRANK_RATE, **settings)
     loads = [block_force(motion)] if build is engine else [motion.reaction(joint).force for joint in system.joints]
     return as_bytes([*system.lowered.model, *motion.arrays.values(), motion.final.q, motion.final.v, *loads])
 

@@ -16,7 +16,7 @@ from test_files import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 from mbsd3d import GROUND, Body, Revolute, SpeedDriver, System, accelerations, simulate
 from mbsd3d.base.style import DARK
 from mbsd3d.plotting.panels import PANELS, acts
-from mbsd3d.plotting.plots import MOST, plot_quantity, save_figure
+from mbsd3d.plotting.plots import LEGEND_LINES_MAX, plot_quantity, save_figure
 
 
 @pytest.fixture(scope="module")
@@ -146,7 +146,7 @@ def test_names_are_written_as_they_are():
 def test_a_long_legend_is_cut():
     bodies = [Body(f"b{k}", 1.0, (0.1, 0.2, 0.3), position=(k, 0, 0)) for k in range(30)]
     texts = simulate(System(bodies), 0.1, output=3).plot("com").axes[0].get_legend().get_texts()
-    assert len(texts) == MOST and texts[-1].get_text() == f"and {30 - MOST + 1} more"
+    assert len(texts) == LEGEND_LINES_MAX and texts[-1].get_text() == f"and {30 - LEGEND_LINES_MAX + 1} more"
 
 
 @pytest.mark.parametrize(

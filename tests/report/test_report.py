@@ -30,7 +30,7 @@ from mbsd3d import (
 from mbsd3d.base.style import counted
 from mbsd3d.mechanism import measures  # fmt: skip
 from mbsd3d.report import exhibits, facts
-from mbsd3d.report.facts import MOST
+from mbsd3d.report.facts import TABLE_ROWS_MAX
 from mbsd3d.report.wording import digits, triple
 
 HOSTILE = (
@@ -270,7 +270,7 @@ def test_a_run_read_from_a_file_gives_the_same_report(tmp_path):
 
 
 def test_a_large_redundant_model_is_thinned_and_says_so(monkeypatch):
-    monkeypatch.setattr(facts, "OPEN", 1.0)
+    monkeypatch.setattr(facts, "ROW_ANALYSIS_COST_MAX", 1.0)
     run = door(output=7)
     few, sentence = facts.thinned(run)
     assert few.t.size == 1 and sentence == "From one sample in 7, to save time."
@@ -314,10 +314,10 @@ def chain(count: int) -> System:
 
 
 def test_of_many_joints_the_most_loaded_ones_are_shown():
-    run = simulate(chain(MOST + 3), 0.02, method=RK4(0.01), output=3)
+    run = simulate(chain(TABLE_ROWS_MAX + 3), 0.02, method=RK4(0.01), output=3)
     kept, text = facts.loaded_joints(run)
     load = {joint.name: np.abs(run.arrays["lam"][:, run.compiled.rows[id(joint)]]).max() for joint in run.system.joints}
-    assert len(kept) == MOST and f"The {MOST} of {MOST + 3} joints" in text
+    assert len(kept) == TABLE_ROWS_MAX and f"The {TABLE_ROWS_MAX} of {TABLE_ROWS_MAX + 3} joints" in text
     assert [joint.name for joint in kept] == [name for name in load if name in {x.name for x in kept}]  # in order
     assert min(load.pop(joint.name) for joint in kept) >= max(load.values())
 
@@ -342,6 +342,8 @@ def test_sizes():
     assert len(report.html.encode()) < 300_000
     page = Page(simulate(chain(300), 0.002, method=RK4(0.001), output=3).report(dark=False).html)
     rows = [row for row in page.rows if row[0].startswith("link ")]
-    assert len(rows) == MOST and len([row for row in page.rows if re.match(r"h\d", row[0])]) == MOST
-    assert any(f"The first {MOST} of 300 bodies, and {300 - MOST} more." in text for text in page.text)
-    assert any(f"The {MOST} of 300 joints with the largest multipliers" in text for text in page.text)
+    assert len(rows) == TABLE_ROWS_MAX and len([row for row in page.rows if re.match(r"h\d", row[0])]) == TABLE_ROWS_MAX
+    assert any(
+        f"The first {TABLE_ROWS_MAX} of 300 bodies, and {300 - TABLE_ROWS_MAX} more." in text for text in page.text
+    )
+    assert any(f"The {TABLE_ROWS_MAX} of 300 joints with the largest multipliers" in text for text in page.text)

@@ -5,10 +5,10 @@ import json
 import pytest
 
 from mbsd3d.compiler.cache_folder import CACHE
-from validation.benchmark.texts import MEASURED, ROOT
+from validation.benchmark.texts import MEASURED_FILE, ROOT
 
 pytestmark = pytest.mark.timing
 
 
 def test_times_in_the_texts_are_of_these_kernels():
-    assert json.loads((ROOT / MEASURED).read_text(encoding="utf-8"))["kernels"] == CACHE.name, "run make figures"
+    assert json.loads((ROOT / MEASURED_FILE).read_text(encoding="utf-8"))["kernels"] == CACHE.name, "run make figures"

@@ -93,16 +93,18 @@ def test_families_take_turns():
 
 
 def test_page_shows_what_was_measured():
-    found = json.loads((texts.ROOT / texts.FIGURES).read_text(encoding="utf-8"))
-    page = (texts.ROOT / texts.PAGE).read_text(encoding="utf-8")
+    found = json.loads((texts.ROOT / texts.FIGURES_FILE).read_text(encoding="utf-8"))
+    page = (texts.ROOT / texts.PAGE_FILE).read_text(encoding="utf-8")
     assert texts.renewed(page, found) == page
     assert found["runs"] >= 2000 and found["families"] == len(FAMILIES)
 
 
 def test_new_figures_change_the_page(tmp_path):
-    for name in (texts.FIGURES, texts.PAGE):
+    for name in (texts.FIGURES_FILE, texts.PAGE_FILE):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-    (tmp_path / texts.PAGE).write_text("before\n<!-- calibration -->\n<!-- end of calibration -->\n", encoding="utf-8")
+    (tmp_path / texts.PAGE_FILE).write_text(
+        "before\n<!-- calibration -->\n<!-- end of calibration -->\n", encoding="utf-8"
+    )
     texts.renew([RIGHT], tmp_path)
-    text = (tmp_path / texts.PAGE).read_text(encoding="utf-8")
+    text = (tmp_path / texts.PAGE_FILE).read_text(encoding="utf-8")
     assert "| RK4 | step fine | 1 | 1 | 0 | 0 |" in text and text.startswith("before\n")

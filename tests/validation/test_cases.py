@@ -10,7 +10,7 @@ from mbsd3d.extend import matrix
 from validation.cases import reference as cases
 from validation.cases.comparison import compare, condition
 from validation.cases.robot import hinge_accelerations, robot_poses
-from validation.suite.trials.references import PASSES, ROUNDED, allowed
+from validation.suite.trials.references import ROUNDING_BY_CASE, RTOL_BY_CASE, allowed
 from validation.suite.trials.trial import RTOL
 
 TIMED = cases.names(timed=True)
@@ -22,11 +22,11 @@ SHIFTS = [None, 7]
 @pytest.mark.parametrize("name", TIMED)
 def test_case_reaches_its_reference(name, shift):
     case = cases.load(name, shift)
-    rtol = PASSES.get(name, RTOL)
+    rtol = RTOL_BY_CASE.get(name, RTOL)
     comparison = compare(case, simulate(case.system, case.t_end, rtol=rtol, output=case.times))
     assert comparison.left_out == ()
     assert comparison.scaled_error <= allowed(case, rtol)
-    promised = limits("validation.md", "reference cases")[name in ROUNDED]
+    promised = limits("validation.md", "reference cases")[name in ROUNDING_BY_CASE]
     assert comparison.scaled_error <= promised * rtol / RTOL
 
 

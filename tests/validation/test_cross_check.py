@@ -97,7 +97,7 @@ def test_runs_that_only_add_rounding_are_left_out():
 def test_runs_that_do_not_converge_have_an_error_as_large_as_they_scatter():
     runs = [np.full((3, 1, 1), x) for x in (1.0, 1.3, 0.9, 1.2)]
     found = step_refinement.limit_of(runs, 2.0)
-    assert found.order < step_refinement.LEAST_ORDER and found.error[-1] == pytest.approx(0.7)  # 0.3 and 0.4
+    assert found.order < step_refinement.ORDER_MIN and found.error[-1] == pytest.approx(0.7)  # 0.3 and 0.4
     with pytest.raises(ValueError, match="three or more"):
         step_refinement.limit_of(runs[:2], 2.0)
 

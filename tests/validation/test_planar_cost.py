@@ -98,7 +98,7 @@ def complete(found, names):
         assert [row.form for row in found.costs if row.mechanism == mechanism] == list(tax.FORMS)
         settings = [row.setting.split(",")[0] for row in found.accuracies if row.mechanism == mechanism]
         assert settings == ["RK4", "RK4", "DOP853"]
-    assert all(0.0 < row.error <= tax.ACCURACY for row in found.accuracies)
+    assert all(0.0 < row.error <= tax.POSITION_ERROR_MAX for row in found.accuracies)
     assert found.sweep["cells"] == 4 and found.sweep["failed"] == 0 < found.sweep["seconds"]
     text = "\n".join(tax.lines(found))
     for row in (*found.costs, *found.accuracies, *found.floors):

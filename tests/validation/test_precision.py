@@ -224,7 +224,7 @@ def test_ctrl_c_keeps_what_was_measured(tmp_path):
 
 
 def test_a_run_of_ours_that_takes_too_long_is_ended(monkeypatch):
-    monkeypatch.setattr(candidates, "LONGEST", 1e-3)
+    monkeypatch.setattr(candidates, "RUN_SECONDS_MAX", 1e-3)
     problem = PROBLEMS["four-bar 40"]()
     candidate = candidates.ours(problem)
     with pytest.raises(candidates.Unfinished, match="not at its end after 0.001 s"):

@@ -43,10 +43,10 @@ def test_the_list_holds_everything():
     shown = {name.removeprefix("gallery_") for name in found}
     assert set(discover()) <= shown
     assert {f"engine_{name}" for name in names()} <= set(found)
-    assert sum(trial.group == "random mechanisms" for trial in everything) == families.MANY == 200
-    assert sum(trial.group == "random mechanisms" for trial in short) == families.FEW == 20
+    assert sum(trial.group == "random mechanisms" for trial in everything) == families.RANDOM_COUNT == 200
+    assert sum(trial.group == "random mechanisms" for trial in short) == families.QUICK_RANDOM_COUNT == 20
     assert {trial.name for trial in short} <= set(found)
-    assert set(references.STANDING) == set(cases.names()) - set(cases.names(timed=True))
+    assert set(references.STATIC_JUDGES) == set(cases.names()) - set(cases.names(timed=True))
 
 
 @pytest.mark.parametrize("name", cases.names())
@@ -69,7 +69,7 @@ def test_closed_forms_and_planar_models_judge_the_cases_that_have_them():
 @pytest.mark.parametrize("switch", ["gyroscopic", "centripetal", "gamma"])
 def test_wrong_equations_differ_from_file_and_theory(switch):
     def wrong():
-        case = cases.load("heavy_top_fast", references.SHIFT)
+        case = cases.load("heavy_top_fast", references.SHIFT_SEED)
         return run(case.system, case.t_end, output=case.times, source=case, accuracy=1e-7, **{switch: False})
 
     found = examine(replace(references.trial_of("heavy_top_fast"), make=wrong))[0]
@@ -118,7 +118,7 @@ def test_bicycles_follow_lagrange_and_a_heavier_one_does_not():
 def test_a_free_wheel_agrees_and_one_of_other_grip_does_not(monkeypatch):
     found, made = examine(tyres.trials(quick=True)[0])
     assert found.verdict == AGREES and len(found.of(THEORY)) == 3
-    other = replace(tyres.RUBBER, mu=1.001 * tyres.RUBBER.mu)
+    other = replace(tyres.TYRE, mu=1.001 * tyres.TYRE.mu)
     monkeypatch.setattr(tyres, "WHEEL", replace(tyres.WHEEL, tyre=other))
     assert {finding.verdict for finding in tyres.written_out(made)} == {DIFFERS}
 
@@ -172,7 +172,7 @@ def test_of_a_demo_of_forgotten_terms_the_whole_equations_are_judged():
 def test_random_mechanisms_move_and_keep_their_seed():
     for seed in range(4):
         first, second = (families.started(seed) for _ in range(2))
-        assert np.abs(first.state.v).max() > 0.3 and first.t_end >= families.SHORTEST
+        assert np.abs(first.state.v).max() > 0.3 and first.t_end >= families.T_END_MIN
         assert np.array_equal(first.solution.arrays["q"], second.solution.arrays["q"])
 
 

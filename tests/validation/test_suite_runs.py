@@ -72,12 +72,12 @@ def test_records_of_other_sources_or_settings_are_forgotten(monkeypatch, tmp_pat
     assert store(tmp_path, budget=1.0).all() == {"case": 1}
     assert store(tmp_path, budget=2.0).all() == {}
     store(tmp_path, budget=2.0).put("case", 1)
-    monkeypatch.setattr("validation.suite.suite.SOURCES", ("*.py",))  # as if the references were others
+    monkeypatch.setattr("validation.suite.suite.SOURCE_PATTERNS", ("*.py",))  # as if the references were others
     assert store(tmp_path, budget=2.0).all() == {}
 
 
 def test_table_and_page_of_every_verdict():
-    many = [record(name=f"many {k}", error=1e-9, limit=1e-8) for k in range(findings.MANY)]
+    many = [record(name=f"many {k}", error=1e-9, limit=1e-8) for k in range(findings.LISTED_CASES_MAX)]
     many.append(record(DIFFERS, name="wrong <b>", error=0.3, limit=1e-8, note="<script>alert(1)</script>"))
     other = Record("other", "few", "title", (not_compared(MUJOCO, "no element for Screw"),))
     explained = record(EXPLAINED, MUJOCO, "soft", error=0.1, limit=1e-6)
@@ -208,7 +208,7 @@ from mbsd3d.cli import main
 from mbsd3d.kernels import rows
 from validation.suite.trials import references
 
-references.LONG["exudyn_rollingCoinTest"] = "without the compiler it takes minutes"
+references.SHORTER_CASE["exudyn_rollingCoinTest"] = "without the compiler it takes minutes"
 mutations.put("roll", mutations.wrong_rows(rows.roll, mutations.one_per_cent_of_gamma))
 main(["validate", "--case", "exudyn_rollingCoinTest", "--quick", "--out", {out!r}])
 """

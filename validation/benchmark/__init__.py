@@ -1,1 +1,3 @@
-"""Work against precision of `mbsd3d` and its peers, and our speed alone; ``python -m validation.benchmark``."""
+"""Work against precision of `mbsd3d` and its peers, and the speed of `mbsd3d` alone; ``python -m
+validation.benchmark``.
+"""

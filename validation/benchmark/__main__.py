@@ -1,4 +1,4 @@
-"""``python -m validation.benchmark``."""
+"""Entry point of ``python -m validation.benchmark``."""
 
 from validation.benchmark.cli import main
 

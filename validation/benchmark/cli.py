@@ -1,4 +1,6 @@
-"""``python -m validation.benchmark``: work against precision, redundancy against peers, and our own speed."""
+"""Command ``python -m validation.benchmark``: work against precision, redundancy against peers, and the speed of
+mbsd3d.
+"""
 
 import sys
 from dataclasses import asdict
@@ -33,7 +35,7 @@ SPEED = "speed.json"
 )
 @click.option("--pictures", type=click.Path(file_okay=False, path_type=Path), help="Write the figure there too.")
 def main(parts: tuple, names: tuple, listed: bool, out: Path, fresh: bool, stored: bool, pictures: Path | None) -> None:
-    """Measure speed: error against wall time beside MuJoCo and Exudyn, redundant rows, and mbsd3d alone.
+    """Measure speed: error against run time of mbsd3d, MuJoCo and Exudyn, redundant rows, and mbsd3d alone.
 
     All engines run in turns, in one process and on one thread, each with the best of the settings that are tried.
     Trust ratios, not times, and only those of an idle machine. Everything takes less than ten minutes.
@@ -45,7 +47,7 @@ def main(parts: tuple, names: tuple, listed: bool, out: Path, fresh: bool, store
 
 
 def run(parts: tuple, names: tuple, listed: bool, out: Path, fresh: bool, stored: bool, pictures: Path | None) -> None:
-    """See `main`."""
+    """Run the parts of the benchmark; see `main`."""
     from validation.benchmark.problems import PROBLEMS
 
     unknown = [name for name in names if name not in PROBLEMS]
@@ -107,28 +109,28 @@ def precision(names: tuple, out: Path, fresh: bool, pictures: Path | None) -> No
 
 
 def ready(out: Path, pictures: Path | None) -> None:
-    """Folders that can be written, before anything is measured."""
+    """Check that the folders can be written, before anything is measured."""
     for option, folder in {"--out": out, "--pictures": pictures}.items():
         if folder:
             ready_folder(str(folder), option)
 
 
 def note(text: str) -> None:
-    """What runs just now."""
+    """Print what is being measured."""
     if sys.stderr.isatty():
         click.echo(f"\r\x1b[2K    {text}", nl=False, err=True)
 
 
 def show(rows: list[Any], out: Path, pictures: Path | None) -> None:
-    """Print and write."""
+    """Print and write the rows."""
     from mbsd3d import save_figure
-    from validation.benchmark.tables import SHOWN, report, work_precision
+    from validation.benchmark.tables import FIGURE_PROBLEMS, report, work_precision
 
     if not rows:
         return
     lines = report(rows)
     click.echo("\n".join(lines))
     write_atomically(out / TEXT, ("\n".join(lines) + "\n").encode())
-    if any(row.name in SHOWN for row in rows):
+    if any(row.name in FIGURE_PROBLEMS for row in rows):
         for folder in filter(None, (out, pictures)):
             save_figure(work_precision(rows), folder / FIGURE)

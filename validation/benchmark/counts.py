@@ -1,4 +1,4 @@
-"""Rows, rank and freedoms of every reference case: ours, Exudyn's own count, and what the files say.
+"""Rows, rank and degrees of freedom of every reference case: by mbsd3d, by Exudyn, and by the files.
 
 Exudyn's rows are its algebraic equations without those that only set a multiplier of a free direction to zero; its rank
 is what is left after the redundant ones. Neither it nor the files share code with us: the files' figures come from a
@@ -16,12 +16,12 @@ from validation.cases import mechanisms
 from validation.twins import exudyn
 from validation.twins.base import NotComparable
 
-WINDOWS = (2, 10, 40)  # of the N-four-bars counted beside the cases
-STEPS = 500  # of Exudyn for the large one: 8e-2 off at the end, with h = 0.02 s
+WINDOW_COUNTS = (2, 10, 40)  # [1] windows of the N-four-bars counted with the cases
+EXUDYN_STEPS = 500  # [1] of Exudyn for the large one: error 8e-2 at the end, with h = 0.02 s
 
 
 class Count(NamedTuple):
-    """What the constraints do; None where it is not said."""
+    """Rows, rank, mobility and redundant rows; None where a source does not give a count."""
 
     rows: int | None
     rank: int | None
@@ -39,7 +39,7 @@ class Counts(NamedTuple):
 
     @property
     def agree(self) -> bool:
-        """Whether all that was counted is the same; False where Exudyn did not count."""
+        """Return whether all counts are the same; False where Exudyn did not count."""
         if isinstance(self.exudyn, str):
             return False
         said = [count for count in (self.exudyn, self.file) if count is not None]
@@ -47,13 +47,13 @@ class Counts(NamedTuple):
 
 
 def counted(system: System) -> Count:
-    """Ours, from `check`."""
+    """Return the count of mbsd3d, from `check`."""
     found = system.check()
     return Count(found.rows, found.rank, found.mobility, found.redundant)
 
 
 def counted_by_exudyn(system: System) -> Count | str:
-    """Exudyn's, by its ``ComputeSystemDegreeOfFreedom``."""
+    """Return the count of Exudyn, by its ``ComputeSystemDegreeOfFreedom``."""
     try:
         found: dict[str, Any] = exudyn.twin(system).degrees_of_freedom()
     except NotComparable as error:
@@ -62,8 +62,10 @@ def counted_by_exudyn(system: System) -> Count | str:
     return Count(*map(int, (rows, rows - redundant, found["degreeOfFreedom"], redundant)))
 
 
-def redundancy(names: Sequence[str] | None = None, windows: Sequence[int] = WINDOWS) -> list[Counts]:
-    """Counts of reference cases (None: of all) and of N-four-bars; ValueError if there is no such case."""
+def redundancy(names: Sequence[str] | None = None, windows: Sequence[int] = WINDOW_COUNTS) -> list[Counts]:
+    """Return the counts of reference cases (None: of all) and of N-four-bars; raise ValueError if there is no such
+    case.
+    """
     found = []
     for name in cases.names() if names is None else names:
         case = cases.load(name)
@@ -74,7 +76,7 @@ def redundancy(names: Sequence[str] | None = None, windows: Sequence[int] = WIND
 
 
 class Large(NamedTuple):
-    """The N-four-bar of many windows, from question to answer."""
+    """Timing of the N-four-bar of many windows, from the check to the end of the run."""
 
     rows: int
     rank: int
@@ -84,7 +86,7 @@ class Large(NamedTuple):
 
 
 def large(windows: int = 40, t_end: float = 10.0, rtol: float = 1e-4) -> Large:
-    """`check` and a run through ten singular positions."""
+    """Time `check` and a run through ten singular positions."""
     system = mechanisms.four_bars(windows)
     began = time.perf_counter()
     found = system.check()
@@ -96,7 +98,7 @@ def large(windows: int = 40, t_end: float = 10.0, rtol: float = 1e-4) -> Large:
 
 
 def table(found: Sequence[Counts]) -> list[str]:
-    """The counts in text."""
+    """Return the counts as text."""
     said = [f"{'rows/rank/mobility/redundant':28}{'ours':>18}{'Exudyn':>18}{'file':>18}"]
     for row in found:
         words = [shown(count) for count in (row.ours, row.exudyn, row.file)]
@@ -106,21 +108,22 @@ def table(found: Sequence[Counts]) -> list[str]:
 
 
 def shown(count: Count | str | None) -> str:
-    """Four numbers, or why there are none."""
+    """Return four numbers as text, or why there are none."""
     if count is None or isinstance(count, str):
         return count or "-"
     return "/".join("-" if x is None else str(x) for x in count)
 
 
 def step_seconds() -> float:
-    """Seconds of one of Exudyn's steps, by two, with all rows of 40 four-bars, by full pivoting: its way through the
-    poses in which rods lie on one line."""
+    """Return the seconds of one of Exudyn's steps, by two, with all rows of 40 four-bars, by full pivoting: its method
+    for poses with all rods on one line.
+    """
     twin = exudyn.twin(mechanisms.four_bars(40), solver="generalized-alpha", linear="full-pivot")
-    return twin.run(2 * 10.0 / STEPS, 2, 1).seconds / 2
+    return twin.run(2 * 10.0 / EXUDYN_STEPS, 2, 1).seconds / 2
 
 
 def report() -> list[str]:
-    """The whole report."""
+    """Return the whole report."""
     one = large()
     said = [
         *table(redundancy()),
@@ -128,9 +131,9 @@ def report() -> list[str]:
         f"{one.run_seconds:.2g} s with an error of {one.error:.0e}",
     ]
     try:
-        peer = STEPS * step_seconds()
+        peer = EXUDYN_STEPS * step_seconds()
     except NotComparable as error:
         return [*said, f"  Exudyn: not compared: {error}"]
     ratio = peer / (one.check_seconds + one.run_seconds)
-    times = f"{STEPS} steps take {peer:.0f} s by the time of the first, {ratio:.0f} times ours"
+    times = f"{EXUDYN_STEPS} steps take {peer:.0f} s by the time of the first, {ratio:.0f} times ours"
     return [*said, f"  Exudyn, all rows: {times}"]

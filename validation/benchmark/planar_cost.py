@@ -1,4 +1,5 @@
-"""The quaternion tax: what a planar mechanism costs in space, against a general planar solver of the same care.
+"""Cost of spatial coordinates: run-time ratio of planar mechanisms solved in space to a planar solver of equal
+tolerance.
 
 ``python -m validation.benchmark.planar_cost`` measures slider-crank, four-bar and inline four of `planar_pairs` in one
 process, all forms in turns, round by round, so that a busy moment falls on all. Times are those of the compiled loops,
@@ -24,12 +25,12 @@ from validation.benchmark.planar_pairs import Floor, Mechanism, mechanisms, nois
 from validation.cases import inline_four as engine
 from validation.machine import machine
 
-ROUNDS = 100  # of all forms in turns
-STEP = 1 / 400  # of a turn of the crank
-BODY_STEPS = 150  # bodies x steps of a run at a fixed step
-ACCURACY = 1e-8  # of the position of every reference point after a turn, over the largest distance from the origin
+ROUND_COUNT = 100  # [1] of all forms in turns
+TURN_STEP = 1 / 400  # [1] of a turn of the crank
+BODY_STEPS = 150  # [1] bodies x steps of a run at a fixed step
+POSITION_ERROR_MAX = 1e-8  # [1] of the largest distance from the origin: position error after a turn
 RATIO_GOAL, SWEEP_GOAL, FLOOR_GOAL = 8.0, 5.0, 1e-12  # at most; [-], [s], [-]
-CELLS = 30  # squared: of the design sweep
+SWEEP_CELLS = 30  # [1] cells of the design sweep, squared
 FORMS = {
     "plane": ("plane", {}),
     "space": ("space", {}),
@@ -51,7 +52,7 @@ class Cost(NamedTuple):
 
 
 class Accuracy(NamedTuple):
-    """Cost of one turn at an error of at most ACCURACY."""
+    """Cost of one turn at an error of at most `POSITION_ERROR_MAX`."""
 
     mechanism: str
     form: str
@@ -63,7 +64,7 @@ class Accuracy(NamedTuple):
 
 
 class Tax(NamedTuple):
-    """All that was measured."""
+    """All measurements of the cost of spatial coordinates."""
 
     machine: str
     costs: list[Cost]
@@ -73,7 +74,7 @@ class Tax(NamedTuple):
 
 
 def runner(mechanism: Mechanism, form: str, setting: float, part: float = 1.0) -> Callable:
-    """A function that runs a part of a turn and returns (seconds of the loop, (n, 2) last positions).
+    """Return a function that runs a part of a turn and returns (seconds of the loop, (n, 2) last positions).
 
     ``setting`` is a number of steps of RK4 per turn, or a tolerance below 1 of DOP853.
     """
@@ -96,15 +97,15 @@ def runner(mechanism: Mechanism, form: str, setting: float, part: float = 1.0) -
 
 
 def interleaved(runs: list[Callable], rounds: int) -> np.ndarray:
-    """(rounds, runs) seconds, all runs in turns; a first round, left out, compiles."""
+    """Return the seconds of all runs, taken in turns, shape (rounds, runs); a first round, left out, compiles."""
     return np.array([[run()[0] for run in runs] for _ in range(rounds + 1)])[1:]
 
 
-def fixed_step(mechanism: Mechanism, rounds: int = ROUNDS) -> list[Cost]:
-    """Costs of all forms at one fixed step."""
+def fixed_step(mechanism: Mechanism, rounds: int = ROUND_COUNT) -> list[Cost]:
+    """Measure the cost of all forms at one fixed step."""
     steps = BODY_STEPS // len(mechanism.links)
-    seconds = interleaved([runner(mechanism, form, 1 / STEP, steps * STEP) for form in FORMS], rounds)
-    found, simulated = [], steps * STEP * mechanism.turn
+    seconds = interleaved([runner(mechanism, form, 1 / TURN_STEP, steps * TURN_STEP) for form in FORMS], rounds)
+    found, simulated = [], steps * TURN_STEP * mechanism.turn
     for k, form in enumerate(FORMS):
         peer = 0 if k < 3 else k - 3
         cost, ratio, least = against(seconds, k, peer)
@@ -113,13 +114,13 @@ def fixed_step(mechanism: Mechanism, rounds: int = ROUNDS) -> list[Cost]:
 
 
 def against(seconds: np.ndarray, k: int, peer: int) -> tuple[float, float, float]:
-    """(median, ratio to the median of the peer, ratio of the least times) of column k."""
+    """Return (median, ratio to the median of the peer, ratio of the least times) of column k."""
     middle, least = np.median(seconds, axis=0), seconds.min(axis=0)
     return float(middle[k]), float(middle[k] / middle[peer]), float(least[k] / least[peer])
 
 
-def equal_accuracy(mechanism: Mechanism, rounds: int = ROUNDS) -> list[Accuracy]:
-    """Costs at equal accuracy: RK4 in the plane and in space at their own least steps, DOP853 in space.
+def equal_accuracy(mechanism: Mechanism, rounds: int = ROUND_COUNT) -> list[Accuracy]:
+    """Measure the cost at equal accuracy: RK4 in the plane and in space at their own least steps, DOP853 in space.
 
     The truth is DOP853 at 1e-13 in space; the planar runs come to it without any of its code.
     """
@@ -127,11 +128,11 @@ def equal_accuracy(mechanism: Mechanism, rounds: int = ROUNDS) -> list[Accuracy]
     size = max(np.abs(link.origin).max() for link in mechanism.links)
 
     def loosest(form: str, settings: np.ndarray) -> tuple[str, float, float]:
-        """(form, setting, error) of the last setting, from the tight side, before the error grows too large."""
+        """Return (form, setting, error) of the last setting, from the tight side, before the error grows too large."""
         found = form, settings[0], np.inf
         for setting in settings:
             error = float(np.abs(runner(mechanism, form, setting)()[1] - truth).max() / size)
-            if error > ACCURACY:
+            if error > POSITION_ERROR_MAX:
                 break
             found = form, setting, error
         return found
@@ -147,10 +148,12 @@ def equal_accuracy(mechanism: Mechanism, rounds: int = ROUNDS) -> list[Accuracy]
     return rows
 
 
-def design_sweep(cells: int = CELLS) -> dict[str, float]:
-    """Seconds of cells^2 spatial inline fours with `Kinematic` on all cores, the start of processes included."""
+def design_sweep(cells: int = SWEEP_CELLS) -> dict[str, float]:
+    """Return the seconds of cells^2 spatial inline fours with `Kinematic` on all cores, the start of processes
+    included.
+    """
     grid = {"radius": np.linspace(0.5, 1.0, cells), "rod_length": np.linspace(1.5, 4.0, cells)}
-    run = {"t_end": 2 * np.pi / engine.RATE, "method": Kinematic(), "output": engine.SAMPLES + 1}
+    run = {"t_end": 2 * np.pi / engine.CRANK_RATE, "method": Kinematic(), "output": engine.TURN_SAMPLES + 1}
     began, before = time.perf_counter(), os.times()
     table = sweep(engine.inline_four, grid, engine.orders, run=run, executor="processes", progress=False)
     wall, after = time.perf_counter() - began, os.times()
@@ -158,7 +161,7 @@ def design_sweep(cells: int = CELLS) -> dict[str, float]:
     return {"cells": cells**2, "failed": int(table.attrs["failed"]), "seconds": wall, "processor": busy}
 
 
-def measure(rounds: int = ROUNDS, cells: int = CELLS) -> Tax:
+def measure(rounds: int = ROUND_COUNT, cells: int = SWEEP_CELLS) -> Tax:
     """Measure everything, in one process."""
     costs = [row for mechanism in mechanisms() for row in fixed_step(mechanism, rounds)]
     accuracies = [row for mechanism in mechanisms() for row in equal_accuracy(mechanism, rounds)]
@@ -166,7 +169,7 @@ def measure(rounds: int = ROUNDS, cells: int = CELLS) -> Tax:
 
 
 def verdicts(tax: Tax) -> list[tuple[str, float, float, bool]]:
-    """(what, measured, goal, whether it is met)."""
+    """Return (what, measured, goal, whether it is met)."""
     spatial = [row.ratio for row in tax.costs if row.form in ("space", "space, redundant")]
     floor = max(value for row in tax.floors for value in row[2:] if value is not None)
     rows = [
@@ -178,8 +181,8 @@ def verdicts(tax: Tax) -> list[tuple[str, float, float, bool]]:
 
 
 def lines(tax: Tax) -> list[str]:
-    """The table."""
-    said = [tax.machine, "", f"RK4, a step of {STEP:g} turns, medians of the compiled loop"]
+    """Return the lines of the table."""
+    said = [tax.machine, "", f"RK4, a step of {TURN_STEP:g} turns, medians of the compiled loop"]
     said.append(f"{'':34}{'ms per s':>9}{'us/eval.':>10}{'ratio':>7}{'least':>7}  against")
     for row in tax.costs:
         peer = "plane" if "O = G" not in row.form else row.form.split(",")[0]
@@ -187,7 +190,7 @@ def lines(tax: Tax) -> list[str]:
             f"{row.mechanism:14}{row.form:20}{1e3 * row.per_second:9.3f}{1e6 * row.per_evaluation:10.2f}"
             f"{row.ratio:7.2f}{row.least:7.2f}  {peer}"
         )
-    said += ["", f"Equal accuracy: positions after a turn right to {ACCURACY:g}"]
+    said += ["", f"Equal accuracy: positions after a turn right to {POSITION_ERROR_MAX:g}"]
     said.append(f"{'':42}{'error':>9}{'ms per s':>10}{'ratio':>7}{'least':>7}")
     said += [
         f"{row.mechanism:14}{row.form:7}{row.setting:21}{row.error:9.1e}{1e3 * row.per_second:10.3f}{row.ratio:7.2f}"
@@ -208,9 +211,9 @@ def lines(tax: Tax) -> list[str]:
 
 @click.command()
 @click.option("--json", "as_json", is_flag=True, help="JSON instead of the table.")
-@click.option("--rounds", default=ROUNDS, show_default=True, type=click.IntRange(1), help="Of all forms in turns.")
+@click.option("--rounds", default=ROUND_COUNT, show_default=True, type=click.IntRange(1), help="Of all forms in turns.")
 def main(as_json: bool, rounds: int) -> None:
-    """What planar mechanisms cost in space, against a planar solver; trust ratios, on an idle machine."""
+    """Measure the cost of spatial coordinates against a planar solver; trust ratios, on an idle machine."""
     tax = measure(rounds)
     rows = {key: [row._asdict() for row in getattr(tax, key)] for key in ("costs", "accuracies", "floors")}
     found = [dict(zip(("what", "measured", "goal", "met"), row, strict=True)) for row in verdicts(tax)]

@@ -25,7 +25,9 @@ HINGE, BALL, CROSS, GUIDE = "hinge", "ball", "cross", "guide"
 
 @dataclass(frozen=True)
 class Link:
-    """A body: mass [kg], inertia about z and its centre of mass [kg m^2], O and that centre [m], both world."""
+    """Body of a planar mechanism: mass [kg], inertia about z and its centre of mass [kg m^2], O and that centre [m],
+    both world.
+    """
 
     name: str
     mass: float
@@ -36,7 +38,7 @@ class Link:
 
 @dataclass(frozen=True)
 class Coupling:
-    """A joint of two links by name, None = the ground; ``kind`` is what a space without redundant rows has there."""
+    """Joint of two links by name, None = the ground; ``kind`` is its form in space without redundant rows."""
 
     name: str
     kind: str
@@ -48,7 +50,7 @@ class Coupling:
 
 @dataclass(frozen=True)
 class Mechanism:
-    """A planar mechanism of one freedom; the first link turns in the first coupling.
+    """Planar mechanism with one degree of freedom; the first link turns in the first coupling.
 
     ``rate``: speed of the first link at t = 0, or always if driven [rad/s]; ``gravity`` (2,): [m/s^2].
     """
@@ -61,12 +63,12 @@ class Mechanism:
 
     @property
     def turn(self) -> float:
-        """Time of a turn of the first link at its first speed [s]."""
+        """Return the time of a turn of the first link at its first speed [s]."""
         return 2 * np.pi / abs(self.rate)
 
     def plane(self, *, driven: bool = False, centroidal: bool = False) -> planar.System:
-        """The mechanism for the planar solver; ``centroidal`` puts every O into the centre of mass (r_G = 0)."""
-        bodies = {None: planar.GROUND}
+        """Build the mechanism for the planar solver; ``centroidal`` puts every O into the centre of mass (r_G = 0)."""
+        bodies: dict[str | None, Any] = {None: planar.GROUND}
         for k, link in enumerate(self.links):
             origin = np.array(link.centre if centroidal else link.origin)[:2]
             com, omega = np.array(link.centre)[:2] - origin, None if k or driven else self.rate
@@ -77,7 +79,7 @@ class Mechanism:
         return planar.System([bodies[link.name] for link in self.links], joints, gravity=self.gravity)
 
     def space(self, *, redundant: bool = False, driven: bool = False, centroidal: bool = False) -> mbsd3d.System:
-        """The mechanism for `mbsd3d`; ``redundant`` makes every turning joint a hinge."""
+        """Build the mechanism for `mbsd3d`; ``redundant`` makes every rotating joint a hinge."""
         bodies = {None: mbsd3d.GROUND}
         for k, link in enumerate(self.links):
             origin = np.array(link.centre if centroidal else link.origin)
@@ -92,14 +94,14 @@ class Mechanism:
 
 
 def planar_joint(c: Coupling, a: planar.Body, b: planar.Body) -> planar.Joint:
-    """The planar joint of a coupling."""
+    """Return the planar joint of a coupling."""
     if c.kind == GUIDE:
         return planar.Slider(a, b, at=c.at[:2], axis=c.axis[:2], name=c.name)
     return planar.Revolute(a, b, at=c.at[:2], name=c.name)
 
 
 def spatial_joint(c: Coupling, a: mbsd3d.Body, b: mbsd3d.Body, redundant: bool) -> mbsd3d.Joint:
-    """The spatial joint of a coupling."""
+    """Return the spatial joint of a coupling."""
     if c.kind == GUIDE:
         return mbsd3d.Prismatic(a, b, at=c.at, axis=c.axis, name=c.name)
     if c.kind == HINGE or redundant:
@@ -110,13 +112,13 @@ def spatial_joint(c: Coupling, a: mbsd3d.Body, b: mbsd3d.Body, redundant: bool) 
 
 
 def across(a: tuple, b: tuple) -> tuple:
-    """Unit vector in the plane at right angles to the line from a to b."""
+    """Return the unit vector in the plane at right angles to the line from a to b."""
     x, y = b[0] - a[0], b[1] - a[1]
     return (-y / np.hypot(x, y), x / np.hypot(x, y), 0.0)
 
 
 def slider_crank(angle: float = 0.4, radius: float = 0.31, rod_length: float = 0.83) -> Mechanism:
-    """A piston along x, every centre of mass off its O, weight across the bore."""
+    """Return a slider-crank with the piston along x, every centre of mass off its O, weight across the bore."""
     pin = (radius * np.cos(angle), radius * np.sin(angle), 0.0)
     wrist = (pin[0] + np.sqrt(rod_length**2 - pin[1] ** 2), 0.0, 0.0)
     links = (
@@ -134,7 +136,7 @@ def slider_crank(angle: float = 0.4, radius: float = 0.31, rod_length: float = 0
 
 
 def four_bar() -> Mechanism:
-    """A crank-rocker; the crank turns over the top."""
+    """Return a crank-rocker whose crank passes the top."""
     A, B, C, D = (0.0, 0.0, 0.0), (0.21, 0.17, 0.0), (0.95, 0.71, 0.0), (1.0, -0.05, 0.0)
     links = (
         Link("crank", 2.1, 0.15, A, (0.11, 0.07, 0.0)),
@@ -151,7 +153,7 @@ def four_bar() -> Mechanism:
 
 
 def inline_four(angle: float = 0.3, radius: float = 1.0, rod_length: float = 2.0, spacing: float = 0.2) -> Mechanism:
-    """The toy engine of references/engine.json with its bores along y, without gravity; 10 rpm."""
+    """Return the toy engine of references/engine.json with its bores along y, without gravity; 10 rpm."""
     centre = (0.0, 0.0, 0.0)
     links, couplings = [Link("crank", 8.0, 6.0, centre, centre)], [Coupling("bearing", HINGE, None, "crank", centre)]
     for i, side in enumerate((1.0, -1.0, -1.0, 1.0)):
@@ -169,16 +171,16 @@ def inline_four(angle: float = 0.3, radius: float = 1.0, rod_length: float = 2.0
 
 
 def mechanisms() -> tuple[Mechanism, ...]:
-    """All three."""
+    """Return the three planar mechanisms."""
     return slider_crank(), four_bar(), inline_four()
 
 
-CYCLE = 72  # samples of a turn
-STEPS = 400  # of RK4, for a free turn
+CYCLE_SAMPLES = 72  # [1] samples of a turn
+TURN_STEPS = 400  # [1] of RK4, for a free turn
 
 
 class Floor(NamedTuple):
-    """Largest amount of a sum that vanishes in theory, relative to the forces that cancel in it."""
+    """Largest absolute value of a sum that vanishes in theory, relative to the forces that cancel in it."""
 
     mechanism: str
     what: str
@@ -188,29 +190,34 @@ class Floor(NamedTuple):
 
 
 def cycle(mechanism: Mechanism) -> list[Any]:
-    """One driven turn by kinematics: in the plane, in space, in space with redundant rows."""
-    times = mechanism.turn * np.arange(CYCLE + 1) / CYCLE
+    """Simulate one driven turn by kinematics: in the plane, in space, in space with redundant rows."""
+    times = mechanism.turn * np.arange(CYCLE_SAMPLES + 1) / CYCLE_SAMPLES
     spatial = [mechanism.space(driven=True, redundant=redundant) for redundant in (False, True)]
     return [
         planar.kinematics(mechanism.plane(driven=True), times),
-        *(mbsd3d.simulate(system, times[-1], method=mbsd3d.Kinematic(), output=CYCLE + 1) for system in spatial),
+        *(
+            mbsd3d.simulate(system, times[-1], method=mbsd3d.Kinematic(), output=CYCLE_SAMPLES + 1)
+            for system in spatial
+        ),
     ]
 
 
 def cubic(values: np.ndarray) -> np.ndarray:
-    """(n, 3) of (n, 2), (n, 3) or, about z, (n,)."""
+    """Return vectors (n, 3) from (n, 2), (n, 3) or, about z, (n,)."""
     if values.ndim == 1:
         return values[:, None] * (0.0, 0.0, 1.0)
     return np.pad(values, ((0, 0), (0, 3 - values.shape[1])))
 
 
 def grounded(mechanism: Mechanism, solution: mbsd3d.Solution) -> list[np.ndarray]:
-    """(n, 3) force of the ground in each of its joints [N]."""
+    """Return the force of the ground in each of its joints [N], shape (n, 3)."""
     return [cubic(solution.reaction(c.name).force) for c in mechanism.couplings if c.a is None]
 
 
 def imbalance(mechanism: Mechanism, solution: mbsd3d.Solution) -> float:
-    """Newton for the whole: largest |forces of the ground + m g - sum m a_G|, relative to the largest force."""
+    """Return the residual of Newton's law for the whole: largest |forces of the ground + m g - sum m a_G|, relative to
+    the largest force.
+    """
     forces, rest = grounded(mechanism, solution), 0.0
     for link in mechanism.links:
         arm = cubic(solution.com(link.name) - solution.position(link.name))
@@ -221,7 +228,7 @@ def imbalance(mechanism: Mechanism, solution: mbsd3d.Solution) -> float:
 
 
 def balanced(mechanism: Mechanism, solution: mbsd3d.Solution) -> tuple[float, float]:
-    """(1x force along the bores, largest force across them) of the inline four on its block over F_single.
+    """Return (1x force along the bores, largest force across them) of the inline four on its block over F_single.
 
     F_single = w^2 (m_c r_c + (m_r + m_p) R), 10 kg m w^2: the 1x force of one cylinder.
     """
@@ -232,7 +239,7 @@ def balanced(mechanism: Mechanism, solution: mbsd3d.Solution) -> tuple[float, fl
 
 
 def noise_floors() -> list[Floor]:
-    """How well "1 - 1 = 0" holds: sums over a driven turn, and what leaves the plane in space."""
+    """Measure how well "1 - 1 = 0" holds: sums over a driven turn, and out-of-plane components in space."""
     floors = []
     for mechanism in mechanisms():
         runs = cycle(mechanism)
@@ -241,7 +248,7 @@ def noise_floors() -> list[Floor]:
         floors.append(Floor(mechanism.name, "force out of the plane", None, *lost))
         forms = [mechanism.space(redundant=redundant) for redundant in (False, True)]
         free = [
-            mbsd3d.simulate(system, mechanism.turn, method=mbsd3d.RK4(mechanism.turn / STEPS), output=2)
+            mbsd3d.simulate(system, mechanism.turn, method=mbsd3d.RK4(mechanism.turn / TURN_STEPS), output=2)
             for system in forms
         ]
         size = max(np.abs(link.origin).max() for link in mechanism.links)

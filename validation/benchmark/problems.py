@@ -1,4 +1,4 @@
-"""The mechanisms of the benchmark, where each of them ends, and how far a run is from there.
+"""Mechanisms of the benchmark, their exact final poses, and the error of a run.
 
 Loops come in two forms with the same motion: all hinges, as one would build it, and with weaker joints where loops are
 cut, so that no row repeats another. A peer is measured in the form that suits it best.
@@ -20,17 +20,17 @@ from validation.theory.torque_free import free_body
 
 PLANAR_CUTS = "planar cuts"  # of planar loops; in joint coordinates the other body becomes two that are welded
 POINT_CUTS = "point cuts"  # a row of each still repeats others
-TRUTH = 1e-12  # rtol of our own run where there is no closed form
+TRUTH_RTOL = 1e-12  # [1] rtol of the reference run where there is no closed form
 
 
 class Poses(NamedTuple):
-    """All bodies at the end of a run: reference points (bodies, 3) [m], rotations (bodies, 3, 3)."""
+    """Poses of all bodies at the end of a run: reference points (bodies, 3) [m], rotations (bodies, 3, 3)."""
 
     position: np.ndarray
     rotation: np.ndarray
 
     def distance(self, other: "Poses", length: float) -> float:
-        """Greatest distance of a reference point over ``length``, or angle between rotations [rad]."""
+        """Return the greatest distance of a reference point over ``length``, or angle between rotations [rad]."""
         shift = np.linalg.norm(self.position - other.position, axis=1) / length
         # |R - R'| = 2 sqrt(2) sin(angle / 2), which is exact where arccos of the trace is not
         chord = np.linalg.norm(self.rotation - other.rotation, axis=(1, 2)) / np.sqrt(8.0)
@@ -38,7 +38,7 @@ class Poses(NamedTuple):
 
 
 def whole(system: mbsd3d.System, t_end: float, output: int = 2, **options: Any) -> Any:
-    """A run to its end: `simulate` keeps what there is after Ctrl-C, which here is of no use."""
+    """Simulate to the end; raise KeyboardInterrupt after Ctrl-C instead of keeping a part."""
     solution = mbsd3d.simulate(system, t_end, output=output, progress=False, **options)
     if solution.record.stopped_by:
         raise KeyboardInterrupt(solution.record.stopped_by)
@@ -46,7 +46,7 @@ def whole(system: mbsd3d.System, t_end: float, output: int = 2, **options: Any) 
 
 
 def poses(solution: mbsd3d.Solution) -> Poses:
-    """End of a solution."""
+    """Return the poses at the end of a solution."""
     bodies = solution.system.bodies
     return Poses(
         np.array([solution.position(body)[-1] for body in bodies]),
@@ -56,7 +56,7 @@ def poses(solution: mbsd3d.Solution) -> Poses:
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """A mechanism from its reference pose to ``t_end``.
+    """Mechanism from its reference pose to ``t_end``.
 
     ``name, family``: "four-bar 40", "loop"; ``system``: as one would build it; ``t_end``: [s]; ``forms``: text ->
     System with the same motion, other joints at the cuts; ``tree``: the mechanism as a tree of hinges, if it is one;
@@ -72,7 +72,7 @@ class Problem:
     exact: Callable[[], Poses] | None = None
 
     def determinate(self) -> dict[str, mbsd3d.System]:
-        """Forms without rows that repeat others: what an implicit solver needs."""
+        """Return the forms without redundant rows, which an implicit solver needs."""
         return {
             **({} if self.repeats else {"as built": self.system}),
             **{text: form for text, form in self.forms.items() if text != POINT_CUTS},
@@ -80,51 +80,51 @@ class Problem:
 
     @property
     def repeats(self) -> bool:
-        """Whether rows of the system as built repeat others; then it has forms where none does."""
+        """Return whether the system as built has redundant rows; then it has forms where none is redundant."""
         return bool(self.forms)
 
     def truth(self) -> Poses:
-        """Closed form, or our run at rtol `TRUTH`; the peers' limits are held against it."""
+        """Return the true final poses: closed form, or a run at rtol `TRUTH_RTOL` that the peers' limits confirm."""
         if self.exact:
             return self.exact()
-        return poses(whole(self.system, self.t_end, rtol=TRUTH))
+        return poses(whole(self.system, self.t_end, rtol=TRUTH_RTOL))
 
 
 def cut(system: mbsd3d.System, kind: Callable[[mbsd3d.Joint], mbsd3d.Joint], names: tuple[str, ...]) -> mbsd3d.System:
-    """The system with some hinges replaced by weaker joints; these come last, where a tree of joints ends."""
+    """Return the system with some hinges replaced by weaker joints; these come last, where a tree of joints ends."""
     chosen = [joint for joint in system.joints if joint.name in names]
     kept = [joint for joint in system.joints if joint.name not in names]
     return replace(system, joints=[*kept, *map(kind, chosen)])
 
 
 def on_line(hinge: Any) -> mbsd3d.PointOnLine:
-    """Planar cut: the two rows of a hinge that a planar mechanism needs."""
+    """Return the planar cut of a hinge: the two rows that a planar mechanism needs."""
     return mbsd3d.PointOnLine(hinge.a, hinge.b, at=hinge.at, axis=hinge.axis, name=hinge.name)
 
 
 def ball(hinge: Any) -> mbsd3d.Spherical:
-    """The three rows of a hinge that hold its point."""
+    """Return the three rows of a hinge that hold its point."""
     return mbsd3d.Spherical(hinge.a, hinge.b, at=hinge.at, name=hinge.name)
 
 
 def sliding(hinge: Any) -> mbsd3d.Cylindrical:
-    """A hinge that may slide."""
+    """Return a hinge that may slide."""
     return mbsd3d.Cylindrical(hinge.a, hinge.b, at=hinge.at, axis=hinge.axis, name=hinge.name)
 
 
 def planar_forms(system: mbsd3d.System, names: tuple[str, ...]) -> dict[str, mbsd3d.System]:
-    """Forms of a mechanism whose loops are planar, one hinge of each loop named."""
+    """Return the forms of a mechanism whose loops are planar, one hinge of each loop named."""
     return {PLANAR_CUTS: cut(system, on_line, names), POINT_CUTS: cut(system, ball, names)}
 
 
 def from_case(name: str, case: str, family: str, t_end: float | None = None, forms: Callable | None = None) -> Problem:
-    """A reference case; ``forms`` makes the other forms from its system."""
+    """Return a reference case; ``forms`` makes the other forms from its system."""
     found = cases.load(case)
     return Problem(name, family, found.system, t_end or found.t_end, forms(found.system) if forms else {})
 
 
 def coasting(name: str, case: str, supports: tuple[str, ...]) -> Problem:
-    """A driven case from its own start without the motor: what is driven is known without integrating.
+    """Return a driven case from its own start without the motor, since a driven motion is known without integrating.
 
     The hinges named repeat rows; another form has points on lines there.
     """
@@ -137,7 +137,9 @@ def coasting(name: str, case: str, supports: tuple[str, ...]) -> Problem:
 
 
 def top(name: str, system: mbsd3d.System, t_end: float) -> Problem:
-    """A top on a ball; as a tree: three hinges, the first along the direction from which the axis stays away most."""
+    """Return a top on a ball; as a tree: three hinges, the first along the direction from which the axis stays away
+    most.
+    """
     body, pivot = system.bodies[0], system.joints[0].at
     path = whole(system, t_end, output=200).com(body) - pivot
     path /= np.linalg.norm(path, axis=1, keepdims=True)
@@ -153,12 +155,14 @@ def top(name: str, system: mbsd3d.System, t_end: float) -> Problem:
 
 
 def tree(name: str, family: str, system: mbsd3d.System, t_end: float) -> Problem:
-    """A tree of hinges."""
+    """Return a problem of a tree of hinges."""
     return Problem(name, family, system, t_end, tree=system)
 
 
 def four_bar(n: int) -> Problem:
-    """The N-four-bar: all rods turn alike, as one physical pendulum, through ten poses with n + 1 freedoms."""
+    """Return the N-four-bar: all rods turn alike, as one physical pendulum, through ten poses with n + 1 degrees of
+    freedom.
+    """
     system = mechanisms.four_bars(n)
     names = tuple(f"B{k}r" for k in range(n))
     exact = partial(four_bar_poses, n, 10.0)
@@ -166,7 +170,9 @@ def four_bar(n: int) -> Problem:
 
 
 def four_bar_poses(n: int, t: float) -> Poses:
-    """Rods turn by phi from hanging: (n + 1) inertias m l^2 / 3 and n couplers m l^2 in translation."""
+    """Return the poses of rods that turn by phi from hanging: (n + 1) inertias m l^2 / 3 and n couplers m l^2 in
+    translation.
+    """
     frequency = np.sqrt(9.81 * ((n + 1) / 2 + n) / ((n + 1) / 3 + n))
     phi = float(pendulum_motion(t, frequency, np.pi, -1.0)[0])
     along = np.array([np.sin(phi), -np.cos(phi), 0.0])
@@ -177,7 +183,7 @@ def four_bar_poses(n: int, t: float) -> Poses:
 
 
 def dzhanibekov(t_end: float = 11.0) -> Problem:
-    """A free body about its middle axis; 11 s hold two flips and amplify an error some hundred times."""
+    """Return a free body about its middle axis; 11 s hold two flips and amplify an error some hundred times."""
     system = cases.load("free_dzhanibekov").system
     body = system.bodies[0]
 
@@ -191,13 +197,13 @@ def dzhanibekov(t_end: float = 11.0) -> Problem:
 
 
 def ladder(n: int) -> Problem:
-    """Parallelograms in a tilted plane, 0.5 s of their fall."""
+    """Return parallelograms in a tilted plane, 0.5 s of their fall."""
     system = mechanisms.ladder(n)
     return Problem(f"ladder {n}", "loop", system, 0.5, planar_forms(system, tuple(f"right {k}" for k in range(n))))
 
 
 def chain(n: int) -> Problem:
-    """n hinges, 0.5 s of their fall from the horizontal."""
+    """Return a chain of n hinges, 0.5 s of its fall from the horizontal."""
     return tree(f"chain {n}", "chain", mechanisms.chain(n), 0.5)
 
 

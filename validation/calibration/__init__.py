@@ -1,1 +1,1 @@
-"""Runs whose true motion is known, against what the certificate says of them."""
+"""Calibration of the certificate: runs with known true motion against the statements of the certificate."""

@@ -1,4 +1,4 @@
-"""``python -m validation.calibration``."""
+"""Entry point of ``python -m validation.calibration``."""
 
 from validation.calibration.cli import main
 

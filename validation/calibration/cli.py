@@ -1,4 +1,4 @@
-"""``python -m validation.calibration``: thousands of runs with known truth, and what the certificate says of them."""
+"""Command ``python -m validation.calibration``: thousands of runs with known truth against their certificates."""
 
 import sys
 from pathlib import Path
@@ -10,12 +10,14 @@ from mbsd3d import SweepError
 from mbsd3d.errors import InputError
 from mbsd3d.extend import INTERRUPTED, Failure, Progress, ready_folder, write_atomically
 
-RUNS = 2100
-LINES, TABLE = "calibration.jsonl", "calibration.txt"
+RUN_COUNT = 2100
+RECORD_FILE, TABLE_FILE = "calibration.jsonl", "calibration.txt"
 
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
-@click.option("--runs", default=RUNS, show_default=True, type=click.IntRange(1), help="How many; families take turns.")
+@click.option(
+    "--runs", default=RUN_COUNT, show_default=True, type=click.IntRange(1), help="How many; families take turns."
+)
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="First seed; the next runs add one.")
 @click.option("--family", "names", multiple=True, metavar="NAME", help="Only this one, repeatable; --list shows them.")
 @click.option("--list", "listed", is_flag=True, help="Names of the families, and nothing else.")
@@ -26,7 +28,8 @@ LINES, TABLE = "calibration.jsonl", "calibration.txt"
 @click.option("--fresh", is_flag=True, help="Make all runs again.")
 @click.option("--docs", is_flag=True, help="Write the table into docs/theory/certificate.md.")
 def main(runs: int, seed: int, names: tuple, listed: bool, out: Path, fresh: bool, docs: bool) -> None:
-    """Compare runs with their truth, over all methods and tolerances, and count what certificate and estimate say.
+    """Compare runs with their truth, over all methods and tolerances, and count the statements of certificate and
+    estimate.
 
     Nothing is to be wrong by more than a hundredth of its scale without a warning, nothing to fail that is right to ten
     times its tolerance. All runs take some minutes.
@@ -38,7 +41,7 @@ def main(runs: int, seed: int, names: tuple, listed: bool, out: Path, fresh: boo
 
 
 def calibrate(runs: int, seed: int, names: tuple, listed: bool, out: Path, fresh: bool, docs: bool) -> None:
-    """See `main`."""
+    """Run the calibration; see `main`."""
     from validation.calibration import table
     from validation.calibration.families import FAMILIES
     from validation.calibration.judge import cases
@@ -52,19 +55,19 @@ def calibrate(runs: int, seed: int, names: tuple, listed: bool, out: Path, fresh
         return
     ready_folder(str(out), "--out")
     wanted = cases(runs, seed, names or tuple(FAMILIES))
-    records = collect(wanted, out / LINES, fresh)
+    records = collect(wanted, out / RECORD_FILE, fresh)
     lines = [*table.offenders(records), table.text(records)]
     click.echo("\n".join(lines))
-    write_atomically(out / TABLE, ("\n".join(lines) + "\n").encode())
+    write_atomically(out / TABLE_FILE, ("\n".join(lines) + "\n").encode())
     if len(records) < len(wanted):
-        click.echo(f"\ninterrupted; {len(records)} runs are in {out / LINES}, the same command goes on", err=True)
+        click.echo(f"\ninterrupted; {len(records)} runs are in {out / RECORD_FILE}, the same command goes on", err=True)
         sys.exit(INTERRUPTED)
     if docs:
         renew(records)
 
 
 def collect(wanted: list[Any], path: Path, fresh: bool) -> list[Any]:
-    """Records of the file, and of what is missing there; Ctrl-C leaves those that are done."""
+    """Yield the records of the file, and run those that are missing; Ctrl-C keeps the finished ones."""
     from validation.calibration.runs import code_digest, examined, stored
 
     if fresh:

@@ -1,4 +1,4 @@
-"""One run of the calibration: the true error beside what certificate and estimate say."""
+"""One run of the calibration: the true error against the statements of certificate and estimate."""
 
 import time
 import zlib
@@ -14,15 +14,15 @@ from validation.calibration.families import FAMILIES
 from validation.calibration.problem import Place, Problem
 from validation.calibration.settings import Settings, draw
 
-WRONG = 1e-2  # [1] of the scale: what no run may be wrong by without a warning; the limit of `estimate` too
-RIGHT = 10.0  # times rtol: what no run may fail with
-WARNINGS = ("not looked for", "never armed", "rad in a step")
+WRONG_ERROR = 1e-2  # [1] of the scale: error that needs a warning; the limit of `estimate` too
+RIGHT_RTOL_RATIO = 10.0  # [1] of rtol: error with which no run may fail
+WARNING_TEXTS = ("not looked for", "never armed", "rad in a step")
 """In notes, and in the line of the global error, of what may make the motion wrong."""
 
 
 @dataclass(frozen=True)
 class Record:
-    """What a run was, how wrong it is, and what was said of it.
+    """Settings of a run, its true error, and the statements of certificate and estimate.
 
     ``error``: largest over samples and readings, over their scales (1 rad, a length): decides whether it is wrong;
     ``relative``: with the scales raised to the largest true value, as tolerances are: decides whether it is right;
@@ -50,41 +50,41 @@ class Record:
 
     @property
     def wrong(self) -> bool:
-        """Whether it is wrong by more than a hundredth of a scale."""
-        return not self.stopped and not self.error <= WRONG
+        """Return whether the run is wrong by more than a hundredth of a scale."""
+        return not self.stopped and not self.error <= WRONG_ERROR
 
     @property
     def silent(self) -> bool:
-        """Wrong, and neither certificate nor estimate warns."""
+        """Return whether the run is wrong without a warning by certificate or estimate."""
         return self.wrong and not self.warned and self.estimate != "warns"
 
     @property
     def right(self) -> bool:
-        """Whether it is right to ten times what was asked for."""
-        return not self.stopped and self.error <= WRONG and self.relative <= RIGHT * self.rtol
+        """Return whether the run is right to ten times its tolerance."""
+        return not self.stopped and self.error <= WRONG_ERROR and self.relative <= RIGHT_RTOL_RATIO * self.rtol
 
     @property
     def false_alarm(self) -> bool:
-        """Failed by certificate or estimate, although it is right; an estimate may see ten times the true error.
+        """Return whether certificate or estimate reject a right run; an estimate may give ten times the true error.
 
         Its poses are those of the reference points, which may be farther out than what is read.
         """
-        warned = self.estimate == "raises" or (self.estimate == "warns" and self.error <= 0.1 * WRONG)
+        warned = self.estimate == "raises" or (self.estimate == "warns" and self.error <= 0.1 * WRONG_ERROR)
         return self.right and not self.unsure and (not self.passed or warned)
 
 
 def cases(runs: int, seed: int, names: Sequence[str]) -> list[tuple[str, int]]:
-    """(family, seed) of so many runs: families take turns, seeds go up from the first."""
+    """Return (family, seed) of so many runs: families alternate, seeds increase from the first."""
     return [(names[k % len(names)], seed + k // len(names)) for k in range(runs)]
 
 
 def generator(family: str, seed: int) -> np.random.Generator:
-    """The random numbers of a problem and its settings."""
+    """Return the random numbers of a problem and its settings."""
     return np.random.default_rng([seed, zlib.crc32(family.encode())])
 
 
 def build(family: str, seed: int) -> tuple[Problem, Settings]:
-    """The problem of a seed, and how it is run."""
+    """Return the problem of a seed, and its settings."""
     rng = generator(family, seed)
     problem = FAMILIES[family](Place(rng))
     return problem, draw(rng, problem)
@@ -109,7 +109,7 @@ def examine(family: str, seed: int) -> Record:
 
 
 def march(problem: Problem, method: Any, rtol: float, output: Any = None) -> list[Solution]:
-    """The runs from stop to stop, and on to the end."""
+    """Simulate the runs from stop to stop, and on to the end."""
     state, runs, begin = problem.start(), [], 0.0
     for condition, *_ in (*problem.stops, (None,)):
         if begin >= problem.t_end:
@@ -126,7 +126,7 @@ def march(problem: Problem, method: Any, rtol: float, output: Any = None) -> lis
 
 
 def compare(problem: Problem, runs: Sequence[Solution]) -> tuple[float, float, str]:
-    """(error over the scale, error over scale or largest true value, worst reading)."""
+    """Return (error over the scale, error over scale or largest true value, worst reading)."""
     found = [(0.0, 0.0, "")]
     for run in runs:
         for reading in problem.readings:
@@ -146,13 +146,13 @@ def compare(problem: Problem, runs: Sequence[Solution]) -> tuple[float, float, s
 
 
 def verdict(runs: Sequence[Solution]) -> dict[str, Any]:
-    """What certificate and estimate say of runs that follow each other: the worst of them."""
+    """Return the worst statement of certificate and estimate on successive runs."""
     certificates = [run.certificate for run in runs]
     failures = tuple(text for certificate in certificates for text in certificate.failures)
     outcomes, sizes = zip(*(ask(run) for run in runs), strict=True)
     estimated = sum(sizes)  # each run is estimated from its own start: errors add
     order = ("warns", "raises", "none", "agrees")
-    estimate = "warns" if estimated > WRONG else min(outcomes, key=order.index)
+    estimate = "warns" if estimated > WRONG_ERROR else min(outcomes, key=order.index)
     return {
         "passed": not failures,
         "failures": failures,
@@ -163,17 +163,17 @@ def verdict(runs: Sequence[Solution]) -> dict[str, Any]:
 
 
 def warns(certificate: Any) -> bool:
-    """Whether a certificate fails, or says what may make the motion wrong."""
+    """Return whether a certificate fails or warns of a wrong motion."""
     notes = (*certificate.notes, certificate.global_error)
-    return not certificate.passed or any(text in note for note in notes for text in WARNINGS)
+    return not certificate.passed or any(text in note for note in notes for text in WARNING_TEXTS)
 
 
 def ask(run: Solution) -> tuple[str, float]:
-    """What `estimate` says, and the error it finds; 0 where it finds none."""
+    """Return the statement of `estimate` and its error; 0 where it finds none."""
     if run.record.steps and not run.record.kinematic and run.record.method.dt is None and run.record.rtol < 3.2e-12:
         return "none", 0.0
     try:
         found = run.estimate()
     except MbsError:
         return "raises", 0.0
-    return ("agrees" if found.error <= WRONG else "warns"), found.error
+    return ("agrees" if found.error <= WRONG_ERROR else "warns"), found.error

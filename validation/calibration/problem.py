@@ -1,4 +1,4 @@
-"""A problem of the calibration: a mechanism in general position, and what is true of its motion."""
+"""Problem of the calibration: a mechanism in general position, and its true motion."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from numpy.random import Generator
+from numpy.typing import ArrayLike
 
 from mbsd3d import Body, Solution, State, System
 from validation.cases.examples import random_orientation
@@ -21,7 +22,7 @@ DRIVEN = (*METHODS, "Kinematic", "Kinematic")  # as often as any two others
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """A quantity of a run beside its true course.
+    """Quantity of a run with its true course.
 
     ``computed``: of a solution, (samples,) or (samples, k); ``truth``: the same of the times of the samples;
     ``scale``: what an error is divided by, 1 rad of an angle; None = the length of the model.
@@ -35,7 +36,7 @@ class Reading:
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """A mechanism, how it is run, and its truth.
+    """Mechanism, its runs, and its truth.
 
     ``rate``: of its fastest motion [rad/s], from which fixed steps are chosen; ``methods``: those that make sense;
     ``stops``: conditions with the true times [s] at which they come true and the rates [rad/s] of the motion there, by
@@ -56,7 +57,7 @@ class Problem:
 
 
 class Place:
-    """Where a mechanism is: turned, shifted, in metres or millimetres, all drawn at random.
+    """Random position of a mechanism: rotated, shifted, in metres or millimetres.
 
     Families are written in a frame of their own, z up, with lengths in multiples of ``unit``.
     """
@@ -71,23 +72,23 @@ class Place:
 
     @property
     def gravity(self) -> Array:
-        """Of the earth, in the axes of the world."""
+        """Return the gravity of the earth in world axes."""
         return self.axes @ (0.0, 0.0, -self.g)
 
-    def point(self, *x: float) -> Array:
-        """A point of the frame, in the world."""
+    def point(self, *x: ArrayLike) -> Array:
+        """Return a point of the frame in world coordinates."""
         return self.shift + self.axes @ np.ravel(x)
 
-    def axis(self, *x: float) -> Array:
-        """A direction or vector of the frame, in the world."""
+    def axis(self, *x: ArrayLike) -> Array:
+        """Return a direction or vector of the frame in world axes."""
         return self.axes @ np.ravel(x)
 
     def length(self, low: float, high: float) -> float:
-        """A length [unit]."""
+        """Draw a length [unit]."""
         return self.unit * float(self.rng.uniform(low, high))
 
     def inertia(self, mass: float, size: float) -> Array:
-        """Of six equal masses at random places of this size, (3, 3)."""
+        """Draw the inertia of six equal masses at random points of this size, shape (3, 3)."""
         points = size * self.rng.normal(size=(6, 3))
         points -= points.mean(axis=0)
         return mass / 6.0 * sum((x @ x) * np.eye(3) - np.outer(x, x) for x in points)
@@ -96,7 +97,7 @@ class Place:
         self, name: str, mass: float, inertia: Any, centre: Any,
         velocity: Any = None, omega: Any = None, size: float | None = None,
     ) -> Body:  # fmt: skip
-        """A body with its centre of mass at ``centre``, its reference point and axes anywhere.
+        """Return a body with its centre of mass at ``centre``, its reference point and axes anywhere.
 
         ``inertia`` (3,) or (3, 3) about the centre, ``velocity`` of the centre and ``omega``: axes of the frame.
         """
@@ -121,22 +122,24 @@ class Place:
 
 
 def angle(name: str, joint: Any, truth: Callable[[Array], Array]) -> Reading:
-    """The angle of a hinge, counted over all turns [rad]."""
+    """Return the reading of the angle of a hinge, counted over all turns [rad]."""
     return Reading(name, lambda run: run.angle(joint), truth)
 
 
 def slide(name: str, joint: Any, truth: Callable[[Array], Array]) -> Reading:
-    """The slide of a joint."""
+    """Return the reading of the displacement of a joint."""
     return Reading(name, lambda run: run.slide(joint), truth, None)
 
 
 def centre(body: Any, truth: Callable[[Array], Array]) -> Reading:
-    """Centre of mass of a body, world."""
+    """Return the reading of the centre of mass of a body, world."""
     return Reading(f"centre of {body.name}", lambda run: run.com(body), truth, None)
 
 
 def attitude(body: Any, truth: Callable[[Array], Array]) -> Reading:
-    """How a body is turned since the start: truth (n, 3, 3), from the reference pose to now, world [rad]."""
+    """Return the reading of the rotation of a body since the start: truth (n, 3, 3), from the reference pose to now,
+    world [rad].
+    """
 
     def computed(run: Solution) -> Array:
         return (run.rotation(body) @ body.axes.T).reshape(-1, 9)

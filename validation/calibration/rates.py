@@ -1,4 +1,4 @@
-"""Truth by numbers: equations of motion in the least coordinates, integrated by scipy; open chains of hinges."""
+"""Truth by integration: equations of motion in minimal coordinates, integrated by scipy; open chains of hinges."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,14 +10,16 @@ from scipy.integrate import solve_ivp
 from mbsd3d.errors import InputError
 
 Array = np.ndarray
-TIGHT = 1e-13  # [1] relative, of each step; the least scipy takes is 2.2e-14
+TRUTH_RTOL = 1e-13  # [1] relative, of each step; the least scipy takes is 2.2e-14
 
 
 def motion(slope: Callable[[float, Array], ArrayLike], start: ArrayLike, t_end: float) -> Callable[[Array], Array]:
     """Return y(t), (n,) -> (n, k), of y' = slope(t, y) up to ``t_end`` [s], to 1e-11 (scipy's interpolation)."""
     start = np.atleast_1d(np.asarray(start, float))
     size = np.maximum(np.abs(start), 1.0)
-    course = solve_ivp(slope, (0.0, t_end), start, method="DOP853", rtol=TIGHT, atol=TIGHT * size, dense_output=True)
+    course = solve_ivp(
+        slope, (0.0, t_end), start, method="DOP853", rtol=TRUTH_RTOL, atol=TRUTH_RTOL * size, dense_output=True
+    )
     if not course.success:
         raise InputError(f"truth: {course.message}; draw a shorter motion")
 
@@ -28,19 +30,20 @@ def motion(slope: Callable[[float, Array], ArrayLike], start: ArrayLike, t_end: 
 
 
 def skew(u: Array) -> Array:
-    """(3, 3) with ``skew(u) @ x = u x x``."""
+    """Return the matrix with ``skew(u) @ x = u x x``, shape (3, 3)."""
     return np.array([[0.0, -u[2], u[1]], [u[2], 0.0, -u[0]], [-u[1], u[0], 0.0]])
 
 
 def turn(axis: Array, angle: float) -> Array:
-    """Rotation by an angle [rad] about a unit axis, (3, 3)."""
+    """Return the rotation by an angle [rad] about a unit axis, shape (3, 3)."""
     K = skew(axis)
     return np.eye(3) + np.sin(angle) * K + (1.0 - np.cos(angle)) * (K @ K)
 
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """Links in a row on hinges or slides, in the least coordinates: q (n,) turned or slid since the reference pose.
+    """Links in a row on hinges or slides, in minimal coordinates: q (n,), angle or displacement since the reference
+    pose.
 
     ``points, axes`` (n, 3): of the joints, world at the reference pose, axes unit; ``slides`` (n,) bool; ``masses``
     (n,), ``centres`` (n, 3), ``inertias`` (n, 3, 3): of the links there, about their centres; ``gravity`` (3,);
@@ -58,7 +61,7 @@ class Chain:
     damping: Array
 
     def equations(self, q: Array, v: Array) -> tuple[Array, Array, Array]:
-        """(M, right side without springs, centres of mass): Kane's equations, link after link."""
+        """Return (M, right side without springs, centres of mass) by Kane's equations, link after link."""
         n = len(q)
         M, right, places = np.zeros((n, n)), np.zeros(n), np.zeros((n, 3))
         R, shift = np.eye(3), np.zeros(3)  # displacement of a link: x -> R x + shift
@@ -101,7 +104,7 @@ class Chain:
         return lambda t: np.array([self.equations(y[:n], y[n:])[2][k] for y in course(t)])
 
     def velocities(self, v: Array) -> list[tuple[Array, Array]]:
-        """(velocity of the centre, angular velocity) of each link at the reference pose."""
+        """Return (velocity of the centre, angular velocity) of each link at the reference pose."""
         found, w, v0 = [], np.zeros(3), np.zeros(3)
         for k, rate in enumerate(v):
             if self.slides[k]:

@@ -1,4 +1,4 @@
-"""The runs of a calibration, in processes side by side, each written down as it ends."""
+"""Runs of a calibration in parallel processes, each stored as it ends."""
 
 import hashlib
 import json
@@ -14,17 +14,17 @@ from validation.calibration.judge import Record, examine
 ROOT = Path(__file__).parents[2]
 Case = tuple[str, int]
 """Family and seed."""
-SEVERAL = 8  # cases from which on processes are worth their start
+PROCESS_CASES_MIN = 8  # [1] cases from which on processes are worth their start
 
 
 def code_digest() -> str:
-    """Of the package and of the calibration: what another version has measured does not count."""
+    """Return the digest of package and calibration: measurements of another version do not count."""
     paths = sorted([*(ROOT / "mbsd3d").rglob("*.py"), *(ROOT / "validation" / "calibration").rglob("*.py")])
     return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()[:16]
 
 
 def stored(path: Path, code: str) -> dict[Case, Record]:
-    """The records of a file that this code has made; lines that are not whole are left out."""
+    """Return the records of a file that this code has made; incomplete lines are left out."""
     found: dict[Case, Record] = {}
     names = {f.name for f in fields(Record)}
     for line in path.read_text(encoding="utf-8").splitlines() if path.is_file() else []:
@@ -40,12 +40,12 @@ def stored(path: Path, code: str) -> dict[Case, Record]:
 
 @on_one_thread  # many small decompositions
 def examine_cell(cell: Mapping[str, Any]) -> Record:
-    """A run in another process: names travel, mechanisms are built there."""
+    """Run a case in another process: names travel, mechanisms are built there."""
     return examine(cell["family"], cell["seed"])
 
 
 def examined(cases: list[Case], path: Path) -> Iterator[Record]:
-    """Records as they come, appended to a file of JSON lines; SweepError for a case that breaks."""
+    """Yield records as they come, appended to a file of JSON lines; raise SweepError for a case that fails."""
     code, cells = code_digest(), [{"family": family, "seed": seed} for family, seed in cases]
     with path.open("a", encoding="utf-8") as file:
         for k, record in arriving(cells):
@@ -58,8 +58,8 @@ def examined(cases: list[Case], path: Path) -> Iterator[Record]:
 
 
 def arriving(cells: list[dict[str, Any]]) -> Iterator[tuple[int, Any]]:
-    """(number of the cell, record): few of them here, many in processes of their own."""
-    if len(cells) < SEVERAL:
+    """Yield (number of the cell, record): few of them here, many in processes of their own."""
+    if len(cells) < PROCESS_CASES_MIN:
         yield from ((k, examine_cell(cell)) for k, cell in enumerate(cells))
     else:
         yield from outcomes(examine_cell, cells, list(range(len(cells))), "processes")

@@ -1,4 +1,4 @@
-"""How a problem is run: method, tolerance or step, and where samples are kept, drawn at random."""
+"""Settings of a run: method, tolerance or step, and sample times, drawn at random."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -9,10 +9,11 @@ from numpy.random import Generator
 from mbsd3d import DOP853, RK4, GeneralizedAlpha, Kinematic, RadauIIA
 from validation.calibration.problem import Problem
 
-LOOSEST = -2.0  # log10 of rtol
-TIGHTEST = {"DOP853": -12.0, "RadauIIA": -11.0, "GeneralizedAlpha": -6.0}  # of order 2: many steps
-FINE, HOPELESS = 0.02, 5.0  # fixed steps times the fastest rate of the motion [rad]
-FINEST = {"DOP853(dt)": 0.05, "RadauIIA(dt)": 0.05}  # of high order: rounding is reached
+RTOL_EXPONENT_MAX = -2.0  # [1] log10 of rtol
+# [1] log10 of rtol; method of order 2: many steps
+RTOL_EXPONENT_MIN = {"DOP853": -12.0, "RadauIIA": -11.0, "GeneralizedAlpha": -6.0}
+STEP_ANGLE_MIN, STEP_ANGLE_MAX = 0.02, 5.0  # fixed steps times the fastest rate of the motion [rad]
+STEP_ANGLE_MIN_BY_METHOD = {"DOP853(dt)": 0.05, "RadauIIA(dt)": 0.05}  # [rad] of high order: rounding is reached
 STEP_COUNT_MAX = 10_000
 DEFAULT_RTOL = 1e-8  # of simulate; with fixed steps only Newton's method and the limits of the checks read it
 CLASSES = ((1e-4, "rtol 1e-2 to 1e-4"), (1e-8, "rtol 1e-4 to 1e-8"), (0.0, "rtol 1e-8 to 1e-12"))
@@ -33,19 +34,21 @@ class Settings:
 
 
 def draw(rng: Generator, problem: Problem) -> Settings:
-    """Settings that a problem may have."""
+    """Draw settings that a problem may have."""
     name = str(rng.choice(problem.methods))
     output = samples(rng, problem.t_end)
     if name == "Kinematic":
         apart = problem.t_end / int(rng.integers(8, 200))
         return Settings(name, Kinematic(max_step=apart), DEFAULT_RTOL, output, "poses", f"Kinematic({apart:.4g})")
-    if name in TIGHTEST:
-        rtol = float(10.0 ** rng.uniform(TIGHTEST[name], LOOSEST))
+    if name in RTOL_EXPONENT_MIN:
+        rtol = float(10.0 ** rng.uniform(RTOL_EXPONENT_MIN[name], RTOL_EXPONENT_MAX))
         rtol = float(f"{rtol:.2g}")
         made = {"DOP853": DOP853, "RadauIIA": RadauIIA, "GeneralizedAlpha": GeneralizedAlpha}[name]()
         kind = next(text for least, text in CLASSES if rtol > least)
         return Settings(name, made, rtol, output, kind, f"{name}() rtol {rtol:g}")
-    turned = float(np.exp(rng.uniform(np.log(FINEST.get(name, FINE)), np.log(HOPELESS))))
+    turned = float(
+        np.exp(rng.uniform(np.log(STEP_ANGLE_MIN_BY_METHOD.get(name, STEP_ANGLE_MIN)), np.log(STEP_ANGLE_MAX)))
+    )
     dt = max(turned / problem.rate, problem.t_end / STEP_COUNT_MAX)
     dt = min(dt, 0.5 * problem.t_end)
     makes = {"RK4": RK4, "DOP853(dt)": lambda h: DOP853(dt=h), "RadauIIA(dt)": lambda h: RadauIIA(dt=h)}
@@ -57,7 +60,7 @@ def draw(rng: Generator, problem: Problem) -> Settings:
 
 
 def samples(rng: Generator, t_end: float) -> Any:
-    """Every accepted step, equally spaced times, or times at random: between steps the dense output is judged too."""
+    """Draw every accepted step, equally spaced times, or random times: between steps the dense output is tested too."""
     which = rng.integers(3)
     if which == 0:
         return None

@@ -1,4 +1,4 @@
-"""The table of the calibration: how often certificate and estimate were right about runs of each method."""
+"""Table of the calibration: how often certificate and estimate were right about runs of each method."""
 
 from collections.abc import Sequence
 
@@ -17,7 +17,7 @@ KINDS = [text for _, text in (*CLASSES, *FIXED_CLASSES)] + ["poses"]
 
 
 def outcome(r: Record) -> int:
-    """Which of the columns from "passed, not wrong" to "stopped" a run belongs to."""
+    """Return the column of a run, from "passed, not wrong" to "stopped"."""
     if r.stopped:
         return 7
     if r.wrong:
@@ -26,7 +26,7 @@ def outcome(r: Record) -> int:
 
 
 def row(method: str, kind: str, records: Sequence[Record]) -> list[str]:
-    """One line: counts of the outcomes, which add up to the runs."""
+    """Return one line: counts of the outcomes, which add up to the runs."""
     counts = np.bincount([outcome(r) for r in records], minlength=8)
     asked = [r.error if r.fixed or kind == "poses" else r.relative / r.rtol for r in records if not r.stopped]
     found = f"{np.median(asked):.1e}, {max(asked):.1e}" if asked else ""
@@ -34,7 +34,7 @@ def row(method: str, kind: str, records: Sequence[Record]) -> list[str]:
 
 
 def rows(records: Sequence[Record]) -> list[list[str]]:
-    """All lines: method by method, from tight to loose."""
+    """Return all lines: method by method, from tight to loose."""
     lines = []
     for method in (*METHODS, "Kinematic"):
         for kind in KINDS:
@@ -44,20 +44,20 @@ def rows(records: Sequence[Record]) -> list[list[str]]:
 
 
 def markdown(lines: Sequence[Sequence[str]]) -> str:
-    """The table as a page has it, of its `rows`."""
+    """Return the table as a page has it, of its `rows`."""
     lines = [HEAD, ["---"] * len(HEAD), *lines]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
 def text(records: Sequence[Record]) -> str:
-    """The table for a terminal."""
+    """Return the table for a terminal."""
     lines = [list(HEAD), *rows(records)]
     widths = [max(len(line[k]) for line in lines) for k in range(len(HEAD))]
     return "\n".join("  ".join(x.ljust(w) for x, w in zip(line, widths, strict=True)).rstrip() for line in lines)
 
 
 def offenders(records: Sequence[Record]) -> list[str]:
-    """Runs that are silently wrong, right ones that fail, and errors, each with the command that repeats it."""
+    """Return the silently wrong runs, the right ones that fail, and errors, each with the command that repeats it."""
     groups = {
         "wrong without a word": [r for r in records if r.silent],
         "right and not passed": [r for r in records if r.false_alarm],
@@ -72,7 +72,7 @@ def offenders(records: Sequence[Record]) -> list[str]:
 
 
 def described(r: Record) -> str:
-    """A run in a line: settings, true error, and what was said of it."""
+    """Return a run in a line: settings, true error, and the statements of certificate and estimate."""
     if r.stopped:
         return f"{r.family}: {r.settings}: {r.stopped}"
     said = "; ".join(r.failures) or "passed"

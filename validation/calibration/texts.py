@@ -1,4 +1,4 @@
-"""The table of the calibration in docs/theory/certificate.md, from the figures in docs/calibration.json."""
+"""Table of the calibration in docs/theory/certificate.md, from the figures in docs/calibration.json."""
 
 import json
 import re
@@ -12,12 +12,12 @@ from validation.calibration import table
 from validation.calibration.judge import Record
 
 ROOT = Path(__file__).parents[2]
-FIGURES, PAGE = Path("docs/calibration.json"), Path("docs/theory/certificate.md")
-MARK = re.compile(r"(?<=<!-- calibration -->\n).*?(?=<!-- end of calibration -->)", re.DOTALL)
+FIGURES_FILE, PAGE_FILE = Path("docs/calibration.json"), Path("docs/theory/certificate.md")
+TABLE_PATTERN = re.compile(r"(?<=<!-- calibration -->\n).*?(?=<!-- end of calibration -->)", re.DOTALL)
 
 
 def figures(records: Sequence[Record]) -> dict[str, Any]:
-    """What docs/calibration.json is to hold of a calibration."""
+    """Return the content of docs/calibration.json for a calibration."""
     return {
         "date": date.today().isoformat(),
         "runs": len(records),
@@ -27,14 +27,14 @@ def figures(records: Sequence[Record]) -> dict[str, Any]:
 
 
 def renewed(page: str, found: dict[str, Any]) -> str:
-    """The page with its table as it should be."""
+    """Return the page with its table renewed."""
     head = f"{found['runs']} runs of {found['families']} families, {found['date']}:"
-    return MARK.sub(lambda _: f"\n{head}\n\n{table.markdown(found['rows'])}\n\n", page)
+    return TABLE_PATTERN.sub(lambda _: f"\n{head}\n\n{table.markdown(found['rows'])}\n\n", page)
 
 
 def renew(records: Sequence[Record], root: Path = ROOT) -> None:
     """Store the figures, and write the table of them into the page."""
     found = figures(records)
-    write_atomically(root / FIGURES, (json.dumps(found, indent=1) + "\n").encode())
-    page = (root / PAGE).read_text(encoding="utf-8")
-    write_atomically(root / PAGE, renewed(page, found).encode())
+    write_atomically(root / FIGURES_FILE, (json.dumps(found, indent=1) + "\n").encode())
+    page = (root / PAGE_FILE).read_text(encoding="utf-8")
+    write_atomically(root / PAGE_FILE, renewed(page, found).encode())

@@ -1,4 +1,4 @@
-"""Solutions of the reference cases held against their references, and the condition of each case."""
+"""Comparison of solutions with the reference cases, and the condition of each case."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -13,7 +13,7 @@ from validation.cases.reference import REFERENCES, Array, Case, _rotation
 
 
 class Comparison(NamedTuple):
-    """Computed against reference values."""
+    """Computed values compared with reference values."""
 
     columns: dict[str, tuple[Array, Array]]
     """By label: computed and reference values at the times of the case, (n,) each."""
@@ -23,7 +23,7 @@ class Comparison(NamedTuple):
 
 
 def compare(case: Case, solution: Solution) -> Comparison:
-    """Evaluate the outputs of a case in a solution and hold them against the reference.
+    """Evaluate the outputs of a case in a solution and compare them with the reference.
 
     Quaternions are compared up to sign, angles up to whole turns (the computed value is brought next to the reference).
 
@@ -42,14 +42,14 @@ def compare(case: Case, solution: Solution) -> Comparison:
 
 
 def _scale(column: Array) -> float:
-    """Largest value of a column, at least 1."""
+    """Return the largest value of a column, at least 1."""
     return max(1.0, np.abs(column).max())
 
 
 def _columns(case: Case, solution: Solution, near: Mapping[str, Array]) -> dict[str, Array]:
-    """All columns that the case defines, by label; ``near`` holds values that fix signs and turns."""
+    """Return all columns that the case defines, by label; ``near`` holds values that fix signs and turns."""
     sample = _Sample(case, solution)
-    columns = {}
+    columns: dict[str, Array] = {}
     for output in case.outputs:
         kind, name = output["kind"], output["name"]
         values = OUTPUTS[kind](sample, output)
@@ -65,7 +65,7 @@ def _columns(case: Case, solution: Solution, near: Mapping[str, Array]) -> dict[
 
 
 class _Sample:
-    """A solution at the reference times of a case, read by body name."""
+    """Solution at the reference times of a case, read by body name."""
 
     def __init__(self, case: Case, solution: Solution) -> None:
         self.case = case
@@ -78,38 +78,40 @@ class _Sample:
         self.start = {body["name"]: body for body in case.raw["bodies"]}
 
     def read(self, quantity: str, part: str) -> Array:
-        """Values of a method of the solution for a part at the reference times."""
+        """Return the values of a method of the solution for a part at the reference times."""
         return np.asarray(getattr(self.solution, quantity)(part))[self.rows]
 
     def point(self, body: str, point: ArrayLike | None) -> Array:
-        """Position of a body-fixed point given by its initial world coordinates (None: centre of mass), (n, 3)."""
+        """Return the position of a body-fixed point given by its initial world coordinates (None: centre of mass), (n,
+        3).
+        """
         centre = self.read("com", body)
         if point is None:
             return centre
         return centre + self.direction(body, np.subtract(point, self.start[body]["r0"]))
 
     def direction(self, body: str, vector: ArrayLike) -> Array:
-        """Body-fixed vector given by its initial world components, (n, 3)."""
+        """Return the body-fixed vector given by its initial world components, (n, 3)."""
         return self.read("rotation", body) @ (_rotation(self.start[body]["q0"]).T @ np.asarray(vector, dtype=float))
 
     def velocity(self, body: str, point: ArrayLike | None) -> Array:
-        """Velocity of such a point, ``v_O + w x (r_P - r_O)``, (n, 3)."""
+        """Return the velocity of such a point, ``v_O + w x (r_P - r_O)``, (n, 3) [m/s]."""
         arm = self.point(body, point) - self.read("position", body)
         return self.read("velocity", body) + np.cross(self.read("omega", body), arm)
 
     def angle(self, body: str, axis: ArrayLike) -> Array:
-        """Rotation about a world axis since the start, for a body that turns about nothing else, (n,)."""
+        """Return the rotation about a world axis since the start, for a body that turns about nothing else, (n,)."""
         turned = self.read("rotation", body) @ _rotation(self.start[body]["q0"]).T
         return _angle_about(turned, np.asarray(axis, dtype=float))
 
     def energy(self) -> Array:
-        """Kinetic plus potential energy (weight and springs), (n,)."""
+        """Return the kinetic plus potential energy (weight and springs), (n,)."""
         energy = self.solution.energy()
         return (np.asarray(energy.kinetic) + np.asarray(energy.potential))[self.rows]
 
 
 def _angle_about(turned: Array, axis: Array) -> Array:
-    """Angle of rotations (n, 3, 3) about the unit ``axis`` (3,), from sine and cosine, (n,)."""
+    """Return the angle of rotations (n, 3, 3) about the unit ``axis`` (3,), from sine and cosine, (n,)."""
     axial = np.stack([turned[:, k, j] - turned[:, j, k] for j, k in ((1, 2), (2, 0), (0, 1))], axis=1) / 2
     return np.arctan2(axial @ (axis / np.linalg.norm(axis)), (np.trace(turned, axis1=1, axis2=2) - 1) / 2)
 
@@ -135,40 +137,40 @@ ALIGN: dict[str, Callable[[Array, Array], Array]] = {
 
 
 def _motor_torque(sample: _Sample) -> Array:
-    """Torque of the only motor on its body b [N m]."""
+    """Return the torque of the only motor on its body b [N m]."""
     motor = next(joint["name"] for joint in sample.case.raw["joints"] if joint["type"] == "motor")
     return sample.read("effort", motor)
 
 
 def _steer_axis(sample: _Sample) -> Array:
-    """Steering axis of the bicycle, world components at the start, (3,)."""
+    """Return the steering axis of the bicycle, world components at the start, (3,)."""
     return np.array(next(joint["axis"] for joint in sample.case.raw["joints"] if joint["name"] == "steer"))
 
 
 def _steer(sample: _Sample) -> Array:
-    """Angle of the handlebar relative to the rear frame about the steering axis [rad]."""
+    """Return the angle of the handlebar relative to the rear frame about the steering axis [rad]."""
     relative = np.swapaxes(sample.read("rotation", "rearframe"), 1, 2) @ sample.read("rotation", "handlebar")
     return _angle_about(relative, _steer_axis(sample))
 
 
 def _steer_rate(sample: _Sample) -> Array:
-    """Rate of the steering angle, ``(w_handlebar - w_rearframe) . axis`` [rad/s]."""
+    """Return the rate of the steering angle, ``(w_handlebar - w_rearframe) . axis`` [rad/s]."""
     relative = sample.read("omega", "handlebar") - sample.read("omega", "rearframe")
     return np.sum(relative * sample.direction("rearframe", _steer_axis(sample)), axis=1)
 
 
 def _forward_speed(sample: _Sample) -> Array:
-    """Velocity of the rear hub along the x axis of the rear frame [m/s]."""
+    """Return the velocity of the rear hub along the x axis of the rear frame [m/s]."""
     return np.sum(sample.velocity("rearwheel", None) * sample.direction("rearframe", (1, 0, 0)), axis=1)
 
 
 def _roll(sample: _Sample) -> Array:
-    """Lean of the rear frame, ``asin(e_y . e_z)`` with e_y its lateral axis [rad]."""
+    """Return the lean of the rear frame, ``asin(e_y . e_z)`` with e_y its lateral axis [rad]."""
     return np.arcsin(sample.direction("rearframe", (0, 1, 0))[:, 2])
 
 
 def _roll_rate(sample: _Sample) -> Array:
-    """Rate of that angle, ``(w x e_y) . e_z / cos(roll)`` [rad/s]."""
+    """Return the rate of the lean angle, ``(w x e_y) . e_z / cos(roll)`` [rad/s]."""
     lateral = sample.direction("rearframe", (0, 1, 0))
     return np.cross(sample.read("omega", "rearframe"), lateral)[:, 2] / np.cos(_roll(sample))
 
@@ -187,7 +189,7 @@ EXTRAS: dict[str, Callable[[_Sample], Array]] = {
 
 
 def condition(name: str) -> float:
-    """Stored condition of a case: change of its outputs per relative change of the mechanism.
+    """Return the stored condition of a case: change of its outputs per relative change of the mechanism.
 
     It was measured by ``tests/validation/conditions.py`` [-]. ValueError if none is stored.
     """

@@ -1,4 +1,4 @@
-"""A joint of every type, driver and coupling in general position, and random mechanisms made of them.
+"""Joint of every type, driver and coupling in general position, and random mechanisms of them.
 
 Seeded: r_G != 0, no axis aligned, no zero. Random mechanisms are trees and loops of every joint, driver and coupling,
 with a spring and a gravity.
@@ -17,32 +17,32 @@ from validation.twins.definitions.rows import GEOMETRY, VELOCITY
 
 
 def direction(rng: Generator) -> np.ndarray:
-    """Unit vector without a zero component, (3,)."""
+    """Draw a unit vector without a zero component, (3,)."""
     axis = rng.normal(size=3) + np.sign(rng.normal(size=3)) * 0.2
     return axis / np.linalg.norm(axis)
 
 
 def across(rng: Generator, axis: np.ndarray) -> np.ndarray:
-    """Unit vector at right angles to ``axis``, otherwise general, (3,)."""
+    """Draw a unit vector at right angles to ``axis``, otherwise general, (3,)."""
     other = np.cross(axis, direction(rng))
     return other / np.linalg.norm(other)
 
 
 def random_orientation(rng: Generator) -> np.ndarray:
-    """Unit quaternion, (4,)."""
+    """Draw a unit quaternion, (4,)."""
     e = rng.normal(size=4)
     return e / np.linalg.norm(e)
 
 
 def random_inertia(rng: Generator, mass: float, size: float = 0.3) -> np.ndarray:
-    """Inertia of six equal point masses at random places: any axes, and the triangle rule holds, (3, 3)."""
+    """Draw the inertia of six equal point masses at random points: any axes, and the triangle rule holds, (3, 3)."""
     points = size * rng.normal(size=(6, 3))
     points -= points.mean(axis=0)
     return mass / 6 * sum((x @ x) * np.eye(3) - np.outer(x, x) for x in points)
 
 
 def random_body(rng: Generator, name: str = "body", **fields: Any) -> mbsd3d.Body:
-    """A body whose every number is general; given fields win."""
+    """Draw a body with general numbers; given fields replace them."""
     mass = fields.pop("mass", None) or rng.uniform(0.7, 3.0)
     general = dict(
         inertia=random_inertia(rng, mass),
@@ -54,7 +54,7 @@ def random_body(rng: Generator, name: str = "body", **fields: Any) -> mbsd3d.Bod
 
 
 def signal(rng: Generator, offset: float = 0.0) -> mbsd3d.Sine:
-    """A sine with f(0) = ``offset`` and no zero derivative."""
+    """Draw a sine with f(0) = ``offset`` and no zero derivative."""
     amplitude, frequency, phase = rng.uniform(0.3, 0.6), rng.uniform(0.3, 0.5), rng.uniform(0.2, 1.0)
     return mbsd3d.Sine(amplitude, frequency, phase, offset - amplitude * np.sin(phase))
 
@@ -62,7 +62,7 @@ def signal(rng: Generator, offset: float = 0.0) -> mbsd3d.Sine:
 def rolling_plane(
     rng: Generator, centre: np.ndarray, axis: np.ndarray, radius: float, crown: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(point, normal) of a plane that a disc in general position touches."""
+    """Return (point, normal) of a plane that a disc in general position touches."""
     normal = direction(rng)
     lean = normal @ axis
     down = -(normal - lean * axis) / np.sqrt(1 - lean**2)
@@ -77,7 +77,7 @@ def _rolling(rng: Generator, a: Any, b: Any) -> list[mbsd3d.Joint]:
 
 
 def _stone(rng: Generator, a: Any, b: Any) -> list[mbsd3d.Joint]:
-    """An ellipsoid in general position on a plane it touches."""
+    """Draw an ellipsoid in general position on a plane it touches."""
     stone = mbsd3d.shapes.Ellipsoid((0.7, 0.5, 0.3), at=0.2 * direction(rng), orientation=random_orientation(rng))
     turn = mbsd3d.rotations.matrix(b.orientation) @ mbsd3d.rotations.matrix(stone.orientation)
     normal = direction(rng)
@@ -89,7 +89,7 @@ def _stone(rng: Generator, a: Any, b: Any) -> list[mbsd3d.Joint]:
 
 
 def _curve(rng: Generator, a: Any, b: Any) -> list[mbsd3d.Joint]:
-    """A point of b on a wide closed curve in space."""
+    """Draw a point of b on a wide closed curve in space."""
     turn, frame = 2 * np.pi * np.arange(60) / 60, mbsd3d.rotations.matrix(random_orientation(rng))
     points = np.column_stack([5 * np.cos(turn), 4.5 * np.sin(turn), 0.8 * np.sin(2 * turn + 0.3)]) @ frame
     at = middle(rng, a, b)
@@ -114,7 +114,7 @@ def _gear(rng: Generator, a: Any, b: Any, c: Any, d: Any) -> list[mbsd3d.Joint]:
 
 
 def _mesh(rng: Generator, carrier: Any, gear_a: Any, gear_b: Any) -> list[mbsd3d.Joint]:
-    """Helical gears on general parallel axes, at two general points of them."""
+    """Draw helical gears on general parallel axes, at two general points of them."""
     axis = direction(rng)
     out = across(rng, axis)
     first = mbsd3d.Revolute(carrier, gear_a, at=(at := middle(rng, carrier, gear_a)), axis=axis)
@@ -148,7 +148,7 @@ def _length_driver(rng: Generator, a: Any, b: Any) -> mbsd3d.Joint:
 
 
 def middle(rng: Generator, a: Any, b: Any) -> np.ndarray:
-    """A general point near the middle of two bodies."""
+    """Draw a general point near the middle of two bodies."""
     return (a.position + b.position) / 2 + 0.3 * direction(rng)
 
 
@@ -205,26 +205,26 @@ EXAMPLES: dict[type, Factory] = {
 NOT_ON_GROUND = (mbsd3d.RollingDisc, mbsd3d.Rolling, mbsd3d.PositionDriver)  # Joints whose body b must be a moving body
 
 
-TREE = [cls for cls in JOINTS if (cls in GEOMETRY or cls in VELOCITY) and cls is not mbsd3d.CurveContact]
+TREE_JOINTS = [cls for cls in JOINTS if (cls in GEOMETRY or cls in VELOCITY) and cls is not mbsd3d.CurveContact]
 """Joints between two bodies that a second formulation can judge; contacts on curves have trials of their own."""
-CLOSING = (mbsd3d.Distance, mbsd3d.PointOnPlane, mbsd3d.Perpendicular, mbsd3d.PointOnLine, mbsd3d.Spherical)
-HINGES = (mbsd3d.Revolute, mbsd3d.Cylindrical, mbsd3d.Screw)
+CLOSING_JOINTS = (mbsd3d.Distance, mbsd3d.PointOnPlane, mbsd3d.Perpendicular, mbsd3d.PointOnLine, mbsd3d.Spherical)
+HINGE_JOINTS = (mbsd3d.Revolute, mbsd3d.Cylindrical, mbsd3d.Screw)
 
 
 def rows_of(joints: Sequence[Any]) -> int:
-    """Number of rows."""
+    """Return the number of rows of joints."""
     return sum(row.n_rows for joint in joints for row in joint.rows())
 
 
 def random_tree(rng: np.random.Generator) -> tuple[list[mbsd3d.Body], list[Any]]:
-    """(bodies, joints): each body on an earlier one or the ground by a joint of any type; a tooth mesh in some."""
+    """Draw (bodies, joints): each body on an earlier one or the ground by a joint of any type; a tooth mesh in some."""
     bodies, joints = [], []
     light = rng.choice([1.0, 1.0, 1e-2, 1e-4])
     for k in range(rng.integers(2, 7)):
         mass = rng.uniform(0.7, 2.0) * (light if rng.random() < 0.4 else 1.0)
         bodies.append(random_body(rng, f"body{k}", mass=mass, position=2.0 * rng.normal(size=3)))
         parent = mbsd3d.GROUND if k == 0 else [mbsd3d.GROUND, *bodies[:-1]][rng.integers(0, k + 1)]
-        joints += EXAMPLES[TREE[rng.integers(len(TREE))]](rng, parent, bodies[-1], None, None)
+        joints += EXAMPLES[TREE_JOINTS[rng.integers(len(TREE_JOINTS))]](rng, parent, bodies[-1], None, None)
     if rng.random() < 0.3:
         gears = [random_body(rng, f"gear{k}", position=bodies[0].position + direction(rng)) for k in range(2)]
         bodies += gears
@@ -233,15 +233,15 @@ def random_tree(rng: np.random.Generator) -> tuple[list[mbsd3d.Body], list[Any]]
 
 
 def loops(rng: np.random.Generator, bodies: Sequence[mbsd3d.Body]) -> list[Any]:
-    """A candidate that closes a loop between two bodies."""
+    """Draw a candidate that closes a loop between two bodies."""
     a, b = rng.choice(len(bodies), 2, replace=False)
-    cls = CLOSING[rng.integers(len(CLOSING))]
+    cls = CLOSING_JOINTS[rng.integers(len(CLOSING_JOINTS))]
     return EXAMPLES[cls](rng, bodies[a], bodies[b], None, None)
 
 
 def couplings(rng: np.random.Generator, joints: Sequence[Any]) -> list[Any]:
-    """Candidates on hinges and sliders that are there."""
-    hinges = [j for j in joints if isinstance(j, HINGES)]
+    """Return candidates on existing hinges and sliders."""
+    hinges = [j for j in joints if isinstance(j, HINGE_JOINTS)]
     sliders = [j for j in joints if isinstance(j, mbsd3d.Prismatic | mbsd3d.Cylindrical)]
     found = []
     if len(hinges) > 1:
@@ -252,8 +252,8 @@ def couplings(rng: np.random.Generator, joints: Sequence[Any]) -> list[Any]:
 
 
 def drivers(rng: np.random.Generator, bodies: Sequence[mbsd3d.Body], joints: Sequence[Any]) -> list[Any]:
-    """Candidates that move a coordinate, a point, or keep a speed."""
-    angles = [j for j in joints if isinstance(j, (*HINGES, mbsd3d.Planar))]
+    """Return candidates that move a coordinate, a point, or prescribe a speed."""
+    angles = [j for j in joints if isinstance(j, (*HINGE_JOINTS, mbsd3d.Planar))]
     slides = [j for j in joints if isinstance(j, mbsd3d.Prismatic | mbsd3d.Cylindrical)]
     body = bodies[-1]
     found = [
@@ -266,7 +266,7 @@ def drivers(rng: np.random.Generator, bodies: Sequence[mbsd3d.Body], joints: Seq
 
 
 def redundant(rng: np.random.Generator, joints: Sequence[Any]) -> list[Any]:
-    """A second part where one is enough: another hinge on the same axis, or parallelism that is there already."""
+    """Draw a redundant part: another hinge on the same axis, or parallelism that exists already."""
     hinges = [j for j in joints if type(j) is mbsd3d.Revolute]
     rails = [j for j in joints if type(j) is mbsd3d.Prismatic]
     if hinges:
@@ -275,14 +275,15 @@ def redundant(rng: np.random.Generator, joints: Sequence[Any]) -> list[Any]:
 
 
 def independent(bodies: Sequence[mbsd3d.Body], joints: Sequence[Any]) -> bool:
-    """Whether the rows are independent, as the second formulation has them: else drivers may contradict each other."""
+    """Return whether the rows are independent, by the second formulation: dependent drivers may contradict each
+    other."""
     system = mbsd3d.System(bodies, joints)
     pose = mbsd3d.State(0.0, np.concatenate([[*b.position, *b.orientation] for b in bodies]), np.zeros(6 * len(bodies)))
     return reference_point.solve(system, pose).rank == rows_of(joints)
 
 
 def mechanism(seed: int) -> mbsd3d.System:
-    """A random mechanism with at least one freedom left: what would lock it is left out."""
+    """Draw a random mechanism with at least one degree of freedom, without parts that would lock it."""
     rng = np.random.default_rng([seed, 2026])
     bodies, joints = random_tree(rng)
     extra = [[joint] for joint in couplings(rng, joints)] + [[joint] for joint in drivers(rng, bodies, joints)]
@@ -293,16 +294,16 @@ def mechanism(seed: int) -> mbsd3d.System:
             joints += candidate
     if rng.random() < 0.3:
         joints += redundant(rng, joints)
-    ends = dict(at_a=direction(rng), at_b=bodies[-1].position + direction(rng))
+    ends: dict[str, Any] = dict(at_a=direction(rng), at_b=bodies[-1].position + direction(rng))
     mass = bodies[-1].mass  # a stiff damper on a light body would be another test
     spring = mbsd3d.SpringDamper(mbsd3d.GROUND, bodies[-1], **ends, stiffness=mass * rng.uniform(5, 50), damping=mass)
     return mbsd3d.System(bodies, joints, [spring], gravity=rng.normal(size=3) * 5)
 
 
 def moving(system: mbsd3d.System, seed: int) -> mbsd3d.State:
-    """The reference pose with general velocities of some m/s and rad/s that all joints and drivers allow."""
+    """Draw the reference pose with general velocities of some m/s and rad/s that all joints and drivers allow."""
     rest = system.state()
     _, s, Vt = np.linalg.svd(reference_point.constraint_rows(system, rest).J)
-    free = Vt[int((s > reference_point.RANK * s.max(initial=0.0)).sum()) :]
+    free = Vt[int((s > reference_point.SINGULAR_VALUE_RATIO_MIN * s.max(initial=0.0)).sum()) :]
     wanted = np.random.default_rng([seed, 1]).normal(size=rest.v.size) - rest.v
     return replace(rest, v=rest.v + free.T @ (free @ wanted))

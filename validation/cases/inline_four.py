@@ -1,4 +1,4 @@
-"""An inline four in space: one crank with four throws, four rods, four pistons; every row independent.
+"""Inline four in space: one crank with four throws, four rods, four pistons; every row independent.
 
 The crank turns about y, the bores point along z, the cylinders are side by side along y, evenly about the origin:
 
@@ -13,18 +13,19 @@ import numpy as np
 import mbsd3d
 from mbsd3d.errors import InputError
 
-RATE = 2 * np.pi * 10 / 60  # rad/s: 10 rpm, the toy engine of references/engine.json
-SIDES = (1.0, -1.0, -1.0, 1.0)  # throws up or down at the reference pose
-PLACES = np.array([-1.5, -0.5, 0.5, 1.5])  # of the cylinders along the crank, in units of the spacing
-SAMPLES = 36  # every 10 degrees of one turn: orders from 32 on fold back, 1e-12 of those measured for R/L <= 2/3
+CRANK_RATE = 2 * np.pi * 10 / 60  # [rad/s] 10 rpm, the toy engine of references/engine.json
+THROW_SIDES = (1.0, -1.0, -1.0, 1.0)  # throws up or down at the reference pose
+CYLINDER_PLACES = np.array([-1.5, -0.5, 0.5, 1.5])  # [1] of the cylinders along the crank, in units of the spacing
+TURN_SAMPLES = 36  # [1] every 10 degrees of one turn; orders from 32 on alias, 1e-12 of those measured for R/L <= 2/3
 
 
 def inline_four(
-    radius: float = 1.0, rod_length: float = 2.0, *, rate: float = RATE, spacing: float = 0.2, crank_mass: float = 2.0,
+    radius: float = 1.0, rod_length: float = 2.0, *, rate: float = CRANK_RATE,
+    spacing: float = 0.2, crank_mass: float = 2.0,
     crank_centre: float = 0.5, rod_mass: float = 4.0, rod_fraction: float = 0.5, rod_inertia: float = 1 / 3,
     piston_mass: float = 5.0,
 ) -> mbsd3d.System:  # fmt: skip
-    """The engine at q = 0, pistons 1 and 4 up, without gravity.
+    """Build the engine at q = 0, pistons 1 and 4 up, without gravity.
 
     ``radius, rod_length``: crank radius R and rod length L > R [m]; ``rate``: crank speed [rad/s]; ``spacing``:
     distance of neighbouring cylinders [m]; ``crank_mass, crank_centre``: mass of one throw [kg] and distance of its
@@ -40,10 +41,10 @@ def inline_four(
     """
     if not 0.0 < radius < rod_length:
         raise InputError(f"inline_four: rod_length {rod_length} m must exceed the crank radius {radius} m, and that 0")
-    crank = crankshaft(spacing * PLACES, crank_mass, crank_centre)
+    crank = crankshaft(spacing * CYLINDER_PLACES, crank_mass, crank_centre)
     bearing = mbsd3d.Revolute(mbsd3d.GROUND, crank, at=(0, 0, 0), axis=(0, 1, 0), name="bearing")
     bodies, joints = [crank], [bearing, mbsd3d.AngleDriver(bearing, mbsd3d.Ramp(rate), name="motor")]
-    for i, (place, side) in enumerate(zip(spacing * PLACES, SIDES, strict=True), start=1):
+    for i, (place, side) in enumerate(zip(spacing * CYLINDER_PLACES, THROW_SIDES, strict=True), start=1):
         pin, wrist = np.array([0.0, place, side * radius]), np.array([0.0, place, side * radius + rod_length])
         moments = (rod_inertia, rod_inertia, 0.03 * rod_inertia)
         rod = mbsd3d.Body(f"rod {i}", rod_mass, moments, com=(0, 0, rod_fraction * rod_length), position=pin)
@@ -58,8 +59,8 @@ def inline_four(
 
 
 def crankshaft(places: np.ndarray, mass: float, centre: float) -> mbsd3d.Body:
-    """Four throws as one body with its reference point on the axis; each with its moments of inertia."""
-    at = np.stack([np.zeros(4), places, centre * np.array(SIDES)], axis=1)
+    """Return four throws as one body with its reference point on the axis; each with its moments of inertia."""
+    at = np.stack([np.zeros(4), places, centre * np.array(THROW_SIDES)], axis=1)
     com = at.mean(axis=0)
     arms = at - com
     inertia = mass * (np.sum(arms**2) * np.eye(3) - arms.T @ arms + 4 * np.diag([0.01, 0.02, 0.01]))
@@ -67,17 +68,20 @@ def crankshaft(places: np.ndarray, mass: float, centre: float) -> mbsd3d.Body:
 
 
 def block_force(solution: mbsd3d.Solution) -> np.ndarray:
-    """(samples, 3) force of bearing and bores on the block [N]."""
+    """Return the force of bearing and bores on the block [N], shape (samples, 3)."""
     names = ["bearing", *(f"bore {i}" for i in range(1, 5))]
     return -sum(solution.reaction(name).force for name in names)
 
 
 def amplitudes(values: np.ndarray) -> np.ndarray:
-    """Amplitudes of the orders 0, 1, 2 ... of one turn of samples, the last one a repetition of the first."""
+    """Return the amplitudes of the orders 0, 1, 2 ... of one turn of samples, the last one a repetition of the
+    first."""
     return 2 * np.abs(np.fft.rfft(values[:-1])) / (values.size - 1)
 
 
 def orders(solution: mbsd3d.Solution) -> dict[str, float]:
-    """Amplitudes at 1, 2 and 4 times crank speed of the force on the block along the bores [N], and of the torque."""
+    """Return the amplitudes at 1, 2 and 4 times crank speed of the force on the block along the bores [N], and of the
+    torque [N m].
+    """
     force, torque = amplitudes(block_force(solution)[:, 2]), amplitudes(solution.effort("motor"))
     return {f"force_{order}x": float(force[order]) for order in (1, 2, 4)} | {"torque_2x": float(torque[2])}

@@ -1,4 +1,4 @@
-"""Mechanisms of any size: a chain of hinges with its MuJoCo twin, parallelograms, a top, a Stewart platform."""
+"""Mechanisms of any size: a chain of hinges with its MuJoCo counterpart, parallelograms, a top, a Stewart platform."""
 
 from typing import Any
 
@@ -7,22 +7,28 @@ import numpy as np
 from mbsd3d import GROUND, Body, Prismatic, Revolute, Spherical, SpringDamper, System, Universal, rotation
 from mbsd3d.extend import matrix
 
-LINK, MASS, INERTIA, COM = 0.2, 0.2, (1e-4, 8e-4, 7e-4), (0.1, 0.01, 0.005)  # m, kg, kg m^2, m
+LINK_LENGTH, LINK_MASS, LINK_INERTIA, LINK_COM = 0.2, 0.2, (1e-4, 8e-4, 7e-4), (0.1, 0.01, 0.005)  # m, kg, kg m^2, m
 AXES = ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 def chain(n: int) -> System:
-    """n links of 0.2 m held out horizontally; hinge axes along y and z in turns, centres of mass off the hinges."""
-    links = [Body(f"link {k}", MASS, INERTIA, com=COM, position=(LINK * k, 0, 0)) for k in range(n)]
+    """Return n links of 0.2 m held out horizontally; hinge axes alternate along y and z, centres of mass off the
+    hinges.
+    """
+    links = [
+        Body(f"link {k}", LINK_MASS, LINK_INERTIA, com=LINK_COM, position=(LINK_LENGTH * k, 0, 0)) for k in range(n)
+    ]
     joints = [
-        Revolute(links[k - 1] if k else GROUND, links[k], at=(LINK * k, 0, 0), axis=AXES[k % 2], name=f"hinge {k}")
+        Revolute(
+            links[k - 1] if k else GROUND, links[k], at=(LINK_LENGTH * k, 0, 0), axis=AXES[k % 2], name=f"hinge {k}"
+        )
         for k in range(n)
     ]
     return System(links, joints)
 
 
 def mujoco_chain(n: int, dt: float) -> Any:
-    """The same chain as a MuJoCo model in its n relative angles, RK4 with the step dt."""
+    """Return the same chain as a MuJoCo model in its n relative angles, RK4 with the step dt [s]."""
     import mujoco
 
     spec = mujoco.MjSpec()
@@ -31,14 +37,19 @@ def mujoco_chain(n: int, dt: float) -> Any:
     parent = spec.worldbody
     for k in range(n):
         parent = parent.add_body(
-            pos=(LINK if k else 0.0, 0.0, 0.0), mass=MASS, ipos=COM, inertia=INERTIA, explicitinertial=True
+            pos=(LINK_LENGTH if k else 0.0, 0.0, 0.0),
+            mass=LINK_MASS,
+            ipos=LINK_COM,
+            inertia=LINK_INERTIA,
+            explicitinertial=True,
         )
         parent.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, axis=AXES[k % 2])
     return spec.compile()
 
 
 def ladder(n: int, tilt: float = 0.7, lean: float = 0.4) -> System:
-    """n parallelograms side by side in a tilted plane, neighbours share a rod: one freedom, 3 n redundant rows.
+    """Return n parallelograms side by side in a tilted plane that share rods: one degree of freedom, 3 n redundant
+    rows.
 
     The rods lean by an angle [rad]; at a right angle all rods lie on one line, a singular pose.
     """
@@ -64,7 +75,8 @@ def ladder(n: int, tilt: float = 0.7, lean: float = 0.4) -> System:
 
 
 def four_bars(n: int) -> System:
-    """n four-bar windows of slender rods of 1 m and 1 kg, upright at 1 rad/s: the N-four-bar of the IFToMM library.
+    """Return n four-bar windows of slender rods of 1 m and 1 kg, upright at 1 rad/s: the N-four-bar of the IFToMM
+    library.
 
     Gravity along -y. One freedom; at +-90 degrees all rods lie on one line and there are n + 1. In space 3 n of the
     rows are redundant. Names, order and start are those of ``references/iftomm_A02_fourbar_N2.json``.
@@ -90,7 +102,7 @@ def four_bars(n: int) -> System:
 
 
 def slow_top() -> System:
-    """A top of three different moments that nods deeply while it goes round, its centre of mass off its axis."""
+    """Return a top of three different moments with a large nutation, its centre of mass off its axis."""
     body = Body(
         "top", 2.0, (0.02, 0.024, 0.012), com=(0.01, -0.02, 0.25), omega=(1.5, -0.7, 60.0),
         orientation=rotation((0.8, 0.5, 0.1), 0.9),
@@ -99,7 +111,9 @@ def slow_top() -> System:
 
 
 def stewart() -> System:
-    """Stewart platform on six sprung legs, set moving: Universal, Prismatic and Spherical joints, 6 freedoms."""
+    """Return a moving Stewart platform on six legs with springs: Universal, Prismatic and Spherical joints, 6 degrees
+    of freedom.
+    """
     platform = Body(
         "platform", 20.0, (1.2, 1.4, 2.3), com=(0.02, -0.03, 0.04), position=(0, 0, 1.0),
         velocity=(0.2, -0.1, 0.15), omega=(0.3, 0.4, -0.5),
@@ -125,6 +139,6 @@ def stewart() -> System:
 
 
 def _on_circle(radius: float, degrees: float, height: float) -> np.ndarray:
-    """Point of a horizontal circle about the z axis [m]."""
+    """Return the point of a horizontal circle about the z axis [m]."""
     angle = np.radians(degrees)
     return np.array([radius * np.cos(angle), radius * np.sin(angle), height])

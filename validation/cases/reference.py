@@ -30,7 +30,7 @@ SHIFT_SIZE = 0.5  # Scatter of a seeded shift over the size of its body
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A mechanism with its reference solution.
+    """Mechanism with its reference solution.
 
     ``id``: name of the case; ``system``: the mechanism; ``t_end``: end of the simulation [s]; 0 where only the
     mechanism at its reference pose is of interest; ``outputs``: definition of the output columns, as in the file;
@@ -52,7 +52,7 @@ class Case:
 
 
 def names(*, timed: bool = False) -> list[str]:
-    """Names of the cases in alphabetical order.
+    """Return the names of the cases in alphabetical order.
 
     ``timed``: only those with a reference over time. Returns arguments for :func:`load`.
     """
@@ -61,7 +61,7 @@ def names(*, timed: bool = False) -> list[str]:
 
 
 def read(name: str) -> dict[str, Any]:
-    """Content of a case file.
+    """Read the content of a case file.
 
     ``name``: name of the case. Returns the file. ValueError if there is no such case.
     """
@@ -72,7 +72,7 @@ def read(name: str) -> dict[str, Any]:
 
 
 def load(name: str, shift: Shift = None) -> Case:
-    """Build a case.
+    """Build a reference case by its name.
 
     ``shift``: vectors from the centre of mass of each body to its reference point O, world axes at the initial
     configuration [m]: a mapping from body names to (3,), or a seed for general ones about half as long as the body;
@@ -111,13 +111,13 @@ def build(raw: Mapping[str, Any], shift: Shift = None) -> Case:
 
 
 def _accuracy(text: str) -> float:
-    """Leading number of a text such as '4.1e-12 (...)', 0 for 'exact'."""
+    """Return the leading number of a text such as '4.1e-12 (...)', 0 for 'exact'."""
     number = re.match(r"[\d.]+(e-?\d+)?", text)
     return float(number.group()) if number else 0.0
 
 
 def _bodies(raw: Mapping[str, Any], shifts: Mapping[str, Array]) -> dict[str, mbsd3d.Body]:
-    """Bodies with the reference point at centre of mass plus shift: r_G = -R' s, v_O = v_G + w x s."""
+    """Return bodies with the reference point at centre of mass plus shift: r_G = -R' s, v_O = v_G + w x s."""
     bodies = {}
     for spec in raw["bodies"]:
         shift, motion = shifts[spec["name"]], {}
@@ -137,7 +137,7 @@ def _bodies(raw: Mapping[str, Any], shifts: Mapping[str, Array]) -> dict[str, mb
 
 
 def _shifts(raw: Mapping[str, Any], shift: Shift) -> dict[str, Array]:
-    """Vector from centre of mass to reference point by body name, world axes [m]."""
+    """Return the vector from centre of mass to reference point by body name, world axes [m]."""
     bodies = raw["bodies"]
     if shift is None:
         return {spec["name"]: np.zeros(3) for spec in bodies}
@@ -151,7 +151,7 @@ def _shifts(raw: Mapping[str, Any], shift: Shift) -> dict[str, Array]:
 
 
 def _size(raw: Mapping[str, Any], body: Mapping[str, Any]) -> float:
-    """Length of a body: to its farthest joint point, or its radius of gyration [m]."""
+    """Return the length of a body: to its farthest joint point, or its radius of gyration [m]."""
     mine = [j for j in raw["joints"] if body["name"] in (j["body_i"], j["body_j"])]
     reach = [np.linalg.norm(np.subtract(j["p"], body["r0"])) for j in mine if "p" in j]
     reach += [j["radius"] for j in mine if "radius" in j]
@@ -162,14 +162,14 @@ def _size(raw: Mapping[str, Any], body: Mapping[str, Any]) -> float:
 def _make(
     kinds: Mapping[str, Callable], spec: Mapping[str, Any], raw: Mapping[str, Any], part: Mapping[str, Any]
 ) -> Any:
-    """Joint or force of the package from its entry in the file."""
+    """Build a joint or force of the package from its entry in the file."""
     if spec["type"] not in kinds:
         raise InputError(f"case '{raw['id']}': part type '{spec['type']}' unknown; add it to JOINTS or FORCES")
     return kinds[spec["type"]](spec, part)
 
 
 def _pair(spec: Mapping[str, Any], part: Mapping[str, Any]) -> tuple[Any, Any]:
-    """Bodies a and b of a joint: body_i and body_j of the file."""
+    """Return bodies a and b of a joint: body_i and body_j of the file."""
     return part[spec["body_i"]], part[spec["body_j"]]
 
 
@@ -196,7 +196,7 @@ FORCES: dict[str, Callable] = {
 
 
 def _rotation(quaternion: ArrayLike) -> Array:
-    """Rotation matrix of a unit quaternion, body to world, (3, 3)."""
+    """Return the rotation matrix of a unit quaternion, body to world, (3, 3)."""
     e0, x, y, z = np.asarray(quaternion, dtype=float)
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     return np.eye(3) + 2 * e0 * cross + 2 * cross @ cross

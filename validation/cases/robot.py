@@ -1,4 +1,4 @@
-"""The six-axis arm in the poses of its file, with the torques that belong to them."""
+"""Six-axis arm in the poses of its file, with the torques that belong to them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ class RobotPose:
 
 
 def robot_poses(shift: Shift = None) -> list[RobotPose]:
-    """Poses of the six-axis arm with the torques that belong to them.
+    """Return the poses of the six-axis arm with the torques that belong to them.
 
     ``system.assemble(angles=pose.angles, rates=pose.rates)`` gives the state; :func:`hinge_accelerations` reads the
     accelerations of the angles from ``accelerations(pose.system, state)``.
@@ -45,7 +45,7 @@ def robot_poses(shift: Shift = None) -> list[RobotPose]:
 
 
 def _robot_pose(case: Case, joints: list[Any], row: Mapping[str, Any]) -> RobotPose:
-    """One pose of the arm; the hinge torques are fixed in the links on both sides."""
+    """Return one pose of the arm; the hinge torques are fixed in the links on both sides."""
     forces = []
     body = {b.name: b for b in case.system.bodies}
     start = {spec["name"]: _rotation(spec["q0"]) for spec in case.raw["bodies"]}
@@ -66,7 +66,8 @@ def _robot_pose(case: Case, joints: list[Any], row: Mapping[str, Any]) -> RobotP
 
 
 def hinge_accelerations(solution: Solution) -> Array:
-    """Accelerations of the arm's hinge angles, ``u . (alpha_b - alpha_a)`` with u the hinge axis in the pose.
+    """Return the accelerations of the arm's hinge angles, ``u . (alpha_b - alpha_a)`` with u the hinge axis in the pose
+    [rad/s^2].
 
     ``solution``: of the arm, for example ``accelerations(pose.system, state)``, n samples. Returns (n, 6): [rad/s^2].
     """

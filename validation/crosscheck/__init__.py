@@ -1,4 +1,4 @@
-"""A mechanism of anyone's in other engines: `cross_check`.
+"""Cross-check of any mechanism with other engines: `cross_check`.
 
 Read in this order: `ours` (what is compared), `ladder` (convergence), `judge`, `formulation` (the joints' definitions),
 `check`; `result` is what it returns.

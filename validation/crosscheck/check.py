@@ -1,4 +1,4 @@
-"""`cross_check`: a mechanism in other engines, from mass matrices to motions, judged by convergence."""
+"""Cross-check of a mechanism with other engines, from mass matrices to motions, judged by convergence."""
 
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -15,13 +15,13 @@ from validation.crosscheck.formulation import compare_definitions, skipped
 from validation.crosscheck.judge import Runs, curves, explained, judge_motion, judge_start, own_error
 from validation.crosscheck.mbsd3d_runs import Ours, ours_at, ours_at_start
 from validation.crosscheck.result import DIFFERS, SKIPPED, Compared, CrossCheck, Finding
-from validation.crosscheck.step_refinement import INTERVALS, climb, fastest_rate, first_steps
+from validation.crosscheck.step_refinement import INTERVAL_COUNT, climb, fastest_rate, first_steps
 from validation.twins.base import EngineMissing, NotComparable, Twin
 
 MODULES = {"mujoco": "validation.twins.mujoco", "exudyn": "validation.twins.exudyn"}
 NAMES = {"mujoco": "MuJoCo", "exudyn": "Exudyn"}
 ENGINES = (*MODULES, DEFINITIONS)
-WAYS: dict[str, tuple[dict[str, Any], ...]] = {
+FORMULATIONS: dict[str, tuple[dict[str, Any], ...]] = {
     "mujoco": ({}, {"rods": "tendons"}),
     "exudyn": (
         {"formulation": "kinematic tree"},  # trees of hinges and sliders: explicit, without constraints
@@ -31,11 +31,11 @@ WAYS: dict[str, tuple[dict[str, Any], ...]] = {
     ),
 }
 """Settings of an engine's twin in the order they are tried: the most accurate one that takes the model counts."""
-BUDGET = 10.0  # s of an engine's ladder
+BUDGET_SECONDS = 10.0  # [s] of an engine's step refinement
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C among the runs of an engine, with what was found about it before."""
+    """Interruption by Ctrl-C during the runs of an engine, with the findings so far."""
 
     def __init__(self, found: Compared) -> None:
         self.found = found
@@ -49,7 +49,7 @@ def cross_check(
     engines: Sequence[str] = ENGINES,
     state: State | None = None,
     tolerance: float = 1e-6,
-    budget: float = BUDGET,
+    budget: float = BUDGET_SECONDS,
     progress: bool | None = None,
 ) -> CrossCheck:
     """Compare a mechanism's motion with the same mechanism in MuJoCo and Exudyn, and with its joints' definitions.
@@ -115,7 +115,7 @@ def cross_check(
 def one_by_one(
     engines: Sequence[str], compare_with: Callable[..., Compared], bar: Progress
 ) -> tuple[list[Compared], bool]:
-    """(what was found about each engine, whether Ctrl-C ended it)."""
+    """Return (findings about each engine, whether Ctrl-C ended them)."""
     found: list[Compared] = []
     for k, engine in enumerate(engines):
         bar.update(1.0 + k)
@@ -133,7 +133,7 @@ def one_by_one(
 def check_input(
     system: System, t_end: float | None, engines: Sequence[str], state: State | None, tolerance: float, budget: float
 ) -> tuple[State, np.ndarray]:
-    """(start, sample times); ValueError for what makes no sense."""
+    """Return (start, sample times); raise ValueError for invalid input."""
     check_system(system, "cross_check")
     check_state(state, "cross_check")
     start = state or system.state()
@@ -151,20 +151,20 @@ def check_input(
         raise InputError(f"cross_check: tolerance {tolerance:g} is outside 1e-9 ... 1e-3; give a number in this range")
     if not number(budget, "cross_check: budget") > 0.0:
         raise InputError(f"cross_check: budget {budget:g} s; give seconds above 0")
-    return start, np.linspace(start.t, end, INTERVALS + 1)
+    return start, np.linspace(start.t, end, INTERVAL_COUNT + 1)
 
 
 def compare(
     system: System, state: State, ours: Ours, tolerance: float, budget: float, engine: str,
     report: Callable[[float], None],
 ) -> Compared:  # fmt: skip
-    """All findings about one engine, by the first way of running it that takes the model to the end."""
+    """Return all findings about one engine, by its first formulation that takes the model to the end."""
     if engine == DEFINITIONS:
         end = float(ours.motion.t[-1])
         return compare_definitions(system, state, end if end > state.t else None, ours.size, budget)
     make = import_module(MODULES[engine]).twin
     halted, reason = None, NotComparable("no way to run it")
-    for settings in WAYS[engine]:
+    for settings in FORMULATIONS[engine]:
         try:
             found = compare_way(
                 partial(make, system, state=state, **settings), system, state, ours, tolerance, budget, report
@@ -185,7 +185,7 @@ def compare(
 def compare_way(
     make: Callable[..., Twin], system: System, state: State, ours: Ours, tolerance: float, budget: float, report: Any
 ) -> Compared:  # fmt: skip
-    """All findings about an engine run in one way; a motion it cannot follow is one of them."""
+    """Return all findings about an engine in one formulation; a motion it cannot follow is one of them."""
     twin, t_end = make(), float(ours.motion.t[-1])
     name, findings = twin.engine, judge_start(system, state, twin, ours, tolerance)
     if t_end == state.t:
@@ -213,7 +213,7 @@ def compare_way(
 
 
 def silent(motion: Any, ours: Ours) -> str:
-    """Which unique reactions an engine does not report."""
+    """Return text on the unique reactions that an engine does not report."""
     missing = [f"'{name}'" for name in ours.motion.reactions if name not in motion.reactions]
     if not missing:
         return ""
@@ -221,7 +221,7 @@ def silent(motion: Any, ours: Ours) -> str:
 
 
 def notes(ours: Ours) -> tuple[str, ...]:
-    """What was left out on purpose."""
+    """Return notes on what is left out on purpose."""
     if not ours.open:
         return ()
     names = ", ".join(f"'{name}'" for name in ours.open)

@@ -1,4 +1,4 @@
-"""Convergence of engines to our motion as a figure."""
+"""Convergence of engines to the motion of mbsd3d as a figure."""
 
 from collections.abc import Sequence
 
@@ -10,12 +10,14 @@ from mbsd3d.extend import LINE, THIN, Theme, dress, house, theme
 
 Curves = Sequence[tuple[str, Sequence[float], Sequence[float]]]
 """Quantity, steps and differences of each."""
-SHOWN = ("position", "rotation", "velocity", "energy", "reaction force")
+FIGURE_QUANTITIES = ("position", "rotation", "velocity", "energy", "reaction force")
 """Quantities that are drawn: the others follow from them."""
 
 
 def convergence_figure(engines: Sequence[tuple[str, float | None, Curves]], dark: bool = False) -> Figure:
-    """Difference from our motion over the step, one panel per (name, order, curves), and the slope of that order."""
+    """Plot the difference from the motion of mbsd3d over the step, one panel per (name, order, curves), and the slope
+    of that order.
+    """
     look = theme(dark)
     with house(look):
         figure = Figure(figsize=(7.5, 3.6), layout="constrained", facecolor=look.paper)
@@ -30,9 +32,9 @@ def convergence_figure(engines: Sequence[tuple[str, float | None, Curves]], dark
 
 
 def draw(axes: Axes, name: str, order: float | None, curves: Curves, look: Theme) -> None:
-    """Curves of an engine."""
+    """Draw the curves of an engine."""
     dress(axes, look)
-    shown = [curve for curve in curves if curve[0] in SHOWN]
+    shown = [curve for curve in curves if curve[0] in FIGURE_QUANTITIES]
     for i, (quantity, steps, differences) in enumerate(shown):
         kept = [(h, e) for h, e in zip(steps, differences, strict=True) if e > 0.0]
         if kept:

@@ -1,4 +1,5 @@
-"""What is compared: quantities of a `Motion` from poses and velocities alone, and their natural sizes; our own motion.
+"""Quantities to compare, from the poses and velocities of a `Motion` alone, and their natural sizes; the motion of
+mbsd3d.
 
 Of our motion also how wrong it may be, and how fast neighbouring motions part.
 """
@@ -13,12 +14,12 @@ from mbsd3d import Solution, State, System, accelerations, simulate
 from mbsd3d.extend import equations
 from validation.twins.base import Array, Load, Motion
 
-POSES = ("position", "rotation", "velocity", "angular velocity")  # Quantities that the others are made of
+BASIC_QUANTITIES = ("position", "rotation", "velocity", "angular velocity")  # quantities that the others are made of
 Known = tuple[Array, Array]  # projectors (n, 3, 3) onto the determined directions of a force and of a moment
 
 
 class Quantity(NamedTuple):
-    """Samples (n, parts, k) of a quantity, whose they are, and by what a difference is divided to be relative."""
+    """Samples (n, parts, k) of a quantity, their parts, and the size that makes a difference relative."""
 
     values: Array
     parts: tuple[str, ...]
@@ -27,7 +28,7 @@ class Quantity(NamedTuple):
 
 @dataclass(frozen=True)
 class Sizes:
-    """Natural sizes of a run: what an error of one hundred per cent would be.
+    """Natural sizes of a run, which correspond to an error of one hundred per cent.
 
     ``length, speed, spin``: [m, m/s, rad/s]; ``momentum, angular_momentum, energy, force, moment``: [kg m/s, kg m^2/s,
     J, N, N m].
@@ -44,7 +45,9 @@ class Sizes:
 
 
 def rotation_matrices(e: Array) -> Array:
-    """(e0^2 - e_v'e_v) 1 + 2 e_v e_v' + 2 e0 [e_v]x, (..., 3, 3), of unit quaternions (..., 4) of either sign."""
+    """Return (e0^2 - e_v'e_v) 1 + 2 e_v e_v' + 2 e0 [e_v]x of unit quaternions (..., 4) of either sign, shape (..., 3,
+    3).
+    """
     e0, v = e[..., :1, None], e[..., 1:]
     outer = v[..., :, None] * v[..., None, :]
     skew = np.cross(np.eye(3), v[..., None, :])  # row i of [v]x is e_i x v
@@ -53,7 +56,9 @@ def rotation_matrices(e: Array) -> Array:
 
 
 def momenta(system: System, motion: Motion) -> tuple[Array, Array, Array, Array]:
-    """(p, L about the world's origin, kinetic energy, potential energy of the weight): (n, 3), (n, 3), (n,), (n,)."""
+    """Return (p, L about the world's origin, kinetic energy, potential energy of the weight): (n, 3), (n, 3), (n,),
+    (n,).
+    """
     R = rotation_matrices(motion.orientation)
     n = motion.t.size
     p, L, kinetic, weight = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(n), np.zeros(n)
@@ -70,7 +75,7 @@ def momenta(system: System, motion: Motion) -> tuple[Array, Array, Array, Array]
 
 
 def sizes(system: System, motion: Motion, length: float) -> Sizes:
-    """Sizes from a motion of a model of a given length [m]; a motion at rest has sizes too, from its weight."""
+    """Return sizes from a motion of a model of a given length [m]; a motion at rest has sizes too, from its weight."""
     span = float(motion.t[-1] - motion.t[0]) or 1.0
     mass = sum(body.mass for body in system.bodies) or 1.0
     pull = float(np.linalg.norm(system.gravity))
@@ -95,19 +100,19 @@ def sizes(system: System, motion: Motion, length: float) -> Sizes:
 
 
 def running_max(values: Array) -> Array:
-    """(n,) greatest absolute value over all parts up to each sample, of (n, parts, k)."""
+    """Return the greatest absolute value over all parts up to each sample, of (n, parts, k), shape (n,)."""
     return np.maximum.accumulate(np.abs(values).reshape(len(values), -1).max(axis=1, initial=0.0))
 
 
 def largest(values: Array) -> float:
-    """Largest absolute value, 0 for none."""
+    """Return the largest absolute value, 0 for an empty array."""
     return float(np.abs(values).max(initial=0.0))
 
 
 def quantities(
     system: System, motion: Motion, size: Sizes, joints: tuple[str, ...] = (), known: Mapping[str, Known] | None = None
 ) -> Mapping[str, Quantity]:
-    """All quantities of a motion by name; reactions of ``joints``, with the joint's name as the part.
+    """Return all quantities of a motion by name; reactions of ``joints``, with the joint's name as the part.
 
     ``known``: of joints whose reaction is determined in some directions, the projectors onto these.
 
@@ -135,26 +140,27 @@ def quantities(
 
 
 def projected(load: Load, known: Known | None) -> Load:
-    """The part of a load in the directions of projectors of its force and moment; all of it for None."""
+    """Return the part of a load in the directions of projectors of its force and moment; all of it for None."""
     return load if known is None else Load(*(np.einsum("tij,tj->ti", D, x) for D, x in zip(known, load, strict=True)))
 
 
 def known_in_part(solution: Solution) -> dict[str, Known]:
-    """Projectors onto the directions that the constraints determine, of joints whose reaction is not unique."""
+    """Return projectors onto the directions that the constraints determine, of joints whose reaction is not unique."""
     found = {solution.system.name(joint): solution.reaction(joint) for joint in solution.system.joints}
     return {name: (x.force_projector, x.moment_projector) for name, x in found.items() if not x.unique}
 
 
-LOOSE, TIGHT = 1e-10, 1e-12
+LOOSE_RTOL, TIGHT_RTOL = 1e-10, 1e-12
 """rtol of the run that is compared, TIGHT, and of the one that tells its error: 100 times looser."""
-NUDGE = 1e-6  # Of the neighbouring start, relative: far above the error of the runs, far below what bends the growth
-RANK = 1e-9
+# [1] of the neighbouring start; far above the error of the runs, far below nonlinear growth
+NEIGHBOUR_SPEED_RATIO = 1e-6
+SINGULAR_VALUE_RATIO_MIN = 1e-9
 """Singular values of J below this part of the greatest are zero."""
 
 
 @dataclass(frozen=True)
 class Ours:
-    """What is compared with an engine.
+    """Motion of mbsd3d for the comparison with an engine.
 
     ``found``: quantity -> values; momentum and kinetic energy are those of `mbsd3d.Solution`, so that they are tested
     too; ``error``: quantity -> (n,) how wrong it may be up to each sample, relative; ``growth`` (n,): by how much
@@ -172,7 +178,7 @@ class Ours:
 
 
 def motion_of(solution: Solution) -> tuple[Motion, tuple[str, ...]]:
-    """(poses, velocities and reactions of a solution as far as they are unique, names of joints where they are not)."""
+    """Return (poses, velocities and unique reactions of a solution, names of joints with other reactions)."""
     system = solution.system
     stack = {
         name: np.stack([getattr(solution, name)(body) for body in system.bodies], axis=1)
@@ -186,7 +192,7 @@ def motion_of(solution: Solution) -> tuple[Motion, tuple[str, ...]]:
 
 
 def whole_run(system: System, t_end: float, state: State, rtol: float, output: Any) -> Any:
-    """A solution up to t_end; KeyboardInterrupt if Ctrl-C ended it before."""
+    """Return a solution up to t_end; raise KeyboardInterrupt if Ctrl-C ended it before."""
     solution = simulate(system, t_end, state=state, rtol=rtol, output=output)
     if (solution.record.stopped_by or "").startswith("interrupted"):
         raise KeyboardInterrupt
@@ -194,20 +200,28 @@ def whole_run(system: System, t_end: float, state: State, rtol: float, output: A
 
 
 def neighbour(system: System, state: State, size: Sizes) -> State:
-    """The start with general velocities added, NUDGE of the run's speeds, that all joints allow."""
+    """Return the start with added general velocities, `NEIGHBOUR_SPEED_RATIO` of the run's speeds, that all joints
+    allow.
+    """
     J = equations(system, state)[2]
     units = np.tile([size.speed] * 3 + [size.spin] * 3, len(system.bodies))
     _, s, Vt = np.linalg.svd(J * units)
-    free = Vt[int((s > RANK * s.max(initial=0.0)).sum()) :]
+    free = Vt[int((s > SINGULAR_VALUE_RATIO_MIN * s.max(initial=0.0)).sum()) :]
     shift = free.T @ (free @ np.random.default_rng(1).normal(size=units.size))
     length = np.abs(shift).max(initial=0.0)
-    return replace(state, v=state.v + NUDGE * units * shift / length) if length > RANK else state
+    return (
+        replace(state, v=state.v + NEIGHBOUR_SPEED_RATIO * units * shift / length)
+        if length > SINGULAR_VALUE_RATIO_MIN
+        else state
+    )
 
 
 def ours_at(system: System, state: State, times: Array) -> Ours:
-    """Our motion at the times, by a tight run; its error by a looser one, its sensitivity by a neighbouring one."""
+    """Simulate the motion of mbsd3d at the times with a tight tolerance; its error by a looser run, its sensitivity by
+    a neighbouring one.
+    """
     t_end = float(times[-1])
-    tight, loose = (whole_run(system, t_end, state, rtol, times) for rtol in (TIGHT, LOOSE))
+    tight, loose = (whole_run(system, t_end, state, rtol, times) for rtol in (TIGHT_RTOL, LOOSE_RTOL))
     motion, rest = motion_of(tight)
     size = sizes(system, motion, float(tight.compiled.model.length))
     joints, known = tuple(motion.reactions), known_in_part(tight)
@@ -219,15 +233,15 @@ def ours_at(system: System, state: State, times: Array) -> Ours:
     less = quantities(system, less, size, tuple(name for name in joints if name in less.reactions), known)
     error = {name: parted(x, less[name]) for name, x in found.items() if name in less}
     start = neighbour(system, state, size)
-    beside = whole_run(system, t_end, start, LOOSE, times)
+    beside = whole_run(system, t_end, start, LOOSE_RTOL, times)
     beside = quantities(system, motion_of(beside)[0], size)
-    away = np.max([parted(found[name], beside[name]) for name in POSES], axis=0)
-    growth = np.maximum(away / NUDGE, 1.0) if start is not state else np.ones(times.size)
+    away = np.max([parted(found[name], beside[name]) for name in BASIC_QUANTITIES], axis=0)
+    growth = np.maximum(away / NEIGHBOUR_SPEED_RATIO, 1.0) if start is not state else np.ones(times.size)
     return Ours(motion, size, found, error, growth, rest, known)
 
 
 def ours_at_start(system: System, state: State) -> Ours:
-    """The same at the start alone: sizes and unique reactions, nothing to estimate."""
+    """Return the state of mbsd3d at the start alone: sizes and unique reactions, nothing to estimate."""
     solution = accelerations(system, state)
     motion, rest = motion_of(solution)
     size = sizes(system, motion, float(solution.compiled.model.length))
@@ -235,7 +249,7 @@ def ours_at_start(system: System, state: State) -> Ours:
 
 
 def parted(one: Quantity, other: Quantity) -> Array:
-    """(n,) greatest relative difference up to each sample."""
+    """Return the greatest relative difference up to each sample, shape (n,)."""
     if one.values.shape != other.values.shape:
         return np.full(len(one.values), np.inf)
     return running_max((one.values - other.values) / one.scale)

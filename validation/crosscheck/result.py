@@ -1,4 +1,4 @@
-"""The result of a comparison: per engine and quantity a verdict with its numbers; table, figure and data of all."""
+"""Result of a comparison: per engine and quantity a verdict with its numbers; table, figure and data of all."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
@@ -9,11 +9,11 @@ import numpy as np
 from mbsd3d.errors import InputError
 
 AGREES, EXPLAINED, DIFFERS, SKIPPED = "agrees", "explained", "differs", "not compared"
-SURE = 3.0  # Errors of a limit by which another may be away from it: the estimate is the last change, not a bound
+UNCERTAINTY_FACTOR = 3.0  # [1] of the errors of a limit, since the estimate is the last change, not a bound
 
 
 class Attribution(NamedTuple):
-    """A cause that was changed, and what that did to the difference (relative, before and after)."""
+    """Changed cause, and the relative difference before and after."""
 
     cause: str
     change: str
@@ -26,7 +26,7 @@ class Attribution(NamedTuple):
 
 @dataclass(frozen=True)
 class Finding:
-    """One quantity against one engine; differences are relative to the quantity's size in the run.
+    """Comparison of one quantity with one engine; differences are relative to the quantity's size in the run.
 
     ``status``: "agrees"; "explained" (differs, and a cause was changed to show why); "differs"; "not compared";
     ``difference, uncertainty``: greatest distance of the limits up to ``until``, and how far that may be wrong:
@@ -51,12 +51,12 @@ class Finding:
 
     @property
     def bound(self) -> float:
-        """Relative difference up to which it agrees."""
-        return max(SURE * (self.uncertainty or 0.0), self.tolerance or 0.0)
+        """Return the relative difference up to which the quantity agrees."""
+        return max(UNCERTAINTY_FACTOR * (self.uncertainty or 0.0), self.tolerance or 0.0)
 
     @property
     def verdict(self) -> str:
-        """ "agrees", "explained: ...", "differs: ..." or "not compared: ..."."""
+        """Return the "agrees", "explained: ...", "differs: ..." or "not compared: ..."."""
         if self.status == AGREES:
             return AGREES
         if self.status == SKIPPED:
@@ -67,7 +67,7 @@ class Finding:
 
 
 class Curve(NamedTuple):
-    """Difference to our motion at the finest common horizon, run by run: what the convergence plot shows."""
+    """Difference to the motion of mbsd3d at the finest common horizon, run by run, for the convergence plot."""
 
     quantity: str
     steps: tuple[float, ...]
@@ -76,7 +76,7 @@ class Curve(NamedTuple):
 
 @dataclass(frozen=True)
 class Compared:
-    """One engine: how it was run, what was found, and its convergence."""
+    """Comparison with one engine: its settings, its findings, and its convergence."""
 
     engine: str
     findings: tuple[Finding, ...]
@@ -88,7 +88,7 @@ class Compared:
     curves: tuple[Curve, ...] = ()
 
 
-USUAL = 1.1e-6  # tolerance that goes without saying
+USUAL_TOLERANCE = 1.1e-6  # [1] tolerance that is not reported
 HEADER = f"{'':12} {'quantity':20} {'difference':>10} {'+-':>8} {'order':>5} {'until [s]':>9}  verdict"
 
 
@@ -113,27 +113,31 @@ class CrossCheck:
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        """All, engine by engine."""
+        """Return the findings of all engines, engine by engine."""
         return tuple(finding for engine in self.engines for finding in engine.findings)
 
     @property
     def verdict(self) -> Mapping[tuple[str, str], str]:
-        """(engine, quantity) -> "agrees", "explained: cause and number", "differs: ..." or "not compared: reason"."""
+        """Return (engine, quantity) -> "agrees", "explained: cause and number", "differs: ..." or "not compared:
+        reason".
+        """
         return {(x.engine, x.quantity): x.verdict for x in self.findings}
 
     @property
     def failures(self) -> tuple[str, ...]:
-        """What differs without a proven cause, in sentences."""
+        """Return sentences on differences without a proven cause."""
         return tuple(f"{x.engine}, {x.quantity} {x.verdict}" for x in self.findings if x.status == DIFFERS)
 
     @property
     def compared(self) -> tuple[str, ...]:
-        """Engines of which the motion or the start was compared at all."""
+        """Return the engines of which the motion or the start was compared at all."""
         return tuple(x.engine for x in self.engines if any(f.status != SKIPPED for f in x.findings))
 
     @property
     def followed(self) -> tuple[str, ...]:
-        """Engines, without the definitions, whose motion was compared, or the start where only that was asked for."""
+        """Return the engines, without the definitions, whose motion was compared, or the start where only that was
+        requested.
+        """
         return tuple(
             x.engine
             for x in self.engines
@@ -143,16 +147,18 @@ class CrossCheck:
 
     @property
     def defined(self) -> bool:
-        """The definitions of the joints were compared, and no engine had its part in it."""
+        """Return whether the definitions of the joints were compared independently of any engine."""
         return self.compared == ("definitions",)
 
     @property
     def passed(self) -> bool:
-        """The motion was compared with another engine, or the definitions alone where none can; and nothing differs."""
+        """Return whether the motion was compared with another engine, or the definitions alone where none can, and
+        nothing differs.
+        """
         return not self.failures and not self.interrupted and (bool(self.followed) or self.defined)
 
     def of(self, engine: str) -> Compared:
-        """What was found with an engine; ValueError for one that was not asked for."""
+        """Return the findings of an engine; raise ValueError for one that was not requested."""
         for found in self.engines:
             if found.engine.lower() == engine.lower():
                 return found
@@ -162,17 +168,19 @@ class CrossCheck:
         return self.table()
 
     def table(self) -> str:
-        """The result as text, one line per engine and quantity."""
+        """Return the result as text, one line per engine and quantity."""
         return table(self)
 
     def figure(self, dark: bool = False) -> Any:
-        """Convergence of every engine to our motion, log-log, with the expected slopes; a matplotlib Figure."""
+        """Plot the convergence of every engine to the motion of mbsd3d, log-log, with the expected slopes, as a
+        matplotlib Figure.
+        """
         from validation.crosscheck.figure import convergence_figure  # matplotlib only where it is asked for
 
         return convergence_figure([(x.engine, x.order, x.curves) for x in self.engines if x.curves], dark)
 
     def to_dict(self) -> dict[str, Any]:
-        """For JSON: plain numbers (None where there is none), texts and lists."""
+        """Return plain numbers (None where there is none), texts and lists for JSON."""
         plain = {
             "t_end": self.t_end, "tolerance": self.tolerance, "growth": self.growth, "own_error": self.own_error,
             "passed": self.passed, "interrupted": self.interrupted, "start_only": self.start_only,
@@ -190,7 +198,7 @@ class CrossCheck:
 
 
 def finite(value: Any) -> Any:
-    """The same of plain Python types, None for numbers that are not finite: JSON cannot hold them."""
+    """Return plain Python types, None for numbers that are not finite: JSON cannot hold them."""
     if isinstance(value, dict):
         return {key: finite(x) for key, x in value.items()}
     if isinstance(value, list | tuple):
@@ -201,7 +209,7 @@ def finite(value: Any) -> Any:
 
 
 def table(check: CrossCheck) -> str:
-    """One line per engine and quantity; differences are relative to the quantity's size in the run."""
+    """Return one line per engine and quantity; differences are relative to the quantity's size in the run."""
     lines = [HEADER]
     for engine in check.engines:
         lines += [row(finding) for finding in engine.findings]
@@ -215,7 +223,7 @@ def table(check: CrossCheck) -> str:
 
 
 def summary(check: CrossCheck) -> str:
-    """The last line."""
+    """Return the last line of the table."""
     if check.interrupted:
         return "interrupted: what is listed above was compared"
     if check.failures:
@@ -232,14 +240,14 @@ def summary(check: CrossCheck) -> str:
 
 
 def missing(check: CrossCheck) -> str:
-    """The engines that were not compared, each with its first reason."""
+    """Return the engines that were not compared, each with its first reason."""
     others = [engine for engine in check.engines if engine.engine != "definitions"]
     reasons = [f"{x.engine} ({next((f.reason for f in x.findings if f.reason), 'no reason given')})" for x in others]
     return ", ".join(reasons) or "none was asked for"
 
 
 def how_far(check: CrossCheck, engine: Compared) -> str:
-    """The engine, with what falls short of the whole time and of the tolerance that was asked for."""
+    """Return the engine, with its shortfall from the whole time and from the requested tolerance."""
     motion = [x for x in engine.findings if x.uncertainty is not None and x.status != SKIPPED]
     until = min((x.until for x in motion), default=check.t_end)
     bound = max((x.bound for x in motion), default=0.0)
@@ -249,7 +257,7 @@ def how_far(check: CrossCheck, engine: Compared) -> str:
 
 
 def row(finding: Finding) -> str:
-    """One line."""
+    """Return one line of the table."""
     numbers = [
         number(finding.difference, "10.1e"), number(finding.uncertainty, "8.0e"), number(finding.order, "5.2f"),
         number(finding.until, "9.4g"),
@@ -258,13 +266,14 @@ def row(finding: Finding) -> str:
 
 
 def verdict(finding: Finding) -> str:
-    """The verdict; of agreement also up to which difference where that is looser than usual, and what limits it."""
+    """Return the verdict; of agreement also up to which difference where that is looser than usual, and what limits
+    it."""
     if finding.status != AGREES:
         return finding.verdict
-    loose = f" within {finding.bound:.0e}" if finding.bound > USUAL else ""
+    loose = f" within {finding.bound:.0e}" if finding.bound > USUAL_TOLERANCE else ""
     return finding.verdict + loose + (f", {finding.reason}" if finding.reason else "")
 
 
 def number(value: float | None, form: str) -> str:
-    """Formatted, or as many blanks with a dash."""
+    """Format a number, or return as many blanks with a dash."""
     return f"{value:{form}}" if value is not None else f"{'-':>{form.split('.')[0]}}"

@@ -1,1 +1,1 @@
-"""The suite: every case against theory, other formulations and other engines, and one report (``mbsd3d validate``)."""
+"""Suite: every case against theory, other formulations and other engines, and one report (``mbsd3d validate``)."""

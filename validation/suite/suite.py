@@ -1,4 +1,4 @@
-"""Runs trials one after the other, keeps every record as it comes, and writes the reports.
+"""Run of test cases one after the other, with stored records and written reports.
 
 MuJoCo, Exudyn and the definitions of the joints are judges too: `cross_check` speaks in the words of the suite.
 """
@@ -31,32 +31,33 @@ from validation.suite.page import chart, content_of, encoded, page_of, picture
 from validation.suite.trials import chosen, trials
 from validation.suite.trials.trial import Run, Trial, examine, stopped
 
-NAME = "validation"
-SEVERAL = 4  # cases that are worth the seconds in which processes start
+STORE_NAME = "validation"
+PROCESS_CASES_MIN = 4  # [1] cases that are worth the seconds in which processes start
 PEERS = (MUJOCO, EXUDYN)
-MORE = 5.0  # Times the budget for a second look at a difference
+SECOND_BUDGET_RATIO = 5.0  # [1] of the budget, for a second look at a difference
 PACKAGES = ("numpy", "scipy", "numba", "mujoco-core", "mujoco", "exudyn")
-SOURCES = ("*.py", "references/*.json", "parameters/*.json")
+SOURCE_PATTERNS = ("*.py", "references/*.json", "parameters/*.json")
 
 
 def store(folder: Path, fresh: bool = False, **settings: Any) -> Store:
-    """Finished cases in a folder: of these sources, versions of all that computes, and settings; others are forgotten.
+    """Return the finished cases in a folder: of these sources, versions of all that computes, and settings; others are
+    discarded.
 
     An edited kernel, reference or closed form gives another identity, so no result outlives what it was made of.
     """
     text, here = hashlib.sha256(), Path(__file__).parents[1]
     for root in (Path(mbsd3d.__file__).parent, here, here.with_name("bicycle")):
-        for path in sorted(path for pattern in SOURCES for path in root.rglob(pattern)):
+        for path in sorted(path for pattern in SOURCE_PATTERNS for path in root.rglob(pattern)):
             text.update(path.relative_to(root).as_posix().encode() + path.read_bytes())
     made_of = {"sources": text.hexdigest(), "versions": [installed(name) for name in PACKAGES], **settings}
-    found = Store(folder / f"{NAME}.db", made_of, "validation", replace=True)
+    found = Store(folder / f"{STORE_NAME}.db", made_of, "validation", replace=True)
     if fresh:
         found.clear()
     return found
 
 
 def compared(made: Run, trial: Trial, budget: float) -> tuple[list[Finding], CrossCheck | None]:
-    """Everything that the engines and the definitions say of a mechanism.
+    """Return all findings of the engines and the definitions about a mechanism.
 
     ``made``: mechanism and start; ``trial``: how long it is compared, and why not; ``budget``: seconds that an engine's
     runs may take. Returns findings; check: attributions and curves; None if nothing was compared.
@@ -65,19 +66,19 @@ def compared(made: Run, trial: Trial, budget: float) -> tuple[list[Finding], Cro
         return [not_compared(judge, trial.alone) for judge in PEERS], None
     check = asked(made, budget)
     if check.failures:  # finer steps, and time to change what may be to blame
-        check = asked(made, MORE * budget)
+        check = asked(made, SECOND_BUDGET_RATIO * budget)
     if check.interrupted:
         raise KeyboardInterrupt
     return [translated(finding) for finding in check.findings], check
 
 
 def asked(made: Run, budget: float) -> CrossCheck:
-    """What `cross_check` finds; of a case without a motion at its start."""
+    """Return the findings of `cross_check`; of a case without a motion at its start."""
     return cross_check(made.system, made.t_end or None, state=made.state, budget=budget, progress=False)
 
 
 def translated(finding: PeerFinding) -> Finding:
-    """A finding of `cross_check`: limits may be apart by the tolerance, or by what they are uncertain."""
+    """Return a finding of `cross_check`: limits may differ by the tolerance, or by their uncertainty."""
     limit = None if finding.difference is None else finding.bound
     order = "" if finding.order is None else f"order {finding.order:.2f} of {finding.expected:g}"
     until = "" if finding.until is None else f"until {finding.until:.4g} s"
@@ -87,7 +88,7 @@ def translated(finding: PeerFinding) -> Finding:
 
 
 def attributions(check: CrossCheck) -> tuple[dict[str, Any], ...]:
-    """Every cause that was changed, with the difference before and after."""
+    """Return every cause that was changed, with the difference before and after."""
     return tuple(
         {"engine": finding.engine, "quantity": finding.quantity, **attribution._asdict()}
         for finding in check.findings
@@ -96,7 +97,7 @@ def attributions(check: CrossCheck) -> tuple[dict[str, Any], ...]:
 
 
 def settings(check: CrossCheck) -> dict[str, str]:
-    """Engine -> formulation, integrator, steps and seconds of its runs."""
+    """Return engine -> formulation, integrator, steps and seconds of its runs."""
     found = {}
     for engine in check.engines:
         steps = f"; {engine.steps[0]} ... {engine.steps[-1]} steps, {sum(engine.seconds):.2g} s" if engine.steps else ""
@@ -106,7 +107,7 @@ def settings(check: CrossCheck) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Suite:
-    """What is run, where its results are kept, and how many seconds an engine gets for a case."""
+    """Test cases, the folder of their results, and the seconds of an engine per case."""
 
     trials: Sequence[Trial]
     store: Store
@@ -116,26 +117,26 @@ class Suite:
 
     @cached_property
     def found(self) -> dict[str, Record]:
-        """Finished cases by name."""
+        """Return the finished cases by name."""
         return {name: record_from(data) for name, data in self.store.all().items()}
 
     @property
     def records(self) -> list[Record]:
-        """Records of the cases that are finished, in the order of the trials."""
+        """Return the records of the finished cases, in the order of the test cases."""
         return [self.found[trial.name] for trial in self.trials if trial.name in self.found]
 
     @property
     def left(self) -> list[Trial]:
-        """Cases that are still to be examined."""
+        """Return the cases that are still to be examined."""
         return [trial for trial in self.trials if trial.name not in self.found]
 
     @property
     def failed(self) -> list[Record]:
-        """Cases in which something differs."""
+        """Return the cases in which something differs."""
         return failed(self.records)
 
     def run(self) -> None:
-        """Examine what is left; Ctrl-C leaves everything that is finished in the ledger."""
+        """Examine the remaining cases; Ctrl-C keeps everything finished in the store."""
         done = len(self.records)
         with Progress("validation", 0, len(self.trials), self.show) as bar:
             for count, record in enumerate(self.examine_left(), start=done + 1):
@@ -144,9 +145,9 @@ class Suite:
                 bar.update(count)
 
     def examine_left(self) -> Iterator[Record]:
-        """Records as they come; many cases go to processes of their own, which an engine may take down with it."""
+        """Yield records as they come; many cases run in processes of their own, which a crash of an engine may end."""
         left = self.left
-        if len(left) < SEVERAL:
+        if len(left) < PROCESS_CASES_MIN:
             yield from (examined(trial, self.budget) for trial in left)
             return
         cells = [{"name": trial.name, "quick": self.quick, "budget": self.budget} for trial in left]
@@ -154,29 +155,29 @@ class Suite:
             yield found if isinstance(found, Record) else lost(left[k], found.error)
 
     def write(self, folder: Path) -> list[Path]:
-        """Page and JSON of what is finished."""
+        """Write page and JSON of the finished cases."""
         content = content_of(self.records, quick=self.quick, complete=not self.left)
         html = page_of(self.records, content)
         return [
-            write_atomically(folder / f"{NAME}.html", html.encode()),
-            write_atomically(folder / f"{NAME}.json", encoded(content)),
+            write_atomically(folder / f"{STORE_NAME}.html", html.encode()),
+            write_atomically(folder / f"{STORE_NAME}.json", encoded(content)),
         ]
 
 
 def examined_by_name(cell: Mapping[str, Any]) -> Record:
-    """A trial in another process: names travel, mechanisms are built there."""
+    """Run a test case in another process: names travel, mechanisms are built there."""
     (trial,) = chosen(trials(cell["quick"]), (cell["name"],))
     return examined(trial, cell["budget"])
 
 
 def lost(trial: Trial, error: str) -> Record:
-    """Record of a case whose process died."""
+    """Return the record of a case whose process died."""
     return Record(trial.name, trial.group, trial.title, (Finding(CERTIFICATE, DIFFERS, "run", note=error),))
 
 
 @on_one_thread  # many small decompositions, for which threads cost more than they save
 def examined(trial: Trial, budget: float) -> Record:
-    """Record of a trial: its own judges, the engines, a picture, and the curves of convergence."""
+    """Return the record of a test case: its own judges, the engines, a picture, and the curves of convergence."""
     began = time.perf_counter()
     record, made = examine(trial)
     if made is None:

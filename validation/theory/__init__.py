@@ -1,4 +1,4 @@
-"""Closed forms of rigid-body mechanics, independent of the package they judge.
+"""Closed forms of rigid-body mechanics, independent of the package that they check.
 
 Nothing here imports ``mbsd3d``: every function is a formula of its docstring, or a series carried further than double
 precision. SI units, radians; world axes have z up; quaternions are (e0, e1, e2, e3), scalar first, body to world.

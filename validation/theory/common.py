@@ -1,4 +1,4 @@
-"""Precision and constants of the closed forms; rotations and products that keep it; elliptic functions."""
+"""Precision and constants of the closed forms; rotations and products in extended precision; elliptic functions."""
 
 from typing import NamedTuple
 
@@ -15,7 +15,7 @@ EXTENDED = np.longdouble
 
 
 def rotation_matrix(quaternion: ArrayLike) -> Array:
-    """Rotation body to world, ``R = 1 + 2 e0 [e_v]x + 2 [e_v]x^2`` for a unit quaternion.
+    """Return the rotation body to world, ``R = 1 + 2 e0 [e_v]x + 2 [e_v]x^2`` for a unit quaternion.
 
     ``quaternion`` (4,): (e0, e1, e2, e3), normalised here [-]. Returns (3, 3): rotation matrix [-].
     """
@@ -32,7 +32,7 @@ class Attitude(NamedTuple):
 
 
 def turn(omega: Array, t: Array) -> Array:
-    """Rotations by the angle |omega| t about omega, (n, 3, 3)."""
+    """Return rotations by the angle |omega| t about omega, (n, 3, 3)."""
     speed = np.sqrt(np.sum(omega * omega))
     axis = omega / speed if speed > 0 else omega
     angle = (speed * t)[:, None, None]
@@ -41,24 +41,24 @@ def turn(omega: Array, t: Array) -> Array:
 
 
 def skew(a: Array) -> Array:
-    """Matrix [a]x with [a]x b = a x b, (3,) -> (3, 3)."""
+    """Return the matrix [a]x with [a]x b = a x b, (3,) -> (3, 3)."""
     return np.array([[0, -a[2], a[1]], [a[2], 0, -a[0]], [-a[1], a[0], 0]], dtype=np.asarray(a).dtype)
 
 
 def product(a: Array, b: Array) -> Array:
-    """Matrix product over the last two axes that keeps extended precision."""
+    """Return the matrix product over the last two axes that keeps extended precision."""
     return np.einsum("...ij,...jk->...ik", a, b)
 
 
 def cross(a: Array, b: Array) -> Array:
-    """Cross product over the last axis (faster than numpy's on small arrays)."""
+    """Return the cross product over the last axis (faster than numpy's on small arrays)."""
     a0, a1, a2 = a[..., 0], a[..., 1], a[..., 2]
     b0, b1, b2 = b[..., 0], b[..., 1], b[..., 2]
     return np.stack([a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0], axis=-1)
 
 
 def quarter_period(m1: float) -> float:
-    """Complete elliptic integral ``K = R_F(0, m1, 1)``, infinite for ``m1 = 0``.
+    """Return the complete elliptic integral ``K = R_F(0, m1, 1)``, infinite for ``m1 = 0``.
 
     ``m1``: complement ``1 - m`` of the parameter, 0 <= m1 <= 1 [-]. Returns K [-]. ValueError if ``m1`` is outside [0,
     1].
@@ -69,7 +69,7 @@ def quarter_period(m1: float) -> float:
 
 
 def elliptic_phase(sine: float, cosine: float, m1: float) -> float:
-    """Argument u in [-K, K] with ``sn u = sine`` and ``cn u = cosine >= 0``.
+    """Return the argument u in [-K, K] with ``sn u = sine`` and ``cn u = cosine >= 0``.
 
     ``u = s R_F(c^2, c^2 + m1 s^2, 1)``. Taking sine *and* cosine keeps the digits near u = K that an angle would lose.
 
@@ -94,7 +94,7 @@ class Jacobi(NamedTuple):
 
 
 def jacobi(u: ArrayLike, m1: float) -> Jacobi:
-    """Jacobi functions by the arithmetic-geometric mean, exact to rounding also for ``m1 -> 0``.
+    """Evaluate the Jacobi functions by the arithmetic-geometric mean, exact to rounding also for ``m1 -> 0``.
 
     ``phi_N = 2^N a_N u`` and ``2 phi_(n-1) = phi_n + asin(c_n sin(phi_n) / a_n)`` down to ``am u = phi_0``;
     ``dn^2 = m1 + (1 - m1) cn^2`` has no cancellation. ``m1 = 0``: ``am u = 2 atan(tanh(u / 2))``.
@@ -120,7 +120,7 @@ def jacobi(u: ArrayLike, m1: float) -> Jacobi:
 
 
 def _mean_ratios(m1: EXTENDED) -> tuple[list[EXTENDED], EXTENDED]:
-    """Ratios c_n / a_n (n = 1 ...) and limit of the arithmetic-geometric mean of 1 and sqrt(m1)."""
+    """Return the ratios c_n / a_n (n = 1 ...) and limit of the arithmetic-geometric mean of 1 and sqrt(m1)."""
     a, b, ratios = EXTENDED(1), np.sqrt(m1), []
     while abs(a - b) > 4 * np.finfo(EXTENDED).eps * a:
         a, b, c = (a + b) / 2, np.sqrt(a * b), (a - b) / 2

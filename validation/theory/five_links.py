@@ -1,4 +1,4 @@
-"""A wheel on five rigid links by their Plücker lines: its twist, and its poses by integration of the twist."""
+"""Wheel on five rigid links by their Plücker lines: its twist, and its poses by integration of the twist."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,7 @@ Link = tuple[Sequence[float], Sequence[float]]
 
 
 def twist(links: Sequence[Link], centre: np.ndarray, turn: np.ndarray, shift: np.ndarray) -> np.ndarray:
-    """(6,) velocity of the wheel's centre and angular velocity while the centre rises by 1 m/s.
+    """Return the velocity of the wheel's centre and its angular velocity while the centre rises by 1 m/s, shape (6,).
 
     ``links``: (inner, outer) points at the reference pose; since then the wheel has turned by ``turn`` (3, 3) and its
     ``centre`` has moved by ``shift``. No link changes its length: ``l . (v + w x p) = (l, p x l) . (v, w) = 0``.
@@ -24,7 +24,9 @@ def twist(links: Sequence[Link], centre: np.ndarray, turn: np.ndarray, shift: np
 
 
 def poses(links: Sequence[Link], centre: np.ndarray, heights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(shift (n, 3), turn (n, 3, 3)) of the wheel at heights that rise or fall from 0 on [m]: d(pose)/dz = twist."""
+    """Return (shift (n, 3), turn (n, 3, 3)) of the wheel at heights that rise or fall from 0 on [m]: d(pose)/dz =
+    twist.
+    """
     centre = np.array(centre)
 
     def rate(_: float, state: np.ndarray) -> np.ndarray:

@@ -1,4 +1,5 @@
-"""A tyre, written out once more: contact by an angle on the circle of tube centres, brush by the bristles of its patch.
+"""Second formulation of the tyre: contact by an angle on the circle of tube centres, brush by the bristles of its
+patch.
 
 Nothing of `mbsd3d` is used. The lowest point of the torus is that of a circle in the plane of the wheel, the force of
 the brush an integral over the patch, so that no formula is the same as in the element. And a free wheel on it, by
@@ -10,13 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 
-NODES, WEIGHTS = leggauss(40)
+GAUSS_NODES, GAUSS_WEIGHTS = leggauss(40)
 UP = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True)
 class Rubber:
-    """A tyre by the words of `mbsd3d.Tyre`; SI units. ``mu`` None: no limit."""
+    """Tyre with the parameters of `mbsd3d.Tyre`; SI units. ``mu`` None: no limit."""
 
     radius: float
     crown: float
@@ -50,14 +51,14 @@ class Wheel:
 
 
 def rotation(e: np.ndarray) -> np.ndarray:
-    """(3, 3) of a quaternion of any length, scalar first."""
+    """Return the rotation of a quaternion of any length, scalar first, shape (3, 3)."""
     e = e / np.linalg.norm(e)
     v, S = e[1:], np.cross(np.eye(3), e[1:])
     return np.eye(3) + 2.0 * e[0] * S + 2.0 * (np.outer(v, v) - (v @ v) * np.eye(3))
 
 
 def lowest(w: Rubber, axle: np.ndarray) -> np.ndarray:
-    """Vector from the hub to the lowest point of the circle of tube centres, by its angle on it."""
+    """Return the vector from the hub to the lowest point of the circle of tube centres, by its angle on it [m]."""
     a = np.cross(axle, np.eye(3)[np.argmin(np.abs(axle))])
     a /= np.linalg.norm(a)
     b = np.cross(axle, a)
@@ -66,21 +67,21 @@ def lowest(w: Rubber, axle: np.ndarray) -> np.ndarray:
 
 
 def patch(slip: float) -> tuple[float, float]:
-    """(force over grip, trail over that at rest) of bristles under a parabolic pressure, for C sigma/mu = slip.
+    """Return (force over grip, trail over that at rest) of bristles under a parabolic pressure, for C sigma/mu = slip.
 
     Along x = -1 ... 1 a bristle is bent by (1 - x) slip/2 and holds up to 3 (1 - x^2)/4; units: mu N, half the patch.
     """
     edge = min(2.0 * slip / 3.0 - 1.0, 1.0)  # where the bent bristles meet the parabola: they stick ahead of it
-    bent = 0.5 * (1.0 - edge) * NODES + 0.5 * (1.0 + edge)  # x of the nodes of the sticking part
-    stick = 0.5 * (1.0 - edge) * WEIGHTS * 0.5 * slip * (1.0 - bent)
-    slid = 0.5 * (edge + 1.0) * NODES + 0.5 * (edge - 1.0)
-    slide = 0.5 * (edge + 1.0) * WEIGHTS * 0.75 * (1.0 - slid**2)
+    bent = 0.5 * (1.0 - edge) * GAUSS_NODES + 0.5 * (1.0 + edge)  # x of the nodes of the sticking part
+    stick = 0.5 * (1.0 - edge) * GAUSS_WEIGHTS * 0.5 * slip * (1.0 - bent)
+    slid = 0.5 * (edge + 1.0) * GAUSS_NODES + 0.5 * (edge - 1.0)
+    slide = 0.5 * (edge + 1.0) * GAUSS_WEIGHTS * 0.75 * (1.0 - slid**2)
     force, moment = stick.sum() + slide.sum(), -(stick @ bent) - slide @ slid
     return float(force), float(3.0 * moment / force) if force > 0.0 else 1.0
 
 
 def pull(w: Rubber, mu: float | None, bent: np.ndarray) -> tuple[np.ndarray, float]:
-    """(force over load, trail) of deflections times stiffness, which is the force of the linear tyre."""
+    """Return (force over load, trail) of deflections times stiffness, which is the force of the linear tyre."""
     size = float(np.linalg.norm(bent))
     if mu is None or size == 0.0:
         return bent, w.trail
@@ -90,7 +91,7 @@ def pull(w: Rubber, mu: float | None, bent: np.ndarray) -> tuple[np.ndarray, flo
 
 
 def contact_point(w: Rubber, hub: np.ndarray, axle: np.ndarray) -> np.ndarray:
-    """Vector from the hub to where forces act: below the lowest point of the circle of tube centres."""
+    """Return the vector from the hub to the contact point: below the lowest point of the circle of tube centres [m]."""
     T = lowest(w, axle)
     return np.array([T[0], T[1], -hub[2]])
 
@@ -99,7 +100,7 @@ def tread(
     w: Rubber, mu: float | None, hub: np.ndarray, axle: np.ndarray, v: np.ndarray, omega: np.ndarray, z: np.ndarray,
     turning: np.ndarray | None = None,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
-    """(force on the wheel, its moment about the hub, rates of the deflections) on the ground z = 0, world axes.
+    """Return (force on the wheel, its moment about the hub, rates of the deflections) on the ground z = 0, world axes.
 
     ``mu`` is the grip now, ``v`` the velocity of the hub less that of the ground's matter at the contact point, and
     ``turning`` the angular velocity of the wheel less that of the ground; None: ``omega``, the ground rests.
@@ -134,7 +135,7 @@ def tread(
 
 
 def derivative(w: Wheel, y: np.ndarray) -> np.ndarray:
-    """Rates of (r, e, r_dot, w in world axes, z_x, z_y), 15 numbers."""
+    """Return the rates of (r, e, r_dot, w in world axes, z_x, z_y), 15 numbers."""
     v, omega, axle = y[7:10], y[10:13], rotation(y[3:7])[:, 1]
     force, moment, z_dot = tread(w.tyre, w.tyre.mu, y[:3], axle, v, omega, y[13:15])
     inertia = w.diametral * np.eye(3) + (w.axial - w.diametral) * np.outer(axle, axle)

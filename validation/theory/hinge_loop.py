@@ -1,4 +1,4 @@
-"""One loop of hinges with one freedom, from its axes alone: product of exponentials, closure by Newton, energy.
+"""Loop of hinges with one degree of freedom, from its axes alone: product of exponentials, closure by Newton, energy.
 
 The curve of closed poses is followed by its arc length: the hinge angles obey ``phi' = tau``, the null vector of the
 screws; with ``T = m(phi) sigma^2 / 2``, ``sigma`` the speed along the curve, Lagrange's equation is
@@ -13,12 +13,12 @@ from scipy.integrate import solve_ivp
 
 from validation.theory.common import Array
 
-TIGHT = 1e-13  # of the integration in time; rounding of one evaluation is a tenth of it
+TIME_RTOL = 1e-13  # [1] of the integration in time; rounding of one evaluation is a tenth of it
 
 
 @dataclass(frozen=True, eq=False)
 class HingeLoop:
-    """n hinges in a circle, ground - link 1 - ... - link n - 1 - ground, at a closed pose.
+    """Loop of n hinges, ground - link 1 - ... - link n - 1 - ground, at a closed pose.
 
     ``points, axes``: (n, 3) of the hinges, world, axes unit; ``masses`` (n - 1,), ``centres`` (n - 1, 3), ``inertias``
     (n - 1, 3, 3) of the links, world, inertias about the centres; ``gravity`` (3,). SI units.
@@ -32,7 +32,8 @@ class HingeLoop:
     gravity: Array
 
     def motion(self, rate: float, times: ArrayLike, hinge: int = 0) -> Array:
-        """(len(times), n) angles turned since the start [rad], from the rate of one hinge at the start [rad/s].
+        """Return the angles since the start [rad], from the rate of one hinge at the start [rad/s], shape (len(times),
+        n).
 
         ValueError if the loop has not exactly one freedom at its start.
         """
@@ -51,11 +52,13 @@ class HingeLoop:
             return np.append(at.tangent * y[-1], -(0.5 * mass_slope * y[-1] ** 2 + weight) / mass)
 
         start, times = np.append(np.zeros(n), rate / heading[0][hinge]), np.asarray(times, float)
-        found = solve_ivp(slope, (0.0, times[-1]), start, method="DOP853", rtol=TIGHT, atol=TIGHT, t_eval=times)
+        found = solve_ivp(slope, (0.0, times[-1]), start, method="DOP853", rtol=TIME_RTOL, atol=TIME_RTOL, t_eval=times)
         return found.y[:-1].T
 
     def screws(self, angles: Array) -> tuple[Array, list[Array]]:
-        """(6, n) axes and moments ``p x u`` about the world's origin, as turned; displacements (4, 4) of the links."""
+        """Return axes and moments ``p x u`` about the world's origin (6, n) after the turns, and displacements (4, 4)
+        of the links.
+        """
         place, columns = [np.eye(4)], []
         for u, p, angle in zip(self.axes, self.points, angles, strict=True):
             R, now = place[-1][:3, :3], place[-1][:3, :3] @ u
@@ -64,7 +67,7 @@ class HingeLoop:
         return np.array(columns).T, place[1:]
 
     def pose(self, angles: Array, heading: Array | None) -> "Pose":
-        """The closed pose nearest to the angles; its tangent points to the side of `heading`."""
+        """Return the closed pose nearest to the angles; its tangent points to the side of `heading`."""
         for _ in range(6):
             J, place = self.screws(angles)
             U, values, Vt = np.linalg.svd(J)
@@ -79,7 +82,7 @@ class HingeLoop:
         return Pose(J, place, -tau if heading is not None and tau @ heading < 0 else tau, inverse)
 
     def along(self, at: "Pose") -> tuple[float, float, float]:
-        """``m``, ``m'`` and ``V'`` along the curve."""
+        """Return ``m``, ``m'`` and ``V'`` along the curve."""
         turns = at.screws * at.tangent
         before = np.cumsum(turns, axis=1) - turns  # twists of the bodies each hinge is carried by
         carried = np.column_stack([_bracket(v, s) for v, s in zip(before.T, turns.T, strict=True)])
@@ -99,7 +102,9 @@ class HingeLoop:
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """``screws`` (6, n) as turned; ``place``: displacements of the links; ``tangent`` (n,); pseudo-``inverse``."""
+    """Closed pose: ``screws`` (6, n) after the turns; ``place``: displacements of the links; ``tangent`` (n,);
+    pseudo-``inverse``.
+    """
 
     screws: Array
     place: list[Array]
@@ -108,18 +113,18 @@ class Pose:
 
 
 def _skew(u: Array) -> Array:
-    """(3, 3) with ``_skew(u) @ x = u x x``."""
+    """Return the matrix with ``_skew(u) @ x = u x x``, shape (3, 3)."""
     return np.array([[0.0, -u[2], u[1]], [u[2], 0.0, -u[0]], [-u[1], u[0], 0.0]])
 
 
 def _bracket(v: Array, s: Array) -> Array:
-    """Rate of a screw s carried by a body of twist v."""
+    """Return the rate of a screw s carried by a body of twist v."""
     W = _skew(v[:3])
     return np.append(W @ s[:3], _skew(v[3:]) @ s[:3] + W @ s[3:])
 
 
 def _turn(u: Array, p: Array, angle: float) -> Array:
-    """(4, 4) displacement by a turn about the line through p along u."""
+    """Return the displacement by a turn about the line through p along u, shape (4, 4)."""
     K, T = _skew(u), np.eye(4)
     T[:3, :3] += np.sin(angle) * K + (1.0 - np.cos(angle)) * K @ K
     T[:3, 3] = p - T[:3, :3] @ p

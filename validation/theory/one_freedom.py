@@ -1,4 +1,4 @@
-"""Mechanisms of one freedom: a physical pendulum, a slider on an arm that turns at a constant rate, a universal joint.
+"""Mechanisms with one degree of freedom: a physical pendulum, a slider on an arm of constant rate, a universal joint.
 
 Angles of the universal joint count from the pose where the arm of the cross carried by the **input** yoke is normal to
 the plane of the shafts; with that arm in the plane, add pi/2.
@@ -11,7 +11,7 @@ from validation.theory.common import EXTENDED, GRAVITY, Array, elliptic_phase, j
 
 
 def pendulum_frequency(inertia: float, mass: float, distance: float, gravity: float = GRAVITY) -> float:
-    """Small-oscillation frequency of a physical pendulum, ``w0^2 = m g d / I``.
+    """Return the small-oscillation frequency of a physical pendulum, ``w0^2 = m g d / I``.
 
     ``inertia``: about the hinge axis [kg m^2]; ``mass, distance``: mass [kg] and distance of the centre of mass from
     the hinge axis [m]; ``gravity``: component of gravity normal to the hinge axis: g sin(angle between axis and
@@ -23,7 +23,7 @@ def pendulum_frequency(inertia: float, mass: float, distance: float, gravity: fl
 
 
 def pendulum_motion(t: ArrayLike, frequency: float, angle: float, rate: float = 0.0) -> tuple[Array, Array]:
-    """Angle and rate of a physical pendulum from any start.
+    """Return the angle and rate of a physical pendulum from any start.
 
     Swinging (k <= 1): ``sin(phi / 2) = +-k sn(u | k^2)``, ``phi_dot = +-2 k w0 cn u``, ``u = w0 t + u0``.
     Turning (k > 1): ``phi = +-2 am(u | 1 / k^2)``, ``phi_dot = +-2 k w0 dn u``, ``u = k w0 t + u0``.
@@ -50,13 +50,13 @@ def pendulum_motion(t: ArrayLike, frequency: float, angle: float, rate: float = 
 
 
 def _pendulum_modulus(frequency: float, angle: float, rate: float) -> tuple[float, float]:
-    """k^2 and 1 - k^2 of a pendulum, each without the rounding of the other."""
+    """Return k^2 and 1 - k^2 of a pendulum, each without the rounding of the other."""
     speed = (rate / (2 * frequency)) ** 2
     return np.sin(angle / 2) ** 2 + speed, np.cos(angle / 2) ** 2 - speed
 
 
 def arm_slider(t: ArrayLike, rate: float, radius: float, speed: float = 0.0) -> tuple[Array, Array]:
-    """Free slider on an arm turning at a constant rate: ``r = r0 cosh(w t) + (v0 / w) sinh(w t)``.
+    """Return the position of a free slider on an arm of constant rate: ``r = r0 cosh(w t) + (v0 / w) sinh(w t)`` [m].
 
     ``t``: times [s]; ``rate``: rate w of the arm, not zero [rad/s]; ``radius, speed``: distance from the axis [m] and
     radial speed at t = 0 [m/s]. Returns radius, speed: [m], [m/s].
@@ -66,7 +66,7 @@ def arm_slider(t: ArrayLike, rate: float, radius: float, speed: float = 0.0) -> 
 
 
 def arm_slider_torque(mass: float, rate: float, radius: ArrayLike, speed: ArrayLike) -> Array:
-    """Coriolis torque that keeps the rate of the arm, ``2 m w r r_dot``.
+    """Return the Coriolis torque that keeps the rate of the arm, ``2 m w r r_dot``.
 
     ``mass, rate``: slider mass [kg] and rate w of the arm [rad/s]; ``radius, speed``: distance from the axis [m] and
     radial speed [m/s]. Returns motor torque on the arm [N m].
@@ -75,7 +75,7 @@ def arm_slider_torque(mass: float, rate: float, radius: ArrayLike, speed: ArrayL
 
 
 def cardan_rate(angle: ArrayLike, bend: float, rate: float = 1.0) -> Array:
-    """Output rate of a universal joint, ``w cos(bend) / (1 - sin^2(bend) sin^2(in))``.
+    """Return the output rate of a universal joint, ``w cos(bend) / (1 - sin^2(bend) sin^2(in))``.
 
     ``angle``: input angle [rad]; ``bend``: angle between the shafts [rad]; ``rate``: input
     rate; 1 gives the transmission ratio [rad/s]. Returns output rate [rad/s].
@@ -85,7 +85,7 @@ def cardan_rate(angle: ArrayLike, bend: float, rate: float = 1.0) -> Array:
 
 
 def cardan_acceleration(angle: ArrayLike, bend: float, rate: float, acceleration: float = 0.0) -> Array:
-    """Output angular acceleration, ``i alpha + w^2 cos(b) sin^2(b) sin(2 in) / (1 - sin^2(b) sin^2(in))^2``.
+    """Return the output angular acceleration, ``i alpha + w^2 cos(b) sin^2(b) sin(2 in) / (1 - sin^2(b) sin^2(in))^2``.
 
     ``angle``: input angle [rad]; ``bend``: angle b between the shafts [rad];
     ``rate, acceleration``: input rate w [rad/s] and acceleration alpha [rad/s^2]; i is the ratio of
@@ -96,7 +96,7 @@ def cardan_acceleration(angle: ArrayLike, bend: float, rate: float, acceleration
 
 
 def cardan_motor_torque(angle: ArrayLike, bend: float, rate: float, inertia: float) -> Array:
-    """Torque that keeps the input rate constant, from the power balance ``T w = I w_out alpha_out``.
+    """Return the torque that keeps the input rate constant, from the power balance ``T w = I w_out alpha_out``.
 
     ``angle``: input angle [rad]; ``bend``: angle between the shafts [rad]; ``rate``: input
     rate w [rad/s]; ``inertia``: axial moment of inertia I of the output shaft [kg m^2]. Returns torque on the input
@@ -106,6 +106,6 @@ def cardan_motor_torque(angle: ArrayLike, bend: float, rate: float, inertia: flo
 
 
 def _check_bend(bend: float) -> None:
-    """Refuse a universal joint that cannot turn."""
+    """Raise ValueError for a universal joint that cannot turn."""
     if not abs(bend) < np.pi / 2:
         raise ValueError(f"bend {bend} rad of the universal joint: must stay below a right angle")

@@ -18,7 +18,7 @@ def spinning_body(
     orientation: ArrayLike = (1, 0, 0, 0),
     weight_moment: ArrayLike = (0, 0, 0),
 ) -> Attitude:
-    """Body about a fixed point under its weight (or free), by Taylor series in extended precision.
+    """Integrate a body about a fixed point under its weight (or free), by Taylor series in extended precision.
 
     ``I w_dot = -w x I w - M x g3`` and ``g_i_dot = g_i x w``, where ``g_i`` are the world axes in body axes (rows of R)
     and ``M = m g s``. The series of order 26 follow from Cauchy products; the step keeps the last term below 1e-21.
@@ -49,7 +49,7 @@ def spinning_body(
 
 
 def _taylor_series(state: Array, inertia: Array, inverse: Array, weight_moment: Array) -> Array:
-    """Taylor coefficients of (w, g1, g2, g3) at ``state``, (order + 1, 4, 3)."""
+    """Return the taylor coefficients of (w, g1, g2, g3) at ``state``, (order + 1, 4, 3)."""
     series = np.zeros((TAYLOR_ORDER + 1, 4, 3), dtype=EXTENDED)
     momentum = np.zeros((TAYLOR_ORDER + 1, 3), dtype=EXTENDED)
     series[0] = state
@@ -66,7 +66,7 @@ def _taylor_series(state: Array, inertia: Array, inverse: Array, weight_moment: 
 
 
 def _taylor_step(series: Array) -> EXTENDED:
-    """Step for which the last two terms stay below the tolerance times the state."""
+    """Return the step for which the last two terms stay below the tolerance times the state."""
     sizes = np.abs(series).max(axis=(1, 2))
     orders = np.array([TAYLOR_ORDER - 1, TAYLOR_ORDER])
     last = np.maximum(sizes[orders], np.finfo(EXTENDED).tiny)
@@ -74,7 +74,7 @@ def _taylor_step(series: Array) -> EXTENDED:
 
 
 def _inverse(matrix: Array) -> Array:
-    """Inverse of a (3, 3) matrix by its adjugate, in extended precision."""
+    """Return the inverse of a (3, 3) matrix by its adjugate, in extended precision."""
     a, b, c = matrix
     adjugate = np.stack([cross(b, c), cross(c, a), cross(a, b)], axis=-1)
     return adjugate / np.sum(a * adjugate[:, 0])
@@ -83,7 +83,7 @@ def _inverse(matrix: Array) -> Array:
 def steady_precession(
     transverse: float, axial: float, spin: float, weight_moment: float, tilt: float
 ) -> tuple[float, float]:
-    """Slow and fast precession rate W of a symmetric top, roots of ``A W^2 cos(tilt) - C w3 W + m g l = 0``.
+    """Return the slow and fast precession rate W of a symmetric top, roots of ``A W^2 cos(tilt) - C w3 W + m g l = 0``.
 
     ``transverse, axial``: A and C about the **fixed point** [kg m^2]; ``spin``: axial component w3 of the angular
     velocity (own spin plus W cos(tilt)) [rad/s]; ``weight_moment``: m g l, l from the fixed point to the centre of mass
@@ -112,14 +112,15 @@ class RollingCircle(NamedTuple):
 
     @property
     def period(self) -> float:
-        """Time for one round [s]."""
+        """Return the time for one round [s]."""
         return 2 * np.pi / self.precession
 
 
 def rolling_circle(
     mass: float, radius: float, transverse: float, axial: float, circle: float, lean: float, gravity: float = GRAVITY
 ) -> RollingCircle:
-    """Thin disc rolling without slip on a horizontal circle, leaning inwards by a constant angle b.
+    """Return the motion of a thin disc rolling without slip on a horizontal circle, leaning inwards by a constant angle
+    b.
 
     Moment of momentum about the centre of mass, with rho = R - r sin(b) and spin = -W R / r:
     ``W^2 (m r rho + C rho / r + A sin b) = m g r tan b``.

@@ -33,7 +33,7 @@ class Polhode(NamedTuple):
 
 
 def polhode(inertia: ArrayLike, omega: ArrayLike) -> Polhode | None:
-    """Constants of the torque-free motion through ``omega``, or None for a steady rotation.
+    """Return the constants of the torque-free motion through ``omega``, or None for a steady rotation.
 
     ``w = (a_p cn u, a_m sn u, a_q dn u)``, ``u = lam t + u0``, with
     ``a_p^2 = (2 T I_q - L^2) / (I_p (I_q - I_p))``, ``a_m^2 = (2 T I_q - L^2) / (I_m (I_q - I_m))``,
@@ -68,7 +68,7 @@ def polhode(inertia: ArrayLike, omega: ArrayLike) -> Polhode | None:
 
 
 def _polhode_axes(inertia: Array, omega: Array) -> Array:
-    """Right-handed axes (p, m, q) of the polhode, rows in body axes, (3, 3)."""
+    """Return right-handed axes (p, m, q) of the polhode, rows in body axes, (3, 3)."""
     low, middle, high = np.argsort(inertia, kind="stable")
     # L^2 - 2 T I_m decides which axis the polhode surrounds
     excess = np.sum(inertia * (inertia - inertia[middle]) * omega**2)
@@ -80,7 +80,7 @@ def _polhode_axes(inertia: Array, omega: Array) -> Array:
 
 
 def free_body(t: ArrayLike, inertia: ArrayLike, omega: ArrayLike, orientation: ArrayLike = (1, 0, 0, 0)) -> Attitude:
-    """Torque-free rotation of any body from any start: elliptic functions and integrals of the third kind.
+    """Compute torque-free rotation of any body from any start: elliptic functions and integrals of the third kind.
 
     Angular velocity as in :func:`polhode`. With l the direction of the angular momentum in axes (p, m, q), the body
     has ``R = R_L R_z(phi) R_x(theta) R_z(psi)``, ``l = (sin theta sin psi, sin theta cos psi, cos theta)``, and
@@ -113,7 +113,9 @@ def free_body(t: ArrayLike, inertia: ArrayLike, omega: ArrayLike, orientation: A
 
 
 def _third_kind(u: Jacobi, curve: Polhode) -> Array:
-    """Integral of du / (1 + n sn^2 u) from 0, ``rest - n sn^3 R_J(cn^2, dn^2, 1, 1 + n sn^2) / 3`` plus whole turns."""
+    """Return the integral of du / (1 + n sn^2 u) from 0, ``rest - n sn^3 R_J(cn^2, dn^2, 1, 1 + n sn^2) / 3`` plus
+    whole turns.
+    """
     ip, im, iq = curve.moments
     n = float(iq * (im - ip) / (ip * (iq - im)))
     sine = np.where(u.turns % 2 == 0, u.sn, -u.sn).astype(float)
@@ -126,7 +128,9 @@ def _third_kind(u: Jacobi, curve: Polhode) -> Array:
 
 
 def _momentum_frame(angle: Array, rates: Array, curve: Polhode) -> Array:
-    """R_z(phi) R_x(theta) R_z(psi) from the angle phi (n,) and the rates in axes (p, m, q) (n, 3), (n, 3, 3)."""
+    """Return R_z(phi) R_x(theta) R_z(psi) from the angle phi (n,) and the rates in axes (p, m, q) (n, 3), shape (n, 3,
+    3).
+    """
     lead = curve.moments * rates / curve.momentum
     tilt = np.hypot(lead[..., 0], lead[..., 1])
     sine, cosine, zero = lead[..., 0] / tilt, lead[..., 1] / tilt, np.zeros_like(tilt)

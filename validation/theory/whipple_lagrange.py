@@ -1,4 +1,4 @@
-"""The Whipple bicycle in eight generalised coordinates, independent of `mbsd3d` and of the models in `bicycle`.
+"""Whipple bicycle in eight generalised coordinates, independent of `mbsd3d` and of the models in `bicycle`.
 
     c = (x, y, yaw, lean, pitch, steer, rear angle, front angle),  axes of the literature: x forward, y right, z down
     [ Mc A' ] [ c_ddot ]   [ F - Jv' m (Jv_dot c_dot) - Jw' (I Jw_dot c_dot + w x I w) ]
@@ -15,21 +15,21 @@ from typing import Any
 import numpy as np
 
 Array = np.ndarray
-TINY = 1e-40
-STEP, WEIGHTS = 2e-3, {1: 4 / 5, 2: -1 / 5, 3: 4 / 105, 4: -1 / 280}
+COMPLEX_STEP = 1e-40
+DIFFERENCE_STEP, DIFFERENCE_WEIGHTS = 2e-3, {1: 4 / 5, 2: -1 / 5, 3: 4 / 105, 4: -1 / 280}
 """Central differences of order eight; at 2e-3 truncation and rounding are both near 1e-13."""
 X, Y, Z = np.eye(3)
 
 
 def rotation(axis: Array, angle: Any) -> Array:
-    """(3, 3) by Rodrigues."""
+    """Return the rotation about an axis by Rodrigues' formula, shape (3, 3)."""
     a, b, c = axis
     K = np.array([[0, -c, b], [c, 0, -a], [-b, a, 0]])
     return np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
 
 
 def places(p: Any, c: Array) -> tuple[list[Array], list[Array], list[Array]]:
-    """(centres of mass, orientations, contact points) of the bodies R, B, H, F and the wheels R, F."""
+    """Return (centres of mass, orientations, contact points) of the bodies R, B, H, F and the wheels R, F."""
     x, y, yaw, lean, pitch, steer, spin_r, spin_f = c
     frame = rotation(Z, yaw) @ rotation(X, lean) @ rotation(Y, pitch)
     fork = frame @ rotation(np.array([np.sin(p.lam), 0, np.cos(p.lam)]), steer)
@@ -45,21 +45,21 @@ def places(p: Any, c: Array) -> tuple[list[Array], list[Array], list[Array]]:
 
 
 def foot(axle: Array, radius: float, crown: float) -> Array:
-    """Vector from the centre of a wheel to its lowest point."""
+    """Return the vector from the centre of a wheel to its lowest point [m]."""
     down = Z - axle[2] * axle
     return (radius - crown) * down / np.sqrt(down @ down) + crown * Z
 
 
 def jacobians(p: Any, c: Array) -> tuple[Array, Array, Array]:
-    """(Jv (4, 3, 8), Jw (4, 3, 8), A (5, 8)) at c."""
+    """Return (Jv (4, 3, 8), Jw (4, 3, 8), A (5, 8)) at c."""
     Jv, Jw, height = np.empty((4, 3, 8)), np.empty((4, 3, 8)), np.empty(8)
     centres, turned, contacts = places(p, c)
     for k in range(8):
-        moved, rotated, touched = places(p, c + 1j * TINY * np.eye(8)[k])
+        moved, rotated, touched = places(p, c + 1j * COMPLEX_STEP * np.eye(8)[k])
         for b in range(4):
-            spin = (rotated[b].imag / TINY) @ turned[b].T
-            Jv[b, :, k], Jw[b, :, k] = moved[b].imag / TINY, (spin[2, 1], spin[0, 2], spin[1, 0])
-        height[k] = touched[1].imag[2] / TINY
+            spin = (rotated[b].imag / COMPLEX_STEP) @ turned[b].T
+            Jv[b, :, k], Jw[b, :, k] = moved[b].imag / COMPLEX_STEP, (spin[2, 1], spin[0, 2], spin[1, 0])
+        height[k] = touched[1].imag[2] / COMPLEX_STEP
     slips = [
         (Jv[b] + np.cross(Jw[b], contact - centres[b], axisa=0, axisc=0))[:2]
         for b, contact in zip((0, 3), contacts, strict=True)
@@ -68,16 +68,16 @@ def jacobians(p: Any, c: Array) -> tuple[Array, Array, Array]:
 
 
 def rates(p: Any, c: Array, c_dot: Array) -> tuple[Array, Array, Array]:
-    """d/dt of `jacobians` along c_dot."""
+    """Return d/dt of `jacobians` along c_dot."""
     found = [0.0, 0.0, 0.0]
-    for k, weight in WEIGHTS.items():
-        ahead, behind = jacobians(p, c + k * STEP * c_dot), jacobians(p, c - k * STEP * c_dot)
-        found = [x + weight * (a - b) / STEP for x, a, b in zip(found, ahead, behind, strict=True)]
+    for k, weight in DIFFERENCE_WEIGHTS.items():
+        ahead, behind = jacobians(p, c + k * DIFFERENCE_STEP * c_dot), jacobians(p, c - k * DIFFERENCE_STEP * c_dot)
+        found = [x + weight * (a - b) / DIFFERENCE_STEP for x, a, b in zip(found, ahead, behind, strict=True)]
     return found[0], found[1], found[2]
 
 
 def inertias(p: Any) -> tuple[Array, Array]:
-    """Masses (4,) and inertias (4, 3, 3) about the centres of mass, body axes."""
+    """Return masses (4,) and inertias (4, 3, 3) about the centres of mass, body axes."""
     wheels = [np.diag([getattr(p, f"I{k}xx"), getattr(p, f"I{k}yy"), getattr(p, f"I{k}xx")]) for k in "RF"]
     bodies = []
     for k in "BH":
@@ -87,7 +87,7 @@ def inertias(p: Any) -> tuple[Array, Array]:
 
 
 def accelerations(p: Any, c: Array, c_dot: Array) -> Array:
-    """(8,) c_ddot without torques of a rider."""
+    """Return c_ddot without torques of a rider, shape (8,)."""
     (m, I), (_, turned, _) = inertias(p), places(p, c)
     (Jv, Jw, A), (Jv_dot, Jw_dot, A_dot) = jacobians(p, c), rates(p, c, c_dot)
     M, F = np.zeros((8, 8)), np.zeros(8)
@@ -101,7 +101,8 @@ def accelerations(p: Any, c: Array, c_dot: Array) -> Array:
 
 
 def state(p: Any, lean: float, steer: float, given: Array, pitch: float = 0.0) -> tuple[Array, Array]:
-    """(c, c_dot) with both wheels on the ground; ``given`` are lean rate, steer rate and speed r_R |rear spin|."""
+    """Return (c, c_dot) with both wheels on the ground; ``given`` are lean rate, steer rate and speed r_R |rear
+    spin|."""
     c = np.array([0.0, 0.0, 0.0, lean, pitch, steer, 0.0, 0.0])
     for _ in range(50):
         step = -places(p, c)[2][1][2] / jacobians(p, c)[2][0, 4]

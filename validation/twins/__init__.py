@@ -1,1 +1,1 @@
-"""Solvers for comparison: a planar one with no equation in common with ``mbsd3d``, and twins in MuJoCo and Exudyn."""
+"""Counterpart models in other formulations and engines: joint definitions in numpy, MuJoCo and Exudyn."""

@@ -1,4 +1,4 @@
-"""What a twin of a `System` in another engine answers, in the coordinates of `mbsd3d`, and how it refuses.
+"""Interface of a counterpart model of a `System` in another engine, in the coordinates of `mbsd3d`, and its errors.
 
 Every twin checks its start and its runs in the same way.
 """
@@ -31,40 +31,42 @@ Array = np.ndarray
 
 
 class NotComparable(MbsError):  # noqa: N818 - a verdict, not a mistake
-    """An engine that cannot take part: the verdict is "not compared: <this text>"."""
+    """Error of an engine that cannot take part: the verdict is "not compared: <this text>"."""
 
 
 class EngineMissing(NotComparable):
-    """The engine is not installed, or of a version with a known bug."""
+    """Error of an engine that is not installed, or of a version with a known bug."""
 
 
 class NotExpressible(NotComparable):
-    """The model has a part that the engine has no element for; the text names the part and the reason."""
+    """Error of a model with a part that the engine has no element for; the text names the part and the reason."""
 
 
 class EngineFailed(NotComparable):
-    """The engine stopped, diverged or returned NaN; the text says when, and what it said itself."""
+    """Error of an engine that stopped, diverged or returned NaN; the text says when, and quotes the engine."""
 
 
 def label(system: System, part: Any) -> str:
-    """How errors name a part: "joint 'hinge' (Revolute)"."""
+    """Return the name of a part for errors: "joint 'hinge' (Revolute)"."""
     kind = "joint" if isinstance(part, Joint) else "force"
     return f"{kind} '{system.name(part)}' ({type(part).__name__})"
 
 
 def refused(system: System, part: Any, reasons: Mapping[type, str], otherwise: str) -> NotExpressible:
-    """The error for a part that no table of an engine has: its known reason, or what holds for any new class."""
+    """Return the error for a part that no table of an engine has: its known reason, or what holds for any new class."""
     return NotExpressible(f"{label(system, part)}: {reasons.get(type(part), otherwise)}")
 
 
 def release(version: str) -> tuple[int, int, int]:
-    """Version as three numbers, without what marks it as a preview: "4.1.0rc1" is (4, 1, 0)."""
+    """Return a version as three numbers, without its preview mark: "4.1.0rc1" is (4, 1, 0)."""
     first, second, third = (re.findall(r"(?:^|\.)(\d+)", version) + ["0"] * 3)[:3]
     return int(first), int(second), int(third)
 
 
 def speed_of(driver: SpeedDriver, what: str, engine: str) -> Coordinate:
-    """The angle or slide of which a driver gives the speed; NotExpressible for a point that no slider leads."""
+    """Return the angle or displacement whose speed a driver prescribes; raise NotExpressible for a point without a
+    slider.
+    """
     if driver.axis is not None:
         return Coordinate("angle", driver.a, driver.b, driver.axis, driver.axis)
     if driver.joint is None:
@@ -73,7 +75,7 @@ def speed_of(driver: SpeedDriver, what: str, engine: str) -> Coordinate:
 
 
 def spanning(joints: Iterable[Joint]) -> list[Joint]:
-    """The joints that join what was not joined by those before."""
+    """Return the joints that connect bodies not yet connected by those before."""
     group: dict[int, int] = {}
 
     def root(i: int) -> int:
@@ -92,7 +94,8 @@ def spanning(joints: Iterable[Joint]) -> list[Joint]:
 
 
 class Load(NamedTuple):
-    """What a joint does to its body b, at the joint's point on b, world axes: force [N], moment [N m], each (n, 3)."""
+    """Reaction of a joint on its body b, at the joint's point on b, world axes: force [N], moment [N m], each (n,
+    3)."""
 
     force: Array
     moment: Array
@@ -100,7 +103,7 @@ class Load(NamedTuple):
 
 @dataclass(frozen=True)
 class Motion:
-    """A motion sampled at times t (n,), bodies in the order of ``system.bodies``; O and axes as `mbsd3d` has them.
+    """Motion sampled at times t (n,), bodies in the order of ``system.bodies``; O and axes as `mbsd3d` has them.
 
     ``position, velocity`` (n, bodies, 3): of the reference point O, world [m, m/s]; ``orientation`` (n, bodies, 4):
     unit quaternion, scalar first, body to world; either sign; ``omega`` (n, bodies, 3): world [rad/s]; ``reactions``:
@@ -117,7 +120,7 @@ class Motion:
 
 
 def finite(motion: Motion, engine: str) -> Motion:
-    """The motion, or EngineFailed if anything in it is not finite: such numbers compare as neither more nor less."""
+    """Return the motion; raise EngineFailed if it is not finite: such numbers compare as neither more nor less."""
     loads = {f"reaction of '{name}'": np.concatenate(load, axis=1) for name, load in motion.reactions.items()}
     poses = {name: getattr(motion, name) for name in ("position", "orientation", "velocity", "omega")}
     for name, values in (poses | loads).items():
@@ -128,7 +131,7 @@ def finite(motion: Motion, engine: str) -> Motion:
 
 
 class Kinetic(NamedTuple):
-    """Kinetic energy in the engine's own velocities u (m,): ``T = u' matrix u / 2``, with our v = ``map`` u.
+    """Kinetic energy in the engine's own velocities u (m,): ``T = u' matrix u / 2``, with the v of mbsd3d = ``map`` u.
 
     ``map`` is (6 bodies, m); v holds (r_dot of O, world omega) body by body.
     """
@@ -138,7 +141,7 @@ class Kinetic(NamedTuple):
 
 
 class Twin(Protocol):
-    """A `System` as another engine has it, from the same start.
+    """Counterpart model of a `System` in another engine, from the same start.
 
     ``engine, settings``: "MuJoCo"; formulation, integrator and what else a reader needs to repeat it; ``order``:
     expected order of the error in the step.
@@ -149,23 +152,23 @@ class Twin(Protocol):
     order: float
 
     def kinetic(self) -> Kinetic | None:
-        """Mass matrix at the start; None where the engine does not give it."""
+        """Return the mass matrix at the start; None where the engine does not give it."""
 
     def accelerations(self) -> Array:
-        """(bodies, 6): acceleration of O and world angular acceleration at the start."""
+        """Return the acceleration of O and world angular acceleration at the start, shape (bodies, 6)."""
 
     def run(self, t_end: float, steps: int, samples: int) -> Motion:
-        """``steps`` equal steps to t_end, of which every (steps / samples)-th is kept, and the start.
+        """Integrate ``steps`` equal steps to t_end, of which every (steps / samples)-th is kept, and the start.
 
         EngineFailed if the engine stops, or anything is not finite.
         """
 
 
-MET = 1e-8  # [1] of the model's length, or rad: the joints of a start; what `mbsd3d.simulate` asks for
+START_TOLERANCE = 1e-8  # [1] of the model's length, or [rad]: joints of a start, as `mbsd3d.simulate` requires
 
 
 def start_of(system: System, state: State | None, engine: str) -> State:
-    """The start, a state of this system; a ValueError says what is wrong with either."""
+    """Return the start, a state of this system; raise ValueError that names the fault of either."""
     check_system(system, engine)
     check_state(state, engine)
     start = system.state() if state is None else state
@@ -175,12 +178,12 @@ def start_of(system: System, state: State | None, engine: str) -> State:
 
 
 def check_met(system: System, start: State) -> None:
-    """ValueError naming the joint, driver or gear that a start does not meet, as `mbsd3d.simulate` judges it."""
+    """Raise ValueError naming the joint, driver or gear that a start does not satisfy, as `mbsd3d.simulate` does."""
     compiled = system.lowered
     data = new_data(compiled.model)  # no loads: functions of forces need not be compiled
     known = driven_coordinates(compiled, start.t) if start.coordinates is None else start.coordinates
     load_state(compiled, data, State(start.t, start.q, start.v, start.z, known))
-    missed = unmet(compiled, data, start.v, MET)
+    missed = unmet(compiled, data, start.v, START_TOLERANCE)
     if missed is not None:
         residual, unit = missed
         worst = int(np.argmax(np.abs(residual) * compiled.model.row["scale"]))
@@ -192,7 +195,7 @@ def check_met(system: System, start: State) -> None:
 
 
 def check_run(engine: str, system: System, start: float, t_end: float, steps: int, samples: int) -> None:
-    """ValueError if samples do not lie on steps, the end is not after the start, or tables do not reach it."""
+    """Raise ValueError if samples do not lie on steps, the end is not after the start, or tables end before it."""
     whole = all(isinstance(n, int | np.integer) and not isinstance(n, bool) and n >= 1 for n in (steps, samples))
     if not whole or steps % samples:
         raise InputError(

@@ -1,1 +1,1 @@
-"""A page per engine with its animation, and an index."""
+"""Pages of engines: one per engine with its animation, and an index."""

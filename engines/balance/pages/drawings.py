@@ -12,52 +12,52 @@ from markupsafe import Markup, escape
 
 from engines.balance.layouts import Layout
 
-RADIUS = 88.0  # of the largest circle, in a square from -110 to 110
-LEAST = 1.0  # radius of a circle that can be seen
+LARGEST_CIRCLE_RADIUS = 88.0  # [drawing units] of the largest circle, in a square from -110 to 110
+VISIBLE_RADIUS_MIN = 1.0  # [drawing units] radius of a circle that can be seen
 
 
 def svg(width: float, height: float, body: str, label: str, corner: str = "0 0") -> Markup:
-    """An element with a text for those who do not see it."""
+    """Return an SVG element with an alternative text."""
     return Markup(f'<svg viewBox="{corner} {width:g} {height:g}" role="img" aria-label="{escape(label)}">{body}</svg>')
 
 
 def square(body: str, label: str) -> Markup:
-    """A drawing about the origin."""
+    """Return a square SVG drawing about the origin."""
     return svg(220, 220, body, label, "-110 -110")
 
 
 def at(z: complex) -> str:
-    """Coordinates of a point."""
+    """Return the coordinates of a point as SVG text."""
     return f"{z.real + 0.0:.2f} {-z.imag + 0.0:.2f}"
 
 
 def stroke(kind: str, *points: complex) -> str:
-    """An open line."""
+    """Draw an open line through points."""
     return f'<path class="{kind}" d="M{"L".join(map(at, points))}"/>'
 
 
 def area(tint: str, *corners: complex) -> str:
-    """A filled polygon."""
+    """Draw a filled polygon."""
     return f'<path class="fill {tint}" d="M{"L".join(map(at, corners))}Z"/>'
 
 
 def dot(z: complex, tint: str = "ink", radius: float = 3.4) -> str:
-    """A filled circle; in ink, where the tip of a vector is at q = 0."""
+    """Draw a filled circle; in ink, it marks the tip of a vector at q = 0."""
     return f'<circle class="fill {tint}" cx="{z.real + 0.0:.2f}" cy="{-z.imag + 0.0:.2f}" r="{radius:g}"/>'
 
 
 def text(x: float, y: float, words: str, anchor: str = "middle", kind: str = "small") -> str:
-    """A text; y downwards, at its foot."""
+    """Draw a text; y counts downwards, to its foot."""
     return f'<text class="{kind}" x="{x + 0.0:.2f}" y="{y + 0.0:.2f}" text-anchor="{anchor}">{escape(words)}</text>'
 
 
 def signed(x: float, digits: int = 6) -> str:
-    """A number with a true minus."""
+    """Format a number with a true minus sign."""
     return f"{x + 0.0:.{digits}g}".replace("-", "\u2212")
 
 
 def arrow(start: complex, end: complex, tint: str) -> str:
-    """A line with a head; none where there is no room for one."""
+    """Draw a line with an arrow head, or nothing where there is no room for one."""
     length = abs(end - start)
     if length < 2.0:
         return ""
@@ -67,20 +67,20 @@ def arrow(start: complex, end: complex, tint: str) -> str:
 
 
 def axes() -> str:
-    """Axes of a square drawing, with the circle of the largest amplitude."""
-    lines = f'<path class="axis" d="M-104 0H104M0 104V-104"/><circle class="axis" r="{RADIUS:g}"/>'
+    """Draw the axes of a square drawing, with the circle of the largest amplitude."""
+    lines = f'<path class="axis" d="M-104 0H104M0 104V-104"/><circle class="axis" r="{LARGEST_CIRCLE_RADIUS:g}"/>'
     return lines + text(106, -4, "x", "end") + text(4, -98, "y", "start")
 
 
 def polar(forward: complex, backward: complex, label: str) -> Markup:
-    """A harmonic: the vector that turns with the crank, the one that turns against it, and the ellipse of their sum.
+    """Draw a harmonic: the vectors that turn with and against the crank, and the ellipse of their sum.
 
     ``forward, backward``: phasors, not both 0; the arrows are those at q = 0. Each has its own scale.
     """
-    scale = RADIUS / (abs(forward) + abs(backward))
+    scale = LARGEST_CIRCLE_RADIUS / (abs(forward) + abs(backward))
     f, b = scale * complex(forward), scale * complex(backward).conjugate()
-    body, aside = axes() + ring(f, 1, "t0") + ring(b, -1, "t1") + ellipse(forward, backward, RADIUS), 0.0
-    if min(abs(f), abs(b)) > LEAST:
+    body, aside = axes() + ring(f, 1, "t0") + ring(b, -1, "t1") + ellipse(forward, backward, LARGEST_CIRCLE_RADIUS), 0.0
+    if min(abs(f), abs(b)) > VISIBLE_RADIUS_MIN:
         body += stroke("construct", f, f + b, b)
         if abs(np.angle(b / f)) < 0.1:  # one would lie upon the other
             aside = 3j * f / abs(f)
@@ -88,9 +88,9 @@ def polar(forward: complex, backward: complex, label: str) -> Markup:
 
 
 def ring(z: complex, sense: int, tint: str) -> str:
-    """The circle on which the tip of z runs, with a head that says which way (+1: from x to y)."""
+    """Draw the circle of the tip of z, with a head for its sense of rotation (+1: from x to y)."""
     radius = abs(z)
-    if radius < LEAST:
+    if radius < VISIBLE_RADIUS_MIN:
         return ""
     circle = f'<circle class="ring {tint}" r="{radius:.2f}"/>'
     if radius < 14.0:
@@ -101,7 +101,7 @@ def ring(z: complex, sense: int, tint: str) -> str:
 
 
 def ellipse(forward: complex, backward: complex, size: float, tint: str = "ink") -> str:
-    """What the tip draws: half axes |f| + |b| and ||f| - |b||, the long one along (arg f - arg b) / 2."""
+    """Draw the ellipse of the tip: half axes |f| + |b| and ||f| - |b||, the long one along (arg f - arg b) / 2."""
     f, b = abs(forward), abs(backward)
     angle = (np.angle(forward) - np.angle(backward)) / 2 if min(f, b) > 0 else 0.0
     short, end = size * abs(f - b) / (f + b), size * np.exp(1j * angle)
@@ -112,7 +112,7 @@ def ellipse(forward: complex, backward: complex, size: float, tint: str = "ink")
 
 
 def icon(forward: complex, backward: complex) -> Markup:
-    """The ellipse of a harmonic, small; its colour tells which way it turns."""
+    """Draw a small ellipse of a harmonic; its colour shows the sense of rotation."""
     f, b = abs(forward), abs(backward)
     tint = "t0" if f > 1.001 * b else "t1" if b > 1.001 * f else "ink"
     body = ellipse(forward, backward, 8.0, tint)
@@ -120,18 +120,18 @@ def icon(forward: complex, backward: complex) -> Markup:
 
 
 def still(label: str) -> Markup:
-    """A harmonic that is not there."""
+    """Draw the placeholder of a harmonic that vanishes."""
     return square(axes() + text(0, -8, "0", kind="nil"), label)
 
 
 def loop(x: np.ndarray, y: np.ndarray, label: str) -> Markup:
-    """The closed path of all orders together over a turn, (k,) each; the dot is at q = 0."""
-    z = (x + 1j * y) * (RADIUS / np.hypot(x, y).max())
+    """Draw the closed path of all orders together over a turn, x and y (k,) each; the dot is at q = 0."""
+    z = (x + 1j * y) * (LARGEST_CIRCLE_RADIUS / np.hypot(x, y).max())
     return square(axes() + stroke("path ink", *z, z[0]) + dot(z[0]), label)
 
 
 def star(layout: Layout, *, numbers: bool = True) -> Markup:
-    """The crank seen against z: pins with the numbers of their cylinders, and the bores around."""
+    """Draw the crank seen against z: pins with the numbers of their cylinders, and the bores around."""
     pins: dict[float, list[str]] = {}
     for i, pin in enumerate(layout.pins, start=1):
         pins.setdefault(round(pin % 360.0, 6), []).append(str(i))
@@ -154,7 +154,7 @@ def star(layout: Layout, *, numbers: bool = True) -> Markup:
 
 
 def plan(layout: Layout, stations: np.ndarray) -> Markup:
-    """Where along the crank the cylinders are: stations (n,) [m] to the right, one line per direction of bores."""
+    """Draw the stations of the cylinders (n,) [m] along the crank, one line per direction of bores."""
     span, lines = float(np.ptp(stations)), list(dict.fromkeys(layout.bores))
     across = 66 + 232 * (stations - stations.min()) / span if span else np.full(stations.size, 182.0)
     body, foot = "", 24 + 30 * len(lines)
@@ -170,7 +170,7 @@ def plan(layout: Layout, stations: np.ndarray) -> Markup:
 
 
 def bars(values: dict[str, np.ndarray], texts: list[str], label: str) -> Markup:
-    """Amplitudes (orders,) of every way beside each other, by order from 1 on; ``texts`` go above them."""
+    """Draw the amplitudes (orders,) of every method side by side, by order from 1 on, with ``texts`` above them."""
     top = max(float(np.max(amplitudes)) for amplitudes in values.values()) or 1.0
     body = '<path class="frame" d="M6 132H334"/>'
     for k, words in enumerate(texts):
@@ -184,14 +184,16 @@ def bars(values: dict[str, np.ndarray], texts: list[str], label: str) -> Markup:
 
 
 def ticks(low: float, high: float, count: int = 5) -> np.ndarray:
-    """At most count + 1 round numbers between low and high."""
+    """Return at most count + 1 round numbers between low and high."""
     step = 10.0 ** np.floor(np.log10((high - low) / count))
     step *= next(f for f in (1.0, 2.0, 5.0, 10.0) if (high - low) / (step * f) <= count)
     return np.round(np.arange(np.ceil(low / step), np.floor(high / step) + 1) * step, 12)
 
 
 def curve(angle: np.ndarray, values: np.ndarray, dots: tuple[np.ndarray, np.ndarray], label: str, unit: str) -> Markup:
-    """Values over the crank angle, whole turns [degrees], as a line; samples (angle, value) of another way as dots."""
+    """Draw values over the crank angle [degrees] of whole turns as a line, and samples (angle, value) of another method
+    as dots.
+    """
     end = round(float(angle[-1]))
     size = max(float(np.abs(values).max()), 1e-12)
     low, high = min(float(values.min()), 0.0) - 0.06 * size, max(float(values.max()), 0.0) + 0.06 * size

@@ -1,4 +1,4 @@
-"""An engine as one wants to see it: crank level, bores up, cylinders far enough apart to look like an engine.
+"""Engines in the pose of their pictures: crank level, bores up, and cylinders spaced like those of a real engine.
 
 The motion of a cylinder does not depend on its station, so that only the picture changes. `shown` is that engine in
 motion, for animations; `sketch` draws it in parallel perspective at q = 0, from back to front, for paper.
@@ -17,12 +17,12 @@ from engines.balance.pages import drawings
 from mbsd3d import GROUND, Body, Joint, Solution, System
 from mbsd3d.extend import VIEW_AXES, matrix
 
-ROOM, MARGIN = np.array([360.0, 250.0]), 12.0  # width and height
-ROUND = np.linspace(0, 2 * np.pi, 37)[:-1]
+DRAWING_SIZE, DRAWING_MARGIN = np.array([360.0, 250.0]), 12.0  # width and height
+CIRCLE_ANGLES = np.linspace(0, 2 * np.pi, 37)[:-1]  # [rad] of the points of a circle
 
 
 def upright(layout: Layout) -> np.ndarray:
-    """(3, 3) rotation into a world whose x is the crank axis and whose z is the middle of the bores.
+    """Return the rotation into a world whose x is the crank axis and whose z is the middle of the bores, shape (3, 3).
 
     Opposed bores have no middle; they lie level, at right angles to z.
     """
@@ -36,7 +36,7 @@ def upright(layout: Layout) -> np.ndarray:
 
 
 def turned(system: System, R: np.ndarray) -> System:
-    """The same mechanism in a world turned by R: every place and direction v becomes R v.
+    """Return the mechanism rotated by R: every position and direction v becomes R v.
 
     ``system``: without forces; bodies at rest or with what the joints give them; ``R`` (3, 3): rotation. The names stay
     the same.
@@ -59,13 +59,13 @@ def turned(system: System, R: np.ndarray) -> System:
 
 
 def shown(engine: Engine) -> Solution:
-    """One turn of the engine, upright and with its cylinders apart."""
+    """Simulate one turn of the engine for its animation, upright and with its cylinders apart."""
     apart = looks.pictured(engine)
     return spatial.turn(turned(spatial.build(apart), upright(engine.layout)), apart)
 
 
 def sketch(engine: Engine) -> Markup:
-    """The engine upright and with its cylinders apart, as `shown` animates it."""
+    """Draw the engine upright and with its cylinders apart, as `shown` animates it."""
     engine = looks.pictured(engine)
     to_paper = VIEW_AXES @ upright(engine.layout)  # towards the reader, right, up
     items = [item for i in range(len(engine.stations)) for item in cylinder(engine, spatial.place(engine, i))]
@@ -76,17 +76,23 @@ def sketch(engine: Engine) -> Markup:
     seen.sort(key=lambda item: round(float(item[1][:, 0].mean()), 9))
     flat = np.concatenate([points[:, 1:] for _, points in seen])
     low, extent = flat.min(axis=0), np.ptp(flat, axis=0)
-    scale = float(np.min((ROOM - 2 * MARGIN) / extent))
-    width, height = extent * scale + 2 * MARGIN
-    body = "".join(shape(kind, (points - (0, *low)) * scale + MARGIN, scale * engine.radius) for kind, points in seen)
+    scale = float(np.min((DRAWING_SIZE - 2 * DRAWING_MARGIN) / extent))
+    width, height = extent * scale + 2 * DRAWING_MARGIN
+    body = "".join(
+        shape(kind, (points - (0, *low)) * scale + DRAWING_MARGIN, scale * engine.radius) for kind, points in seen
+    )
     return drawings.svg(width, height, body, f"{engine.layout.name} in space", f"0 {-height:.2f}")
 
 
 def cylinder(engine: Engine, where: spatial.Place) -> list[tuple[str, np.ndarray]]:
-    """Webs, pin and rod of a cylinder as lines, its piston as two rings, (k, 3) each, world of the engine [m]."""
+    """Return webs, pin and rod of a cylinder as lines and its piston as two rings, (k, 3) each, world axes of the
+    engine [m].
+    """
     end, axis = np.array([0, 0, 0.38 * looks.width(engine)]), where.pin * (0, 0, 1)
     across, along = np.cross((0, 0, 1), where.bore), 0.55 * engine.radius * where.bore
-    ring = looks.bore_radius(engine) * (np.outer(np.cos(ROUND), across) + np.outer(np.sin(ROUND), (0, 0, 1)))
+    ring = looks.bore_radius(engine) * (
+        np.outer(np.cos(CIRCLE_ANGLES), across) + np.outer(np.sin(CIRCLE_ANGLES), (0, 0, 1))
+    )
     skirt, crown = where.wrist - 0.35 * along + ring, where.wrist + 0.65 * along + ring
     return [
         ("crank", np.array([axis - end, where.pin - end, where.pin + end, axis + end])),
@@ -96,12 +102,12 @@ def cylinder(engine: Engine, where: spatial.Place) -> list[tuple[str, np.ndarray
 
 
 def shape(kind: str, points: np.ndarray, radius: float) -> str:
-    """A part on paper, (k, 3) points towards the reader, right, up; ``radius`` is the crank radius there."""
+    """Draw a part from (k, 3) points (towards the reader, right, up); ``radius`` is the crank radius in the drawing."""
     z = points[:, 1:] @ (1, 1j)
     if kind != "piston":
         width = (0.2 if kind == "crank" else 0.16) * radius
         return f'<g stroke-width="{width:.2f}">{drawings.stroke(kind, *z)}</g>'
-    hull, n = z[ConvexHull(points[:, 1:]).vertices], ROUND.size
+    hull, n = z[ConvexHull(points[:, 1:]).vertices], CIRCLE_ANGLES.size
     open_to_reader = points[:n, 0].mean() > points[n:, 0].mean()
     face = drawings.area("skirt", *z[:n]) if open_to_reader else drawings.area("crown", *z[n:])
     return drawings.area("piston", *hull) + face

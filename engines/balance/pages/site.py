@@ -1,4 +1,4 @@
-"""Pages of the engines: one for each layout, and an index with all layouts and the truth table; no network needed.
+"""Pages of the engines: one for each layout, and an index with all layouts and the truth table.
 
 ``write_pages(folder)`` writes ``index.html``, ``I4.html`` ... and the animated engines ``views/I4.html`` ...
 """
@@ -20,14 +20,16 @@ from engines.balance.published.truth import AGREES, rows
 from mbsd3d.errors import InputError
 from mbsd3d.extend import Progress, digits, page_template, write_atomically
 
-ORDERS, COUNT = 6, 72  # harmonics; samples of a turn
-PLAY = '<script type="module">if (!matchMedia("(prefers-reduced-motion: reduce)").matches) mbsd3d.play(true);</script>'
+HARMONIC_ORDERS, TURN_SAMPLES = 6, 72  # harmonics; samples of a turn
+PLAY_SCRIPT = (
+    '<script type="module">if (!matchMedia("(prefers-reduced-motion: reduce)").matches) mbsd3d.play(true);</script>'
+)
 TEMPLATES = Path(__file__).parents[2] / "templates"
 SOURCES = {"published_checks": "Articles and e-book, toy engine", "toy_set_2": "Animations, second toy engine"}
 
 
 class Pages(NamedTuple):
-    """What was written."""
+    """Return the paths of the pages that were written."""
 
     index: Path
     comparisons: list[Comparison]  # Of the engines, in their order
@@ -69,13 +71,13 @@ def write_pages(
 
 
 def playing(view: str) -> str:
-    """A view that plays from the start, unless its reader asked for less motion."""
+    """Return a view that plays from the start, unless the reader asked for less motion."""
     body, end = view.rsplit("</body>", 1)
-    return f"{body}{PLAY}</body>{end}"
+    return f"{body}{PLAY_SCRIPT}</body>{end}"
 
 
 def file_names(engines: Sequence[Engine]) -> list[str]:
-    """File names of the pages: names of layouts with "-" for what a file name cannot have.
+    """Return the file names of the pages: names of layouts with "-" in place of characters that file names cannot have.
 
     ValueError if two would be the same.
     """
@@ -87,41 +89,44 @@ def file_names(engines: Sequence[Engine]) -> list[str]:
 
 
 def make_sheet(engine: Engine, *, gravity: Any = (0.0, 0.0), driver: str = "block", peak: float = 10e3) -> Sheet:
-    """Harmonics three ways, driving torque and gas torque of an engine."""
-    comparison = compare(engine, ORDERS, gravity=gravity, driver=driver)
+    """Compute harmonics by three methods, driving torque and gas torque of an engine."""
+    comparison = compare(engine, HARMONIC_ORDERS, gravity=gravity, driver=driver)
     system = spatial.build(engine, driver=driver, gravity=(*gravity, 0.0))
-    driving = spatial.turn(system, engine, count=COUNT).effort("motor")
-    samples = 360.0 * np.arange(COUNT + 1) / COUNT, driving
+    driving = spatial.turn(system, engine, count=TURN_SAMPLES).effort("motor")
+    samples = 360.0 * np.arange(TURN_SAMPLES + 1) / TURN_SAMPLES, driving
     try:
-        fired = gas.with_gas(system, engine, gas.half_sine(peak), COUNT)
+        fired = gas.with_gas(system, engine, gas.half_sine(peak), TURN_SAMPLES)
     except gas.FiringOrderError:
         return Sheet(comparison, samples)
-    both = spatial.turn(fired, engine, turns=2, count=COUNT).effort("motor")
+    both = spatial.turn(fired, engine, turns=2, count=TURN_SAMPLES).effort("motor")
     pushed = (np.concatenate([driving, driving[1:]]) - both)[::2]
-    return Sheet(comparison, samples, GasTorque(engine, peak, (720.0 * np.arange(COUNT + 1) / COUNT, pushed)))
+    return Sheet(
+        comparison, samples, GasTorque(engine, peak, (720.0 * np.arange(TURN_SAMPLES + 1) / TURN_SAMPLES, pushed))
+    )
 
 
 def neighbours(sheets: list[Sheet], files: list[str], k: int) -> list[tuple[str, str]]:
-    """(file, name) of the pages before and after page k, round and round; none if it is the only one."""
+    """Return (file, name) of the pages before and after page k in a cycle, nothing for a single page."""
     if len(files) == 1:
         return []
     return [(files[i % len(files)], sheets[i % len(files)].engine.layout.name) for i in (k - 1, k + 1)]
 
 
 def shades(sheets: list[Sheet]) -> dict[str, Any]:
-    """Columns of the index: (order, kind) that any engine has, and the largest relative value of each kind."""
-    columns, largest = [], {}
+    """Return the columns of the index, (order, kind) of any engine, and the largest relative value of each kind."""
+    columns: list[tuple[int, str]] = []
+    largest: dict[str, float] = {}
     for kind, _ in QUANTITIES:
         for order in sheets[0].orders:
             values = [relative(sheet, kind, order) for sheet in sheets]
-            if max(values) > report.NOISE:
+            if max(values) > report.AMPLITUDE_ROUNDING:
                 columns.append((kind, order))
                 largest[kind] = max(largest.get(kind, 0.0), *values)
     return {"columns": columns, "largest": largest}
 
 
 def relative(sheet: Sheet, kind: str, order: int) -> float:
-    """Amplitude over F_single, F_single times spacing, or F_single times R."""
+    """Return the amplitude over F_single, F_single times spacing, or F_single times R [-]."""
     engine = sheet.engine
     size = {"force": 1.0, "couple": engine.spacing, "torque": engine.radius}[kind] * engine.single
     value = sheet.torque(order) if kind == "torque" else sheet.harmonics(kind)[order - 1].axes[0]
@@ -129,19 +134,20 @@ def relative(sheet: Sheet, kind: str, order: int) -> float:
 
 
 def shade(value: float, largest: float) -> int:
-    """Strength of a cell's colour [%]: by the root, so that small ones are seen too."""
+    """Return the strength of a cell's colour [%], in proportion to the root so that small values are visible."""
     return 0 if value == 0.0 else int(round(8 + 47 * (value / largest) ** 0.5))
 
 
 def figure(x: Any) -> str:
-    """A figure of the truth table: six digits, 0 for rounding, an en dash between two, nothing for None."""
+    """Format a figure of the truth table: six digits, 0 for rounding, an en dash between two values, nothing for
+    None."""
     if isinstance(x, tuple):
         return " \u2026 ".join(figure(part) for part in x)
     return report.value(x).replace("-", "\u2212")
 
 
 def mark(row: Row) -> str:
-    """Whether a published figure is the true one: "pass", "fail", or nothing where one of the two is missing.
+    """Return "pass" or "fail" for a published figure, or nothing if it or the true figure is missing.
 
     It is if the verdict says so, or if it is the true one rounded to its own two or more decimals.
     """
@@ -153,9 +159,10 @@ def mark(row: Row) -> str:
 
 
 def render(name: str, truth: list[Row], **values: Any) -> str:
-    """A page."""
+    """Render a page from a template."""
     return page_template(name, TEMPLATES).render(
         truth=truth, marks=[mark(row) for row in truth], mark=mark, figure=figure, digits=digits, drawings=drawings,
-        sketch=portrait.sketch, relative=relative, shade=shade, quantities=QUANTITIES, sources=SOURCES, orders=ORDERS,
+        sketch=portrait.sketch, relative=relative, shade=shade, quantities=QUANTITIES, sources=SOURCES,
+        orders=HARMONIC_ORDERS,
         ways=report.ways, **values,
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""How the constraint rows of a spatial system look in a plane: which act in it, which across it, and which do both.
+"""Constraint rows of a spatial system seen from a plane: in-plane, out-of-plane and coupled rows.
 
 A reflection in a plane with normal n keeps the velocity in the plane and the spin about n (the in-plane part of a
 twist) and reverses the rest (the out-of-plane part). Rows whose space of allowed twists the reflection maps into itself
@@ -14,19 +14,19 @@ import numpy as np
 from mbsd3d import State, System, rotation
 from mbsd3d.extend import equations, multiply, perpendiculars
 
-RANK = 1e-9  # of scaled rows, over the largest singular value
-IN, OUT = [0, 1, 5], [2, 3, 4]  # columns of a twist (v, w) in axes (e1, e2, n)
+SINGULAR_VALUE_RATIO_MIN = 1e-9  # [1] of the largest singular value of the scaled rows; smaller ones are rounding
+IN_PLANE, OUT_OF_PLANE = [0, 1, 5], [2, 3, 4]  # columns of a twist (v, w) in axes (e1, e2, n)
 
 
 class Pose(NamedTuple):
-    """Rows of all joints at a pose."""
+    """Constraint rows of all joints at a pose."""
 
     q: np.ndarray  # (n, 7)
     J: np.ndarray  # (rows, n, 2, 3) of (r_dot, w), world
 
 
 class Rows:
-    """The rows of a system by joint, at two poses.
+    """Constraint rows of a system by joint, at two poses.
 
     ``normal`` (3,): unit vector.
     """
@@ -44,11 +44,11 @@ class Rows:
         self.poses = self.pose(state), self.pose(self.shaken(state))
 
     def pose(self, state: State) -> Pose:
-        """Rows at a state."""
+        """Return the constraint rows at a state."""
         return Pose(state.q.reshape(self.n, 7), equations(self.system, state)[2].reshape(-1, self.n, 2, 3))
 
     def shaken(self, state: State) -> State:
-        """Every body shifted and turned in its plane, each by another amount."""
+        """Return a state with every body shifted and rotated in its plane by a different amount."""
         q = state.q.reshape(self.n, 7).copy()
         for i, body in enumerate(q):
             shift = 0.1 * self.length * np.array([np.cos(1.0 + 2.0 * i), np.sin(2.0 + 3.0 * i)])
@@ -57,15 +57,15 @@ class Rows:
         return State(state.t, q.ravel(), np.zeros_like(state.v), state.z)
 
     def height(self, point: np.ndarray) -> float:
-        """z = point . n [m]."""
+        """Return z = point . n [m]."""
         return float(point @ self.axes[2])
 
     def flat(self, vector: np.ndarray) -> np.ndarray:
-        """Components along e1 and e2."""
+        """Return the components of a vector along e1 and e2."""
         return self.axes[:2] @ vector
 
     def twists(self, joints: Sequence[Any], body: Any, z: float, pose: Pose) -> np.ndarray:
-        """(k, 6) of rows on the twist of a body at its reference point moved into the plane, axes e1, e2, n."""
+        """Return the twist rows of a body at its reference point moved into the plane, axes e1, e2, n, shape (k, 6)."""
         i = self.index[id(body)]
         rows = np.concatenate([self.rows_of[id(joint)] for joint in joints])
         J = pose.J[rows, i]
@@ -74,7 +74,8 @@ class Rows:
         return np.concatenate([J[:, 0] @ self.axes.T, turn @ self.axes.T / self.length], axis=1)
 
     def tilt(self, joints: Sequence[Any], bodies: Sequence[Any], z: float) -> float:
-        """Angle [rad] by which the space of allowed twists leaves its mirror image in the plane, at the worse pose.
+        """Return the angle [rad] between the space of allowed twists and its mirror image in the plane, at the worse
+        pose.
 
         With V an orthonormal basis of the rows and P the reflection: sin(2 angle) = |V P (1 - V'V)|; of a slide that is
         tilted out of the plane it is the tilt.
@@ -83,32 +84,35 @@ class Rows:
         for pose in self.poses:
             V = row_space(np.concatenate([self.twists(joints, body, z, pose) for body in bodies], axis=1))
             mirrored = V.copy()
-            mirrored[:, [6 * k + c for k in range(len(bodies)) for c in OUT]] *= -1.0
+            mirrored[:, [6 * k + c for k in range(len(bodies)) for c in OUT_OF_PLANE]] *= -1.0
             off = mirrored - (mirrored @ V.T) @ V
             worst = max(worst, float(np.linalg.norm(off, 2)) if off.size else 0.0)
         return float(np.arcsin(min(worst, 1.0))) / 2
 
     def wrenches(self, joints: Sequence[Any], body: Any, z: float, pose: Pose) -> np.ndarray:
-        """(r, 3) orthonormal in-plane wrenches (force, moment about O over the length) that rows put on a body."""
-        return row_space(self.twists(joints, body, z, pose)[:, IN])
+        """Return orthonormal in-plane wrenches (force, moment about O over the length) of the rows on a body, shape (r,
+        3).
+        """
+        return row_space(self.twists(joints, body, z, pose)[:, IN_PLANE])
 
     def loose(self, bodies: Sequence[Any], heights: Sequence[float]) -> np.ndarray:
-        """(k, bodies, 3) basis of the out-of-plane motions of bodies, each from its own plane, that no row resists.
+        """Return a basis of the out-of-plane motions of bodies that no row resists, each from its own plane, shape (k,
+        bodies, 3).
 
         Of both poses the one that leaves fewer: at a dead point of the reference pose some are free that are not else.
         """
         found = []
         for pose in self.poses:
             twists = [self.twists(self.system.joints, b, z, pose) for b, z in zip(bodies, heights, strict=True)]
-            J = np.concatenate([twist[:, OUT] for twist in twists], axis=1)
+            J = np.concatenate([twist[:, OUT_OF_PLANE] for twist in twists], axis=1)
             found.append(np.linalg.svd(J)[2][len(row_space(J)) :])
         return min(found, key=len).reshape(-1, len(bodies), 3)
 
 
 def row_space(J: np.ndarray) -> np.ndarray:
-    """(rank, columns) orthonormal basis of the rows."""
+    """Return an orthonormal basis of the rows, shape (rank, columns)."""
     if not J.size:
         return np.zeros((0, J.shape[1]))
     scale = np.linalg.norm(J, axis=1, keepdims=True)
-    _, s, V = np.linalg.svd(J / np.where(scale > RANK, scale, np.inf), full_matrices=False)
-    return V[s > RANK * max(s[0], RANK)]
+    _, s, V = np.linalg.svd(J / np.where(scale > SINGULAR_VALUE_RATIO_MIN, scale, np.inf), full_matrices=False)
+    return V[s > SINGULAR_VALUE_RATIO_MIN * max(s[0], SINGULAR_VALUE_RATIO_MIN)]

@@ -1,4 +1,4 @@
-"""The reduction of an engine to planes: when the sum of planar models is the spatial block load, and when it is not.
+"""Reduction of an engine to planes: whether the sum of planar models is the spatial block load.
 
 Our reconstruction of the lemma that planar engine models rest on. The load that a mechanism puts on its frame (forces
 of bearings, slides and driver, about the origin) is the sum of the loads of planar models, one per station z,
@@ -24,10 +24,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from engines import planar
-from engines.balance.planes.carried import carried_loads, heavy, moved
-from engines.balance.planes.shaft import EXACT, Failure, Shaft, cut, find_shaft, tensor, throw
+from engines.balance.planes.shaft import EXACT_TOLERANCE, Failure, Shaft, cut, find_shaft, tensor, throw
+from engines.balance.planes.shaft_loads import carried_loads, heavy, moved
 from engines.balance.planes.units import Unit, find_units, out_of_plane, planar_joint, unlike
-from mbsd3d import System
+from mbsd3d import Body, System
 from mbsd3d.errors import InputError
 from mbsd3d.extend import check_system, explaining
 
@@ -42,7 +42,7 @@ class BlockLoad(NamedTuple):
 
 
 class Plane(NamedTuple):
-    """A planar model: all units of one station with their slice of the shaft."""
+    """Planar model of all units of one station with their slice of the shaft."""
 
     z: float  # Of the plane, along the axis from the origin [m]
     system: planar.System
@@ -51,7 +51,7 @@ class Plane(NamedTuple):
 
 @dataclass(frozen=True)
 class Reduction:
-    """What `reduce_to_planes` found."""
+    """Result of `reduce_to_planes`: planes, and the hypotheses that fail."""
 
     failures: tuple[Failure, ...]
     planes: tuple[Plane, ...]  # Empty where not even a sum can be formed
@@ -59,7 +59,7 @@ class Reduction:
 
     @property
     def holds(self) -> bool:
-        """Whether all hypotheses hold."""
+        """Return whether all hypotheses hold."""
         return not self.failures
 
     def __str__(self) -> str:
@@ -73,7 +73,8 @@ class Reduction:
         return "\n".join(["the reduction to planes does not hold:", *(f"  {x}" for x in self.failures), f"  {found}"])
 
     def block_load(self, times: ArrayLike, *, driver: bool = True) -> BlockLoad:
-        """Sum of the planes at the times (k,) [s]; ``driver``: whether the torque of the driver reacts on the frame.
+        """Sum the block load of the planes at the times (k,) [s]; ``driver``: whether the torque of the driver reacts
+        on the frame.
 
         ValueError if no planes could be formed; the message says why.
         """
@@ -140,23 +141,23 @@ def reduce_to_planes(system: System) -> Reduction:
     return Reduction((*failures, *unlike(shaft, units, joints, bodies), *unseen), planes, shaft.rows.axes)
 
 
-def flat_body(shaft: Shaft, body: object) -> planar.Body:
-    """A body as its plane sees it."""
+def flat_body(shaft: Shaft, body: Body) -> planar.Body:
+    """Return a body projected into its plane."""
     com, position = shaft.rows.flat(body.centre - body.position), shaft.rows.flat(body.position)
     return planar.Body(body.name, body.mass, tensor(shaft, body)[2, 2], com=com, position=position)
 
 
 def lopsided(shaft: Shaft, units: list[Unit]) -> list[Failure]:
-    """H4: bodies of units that are not symmetric about the plane."""
+    """Return failures of H4 for bodies of units that are not symmetric about the plane."""
     failures = []
     for unit in units:
         for body in unit.bodies:
             off, inertia = shaft.rows.height(body.centre) - unit.z, tensor(shaft, body)
             product = float(np.hypot(*inertia[:2, 2]))
-            if abs(off) > EXACT * shaft.rows.length:
+            if abs(off) > EXACT_TOLERANCE * shaft.rows.length:
                 text = f"has its centre of mass beside the plane of '{unit.name}'"
                 failures.append(Failure("H4", body.name, text, off, "m"))
-            if product > EXACT * np.trace(inertia):
+            if product > EXACT_TOLERANCE * np.trace(inertia):
                 text = "has a product of inertia with the normal of its plane"
                 failures.append(Failure("H4", body.name, text, product, "kg m^2"))
     return failures
@@ -165,10 +166,10 @@ def lopsided(shaft: Shaft, units: list[Unit]) -> list[Failure]:
 def form_planes(
     shaft: Shaft, units: list[Unit], joints: list[list], bodies: dict, loads: dict
 ) -> tuple[tuple[Plane, ...], list[Failure]]:
-    """One planar system per station, and one for the rest of the shaft where its centre of mass asks for it."""
+    """Build one planar system per station, and one for the rest of the shaft if its centre of mass needs it."""
     stations: dict[float, list[int]] = {}
     for k, unit in enumerate(units):
-        near = (z for z in stations if abs(z - unit.z) <= EXACT * shaft.rows.length)
+        near = (z for z in stations if abs(z - unit.z) <= EXACT_TOLERANCE * shaft.rows.length)
         stations.setdefault(next(near, unit.z), []).append(k)
     members = [*stations.values(), []]
     throws = [sum(throw(shaft, joints[k], bodies) for k in own) for own in stations.values()]

@@ -13,11 +13,11 @@ from engines.balance.planes.mirror import Rows, row_space
 from mbsd3d import GROUND, Joint, System
 from mbsd3d.extend import kinds
 
-EXACT = 1e-9  # Relative to the size of the model [m], its speed [rad/s], its moments of inertia; angles in rad
+EXACT_TOLERANCE = 1e-9  # [1] of the size of the model [m], its speed [rad/s], its inertia [kg m^2]; angles [rad]
 
 
 class Failure(NamedTuple):
-    """A hypothesis that does not hold."""
+    """Hypothesis that does not hold, with its cause and size."""
 
     hypothesis: str
     """"H1" to "H4"."""
@@ -31,7 +31,7 @@ class Failure(NamedTuple):
 
 
 class Shaft(NamedTuple):
-    """The shaft and what is at rest around it."""
+    """Shaft of an engine and the bodies at rest around it."""
 
     body: Any
     driver: Any
@@ -42,17 +42,18 @@ class Shaft(NamedTuple):
     parts: tuple  # The body itself and what is welded to it
 
     def moves(self, body: Any) -> bool:
-        """Whether a body is not part of the frame."""
+        """Return whether a body is not part of the frame."""
         return not contains(self.frame, body)
 
 
 def contains(bodies: Sequence[Any], body: Any) -> bool:
-    """Whether it is one of them."""
+    """Return whether a body is among some bodies."""
     return any(body is other for other in bodies)
 
 
 def turning_rows(joint: Joint) -> list[tuple[Any, Any, np.ndarray, Any, float]]:
-    """(a, b, axis, signal, order of the derivative that the signal prescribes) of the rows that drive an angle."""
+    """Return (a, b, axis, signal, order of the derivative that the signal prescribes) of the rows that drive an
+    angle."""
     found = []
     for row in joint.primitives:
         if row.signal is not None and row.kind == kinds.RATIO and row.coordinates[0].kind == "angle":
@@ -64,7 +65,7 @@ def turning_rows(joint: Joint) -> list[tuple[Any, Any, np.ndarray, Any, float]]:
 
 
 def find_shaft(system: System) -> tuple[Shaft | None, list[Failure]]:
-    """The shaft, or None, and what contradicts H1."""
+    """Return the shaft, or None, and what contradicts H1."""
     drivers = [joint for joint in system.joints if any(row.signal is not None for row in joint.primitives)]
     turning = [(joint, *row) for joint in drivers for row in turning_rows(joint)]
     if not turning:
@@ -77,8 +78,8 @@ def find_shaft(system: System) -> tuple[Shaft | None, list[Failure]]:
     failures = [Failure("H1", other, "prescribes a second motion", len(drivers), "drivers") for other in others]
     if loose:
         speed, turn = np.linalg.norm(rows.velocity[rows.index[id(a)]], axis=1)
-        text, (size, unit) = "is not at rest", (turn, "rad/s") if turn > EXACT else (speed, "m/s")
-        if size <= EXACT:
+        text, (size, unit) = "is not at rest", (turn, "rad/s") if turn > EXACT_TOLERANCE else (speed, "m/s")
+        if size <= EXACT_TOLERANCE:
             text, size, unit = "is not welded to the ground", 1, "body"
         text = f"carries the axis of '{b.name}' and {text}"
         return None, [Failure("H1", a.name, text, float(size), unit), *failures]
@@ -89,7 +90,7 @@ def find_shaft(system: System) -> tuple[Shaft | None, list[Failure]]:
         rows = Rows(system, axis)
     v, w = rows.velocity[rows.index[id(body)]]
     speed = float(w @ rows.axes[2])
-    if abs(speed) < EXACT:
+    if abs(speed) < EXACT_TOLERANCE:
         return None, [*failures, Failure("H1", body.name, "does not turn", speed, "rad/s")]
     failures += unsteady(system, joint, signal, order, speed)
     point = rows.flat(body.position) + np.array([-1, 1]) * rows.flat(v)[::-1] / speed
@@ -98,7 +99,9 @@ def find_shaft(system: System) -> tuple[Shaft | None, list[Failure]]:
 
 
 def welded(rows: Rows, root: Any) -> list:
-    """A body or the ground and all that hang rigidly on it, nearest first (a piston at a dead centre does not)."""
+    """Return a body or the ground with all bodies fixed rigidly to it, nearest first (a piston at dead centre is not
+    fixed).
+    """
     found = [root]
     joints = [joint for joint in rows.system.joints if all(row.signal is None for row in joint.primitives)]
     for fixed in found:
@@ -110,20 +113,22 @@ def welded(rows: Rows, root: Any) -> list:
 
 
 def unsteady(system: System, joint: Joint, signal: Any, order: int, speed: float) -> list[Failure]:
-    """A speed that changes."""
+    """Return a failure of H1 for a speed that changes [rad/s^2]."""
     change = bound(signal.terms(), 1 if order else 2, 2 * np.pi / abs(speed))
-    if change <= EXACT * speed**2:
+    if change <= EXACT_TOLERANCE * speed**2:
         return []
     return [Failure("H1", system.name(joint), "does not turn at a constant speed", float(change), "rad/s^2")]
 
 
 def bound(terms: Sequence[Any], order: int, time: float) -> float:
-    """No |d^order f / dt^order| of a sum of terms is larger: polynomials for |t| <= time, sines and splines always.
+    """Return an upper bound of |d^order f / dt^order| of a sum of terms: polynomials for |t| <= time, sines and splines
+    always.
 
     From the terms themselves; samples can miss a sine whose period they repeat. Terms of one shape, as components of a
     force have them, are added up first; others that cancel are taken for more than they are.
     """
-    total, alike = 0.0, {}
+    total = 0.0
+    alike: dict[tuple, np.ndarray] = {}
     for term in terms:
         first = int(term.data[0]) + 2 if term.kind == kinds.SPLINE else 0
         key, part = (term.data.size, *term.data[:first]), term.data[first:]
@@ -144,7 +149,7 @@ def bound(terms: Sequence[Any], order: int, time: float) -> float:
 
 
 def loose_axis(system: System, shaft: Shaft) -> list[Failure]:
-    """Freedoms that the joints between shaft and frame leave besides the turn, or a turn about another axis."""
+    """Return degrees of freedom between shaft and frame other than the rotation, or a rotation about another axis."""
     bearings = [joint for joint in system.joints if joint is not shaft.driver and between(shaft, joint)]
     name, rows = shaft.body.name, shaft.rows
     if not bearings:
@@ -158,39 +163,39 @@ def loose_axis(system: System, shaft: Shaft) -> list[Failure]:
     turn = np.array([-arm[1], arm[0], 0.0, 0.0, 0.0, rows.length])  # v and w length of a unit turn about the axis
     held = row_space(rows.twists(bearings, shaft.body, 0.0, rows.poses[0]))
     off = np.linalg.norm(held @ turn) / np.linalg.norm(turn)
-    if off <= EXACT:
+    if off <= EXACT_TOLERANCE:
         return []
     return [Failure("H1", name, "turns about another axis than it is driven", np.degrees(off), "deg")]
 
 
 def between(shaft: Shaft, joint: Joint) -> bool:
-    """Whether a joint connects the shaft with the frame and nothing else."""
+    """Return whether a joint connects the shaft with the frame and nothing else."""
     moving = [body for body in joint.bodies() if shaft.moves(body)]
     return len(moving) == 1 and moving[0] is shaft.body
 
 
 def tensor(shaft: Shaft, body: Any) -> np.ndarray:
-    """(3, 3) moments of inertia of a body about its centre of mass along e1, e2, n [kg m^2]."""
+    """Return the inertia of a body about its centre of mass along e1, e2, n [kg m^2], shape (3, 3)."""
     R = shaft.rows.axes @ body.axes
     return R @ body.inertia @ R.T
 
 
 def throw(shaft: Shaft, joints: list, bodies: dict) -> complex:
-    """Sum of the arms from the axis to the pins of a unit [m], x + i y; welds do not count."""
+    """Sum the arms from the axis to the pins of a unit [m], x + i y; welds do not count."""
     crank = bodies[id(shaft.body)]
     pins = [joint for joint in joints if joint.a is crank and not isinstance(joint, planar.Fixed)]
     return complex(*sum((pin(joint, crank) - shaft.point for joint in pins), np.zeros(2)))
 
 
 def pin(joint: planar.Joint, body: planar.Body) -> np.ndarray:
-    """Where a hinge, massless rod or weld holds a body (2,) [m]."""
+    """Return the point where a hinge, massless rod or weld holds a body [m], shape (2,)."""
     if isinstance(joint, planar.Distance):
         return joint.at_a if joint.a is body else joint.at_b
     return joint.at
 
 
 def cut(shaft: Shaft, z: np.ndarray, throws: np.ndarray) -> tuple[np.ndarray, list[planar.Body], list[Failure]]:
-    """Heights and bodies of the slices of the shaft, and the product of inertia that they leave out.
+    """Return heights and bodies of the slices of the shaft, and the product of inertia that they leave out [kg m^2].
 
     With U = m r_G and P = int (z - z_G) r dm as complex numbers x + i y from the axis: slice i of mass mu_i carries
     u s_i + (U - u sum s) mu_i / m, u by least squares from ``u sum s_i = U``, ``u sum (z_i - z_G) s_i = P``. Masses
@@ -201,12 +206,12 @@ def cut(shaft: Shaft, z: np.ndarray, throws: np.ndarray) -> tuple[np.ndarray, li
     com, inertia = shaft.rows.height(body.centre), tensor(shaft, body)
     whole = body.mass * complex(*(shaft.rows.flat(body.centre) - shaft.point))
     product = -complex(*inertia[:2, 2])
-    rest = abs(z.mean() - com) > EXACT * shaft.rows.length
+    rest = abs(z.mean() - com) > EXACT_TOLERANCE * shaft.rows.length
     heights = np.append(z, 2 * com - z.mean())[: k + rest]
     shares = np.append(np.full(k, (0.5 if rest else 1.0) / k), 0.5)[: k + rest]
     levers = np.array([throws.sum(), (z - com) @ throws / shaft.rows.length])
     moments = np.array([whole, product / shaft.rows.length])
-    seen = np.linalg.norm(levers) > EXACT * np.abs(throws).max()
+    seen = np.linalg.norm(levers) > EXACT_TOLERANCE * np.abs(throws).max()
     found = [np.vdot(levers, moments) / np.vdot(levers, levers), 0.0] if seen else [0.0]
     u = min(found, key=lambda u: abs(product - u * ((z - com) @ throws)))
     carried = u * np.append(throws, 0.0)[: k + rest] + (whole - u * throws.sum()) * shares
@@ -218,7 +223,7 @@ def cut(shaft: Shaft, z: np.ndarray, throws: np.ndarray) -> tuple[np.ndarray, li
         for share, moment in zip(shares, carried, strict=True)
     ]  # fmt: skip
     left = abs(product - u * ((z - com) @ throws))
-    if left <= EXACT * np.trace(inertia):
+    if left <= EXACT_TOLERANCE * np.trace(inertia):
         return heights, slices, []
     text = "has a product of inertia with its axis that its throws do not explain"
     return heights, slices, [Failure("H4", body.name, text, left, "kg m^2")]

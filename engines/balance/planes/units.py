@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from engines import planar
-from engines.balance.planes.shaft import EXACT, Failure, Shaft, contains, pin
+from engines.balance.planes.shaft import EXACT_TOLERANCE, Failure, Shaft, contains, pin
 from mbsd3d import GROUND
 from mbsd3d.extend import kinds
 
@@ -20,7 +20,7 @@ class Link(NamedTuple):
 
 
 class Unit(NamedTuple):
-    """Bodies that hang on the shaft, from the shaft outwards."""
+    """Bodies attached to the shaft, from the shaft outwards."""
 
     bodies: list
     links: list[Link]
@@ -28,12 +28,12 @@ class Unit(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Name of its first body."""
+        """Return the name of the first body of the unit."""
         return self.bodies[0].name
 
 
 def find_units(shaft: Shaft) -> tuple[list[Unit], list[Failure]]:
-    """Chains of bodies that hang on the shaft, what is welded to it, and what hangs elsewhere (H2)."""
+    """Return chains of bodies attached to the shaft, bodies welded to it, and the failures of H2 for all others."""
     system, failures = shaft.rows.system, []
     pairs: dict[tuple, Link] = {}
     order: dict[int, int] = {}
@@ -71,12 +71,12 @@ def find_units(shaft: Shaft) -> tuple[list[Unit], list[Failure]]:
 
 
 def place(chain: list, body: Any) -> int:
-    """Place in a chain; shaft and ground come before it."""
+    """Return the position of a body in a chain; shaft and ground come before it."""
     return next((k for k, other in enumerate(chain) if other is body), -1)
 
 
 def grown(chain: list, links: Any, shaft: Shaft) -> list:
-    """A chain with all bodies that are linked to it but not through shaft or frame, nearest first."""
+    """Return a chain with all bodies linked to it but not through shaft or frame, nearest first."""
     for body in chain:
         for link in links:
             for one, other in ((link.a, link.b), (link.b, link.a)):
@@ -86,26 +86,29 @@ def grown(chain: list, links: Any, shaft: Shaft) -> list:
 
 
 def plane_of(shaft: Shaft, chain: list, links: list[Link]) -> float:
-    """Height of most points of joints and centres of mass."""
+    """Return the height that most points of joints and centres of mass share [m]."""
     points = [joint.point() for link in links for joint in link.joints] + [body.centre for body in chain]
     z = np.array([shaft.rows.height(point) for point in points])
-    alike = np.abs(z[:, None] - z) <= EXACT * shaft.rows.length
+    alike = np.abs(z[:, None] - z) <= EXACT_TOLERANCE * shaft.rows.length
     return float(z[np.argmax(alike.sum(axis=1))])
 
 
 def out_of_plane(shaft: Shaft, units: list[Unit]) -> list[Failure]:
-    """H3: joints that force bodies out of the plane, bodies that are free to leave it."""
+    """Return failures of H3: joints that force bodies out of the plane, and bodies free to leave it."""
     rows, failures = shaft.rows, []
     for unit in units:
         for link in unit.links:
             moving = [body for body in link[:2] if body is not GROUND]
             tilt = rows.tilt(link.joints, moving, unit.z)
-            if tilt <= EXACT:
+            if tilt <= EXACT_TOLERANCE:
                 continue
             name = rows.system.name(link.joints[0])
             heights = [rows.height(joint.point()) for joint in link.joints]
             off = max((z - unit.z for z in heights), key=abs)
-            if abs(off) > EXACT * rows.length and rows.tilt(link.joints, moving, unit.z + off) <= EXACT:
+            if (
+                abs(off) > EXACT_TOLERANCE * rows.length
+                and rows.tilt(link.joints, moving, unit.z + off) <= EXACT_TOLERANCE
+            ):
                 failures.append(Failure("H3", name, f"is beside the plane of '{unit.name}'", off, "m"))
             else:
                 text = f"is tilted against the plane of '{unit.name}'"
@@ -118,11 +121,12 @@ def out_of_plane(shaft: Shaft, units: list[Unit]) -> list[Failure]:
 
 
 def planar_joint(shaft: Shaft, link: Link, z: float, bodies: dict) -> planar.Joint | Failure | None:
-    """The planar joint with the in-plane rows of a link, by the wrenches that they carry; None if there are none."""
+    """Return the planar joint equivalent to the in-plane rows of a link, by their wrenches, or None without such
+    rows."""
     rows = shaft.rows
     at, turn = rows.flat(link.b.position), np.array([[0.0, 0.0, 1.0]])
     W = rows.wrenches(link.joints, link.b, z, rows.poses[0])
-    blocked = len(W) and np.linalg.norm(turn @ W.T) > 1 - EXACT
+    blocked = len(W) and np.linalg.norm(turn @ W.T) > 1 - EXACT_TOLERANCE
     a = shaft.body if contains(shaft.parts, link.a) else link.a  # its slice represents the whole shaft
     ends = bodies.get(id(a), planar.GROUND), bodies[id(link.b)]
     name = rows.system.name(link.joints[0])
@@ -134,7 +138,7 @@ def planar_joint(shaft: Shaft, link: Link, z: float, bodies: dict) -> planar.Joi
         across = (W - (W @ turn.T) @ turn)[:, :2]
         push = across[np.argmax(np.linalg.norm(across, axis=1))]
         return planar.Slider(*ends, at=at, axis=(push[1], -push[0]), name=name)
-    if len(W) == 2 and np.linalg.matrix_rank(W[:, :2], EXACT) == 2 and fixed_centre(shaft, link, z):
+    if len(W) == 2 and np.linalg.matrix_rank(W[:, :2], EXACT_TOLERANCE) == 2 and fixed_centre(shaft, link, z):
         return planar.Revolute(*ends, at=at + centre(W, rows.length), name=name)
     if len(W) == 1 and [row.kind for joint in link.joints for row in joint.primitives] == [kinds.DISTANCE]:
         rod = link.joints[0]
@@ -145,18 +149,18 @@ def planar_joint(shaft: Shaft, link: Link, z: float, bodies: dict) -> planar.Joi
 
 
 def centre(W: np.ndarray, length: float) -> np.ndarray:
-    """Point d through which all forces of (2, 3) wrenches go: d x f = moment."""
+    """Return the point d through which all forces of (2, 3) wrenches go [m]: d x f = moment."""
     return np.linalg.solve(np.stack([W[:, 1], -W[:, 0]], axis=1), length * W[:, 2])
 
 
 def fixed_centre(shaft: Shaft, link: Link, z: float) -> bool:
-    """Whether the centre is fixed in both bodies, from one pose to the other."""
+    """Return whether the centre of a link is fixed in both bodies, from one pose to the other."""
     rows, (before, after) = shaft.rows, shaft.rows.poses
     for body in (link.a, link.b):
         if body is GROUND:
             continue
         both = [rows.wrenches(link.joints, body, z, pose) for pose in (before, after)]
-        if len(both[1]) != 2 or np.linalg.matrix_rank(both[1][:, :2], EXACT) != 2:
+        if len(both[1]) != 2 or np.linalg.matrix_rank(both[1][:, :2], EXACT_TOLERANCE) != 2:
             return False
         arms = [centre(W, rows.length) for W in both]
         angle = 0.3 + 0.1 * np.sin(1.0 + 5.0 * rows.index[id(body)])
@@ -167,7 +171,7 @@ def fixed_centre(shaft: Shaft, link: Link, z: float) -> bool:
 
 
 def signature(shaft: Shaft, unit: Unit, joints: list[planar.Joint], bodies: dict) -> list[tuple[str, str, float]]:
-    """(quantity, unit, value) of what two units must share: they depend neither on phase nor on bank or station."""
+    """Return (quantity, unit, value) of the properties two units must share, independent of phase, bank and station."""
     found: list[tuple[str, str, float]] = [("number of bodies", "bodies", len(unit.bodies))]
     for spatial in unit.bodies:
         body, label = bodies[id(spatial)], f"of '{spatial.name}'"
@@ -200,12 +204,12 @@ def signature(shaft: Shaft, unit: Unit, joints: list[planar.Joint], bodies: dict
 
 
 def marked(body: planar.Body, joints: list[planar.Joint]) -> list[np.ndarray]:
-    """Points of a body that its joints and its mass mark, the centre of mass last."""
+    """Return the points of a body at its joints [m], the centre of mass last."""
     return [pin(joint, body) for joint in joints if not isinstance(joint, planar.Slider)] + [body.position + body.com]
 
 
 def unlike(shaft: Shaft, units: list[Unit], joints: list[list], bodies: dict) -> list[Failure]:
-    """H2: where units differ from the first one in bodies or joints; loads may be each unit's own."""
+    """Return failures of H2: where units differ from the first one in bodies or joints; loads may differ."""
     first, failures = None, []
     for unit, own in zip(units, joints, strict=True):
         if contains(shaft.parts, unit.bodies[0]):
@@ -218,7 +222,7 @@ def unlike(shaft: Shaft, units: list[Unit], joints: list[list], bodies: dict) ->
             continue
         for (what, si, value), (_, _, model) in zip(mine, first, strict=True):
             scale = {"m": shaft.rows.length, "m^2": shaft.rows.length**2}.get(si, abs(model))
-            if abs(value - model) > EXACT * max(scale, EXACT):
+            if abs(value - model) > EXACT_TOLERANCE * max(scale, EXACT_TOLERANCE):
                 text = f"differs from '{units[0].name}': {what} is {value:.9g} {si}, not {model:.9g}"
                 failures.append(Failure("H2", unit.name, text, value - model, si))
     return failures

@@ -1,1 +1,1 @@
-"""Published figures of engines beside the true ones."""
+"""Published figures of engines compared with the true ones."""

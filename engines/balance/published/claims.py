@@ -1,4 +1,4 @@
-"""Published figures of the toy engines and what is behind them: the sources' assumptions, and the physics.
+"""Published figures of the toy engines and their origin: the assumptions of the sources, and the physics.
 
 The article's figures are those of cylinders without m_c w^2 r_c of the crank, pushed and pulled along their bores only:
 ``assumed``. ``actual`` is the load of the masses as declared. Couples of either in units of F a are those of the
@@ -15,14 +15,14 @@ from engines.balance.harmonics import Harmonics, half_axes
 from engines.balance.layouts import Engine, layout, names
 from mbsd3d.errors import InputError
 
-TOY_FORCE = 4 * np.pi**2  # N, toy_set_2: m R w^2 of 1 kg, 1 m, 60 rpm
-TOY_SPACING = 0.6  # m
-FRAMES = 60  # of two turns
+TOY_FORCE = 4 * np.pi**2  # [N] m R w^2 of toy_set_2: 1 kg, 1 m, 60 rpm
+TOY_SPACING = 0.6  # [m] of the cylinders of toy_set_2
+FRAME_COUNT = 60  # [1] frames of two turns
 
 
 @dataclass(frozen=True)
 class Row:
-    """One figure: as published, as the source's assumptions give it, as it is."""
+    """Figure as published, as the source's assumptions give it, and as it is."""
 
     source: str
     what: str
@@ -35,7 +35,7 @@ class Row:
 
 
 def family(beginnings: str) -> tuple[str, ...]:
-    """Names of the layouts that begin with one of some words, "I4 V8_cross".
+    """Return the names of the layouts that begin with one of some words, such as "I4 V8_cross".
 
     ValueError for a word with which none begins.
     """
@@ -48,62 +48,62 @@ def family(beginnings: str) -> tuple[str, ...]:
 
 @cache
 def assumed(name: str, rod_length: float = 2.0) -> Harmonics:
-    """Block load of a layout with the first toy set, under the article's assumptions."""
+    """Compute the block load of a layout with the first toy set, under the article's assumptions."""
     return phasor.block_load(Engine(name, rod_length=rod_length), article=True, across=False)
 
 
 @cache
 def actual(name: str, rod_length: float = 2.0) -> Harmonics:
-    """Block load of a layout with the first toy set."""
+    """Compute the block load of a layout with the first toy set."""
     return phasor.block_load(Engine(name, rod_length=rod_length))
 
 
 def force(h: Harmonics, order: int, axis: int = 0) -> float:
-    """Amplitude of F_x, F_y (axis 0, 1) [N]."""
+    """Return the amplitude of F_x or F_y (axis 0, 1) [N]."""
     return float(np.abs(h.force[order, axis]))
 
 
 def couple(h: Harmonics, order: int, axis: int = 1) -> float:
-    """Amplitude of M_x, M_y (axis 0, 1) [N m]."""
+    """Return the amplitude of M_x or M_y (axis 0, 1) [N m]."""
     return float(np.abs(h.moment[order, axis]))
 
 
 def ellipse(h: Harmonics, order: int) -> tuple[float, float]:
-    """Long and short half axis of the couple [N m]."""
+    """Return the long and the short half axis of the couple [N m]."""
     long, short = half_axes(h.forward[order, 1], h.backward[order, 1])
     return float(long), float(short)
 
 
 def turning(h: Harmonics, order: int) -> tuple[float, float]:
-    """Forward and backward part of the couple [N m]."""
+    """Return the forward and the backward part of the couple [N m]."""
     return float(np.abs(h.forward[order, 1])), float(np.abs(h.backward[order, 1]))
 
 
 def ripple(name: str, order: int) -> float:
-    """Amplitude of the driving torque [N m]."""
+    """Return the amplitude of the driving torque of an order [N m]."""
     return float(np.abs(actual(name).torque[order]))
 
 
 def per_spacing(name: str, order: int, value: float) -> float:
-    """A couple of `assumed` over F a: F is that order of one cylinder, a the spacing of the layout."""
+    """Return a couple of `assumed` over F a [-]: F is that order of one cylinder, a the spacing of the layout."""
     return value / force(assumed("single"), order) / layout(name).spacing
 
 
 def below(name: str, order: int = 6) -> float:
-    """Largest force or couple over the spacing of the orders 1 ... order - 1 [N]."""
+    """Return the largest force, or couple over the spacing, of the orders 1 ... order - 1 [N]."""
     h = actual(name)
     couples = np.abs(h.moment[1:order, :2]) / layout(name).spacing
     return float(max(np.abs(h.force[1:order]).max(), couples.max()))
 
 
 def relative(name: str, order: int, kind: str) -> list[float]:
-    """Half axes ("ellipse") or forward and backward part ("turning") of the couple over F a."""
+    """Return half axes ("ellipse") or forward and backward part ("turning") of the couple over F a [-]."""
     pair = ellipse(assumed(name), order) if kind == "ellipse" else turning(assumed(name), order)
     return [per_spacing(name, order, value) for value in pair]
 
 
 def toy_load(name: str, theta: np.ndarray, orders: tuple[int, ...] = (1, 2)) -> tuple[np.ndarray, np.ndarray]:
-    """|F| [N] and |M| [N m] of the second toy set at crank angles theta from pin 1 on the bisector of the banks.
+    """Return |F| [N] and |M| [N m] of the second toy set at crank angles theta from pin 1 on the bisector of the banks.
 
     Two harmonics along every bore, F1 cos q + F1 / 2 cos 2 q; stations as for a bore spacing of 0.6 m.
     """
@@ -116,11 +116,11 @@ def toy_load(name: str, theta: np.ndarray, orders: tuple[int, ...] = (1, 2)) -> 
 
 
 def frames(name: str) -> tuple[np.ndarray, np.ndarray]:
-    """|F| and |M| in the 60 frames of two turns, (60,) each."""
-    return toy_load(name, 4 * np.pi * np.arange(FRAMES) / FRAMES)
+    """Return |F| [N] and |M| [N m] in the 60 frames of two turns, (60,) each."""
+    return toy_load(name, 4 * np.pi * np.arange(FRAME_COUNT) / FRAME_COUNT)
 
 
 def peaks(name: str, orders: tuple[int, ...] = (1, 2)) -> tuple[float, float]:
-    """Peaks of |F| [N] and |M| [N m] between the frames, at every hundredth of a degree."""
+    """Return the peaks of |F| [N] and |M| [N m] between the frames, at every hundredth of a degree."""
     found = toy_load(name, 2 * np.pi * np.arange(36000) / 36000, orders)
     return float(found[0].max()), float(found[1].max())

@@ -1,4 +1,4 @@
-"""The statements of the data file on published against true physics, each turned into figures computed here."""
+"""Statements of the data file on published against true physics, each checked with computed figures."""
 
 from dataclasses import replace
 
@@ -28,7 +28,7 @@ Figures = dict[str, list[Figure]]  # by the layouts they are about: beginnings o
 
 
 def corrections() -> list[Row]:
-    """Rows for every entry of published_vs_true_physics, in its order."""
+    """Return rows for every entry of published_vs_true_physics, in its order."""
     parts: tuple[Figures, ...] = (
         *(centre_of_mass(), sanity(), {"I4": sweep()}, boxer(), {"flat4": flat()}, {"I3": three()}, {"I5": five()}),
         *(six(), {"V6_60": v6_60()}, {"V6_90": v6_90()}, {"V8_flat": v8_flat()}, {"V8_cross": v8_cross()}),
@@ -43,7 +43,7 @@ def corrections() -> list[Row]:
 
 
 def centre_of_mass() -> Figures:
-    """m_c w^2 r_c of the crank."""
+    """Return rows on the force m_c w^2 r_c of the crank."""
     wrong, beside = "holds for a crank with its centre of mass on the axis", "omitted by the source"
 
     def pair(name: str, what: str, published: float) -> list[Figure]:
@@ -61,7 +61,7 @@ def centre_of_mass() -> Figures:
 
 
 def sanity() -> Figures:
-    """F_2x = 4 F_single R / L of the inline four."""
+    """Return rows on F_2x = 4 F_single R / L of the inline four."""
     engine, four = Engine("I4"), force(actual("I4"), 2)
     lam, single = engine.radius / engine.rod_length, force(assumed("single"), 1)
     leading = 4 * phasor.reciprocating(engine) * engine.rate**2 * engine.radius * lam
@@ -77,7 +77,7 @@ def sanity() -> Figures:
 
 
 def sweep() -> list[Figure]:
-    """2x of the inline four over R / L."""
+    """Return rows on 2x of the inline four over R / L."""
     found = []
     for length in (4.0, 3.0, 2.0, 1.5):
         engine = Engine("I4", rod_length=length)
@@ -88,7 +88,7 @@ def sweep() -> list[Figure]:
 
 
 def boxer() -> Figures:
-    """Opposed pistons cannot share a station."""
+    """Return rows on opposed pistons, which cannot share a station."""
     ideal, real = "boxer4_face_to_face", "boxer4"
     four = ("2x driving torque, inline four", "N m", None, None, ripple("I4", 2), "the same")
     two = [
@@ -100,7 +100,7 @@ def boxer() -> Figures:
 
 
 def flat() -> list[Figure]:
-    """The flat four that is not a boxer."""
+    """Return rows on the flat four that is not a boxer."""
     ideal, real = "flat4_shared_face_to_face", "flat4_shared"
     a = couple(assumed(ideal), 1) / couple(assumed("I3"), 1)
     return [
@@ -112,7 +112,7 @@ def flat() -> list[Figure]:
 
 
 def three() -> list[Figure]:
-    """The inline three."""
+    """Return rows on the inline three."""
     one, two = (per_spacing("I3", n, couple(assumed("I3"), n)) for n in (1, 2))
     return [
         ("1x couple over F1 a", "-", None, one, None, "square root of 3"),
@@ -123,7 +123,7 @@ def three() -> list[Figure]:
 
 
 def five() -> list[Figure]:
-    """The inline five."""
+    """Return rows on the inline five."""
     real, sequential = "I5", "I5_sequential"
     seen = frames(real)[1].max()
     wrong = "peak of both harmonics, most of it 2x"
@@ -140,7 +140,7 @@ def five() -> list[Figure]:
 
 
 def six() -> Figures:
-    """Inline six and V12."""
+    """Return rows on the inline six and the V12."""
     still, shaken, torque = "forces and couples 1x ... 5x", "not perfectly still", "inertia torque"
     inline = [
         (f"{still}, I6", "N", 0.0, None, below("I6"), "agrees"),
@@ -156,7 +156,7 @@ def six() -> Figures:
 
 
 def figures(name: str, order: int, kind: str, verdict: str) -> list[Figure]:
-    """Two rows of `relative`."""
+    """Return two rows of `relative`."""
     words = ("long half axis", "short half axis") if kind == "ellipse" else ("forward", "backward")
     values = relative(name, order, kind)
     return [
@@ -166,7 +166,7 @@ def figures(name: str, order: int, kind: str, verdict: str) -> list[Figure]:
 
 
 def v6_60() -> list[Figure]:
-    """V6 of 60 degrees, three kinds of pins."""
+    """Return rows on the V6 of 60 degrees with three kinds of pins."""
     plus, minus, shared = "V6_60_offset+60", "V6_60_offset-60", "V6_60_shared"
     return [
         ("6x force", "N", None, None, force(actual(plus), 6, 1), "all lower orders are balanced"),
@@ -178,7 +178,7 @@ def v6_60() -> list[Figure]:
 
 
 def v6_90() -> list[Figure]:
-    """V6 of 90 degrees."""
+    """Return rows on the V6 of 90 degrees."""
     return [
         *figures("V6_90_shared", 2, "ellipse", "in the horizontal plane"),
         *figures("V6_90_shared", 1, "turning", "counterweights remove it"),
@@ -188,7 +188,7 @@ def v6_90() -> list[Figure]:
 
 
 def v8_flat() -> list[Figure]:
-    """V8 with a flat crank."""
+    """Return rows on the V8 with a flat crank."""
     name, root = "V8_flat", 4 * np.sqrt(2)
     two, four = (root * force(actual("single"), order) for order in (2, 4))
     return [
@@ -200,7 +200,7 @@ def v8_flat() -> list[Figure]:
 
 
 def v8_cross() -> list[Figure]:
-    """V8 with a crossed crank, as built and as published."""
+    """Return rows on the V8 with a crossed crank, as built and as published."""
     real, preset = "V8_cross", "V8_cross_in_sequence"
     least, most = (float(f(frames(preset)[1])) for f in (np.min, np.max))
     ones = [ellipse(h(name), 1)[0] for name in (real, preset) for h in (assumed, actual)]
@@ -217,7 +217,7 @@ def v8_cross() -> list[Figure]:
 
 
 def v10() -> list[Figure]:
-    """V10 of 72 degrees."""
+    """Return rows on the V10 of 72 degrees."""
     found = []
     for name, note in (("V10_72_steps_of_144", "throws of the source"), ("V10_72", "throws of the inline five")):
         for order in (1, 2):
@@ -226,7 +226,7 @@ def v10() -> list[Figure]:
 
 
 def rotating() -> list[Figure]:
-    """Big ends and crank turn with the pin; projected on the bores they count half."""
+    """Return rows on big ends and crank, which turn with the pin: projected on the bores they count half."""
     engine = Engine("V8_cross_in_sequence")
     on_axis = phasor.block_load(replace(engine, crank_centre=0.0))
     # counterweights as heavy as the big ends, 9 kg on the piston's side: then the projection is right
@@ -240,7 +240,7 @@ def rotating() -> list[Figure]:
 
 
 def odd() -> list[Figure]:
-    """Odd harmonics from 3x on."""
+    """Return rows on odd harmonics from 3x on."""
     skew = float(np.abs(planar_sum.harmonics(Engine("single", offset=0.1)).force[3, 0]))
     return [
         ("3x force, centred", "N", 0.0, None, force(actual("single"), 3), "agrees"),

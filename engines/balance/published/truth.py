@@ -1,4 +1,4 @@
-"""The truth table: every published figure of the toy engines beside what its assumptions give and what is true."""
+"""Truth table: every published figure of the toy engines with its value by assumption and its true value."""
 
 from functools import cache
 from typing import Any, NamedTuple
@@ -15,7 +15,10 @@ CENTRIPETAL = "m w x (w x s) of the crank was left out"
 PITCH = "pitch plane, " + CENTRIPETAL
 ONE_STATION = "opposed pistons do not share a station; staggered"
 ALONG = "forces across the bores and m w x (w x s) were left out"
-GIFS = {"V8_cross_in_sequence": "V8_cross", "V10_72_steps_of_144": "V10"}  # shown with all cranks of that kind
+ANIMATED_LAYOUTS = {
+    "V8_cross_in_sequence": "V8_cross",
+    "V10_72_steps_of_144": "V10",
+}  # shown with all cranks of that kind
 GRAVITY = (0.0, -9.81, 0.0)
 
 
@@ -31,7 +34,7 @@ class Single(NamedTuple):
 
 @cache
 def single(weight: bool, centripetal: bool = True) -> Single:
-    """The single cylinder in space, with or without weight, with or without m w x (w x s)."""
+    """Simulate the single cylinder in space, with or without weight, with or without m w x (w x s)."""
     engine = Engine("single")
     model = spatial.build(engine, gravity=GRAVITY if weight else (0, 0, 0), bearings=1)
     turn = spatial.turn(model, engine, count=3600, centripetal=centripetal)
@@ -40,7 +43,7 @@ def single(weight: bool, centripetal: bool = True) -> Single:
 
 
 def published_checks() -> list[Row]:
-    """The figures of articles and e-book, in the order of the data file."""
+    """Return the figures of articles and e-book, in the order of the data file."""
     checks, values = data()["published_checks"], checked()
     found = []
     for check, (about, article, true, verdict) in zip(checks, values, strict=True):
@@ -53,7 +56,7 @@ def published_checks() -> list[Row]:
 
 
 def checked() -> list[tuple[str, Any, Any, str]]:
-    """(beginnings of the layouts it is about, assumed, actual, verdict) of every published check."""
+    """Return (beginnings of the layouts, assumed, actual, verdict) of every published check."""
     flat, flat_real, boxer_real = "flat4_shared_face_to_face", "flat4_shared", "boxer4"
     cross = "V8_cross_in_sequence"
     real = couple(actual("V8_cross"), 1)
@@ -87,12 +90,12 @@ def checked() -> list[tuple[str, Any, Any, str]]:
 def both(
     about: str, name: str, part: Any, order: int, verdict: str, rod_length: float = 2.0
 ) -> tuple[str, float, float, str]:
-    """A component of a layout, assumed and actual."""
+    """Return a component of a layout, assumed and actual."""
     return about, part(assumed(name, rod_length), order), part(actual(name, rod_length), order), verdict
 
 
 def gifs() -> list[Row]:
-    """Peaks of the second toy set: assumed are those of the 60 frames, actual those between them."""
+    """Return the peaks of the second toy set: assumed in the 60 frames, actual between them."""
     found = []
     for name, check in data()["toy_set_2"]["checks"].items():
         seen, between = [values.max() for values in frames(name)], peaks(name)
@@ -101,13 +104,22 @@ def gifs() -> list[Row]:
         verdict = AGREES if abs(between[k] - seen[k]) < 5e-4 else "peak of 60 frames; two harmonics of the force only"
         what, unit = (f"peak force {name}", "N") if k == 0 else (f"peak moment {name}", "N m")
         found.append(
-            Row("toy_set_2", what, unit, published, seen[k], between[k], verdict, family(GIFS.get(name, name)))
+            Row(
+                "toy_set_2",
+                what,
+                unit,
+                published,
+                seen[k],
+                between[k],
+                verdict,
+                family(ANIMATED_LAYOUTS.get(name, name)),
+            )
         )
     return found
 
 
 def at_top() -> list[Row]:
-    """The single cylinder at q = 0 under its weight, with and without m w x (w x s)."""
+    """Return the single cylinder at q = 0 under its weight, with and without m w x (w x s)."""
     stated = data()["single_cylinder_inverse_dynamics_g_9.81"]["theta0"]
     wrong, true = (single(True, centripetal) for centripetal in (False, True))
     parts = (
@@ -127,5 +139,5 @@ def at_top() -> list[Row]:
 
 
 def rows() -> list[Row]:
-    """The whole truth table."""
+    """Return the whole truth table."""
     return [*published_checks(), *gifs(), *at_top(), *corrections()]

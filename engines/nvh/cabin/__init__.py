@@ -1,1 +1,1 @@
-"""The body shell of a car as modes, and what its driver feels of the engine."""
+"""Body shell of a car as modes, and the vibration of the engine at the driver's seat."""

@@ -1,4 +1,4 @@
-"""Shells that theory or the general model knows; quantity -> (computed, exact), as `held.checks`."""
+"""Checks of shells against theory or the general model; quantity -> (computed, exact), as `mounts.checks`."""
 
 from functools import cached_property
 
@@ -18,30 +18,30 @@ from mbsd3d import Body, Bushing, System, linearize
 
 
 def free_plate(ratio: float = 2.3) -> Pairs:
-    """A plate with Poisson's ratio 0 bends as a beam."""
+    """Compare a plate of Poisson's ratio 0 with a beam in bending."""
     found, known = plate_modes(ratio, 1.0, 0.0)[0] * ratio**2, closed_forms.bending_roots(2) ** 2
     return {"bending of a free plate": (np.array([found[np.abs(found - x).argmin()] for x in known]), known)}
 
 
 def held_in(car: str, engine: str) -> OnMounts:
-    """An engine on the mounts of a car, not rolled by a mean torque."""
+    """Return an engine on the mounts of a car, without the roll by a mean torque."""
     body = equivalent(presets.preset(engine))
     return OnMounts(body, mounts.mounts(mounts.car(car), presets.preset(engine), body.mass))
 
 
 class Rigid(Cabin):
-    """A cabin whose shell has no elastic modes."""
+    """Cabin whose shell has no elastic modes."""
 
     @cached_property
     def shell(self) -> ModalShell:
-        """Its rigid motions."""
+        """Return the rigid modes of the shell."""
         shell = super().shell
         shapes = [shape for rate, shape in zip(shell.rates, shell.shapes, strict=True) if rate == 0.0]
         return ModalShell(np.zeros(len(shapes)), np.zeros(len(shapes)), shapes)
 
 
 def rigid_shell(car: str, engine: str, rpm: float = 1700.0) -> Pairs:
-    """A shell without elastic modes is a body of the general model."""
+    """Compare a shell without elastic modes with a body of the general model."""
     held = held_in(car, engine)
     cabin = Rigid(mounts.car(car), held)
     answer = held.answer(Source(presets.preset(engine), 0.7), [rpm])
@@ -49,7 +49,9 @@ def rigid_shell(car: str, engine: str, rpm: float = 1700.0) -> Pairs:
 
 
 def of_bodies(cabin: Cabin, answer: Map) -> np.ndarray:
-    """(n, 3) phasors of the seat's acceleration: shell, powertrain and spinning rotor as bodies on bushings."""
+    """Return the phasors of the seat's acceleration: shell, powertrain and spinning rotor as bodies on bushings, shape
+    (n, 3).
+    """
     r, R, held = cabin.car.shell, cabin.axes, cabin.held
     m, rate = r["mass"], 2 * np.pi * answer.rpm[0] / 60
     bent = m * r["length"] ** 2 / 12

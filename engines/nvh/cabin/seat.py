@@ -1,4 +1,4 @@
-"""What the driver feels of the engine: acceleration of the seat rail by order and speed, path by path.
+"""Vibration of the engine at the driver's seat: acceleration of the seat rail by order and speed, path by path.
 
 A shell that moves under the mounts changes their forces. With f_b those on a shell that stands still, D what the
 mounted powertrain puts against motions of the mounts' feet (`OnMounts.feet`) and H the receptance of the shell,
@@ -15,7 +15,7 @@ import numpy as np
 
 from engines.nvh.cabin.plate import plate_shell
 from engines.nvh.cabin.shell import ModalShell, beam_shell
-from engines.nvh.cabin.table import SEAT, ModalTable, read_modes
+from engines.nvh.cabin.table import SEAT_NAME, ModalTable, read_modes
 from engines.nvh.mounts.mounts import Car
 from engines.nvh.mounts.response import Map, OnMounts
 from mbsd3d import rotation
@@ -23,7 +23,7 @@ from mbsd3d.errors import InputError
 from mbsd3d.extend import matrix, solvable
 
 KINDS = BEAM, PLATE = "beam", "plate"
-OF_BEAM = ("mass", "roll_inertia", "length", "bending", "lateral", "torsion", "damping")
+BEAM_FIELDS = ("mass", "roll_inertia", "length", "bending", "lateral", "torsion", "damping")
 
 
 @dataclass(frozen=True)
@@ -46,43 +46,46 @@ class Cabin:
 
     @cached_property
     def shell(self) -> ModalShell | ModalTable:
-        """Modes of the shell."""
+        """Return the modes of the shell."""
         record = self.car.shell
         if self.made_of == BEAM:
-            return beam_shell(**{name: record[name] for name in OF_BEAM})
+            return beam_shell(**{name: record[name] for name in BEAM_FIELDS})
         if self.made_of == PLATE:
             return plate_shell(record["mass"], record["length"], record["width"], record["bending"], record["damping"])
         return read_modes(self.made_of)
 
     @cached_property
     def axes(self) -> np.ndarray:
-        """(3, 3) from the axes of the engine to those of the car: an engine may stand across."""
+        """Return the rotation from the axes of the engine to those of the car, for transverse engines too, shape (3,
+        3).
+        """
         turned = 0.0 if self.car.shell is None else self.car.shell["turned"]
         return matrix(rotation("z", turned, degrees=True))
 
     @cached_property
     def feet(self) -> np.ndarray:
-        """(mounts, 3) from the centre of mass of the shell, axes of the car [m]."""
+        """Return the feet of the mounts from the centre of mass of the shell, axes of the car [m], shape (mounts,
+        3)."""
         return np.array(self.car.shell["engine"]) + np.array([m.at for m in self.held.placed]) @ self.axes.T
 
     @cached_property
     def at_feet(self) -> np.ndarray:
-        """(r, 3 mounts) shapes of the shell's modes at the feet of the mounts [1/sqrt(kg)]."""
+        """Return the shapes of the shell's modes at the feet of the mounts [1/sqrt(kg)], shape (r, 3 mounts)."""
         return self.shell.at([m.name for m in self.held.placed] if self.tabled else self.feet)
 
     @cached_property
     def at_seat(self) -> np.ndarray:
-        """(r, 3) at the seat rail [1/sqrt(kg)]."""
-        return self.shell.at([SEAT] if self.tabled else [self.car.shell["seat"]])
+        """Return the shapes of the shell's modes at the seat rail [1/sqrt(kg)], shape (r, 3)."""
+        return self.shell.at([SEAT_NAME] if self.tabled else [self.car.shell["seat"]])
 
     @property
     def tabled(self) -> bool:
-        """Whether the shell is known at places with names alone."""
+        """Return whether the shell is known at named places only."""
         return isinstance(self.shell, ModalTable)
 
     def paths(self, found: Map) -> np.ndarray:
-        """(s, n, mounts, 3, 3) phasors of the seat's acceleration (last, axes of the car) by the component of each
-        mount's force (last but one, axes of the car) [m/s^2]; order 0 is none.
+        """Return the phasors of the seat's acceleration (last axis, car axes) by component of each mount's force (last
+        but one, car axes), shape (s, n, mounts, 3, 3) [m/s^2]; order 0 gives none.
         """
         felt, count = np.zeros((*found.force.shape, 3), dtype=complex), len(self.held.placed)
         for s, rpm in enumerate(found.rpm):
@@ -101,15 +104,15 @@ class Cabin:
         return felt
 
     def seat(self, found: Map) -> np.ndarray:
-        """(s, n, 3) phasors of the acceleration of the seat rail, axes of the car [m/s^2]."""
+        """Return the phasors of the acceleration of the seat rail, axes of the car [m/s^2], shape (s, n, 3)."""
         return self.paths(found).sum(axis=(2, 3))
 
 
 def known(car: Car, made_of: str) -> bool:
-    """Whether there is a shell."""
+    """Return whether the shell of a car is known."""
     return car.shell is not None or made_of not in KINDS
 
 
 def rms(felt: np.ndarray) -> np.ndarray:
-    """(s,) of all orders and directions of (s, n, 3) phasors."""
+    """Return the root mean square over all orders and directions of (s, n, 3) phasors, shape (s,)."""
     return np.sqrt((np.abs(felt) ** 2).sum(axis=(1, 2)) / 2)

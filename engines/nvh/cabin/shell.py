@@ -1,4 +1,4 @@
-"""The body shell of a car as modes: frequencies, dampings, and shapes where something acts or is felt.
+"""Body shell of a car as modes: frequencies, dampings, and shapes where forces act or motion is measured.
 
 With the shapes phi_r of unit modal mass the shell moves at rate w under forces f by
 
@@ -20,8 +20,8 @@ from scipy.linalg import eigh
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
-ELEMENTS = 40
-KEPT = 4  # elastic modes of each kind: the highest are beyond 150 Hz
+ELEMENT_COUNT = 40  # [1] beam elements of a shell
+ELASTIC_MODES = 4  # [1] elastic modes of each kind; the highest are beyond 150 Hz
 Shape = Callable[[np.ndarray], np.ndarray]
 
 
@@ -45,7 +45,9 @@ class Modes:
             number(z, f"shell: damping of mode {k}", minimum=0.0)
 
     def receptance(self, rates: np.ndarray, felt: np.ndarray, pushed: np.ndarray) -> np.ndarray:
-        """(n, 3 p, 3 k) H [m/N] at rates (n,) > 0, from shapes where it is felt (r, 3 p) and pushed (r, 3 k)."""
+        """Return the receptance H [m/N] at rates (n,) > 0, from shapes at the outputs (r, 3 p) and at the forces (r, 3
+        k), shape (n, 3 p, 3 k).
+        """
         w = np.asarray(rates, dtype=float)[:, None]
         gain = 1 / (self.rates**2 - w**2 + 2j * self.damping * self.rates * w)
         return np.einsum("rp,nr,rk->npk", felt, gain, pushed)
@@ -55,15 +57,15 @@ class ModalShell(Modes):
     """Modes with shapes known everywhere: places (p, 3) -> (p, 3), x ahead, y left, z up from the centre of mass."""
 
     def at(self, places: np.ndarray) -> np.ndarray:
-        """(r, 3 p) shapes at places (p, 3) [m]."""
+        """Return the shapes at places (p, 3) [m], shape (r, 3 p)."""
         return np.array([shape(np.atleast_2d(places)).ravel() for shape in self.shapes])
 
 
 def beam_shell(
     mass: float, roll_inertia: float, length: float, bending: float, lateral: float, torsion: float, damping: float
 ) -> ModalShell:
-    """A uniform beam: ``mass`` [kg], ``roll_inertia`` about x [kg m^2], ``length`` [m], its first ``bending``,
-    ``lateral`` and ``torsion`` frequency [Hz], ``damping`` of all elastic modes [-].
+    """Return the modes of a uniform beam: ``mass`` [kg], ``roll_inertia`` about x [kg m^2], ``length`` [m], its first
+    ``bending``, ``lateral`` and ``torsion`` frequency [Hz], ``damping`` of all elastic modes [-].
 
     Sections stay plane and square to the axis. ValueError for a number that is not positive, or a negative damping.
     """
@@ -71,7 +73,7 @@ def beam_shell(
     for name, value in given.items():
         number(value, f"shell: {name}", positive=True)
     found: list[tuple[float, Shape]] = [(0.0, lambda at: np.tile([1 / np.sqrt(mass), 0, 0], (len(at), 1)))]
-    nodes = length * np.linspace(-0.5, 0.5, ELEMENTS + 1)
+    nodes = length * np.linspace(-0.5, 0.5, ELEMENT_COUNT + 1)
     for axis, first in ((2, bending), (1, lateral)):
         for rate, line in bending_modes(nodes, mass, first):
             found.append((rate, lambda at, line=line, axis=axis: bent(at, line, axis)))
@@ -82,19 +84,22 @@ def beam_shell(
 
 
 def bent(at: np.ndarray, line: CubicHermiteSpline, axis: int) -> np.ndarray:
-    """(p, 3) displacements of a beam whose line bends along an axis: plane sections turn by its slope."""
+    """Return the displacements of a beam whose line bends along an axis and whose plane sections turn by its slope,
+    shape (p, 3).
+    """
     u = np.zeros_like(at, dtype=float)
     u[:, axis], u[:, 0] = line(at[:, 0]), -at[:, axis] * line(at[:, 0], 1)
     return u
 
 
 def twisted(at: np.ndarray, turn: np.ndarray) -> np.ndarray:
-    """(p, 3) displacements of a beam whose sections turn about x by angles (p,)."""
+    """Return the displacements of a beam whose sections turn about x by angles (p,), shape (p, 3)."""
     return np.stack([0 * turn, -at[:, 2] * turn, at[:, 1] * turn], axis=1)
 
 
 def bending_modes(nodes: np.ndarray, mass: float, first: float) -> list[tuple[float, CubicHermiteSpline]]:
-    """(w [rad/s], line) of two rigid and ``KEPT`` elastic modes, unit modal mass; the first at ``first`` [Hz]."""
+    """Return (w [rad/s], line) of two rigid and ``ELASTIC_MODES`` elastic modes of unit modal mass; the first at
+    ``first`` [Hz]."""
     h = nodes[1] - nodes[0]
     k = np.array([[12, 6 * h, -12, 6 * h], [6 * h, 4 * h**2, -6 * h, 2 * h**2],
                   [-12, -6 * h, 12, -6 * h], [6 * h, 2 * h**2, -6 * h, 4 * h**2]]) / h**3  # fmt: skip
@@ -105,15 +110,16 @@ def bending_modes(nodes: np.ndarray, mass: float, first: float) -> list[tuple[fl
 
 
 def torsion_modes(inertia: float, first: float) -> list[tuple[float, np.ndarray]]:
-    """(w [rad/s], rotations at the nodes) of one rigid and ``KEPT`` elastic modes; the first at ``first`` [Hz]."""
-    k, m = np.array([[1.0, -1.0], [-1.0, 1.0]]), np.array([[2.0, 1.0], [1.0, 2.0]]) * inertia / ELEMENTS / 6
+    """Return (w [rad/s], rotations at the nodes) of one rigid and ``ELASTIC_MODES`` elastic modes; the first at
+    ``first`` [Hz]."""
+    k, m = np.array([[1.0, -1.0], [-1.0, 1.0]]), np.array([[2.0, 1.0], [1.0, 2.0]]) * inertia / ELEMENT_COUNT / 6
     return scaled(assembled(k, m, 1), 1, first)
 
 
 def assembled(k: np.ndarray, m: np.ndarray, freedoms: int) -> tuple[np.ndarray, np.ndarray]:
-    """(K, M) of ``ELEMENTS`` alike elements in a row, ``freedoms`` a node."""
-    K, M = np.zeros((2, *2 * (freedoms * (ELEMENTS + 1),)))
-    for e in range(ELEMENTS):
+    """Return (K, M) of ``ELEMENT_COUNT`` equal elements in a row, with ``freedoms`` degrees of freedom per node."""
+    K, M = np.zeros((2, *2 * (freedoms * (ELEMENT_COUNT + 1),)))
+    for e in range(ELEMENT_COUNT):
         own = slice(freedoms * e, freedoms * (e + 2))
         K[own, own] += k
         M[own, own] += m
@@ -121,8 +127,10 @@ def assembled(k: np.ndarray, m: np.ndarray, freedoms: int) -> tuple[np.ndarray, 
 
 
 def scaled(pair: tuple[np.ndarray, np.ndarray], rigid: int, first: float) -> list[tuple[float, np.ndarray]]:
-    """(w, shape) of the lowest modes, rigid ones at exactly 0, stiffness such that the first elastic is ``first``."""
-    squares, shapes = eigh(*pair, subset_by_index=(0, rigid + KEPT - 1))
+    """Return (w, shape) of the lowest modes, rigid ones at exactly 0, stiffness such that the first elastic is
+    ``first``.
+    """
+    squares, shapes = eigh(*pair, subset_by_index=(0, rigid + ELASTIC_MODES - 1))
     w = np.sqrt(np.maximum(squares / squares[rigid], 0.0)) * 2 * np.pi * first
     w[:rigid] = 0.0
     return list(zip(w, shapes.T, strict=True))

@@ -1,4 +1,4 @@
-"""The shell of a car as a table of modes, measured or computed elsewhere: a file of comma-separated values.
+"""Shell of a car as a table of modes, measured or computed elsewhere: a file of comma-separated values.
 
     mode,frequency,damping,place,x,y,z
 
@@ -18,14 +18,14 @@ from mbsd3d.errors import InputError
 from mbsd3d.extend import number, write_atomically
 
 HEADER = ["mode", "frequency", "damping", "place", "x", "y", "z"]
-SEAT = "seat"
+SEAT_NAME = "seat"
 
 
 class ModalTable(Modes):
-    """Modes whose shapes are known at places with names: name -> (3,)."""
+    """Modes whose shapes are known at named places: name -> (3,)."""
 
     def at(self, places: Sequence[str]) -> np.ndarray:
-        """(r, 3 p) shapes at places; ValueError for one that the table does not have."""
+        """Return the shapes at places, shape (r, 3 p); raise ValueError for a place that the table does not have."""
         for place in places:
             if place not in self.shapes[0]:
                 raise InputError(
@@ -35,7 +35,7 @@ class ModalTable(Modes):
 
 
 def read_modes(path: str | Path) -> ModalTable:
-    """The modes of a file.
+    """Read the modes of a file.
 
     ValueError for a file that cannot be read, another header, a cell that is not a number, a mode with two frequencies
     or dampings, or one that lacks a place, with its line or mode.
@@ -63,7 +63,7 @@ def read_modes(path: str | Path) -> ModalTable:
 
 
 def write_modes(modes: Modes, shapes: np.ndarray, places: Sequence[str], path: str | Path) -> Path:
-    """Write modes with their ``shapes`` (r, 3 p) at ``places`` as such a file; where it is."""
+    """Write modes with their ``shapes`` (r, 3 p) at ``places`` as such a file, and return its path."""
     lines = [",".join(HEADER)]
     for k, (rate, damping, shape) in enumerate(zip(modes.rates, modes.damping, shapes, strict=True), start=1):
         for place, values in zip(places, shape.reshape(-1, 3), strict=True):

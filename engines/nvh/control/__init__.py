@@ -1,1 +1,1 @@
-"""Active mounts: a damper to the sky, and feed-forward that cancels one order."""
+"""Active mounts: skyhook damping, and feed-forward that cancels one order."""

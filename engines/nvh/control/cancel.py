@@ -29,7 +29,7 @@ Z = (0.0, 0.0, 1.0)
 
 @dataclass(frozen=True)
 class Path:
-    """A sampled path: ``x' = A x + B u, e = C x + D u`` from sample to sample, ``period`` T [s]."""
+    """Sampled path: ``x' = A x + B u, e = C x + D u`` from sample to sample, ``period`` T [s]."""
 
     A: np.ndarray
     B: np.ndarray
@@ -38,12 +38,12 @@ class Path:
     period: float
 
     def gain(self, W: float) -> complex:
-        """G at a rate [rad/s]."""
+        """Return the transfer function G at a rate [rad/s]."""
         z = np.exp(1j * W * self.period)
         return complex(self.C @ np.linalg.solve(z * np.eye(self.A.shape[0]) - self.A, self.B) + self.D)
 
     def loop(self, W: float, step: float) -> np.ndarray:
-        """(n + 2, n + 2) matrix of path and controller from sample to sample."""
+        """Return the matrix of path and controller from sample to sample, shape (n + 2, n + 2)."""
         g = step * self.gain(W).conjugate()
         turn = np.array([[np.cos(W * self.period), -np.sin(W * self.period)],
                          [np.sin(W * self.period), np.cos(W * self.period)]])  # fmt: skip
@@ -52,7 +52,7 @@ class Path:
         return np.block([[self.A, self.B[:, None], 0 * self.B[:, None]], [-turn @ seen * self.C, adapt]])
 
     def limit(self, W: float) -> float:
-        """Step from which the loop is unstable; ValueError if it is without any step."""
+        """Return the step from which the loop is unstable; raise ValueError if every step is unstable."""
 
         def size(step: float) -> float:
             return float(np.abs(np.linalg.eigvals(self.loop(W, step))).max()) - 1.0
@@ -65,7 +65,7 @@ class Path:
         return float(brentq(size, high / 1.5, high, rtol=1e-10))
 
     def time(self, W: float, step: float) -> float:
-        """Time in which the slowest part of the loop falls to 1 / e [s]."""
+        """Return the time in which the slowest mode of the loop falls to 1 / e [s]."""
         return float(-self.period / np.log(np.abs(np.linalg.eigvals(self.loop(W, step))).max()))
 
 
@@ -99,22 +99,22 @@ class Cancel:
 
     @property
     def mount(self) -> Mount:
-        """That has the actuator."""
+        """Return the mount that carries the actuator."""
         return self.held.placed[self.which]
 
     @property
     def turning(self) -> float:
-        """Rate of the crank [rad/s]."""
+        """Return the rate of the crank [rad/s]."""
         return 2 * np.pi * self.rpm / 60
 
     @property
     def W(self) -> float:
-        """Rate of the order [rad/s]."""
+        """Return the rate of the order [rad/s]."""
         return self.order * self.turning
 
     @cached_property
     def path(self) -> Path:
-        """Path from the actuator to the force on the car, held over a sample."""
+        """Return the path from the actuator to the force on the car, held over a sample."""
         n, head = 12, self.held.head(self.mount)[2]
         B = self.held.pushed @ head  # + u on the powertrain, - u on the car
         both = np.zeros((n + 1, n + 1))
@@ -125,13 +125,15 @@ class Cancel:
 
     @cached_property
     def force(self) -> complex:
-        """Phasor of the order along z on the car at the mount, without the actuator [N]."""
+        """Return the phasor of the order along z on the car at the mount, without the actuator [N]."""
         found = self.held.answer(self.source, [self.rpm])
         return complex(found.force[0, int(2 * self.order), self.which, 2])
 
     @cached_property
     def actuator(self) -> tuple[float, float]:
-        """(amplitude of its force [N], power it gives to the powertrain [W]) when the order is gone."""
+        """Return (amplitude of its force [N], power it gives to the powertrain [W]) of the actuator when the order is
+        cancelled.
+        """
         u = -self.force / self.path.gain(self.W)
         x = np.linalg.solve(1j * self.W * np.eye(12) - self.held.turning(self.turning), self.held.pushed)
         head = self.held.head(self.mount)[2]
@@ -140,7 +142,7 @@ class Cancel:
         return abs(u), float((u * np.conj(v)).real / 2)
 
     def predicted(self, step: float, count: int) -> np.ndarray:
-        """(count,) e of the linear loop from rest [N]."""
+        """Return the error e of the linear loop from rest [N], shape (count,)."""
         L, state, found = self.path.loop(self.W, step), np.zeros(14), np.empty(count)
         g = step * self.path.gain(self.W).conjugate()
         back = np.exp(1j * self.W / self.rate) * g
@@ -152,7 +154,7 @@ class Cancel:
         return found
 
     def system(self) -> System:
-        """The general model: powertrain and rotor on the mounts under this order of the load, with an input."""
+        """Build the general model: powertrain and rotor on the mounts under this order of the load, with an input."""
         load = self.source.at(self.rpm).six[int(2 * self.order)] * np.exp(-1j * self.order * self.held.roll)
         hertz, turn = self.W / (2 * np.pi), matrix(self.held.rest[3:])
         load = np.concatenate([turn @ load[:3], turn @ load[3:]])
@@ -165,7 +167,7 @@ class Cancel:
         return self.held.body.system(forces, self.turning)
 
     def start(self) -> State:
-        """Powertrain and rotor in the small motion of this order at t = 0."""
+        """Return the state of powertrain and rotor in the small motion of this order at t = 0."""
         motion, rest = self.held.answer(self.source, [self.rpm]).motion[0, int(2 * self.order)], self.held.rest
         moved, speed = motion.real, (1j * self.W * motion).real
         turn = matrix(exponential(moved[3:])) @ matrix(rest[3:])
@@ -175,7 +177,9 @@ class Cancel:
         return State(0.0, np.tile(q, 2), np.concatenate([speed, speed[:3], spin]))
 
     def run(self, step: float, count: int) -> np.ndarray:
-        """(count,) e in the general model, by `Stepper`, from the state of the linear answer without actuator [N]."""
+        """Simulate the error e in the general model with `Stepper`, from the linear answer without actuator [N], shape
+        (count,).
+        """
         number(step, "active mount: step", positive=True)
         system = self.system()
         body, at = system.bodies[0], self.mount.at

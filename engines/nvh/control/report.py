@@ -1,4 +1,4 @@
-"""An active mount in a study: which order it takes, how fast, at what power; and how far a skyhook may go."""
+"""Active mount in a study: the order it cancels, its settling time and power, and the limit of a skyhook."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,90 +18,97 @@ from mbsd3d.extend import LINE, dress, new_figure
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-RATE = 2000.0  # samples a second
-SHARE, LASTS = 0.2, 1.0  # step over its limit; s of the run
-SHOWN = 120  # samples of a figure at either end
-HOOK = 0.1  # gain of the skyhook over its limit
+SAMPLE_RATE = 2000.0  # [Hz] samples a second of the controller
+STEP_RATIO, RUN_SECONDS = 0.2, 1.0  # step over its limit; s of the run
+FIGURE_SAMPLES = 120  # [1] samples of a figure at either end
+SKYHOOK_GAIN_RATIO = 0.1  # [1] gain of the skyhook over its limit
 
 
 @dataclass(frozen=True)
 class ActiveMount:
-    """The upright mount with the largest force along z, and the order that makes it; ValueError if none is upright."""
+    """Upright mount with the largest force along z and the order that causes it; ValueError if none is upright."""
 
     study: Study
 
     @cached_property
     def cancel(self) -> Cancel:
-        """Feed-forward on the order."""
+        """Return the feed-forward control of the order."""
         study, force = self.study, np.abs(self.study.here.force[0, :, :, 2])
         upright = [not mount.angle for mount in study.placed]
         if not any(upright):
             raise InputError(f"active mount: no mount of '{study.car.name}' is upright; give another car")
         order, which = np.unravel_index((force * upright).argmax(), force.shape)
-        return Cancel(study.on_mounts, study.source, study.rpm, int(which), float(study.here.orders[order]), RATE)
+        return Cancel(
+            study.on_mounts, study.source, study.rpm, int(which), float(study.here.orders[order]), SAMPLE_RATE
+        )
 
     @cached_property
     def steps(self) -> tuple[float, float]:
-        """(step of the controller, the one from which on it is unstable)."""
+        """Return (step of the controller, the step from which it is unstable)."""
         most = self.cancel.path.limit(self.cancel.W)
-        return SHARE * most, most
+        return STEP_RATIO * most, most
 
     @cached_property
     def force(self) -> np.ndarray:
-        """(samples,) at the car in the general model [N]."""
-        return self.cancel.run(self.steps[0], int(LASTS * RATE))
+        """Return the force on the car in the general model [N], shape (samples,)."""
+        return self.cancel.run(self.steps[0], int(RUN_SECONDS * SAMPLE_RATE))
 
     @cached_property
     def known(self) -> np.ndarray:
-        """(samples,) the same by the poles [N]."""
+        """Return the force on the car by the poles of the linear loop [N], shape (samples,)."""
         return self.cancel.predicted(self.steps[0], self.force.size)
 
     @property
     def difference(self) -> float:
-        """Difference of general model and poles, over the force at the start."""
+        """Return the difference of general model and poles over the force at the start [-]."""
         return float(np.abs(self.force - self.known).max() / abs(self.cancel.force))
 
     @cached_property
     def hook(self) -> tuple[float, float, float]:
-        """(limit of the gain [N s/m], damping of the mode that lifts the mount most, without a skyhook and with `HOOK`
-        of the limit).
+        """Return (limit of the gain [N s/m], damping ratio of the mode that lifts the mount most, without a skyhook and
+        with `SKYHOOK_GAIN_RATIO` of the limit).
         """
         body, placed, at = self.study.body.rigid, self.study.placed, self.cancel.mount.at
         most = limit(lambda gain: on_mounts(body, placed, Skyhook(at, gain)))
         bare = System([body], forces=bushings(placed, body), gravity=(0, 0, 0))
-        hooked = on_mounts(body, placed, Skyhook(at, HOOK * most))
+        hooked = on_mounts(body, placed, Skyhook(at, SKYHOOK_GAIN_RATIO * most))
         return most, *(lifting(system, body, at).damping_ratio for system in (bare, hooked))
 
     @property
     def rows(self) -> list[list[str]]:
-        """Rows of the table."""
+        """Return the rows of the table."""
         cancel, (step, most), (gain, before, after) = self.cancel, self.steps, self.hook
-        left = np.abs(self.force[-int(RATE / 10) :]).max()
+        left = np.abs(self.force[-int(SAMPLE_RATE / 10) :]).max()
         size, power = cancel.actuator
         slowest = cancel.path.time(cancel.W, step)
         return [
             ["active mount", cancel.mount.name],
             ["order", f"{cancel.order:g}x, {cancel.W / (2 * np.pi):.1f} Hz, {abs(cancel.force):.2f} N along z"],
-            ["feed-forward", f"{RATE:g} samples/s, step {step:.3g}, unstable from {most:.3g}"],
+            ["feed-forward", f"{SAMPLE_RATE:g} samples/s, step {step:.3g}, unstable from {most:.3g}"],
             ["slowest part", f"falls to 1/e in {slowest:.3f} s"],
-            [f"after {LASTS:g} s", f"{left:.3g} N, {20 * np.log10(left / abs(cancel.force)):.1f} dB"],
+            [f"after {RUN_SECONDS:g} s", f"{left:.3g} N, {20 * np.log10(left / abs(cancel.force)):.1f} dB"],
             ["actuator", f"{size:.2f} N, {power:.2f} W to the powertrain"],
             ["poles and general model", f"differ by {self.difference:.2%}"],
-            ["skyhook", f"stable up to {gain:.4g} N s/m; {HOOK:.0%} of it damps by {after:.3f}, not {before:.3f}"],
+            [
+                "skyhook",
+                f"stable up to {gain:.4g} N s/m; {SKYHOOK_GAIN_RATIO:.0%} of it damps by {after:.3f}, not {before:.3f}",
+            ],
         ]
 
 
 def figure(found: ActiveMount) -> "Figure":
-    """Force at the car from the start of the controller on: general model, sample by sample, and its linear loop."""
-    ends = (slice(0, SHOWN), slice(found.force.size - SHOWN, None))
-    t = 1e3 * np.arange(found.force.size) / RATE
+    """Plot the force on the car from the start of the controller on: general model, sample by sample, and its linear
+    loop.
+    """
+    ends = (slice(0, FIGURE_SAMPLES), slice(found.force.size - FIGURE_SAMPLES, None))
+    t = 1e3 * np.arange(found.force.size) / SAMPLE_RATE
     with new_figure(7.5, 2.8) as (made, look):
         for axes, part, title in zip(made.subplots(1, 2), ends, ("first", "last"), strict=True):
             dress(axes, look)
             axes.plot(t[part], found.known[part], color=look.colour(0), linewidth=LINE, label="linear loop")
             axes.plot(t[part], found.force[part], ".", color=look.ink, markersize=3, label="general model")
             axes.set(xlabel="time [ms]", ylabel="force at the car [N]" if title == "first" else "")
-            axes.set_title(f"{title} {1e3 * SHOWN / RATE:g} ms", loc="left")
+            axes.set_title(f"{title} {1e3 * FIGURE_SAMPLES / SAMPLE_RATE:g} ms", loc="left")
             axes.ticklabel_format(axis="y", style="plain", useOffset=False)
         made.legend(*axes.get_legend_handles_labels(), frameon=False, labelcolor=look.ink, ncols=2,
                     loc="outside lower right")  # fmt: skip
@@ -109,7 +116,7 @@ def figure(found: ActiveMount) -> "Figure":
 
 
 def lifting(system: System, body: Body, at: tuple[float, float, float]) -> Mode:
-    """The mode that lifts a point of the body most for its energy."""
+    """Return the mode that lifts a point of the body most for its energy."""
     M, arm = mass_matrix(body), np.array(at) - body.com
 
     def lift(mode: Mode) -> float:

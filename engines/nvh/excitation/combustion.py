@@ -16,20 +16,25 @@ import numpy as np
 from scipy.integrate import cumulative_simpson
 from scipy.interpolate import CubicSpline
 
-from engines.balance.gas import CYCLE
+from engines.balance.gas import CYCLE_ANGLE
 from engines.nvh.excitation.presets import Preset
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
-COUNT = 1440  # samples of a cycle: half a degree
-HEAT, AIR_FUEL, GAS, CRANKCASE = 43e6, 14.7, 287.0, 101325.0  # petrol [J/kg], [-]; air [J/(kg K)]; [Pa]
-LEAST = 0.1  # load: an engine that idles takes about 0.3
-SWITCH = np.radians(20.0)  # half the angle over which pressure goes from outlet to inlet
+CYCLE_SAMPLES = 1440  # [1] samples of a cycle, half a degree apart
+FUEL_HEAT, AIR_FUEL_RATIO, GAS_CONSTANT, CRANKCASE_PRESSURE = (
+    43e6,
+    14.7,
+    287.0,
+    101325.0,
+)  # petrol [J/kg], [-]; air [J/(kg K)]; [Pa]
+LOAD_MIN = 0.1  # [1] of full load; an idling engine takes about 0.3
+EXHAUST_BLEND_ANGLE = np.radians(20.0)  # [rad] half the angle over which pressure goes from outlet to inlet
 
 
 @dataclass(frozen=True)
 class Cycle:
-    """The working cycle of a cylinder.
+    """Working cycle of a cylinder.
 
     ``bore, radius, rod_length`` [m]; ``compression`` > 1; ``inlet, outlet``: pressures [Pa]; ``temperature``: at the
     start of compression [K]; ``gamma``; ``start, duration``: of burning, from firing dead centre [degrees]; ``form``:
@@ -65,72 +70,76 @@ class Cycle:
 
     @property
     def area(self) -> float:
-        """Area of the piston [m^2]."""
+        """Return the area of the piston [m^2]."""
         return np.pi / 4 * self.bore**2
 
     @property
     def swept(self) -> float:
-        """Volume that one piston sweeps [m^3]."""
+        """Return the volume that one piston sweeps [m^3]."""
         return 2 * self.radius * self.area
 
     @property
     def heat(self) -> float:
-        """Q that the gas keeps of a charge [J]."""
+        """Return the heat Q that the gas keeps of a charge [J]."""
         volume = self.swept * self.compression / (self.compression - 1)
-        return self.used * HEAT * self.inlet * volume / (GAS * self.temperature) / (1 + AIR_FUEL)
+        return self.used * FUEL_HEAT * self.inlet * volume / (GAS_CONSTANT * self.temperature) / (1 + AIR_FUEL_RATIO)
 
     def volume(self, psi: np.ndarray) -> np.ndarray:
-        """V at crank angles [rad] [m^3]."""
+        """Return the volume V at crank angles [rad] [m^3]."""
         R, L = self.radius, self.rod_length
         fall = R + L - R * np.cos(psi) - np.sqrt(L**2 - (R * np.sin(psi)) ** 2)
         return self.swept / (self.compression - 1) + self.area * fall
 
     def burnt(self, psi: np.ndarray) -> np.ndarray:
-        """x, from 0 to 1."""
+        """Return the burnt fraction x, from 0 to 1, at crank angles [rad]."""
         share = np.clip((np.degrees(psi) - self.start) / self.duration, 0.0, None)
         return 1 - np.exp(-np.log(1000.0) * share ** (self.form + 1))
 
     @cached_property
     def samples(self) -> tuple[np.ndarray, np.ndarray]:
-        """(psi, p) from -pi to 3 pi, ``COUNT`` + 1 each, first and last the same [rad], [Pa]."""
-        psi = -np.pi + CYCLE * np.arange(COUNT + 1) / COUNT
+        """Return (psi, p) from -pi to 3 pi, ``CYCLE_SAMPLES`` + 1 each, first and last the same [rad], [Pa]."""
+        psi = -np.pi + CYCLE_ANGLE * np.arange(CYCLE_SAMPLES + 1) / CYCLE_SAMPLES
         closed = psi <= np.pi
         V, g = self.volume(psi[closed]), self.gamma
-        fine = np.linspace(-np.pi, np.pi, 16 * COUNT + 1)  # x has a corner at its start
+        fine = np.linspace(-np.pi, np.pi, 16 * CYCLE_SAMPLES + 1)  # x has a corner at its start
         rate = np.gradient(self.burnt(fine), fine, edge_order=2)
         added = cumulative_simpson(self.volume(fine) ** (g - 1) * rate, x=fine, initial=0.0)
         stored = self.inlet * V[0] ** g + (g - 1) * self.heat * np.interp(psi[closed], fine, added)
         p = np.full(psi.size, self.outlet)
         p[closed] = stored / V**g
         p[closed] = blend(psi[closed], np.radians(self.opening), np.pi, p[closed], self.outlet)
-        p[~closed] = blend(psi[~closed], 2 * np.pi - SWITCH, 2 * np.pi + SWITCH, p[~closed], self.inlet)
+        p[~closed] = blend(
+            psi[~closed], 2 * np.pi - EXHAUST_BLEND_ANGLE, 2 * np.pi + EXHAUST_BLEND_ANGLE, p[~closed], self.inlet
+        )
         p[-1] = p[0]
         return psi, p
 
     @cached_property
     def spline(self) -> CubicSpline:
-        """p over psi, periodic."""
+        """Return the pressure p over psi as a periodic spline."""
         return CubicSpline(*self.samples, bc_type="periodic")
 
     def force(self, psi: np.ndarray) -> np.ndarray:
-        """Force on the piston towards the crank, against the pressure of the crankcase [N]; psi [rad], any array."""
-        return self.area * (self.spline(psi) - CRANKCASE)
+        """Return the force on the piston towards the crank, against the pressure of the crankcase [N]; psi [rad], any
+        array.
+        """
+        return self.area * (self.spline(psi) - CRANKCASE_PRESSURE)
 
     @cached_property
     def work(self) -> float:
-        """Indicated work of a cycle, the integral of p dV [J]."""
-        psi = np.linspace(-np.pi, 3 * np.pi, 8 * COUNT + 1)
+        """Return the indicated work of a cycle, the integral of p dV [J]."""
+        psi = np.linspace(-np.pi, 3 * np.pi, 8 * CYCLE_SAMPLES + 1)
         V = CubicSpline(psi, self.volume(psi))
         return float(np.trapezoid(self.spline(psi) * V(psi, 1), psi))
 
     @property
     def mean_pressure(self) -> float:
-        """Indicated mean effective pressure [Pa]."""
+        """Return the indicated mean effective pressure [Pa]."""
         return self.work / self.swept
 
 
 def blend(psi: np.ndarray, start: float, end: float, before: np.ndarray, after: float) -> np.ndarray:
-    """Pressure that goes from one to another along half a cosine."""
+    """Return the pressure that goes from one value to another along half a cosine [Pa]."""
     if end <= start:
         return before
     share = 0.5 - 0.5 * np.cos(np.pi * np.clip((psi - start) / (end - start), 0.0, 1.0))
@@ -138,12 +147,12 @@ def blend(psi: np.ndarray, start: float, end: float, before: np.ndarray, after: 
 
 
 def cycle_of(preset: Preset, load: float = 1.0) -> Cycle:
-    """The cycle of an engine under a load from `LEAST` to 1 (full): inlet pressure as share of 0.95 bar.
+    """Return the cycle of an engine under a load from `LOAD_MIN` to 1 (full): inlet pressure as share of 0.95 bar.
 
     ValueError for another load.
     """
-    if not LEAST <= number(load, "gas: load") <= 1.0:
+    if not LOAD_MIN <= number(load, "gas: load") <= 1.0:
         raise InputError(
-            f"gas: load {load:g}; give a share of full load from {LEAST:g} to 1, or 0: motored, without gas"
+            f"gas: load {load:g}; give a share of full load from {LOAD_MIN:g} to 1, or 0: motored, without gas"
         )
     return Cycle(preset.bore, preset.stroke / 2, preset.rod_length, preset.compression, inlet=0.95e5 * load)

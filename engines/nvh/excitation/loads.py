@@ -17,12 +17,12 @@ from engines.balance import phasor, shafts
 from engines.balance.pages.portrait import upright
 from engines.balance.shafts import Shaft
 from engines.balance.spectrum import spectrum
-from engines.nvh.excitation.combustion import COUNT, Cycle, cycle_of
+from engines.nvh.excitation.combustion import CYCLE_SAMPLES, Cycle, cycle_of
 from engines.nvh.excitation.presets import Preset
 from mbsd3d import Signal
 
-ORDERS = 8  # the highest of crank speed
-RPM = 1000.0  # at which the inertia is computed
+ORDER_MAX = 8  # [1] highest order of crank speed
+REFERENCE_RPM = 1000.0  # [1/min] speed of the computed inertia loads, which grow as its square
 
 
 @dataclass(frozen=True)
@@ -40,14 +40,14 @@ class Load:
 
     @property
     def six(self) -> np.ndarray:
-        """(n, 6) forces and moments."""
+        """Return forces and moments, shape (n, 6)."""
         return np.hstack([self.force, self.moment])
 
 
 @dataclass(frozen=True)
 class Source:
-    """An engine that shakes: ``preset``; ``load``: share of full load, 0 for a motored engine without gas; ``fitted``:
-    balance shafts.
+    """Engine as a source of vibration: ``preset``; ``load``: share of full load, 0 for a motored engine without gas;
+    ``fitted``: balance shafts.
     """
 
     preset: Preset
@@ -56,58 +56,61 @@ class Source:
 
     @cached_property
     def cycle(self) -> Cycle | None:
-        """The gas; None without."""
+        """Return the working cycle of the gas, None without gas."""
         return None if self.load == 0.0 else cycle_of(self.preset, self.load)
 
     @cached_property
     def inertia(self) -> Load:
-        """Inertia loads at 1000 rpm."""
-        engine = self.preset.engine(RPM)
-        h = phasor.block_load(engine, ORDERS, dyno=True)
+        """Return the inertia loads at 1000 rpm."""
+        engine = self.preset.engine(REFERENCE_RPM)
+        h = phasor.block_load(engine, ORDER_MAX, dyno=True)
         R = upright(engine.layout)
-        parts = [np.zeros((2 * ORDERS + 1, 3), dtype=complex) for _ in range(2)]
+        parts = [np.zeros((2 * ORDER_MAX + 1, 3), dtype=complex) for _ in range(2)]
         for part, values in zip(parts, (h.force, h.moment), strict=True):
             part[::2] = values @ R.T
         for shaft in self.fitted:
             X, Y, *moment = shafts.load(shaft, engine.rate)
             for part, values in zip(parts, ((X, Y, 0.0), moment), strict=True):
                 part[2 * shaft.order] += R @ np.array(values)
-        torque = np.zeros(2 * ORDERS + 1, dtype=complex)
+        torque = np.zeros(2 * ORDER_MAX + 1, dtype=complex)
         torque[::2] = h.torque
-        return Load(np.arange(2 * ORDERS + 1) / 2, *parts, torque)
+        return Load(np.arange(2 * ORDER_MAX + 1) / 2, *parts, torque)
 
     @cached_property
     def gas_torque(self) -> np.ndarray:
-        """(2 ORDERS + 1,) phasors of the torque of the gas on the crank [N m]."""
+        """Return the phasors of the torque of the gas on the crank [N m], shape (2 ORDERS + 1,)."""
         if self.cycle is None:
-            return np.zeros(2 * ORDERS + 1, dtype=complex)
-        engine = self.preset.engine(RPM)
-        angle = 4 * np.pi * np.arange(COUNT + 1) / COUNT
+            return np.zeros(2 * ORDER_MAX + 1, dtype=complex)
+        engine = self.preset.engine(REFERENCE_RPM)
+        angle = 4 * np.pi * np.arange(CYCLE_SAMPLES + 1) / CYCLE_SAMPLES
         seen = spectrum(angle, engine_gas.torque(engine, self.cycle.force, angle), rate=1.0)
-        return np.array([seen.at(k / 2) for k in range(2 * ORDERS + 1)])
+        return np.array([seen.at(k / 2) for k in range(2 * ORDER_MAX + 1)])
 
     def at(self, rpm: float) -> Load:
-        """The load at a speed [1/min]; signs do not matter to it, 0 has no inertia."""
-        share, moment = (rpm / RPM) ** 2, self.inertia.moment * (rpm / RPM) ** 2
+        """Return the load at a speed [1/min]; the sign does not matter, and 0 has no inertia load."""
+        share, moment = (rpm / REFERENCE_RPM) ** 2, self.inertia.moment * (rpm / REFERENCE_RPM) ** 2
         moment[:, 0] -= self.gas_torque
         return Load(
             self.inertia.orders, self.inertia.force * share, moment, self.inertia.torque * share - self.gas_torque
         )
 
     def over_the_cycle(self, rpm: float, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(torque of the gas, of the inertia) on a crank that turns evenly, at its angles [rad], all orders [N m]."""
+        """Return (torque of the gas, of the inertia) on a crank at constant speed, at its angles [rad], all orders [N
+        m].
+        """
         engine = self.preset.engine(rpm)
-        waves = phasor.block_load(engine, 3 * ORDERS, dyno=True).torque
+        waves = phasor.block_load(engine, 3 * ORDER_MAX, dyno=True).torque
         inertia = -np.real(np.exp(1j * np.outer(angle, np.arange(waves.size))) @ waves)
         none = self.cycle is None
         return np.zeros_like(angle) if none else engine_gas.torque(engine, self.cycle.force, angle), inertia
 
     @property
     def mean_torque(self) -> float:
-        """Indicated, at the crank [N m]."""
+        """Return the indicated mean torque at the crank [N m]."""
         return float(self.gas_torque[0].real)
 
 
 def along(direction: np.ndarray, push: Signal) -> tuple[Signal | float, ...]:
-    """Components of a push along a unit vector; a number where there is none: it costs no table."""
+    """Return the components of a force along a unit vector, as a number where there is none so that it costs no
+    table."""
     return tuple(float(x) * push if x else 0.0 for x in direction)

@@ -12,7 +12,7 @@ import numpy as np
 from engines.balance import spatial
 from engines.balance.gas import forces as gas_forces
 from engines.nvh.excitation.loads import Source, along
-from engines.nvh.excitation.presets import THROW
+from engines.nvh.excitation.presets import THROW_INERTIA_RATIOS
 from mbsd3d import (
     GROUND,
     AngleDriver,
@@ -32,9 +32,9 @@ from mbsd3d import (
     simulate,
 )  # fmt: skip
 
-COUNT = 180  # samples of a turn
-ROLLERS = 10.0 / 3.0
-BESIDE = 0.4  # of the bore spacing: nearer cylinders have no bearing between them
+TURN_SAMPLES = 180  # [1] samples of a turn
+ROLLER_LIFE_EXPONENT = 10.0 / 3.0  # [1] of the life of roller bearings, ISO 281
+BEARING_SPACING_RATIO = 0.4  # [1] of the bore spacing; nearer cylinders have no bearing between them
 Z = spatial.Z
 
 
@@ -54,19 +54,20 @@ class Bearing:
 
     @property
     def radial(self) -> np.ndarray:
-        """(s,) [N]."""
+        """Return the radial force [N], shape (s,)."""
         return np.linalg.norm(self.force, axis=1)
 
 
 def cut_engine(source: Source, rpm: float) -> tuple[System, np.ndarray]:
-    """The engine with a throw of the crank for cylinders side by side, and the places of its main bearings [m].
+    """Build the engine with a throw of the crank for cylinders side by side; return it with the places of its main
+    bearings [m].
 
     Joints "front k", "rear k" of throw k, "bore i"; axes of `engines.balance`: the crank along z.
     """
     engine = source.preset.engine(rpm)
     places = [spatial.place(engine, i) for i in range(len(engine.layout.pins))]
     order, stations = np.argsort(engine.stations, kind="stable"), np.sort(engine.stations)
-    gaps = np.flatnonzero(np.diff(stations) > BESIDE * engine.spacing)
+    gaps = np.flatnonzero(np.diff(stations) > BEARING_SPACING_RATIO * engine.spacing)
     mains = np.array([engine.ends[0], *(stations[gaps] + stations[gaps + 1]) / 2, engine.ends[1]])
     bodies, joints, loads = [], [], []
     for k, mine in enumerate(np.split(order, gaps + 1)):
@@ -86,7 +87,7 @@ def cut_engine(source: Source, rpm: float) -> tuple[System, np.ndarray]:
         joints.append(Perpendicular(a, b, axis_a=(1, 0, 0), axis_b=(0, 1, 0), name=f"torque of {b.name}"))
     joints += [shaft, AngleDriver(shaft, Ramp(engine.rate), name="motor")]
     if source.cycle is not None:
-        times = 4 * np.pi / engine.rate * np.arange(4 * COUNT + 1) / (4 * COUNT)
+        times = 4 * np.pi / engine.rate * np.arange(4 * TURN_SAMPLES + 1) / (4 * TURN_SAMPLES)
         pushes = gas_forces(engine, source.cycle.force, engine.rate * times)
         pistons = {body.name: body for body in bodies}
         for i, (push, where) in enumerate(zip(pushes.T, places, strict=True), start=1):
@@ -95,24 +96,24 @@ def cut_engine(source: Source, rpm: float) -> tuple[System, np.ndarray]:
 
 
 def throw_of(centres: list[np.ndarray], mass: float, radius: float, name: str) -> Body:
-    """The throws of one station as one body with its reference point on the axis."""
-    own = mass * radius**2 * np.array(THROW)
+    """Return the throws of one station as one body with its reference point on the axis."""
+    own = mass * radius**2 * np.array(THROW_INERTIA_RATIOS)
     whole = inertia.combine([(mass, centre, own) for centre in centres])
     return Body(name, whole.mass, whole.inertia, com=whole.com)
 
 
 def cycle_run(source: Source, rpm: float) -> tuple[Solution, np.ndarray]:
-    """Two turns of the cut engine by kinematics, and the places of its main bearings."""
+    """Simulate two turns of the cut engine by kinematics; return them with the places of its main bearings."""
     system, mains = cut_engine(source, rpm)
     end = 4 * np.pi / source.preset.engine(rpm).rate
-    return simulate(system, end, method=Kinematic(), output=2 * COUNT + 1), mains
+    return simulate(system, end, method=Kinematic(), output=2 * TURN_SAMPLES + 1), mains
 
 
 def main_bearings(source: Source, rpm: float) -> list[Bearing]:
-    """The main bearings over a cycle, from the free end on."""
+    """Return the main bearings over a cycle, from the free end on."""
     solution, mains = cycle_run(source, rpm)
     rate, preset, found = source.preset.engine(rpm).rate, source.preset, []
-    roller = RollingBearing(C=preset.roller_rating, p=ROLLERS)
+    roller = RollingBearing(C=preset.roller_rating, p=ROLLER_LIFE_EXPONENT)
     for k in range(mains.size):
         ends = [f"rear {k}"] * (k > 0) + [f"front {k + 1}"] * (k < mains.size - 1)
         force = sum(solution.reaction(end).force[:, :2] for end in ends)

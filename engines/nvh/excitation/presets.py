@@ -1,8 +1,8 @@
-"""Engines with the dimensions of real ones, as `engines.balance.Engine` and with what else a powertrain needs.
+"""Engines with real dimensions, as `engines.balance.Engine` with the other data of a powertrain.
 
-The rod is known by mass and length; its centre of mass lies at `FRACTION` of the length from the crankpin and its
-inertia is that of two masses at the ends over `TWO_MASSES`, the average of measured rods. Counterweights carry all that
-turns with the pin and the share ``balanced`` of what goes with the piston:
+The rod is known by mass and length; its centre of mass lies at `ROD_FRACTION` of the length from the crankpin and its
+inertia is that of two masses at the ends over `ROD_INERTIA_RATIO`, the average of measured rods. Counterweights
+carry all that turns with the pin and the share ``balanced`` of what goes with the piston:
 
     m_c r_c = -((1 - f) m_r + balanced (m_p + f m_r)) R
 
@@ -23,18 +23,18 @@ from mbsd3d import inertia, rotation
 from mbsd3d.errors import InputError
 from mbsd3d.extend import matrix, number
 
-POSITIVE = (
+POSITIVE_FIELDS = (
     "bore", "stroke", "rod_length", "spacing", "idle", "redline", "compression", "piston_mass", "rod_mass",
     "throw_mass", "flywheel", "main_diameter", "main_width", "roller_rating",
 )  # fmt: skip
-OWN = ("pins", "bores", "stations", "firing_order")  # of an engine whose layout has no name
-FRACTION, TWO_MASSES = 0.28, 1.0965
-THROW = (0.5, 0.5, 0.8)  # inertia of a throw with counterweights over its mass times R^2, axis last
+LAYOUT_FIELDS = ("pins", "bores", "stations", "firing_order")  # of an engine whose layout has no name
+ROD_FRACTION, ROD_INERTIA_RATIO = 0.28, 1.0965
+THROW_INERTIA_RATIOS = (0.5, 0.5, 0.8)  # [1] inertia of a throw with counterweights over its mass times R^2, axis last
 
 
 @dataclass(frozen=True)
 class Block:
-    """All of a powertrain that does not move relative to its block.
+    """All parts of a powertrain that do not move relative to its block.
 
     ``mass`` [kg]; ``box`` (3,): edges of the uniform box of its inertia [m]; ``com`` (3,): from the middle of the
     crank, x along it, z up [m]; ``tilt``: of the box about y [degrees].
@@ -53,7 +53,7 @@ class Block:
 
     @property
     def inertia(self) -> np.ndarray:
-        """(3, 3) about the centre of mass [kg m^2]."""
+        """Return the inertia about the centre of mass [kg m^2], shape (3, 3)."""
         R = matrix(rotation("y", self.tilt, degrees=True))
         return R @ np.diag(inertia.box(self.mass, self.box)) @ R.T
 
@@ -89,7 +89,7 @@ class Preset:
     def __post_init__(self) -> None:
         what = f"engine '{self.name}'"
         titled(self.title, what)
-        positive(vars(self), POSITIVE, what)
+        positive(vars(self), POSITIVE_FIELDS, what)
         number(self.balanced, f"{what}: balanced", minimum=0.0)
         if not self.idle < self.redline:
             raise InputError(
@@ -98,29 +98,30 @@ class Preset:
 
     @property
     def displacement(self) -> float:
-        """Displacement of all cylinders [m^3]."""
+        """Return the displacement of all cylinders [m^3]."""
         return len(self.layout.pins) * np.pi / 4 * self.bore**2 * self.stroke
 
     def engine(self, rpm: float) -> Engine:
-        """The engine at a speed [1/min] > 0; ValueError for others."""
+        """Return the engine at a speed [1/min] > 0; raise ValueError for others."""
         rpm = number(rpm, f"engine '{self.name}': rpm", positive=True)
-        R, f = self.stroke / 2, FRACTION
+        R, f = self.stroke / 2, ROD_FRACTION
         carried = (1 - f) * self.rod_mass + self.balanced * (self.piston_mass + f * self.rod_mass)
         return Engine(
             self.layout, rpm=rpm, radius=R, rod_length=self.rod_length, crank_mass=self.throw_mass,
             crank_centre=-carried * R / self.throw_mass, rod_mass=self.rod_mass, rod_fraction=f,
-            rod_inertia=f * (1 - f) * self.rod_mass * self.rod_length**2 / TWO_MASSES, piston_mass=self.piston_mass,
+            rod_inertia=f * (1 - f) * self.rod_mass * self.rod_length**2 / ROD_INERTIA_RATIO,
+            piston_mass=self.piston_mass,
             spacing=self.spacing,
         )  # fmt: skip
 
 
 def names() -> tuple[str, ...]:
-    """Names of all engines of the data file."""
+    """Return the names of all engines of the data file."""
     return tuple(data("engines")["engines"])
 
 
 def preset(name: str) -> Preset:
-    """An engine by its name, or of a file (.json) with the same fields; ValueError for others."""
+    """Return an engine by its name, or from a file (.json) with the same fields; raise ValueError for others."""
     if name in layout_names() and name not in names():
         raise InputError(
             f"'{name}' is a layout of the toy engine (python -m engines.balance {name}); "
@@ -128,8 +129,8 @@ def preset(name: str) -> Preset:
         )
     found, title = dict(record("engines", name)), Path(name).stem if is_file(name) else name
     what = f"engine '{title}'"
-    shape = ("layout",) if "layout" in found else OWN
-    fields(found, ("title", *POSITIVE, "balanced", "block", *shape), what)
+    shape = ("layout",) if "layout" in found else LAYOUT_FIELDS
+    fields(found, ("title", *POSITIVE_FIELDS, "balanced", "block", *shape), what)
     fields(found["block"], ("mass", "box", "com", "tilt"), f"{what}: block")
     parts = {key: found.pop(key) for key in shape}
     plan = layout(parts["layout"]) if "layout" in parts else own_layout(title, found, parts)
@@ -137,7 +138,8 @@ def preset(name: str) -> Preset:
 
 
 def own_layout(name: str, found: Record, parts: Record) -> Layout:
-    """The layout of cylinders given one by one; ValueError for a firing order that the crank cannot do."""
+    """Return the layout of cylinders given one by one; raise ValueError for a firing order that the crank cannot
+    have."""
     plan = Layout(name, found["title"], spacing=found["spacing"], **parts)
     if plan.firing_order is not None:
         order = plan.firing_order.split("-")

@@ -1,4 +1,4 @@
-"""Powertrains so simple that theory knows their small motions; the general model must find the same.
+"""Checks of simple powertrains whose small motions theory knows; the general model must find the same.
 
 Each returns quantity -> (computed, exact), or with a limit of their difference; what is exact comes from
 `engines.closed_forms`, fed with numbers alone.
@@ -20,12 +20,13 @@ MASS, INERTIA = 187.0, np.diag([6.3, 11.9, 13.1])  # kg, kg m^2
 
 
 def mount(at: tuple[float, float, float], rates: tuple[float, float, float], damping: float = 0.0) -> Mount:
-    """A mount with axes of the car and dampers in proportion to the rates [s]."""
+    """Return a mount with axes of the car and dampers in proportion to the rates [s]."""
     return Mount(f"mount at {at}", at, rates, tuple(damping * k for k in rates))
 
 
 def one_freedom(frequencies: np.ndarray) -> Pairs:
-    """Vertical force at the centre of mass of a powertrain on four alike mounts: one freedom is moved."""
+    """Compare the response to a vertical force at the centre of mass of a powertrain on four equal mounts with
+    theory."""
     share = 0.011  # damping over rate [s]
     placed = [mount((x, y, -0.2), (1.1e5, 1.4e5, 2.3e5), share) for x in (-0.31, 0.31) for y in (-0.22, 0.22)]
     rate = np.sqrt(4 * 2.3e5 / MASS)
@@ -40,7 +41,7 @@ def one_freedom(frequencies: np.ndarray) -> Pairs:
 
 
 def bounce_and_pitch() -> Pairs:
-    """Two pairs of mounts before and behind the centre of mass, at its height: bounce and pitch about y."""
+    """Compare bounce and pitch about y on two pairs of mounts before and behind the centre of mass with theory."""
     rates, arms = (1.7e5, 2.9e5), (0.41, -0.27)
     placed = [mount((x, y, 0.0), (9e4, 7e4, k / 2)) for k, x in zip(rates, arms, strict=True) for y in (-0.2, 0.2)]
     squares, centres = closed_forms.bounce_and_pitch(MASS, np.sqrt(INERTIA[1, 1] / MASS), rates, arms)
@@ -54,7 +55,8 @@ def bounce_and_pitch() -> Pairs:
 
 
 def three_coupled() -> Pairs:
-    """Mounts below the centre of mass, unlike in front and behind: sway, roll and yaw are coupled."""
+    """Compare coupled sway, roll and yaw on mounts below the centre of mass, unequal in front and behind, with
+    theory."""
     spots = [((0.35, 0.2, -0.15), 1.3e5), ((0.35, -0.2, -0.15), 1.3e5), ((-0.28, 0.24, -0.21), 0.8e5),
              ((-0.28, -0.24, -0.21), 0.8e5)]  # fmt: skip
     along, across, up = 0.9, 0.7, 1.6
@@ -75,13 +77,14 @@ def three_coupled() -> Pairs:
 
 
 def mounted(placed: list[Mount]) -> System:
-    """The body of the checks on its mounts."""
+    """Return the body of the checks on its mounts."""
     body = Body("powertrain", MASS, INERTIA)
     return System([body], forces=bushings(placed, body), gravity=(0, 0, 0))
 
 
 def spinning_rotor(rate: float) -> Pairs:
-    """Pitch and yaw of a powertrain with one stiffness about both, coupled by the spin of its crank: H = J w.
+    """Compare pitch and yaw of a powertrain with equal stiffness about both, coupled by the spin of its crank H = J w,
+    with theory.
 
     ``I_y a'' + k a + H b' = 0, I_z b'' + k b - H a' = 0``:  I_y I_z s^4 + (k (I_y + I_z) + H^2) s^2 + k^2 = 0.
     """

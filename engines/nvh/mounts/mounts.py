@@ -1,4 +1,4 @@
-"""Cars as places where powertrains are held: elastic mounts, scaled to the powertrain they carry.
+"""Cars and their elastic mounts, scaled to the powertrain they carry.
 
 A mount is a `Bushing` between ground and block. The rates of a car with a bounce frequency are set such that all mounts
 together carry the powertrain at it, ``sum k_z = m (2 pi f)^2``, and damp it by a share of critical,
@@ -22,17 +22,17 @@ from mbsd3d import GROUND, Body, Bushing, rotation
 from mbsd3d.errors import InputError
 from mbsd3d.extend import matrix, number
 
-RIDE = (
+RIDE_FIELDS = (
     "mass", "roll_inertia", "pitch_inertia", "wheelbase", "front", "track", "unsprung", "spring", "damper", "tyre",
     "tyre_damping", "cornering", "seat", "brakes", "guides",
 )  # fmt: skip
-BEAM = ("mass", "roll_inertia", "length", "width", "bending", "lateral", "torsion")
-SHELL = (*BEAM, "damping", "engine", "turned", "seat")
+BEAM_FIELDS = ("mass", "roll_inertia", "length", "width", "bending", "lateral", "torsion")
+SHELL_FIELDS = (*BEAM_FIELDS, "damping", "engine", "turned", "seat")
 
 
 @dataclass(frozen=True)
 class Mount:
-    """An elastic mount.
+    """Elastic mount of a powertrain.
 
     ``name``; ``at`` (3,): from the middle of the crank, car axes [m]; ``rates`` (3,): along its own axes, > 0 [N/m];
     ``damping`` (3,): >= 0 [N s/m]; ``angle``: by which its axes are turned about x [degrees]. ValueError for a rate
@@ -54,21 +54,21 @@ class Mount:
 
     @property
     def axes(self) -> np.ndarray:
-        """(3, 3) of the mount, in columns."""
+        """Return the axes of the mount in columns, shape (3, 3)."""
         return matrix(rotation("x", self.angle, degrees=True))
 
     @property
     def stiffness(self) -> np.ndarray:
-        """(3, 3) car axes [N/m]."""
+        """Return the stiffness in car axes [N/m], shape (3, 3)."""
         return self.axes @ np.diag(self.rates) @ self.axes.T
 
     @property
     def dampers(self) -> np.ndarray:
-        """(3, 3) car axes [N s/m]."""
+        """Return the damping in car axes [N s/m], shape (3, 3)."""
         return self.axes @ np.diag(self.damping) @ self.axes.T
 
     def bushing(self, body: Body) -> Bushing:
-        """Between ground and a body, which is at the reference pose."""
+        """Return the bushing between ground and a body in its reference pose."""
         return Bushing(
             GROUND, body, at=self.at, stiffness=self.rates, damping=self.damping, axes=self.axes, name=self.name
         )
@@ -105,12 +105,12 @@ class Car:
                 mount, ("at", "rates", "angle") if scaled else ("at", "rates", "damping", "angle"), f"mount '{name}'"
             )
             Mount(name, mount["at"], mount["rates"], mount.get("damping", (0, 0, 0)), mount["angle"])
-        for part, needed in (("ride", RIDE), ("shell", SHELL)):
+        for part, needed in (("ride", RIDE_FIELDS), ("shell", SHELL_FIELDS)):
             if getattr(self, part) is not None:
                 fields(getattr(self, part), needed, f"{what}: {part}")
         if self.shell is not None:
             what += ": shell"
-            positive(self.shell, BEAM, what)
+            positive(self.shell, BEAM_FIELDS, what)
             number(self.shell["damping"], f"{what}: damping", minimum=0.0)
             number(self.shell["turned"], f"{what}: turned")
             for name in ("engine", "seat"):
@@ -118,19 +118,19 @@ class Car:
 
 
 def names() -> tuple[str, ...]:
-    """Names of all cars of the data file."""
+    """Return the names of all cars of the data file."""
     return tuple(data("cars")["cars"])
 
 
 def car(name: str) -> Car:
-    """A car by its name, or of a file (.json) with the same fields; ValueError for others."""
+    """Return a car by its name, or from a file (.json) with the same fields; raise ValueError for others."""
     found, title = record("cars", name), Path(name).stem if is_file(name) else name
     fields(found, ("title", "mounts", "bounce"), f"car '{title}'", ("damping", "ride", "shell"))
     return Car(title, **found)
 
 
 def mounts(chosen: Car, engine: Preset, mass: float | None = None) -> list[Mount]:
-    """The mounts of a car for an engine; ``mass``: that they carry [kg]; None = of the block."""
+    """Return the mounts of a car for an engine; ``mass``: that they carry [kg]; None = of the block."""
     if chosen.bounce is None:
         return [Mount(name, m["at"], m["rates"], m["damping"], m["angle"]) for name, m in chosen.mounts.items()]
     block = engine.block
@@ -148,5 +148,5 @@ def mounts(chosen: Car, engine: Preset, mass: float | None = None) -> list[Mount
 
 
 def bushings(placed: Sequence[Mount], body: Body) -> list[Bushing]:
-    """All mounts on a body."""
+    """Return the bushings of all mounts on a body."""
     return [mount.bushing(body) for mount in placed]

@@ -1,4 +1,4 @@
-"""What an engine does to its mounts: the linear map over speed and orders, and the full run it must agree with.
+"""Forces of an engine on its mounts: the linear map over speed and orders, and the full run it must agree with.
 
 Small motions of rigid body and rotor on the mounts (`linearize`) give ``x_dot = A(w) x``, A = A_0 + w A_1 as the rotor
 turns evenly. A load F about the middle of the crank enters through the mass matrix, and what the mounts hand on is
@@ -9,6 +9,7 @@ turns evenly. A load F about the middle of the crank enters through the mass mat
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -24,14 +25,14 @@ from mbsd3d import Body, Force, Solution, State, System, Table, Torque, lineariz
 from mbsd3d.errors import InputError
 from mbsd3d.extend import DenseEquations, Measure, exponential, matrix, quaternion_from_matrix, skew
 
-TABLE = 720  # points of the gas force over a cycle
+GAS_TABLE_POINTS = 720  # [1] points of the gas force over a cycle
 RTOL = 1e-8
-RATE = 100.0  # rad/s, of the second matrix: A is linear in the rate
+REFERENCE_RATE = 100.0  # [rad/s] of the second matrix; A is linear in the rate
 
 
 @dataclass(frozen=True)
 class Map:
-    """Forces that the mounts hand on to the car, by speed and order.
+    """Forces of the mounts on the car, by speed and order.
 
     ``rpm`` (s,); ``orders`` (n,); ``force`` (s, n, mounts, 3) phasors [N]; ``load`` (s, n, 6): of the engine on its
     block, about the middle of the crank; ``motion`` (s, n, 6): of the powertrain's middle of the crank [m], [rad].
@@ -45,13 +46,13 @@ class Map:
 
     @property
     def total(self) -> np.ndarray:
-        """(s, n, 3) sum over the mounts."""
+        """Return the sum of the forces over the mounts [N], shape (s, n, 3)."""
         return self.force.sum(axis=2)
 
 
 @dataclass(frozen=True)
 class OnMounts:
-    """A powertrain on its mounts.
+    """Powertrain on its mounts.
 
     ``torque``: that the engine gives on average [N m]; its reaction rolls the block, and small motions are those about
     that position; ``gyroscopic``: whether the crank's spin counts.
@@ -63,22 +64,26 @@ class OnMounts:
     gyroscopic: bool = True
 
     def forces(self, body: Body) -> list:
-        """Mounts, and the reaction to the mean torque."""
+        """Return the mounts and the reaction to the mean torque as force elements."""
         return [*bushings(self.placed, body), Torque(body, (-self.torque, 0.0, 0.0), name="mean torque")]
 
     @cached_property
     def rest(self) -> np.ndarray:
-        """(7,) position of the middle of the crank and orientation, under the mean torque without weight."""
+        """Return position of the middle of the crank [m] and orientation under the mean torque without weight, shape
+        (7,).
+        """
         body = self.body.rigid
         return System([body], forces=self.forces(body), gravity=(0, 0, 0)).equilibrium().state.q
 
     @property
     def roll(self) -> float:
-        """Rotation of `rest` about x [rad]."""
+        """Return the roll angle of `rest` about x [rad]."""
         return float(2.0 * np.arctan2(self.rest[4], self.rest[3]))
 
     def matrix(self, rate: float) -> np.ndarray:
-        """(12, 12) A of displacements, rotations and their rates at the middle of the crank, about `rest`."""
+        """Return the matrix A of displacements, rotations and their rates at the middle of the crank, about `rest`,
+        shape (12, 12).
+        """
         spin = rate if self.gyroscopic else 0.0
         system, axis = self.body.system(self.forces, spin), matrix(self.rest[3:])[:, 0]
         v = np.concatenate([np.zeros(9), axis * spin / axis[0]])
@@ -87,22 +92,23 @@ class OnMounts:
 
     @cached_property
     def ends(self) -> tuple[np.ndarray, np.ndarray]:
-        """`matrix` at rest and at `RATE`."""
-        return self.matrix(0.0), self.matrix(RATE)
+        """Return `matrix` at rest and at `REFERENCE_RATE`."""
+        return self.matrix(0.0), self.matrix(REFERENCE_RATE)
 
     def turning(self, rate: float) -> np.ndarray:
-        """`matrix` at a rate [rad/s], from `ends`: it is linear in the rate."""
+        """Return `matrix` at a rate [rad/s] by linear interpolation of `ends`, which is exact."""
         still, turning = self.ends
-        return still + (turning - still) * (rate / RATE)
+        return still + (turning - still) * (rate / REFERENCE_RATE)
 
     @cached_property
     def pushed(self) -> np.ndarray:
-        """(12, 6) what forces and moments about the middle of the crank, car axes, add to the rates."""
+        """Return the effect of forces and moments about the middle of the crank, car axes, on the rates, shape (12,
+        6)."""
         turn = np.kron(np.eye(2), matrix(self.rest[3:]))
         return np.vstack([np.zeros((6, 6)), turn @ np.linalg.inv(self.mass) @ turn.T])
 
     def answer(self, source: Source, rpm: Sequence[float]) -> Map:
-        """The linear map over speeds [1/min] > 0; ValueError for others."""
+        """Compute the linear map over speeds [1/min] > 0; raise ValueError for others."""
         speeds = np.asarray(rpm, dtype=float)
         if speeds.size == 0 or not (speeds > 0).all():
             raise InputError(f"map: rpm from {speeds.min(initial=0.0):g}; give speeds above 0, the crank turns")
@@ -121,16 +127,19 @@ class OnMounts:
         return Map(speeds, given.orders, np.array(force), np.array(load), np.array(motion))
 
     def handed_on(self, mount: Mount, motion: np.ndarray, W: np.ndarray) -> np.ndarray:
-        """(n, 3) force of a mount on the car for motions (n, 6) of the middle of the crank at rates W [rad/s]."""
+        """Return the force of a mount on the car for motions (n, 6) of the middle of the crank at rates W [rad/s],
+        shape (n, 3).
+        """
         u = motion @ self.head(mount).T
         return u @ mount.stiffness + 1j * W[:, None] * (u @ mount.dampers)
 
     def head(self, mount: Mount) -> np.ndarray:
-        """(3, 6) how a mount's head on the powertrain moves with the middle of the crank."""
+        """Return the matrix from the motion of the middle of the crank to that of a mount's head, shape (3, 6)."""
         return shift(matrix(self.rest[3:]) @ mount.at)[:3]
 
     def feet(self, rate: float, W: np.ndarray) -> np.ndarray:
-        """(n, 3 mounts, 3 mounts) D: forces against motions of the mounts' feet at rates W, the crank turning [N/m].
+        """Return the dynamic stiffness D of the mounts' feet at rates W, the crank turning [N/m], shape (n, 3 mounts, 3
+        mounts).
 
         With Z of the mounts alone and Y the receptance of the mounted powertrain at their heads, ``D = Z - Z Y Z``.
         """
@@ -143,13 +152,13 @@ class OnMounts:
 
     @property
     def mass(self) -> np.ndarray:
-        """(6, 6) about the middle of the crank, axes of the block."""
+        """Return the mass matrix about the middle of the crank, axes of the block, shape (6, 6)."""
         rigid = shift(self.body.com)
         return rigid.T @ mass_matrix(self.body) @ rigid
 
 
 def six_freedoms(body: Body) -> list[Measure]:
-    """What a body does at its reference point, at the origin: displacement, rotation, and their rates."""
+    """Return measures of a body at its reference point at the origin: displacement, rotation, and their rates."""
     axes, still = np.eye(3), dict(at=(0, 0, 0))
     moved = [measures.position(body, axis=axis, **still) for axis in axes]
     turned = [measures.lean(body, lateral=(0, 1, 0)), measures.lean(body, lateral=(-1, 0, 0)), measures.heading(body)]
@@ -158,14 +167,15 @@ def six_freedoms(body: Body) -> list[Measure]:
 
 
 def shift(arm: np.ndarray) -> np.ndarray:
-    """(6, 6): displacement and rotation at a point -> at the point an arm away [m]."""
+    """Return the matrix from displacement and rotation at a point to those at the point an arm away [m], shape (6,
+    6)."""
     whole = np.eye(6)
     whole[:3, 3:] = -skew(arm)
     return whole
 
 
 def whole_system(source: Source, held: OnMounts, rpm: float, cycles: int) -> System:
-    """The moving engine on its mounts with its gas forces for whole cycles of two turns; no weight.
+    """Build the moving engine on its mounts with its gas forces for whole cycles of two turns; no weight.
 
     The gas knows the crank angle from the block as it is rolled on average.
     """
@@ -173,8 +183,8 @@ def whole_system(source: Source, held: OnMounts, rpm: float, cycles: int) -> Sys
     bodies, joints = moving_engine(source.preset, engine, source.fitted)
     loads = bushings(held.placed, bodies[0])
     if source.cycle is not None:
-        count = TABLE * cycles
-        times = 4 * np.pi / engine.rate * np.arange(count + 1) / TABLE
+        count = GAS_TABLE_POINTS * cycles
+        times = 4 * np.pi / engine.rate * np.arange(count + 1) / GAS_TABLE_POINTS
         pushes = gas_forces(engine, source.cycle.force, engine.rate * times - held.roll)
         R, pistons = upright(engine.layout), {body.name: body for body in bodies}
         for i, (push, beta) in enumerate(zip(pushes.T, np.radians(engine.layout.bores), strict=True), start=1):
@@ -189,7 +199,7 @@ def whole_system(source: Source, held: OnMounts, rpm: float, cycles: int) -> Sys
 
 
 def start(system: System, held: OnMounts, source: Source, rpm: float) -> State:
-    """The state at t = 0 of the linear answer: the block where it is on average, plus its small motion and rate."""
+    """Return the state at t = 0 of the linear answer: the mean position of the block plus its small motion and rate."""
     linear, rate = held.answer(source, [rpm]), source.preset.engine(rpm).rate
     motion, block = linear.motion[0], system.bodies[0]
     W = (linear.orders * rate)[:, None]
@@ -208,9 +218,9 @@ def start(system: System, held: OnMounts, source: Source, rpm: float) -> State:
 
 def whole_run(
     source: Source, held: OnMounts, rpm: float, *, settle: float = 1.0, kept: int = 4, count: int = 144,
-    **options: object,
+    **options: Any,
 ) -> Solution:  # fmt: skip
-    """The full motion from the state of the linear answer on, over ``kept`` cycles, ``count`` samples a turn.
+    """Simulate the full motion from the state of the linear answer over ``kept`` cycles, ``count`` samples a turn.
 
     What the linear answer misses at the start has the time ``settle`` [s] to die out.
     """
@@ -224,7 +234,9 @@ def whole_run(
 
 
 def run_orders(solution: Solution, placed: Sequence[Mount], rate: float, orders: np.ndarray) -> np.ndarray:
-    """(n, mounts, 3) phasors of the forces on the car in a full run; the crank turned by ``rate * t``."""
+    """Return the phasors of the forces on the car in a full run [N], the crank at angle ``rate * t``, shape (n, mounts,
+    3).
+    """
     forces = np.hstack([-solution.force(mount.name).force for mount in placed])
     seen = spectrum(solution.t, forces, rate=rate)
     return np.array([seen.at(order) for order in orders]).reshape(len(orders), len(placed), 3)

@@ -1,4 +1,4 @@
-"""The six modes of a powertrain on its mounts: frequencies, shapes, and where their kinetic energy is.
+"""Rigid-body modes of a powertrain on its mounts: six frequencies, shapes, and shares of kinetic energy.
 
 With phi the shape of a mode about the centre of mass (three displacements, three rotations, real: dampers left out) its
 energy is shared among the directions as ``phi_i (M phi)_i / phi'M phi``; the shares add up to 1, and one near 1 says
@@ -20,7 +20,9 @@ DIRECTIONS = ("x", "y", "z", "about x", "about y", "about z")
 
 @dataclass(frozen=True)
 class RigidMode:
-    """``frequency`` [Hz], ``shape`` (6,) about the centre of mass [m], [rad]; ``shares`` (6,) of kinetic energy."""
+    """Rigid-body mode: ``frequency`` [Hz], ``shape`` (6,) about the centre of mass [m], [rad]; ``shares`` (6,) of
+    kinetic energy.
+    """
 
     frequency: float
     shape: np.ndarray
@@ -28,19 +30,19 @@ class RigidMode:
 
     @property
     def main(self) -> str:
-        """The direction with most of the energy."""
+        """Return the direction with most of the energy."""
         return DIRECTIONS[int(np.argmax(self.shares))]
 
 
 def mass_matrix(body: Body | Equivalent) -> np.ndarray:
-    """(6, 6) about the centre of mass, car axes."""
+    """Return the mass matrix about the centre of mass, car axes, shape (6, 6)."""
     M = np.zeros((6, 6))
     M[:3, :3], M[3:, 3:] = body.mass * np.eye(3), body.inertia
     return M
 
 
 def rigid_modes(body: Body, placed: Sequence[Mount]) -> list[RigidMode]:
-    """Six modes of a body at rest in its reference pose, dampers left out, by frequency.
+    """Compute six modes of a body at rest in its reference pose, without dampers, sorted by frequency.
 
     ValueError if mounts leave a motion free.
     """
@@ -59,7 +61,7 @@ def rigid_modes(body: Body, placed: Sequence[Mount]) -> list[RigidMode]:
 
 
 def sag(body: Body, placed: Sequence[Mount]) -> tuple[np.ndarray, np.ndarray]:
-    """(displacement of the centre of mass [m], rotation vector [rad]) of the powertrain under its weight."""
+    """Return (displacement of the centre of mass [m], rotation vector [rad]) of the powertrain under its weight."""
     system = System([body], forces=bushings(placed, body))
     q = system.equilibrium().state.q
     moved = np.array(q[:3]) - body.position

@@ -1,4 +1,4 @@
-"""The torque-roll axis of a powertrain, and mounts that let it roll about this axis alone.
+"""Torque-roll axis of a powertrain, and mounts that let it roll about this axis alone.
 
 A torque about the crank turns a free body about ``I^-1 x`` through its centre of mass, not about the crank. Held by
 mounts of stiffness K it goes on doing so at all speeds if that motion t = (0, I^-1 x) is a mode,
@@ -20,12 +20,12 @@ from mbsd3d import Body
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number, skew
 
-HOLD = 0.02  # weight of what the optimiser is asked to leave as it is, against the coupling
-STEPS = 60  # of the last search: 4 to 7 where the coupling can vanish, all where mounts may not go as far as that
+REGULARISATION_WEIGHT = 0.02  # [1] of changes of the mounts, against the coupling
+SEARCH_STEPS_MAX = 60  # [1] of the last search: 4 to 7 where the coupling can vanish, all where mounts are limited
 
 
 def stiffness_matrix(body: Body, placed: Sequence[Mount]) -> np.ndarray:
-    """(6, 6) of all mounts about the centre of mass, ``sum T_j' k_j T_j``."""
+    """Return the stiffness of all mounts about the centre of mass, ``sum T_j' k_j T_j``, shape (6, 6)."""
     K = np.zeros((6, 6))
     for mount in placed:
         T = np.hstack([np.eye(3), -skew(np.array(mount.at) - body.com)])
@@ -34,13 +34,13 @@ def stiffness_matrix(body: Body, placed: Sequence[Mount]) -> np.ndarray:
 
 
 def roll_axis(body: Body) -> np.ndarray:
-    """(3,) unit vector through the centre of mass."""
+    """Return the unit vector of the torque-roll axis through the centre of mass, shape (3,)."""
     axis = np.linalg.solve(body.inertia, (1.0, 0.0, 0.0))
     return axis / np.linalg.norm(axis)
 
 
 def left_over(body: Body, placed: Sequence[Mount]) -> np.ndarray:
-    """(6,) M^(-1/2) (K t - lam M t) over the size of lam M^(1/2) t: its length is the coupling."""
+    """Return M^(-1/2) (K t - lam M t) over the size of lam M^(1/2) t, whose length is the coupling, shape (6,)."""
     M, K = mass_matrix(body), stiffness_matrix(body, placed)
     t = np.concatenate([np.zeros(3), roll_axis(body)])
     lam = (t @ K @ t) / (t @ M @ t)
@@ -49,12 +49,12 @@ def left_over(body: Body, placed: Sequence[Mount]) -> np.ndarray:
 
 
 def coupling(body: Body, placed: Sequence[Mount]) -> float:
-    """0 for a powertrain that rolls about its torque-roll axis alone."""
+    """Return the coupling [-]: 0 for a powertrain that rolls about its torque-roll axis alone."""
     return float(np.linalg.norm(left_over(body, placed)))
 
 
 def roll_share(body: Body, placed: Sequence[Mount]) -> tuple[float, float]:
-    """(share of kinetic energy, frequency [Hz]) of the mode that is most of a roll about the torque-roll axis."""
+    """Return (share of kinetic energy, frequency [Hz]) of the mode closest to a roll about the torque-roll axis."""
     M, t = mass_matrix(body), np.concatenate([np.zeros(3), roll_axis(body)])
     found = []
     for mode in rigid_modes(body, placed):
@@ -65,8 +65,8 @@ def roll_share(body: Body, placed: Sequence[Mount]) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Decoupled:
-    """``mounts`` after the search; ``before, after``: coupling; ``moved``: largest shift of a mount [m]; ``rates``:
-    largest factor between old and new rate.
+    """Result of the search: ``mounts``; ``before, after``: coupling; ``moved``: largest shift of a mount [m];
+    ``rates``: largest factor between old and new rate.
     """
 
     mounts: list[Mount]
@@ -100,13 +100,13 @@ def decouple(body: Body, placed: Sequence[Mount], *, reach: float = 0.15, factor
     def errors(x: np.ndarray) -> np.ndarray:
         moved = changed(x)
         load = sum(mount.stiffness[2, 2] for mount in moved) / total - 1.0
-        return np.concatenate([left_over(body, moved), [load], HOLD * x])
+        return np.concatenate([left_over(body, moved), [load], REGULARISATION_WEIGHT * x])
 
     search = least_squares(errors, np.zeros(6 * n), bounds=(-1.0, 1.0))
     # seven conditions for all the mounts: of the steps that meet them lsmr takes the shortest
     final = least_squares(
         lambda x: errors(x)[:7], search.x, bounds=(-1.0, 1.0), xtol=1e-15, ftol=1e-15, gtol=1e-15, tr_solver="lsmr",
-        max_nfev=STEPS,
+        max_nfev=SEARCH_STEPS_MAX,
     )  # fmt: skip
     moved = changed(final.x)
     return Decoupled(

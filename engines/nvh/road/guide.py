@@ -1,4 +1,4 @@
-"""A wheel on five links, as of a double wishbone or a multilink axle: what it does as it goes up and down.
+"""Wheel suspension of five links, as of a double wishbone or a multilink axle: its kinematics over the wheel travel.
 
 Each link holds a point of the upright at its distance from a point of the body; a wishbone is two links that end in one
 point. Five lengths leave the upright one freedom. With z the height of the wheel's centre, P its lowest point and s the
@@ -41,16 +41,17 @@ from mbsd3d import (
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number, vector
 
-LINKS, ROD = 5, 0.012  # of a wheel; radius they are drawn with [m]
-SWING = 0.05  # m^2: inertia of a wheel over its mass
-TRAVEL, COUNT = 0.08, 81  # m up and down; samples of a run
+LINK_COUNT, LINK_RADIUS = 5, 0.012  # of a wheel; radius they are drawn with [m]
+WHEEL_INERTIA_RATIO = 0.05  # [m^2] inertia of a wheel over its mass
+TRAVEL_MAX, RUN_SAMPLES = 0.08, 81  # m up and down; samples of a run
 Point = Sequence[float]
 
 
 @dataclass(frozen=True, eq=False)
 class Guide:
-    """``kind``: in words; ``centre``: of the left wheel [m]; x ahead, y left, z up from the road in the middle of the
-    axle; ``links``: name -> (point of the body, point of the upright) [m]; ``strut``: the same of spring and damper.
+    """Suspension of a wheel: ``kind``: in words; ``centre``: of the left wheel [m]; x ahead, y left, z up from the road
+    in the middle of the axle; ``links``: name -> (point of the body, point of the upright) [m]; ``strut``: the same of
+    spring and damper.
 
     ValueError for another number of links than five, a link without length, or links that do not hold the wheel.
     """
@@ -61,8 +62,8 @@ class Guide:
     strut: tuple[Point, Point]
 
     def __post_init__(self) -> None:
-        if len(self.links) != LINKS:
-            raise InputError(f"guide '{self.kind}': {len(self.links)} links; a wheel needs {LINKS}, an arm is two")
+        if len(self.links) != LINK_COUNT:
+            raise InputError(f"guide '{self.kind}': {len(self.links)} links; a wheel needs {LINK_COUNT}, an arm is two")
         for name, ends in (*self.links.items(), ("strut", self.strut)):
             inner, outer = (vector(end, f"guide '{self.kind}': {name}") for end in ends)
             if np.linalg.norm(np.subtract(outer, inner)) < 1e-3:
@@ -77,13 +78,15 @@ class Guide:
 
     @cached_property
     def mirrored(self) -> "Guide":
-        """The guide of the right wheel."""
+        """Return the suspension of the right wheel."""
         across = np.array([1.0, -1.0, 1.0])
         links = {name: across * ends for name, ends in self.links.items()}
         return Guide(self.kind, across * self.centre, links, across * self.strut)
 
     def hold(self, body: Body, upright: Body, origin: Point = (0, 0, 0), whose: str = "") -> list[Distance]:
-        """The links between a body and the upright, named with ``whose``; ``origin``: of the guide's points [m]."""
+        """Return the links between a body and the upright, named with ``whose``; ``origin``: of the points of the
+        suspension [m].
+        """
         return [
             Distance(body, upright, at_a=np.add(inner, origin), at_b=np.add(outer, origin), name=name + whose)
             for name, (inner, outer) in self.links.items()
@@ -99,7 +102,7 @@ class Guide:
         name: str,
         origin: Point = (0, 0, 0),
     ) -> SpringDamper:
-        """Spring and damper that hold a wheel at rest where it is under a load [N], with these rates at the wheel.
+        """Return the spring and damper that hold a wheel at rest under a load [N], with these rates at the wheel.
 
         ValueError for a load that alone is as stiff as the spring.
         """
@@ -118,16 +121,18 @@ class Guide:
         return SpringDamper(body, upright, at_a=inner, at_b=outer, length=free, **rates, name=name)
 
     def upright(self, mass: float, name: str, origin: Point = (0, 0, 0)) -> Body:
-        """Upright and wheel, at the wheel's centre, drawn with its links."""
+        """Return upright and wheel as a body at the wheel's centre, drawn with its links."""
         radius, at = self.centre[2], np.array(self.centre)
         drawn = [shapes.Torus(0.8 * radius, 0.2 * radius, "y")]
         for _, outer in self.links.values():
             d = np.subtract(outer, at)
-            drawn.append(shapes.Cylinder(ROD, float(np.linalg.norm(d)), tuple(d), at=d / 2))
-        return Body(name, mass, 3 * (SWING * mass,), position=np.add(at, origin), shape=drawn)
+            drawn.append(shapes.Cylinder(LINK_RADIUS, float(np.linalg.norm(d)), tuple(d), at=d / 2))
+        return Body(name, mass, 3 * (WHEEL_INERTIA_RATIO * mass,), position=np.add(at, origin), shape=drawn)
 
-    def rig(self, travel: float = TRAVEL) -> System:
-        """The wheel on a plate that goes up and down under its centre, once in a second; the body held."""
+    def rig(self, travel: float = TRAVEL_MAX) -> System:
+        """Build the test rig: the wheel on a plate that moves up and down under its centre once in a second, the body
+        fixed.
+        """
         upright = self.upright(20.0, "wheel")
         plate = Body("plate", 1.0, (0.1, 0.1, 0.1), shape=shapes.Box((0.3, 0.3, 0.02)))
         slide = Prismatic(GROUND, plate, at=(0, 0, 0), axis=(0, 0, 1), name="slide")
@@ -137,20 +142,20 @@ class Guide:
         strut = SpringDamper(GROUND, upright, at_a=inner, at_b=outer, stiffness=0.0, name="strut")
         return System([plate, upright], [slide, *self.hold(GROUND, upright), rest, drive], [strut], gravity=(0, 0, 0))
 
-    def run(self, travel: float = TRAVEL) -> Solution:
-        """Kinematic run from the lowest to the highest place of the wheel."""
-        swing = np.arcsin(np.linspace(-1.0, 1.0, COUNT)[1:-1]) / (2 * np.pi)
+    def run(self, travel: float = TRAVEL_MAX) -> Solution:
+        """Simulate the rig by kinematics from the lowest to the highest position of the wheel."""
+        swing = np.arcsin(np.linspace(-1.0, 1.0, RUN_SAMPLES)[1:-1]) / (2 * np.pi)
         return simulate(self.rig(travel), 1.25, method=Kinematic(), output=1.0 + swing)
 
     @cached_property
     def curves(self) -> "Curves":
-        """Over the whole travel."""
+        """Return the suspension curves over the whole travel."""
         return curves(self, self.run())
 
 
 @cache
 def guide(kind: str, track: float) -> Guide:
-    """A guide of the data file, moved outwards to a track [m]; ValueError for an unknown kind."""
+    """Return a suspension of the data file, moved outwards to a track [m]; raise ValueError for an unknown kind."""
     known = data("cars")["guides"]
     if kind not in known:
         raise InputError(f"guide '{kind}' is unknown; there are {', '.join(known)}; or give centre, links and strut")
@@ -158,8 +163,8 @@ def guide(kind: str, track: float) -> Guide:
 
 
 def made(kind: str, record: Record, track: float) -> Guide:
-    """A guide of a record, moved outwards to a track [m]; ValueError for one that lacks a field, or points that are
-    none.
+    """Return the suspension of a record, moved outwards to a track [m]; raise ValueError for a missing field or invalid
+    points.
     """
     what = f"guide '{kind}'"
     fields(record, ("centre", "links", "strut"), what)
@@ -172,7 +177,7 @@ def made(kind: str, record: Record, track: float) -> Guide:
 
 
 def ends_of(given: Any, what: str) -> np.ndarray:
-    """(2, 3) points of body and upright [m]; ValueError for something else."""
+    """Return the points of body and upright [m], shape (2, 3); raise ValueError for other values."""
     if not isinstance(given, list | tuple) or len(given) != 2:
         raise InputError(f"{what}: {given!r}; give two points [m], of the body and of the upright")
     return np.array([vector(end, what) for end in given])
@@ -180,7 +185,7 @@ def ends_of(given: Any, what: str) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Curves:
-    """Over the travel ``z`` (n,) [m].
+    """Suspension curves over the travel ``z`` (n,) [m].
 
     ``toe`` inwards and ``camber`` outwards at the top (n,) [rad]; ``track``: how far P goes outwards (n,) [m];
     ``ratio``: r = ds/dz (n,), ``bend``: dr/dz (n,) [1/m]; ``ahead``: dx_P/dz (n,); ``roll_centre``: its height (n,)
@@ -197,12 +202,12 @@ class Curves:
     roll_centre: np.ndarray
 
     def at(self, name: str, z: float) -> float:
-        """A curve at a height [m]."""
+        """Evaluate a suspension curve at a wheel travel [m]."""
         return float(np.interp(z, self.z, getattr(self, name)))
 
 
 def curves(guide: Guide, run: Solution) -> Curves:
-    """What a run on the rig says."""
+    """Compute the suspension curves of a run on the rig."""
     R, centre, v, w = run.rotation("wheel"), run.position("wheel"), run.velocity("wheel"), run.omega("wheel")
     axle = R[:, :, 1]
     toe, camber = -np.arctan2(-axle[:, 0], axle[:, 1]), -np.arcsin(axle[:, 2])

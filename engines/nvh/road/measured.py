@@ -1,4 +1,4 @@
-"""A road given by its heights: a table of the user, from a file.
+"""Road given by its heights: a table of the user, from a file.
 
     x,left,right        or        x,z          [m], one line a point, in order, evenly spaced (up to half a step)
 
@@ -19,20 +19,20 @@ import numpy as np
 from scipy.fft import dct
 
 from engines.nvh.records import cell, table
-from engines.nvh.road.profile import SHORTEST, summed
+from engines.nvh.road.profile import SPATIAL_FREQUENCY_MAX, summed
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
-GAP = 1.5  # of the usual step: from here on a point is missing
-LEAST, SHORT = 20, 5.0  # points; m
-MOST, LONG = 20_000, 5000.0  # what a car is driven over in minutes
-STEEP = 0.5  # m from point to point, or of slope: what wheels climb
+GAP_RATIO_MAX = 1.5  # [1] of the usual step; beyond it a point is missing
+POINTS_MIN, LENGTH_MIN = 20, 5.0  # points; m
+POINTS_MAX, LENGTH_MAX = 20_000, 5000.0  # what a car is driven over in minutes
+STEP_HEIGHT_MAX = 0.5  # [m] from point to point, or [1] of slope: what wheels climb
 HEADERS = ["x", "left", "right"], ["x", "z"]
 
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """``title``; ``x`` (n,): places [m]; ``z`` (2, n): heights of the left and the right track [m].
+    """Measured road: ``title``; ``x`` (n,): places [m]; ``z`` (2, n): heights of the left and the right track [m].
 
     ValueError for fewer than 20 points or more than 20 000, less than 5 m or more than 5 km, places that do not grow,
     a gap between them, or a step that no wheel climbs.
@@ -47,8 +47,8 @@ class Measured:
     z: np.ndarray
 
     def __post_init__(self) -> None:
-        if not LEAST <= len(self.x) <= MOST:
-            raise InputError(f"road '{self.title}': {len(self.x)} points; give {LEAST} to {MOST}")
+        if not POINTS_MIN <= len(self.x) <= POINTS_MAX:
+            raise InputError(f"road '{self.title}': {len(self.x)} points; give {POINTS_MIN} to {POINTS_MAX}")
         for name, values in (("x", self.x), ("left", self.z[0]), ("right", self.z[1])):
             for k, value in enumerate(values, start=1):
                 number(value, f"road '{self.title}': {name} of point {k}")
@@ -58,30 +58,32 @@ class Measured:
                 raise InputError(
                     f"road '{self.title}': x goes from {a:g} to {b:g} m after point {k}; give places in order"
                 )
-            if b - a > GAP * step:
+            if b - a > GAP_RATIO_MAX * step:
                 raise InputError(
                     f"road '{self.title}': a gap of {b - a:g} m after point {k}, x = {a:g} m; points stand {step:g} m "
                     "apart elsewhere; give the heights between"
                 )
         rise = np.abs(np.diff(self.z)).max(axis=0)
-        steep = np.flatnonzero(rise > np.maximum(STEEP, STEEP * np.diff(self.x)))
+        steep = np.flatnonzero(rise > np.maximum(STEP_HEIGHT_MAX, STEP_HEIGHT_MAX * np.diff(self.x)))
         if steep.size:
             k = steep[0]
             raise InputError(
                 f"road '{self.title}': a step of {rise[k]:.4g} m after point {k + 1}, x = {self.x[k]:g} m; give "
-                f"heights in m, from point to point {STEEP:g} m or less"
+                f"heights in m, from point to point {STEP_HEIGHT_MAX:g} m or less"
             )
-        if not SHORT <= self.x[-1] - self.x[0] <= LONG:
-            raise InputError(f"road '{self.title}': {self.x[-1] - self.x[0]:g} m long; give {SHORT:g} to {LONG:g} m")
+        if not LENGTH_MIN <= self.x[-1] - self.x[0] <= LENGTH_MAX:
+            raise InputError(
+                f"road '{self.title}': {self.x[-1] - self.x[0]:g} m long; give {LENGTH_MIN:g} to {LENGTH_MAX:g} m"
+            )
 
     @property
     def length(self) -> float:
-        """After which it repeats itself, with its mirror image [m]."""
+        """Return the length after which the road repeats itself, with its mirror image [m]."""
         return 2 * float(self.x[-1] - self.x[0])
 
     @cached_property
     def parts(self) -> np.ndarray:
-        """(2, n) a_k of both tracks [m]; uneven points are joined by straight lines."""
+        """Return the coefficients a_k of both tracks [m]; uneven points are joined by straight lines; shape (2, n)."""
         even = np.linspace(self.x[0], self.x[-1], self.x.size)
         values = [np.interp(even, self.x, side) for side in self.z]
         found = dct(values, type=1) / (self.x.size - 1)
@@ -90,27 +92,29 @@ class Measured:
 
     @cached_property
     def waves(self) -> np.ndarray:
-        """(k,) n_k that count [1/m]."""
+        """Return the spatial frequencies n_k in use [1/m], shape (k,)."""
         n = np.arange(1, self.x.size) / self.length
-        return n[n <= SHORTEST]
+        return n[n <= SPATIAL_FREQUENCY_MAX]
 
     @cached_property
     def amplitudes(self) -> np.ndarray:
-        """(2, k) complex: z = Re sum c_k exp(2 pi i n_k (x - x_1)) of left and right track [m]."""
+        """Return the complex amplitudes of z = Re sum c_k exp(2 pi i n_k (x - x_1)) of left and right track [m], shape
+        (2, k).
+        """
         return self.parts[:, 1 : self.waves.size + 1] + 0j
 
     @property
     def left_out(self) -> float:
-        """Root mean square of the waves that are too short to count, of the rougher track [m]."""
+        """Return the root mean square of the waves too short for the model, of the rougher track [m]."""
         return float(np.sqrt((self.parts[:, self.waves.size + 1 :] ** 2).sum(axis=1).max() / 2))
 
     def height(self, x: np.ndarray, side: int) -> np.ndarray:
-        """z of the left (0) or right (1) track about its mean, x from the first point on [m]."""
+        """Return z of the left (0) or right (1) track about its mean, x from the first point on [m]."""
         return summed(self.waves, self.amplitudes[side], x)
 
 
 def read_road(path: str | Path) -> Measured:
-    """The road of a file of comma-separated values with a header.
+    """Read the road of a file of comma-separated values with a header.
 
     ValueError for a file that cannot be read, another header, or a cell that is not a number, with its line.
     """

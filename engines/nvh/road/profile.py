@@ -19,13 +19,13 @@ from mbsd3d.extend import number
 
 CLASSES = "ABCDEFGH"
 N0, G0 = 0.1, 16e-6  # 1/m, m^3
-SHORTEST, LONGEST = 2.83, 0.011  # 1/m: range of the standard
-COHERENT = 0.3  # 1/m
+SPATIAL_FREQUENCY_MAX, SPATIAL_FREQUENCY_MIN = 2.83, 0.011  # 1/m: range of the standard
+COHERENCE_FREQUENCY = 0.3  # [1/m] up to which left and right track are coherent
 
 
 @dataclass(frozen=True)
 class Road:
-    """A rough road: ``kind``: "A" (smooth) to "H"; ``length``: after which it repeats itself [m]; ``seed``.
+    """Rough road: ``kind``: "A" (smooth) to "H"; ``length``: after which it repeats itself [m]; ``seed``.
 
     ValueError for an unknown class, or a length that holds no wave of the standard.
 
@@ -41,41 +41,43 @@ class Road:
     def __post_init__(self) -> None:
         if self.kind not in CLASSES or len(self.kind) != 1:
             raise InputError(f"road of class {self.kind!r}; give one of {', '.join(CLASSES)}")
-        if number(self.length, "road: length", positive=True) < 2.0 / LONGEST:
+        if number(self.length, "road: length", positive=True) < 2.0 / SPATIAL_FREQUENCY_MIN:
             raise InputError(
-                f"road: length {self.length:g} m is too short for its waves; give {2 / LONGEST:.0f} m or more"
+                f"road: length {self.length:g} m is too short for its waves; "
+                f"give {2 / SPATIAL_FREQUENCY_MIN:.0f} m or more"
             )
 
     @property
     def title(self) -> str:
-        """The road in words."""
+        """Return the road in words."""
         return f"a road of class {self.kind}"
 
     @cached_property
     def waves(self) -> np.ndarray:
-        """(k,) n_k within the range of the standard [1/m]."""
-        n = np.arange(1, int(SHORTEST * self.length) + 1) / self.length
-        return n[n >= LONGEST]
+        """Return the spatial frequencies n_k within the range of the standard [1/m], shape (k,)."""
+        n = np.arange(1, int(SPATIAL_FREQUENCY_MAX * self.length) + 1) / self.length
+        return n[n >= SPATIAL_FREQUENCY_MIN]
 
     def spectrum(self, n: np.ndarray) -> np.ndarray:
-        """G at spatial frequencies [m^3]."""
+        """Return the spectral density G at spatial frequencies [m^3]."""
         return G0 * 4.0 ** CLASSES.index(self.kind) * (np.asarray(n) / N0) ** -2
 
     @cached_property
     def amplitudes(self) -> np.ndarray:
-        """(2, k) complex: z = Re sum c_k exp(2 pi i n_k x) of left and right track [m]."""
+        """Return the complex amplitudes of z = Re sum c_k exp(2 pi i n_k x) of left and right track [m], shape (2,
+        k)."""
         phases = np.exp(2j * np.pi * np.random.default_rng(self.seed).random((2, self.waves.size)))
-        size, shared = np.sqrt(2 * self.spectrum(self.waves) / self.length), np.exp(-self.waves / COHERENT)
+        size, shared = np.sqrt(2 * self.spectrum(self.waves) / self.length), np.exp(-self.waves / COHERENCE_FREQUENCY)
         left, other = phases
         # of two waves with unit size and any phases the sum is brought back to unit size
         right = shared * left + np.sqrt(1 - shared**2) * other
         return size * np.stack([left, right / np.abs(right)])
 
     def height(self, x: np.ndarray, side: int) -> np.ndarray:
-        """z of the left (0) or right (1) track at places along the road [m]."""
+        """Return z of the left (0) or right (1) track at places along the road [m]."""
         return summed(self.waves, self.amplitudes[side], x)
 
 
 def summed(waves: np.ndarray, amplitudes: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Re sum c_k exp(2 pi i n_k x)."""
+    """Return Re sum c_k exp(2 pi i n_k x)."""
     return (np.exp(2j * np.pi * np.multiply.outer(np.asarray(x, dtype=float), waves)) @ amplitudes).real

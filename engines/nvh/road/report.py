@@ -1,4 +1,4 @@
-"""Tables, figure and page of a ride."""
+"""Tables, figure and page of a ride on a road."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +12,7 @@ from engines.balance.pages.site import TEMPLATES, playing
 from engines.nvh.mounts.mounts import Car
 from engines.nvh.road.comfort import verdict, weight
 from engines.nvh.road.measured import Measured, read_road
-from engines.nvh.road.profile import SHORTEST, Road
+from engines.nvh.road.profile import SPATIAL_FREQUENCY_MAX, Road
 from engines.nvh.road.ride import Ride, rms
 from engines.nvh.road.vehicle import GRAVITY, KINDS, Vehicle
 from mbsd3d import linearize, simulate
@@ -24,15 +24,15 @@ if TYPE_CHECKING:
 
 Rows = list[list[str]]
 SPEEDS = np.arange(5.0, 45.1, 2.5)  # m/s
-SHOWN = "ABCD"  # classes of a figure
-HEIGHTS = (-0.06, -0.03, 0.0, 0.03, 0.06)  # m, of a wheel in the table of its guide
-FILM, FRAMES = 4.0, 201  # s and pictures of the animation
-BRAKES = 0.5  # of gravity
+FIGURE_CLASSES = "ABCD"  # classes of a figure
+TABLE_TRAVELS = (-0.06, -0.03, 0.0, 0.03, 0.06)  # [m] wheel travels in the table of a suspension
+ANIMATION_SECONDS, ANIMATION_FRAMES = 4.0, 201  # s and pictures of the animation
+BRAKING_RATIO = 0.5  # [1] of gravity: deceleration under braking
 
 
 def ride_of(car: Car, kind: str, road: str, speed: float, linked: bool = False) -> Ride:
-    """A car over a road, of a class or of a file (with a dot in its name); ValueError if nothing is known of its
-    wheels.
+    """Return a car on a road of a class or of a file (with a dot in its name); raise ValueError if its wheels are
+    unknown.
     """
     if car.ride is None:
         raise InputError(f"car '{car.name}' is not known on its wheels; give compact or saloon")
@@ -41,12 +41,12 @@ def ride_of(car: Car, kind: str, road: str, speed: float, linked: bool = False) 
 
 
 def rides_of(car: Car, road: str, speed: float) -> list[Ride]:
-    """Quarter, half and whole car, with wheels on slides and on links; the last is the whole car on its links."""
+    """Return quarter, half and whole car with wheels on slides and on links; the last is the whole car on its links."""
     return [ride_of(car, kind, road, speed, linked) for linked in (False, True) for kind in KINDS]
 
 
 def quarter_car(ride: Ride) -> np.ndarray:
-    """(k,) phasors of the acceleration at the seat of a quarter car in closed form [m/s^2]."""
+    """Return the phasors of the acceleration at the seat of a quarter car in closed form [m/s^2], shape (k,)."""
     (corner,) = ride.vehicle.corners
     rates = (corner.spring, corner.damper), (corner.tyre, corner.tyre_damping)
     body, _ = closed_forms.quarter_car(ride.rates, (ride.vehicle.mass, corner.mass), *rates)
@@ -54,7 +54,7 @@ def quarter_car(ride: Ride) -> np.ndarray:
 
 
 def comfort(rides: list[Ride]) -> Rows:
-    """Vibration at the seat of every car, by small motions and in the full motion."""
+    """Tabulate the vibration at the seat of every car, by small motions and in the full motion."""
     rows = [["car", "verdict", "a [m/s2]", "a_w [m/s2]", "a_w, full motion", "differ by [%]", "freedoms"]]
     for ride in rides:
         full = rms(weight(ride.rates / (2 * np.pi)) * ride.run_seat)
@@ -64,7 +64,7 @@ def comfort(rides: list[Ride]) -> Rows:
 
 
 def modes(ride: Ride) -> Rows:
-    """Small motions of the car on its wheels."""
+    """Tabulate the small motions of the car on its wheels."""
     rows, r = [["mode", "mostly", "Hz", "damping"]], ride.vehicle.ride
     system = ride.vehicle.system()
     for mode in linearize(system).modes:
@@ -78,7 +78,7 @@ def modes(ride: Ride) -> Rows:
 
 
 def struts(ride: Ride) -> Rows:
-    """What springs, dampers and tyres see in the full motion."""
+    """Tabulate the loads of springs, dampers and tyres in the full motion."""
     rows = [["wheel", "", "travel rms [mm]", "most [mm]", "damper most [m/s]", "strut most [N]", "tyre rms [N]",
              "tyre least [N]"]]  # fmt: skip
     for corner in ride.vehicle.corners:
@@ -90,7 +90,7 @@ def struts(ride: Ride) -> Rows:
 
 
 def lifted(ride: Ride) -> str:
-    """The wheel that would leave the road most, and for how long, in a line; nothing if none does."""
+    """Return in a line which wheel would leave the road most, and for how long; nothing if none does."""
     loads = {corner.name: ride.tyre_load(corner) for corner in ride.vehicle.corners}
     name = min(loads, key=lambda wheel: loads[wheel].min())
     least, share = loads[name].min(), (loads[name] < 0.0).mean()
@@ -103,11 +103,11 @@ def lifted(ride: Ride) -> str:
 
 
 def guides(vehicle: Vehicle) -> Rows:
-    """What the links of both axles make of the wheel's travel."""
+    """Tabulate the suspension kinematics of both axles over the wheel travel."""
     rows = [["axle", "guide", "up [mm]", "toe-in [min]", "camber [deg]", "outwards [mm]", "motion ratio",
              "roll centre [mm]"]]  # fmt: skip
     for axle, held in zip(("front", "rear"), vehicle.guides, strict=True):
-        for z in HEIGHTS:
+        for z in TABLE_TRAVELS:
             toe, camber, track, ratio, centre = (
                 round(held.curves.at(name, z), 9) + 0.0 for name in ("toe", "camber", "track", "ratio", "roll_centre")
             )
@@ -117,17 +117,17 @@ def guides(vehicle: Vehicle) -> Rows:
 
 
 def braking(vehicle: Vehicle) -> str:
-    """Anti-dive and anti-lift in a line, and what they do to a car under brakes."""
+    """Return anti-dive and anti-lift in a line, and their effect on the car under braking."""
     (dive, lift), front = vehicle.anti, vehicle.ride["brakes"]
-    linked, slid = (np.degrees(Vehicle("whole", vehicle.ride, on).braked(BRAKES)) for on in (True, False))
+    linked, slid = (np.degrees(Vehicle("whole", vehicle.ride, on).braked(BRAKING_RATIO)) for on in (True, False))
     return (
         f"anti-dive in front {dive:.0%}, anti-lift behind {lift:.0%}, {front:.0%} of braking in front; at "
-        f"{BRAKES * GRAVITY:.1f} m/s2 the body dives by {linked:.2f} degrees, on slides it would by {slid:.2f}"
+        f"{BRAKING_RATIO * GRAVITY:.1f} m/s2 the body dives by {linked:.2f} degrees, on slides it would by {slid:.2f}"
     )
 
 
 def preloads(vehicle: Vehicle) -> str:
-    """What the loads of the struts make of the springs at the wheels, in a line."""
+    """Return in a line the effect of the loads of the struts on the stiffness at the wheels."""
     front, rear = vehicle.by_load
     return (
         f"as the motion ratio changes over the travel, the load of the strut is {front:+.1%} of the stiffness at the "
@@ -136,7 +136,7 @@ def preloads(vehicle: Vehicle) -> str:
 
 
 def guide_figure(vehicle: Vehicle) -> "Figure":
-    """Toe-in, camber and motion ratio of both axles over the travel."""
+    """Plot toe-in, camber and motion ratio of both axles over the travel."""
     degree = np.degrees(1.0)
     shown = ("toe", "toe-in [min]", 60 * degree), ("camber", "camber [°]", degree), ("ratio", "motion ratio", -1.0)
     with new_figure(7.5, 2.8) as (made, look):
@@ -153,7 +153,7 @@ def guide_figure(vehicle: Vehicle) -> "Figure":
 
 
 def figure(ride: Ride) -> "Figure":
-    """Acceleration at the seat over frequency, and weighted over the speed on several roads."""
+    """Plot the acceleration at the seat over frequency, and weighted over the speed on several roads."""
     f = ride.rates / (2 * np.pi)
     with new_figure(7.5, 5.4) as (made, look):
         upper, lower = made.subplots(2, 1)
@@ -169,17 +169,17 @@ def figure(ride: Ride) -> "Figure":
         for axis in (upper.xaxis, upper.yaxis):
             axis.set_major_formatter(lambda x, _: f"{x:g}")
         rolling = [replace(ride.vehicle, speed=float(speed)) for speed in SPEEDS]
-        for k, kind in enumerate(SHOWN):
+        for k, kind in enumerate(FIGURE_CLASSES):
             over = [Ride(vehicle, Road(kind), vehicle.speed).weighted for vehicle in rolling]
             lower.plot(SPEEDS, over, color=look.colour(k), linewidth=LINE, label=f"class {kind}")
         lower.plot([ride.speed], [ride.weighted], "o", color=look.ink)
         lower.set(xlabel="speed [m/s]", ylabel="weighted [m/s²]", ylim=(0.0, None))
-        made.legend(frameon=False, labelcolor=look.ink, ncols=len(SHOWN), loc="outside lower right")
+        made.legend(frameon=False, labelcolor=look.ink, ncols=len(FIGURE_CLASSES), loc="outside lower right")
     return made
 
 
 def response_figure(rides: list[Ride]) -> "Figure":
-    """Acceleration of the body over that of the road: quarter cars by small motions, and in closed form."""
+    """Plot the acceleration of the body over that of the road: quarter cars by small motions, and in closed form."""
     slid, linked = (ride for ride in rides if ride.vehicle.kind == "quarter")
     f = slid.rates / (2 * np.pi)
     with new_figure(7.5, 2.8) as (made, look):
@@ -199,19 +199,20 @@ def response_figure(rides: list[Ride]) -> "Figure":
 
 
 def left_out(ride: Ride) -> str:
-    """What of a road from a file does not count; nothing of a class."""
+    """Return in a line the waves of a road from a file that are left out; nothing for a road class."""
     if not isinstance(ride.road, Measured):
         return ""
-    return f"waves below {1e3 / SHORTEST:.0f} mm do not count: {1e3 * ride.road.left_out:.2g} mm rms of the road"
+    shortest = 1e3 / SPATIAL_FREQUENCY_MAX
+    return f"waves below {shortest:.0f} mm do not count: {1e3 * ride.road.left_out:.2g} mm rms of the road"
 
 
 def write_page(car: Car, rides: list[Ride], folder: str | Path) -> Path:
-    """Write ``ride-CAR.html`` and its view into a folder that exists, of the last of some rides and the others beside
-    it; where the page is.
+    """Write ``ride-CAR.html`` and its view into a folder that exists, of the last of some rides with the others for
+    comparison; return the path of the page.
     """
     folder, view, ride = Path(folder), f"ride-{car.name}-view.html", rides[-1]
-    run, end = ride.run, float(ride.run.t[0]) + FILM
-    film = simulate(run.system, end, state=run.state(0), output=np.linspace(run.t[0], end, FRAMES))
+    run, end = ride.run, float(ride.run.t[0]) + ANIMATION_SECONDS
+    film = simulate(run.system, end, state=run.state(0), output=np.linspace(run.t[0], end, ANIMATION_FRAMES))
     title = car.title.split(",")[0]
     shown = film.animate(curves=(), traces=(), hidden=("body names",), speed=1.0, title=title).html
     write_atomically(folder / view, playing(shown).encode())

@@ -1,4 +1,4 @@
-"""A car over a rough road: vibration at the seat, wave by wave and in the full motion.
+"""Car on a rough road: vibration at the seat, wave by wave and in the full motion.
 
 A wave n of the road reaches a wheel x ahead of the centre of mass as ``c exp(2 pi i n (v t + x))`` and pushes it by
 ``(k + i w c_t)`` of its height, w = 2 pi n v. Through the small motions of the car the acceleration at the seat is
@@ -14,22 +14,24 @@ from functools import cached_property
 import numpy as np
 
 from engines.nvh.road.comfort import verdict, weight
-from engines.nvh.road.profile import SHORTEST, Road
+from engines.nvh.road.profile import SPATIAL_FREQUENCY_MAX, Road
 from engines.nvh.road.vehicle import Corner, Vehicle
 from mbsd3d import Solution, Table, simulate
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
-FINE = 16  # samples of the shortest wave of the road
-SETTLE = 6.0  # s: heave of 1.2 Hz with a fifth of critical damping has left 1e-4
-SPEEDS = 0.5, 150.0  # m/s
+SAMPLES_PER_WAVE = 16  # [1] samples of the shortest wave of the road
+SETTLE_SECONDS = 6.0  # [s] heave of 1.2 Hz with a fifth of critical damping has decayed to 1e-4
+SPEED_RANGE = 0.5, 150.0  # [m/s] speeds of a car
 RTOL = 1e-8
-LEVEL = 1e-9  # m
+LEVEL_HEIGHT_MAX = 1e-9  # [m] a road with smaller heights is level
 
 
 @dataclass(frozen=True)
 class Ride:
-    """``vehicle`` over ``road`` at ``speed`` [m/s]; ValueError for a speed that cars do not have, or a level road."""
+    """Ride of ``vehicle`` on ``road`` at ``speed`` [m/s]; ValueError for a speed outside the range of cars, or a level
+    road.
+    """
 
     vehicle: Vehicle
     road: Road
@@ -37,31 +39,34 @@ class Ride:
 
     def __post_init__(self) -> None:
         speed = number(self.speed, "ride: speed", positive=True)
-        if not SPEEDS[0] <= speed <= SPEEDS[1]:
-            raise InputError(f"ride: speed {speed:g} m/s; give {SPEEDS[0]:g} ... {SPEEDS[1]:g} m/s, as cars go")
-        if not np.abs(self.road.amplitudes).max(initial=0.0) > LEVEL:
+        if not SPEED_RANGE[0] <= speed <= SPEED_RANGE[1]:
             raise InputError(
-                f"road '{self.road.title}' is level: no wave of {1 / SHORTEST:.2g} m or more; give uneven heights"
+                f"ride: speed {speed:g} m/s; give {SPEED_RANGE[0]:g} ... {SPEED_RANGE[1]:g} m/s, as cars go"
+            )
+        if not np.abs(self.road.amplitudes).max(initial=0.0) > LEVEL_HEIGHT_MAX:
+            raise InputError(
+                f"road '{self.road.title}' is level: "
+                f"no wave of {1 / SPATIAL_FREQUENCY_MAX:.2g} m or more; give uneven heights"
             )
 
     @cached_property
     def rates(self) -> np.ndarray:
-        """(k,) w of the waves [rad/s]."""
+        """Return the rates w of the waves [rad/s], shape (k,)."""
         return 2 * np.pi * self.road.waves * self.speed
 
     def under(self, corner: Corner) -> np.ndarray:
-        """(k,) phasors of the road under a wheel [m]; a half car has the mean of both tracks."""
+        """Return the phasors of the road under a wheel [m]; a half car has the mean of both tracks; shape (k,)."""
         c = self.road.amplitudes
         track = c.mean(axis=0) if self.vehicle.kind == "half" else c[corner.side]
         return track * np.exp(2j * np.pi * self.road.waves * corner.x)
 
     def pushed(self, corner: Corner) -> np.ndarray:
-        """(k,) phasors of the force by which the road pushes a wheel through its tyre [N]."""
+        """Return the phasors of the force of the road on a wheel through its tyre [N], shape (k,)."""
         return (corner.tyre + 1j * self.rates * corner.tyre_damping) * self.under(corner)
 
     @cached_property
     def heights(self) -> np.ndarray:
-        """(k, outputs) phasors of the heights of the vehicle's points [m]."""
+        """Return the phasors of the heights of the vehicle's points [m], shape (k, outputs)."""
         A, B = self.vehicle.equations
         w, n = self.rates, A.shape[0]
         push = [self.pushed(corner) for corner in self.vehicle.corners]
@@ -71,25 +76,25 @@ class Ride:
 
     @cached_property
     def seat(self) -> np.ndarray:
-        """(k,) phasors of the acceleration at the seat [m/s^2]."""
+        """Return the phasors of the acceleration at the seat [m/s^2], shape (k,)."""
         return -(self.rates**2) * (self.heights @ self.vehicle.at_seat)
 
     @property
     def weighted(self) -> float:
-        """Root mean square of the weighted acceleration at the seat [m/s^2]."""
+        """Return the root mean square of the weighted acceleration at the seat [m/s^2]."""
         return rms(weight(self.rates / (2 * np.pi)) * self.seat)
 
     @property
     def verdict(self) -> str:
-        """What people in public transport would say."""
+        """Return the likely reaction of people in public transport."""
         return verdict(self.weighted)
 
     @cached_property
     def run(self) -> Solution:
-        """The full motion over one length of the road, settled."""
+        """Simulate the full motion over one length of the road, settled."""
         period = self.road.length / self.speed
-        count = int(np.ceil(FINE * self.road.waves[-1] * self.road.length))
-        before = int(np.ceil(SETTLE / period * count))
+        count = int(np.ceil(SAMPLES_PER_WAVE * self.road.waves[-1] * self.road.length))
+        before = int(np.ceil(SETTLE_SECONDS / period * count))
         times = period / count * np.arange(before + count + 1)
         turns = np.arange(times.size) % count  # the road repeats itself
         loads = [
@@ -100,29 +105,31 @@ class Ride:
         return simulate(system, float(times[-1]), output=times[before:], rtol=RTOL)
 
     def over(self, phasors: np.ndarray, count: int) -> np.ndarray:
-        """(count,) values over a length of the road of the sum of its waves."""
+        """Return the values over a length of the road of the sum of its waves, shape (count,)."""
         lines = np.zeros(count // 2 + 1, dtype=complex)
         lines[self.numbers] = phasors * count / 2
         return np.fft.irfft(lines, count)
 
     def sampled(self, phasors: np.ndarray) -> np.ndarray:
-        """(samples,) values of a sum of the road's waves at the times of the full motion."""
+        """Return the values of a sum of the road's waves at the times of the full motion, shape (samples,)."""
         turned = phasors * np.exp(1j * self.rates * self.run.t[0])
         return np.resize(self.over(turned, self.run.t.size - 1), self.run.t.size)
 
     def tyre_load(self, corner: Corner) -> np.ndarray:
-        """(samples,) force of the road on a wheel in the full motion [N]; below 0 a tyre would have to pull."""
+        """Return the force of the road on a wheel in the full motion [N], below 0 where a tyre would have to pull,
+        shape (samples,).
+        """
         tyre = self.run.force(f"tyre of {corner.name}")
         return tyre.force[:, 2] + self.sampled(self.pushed(corner)) + corner.borne
 
     @property
     def numbers(self) -> np.ndarray:
-        """(k,) of waves on the length of the road."""
+        """Return the number of each wave on the length of the road, shape (k,)."""
         return np.round(self.road.waves * self.road.length).astype(int)
 
     @cached_property
     def run_seat(self) -> np.ndarray:
-        """(k,) phasors of the acceleration at the seat in the full motion [m/s^2]."""
+        """Return the phasors of the acceleration at the seat in the full motion [m/s^2], shape (k,)."""
         run, (x, y) = self.run, self.vehicle.seat
         up = run.acceleration("body")[:, 2] + run.alpha("body") @ (y, -x, 0.0)
         count = up.size - 1
@@ -131,10 +138,12 @@ class Ride:
 
     @property
     def difference(self) -> float:
-        """Root mean square of what full motion and small motions differ by, over that of the acceleration."""
+        """Return the root mean square of the difference of full motion and small motions, over that of the acceleration
+        [-].
+        """
         return rms(self.run_seat - self.seat) / rms(self.seat)
 
 
 def rms(phasors: np.ndarray) -> float:
-    """Root mean square of a sum of waves of different frequencies."""
+    """Return the root mean square of a sum of waves of different frequencies."""
     return float(np.sqrt(np.sum(np.abs(phasors) ** 2) / 2))

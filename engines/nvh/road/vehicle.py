@@ -1,4 +1,4 @@
-"""A car on its wheels: quarter, half and whole, as mechanisms in space, and their small motions.
+"""Car on its wheels: quarter, half and whole, as mechanisms in space, and their small motions.
 
 The body heaves, rolls and pitches; wheels slide along the z axis of the body, or hang on the five links of their axle
 (`Guide`), on springs and dampers; tyres are springs and dampers to the ground. Links move them sideways, too, at y_dot
@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from engines.nvh.road.guide import SWING, Guide, guide, made
+from engines.nvh.road.guide import WHEEL_INERTIA_RATIO, Guide, guide, made
 from mbsd3d import (
     GROUND,
     Body,
@@ -36,20 +36,20 @@ from mbsd3d.errors import InputError
 from mbsd3d.extend import Measure, matrix, number
 
 KINDS = ("quarter", "half", "whole")
-HEIGHT, REST = 0.25, 0.3  # m: of the wheels' centres below that of the body; length of springs and tyres
+BODY_HEIGHT, STRUT_LENGTH = 0.25, 0.3  # m: of the wheels' centres below that of the body; length of springs and tyres
 Z = (0.0, 0.0, 1.0)
-PAIRS = dict.fromkeys(("unsprung", "spring", "damper", "tyre", "cornering", "guides"), "front and rear") | {
+AXLE_FIELDS = dict.fromkeys(("unsprung", "spring", "damper", "tyre", "cornering", "guides"), "front and rear") | {
     "seat": "ahead and left"
 }
 Load = tuple[str, Sequence[Any], Sequence[float] | None]
 GRAVITY = 9.81  # m/s^2: brakes are given as a share of it
-SPOTS = {"quarter": [(0, 0)], "half": [(1, 0), (-1, 0)], "whole": [(1, 0), (-1, 0), (0, 1)]}
+OUTPUT_PLACES = {"quarter": [(0, 0)], "half": [(1, 0), (-1, 0)], "whole": [(1, 0), (-1, 0), (0, 1)]}
 """Points (x, y) of the body whose heights say how it stands [m]."""
 
 
 @dataclass(frozen=True)
 class Corner:
-    """A wheel: ``name``; ``x, y`` from the centre of mass [m]; ``side``: 0 left, 1 right; masses and rates [SI];
+    """Wheel of a car: ``name``; ``x, y`` from the centre of mass [m]; ``side``: 0 left, 1 right; masses and rates [SI];
     ``load``: of the body on it [N].
     """
 
@@ -66,15 +66,15 @@ class Corner:
 
     @property
     def borne(self) -> float:
-        """By the tyre at rest [N]."""
+        """Return the static wheel load [N]."""
         return self.load + self.mass * GRAVITY
 
 
 @dataclass(frozen=True)
 class Vehicle:
-    """``kind``: "quarter" (front left corner), "half" (left half) or "whole"; ``ride``: as in the data file;
-    ``linked``: whether wheels hang on the links of their axles or slide along the body's z; ``speed``: at which those
-    on links roll [m/s], None: tyres bear no side force.
+    """Vehicle of a ``kind``: "quarter" (front left corner), "half" (left half) or "whole"; ``ride``: as in the data
+    file; ``linked``: whether wheels hang on the links of their axles or slide along the body's z; ``speed``: at which
+    those on links roll [m/s], None: tyres bear no side force.
 
     ValueError for an unknown kind, a mass, a rate or a speed that is not positive, or a negative damping.
     """
@@ -87,11 +87,11 @@ class Vehicle:
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
             raise InputError(f"car on wheels: kind {self.kind!r} is unknown; give one of {', '.join(KINDS)}")
-        for name in PAIRS:
+        for name in AXLE_FIELDS:
             given = self.ride[name]
             if isinstance(given, str) or not isinstance(given, Sequence) or len(given) != 2:
                 count = f"{len(given)} in a list" if isinstance(given, list) else repr(given)
-                raise InputError(f"car on wheels: {name}: {count}; give two, {PAIRS[name]}")
+                raise InputError(f"car on wheels: {name}: {count}; give two, {AXLE_FIELDS[name]}")
         for given in self.ride["guides"]:
             if not isinstance(given, str | dict):
                 raise InputError(
@@ -114,12 +114,12 @@ class Vehicle:
 
     @property
     def title(self) -> str:
-        """The car in words."""
+        """Return the car in words."""
         return f"{self.kind} car{' on links' * self.linked}"
 
     @cached_property
     def corners(self) -> list[Corner]:
-        """Front left, front right, rear left, rear right, as far as there are."""
+        """Return the existing corners of front left, front right, rear left, rear right."""
         r, found = self.ride, []
         ahead = (1 - r["front"]) * r["wheelbase"], -r["front"] * r["wheelbase"]
         for axle, (end, x) in enumerate(zip(("front", "rear"), ahead, strict=True)):
@@ -134,36 +134,37 @@ class Vehicle:
 
     @property
     def part(self) -> float:
-        """Share of the car that is there."""
+        """Return the share of the car in the model [-]."""
         return {"quarter": self.ride["front"] / 2, "half": 0.5}.get(self.kind, 1.0)
 
     @property
     def mass(self) -> float:
-        """Carried by the springs [kg]."""
+        """Return the sprung mass [kg]."""
         return self.ride["mass"] * self.part
 
     @property
     def seat(self) -> tuple[float, float]:
-        """(x, y) where the driver sits; over the wheel of a quarter car [m]."""
+        """Return (x, y) of the driver's seat [m]; above the wheel of a quarter car."""
         x, y = self.ride["seat"]
         return {"half": (x, 0.0), "whole": (x, y)}.get(self.kind, (0.0, 0.0))
 
     @cached_property
     def guides(self) -> list[Guide]:
-        """Guides of the front and the rear left wheel."""
+        """Return the suspensions of the front and the rear left wheel."""
         track = self.ride["track"]
         return [made("own", x, track) if isinstance(x, dict) else guide(x, track) for x in self.ride["guides"]]
 
     @property
     def anti(self) -> tuple[float, float]:
-        """(anti-dive, anti-lift): share of the pitching moment of braking that the links bear, front and rear."""
-        share, arm = self.ride["brakes"], self.ride["wheelbase"] / (HEIGHT + REST)
+        """Return (anti-dive, anti-lift): share of the pitching moment of braking that the links bear, front and
+        rear."""
+        share, arm = self.ride["brakes"], self.ride["wheelbase"] / (BODY_HEIGHT + STRUT_LENGTH)
         front, rear = (held.curves.at("ahead", 0.0) for held in self.guides)
         return share * arm * front, -(1 - share) * arm * rear
 
     @property
     def by_load(self) -> tuple[float, float]:
-        """(front, rear) share of the stiffness at a wheel that the load of its strut makes, ``T dr/dz / k_w``; of a
+        """Return (front, rear) share of the stiffness at a wheel due to the load of its strut, ``T dr/dz / k_w``; of a
         half or whole car on links.
         """
         front, rear = (
@@ -173,11 +174,11 @@ class Vehicle:
         return front, rear
 
     def system(self, loads: Sequence[Load] = ()) -> System:
-        """The mechanism; ``loads``: (wheel, force [N] or signals, where it acts; None: at the centre)."""
+        """Build the mechanism; ``loads``: (wheel, force [N] or signals, where it acts; None: at the centre)."""
         r = self.ride
-        size = (r["wheelbase"], 0.5 * r["track"], 2 * HEIGHT)
+        size = (r["wheelbase"], 0.5 * r["track"], 2 * BODY_HEIGHT)
         inertia = np.array([r["roll_inertia"], r["pitch_inertia"], r["pitch_inertia"]]) * self.part
-        body = Body("body", self.mass, inertia, position=(0, 0, HEIGHT + REST), shape=shapes.Box(size))
+        body = Body("body", self.mass, inertia, position=(0, 0, BODY_HEIGHT + STRUT_LENGTH), shape=shapes.Box(size))
         joints: list[Any] = [Prismatic(GROUND, body, at=body.position, axis=Z, name="heave")]
         if self.kind != "quarter":
             across = (1, 0, 0) if self.kind == "whole" else (0, 0, 1)
@@ -191,7 +192,9 @@ class Vehicle:
             bodies.append(wheel)
             joints += hung
             at, rates = wheel.position, dict(stiffness=corner.tyre, damping=corner.tyre_damping)
-            tyre = SpringDamper(GROUND, wheel, at_a=at - (0, 0, REST), at_b=at, **rates, name=f"tyre of {corner.name}")
+            tyre = SpringDamper(
+                GROUND, wheel, at_a=at - (0, 0, STRUT_LENGTH), at_b=at, **rates, name=f"tyre of {corner.name}"
+            )
             weight = Force(wheel, (0, 0, corner.borne), name=f"weight on {corner.name}")
             forces += [strut, tyre, weight, *self.rolling(corner, wheel)]
         named = {part.name: part for part in bodies}
@@ -199,16 +202,16 @@ class Vehicle:
         return System(bodies, joints, forces, gravity=(0, 0, -GRAVITY), name=self.title)
 
     def rolling(self, corner: Corner, wheel: Body) -> list[Bushing]:
-        """Side force of a tyre that rolls, at the lowest point of a wheel on links."""
+        """Return the side force of a rolling tyre, at the lowest point of a wheel on links."""
         if self.speed is None or not self.linked:
             return []
         slip = self.ride["cornering"][int(corner.x < 0)] / self.speed
-        at = wheel.position - (0, 0, REST)
+        at = wheel.position - (0, 0, STRUT_LENGTH)
         return [Bushing(GROUND, wheel, at=at, stiffness=0.0, damping=(0, slip, 0), name=f"slip of {corner.name}")]
 
     def hung(self, corner: Corner, body: Body) -> tuple[Body, list[Any], SpringDamper]:
-        """(wheel, what guides it, spring and damper) of a corner."""
-        at, name = np.array([corner.x, corner.y, REST]), f"spring of {corner.name}"
+        """Return (wheel, its suspension, spring and damper) of a corner."""
+        at, name = np.array([corner.x, corner.y, STRUT_LENGTH]), f"spring of {corner.name}"
         if self.linked:
             held = self.guides[int(corner.x < 0)]
             held = held.mirrored if corner.side else held
@@ -216,15 +219,15 @@ class Vehicle:
             wheel = held.upright(corner.mass, corner.name, origin)
             strut = held.spring(body, wheel, corner.spring, corner.damper, corner.load, name, origin)
             return wheel, held.hold(body, wheel, origin, f" of {corner.name}"), strut
-        tyre, above = shapes.Cylinder(REST, 0.2, "y"), at + (0, 0, HEIGHT)
-        wheel = Body(corner.name, corner.mass, 3 * (SWING * corner.mass,), position=at, shape=tyre)
+        tyre, above = shapes.Cylinder(STRUT_LENGTH, 0.2, "y"), at + (0, 0, BODY_HEIGHT)
+        wheel = Body(corner.name, corner.mass, 3 * (WHEEL_INERTIA_RATIO * corner.mass,), position=at, shape=tyre)
         guided = Prismatic(body, wheel, at=at, axis=Z, name=f"guide of {corner.name}")
-        free = HEIGHT + corner.load / corner.spring
+        free = BODY_HEIGHT + corner.load / corner.spring
         rates = dict(stiffness=corner.spring, damping=corner.damper, length=free)
         return wheel, [guided], SpringDamper(wheel, body, at_a=at, at_b=above, **rates, name=name)
 
     def braked(self, share: float) -> float:
-        """Angle by which the body of a half or whole car dives under brakes of a share of gravity [rad].
+        """Return the angle by which the body of a half or whole car dives under braking at a share of gravity [rad].
 
         The wheels are held by their brakes, forces act where they touch the road, and the body stands still again.
         """
@@ -237,9 +240,11 @@ class Vehicle:
         return float(-np.arcsin(ahead[2]))
 
     def outputs(self, system: System) -> list[Measure]:
-        """Heights of as many points as there are freedoms, then their velocities: of the body, then of the wheels."""
+        """Return heights of as many points as there are degrees of freedom, then their velocities: of the body, then of
+        the wheels.
+        """
         body = system.bodies[0]
-        points = [(body, (x, y, body.position[2])) for x, y in SPOTS[self.kind]] + [
+        points = [(body, (x, y, body.position[2])) for x, y in OUTPUT_PLACES[self.kind]] + [
             (wheel, None) for wheel in system.bodies[1:]
         ]
         places = [measures.position(part, axis=Z, at=at) for part, at in points]
@@ -247,7 +252,7 @@ class Vehicle:
 
     @cached_property
     def at_seat(self) -> np.ndarray:
-        """(outputs,) weights of the heights of the body that give that of the seat."""
+        """Return the weights of the heights of the body that give the height of the seat, shape (outputs,)."""
         x, y = self.seat
         body = {"half": [(1 + x) / 2, (1 - x) / 2], "whole": [(1 + x - y) / 2, (1 - x - y) / 2, y]}
         weights = np.array(body.get(self.kind, [1.0]))
@@ -255,14 +260,16 @@ class Vehicle:
 
     @cached_property
     def equations(self) -> tuple[np.ndarray, np.ndarray]:
-        """(A (2 n, 2 n), B (2 n, wheels)): small motions of the outputs, and what a force up on a wheel adds."""
+        """Return (A (2 n, 2 n), B (2 n, wheels)): small motions of the outputs, and the effect of an upward force on a
+        wheel.
+        """
         system = self.system()
         A = linearize(system, outputs=self.outputs(system)).A
         columns = []
         for corner in self.corners:
             pushed = accelerations(self.system([(corner.name, (0, 0, 1.0), None)]))
             (up,), (turn,) = pushed.acceleration("body"), pushed.alpha("body")
-            body = [up[2] + turn[0] * y - turn[1] * x for x, y in SPOTS[self.kind]]
+            body = [up[2] + turn[0] * y - turn[1] * x for x, y in OUTPUT_PLACES[self.kind]]
             wheels = [pushed.acceleration(other.name)[0, 2] for other in self.corners]
             columns.append(np.concatenate([np.zeros(A.shape[0] // 2), body, wheels]))
         return A, np.array(columns).T

@@ -1,4 +1,4 @@
-"""Cams with a follower: lift over the angle as a periodic spline; a flat face, a roller, a roller on a drum's rim.
+"""Cams with a follower: lift over the angle as a periodic spline; a flat face, a roller, a roller on the rim of a drum.
 
 Followers go along z, and the cam starts with its nose away from them. With s(angle) the lift, the cam is curved where
 it touches them with the radius
@@ -22,16 +22,16 @@ from mbsd3d import Body, CurveContact, shapes
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
-COUNT = 720  # points of a turn
+OUTLINE_POINTS = 720  # [1] points of a turn
 LAWS = ("cycloidal", "harmonic", "polynomial")
 X, Z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
-THICK = 0.012  # m, as rollers are drawn
+ROLLER_WIDTH = 0.012  # [m] of a roller in drawings
 
 
 @dataclass(frozen=True, eq=False)
 class Cam:
-    """A cam with a flat follower, about x. Its face stands square to its guide, which crosses the axis of the cam, and
-    is touched at (s', base + s) beside and above the axis.
+    """Cam with a flat follower, about x. The face is perpendicular to its guide, which crosses the axis of the cam; the
+    contact is at (s', base + s) beside and above the axis.
 
     ``lift`` (n,): at even angles from the nose on, one turn without the last point [m]; ``base``: radius [m].
 
@@ -54,61 +54,63 @@ class Cam:
             raise InputError(f"cam: radius of curvature {1e3 * least:.2f} mm, a cusp; {self.remedy(least)}")
 
     def remedy(self, least: float) -> str:
-        """What helps against a cusp of such a radius [m]."""
+        """Return the remedy for a cusp of such a radius [m]."""
         return f"give a base above {1e3 * (self.base - least):.2f} mm or a slower lift"
 
     @cached_property
     def spline(self) -> CubicSpline:
-        """s over the angle from the nose [rad], periodic."""
+        """Return the lift s over the angle from the nose [rad] as a periodic spline."""
         angle = 2 * np.pi * np.arange(self.lift.size + 1) / self.lift.size
         return CubicSpline(angle, np.append(self.lift, self.lift[0]), bc_type="periodic")
 
     @property
     def ring(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """(angle, s, s', s''), (n + 1,) each, one turn from the back of the cam on."""
+        """Return (angle, s, s', s''), (n + 1,) each, one turn from the back of the cam on."""
         angle = self.spline.x + np.pi
         return angle, *(self.spline(np.mod(angle, 2 * np.pi), k) for k in range(3))
 
     @property
     def height(self) -> float:
-        """Of the follower over the origin at no lift [m]."""
+        """Return the height of the follower over the origin at no lift [m]."""
         return self.base
 
     @property
     def at(self) -> np.ndarray:
-        """(3,) where the follower is touched, or the middle of its roller, at the start [m]."""
+        """Return the contact point of the follower, or the middle of its roller, at the start [m], shape (3,)."""
         return np.array([0.0, 0.0, self.height + float(self.spline(np.pi))])
 
     @property
     def radius(self) -> np.ndarray:
-        """(n + 1,) of curvature where the follower touches, inf where the cam is hollow [m]."""
+        """Return the radius of curvature at the contact with the follower, inf where the cam is hollow [m], shape (n +
+        1,).
+        """
         _, s, _, bend = self.ring
         return self.base + s + bend
 
     @property
     def lean(self) -> float:
-        """Greatest pressure angle [rad]."""
+        """Return the greatest pressure angle [rad]."""
         return 0.0
 
     @property
     def outline(self) -> np.ndarray:
-        """(n + 1, 3) points of the cam at the start, the last one the first [m]."""
+        """Return the points of the cam at the start, the last equal to the first [m], shape (n + 1, 3)."""
         angle, s, slope, _ = self.ring
         return turned_back(slope, self.base + s, angle - np.pi)
 
     def touch(self, shaft: Body, valve: Body) -> CurveContact:
-        """The follower stays on the cam."""
+        """Return the joint that keeps the follower on the cam."""
         return CurveContact(shaft, valve, self.outline[:-1], at=self.at, face=Z, name="cam")
 
     @property
     def looks(self) -> tuple[list, list]:
-        """(of the cam, of the end of the follower)."""
+        """Return the shapes of the cam and of the end of the follower."""
         return [shapes.Lines(self.outline)], [shapes.Disc(0.016, 0.003, "z")]
 
 
 @dataclass(frozen=True, eq=False)
 class RollerCam(Cam):
-    """A cam about x with a follower on a ``roller`` of this radius [m] that crosses the axis of the cam."""
+    """Cam about x with a follower on a ``roller`` of this radius [m] that crosses the axis of the cam."""
 
     roller: float = 0.009
     kind: ClassVar[int] = 1
@@ -126,7 +128,9 @@ class RollerCam(Cam):
 
     @property
     def bend(self) -> np.ndarray:
-        """(n + 1,) k of the way of the roller's middle on the cam, > 0 where it is convex [1/m]."""
+        """Return the curvature k of the path of the roller's middle on the cam, > 0 where it is convex [1/m], shape (n
+        + 1,).
+        """
         _, s, slope, bend = self.ring
         p = self.height + s
         return (p**2 + 2 * slope**2 - p * bend) / (p**2 + slope**2) ** 1.5
@@ -138,7 +142,7 @@ class RollerCam(Cam):
 
     @property
     def tilt(self) -> np.ndarray:
-        """(n + 1,) pressure angle [rad]."""
+        """Return the pressure angle [rad], shape (n + 1,)."""
         _, s, slope, _ = self.ring
         return np.arctan2(slope, self.height + s)
 
@@ -157,18 +161,18 @@ class RollerCam(Cam):
 
     @property
     def pins(self) -> np.ndarray:
-        """(3,) or (n, 3) axis of the roller, at every point of the outline."""
+        """Return the axis of the roller, at every point of the outline, shape (3,) or (n, 3)."""
         return np.array(X)
 
     @property
     def looks(self) -> tuple[list, list]:
-        return [shapes.Lines(self.outline)], [shapes.Disc(self.roller, THICK, "x")]
+        return [shapes.Lines(self.outline)], [shapes.Disc(self.roller, ROLLER_WIDTH, "x")]
 
 
 @dataclass(frozen=True, eq=False)
 class BarrelCam(RollerCam):
-    """A drum about z whose rim lifts a follower on a ``roller`` with a radial axis, its middle ``base`` from the axis
-    of the drum [m].
+    """Drum about z whose rim lifts a follower on a ``roller`` with a radial axis, its middle ``base`` from the axis of
+    the drum [m].
     """
 
     kind: ClassVar[int] = 2
@@ -193,7 +197,7 @@ class BarrelCam(RollerCam):
 
     @property
     def radial(self) -> np.ndarray:
-        """(n + 1, 3) from the axis to the roller, seen from the drum."""
+        """Return the direction from the axis to the roller, seen from the drum, shape (n + 1, 3)."""
         turn = self.ring[0] - np.pi
         return np.column_stack([np.cos(turn), -np.sin(turn), 0 * turn])
 
@@ -209,7 +213,7 @@ class BarrelCam(RollerCam):
 
     @property
     def looks(self) -> tuple[list, list]:
-        drum = shapes.Cylinder(self.base - THICK / 2, self.base, "z", at=(0, 0, -self.roller - self.base / 2))
+        drum = shapes.Cylinder(self.base - ROLLER_WIDTH / 2, self.base, "z", at=(0, 0, -self.roller - self.base / 2))
         rim, roller = super().looks
         return [*rim, drum], roller
 
@@ -218,14 +222,14 @@ FOLLOWERS = {"flat": Cam, "roller": RollerCam, "barrel": BarrelCam}
 
 
 def turned_back(across: np.ndarray, up: np.ndarray, turn: np.ndarray) -> np.ndarray:
-    """(n, 3) points beside and above the axis of a cam about x that has turned, in the cam's own axes."""
+    """Return points beside and above the axis of a rotated cam about x, in the cam's own axes, shape (n, 3)."""
     c, s = np.cos(turn), np.sin(turn)
     return np.column_stack([0 * turn, across * c + up * s, up * c - across * s])
 
 
 def cam(law: str, lift: float, half: float, base: float, follower: str = "flat") -> Cam:
-    """A cam that lifts by ``lift`` [m] within ``half`` [rad] on both sides of the nose, by one of `LAWS`, with one of
-    `FOLLOWERS`.
+    """Return a cam that lifts by ``lift`` [m] within ``half`` [rad] on both sides of the nose, by one of `LAWS`, with
+    one of `FOLLOWERS`.
 
     With x from 0 to 1 up to the nose: cycloidal ``x - sin(2 pi x) / 2 pi``, harmonic ``(1 - cos(pi x)) / 2``,
     polynomial ``10 x^3 - 15 x^4 + 6 x^5``. ValueError for another law or follower, or a lift or angle that no cam has.
@@ -235,7 +239,7 @@ def cam(law: str, lift: float, half: float, base: float, follower: str = "flat")
         raise InputError(f"cam: follower '{follower}' is unknown; there are {', '.join(FOLLOWERS)}")
     if not 0.0 < number(half, "cam: half") <= np.pi:
         raise InputError(f"cam: half {half:g} rad; the lift takes at most half a turn to each side")
-    angle = 2 * np.pi * np.arange(COUNT) / COUNT
+    angle = 2 * np.pi * np.arange(OUTLINE_POINTS) / OUTLINE_POINTS
     x = np.clip(1 - np.minimum(angle, 2 * np.pi - angle) / half, 0.0, 1.0)
     if law == "cycloidal":
         share = x - np.sin(2 * np.pi * x) / (2 * np.pi)

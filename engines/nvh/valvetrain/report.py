@@ -18,18 +18,19 @@ from mbsd3d.extend import LINE, digits, dress, inline_svg, new_figure, number, p
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-LIFT, HALF = 0.008, np.radians(75.0)  # m, rad, of an ordinary cam (assumed)
-BASE = {"flat": 0.024, "roller": 0.018, "barrel": 0.036}  # m, by its follower
-SHARES = (0.5, 0.8, 0.95, 1.05, 1.2)  # of the speed of float
-PIECES = 8  # of a spring that surges
-SLOWEST = 100.0  # 1/min: of an engine that idles a camshaft turns at 300
-PERIOD = 6.0  # s that a turn takes to watch
+CAM_LIFT, CAM_HALF_ANGLE = 0.008, np.radians(75.0)  # m, rad, of an ordinary cam (assumed)
+BASE_RADIUS = {"flat": 0.024, "roller": 0.018, "barrel": 0.036}  # [m] of the cam, by its follower
+FLOAT_SPEED_RATIOS = (0.5, 0.8, 0.95, 1.05, 1.2)  # [1] of the float speed
+SPRING_MASSES = 8  # [1] masses of a spring with surge
+CAM_SPEED_MIN = 100.0  # [1/min] an idling engine turns its camshaft at 300
+ANIMATION_SECONDS = 6.0  # [s] that a turn takes in the animation
 
 
 @dataclass(frozen=True)
 class Valve:
-    """A cam of a law with the valve of `Train` on a ``follower``, "flat", "roller" or "barrel", at a speed of the
-    camshaft [1/min]; None: 5 % above that of float. ValueError for a speed that is not positive, or below `SLOWEST`.
+    """Cam of a law with the valve of `Train` on a ``follower``, "flat", "roller" or "barrel", at a speed of the
+    camshaft [1/min]; None: 5 % above that of float. ValueError for a speed that is not positive, or below
+    `CAM_SPEED_MIN`.
     """
 
     law: str
@@ -38,44 +39,50 @@ class Valve:
 
     @cached_property
     def train(self) -> Train:
-        """The train at the speed."""
-        train = Train(cam(self.law, LIFT, HALF, BASE.get(self.follower, 0.0), self.follower))
-        speed = SHARES[-2] * train.floats_at() if self.rpm is None else number(self.rpm, "valve: rpm", positive=True)
-        if speed < SLOWEST:
-            raise InputError(f"valve: rpm {speed:g}; give {SLOWEST:g} or more: slower ones only feel their spring")
+        """Return the valve train at the speed."""
+        train = Train(cam(self.law, CAM_LIFT, CAM_HALF_ANGLE, BASE_RADIUS.get(self.follower, 0.0), self.follower))
+        speed = (
+            FLOAT_SPEED_RATIOS[-2] * train.floats_at()
+            if self.rpm is None
+            else number(self.rpm, "valve: rpm", positive=True)
+        )
+        if speed < CAM_SPEED_MIN:
+            raise InputError(
+                f"valve: rpm {speed:g}; give {CAM_SPEED_MIN:g} or more: slower ones only feel their spring"
+            )
         return Train(train.cam, rpm=speed)
 
     @cached_property
     def floats(self) -> float:
-        """Speed of the camshaft from which on the valve floats [1/min]."""
+        """Return the speed of the camshaft from which on the valve floats [1/min]."""
         return Train(self.train.cam).floats_at()
 
     @cached_property
     def held(self) -> Solution:
-        """A turn with the valve held on the cam."""
+        """Return a turn with the valve held on the cam."""
         return self.train.held()
 
     @cached_property
     def run(self) -> Solution:
-        """The motion in the contact, the spring without mass."""
+        """Return the motion with the contact, the spring without mass."""
         return self.train.free()
 
     @cached_property
     def surging(self) -> Solution:
-        """The same with a spring that has a mass."""
+        """Return the motion with the contact and a spring that has a mass."""
         return self.surging_train.free()
 
     @property
     def surging_train(self) -> Train:
-        """That with a spring of `PIECES`."""
-        return replace(self.train, pieces=PIECES)
+        """Return the valve train with a spring of `SPRING_MASSES`."""
+        return replace(self.train, pieces=SPRING_MASSES)
 
     @cached_property
     def rows(self) -> list[list[str]]:
-        """Over the speed: the multiplier of the constraint beside what the contact does."""
+        """Tabulate over the speed the multiplier of the constraint and the behaviour of the contact."""
         table = [["1/min", "spring", "constraint, least [N]", "contact, most [N]", "open [degrees]", "gap [mm]"]]
-        for rpm in sorted({*(share * self.floats for share in SHARES), self.train.rpm}):
-            for words, pieces in (("without mass", 0), (f"{PIECES} pieces", PIECES)):
+        for rpm in sorted({*(share * self.floats for share in FLOAT_SPEED_RATIOS), self.train.rpm}):
+            for words, pieces in (("without mass", 0), (f"{SPRING_MASSES} pieces", SPRING_MASSES)):
                 train = Train(self.train.cam, rpm=rpm, pieces=pieces)
                 run = train.free()
                 gap, force = train.gap(run), run.force("contact").force[:, 2]
@@ -88,22 +95,22 @@ class Valve:
 
     @property
     def facts(self) -> str:
-        """Cam, valve and spring in a line."""
+        """Return cam, valve and spring in a line."""
         train, chosen = self.train, self.train.cam
         return (
-            f"{self.title}, lift {1e3 * LIFT:g} mm, base {1e3 * chosen.base:g} mm, {self.touched}least radius "
+            f"{self.title}, lift {1e3 * CAM_LIFT:g} mm, base {1e3 * chosen.base:g} mm, {self.touched}least radius "
             f"{1e3 * chosen.radius.min():.2f} mm; valve {1e3 * train.mass:g} g, spring {train.rate / 1e3:g} N/mm with "
             f"{train.preload:g} N; floats from {self.floats:.1f} 1/min of the camshaft on"
         )
 
     @property
     def title(self) -> str:
-        """In words."""
+        """Return law and follower of the cam in words."""
         return f"{self.law} {'barrel cam' if self.follower == 'barrel' else f'cam, {self.follower} follower'}"
 
     @property
     def touched(self) -> str:
-        """Of a roller: its size, how far it is pushed aside and how hard; nothing of a face."""
+        """Return size, lateral deflection and side force of a roller in a line; nothing for a flat face."""
         chosen = self.train.cam
         if not isinstance(chosen, RollerCam):
             return ""
@@ -115,17 +122,18 @@ class Valve:
 
     @property
     def verdict(self) -> str:
-        """Of the constraint, whose row holds both ways."""
+        """Return the assessment of the constraint, which holds in both directions."""
         return "; ".join(self.held.certificate.notes) or f"stays on its cam at {self.train.rpm:.0f} 1/min"
 
     @property
     def name(self) -> str:
-        """Of its page."""
+        """Return the name of the page."""
         return f"valve-{self.law}" + f"-{self.follower}" * (self.follower != "flat")
 
 
 def figure(valve: Valve) -> "Figure":
-    """Force of the cam and lift over a turn at the speed: constraint, contact, contact with a spring that surges."""
+    """Plot force of the cam and lift over a turn at the speed: constraint, contact, contact with a spring that
+    surges."""
     train = valve.train
     with new_figure(7.5, 5.0) as (made, look):
         force, lift = made.subplots(2, 1, sharex=True)
@@ -146,10 +154,10 @@ def figure(valve: Valve) -> "Figure":
 
 def write_page(valve: Valve, folder: str | Path) -> Path:
     """Write the page of a valve, ``valve-LAW.html`` if its follower is flat, and its view into a folder that exists;
-    where the page is.
+    return the path of the page.
     """
     folder, view = Path(folder), f"{valve.name}-view.html"
-    speed = 60 / valve.train.rpm / PERIOD
+    speed = 60 / valve.train.rpm / ANIMATION_SECONDS
     shown = valve.surging.animate(curves=(), traces=(), hidden=("body names",), speed=speed, title=valve.title).html
     write_atomically(folder / view, playing(shown).encode())
     page = page_template("valve.html", TEMPLATES).render(

@@ -1,4 +1,4 @@
-"""A valve on a turning cam, held down by a spring: as a constraint, and in a contact that can open.
+"""Valve on a rotating cam, held down by a spring: as a constraint, and with a contact that can open.
 
 As a constraint its face or its roller stays on the cam, and the force of the cam on it is the multiplier: where it
 would have to pull, the valve floats. Along the angle it is ``a + b w^2``, so that two speeds say from which one on. In
@@ -38,15 +38,15 @@ from mbsd3d import (
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
-SPRING = 0.06  # m, length of the spring under the closed valve
-SLOW = 0.5  # of the speed, for the second run of the constraint
-SAMPLES = 1440  # of a turn
+SPRING_LENGTH = 0.06  # [m] of the spring under the closed valve
+SECOND_SPEED_RATIO = 0.5  # [1] of the speed, for the second run of the constraint
+TURN_SAMPLES = 1440  # [1] samples of a turn
 RTOL = 1e-9
 
 
 def press(t, bodies, z, parameters, loads, z_dot):
-    """Contact of a follower (bodies[1]) on a cam (bodies[0]); parameters: k, c, base, kind of the cam, then the
-    spline's pieces.
+    """Apply the contact force of a follower (bodies[1]) on a cam (bodies[0]); parameters: k, c, base, kind of the cam,
+    then the spline's pieces.
     """
     cam, valve = bodies[0], bodies[1]
     stiffness, damping, base, kind = parameters[0], parameters[1], parameters[2], parameters[3]
@@ -79,7 +79,7 @@ def press(t, bodies, z, parameters, loads, z_dot):
 
 @dataclass(frozen=True)
 class Train:
-    """A cam and its valve.
+    """Valve train: a cam and its valve.
 
     ``mass`` of all that goes with the valve [kg]; ``rate, preload`` of its spring [N/m], [N]; ``rpm`` of the camshaft;
     ``contact``: k [N/m]; ``damping``: c [s/m]; ``coils``: mass of the spring [kg], ``pieces`` it is cut into, 0:
@@ -108,12 +108,14 @@ class Train:
 
     @property
     def turn(self) -> float:
-        """Rate of the camshaft [rad/s]."""
+        """Return the rate of the camshaft [rad/s]."""
         return 2 * np.pi * self.rpm / 60
 
     @cached_property
     def parts(self) -> tuple[list[Body], list, list]:
-        """(bodies, joints, forces) without what joins cam and valve: "camshaft", "valve", pieces of the spring."""
+        """Return (bodies, joints, forces) without the connection of cam and valve: "camshaft", "valve", pieces of the
+        spring.
+        """
         start, (of_cam, end) = self.cam.at, self.cam.looks
         shaft = Body("camshaft", 1.0, (1e-3, 1e-3, 1e-3), shape=of_cam)
         stem = [*end, shapes.Cylinder(0.004, 0.05, "z", at=(0, 0, 0.025))]
@@ -124,7 +126,7 @@ class Train:
         bodies, forces = [shaft, valve], [Force(valve, (0, 0, -self.preload), name="preload")]
         ends, n = [valve], self.pieces
         for k in range(n):
-            at = start + (0, 0, SPRING * (k + 1) / (n + 1))
+            at = start + (0, 0, SPRING_LENGTH * (k + 1) / (n + 1))
             piece = Body(
                 f"piece {k + 1}", self.coils / n, 3 * (1e-5,), position=at, shape=shapes.Disc(0.012, 0.002, "z")
             )
@@ -134,26 +136,30 @@ class Train:
         stiff = (n + 1) * self.rate
         loss = 2 * self.loss * np.sqrt(stiff * self.coils / n) if n else 0.0
         for k, (a, b) in enumerate(zip(ends, [*ends[1:], GROUND], strict=True)):
-            top = start + (0, 0, SPRING * (k + 1) / (n + 1))
+            top = start + (0, 0, SPRING_LENGTH * (k + 1) / (n + 1))
             forces.append(
                 SpringDamper(a, b, at_a=a.position, at_b=top, stiffness=stiff, damping=loss, name=f"coil {k + 1}")
             )
         return bodies, joints, forces
 
     def held(self) -> Solution:
-        """A turn with the valve on the cam, base circle to base circle, by kinematics; the spring without mass."""
+        """Simulate a turn with the valve on the cam, base circle to base circle, by kinematics; the spring without
+        mass.
+        """
         bodies, joints, forces = replace(self, pieces=0).parts
-        times = 2 * np.pi / self.turn * np.arange(SAMPLES + 1) / SAMPLES
+        times = 2 * np.pi / self.turn * np.arange(TURN_SAMPLES + 1) / TURN_SAMPLES
         system = System(bodies, [*joints, self.cam.touch(*bodies)], forces, gravity=(0, 0, 0))
         return simulate(system, float(times[-1]), method=Kinematic(), output=times)
 
     def pushed(self) -> np.ndarray:
-        """(samples,) force of the cam on the valve in that turn [N], negative where it would have to pull."""
+        """Return the force of the cam on the valve in that turn [N], negative where it would have to pull, shape
+        (samples,).
+        """
         return self.held().reaction("cam").force[:, 2]
 
     def floats_at(self) -> float:
-        """Speed of the camshaft [1/min] from which the multiplier would have to pull; inf if none."""
-        slow = replace(self, rpm=SLOW * self.rpm)
+        """Return the speed of the camshaft [1/min] from which the multiplier would have to pull; inf if none."""
+        slow = replace(self, rpm=SECOND_SPEED_RATIO * self.rpm)
         here, there = self.pushed(), slow.pushed()
         b = (here - there) / (self.turn**2 - slow.turn**2)
         a = here - b * self.turn**2
@@ -161,7 +167,9 @@ class Train:
         return float(60 / (2 * np.pi) * np.sqrt(np.min(a[pulled] / -b[pulled]))) if pulled.any() else np.inf
 
     def free(self, turns: int = 2) -> Solution:
-        """The full motion in the contact, from rest on the base circle; the last turn, ``SAMPLES`` samples."""
+        """Simulate the full motion with the contact, from rest on the base circle; return the last turn,
+        ``TURN_SAMPLES`` samples.
+        """
         bodies, joints, forces = self.parts
         pieces = self.cam.spline.c.T
         # the cam starts with its nose down
@@ -171,10 +179,12 @@ class Train:
         touch = CustomForce(press, on=bodies[:2], parameters=numbers, name="contact")
         system = System(bodies, joints, [*forces, touch], gravity=(0, 0, 0))
         turn = 2 * np.pi / self.turn
-        times = turn * (turns - 1 + np.arange(SAMPLES + 1) / SAMPLES)
+        times = turn * (turns - 1 + np.arange(TURN_SAMPLES + 1) / TURN_SAMPLES)
         return simulate(system, float(times[-1]), output=times, rtol=RTOL)
 
     def gap(self, run: Solution) -> np.ndarray:
-        """(samples,) between valve and cam along the way of the valve, negative where they are pressed together [m]."""
+        """Return the gap between valve and cam along the travel of the valve, negative where they are pressed together
+        [m], shape (samples,).
+        """
         angle = np.pi + self.turn * run.t
         return run.position("valve")[:, 2] - self.cam.height - self.cam.spline(np.mod(angle, 2 * np.pi))

@@ -18,13 +18,15 @@ from mbsd3d import (
 
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity
 
-SAMPLES = 361  # of one turn: greatest values lie at whole degrees
-POINTS = 360  # of the groove
-SPLINE = 1e-6  # relative: what a spline through these points makes of the second derivative of the groove
+TURN_SAMPLES = 361  # [1] of one turn; greatest values lie at whole degrees
+GROOVE_POINTS = 360  # [1] of the groove
+SPLINE_TOLERANCE = 1e-6  # [1] relative error of the second derivative of the groove by a spline through these points
 
 
 def height(turn, stroke):
-    """(z, z', z'') of the groove over the angle: h (u - sin(2 pi u) / 2 pi) in half a turn, and back in the other."""
+    """Return (z, z', z'') of the groove over the angle: h (u - sin(2 pi u) / 2 pi) in half a turn, and back in the
+    other.
+    """
     half, back = turn % np.pi, (turn // np.pi) % 2 == 1
     sign = np.where(back, -1.0, 1.0)
     rise = stroke * (half / np.pi - np.sin(2 * half) / (2 * np.pi))
@@ -33,8 +35,8 @@ def height(turn, stroke):
 
 
 def mechanism(*, R=0.06, stroke=0.08, m=1.5, omega=30.0) -> System:
-    """Drum of radius R [m] at omega [rad/s] about z; the pin of a slide m [kg] at x = R runs in its groove."""
-    turn = 2 * np.pi * np.arange(POINTS) / POINTS
+    """Build a drum of radius R [m] at omega [rad/s] about z; the pin of a slide m [kg] at x = R runs in its groove."""
+    turn = 2 * np.pi * np.arange(GROOVE_POINTS) / GROOVE_POINTS
     out = np.column_stack([np.cos(turn), -np.sin(turn), 0 * turn])  # turned back: the groove comes to the pin
     groove = R * out + np.outer(height(turn, stroke)[0], (0, 0, 1))
     long = stroke + R
@@ -53,7 +55,7 @@ def mechanism(*, R=0.06, stroke=0.08, m=1.5, omega=30.0) -> System:
 
 
 def theory(*, R, stroke, m, omega):
-    """Slope 2 h / (pi R) at its steepest; the push m z'' w^2 leans over by z' / R, its torque is z' times it."""
+    """Return the greatest slope 2 h / (pi R), the side force m z'' w^2 z' / R, and the torque z' times m z'' w^2."""
     torque = m * omega**2 * 2 * stroke**2 / np.pi**2 * 0.75 * np.sqrt(3)  # sin u (1 - cos u) is greatest at 120 degrees
     return {
         "stroke_m": abs(stroke),
@@ -64,9 +66,9 @@ def theory(*, R, stroke, m, omega):
 
 
 def measure(build, terms, *, stroke, m, omega) -> Measured:
-    """A turn by kinematics: motion of the slide, force of the groove, torque of the motor."""
+    """Measure a turn by kinematics: motion of the slide, force of the groove, torque of the motor."""
     system = build()
-    run = simulate(system, 2 * np.pi / abs(omega), method=Kinematic(), output=SAMPLES, **terms)
+    run = simulate(system, 2 * np.pi / abs(omega), method=Kinematic(), output=TURN_SAMPLES, **terms)
     way, force, torque = run.position("slide")[:, 2], run.reaction("groove").force, run.effort("motor")
     normal = system.joints[-1].contact_normal(run)
     tilt = np.degrees(np.arctan2(np.linalg.norm(normal[:, :2], axis=1), np.abs(normal[:, 2])))
@@ -99,9 +101,9 @@ demo = Demo(
     source="Norton, Cam Design and Manufacturing Handbook; Rothbart, Cams",
     quantities={
         "stroke_m": Quantity("stroke", "m"),
-        "pressure_angle_deg": Quantity("greatest pressure angle", "deg", SPLINE),
-        "side_force_N": Quantity("greatest side force on the rail", "N", SPLINE),
-        "torque_Nm": Quantity("greatest torque", "N m", SPLINE),
+        "pressure_angle_deg": Quantity("greatest pressure angle", "deg", SPLINE_TOLERANCE),
+        "side_force_N": Quantity("greatest side force on the rail", "N", SPLINE_TOLERANCE),
+        "torque_Nm": Quantity("greatest torque", "N m", SPLINE_TOLERANCE),
     },
     ablation=Ablation("groove", "in a groove that does not climb nothing moves", {"stroke": 0.0}),
     alone="no other engine has contacts on curves",

@@ -19,14 +19,16 @@ from mbsd3d import (
 
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 
-SAMPLES = 1441  # of one turn
-POINTS = 720  # of the outline
-BLUNT = 0.95  # of the roller at which the nose of the cam is a point: the outline has it between two of its points
-NEAR = 1e-4  # relative: greatest values lie between samples, and at the nose the third derivative of the lift jumps
+TURN_SAMPLES = 1441  # [1] of one turn
+OUTLINE_POINTS = 720  # [1] of the outline
+# [1] of the roller at which the nose of the cam is a point: the outline has it between two of its points
+NOSE_RADIUS_RATIO = 0.95
+# [1] relative; greatest values lie between samples, and at the nose the third derivative of the lift jumps
+SAMPLE_TOLERANCE = 1e-4
 
 
 def law(turn, lift, half):
-    """(s, s', s'') of a cycloidal lift over the angle from the nose [rad]."""
+    """Return (s, s', s'') of a cycloidal lift over the angle from the nose [rad]."""
     angle = (turn + np.pi) % (2 * np.pi) - np.pi
     x, way = np.clip(1 - np.abs(angle) / half, 0.0, 1.0), -np.sign(angle) * lift / half
     u = 2 * np.pi * x
@@ -34,8 +36,10 @@ def law(turn, lift, half):
 
 
 def outline(lift, half, pitch, roller):
-    """(points, 3) of the cam in the plane y, z, its nose up: the way of the roller's centre less the roller."""
-    turn = 2 * np.pi * np.arange(POINTS) / POINTS
+    """Return the outline of the cam in the plane y, z, its nose up: the path of the roller's centre less the roller,
+    shape (points, 3).
+    """
+    turn = 2 * np.pi * np.arange(OUTLINE_POINTS) / OUTLINE_POINTS
     s, slope, _ = law(turn, lift, half)
     tilt = np.arctan2(slope, pitch + s)
     y, z = roller * np.sin(tilt), pitch + s - roller * np.cos(tilt)  # as a cam shows that has turned
@@ -45,7 +49,8 @@ def outline(lift, half, pitch, roller):
 def mechanism(
     *, lift=0.009, half_deg=70.0, pitch=0.028, roller=0.009, m=0.12, stiffness=30e3, preload=250.0, omega=240.0
 ) -> System:
-    """Cam at omega [rad/s] about x; valve m [kg] on a roller, its centre ``pitch`` [m] over the axis when shut."""
+    """Build a cam at omega [rad/s] about x; valve m [kg] on a roller, its centre ``pitch`` [m] over the axis when
+    shut."""
     require(0.0 < half_deg <= 180.0, f"demo 'roller_cam': half_deg = {half_deg:g}; give more than 0, at most 180")
     points = outline(lift, np.radians(half_deg), pitch, roller)
     wire = [shapes.Lines(np.append(points, points[:1], axis=0) + (x, 0, 0)) for x in (-0.5 * roller, 0.5 * roller)]
@@ -67,19 +72,22 @@ def mechanism(
 
 
 def push(turn, lift, half, m, stiffness, preload, omega):
-    """Force along the guide [N]."""
+    """Return the force along the guide [N]."""
     s, _, bend = law(turn, lift, half)
     return m * bend * omega**2 + stiffness * s + preload
 
 
 def theory(*, lift, half_deg, pitch, roller, m, stiffness, preload, omega):
-    """tan(a) = s' / (r + s); the force m s'' w^2 + k s + F along the guide must not be negative."""
+    """Return tan(a) = s' / (r + s), and the force m s'' w^2 + k s + F along the guide, which must not be negative."""
     turn, half = np.linspace(-np.pi, np.pi, 400_001), np.radians(half_deg)
     s, slope, bend = law(turn, lift, half)
     out = pitch + s
     bent = (out**2 + 2 * slope**2 - out * bend) / (out**2 + slope**2) ** 1.5  # of the path of the roller's centre
-    require(roller * bent.max() < BLUNT, f"demo 'roller_cam': roller = {roller:g} m undercuts the cam; give less than "
-            f"{BLUNT / bent.max():.3g}, or more pitch or half_deg, or less lift")  # fmt: skip
+    require(
+        roller * bent.max() < NOSE_RADIUS_RATIO,
+        f"demo 'roller_cam': roller = {roller:g} m undercuts the cam; give less than "
+        f"{NOSE_RADIUS_RATIO / bent.max():.3g}, or more pitch or half_deg, or less lift",
+    )
     force = push(turn, lift, half, m, stiffness, preload, omega)
     falls = bend < -1e-9 * bend.max()
     return {
@@ -91,10 +99,10 @@ def theory(*, lift, half_deg, pitch, roller, m, stiffness, preload, omega):
 
 
 def measure(build, terms, *, lift, half_deg, m, stiffness, preload, omega) -> Measured:
-    """Two speeds by kinematics: the push is a + b w^2, which says where it vanishes."""
+    """Measure two speeds by kinematics: the force is a + b w^2, which gives the speed at which it vanishes."""
     turn = 2 * np.pi / abs(omega)
-    run = simulate(build(), turn, method=Kinematic(), output=SAMPLES, **terms)
-    slow = simulate(build(omega=0.5 * omega), 2 * turn, method=Kinematic(), output=SAMPLES, **terms)
+    run = simulate(build(), turn, method=Kinematic(), output=TURN_SAMPLES, **terms)
+    slow = simulate(build(omega=0.5 * omega), 2 * turn, method=Kinematic(), output=TURN_SAMPLES, **terms)
     normal = run.system.joints[-1].contact_normal(run)
     tilt = np.degrees(np.arctan2(np.abs(normal[:, 1]), normal[:, 2]))
     fast_push, slow_push = (each.reaction("roller").force[:, 2] for each in (run, slow))
@@ -127,10 +135,10 @@ demo = Demo(
     equation="tan(alpha) = s' / (w (r + s)); N cos(alpha) = m s'' + k s + F >= 0; torque = N cos(alpha) s' / w",
     source="Norton, Cam Design and Manufacturing Handbook",
     quantities={
-        "pressure_angle_deg": Quantity("greatest pressure angle", "deg", NEAR),
-        "float_rad_s": Quantity("speed of float", "rad/s", NEAR),
-        "side_force_N": Quantity("greatest side force", "N", NEAR),
-        "torque_Nm": Quantity("greatest torque", "N m", NEAR),
+        "pressure_angle_deg": Quantity("greatest pressure angle", "deg", SAMPLE_TOLERANCE),
+        "float_rad_s": Quantity("speed of float", "rad/s", SAMPLE_TOLERANCE),
+        "side_force_N": Quantity("greatest side force", "N", SAMPLE_TOLERANCE),
+        "torque_Nm": Quantity("greatest torque", "N m", SAMPLE_TOLERANCE),
     },
     ablation=Ablation("size", "on a cam ten times as large the push hardly leans", {"pitch": 0.28}),
     alone="no other engine has contacts on curves",

@@ -6,26 +6,29 @@ from mbsd3d import Pulse, System, simulate
 
 from ..figure import Line
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
-from .car import SHOW, WHEELS, Car, car
+from .car import SHOW_OPTIONS, WHEELS, Car, car
 from .circle import circle, circles
-from .theory import ROLLED, limit, roll_gradient, textbook_roll_gradient, transfers, trims, understeer_gradient
+from .theory import ROLL_TOLERANCE, limit, roll_gradient, textbook_roll_gradient, transfers, trims, understeer_gradient
 
-SMALL = 1e-3  # m/s^2: what is of second order has no say
-LINEAR = 3.5  # m/s^2 up to which the closed forms are drawn; then side forces lift the leaning car along its slides
-LIGHT = 1e-3  # kg m^2 of a wheel that turns, and has next to no spin
+SMALL_ACCELERATION = 1e-3  # [m/s^2] terms of second order vanish
+# [m/s^2] range of the closed forms; then side forces lift the leaning car along its slides
+LINEAR_ACCELERATION_MAX = 3.5
+LIGHT_WHEEL_INERTIA = 1e-3  # [kg m^2] of a wheel that turns, with almost no spin
 
 
 def mechanism(
     *, ms=1400.0, h=0.55, a=1.2, b=1.5, track=1.5, kf=25e3, kr=22e3, bar_f=12e3, bar_r=6e3, mu=1.0, v=20.0, steer=0.05
 ) -> System:  # fmt: skip
-    """Car at v whose front wheels are steered to an angle [rad] within 0.3 s."""
+    """Build the car at v with front wheels steered to an angle [rad] within 0.3 s."""
     require(v > 0.0, f"demo 'car_limit': v = {v:g} m/s; give a speed ahead")
     return car(Car(ms, h, a, b, track, kf, kr, bar_f, bar_r, mu), v, Pulse(steer, start=0.2, edge=0.3))
 
 
 def known(c: Car, v: float, spin: float) -> dict[str, float]:
-    """Closed forms of small accelerations, and the limit by trims; ``spin``: share of the wheels' spin that counts."""
-    roll, without = roll_gradient(c, spin), roll_gradient(c._replace(Iw=LIGHT), spin)
+    """Return closed forms of small accelerations, and the limit by trims; ``spin``: share of the wheels' spin that
+    counts.
+    """
+    roll, without = roll_gradient(c, spin), roll_gradient(c._replace(Iw=LIGHT_WHEEL_INERTIA), spin)
     front, rear = transfers(c, spin)
     return {
         "roll_rad_s2_m": roll,
@@ -39,26 +42,32 @@ def known(c: Car, v: float, spin: float) -> dict[str, float]:
 
 
 def theory(*, ms, h, a, b, track, kf, kr, bar_f, bar_r, mu, v):
-    """See `known`."""
+    """Return the values of `known` with the full spin of the wheels."""
     return known(Car(ms, h, a, b, track, kf, kr, bar_f, bar_r, mu), v, 1.0)
 
 
 def without_gyroscopic(*, ms, h, a, b, track, kf, kr, bar_f, bar_r, mu, v):
-    """Of the moment that turns the spin round half is I dw/dt of a wheel's diameter, and stays."""
+    """Return the values without the gyroscopic moment: half of the moment that turns the spin is I dw/dt of a wheel's
+    diameter, and stays.
+    """
     return known(Car(ms, h, a, b, track, kf, kr, bar_f, bar_r, mu), v, 0.5)
 
 
 def measure(build, terms, *, ms, h, a, b, track, kf, kr, bar_f, bar_r, mu, v) -> Measured:
-    """A very wide circle, with the wheels' spin and without, circles up to the limit, and the step of the steer."""
+    """Measure a very wide circle, with the wheels' spin and without, circles up to the limit, and the step of the
+    steer.
+    """
     c = Car(ms, h, a, b, track, kf, kr, bar_f, bar_r, mu)
-    wide, spinless = (circle(one, v, SMALL, terms=terms) for one in (c, c._replace(Iw=LIGHT)))
+    wide, spinless = (
+        circle(one, v, SMALL_ACCELERATION, terms=terms) for one in (c, c._replace(Iw=LIGHT_WHEEL_INERTIA))
+    )
     load, found = wide.of_tyres("normal"), circles(c, v, terms)
-    textbook = SMALL * textbook_roll_gradient(c)
+    textbook = SMALL_ACCELERATION * textbook_roll_gradient(c)
     values = {
-        "roll_rad_s2_m": wide.roll / SMALL,
-        "front_transfer_kg": 0.5 * (load[1] - load[0]) / SMALL,
-        "rear_transfer_kg": 0.5 * (load[3] - load[2]) / SMALL,
-        "understeer_rad_s2_m": wide.steer / SMALL - (a + b) / v**2,
+        "roll_rad_s2_m": wide.roll / SMALL_ACCELERATION,
+        "front_transfer_kg": 0.5 * (load[1] - load[0]) / SMALL_ACCELERATION,
+        "rear_transfer_kg": 0.5 * (load[3] - load[2]) / SMALL_ACCELERATION,
+        "understeer_rad_s2_m": wide.steer / SMALL_ACCELERATION - (a + b) / v**2,
         "lean_percent": 100.0 * (spinless.roll - textbook) / wide.roll,
         "spin_percent": 100.0 * (wide.roll - spinless.roll) / wide.roll,
         "limit_m_s2": found[-1].acceleration,
@@ -67,7 +76,7 @@ def measure(build, terms, *, ms, h, a, b, track, kf, kr, bar_f, bar_r, mu, v) ->
 
 
 def notes(found):
-    """What the last circle says."""
+    """Return a line on the last circle."""
     last = found[-1]
     used = dict(zip(WHEELS, last.of_tyres("saturation"), strict=True))
     parts = ", ".join(f"{name} {100.0 * share:.1f} %" for name, share in used.items())
@@ -78,7 +87,7 @@ def notes(found):
 
 
 def curves(c, v, found):
-    """Steer and slip angles, loads, and roll over the acceleration, beside trims and the textbook."""
+    """Draw steer and slip angles, loads, and roll over the acceleration, with trims and the textbook."""
     x, along = np.array([one.acceleration for one in found]), {"along": "lateral acceleration [m/s^2]"}
     angles, loads = (np.array([one.of_tyres(of) for one in found]).T for of in ("slip_angle", "normal"))
     known = trims(c, v)
@@ -91,7 +100,7 @@ def curves(c, v, found):
     ]
     names, roll = [*WHEELS], np.degrees([one.roll for one in found])
     steer = np.degrees([one.steer for one in found]), np.degrees([one.steer for one in known])
-    book, some = np.degrees(textbook_roll_gradient(c)) * x, at[at < LINEAR]
+    book, some = np.degrees(textbook_roll_gradient(c)) * x, at[at < LINEAR_ACCELERATION_MAX]
     return [
         Curve("angle [deg]", x, steer[0], (at, steer[1]), name="steer", more=slips, **along),
         Curve(
@@ -122,7 +131,7 @@ demo = Demo(
         "understeer_rad_s2_m": Quantity("understeer gradient", "rad s^2/m", absolute=3e-7),
         "lean_percent": Quantity("of the roll, by the lean of the wheels", "%", absolute=1e-4),
         "spin_percent": Quantity("of the roll, by the spin of the wheels", "%", absolute=1e-4),
-        "limit_m_s2": Quantity("largest lateral acceleration", "m/s^2", relative=ROLLED),
+        "limit_m_s2": Quantity("largest lateral acceleration", "m/s^2", relative=ROLL_TOLERANCE),
     },
     ablation=Ablation(
         "gyroscopic",
@@ -130,6 +139,6 @@ demo = Demo(
         values=without_gyroscopic,
     ),
     alone="MuJoCo has no such tyre, and Exudyn no bar between two wheels",
-    show={**SHOW, "curves": [("force", "front right tyre"), ("force", "rear right tyre")]},
+    show={**SHOW_OPTIONS, "curves": [("force", "front right tyre"), ("force", "rear right tyre")]},
     ranges={"h": (0.5, 0.57), "track": (1.47, 1.65), "mu": (0.85, 1.02), "kf": (24e3, 28e3), "kr": (20e3, 25e3)},
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""A driver takes a car into the other lane and back: he steers at a point that runs ahead of him on the course."""
+"""Double lane change: a driver steers at a point that runs ahead of him on the course."""
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -7,44 +7,48 @@ from mbsd3d import Pulse, System, linearize, measures, simulate
 
 from ..figure import Line
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
-from .car import SHOW, WHEELS, Car
+from .car import SHOW_OPTIONS, WHEELS, Car
 from .driver import closed, followed
 from .linear import Y
 
-AHEAD, LANE = 45.0, (30.0, 25.0, 25.0)  # m before it, over, in the other lane, and back
-SMALL, TIGHT = 1e-4, 1e-12  # m of course: what is of second order has no say; tolerance of the run
+APPROACH_LENGTH, LANE_LENGTHS = 45.0, (30.0, 25.0, 25.0)  # m before it, over, in the other lane, and back
+SMALL_WIDTH, TIGHT_RTOL = 1e-4, 1e-12  # m of course: what is of second order has no say; tolerance of the run
 SAMPLES = 601
-FASTER = 1.4  # the second run
-LOST = 0.7  # distance of the point ahead, over the first one, of a car that has turned away
+SPEED_RATIO = 1.4  # [1] of the second run over the first
+TURNED_AWAY_RATIO = 0.7  # [1] distance of the point ahead, over the first one, of a car that has turned away
 
 
 def course_of(width, v, preview):
-    """(where the point is to the left, over time; its times of change)."""
-    start = AHEAD / v - preview
-    rise, stay, fall = (x / v for x in LANE)
+    """Return (position of the point to the left, over time; its times of change)."""
+    start = APPROACH_LENGTH / v - preview
+    rise, stay, fall = (x / v for x in LANE_LENGTHS)
     breaks = [start, start + rise, start + rise + stay, start + rise + stay + fall]
     step = Pulse(width, start=start, edge=rise)
     return step - Pulse(width, start=breaks[2], edge=fall), breaks
 
 
 def mechanism(*, ms=1400.0, h=0.55, a=1.2, b=1.5, v=22.0, width=3.5, preview=0.7, lag=0.05) -> System:
-    """Car at v, a course to the left by width [m]; the driver sees ``preview`` [s] ahead and lags by ``lag`` [s]."""
+    """Build the car at v, a course to the left by width [m]; the driver sees ``preview`` [s] ahead and lags by ``lag``
+    [s].
+    """
     require(v > 0.0 and preview > 0.0, f"demo 'double_lane_change': v = {v:g} m/s, preview = {preview:g} s; give > 0")
     require(
-        preview * v < AHEAD,
-        f"demo 'double_lane_change': the point starts on the course; give preview < {AHEAD / v:g} s",
+        preview * v < APPROACH_LENGTH,
+        f"demo 'double_lane_change': the point starts on the course; give preview < {APPROACH_LENGTH / v:g} s",
     )
     return followed(Car(ms=ms, h=h, a=a, b=b), v, course_of(width, v, preview)[0], preview, lag)
 
 
 def highest(t, x):
-    """Largest value of a curve, between its samples too."""
+    """Return the largest value of a curve, between its samples too."""
     curve = CubicSpline(t, x)
     return float(curve(curve.derivative().roots(extrapolate=False)).max())
 
 
 def features(t, y, slow):
-    """Farthest to the left and then to the right, per width, and the slowest swing of car and driver."""
+    """Return the farthest positions to the left and then to the right, per width, and the slowest mode of car and
+    driver.
+    """
     left = int(np.argmax(y))
     return {
         "left_share": highest(t, y),
@@ -55,54 +59,57 @@ def features(t, y, slow):
 
 
 def by_hand(c, v, preview, lag, t):
-    """(way to the left per width, slowest eigenvalue) of `closed`."""
-    small, (course, breaks) = closed(c, v, preview, lag), course_of(SMALL, v, preview)
+    """Return (path to the left per width, slowest eigenvalue) of `closed`."""
+    small, (course, breaks) = closed(c, v, preview, lag), course_of(SMALL_WIDTH, v, preview)
     s = np.linalg.eigvals(small.A)
-    return small.respond(course, t, breaks)[0][:, Y] / SMALL, s[np.argmin(np.abs(s))]
+    return small.respond(course, t, breaks)[0][:, Y] / SMALL_WIDTH, s[np.argmin(np.abs(s))]
 
 
 def times_of(v):
-    """Over the course and 40 m beyond."""
-    return np.linspace(0.0, (AHEAD + sum(LANE) + 40.0) / v, SAMPLES)
+    """Return sample times over the course and 40 m beyond [s]."""
+    return np.linspace(0.0, (APPROACH_LENGTH + sum(LANE_LENGTHS) + 40.0) / v, SAMPLES)
 
 
 def theory(*, ms, h, a, b, v, preview, lag):
-    """Small motions: `closed`."""
+    """Return the features of the small motions of `closed`."""
     t = times_of(v)
     return features(t, *by_hand(Car(ms=ms, h=h, a=a, b=b), v, preview, lag, t))
 
 
 def slowest(found):
-    """Eigenvalue of the slowest mode that moves the car aside."""
+    """Return the eigenvalue of the slowest mode with lateral motion of the car."""
     aside = [mode.eigenvalue for mode in found.modes if abs(mode.translation[0, 1]) > abs(mode.translation[0, 0])]
     return min((s for s in aside if s != 0.0), key=abs)
 
 
 def measure(build, terms, *, ms, h, a, b, v, preview, lag, width) -> Measured:
-    """A very narrow course, its small motions, the course asked for, and the same faster."""
+    """Measure a very narrow course, its small motions, the given course, and the same course faster."""
 
     def driven(v, **changes):
         system = build(v=v, **changes)
-        turned = measures.offset(system.part("chassis"), system.part("point"), along=(1, 0, 0)) < LOST * preview * v
+        turned = (
+            measures.offset(system.part("chassis"), system.part("point"), along=(1, 0, 0))
+            < TURNED_AWAY_RATIO * preview * v
+        )
         return simulate(system, times_of(v)[-1], output=times_of(v), rtol=1e-6, stop_when=turned, **terms)
 
     t = times_of(v)
-    small = simulate(build(width=SMALL), t[-1], output=t, rtol=TIGHT, **terms)
-    y = small.position("chassis")[:, 1] / SMALL
+    small = simulate(build(width=SMALL_WIDTH), t[-1], output=t, rtol=TIGHT_RTOL, **terms)
+    y = small.position("chassis")[:, 1] / SMALL_WIDTH
     values = features(t, y, slowest(linearize(build(width=0.0), **terms)))
     known = by_hand(Car(ms=ms, h=h, a=a, b=b), v, preview, lag, t)[0]
-    runs = {speed: driven(speed) for speed in (v, FASTER * v)}
+    runs = {speed: driven(speed) for speed in (v, SPEED_RATIO * v)}
     notes = [said(run, speed, preview, width) for speed, run in runs.items()]
     return Measured(values, [*runs.values()], curves(t, y, known, runs, preview, width), notes=notes)
 
 
 def ways(run):
-    """(n,) ahead and (n,) to the left [m]."""
+    """Return the positions (n,) ahead and (n,) to the left [m]."""
     return run.position("chassis")[:, :2].T
 
 
 def said(run, v, preview, width):
-    """How near the car stays, or when it spins."""
+    """Return in a line how near the car stays to the course, or when it spins."""
     x, y = ways(run)
     away = np.abs(y - course_of(width, v, preview)[0](x / v - preview)).max()
     used = np.array([run.force(f"{name} tyre").saturation for name in WHEELS]).max()
@@ -111,7 +118,7 @@ def said(run, v, preview, width):
 
 
 def curves(t, y, known, runs, preview, width):
-    """The narrow course, the wide one at both speeds, and how the driver steers."""
+    """Draw the narrow course, the wide one at both speeds, and how the driver steers."""
     (v, run), (fast, other) = runs.items()
     x = ways(run)[0]
     course = course_of(width, v, preview)[0](x / v - preview)
@@ -149,7 +156,7 @@ demo = Demo(
     ablation=Ablation("foresight", "a driver who looks only 0.5 s ahead swings to and fro", {"preview": 0.5}),
     alone="MuJoCo has no such tyre, and Exudyn no bar between two wheels",
     show={
-        **SHOW,
+        **SHOW_OPTIONS,
         "curves": [("angle", "front left slide"), ("force", "front right tyre")],
         "traces": ["chassis", "point"],
     },

@@ -1,4 +1,4 @@
-"""What the engine's spin adds to roll, pitch and loads of a car on springs and tyres in a circle."""
+"""Effect of the engine's spin on roll, pitch and loads of a car on springs and tyres in a circle."""
 
 import numpy as np
 
@@ -6,38 +6,41 @@ from mbsd3d import Pulse, System, simulate
 
 from ..figure import Line
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
-from .car import SHOW, Car, Engine, G, car
+from .car import SHOW_OPTIONS, Car, Engine, G, car
 from .circle import circle
 from .theory import axle_stiffnesses
 
-SMALL = 1e-3  # m/s^2: what is of second order has no say
+SMALL_ACCELERATION = 1e-3  # [m/s^2] terms of second order vanish
 AXES = {"y": (0.0, 1.0, 0.0), "x": (1.0, 0.0, 0.0)}
-STEPS = (1.0, 4.0, 7.0)  # m/s^2 of the curves
+CURVE_ACCELERATIONS = (1.0, 4.0, 7.0)  # [m/s^2] of the curves
 
 
 def car_with(h, track, J, Omega, axis):
-    """The car, with a crankshaft that spins."""
+    """Build the car with a crankshaft that spins."""
     require(axis in AXES, f'demo \'engine_in_the_car\': axis = {axis!r}; give "y" (across) or "x" (along)')
     return Car(h=h, track=track, engine=Engine(J, Omega, AXES[axis]))
 
 
 def mechanism(*, h=0.55, track=1.5, J=0.25, Omega=700.0, axis="y", v=26.0, steer=0.02) -> System:
-    """Car at v with a crankshaft J [kg m^2] at Omega [rad/s] across (y) or along (x), steered within 0.3 s."""
+    """Build the car at v with a crankshaft J [kg m^2] at Omega [rad/s] across (y) or along (x), steered within 0.3
+    s."""
     return car(car_with(h, track, J, Omega, axis), v, Pulse(steer, start=0.2, edge=0.3))
 
 
 def theory(*, h, track, J, Omega, axis, v):
-    """See `shares`."""
+    """Return the values of `shares` with the full gyroscopic moment."""
     return shares(car_with(h, track, J, Omega, axis), v, J)
 
 
 def without_gyroscopic(*, h, track, J, Omega, axis, v):
-    """Of the moment half is I dw/dt of the crankshaft, whose axis turns, and stays; so of the wheels."""
+    """Return the values without the gyroscopic moment: half of it is I dw/dt of the turning crankshaft and wheels, and
+    stays.
+    """
     return shares(car_with(h, track, J, Omega, axis), v, 0.5 * J, 0.5)
 
 
 def shares(c, v, J, spin=1.0):
-    """J W v/R over the acceleration v^2/R, on the springs of roll across, on those of pitch along.
+    """Return J W v/R over the acceleration v^2/R, on the springs of roll across, on those of pitch along.
 
     Springs in series with tyres: of roll K - (ms h + 4 mw r) g as for the circles; of pitch L^2 kf kr/(kf + kr) between
     the axles, less ms g (h - r), as round wheels do not lean. ``spin``: share of the wheels' spin that is counted.
@@ -57,26 +60,26 @@ def shares(c, v, J, spin=1.0):
 
 
 def measure(build, terms, *, h, track, J, Omega, axis, v) -> Measured:
-    """Very wide circles with the engine running and standing, and circles that tighten."""
+    """Measure very wide circles with the engine running and at rest, and circles that tighten."""
     c = car_with(h, track, J, Omega, axis)
     both = [c, c._replace(engine=c.engine._replace(speed=0.0))]
-    runs, stands = (circle(one, v, SMALL, terms=terms) for one in both)
+    runs, stands = (circle(one, v, SMALL_ACCELERATION, terms=terms) for one in both)
     more = runs.of_tyres("normal") - stands.of_tyres("normal")
     values = {
-        "roll_by_engine_rad_s2_m": (runs.roll - stands.roll) / SMALL,
-        "transfer_by_engine_kg": 0.5 * (more[1] + more[3] - more[0] - more[2]) / SMALL,
+        "roll_by_engine_rad_s2_m": (runs.roll - stands.roll) / SMALL_ACCELERATION,
+        "transfer_by_engine_kg": 0.5 * (more[1] + more[3] - more[0] - more[2]) / SMALL_ACCELERATION,
         "share_percent": 100.0 * (runs.roll - stands.roll) / runs.roll,
-        "pitch_by_engine_rad_s2_m": (runs.pitch - stands.pitch) / SMALL,
-        "front_by_engine_kg": (more[0] + more[1]) / SMALL,
+        "pitch_by_engine_rad_s2_m": (runs.pitch - stands.pitch) / SMALL_ACCELERATION,
+        "front_by_engine_kg": (more[0] + more[1]) / SMALL_ACCELERATION,
     }
     return Measured(values, [simulate(build(), 3.0, output=301, **terms)], curves(both, v, terms, shares(c, v, J)))
 
 
 def curves(both, v, terms, known):
-    """Loads by the engine, from left to right and from behind to the front, over the acceleration."""
-    found = [[circle(c, v, step, terms=terms) for step in STEPS] for c in both]
+    """Draw loads due to the engine, from left to right and from rear to front, over the acceleration."""
+    found = [[circle(c, v, step, terms=terms) for step in CURVE_ACCELERATIONS] for c in both]
     runs, stands = (np.array([one.of_tyres("normal") for one in group]).T for group in found)
-    more, x = runs - stands, np.array(STEPS)
+    more, x = runs - stands, np.array(CURVE_ACCELERATIONS)
     lines = {
         "from left to right": (0.5 * (more[1] + more[3] - more[0] - more[2]), known["transfer_by_engine_kg"]),
         "from behind to the front": (more[0] + more[1], known["front_by_engine_kg"]),
@@ -112,5 +115,5 @@ demo = Demo(
     ),
     against=Against("Omega", -900.0, 900.0, "speed of the crankshaft [rad/s]", 3),
     alone="MuJoCo has no such tyre, and Exudyn no bar between two wheels",
-    show={**SHOW, "curves": [("force", "front right tyre"), ("force", "front left tyre")]},
+    show={**SHOW_OPTIONS, "curves": [("force", "front right tyre"), ("force", "front left tyre")]},
 )  # fmt: skip

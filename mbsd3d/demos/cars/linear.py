@@ -1,4 +1,4 @@
-"""A car that runs straight on, by hand: its small motions to the side, and how it answers the steer.
+"""Small lateral motions of a car that runs straight on, in closed form, and their response to the steer.
 
 Displacements q = (y to the left, heading, roll to the right, travel in front, travel behind): the left wheel of an axle
 moves up by its travel along the chassis, the right one down. With the steer d of the front wheels
@@ -21,24 +21,25 @@ from mbsd3d import Signal
 
 from .car import Car, G
 
-DIGITS = 12  # of a step in s: times of an even grid are rounded
+STEP_DIGITS = 12  # [1] digits of a step in s: times of an even grid are rounded
 
 Y, HEADING, ROLL, FRONT, REAR = range(5)
-STATES = 16
+STATE_COUNT = 16
 """q, q', side deflections front and rear, deflections ahead of the left wheels, spins of these above v/r."""
-SIDE, AHEAD, SPIN = slice(10, 12), slice(12, 14), slice(14, 16)
-SPINNING, STANDING = 1.0, 0.5
+SIDE_STATES, AHEAD_STATES, SPIN_STATES = slice(10, 12), slice(12, 14), slice(14, 16)
+FULL_SPIN, HALF_SPIN = 1.0, 0.5
 """Share of the wheels' spin that counts: of the moment half is I dw/dt of a diameter, which no switch takes away."""
 
 
 class Linear(NamedTuple):
-    """x' = A x + B (d, d', d'')."""
+    """Linear equations x' = A x + B (d, d', d'')."""
 
     A: np.ndarray  # (n, n)
     B: np.ndarray  # (n, 3)
 
     def respond(self, d: Signal, times: np.ndarray, breaks: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
-        """((k, n) states, (k, n) their rates) at rising times [s], from rest at 0; d is a cubic between its breaks.
+        """Return (states (k, n), their rates (k, n)) at rising times [s], from rest at 0; d is a cubic between its
+        breaks.
 
         Exact: with d and its three derivatives as states the equations have no input, and exp(A t) solves them.
         """
@@ -55,7 +56,7 @@ class Linear(NamedTuple):
             x[n:] = d(start), d.derivative(start), d.second_derivative(middle) - jerk * (middle - start), jerk
             inside = np.flatnonzero((times >= start) & (times < end))
             for t, row in [*zip(times[inside], inside, strict=True), (end, None)]:
-                step = round(t - last, DIGITS)
+                step = round(t - last, STEP_DIGITS)
                 if step not in steps:
                     steps[step] = expm(step * whole)
                 x, last = steps[step] @ x, t
@@ -64,16 +65,16 @@ class Linear(NamedTuple):
         return found[:, :n], found @ whole[:n].T
 
 
-def linear(c: Car, speed: float, spin: float = SPINNING) -> Linear:
-    """The small motions at a speed [m/s]."""
+def linear(c: Car, speed: float, spin: float = FULL_SPIN) -> Linear:
+    """Return the small motions at a speed [m/s]."""
     one, half = np.eye(5), 0.5 * c.track
     gyro, diameter = spin * c.Iw * speed / c.r, 0.5 * c.Iw
     M = np.diag([c.ms, c.inertia[2], c.inertia[0], 0.0, 0.0])
     D, K = np.zeros((5, 5)), np.zeros((5, 5))
     D[ROLL, HEADING], D[HEADING, ROLL] = -4.0 * gyro, 4.0 * gyro
     K[ROLL, ROLL] = -(c.ms * c.h + 4.0 * c.mw * c.r) * G
-    A, B = np.zeros((STATES, STATES)), np.zeros((STATES, 3))
-    pushed = np.zeros((5, STATES))  # by the deflections
+    A, B = np.zeros((STATE_COUNT, STATE_COUNT)), np.zeros((STATE_COUNT, 3))
+    pushed = np.zeros((5, STATE_COUNT))  # by the deflections
     axles = (("front left", c.a, FRONT, c.kf, c.bar_f), ("rear left", -c.b, REAR, c.kr, c.bar_r))
     for i, (wheel, x, travel, k, bar) in enumerate(axles):
         across, up, contact = np.zeros((3, 5))
@@ -86,17 +87,20 @@ def linear(c: Car, speed: float, spin: float = SPINNING) -> Linear:
         K += 2.0 * ((k + 2.0 * bar / c.track**2) * np.outer(one[travel], one[travel]) + c.kt * np.outer(up, up))
         stiff = c.stiffness(wheel)
         pull = stiff * c.longitudinal / c.cornering
-        pushed[:, SIDE.start + i], pushed[HEADING, AHEAD.start + i] = 2.0 * stiff * contact, -c.track * pull
-        side, ahead, spins = (A[part.start + i] for part in (SIDE, AHEAD, SPIN))
-        side[5:10], side[HEADING], side[SIDE.start + i] = -contact, speed, -speed
-        ahead[5 + HEADING], ahead[SPIN.start + i], ahead[AHEAD.start + i] = half, c.r, -speed
+        pushed[:, SIDE_STATES.start + i], pushed[HEADING, AHEAD_STATES.start + i] = (
+            2.0 * stiff * contact,
+            -c.track * pull,
+        )
+        side, ahead, spins = (A[part.start + i] for part in (SIDE_STATES, AHEAD_STATES, SPIN_STATES))
+        side[5:10], side[HEADING], side[SIDE_STATES.start + i] = -contact, speed, -speed
+        ahead[5 + HEADING], ahead[SPIN_STATES.start + i], ahead[AHEAD_STATES.start + i] = half, c.r, -speed
         ahead[:5] += speed / c.r * up  # a wheel that rises rolls on a larger radius
-        spins[AHEAD.start + i] = -c.r * pull / c.Iw
-    A[SIDE] /= c.relaxation
-    A[AHEAD] /= c.relaxation
-    B[SIDE.start, 0] = speed / c.relaxation
+        spins[AHEAD_STATES.start + i] = -c.r * pull / c.Iw
+    A[SIDE_STATES] /= c.relaxation
+    A[AHEAD_STATES] /= c.relaxation
+    B[SIDE_STATES.start, 0] = speed / c.relaxation
     A[:5, 5:10] = np.eye(5)
-    A[5:10] = np.linalg.solve(M, pushed - np.hstack([K, D, np.zeros((5, STATES - 10))]))
+    A[5:10] = np.linalg.solve(M, pushed - np.hstack([K, D, np.zeros((5, STATE_COUNT - 10))]))
     steered = np.zeros((5, 2))
     steered[ROLL, 0], steered[HEADING, 1] = 2.0 * gyro, -2.0 * diameter
     B[5:10, 1:] = np.linalg.solve(M, steered)

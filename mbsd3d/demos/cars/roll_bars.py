@@ -1,4 +1,4 @@
-"""Which end of a car lets go first, as its anti-roll bars move from the rear to the front."""
+"""Anti-roll bars of a car and the axle that slides first, as the bars move from the rear to the front."""
 
 import numpy as np
 
@@ -6,19 +6,19 @@ from mbsd3d import Pulse, System, simulate
 
 from ..figure import Line
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
-from .car import SHOW, Car, car
+from .car import SHOW_OPTIONS, Car, car
 from .circle import circle, circles
-from .theory import ROLLED, limit, trims, understeer_gradient
+from .theory import ROLL_TOLERANCE, limit, trims, understeer_gradient
 
-SMALL = 1e-3  # m/s^2: what is of second order has no say
-SHARES = (0.0, 0.35, 0.7, 1.0)  # of the bars, in front
-STEP = 7.0  # long: what counts is the end
-NEARLY = 0.95  # of the grip used
+SMALL_ACCELERATION = 1e-3  # [m/s^2] terms of second order vanish
+BAR_SHARES = (0.0, 0.35, 0.7, 1.0)  # [1] of the bars, in front
+CIRCLE_STEP = 7.0  # [1] long, since only the end counts
+FULL_GRIP_SHARE = 0.95  # [1] of the grip used
 TYRES = ("inner front", "outer front", "inner rear", "outer rear")  # in the order of `WHEELS`, on circles to the left
 
 
-def cars(h, track, bars, mu, less_grip, less_stiffness, shares=SHARES):
-    """The same car with its bars here and there."""
+def cars(h, track, bars, mu, less_grip, less_stiffness, shares=BAR_SHARES):
+    """Return the same car with its bars at several shares in front."""
     c = Car(h=h, track=track, mu=mu, less_grip=less_grip, less_stiffness=less_stiffness)
     return [c._replace(bar_f=share * bars, bar_r=(1.0 - share) * bars) for share in shares]
 
@@ -26,14 +26,16 @@ def cars(h, track, bars, mu, less_grip, less_stiffness, shares=SHARES):
 def mechanism(
     *, h=0.55, track=1.5, bars=18e3, mu=1.0, less_grip=0.12, less_stiffness=0.25, v=20.0, share=1.0, steer=0.1
 ) -> System:  # fmt: skip
-    """Car at v with a share of its bars [N m/rad] in front, whose front wheels are steered within 1 s."""
+    """Build the car at v with a share of its bars [N m/rad] in front, whose front wheels are steered within 1 s."""
     require(v > 0.0, f"demo 'roll_bars': v = {v:g} m/s; give a speed ahead")
     (c,) = cars(h, track, bars, mu, less_grip, less_stiffness, [share])
     return car(c, v, Pulse(steer, start=0.2, edge=1.0))
 
 
 def theory(*, h, track, bars, mu, less_grip, less_stiffness, v):
-    """Largest accelerations by trims; the understeer gradient has a closed form, and the bars are not in it."""
+    """Return the largest accelerations by trims, and the understeer gradient in closed form, which is independent of
+    the bars.
+    """
     known = [limit(c, v).acceleration for c in cars(h, track, bars, mu, less_grip, less_stiffness, (0.0, 1.0))]
     c = Car(less_stiffness=less_stiffness)
     return {
@@ -44,36 +46,37 @@ def theory(*, h, track, bars, mu, less_grip, less_stiffness, v):
 
 
 def measure(build, terms, *, h, track, bars, mu, less_grip, less_stiffness, v) -> Measured:
-    """Circles up to the limit with the bars here and there, and a very wide one."""
+    """Measure circles up to the limit with the bars at several shares, and a very wide one."""
     group = cars(h, track, bars, mu, less_grip, less_stiffness)
-    found = [circles(c, v, terms, STEP) for c in group]
-    wide = circle(group[-1], v, SMALL, terms=terms)
+    found = [circles(c, v, terms, CIRCLE_STEP) for c in group]
+    wide = circle(group[-1], v, SMALL_ACCELERATION, terms=terms)
     values = {
         "limit_rear_bars_m_s2": found[0][-1].acceleration,
         "limit_front_bars_m_s2": found[-1][-1].acceleration,
-        "understeer_rad_s2_m": wide.steer / SMALL - group[-1].wheelbase / v**2,
+        "understeer_rad_s2_m": wide.steer / SMALL_ACCELERATION - group[-1].wheelbase / v**2,
     }
-    notes = [note(share, one) for share, one in zip(SHARES, found, strict=True)]
+    notes = [note(share, one) for share, one in zip(BAR_SHARES, found, strict=True)]
     return Measured(values, [simulate(build(), 3.0, output=301, **terms)], curves(group, v, found), notes=notes)
 
 
 def note(share, found):
-    """Which tyre lets go first, and what the limit is like."""
+    """Return in a line which tyre slides first, and the state at the limit."""
     last, at = found[-1], [one.acceleration for one in found]
     used = np.array([one.of_tyres("saturation") for one in found]).T
-    first = np.argmin([np.interp(NEARLY, one, at, right=np.inf) for one in used])
+    first = np.argmin([np.interp(FULL_GRIP_SHARE, one, at, right=np.inf) for one in used])
     parts = ", ".join(f"{name} {100.0 * one:.1f} %" for name, one in zip(TYRES, used[:, -1], strict=True))
     return (
-        f"{100.0 * share:.0f} % of the bars in front: the {TYRES[first]} tyre is the first to use {100.0 * NEARLY:.0f} "
+        f"{100.0 * share:.0f} % of the bars in front: the {TYRES[first]} tyre is the first to use "
+        f"{100.0 * FULL_GRIP_SHARE:.0f} "
         f"% of its grip; circles up to {last.acceleration:.3f} m/s^2, with {np.degrees(last.steer):.2f} deg of steer; "
         f"there {parts}"
     )
 
 
 def curves(group, v, found):
-    """Limit and grip used there over the share of the bars, and the steer on the way there."""
+    """Draw limit and grip used there over the share of the bars, and the steer up to it."""
     known = [trims(c, v) for c in group]
-    percent, along = 100.0 * np.array(SHARES), {"along": "share of the bars in front [%]"}
+    percent, along = 100.0 * np.array(BAR_SHARES), {"along": "share of the bars in front [%]"}
     used = 100.0 * np.array([one[-1].of_tyres("saturation") for one in found]).T
     known_used = 100.0 * np.array([one[-1].used for one in known]).T
     limits = [np.array([one[-1].acceleration for one in some]) for some in (found, known)]
@@ -104,8 +107,10 @@ demo = Demo(
     equation="F_max = mu (2 N (1 + k) - 2 k (N^2 + D^2)/N_0), D = K_i roll/track",
     source="Milliken, Milliken, Race Car Vehicle Dynamics",
     quantities={
-        "limit_rear_bars_m_s2": Quantity("largest lateral acceleration, bars at the rear", "m/s^2", relative=ROLLED),
-        "limit_front_bars_m_s2": Quantity("largest lateral acceleration, bars in front", "m/s^2", relative=ROLLED),
+        "limit_rear_bars_m_s2": Quantity("largest lateral acceleration, bars at the rear", "m/s^2",
+            relative=ROLL_TOLERANCE),
+        "limit_front_bars_m_s2": Quantity("largest lateral acceleration, bars in front", "m/s^2",
+            relative=ROLL_TOLERANCE),
         "understeer_rad_s2_m": Quantity("understeer gradient, bars or not", "rad s^2/m", absolute=3e-7),
     },
     ablation=Ablation(
@@ -115,6 +120,6 @@ demo = Demo(
         {"less_grip": 0.0, "less_stiffness": 0.0},
     ),
     alone="MuJoCo has no such tyre, and Exudyn no bar between two wheels",
-    show={**SHOW, "curves": [("force", "front right tyre"), ("force", "rear right tyre")]},
+    show={**SHOW_OPTIONS, "curves": [("force", "front right tyre"), ("force", "rear right tyre")]},
     ranges={"share": None},
 )  # fmt: skip

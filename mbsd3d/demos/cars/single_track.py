@@ -1,4 +1,4 @@
-"""A car as a single track, both tyres of an axle in one: its eigenvalues, yaw gain and characteristic speed."""
+"""Car as a single track, both tyres of an axle in one: its eigenvalues, yaw gain and characteristic speed."""
 
 import numpy as np
 from scipy.optimize import brentq
@@ -22,53 +22,74 @@ from mbsd3d import (
 
 from ..figure import Line
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
-from .car import KINGPIN, G
+from .car import KINGPIN_SHAPE, G
 
-R, STIFF = 0.3, 1e6  # m; N/m of the tyres' springs, which carry the weight
-SMALL = 1e-6  # rad of steer
-SOFT = {"longitudinal": 1e-12, "relaxation_x": 1e9}  # the wheels are locked, and what is ahead does not hold them
-VISIBLE = 0.1  # m of relaxation in the run that is shown
-STRAIGHT = {"steer": 0.0, "step": 0.0}  # the motion that is linearised
-FASTEST = 100.0  # m/s of the curves
-WIDE = 1.5  # m of the cabin that is drawn
-SETTLED = 1e-5  # what is not steady in a run that slows down by that
+WHEEL_RADIUS, TYRE_STIFFNESS = 0.3, 1e6  # m; N/m of the tyres' springs, which carry the weight
+SMALL_STEER = 1e-6  # [rad] of steer
+# the wheels are locked, and longitudinal forces do not hold them
+SOFT_TYRE = {"longitudinal": 1e-12, "relaxation_x": 1e9}
+VISIBLE_RELAXATION = 0.1  # [m] of relaxation in the run that is shown
+STRAIGHT_RUN = {"steer": 0.0, "step": 0.0}  # the motion that is linearized
+SPEED_MAX = 100.0  # [m/s] of the curves
+CABIN_WIDTH = 1.5  # [m] of the cabin that is drawn
+SLOWDOWN_SHARE_MAX = 1e-5  # [1] error of the steady state in a run that slows down by that
 
 
 def mechanism(
     *, m=1600.0, Iz=3600.0, a=1.4, b=1.6, Cf=60e3, Cr=60e3, v=20.0, relaxation=1e-8, steer=0.0, step=0.01
 ) -> System:  # fmt: skip
-    """Body m [kg], Iz [kg m^2] at v, on two linear tyres, Cf [N/rad] a ahead and Cr b behind.
+    """Build a body m [kg], Iz [kg m^2] at v, on two linear tyres, Cf [N/rad] a ahead and Cr b behind.
 
     ``relaxation`` [m]: the tyres' forces follow their slip after this way; ``steer``, ``step`` [rad]: of the ride that
     is shown, at the start and what is added within 0.1 s.
     """
     require(v > 0.0, f"demo 'single_track': v = {v:g} m/s; give a speed ahead")
     up, form = (0, 0, 1), drawn(a, b)
-    body = Body("car", m, (0.5 * Iz, 0.5 * Iz, Iz), position=(0, 0, R), velocity=(v, 0, 0), shape=form)
-    wheel = [KINGPIN, shapes.Cylinder(R, 0.2, "y", colour="dimgray")]
-    knuckle = Body("knuckle", 0.0, (0, 0, 0), position=(a, 0, R), orientation=rotation("z", steer), shape=wheel)
-    hinge = Revolute(body, knuckle, at=(a, 0, R), axis=up, name="kingpin")
+    body = Body("car", m, (0.5 * Iz, 0.5 * Iz, Iz), position=(0, 0, WHEEL_RADIUS), velocity=(v, 0, 0), shape=form)
+    wheel = [KINGPIN_SHAPE, shapes.Cylinder(WHEEL_RADIUS, 0.2, "y", colour="dimgray")]
+    knuckle = Body(
+        "knuckle", 0.0, (0, 0, 0), position=(a, 0, WHEEL_RADIUS), orientation=rotation("z", steer), shape=wheel
+    )
+    hinge = Revolute(body, knuckle, at=(a, 0, WHEEL_RADIUS), axis=up, name="kingpin")
     turn = AngleDriver(hinge, Pulse(step, start=0.2, edge=0.1), name="steering")
     tyres = []
     for name, on, x, C, other in (("front", knuckle, a, Cf, b), ("rear", body, -b, Cr, a)):
         N = m * G * other / (a + b)
-        numbers = {"cornering": C / N, "mu": None, "relaxation": relaxation, "stiffness": STIFF, "name": name, **SOFT}
-        tyres.append(Tyre(GROUND, on, axis=on.axes[:, 1], radius=R + N / STIFF, centre=(x, 0, R), **numbers))
-    return System([body, knuckle], [Planar(GROUND, body, at=(0, 0, R), normal=up), hinge, turn], tyres)
+        numbers = {
+            "cornering": C / N,
+            "mu": None,
+            "relaxation": relaxation,
+            "stiffness": TYRE_STIFFNESS,
+            "name": name,
+            **SOFT_TYRE,
+        }
+        tyres.append(
+            Tyre(
+                GROUND,
+                on,
+                axis=on.axes[:, 1],
+                radius=WHEEL_RADIUS + N / TYRE_STIFFNESS,
+                centre=(x, 0, WHEEL_RADIUS),
+                **numbers,
+            )
+        )
+    return System([body, knuckle], [Planar(GROUND, body, at=(0, 0, WHEEL_RADIUS), normal=up), hinge, turn], tyres)
 
 
 def drawn(a, b):
-    """A floor between the wheels, a cabin as wide as a car, and the rear wheel."""
+    """Draw a floor between the wheels, a cabin as wide as a car, and the rear wheel."""
     L, middle = a + b, 0.5 * (a - b)
     return [
-        shapes.Box((L - 3 * R, 0.6, 0.3), at=(middle, 0, 0.1), colour="lightsteelblue"),
-        shapes.Box((0.55 * L, WIDE, 0.45), at=(middle, 0, 0.45), colour="lightsteelblue"),
-        shapes.Cylinder(R, 0.2, "y", at=(-b, 0, 0), colour="dimgray"),
+        shapes.Box((L - 3 * WHEEL_RADIUS, 0.6, 0.3), at=(middle, 0, 0.1), colour="lightsteelblue"),
+        shapes.Box((0.55 * L, CABIN_WIDTH, 0.45), at=(middle, 0, 0.45), colour="lightsteelblue"),
+        shapes.Cylinder(WHEEL_RADIUS, 0.2, "y", at=(-b, 0, 0), colour="dimgray"),
     ]
 
 
 def theory(*, m, Iz, a, b, Cf, Cr, v):
-    """x = (speed to the left, yaw rate); K is the understeer gradient, and the gain v/(L + K v^2) peaks at V."""
+    """Return eigenvalues of x = (speed to the left, yaw rate); K is the understeer gradient, and the gain v/(L + K v^2)
+    peaks at V.
+    """
     L = a + b
     K = m * (b * Cr - a * Cf) / (L * Cf * Cr)
     require(K > 0.0, "demo 'single_track': it oversteers and has no characteristic speed; give b Cr > a Cf")
@@ -86,33 +107,35 @@ def theory(*, m, Iz, a, b, Cf, Cr, v):
 
 
 def small_motions(system, v, terms):
-    """(4, 4) of speed to the left over the car, yaw rate and the deflections of both tyres."""
+    """Return A of speed to the left over that ahead, yaw rate and the deflections of both tyres, shape (4, 4)."""
     body, forces = system.part("car"), system.forces
     seen = [measures.velocity(body, axis=(0, 1, 0)), measures.heading_rate(body)]
     seen += [*(measures.state(tyre, "lateral") for tyre in forces), measures.heading(body)]
-    A = linearize(system, outputs=seen, tolerance=SETTLED, **terms).A
+    A = linearize(system, outputs=seen, tolerance=SLOWDOWN_SHARE_MAX, **terms).A
     turned = np.eye(5)
     turned[0, 4] = v  # over the ground it has that of the heading too
     return np.linalg.solve(turned, A @ turned)[:4, :4]
 
 
 def response(build, v, terms):
-    """(eigenvalue of the car [1/s], yaw rate over steer [1/s]) at a speed [m/s].
+    """Return (eigenvalue of the car [1/s], yaw rate over steer [1/s]) at a speed [m/s].
 
     Where nothing changes A x = -B steer; B is what a little steer starts. The deflections of the tyres have large
     eigenvalues, those of the car are the two small ones.
     """
-    A = small_motions(build(v=v, **STRAIGHT), v, terms)
-    start = accelerations(build(v=v, **STRAIGHT | {"steer": SMALL}), **terms)
+    A = small_motions(build(v=v, **STRAIGHT_RUN), v, terms)
+    start = accelerations(build(v=v, **STRAIGHT_RUN | {"steer": SMALL_STEER}), **terms)
     rates = [start.acceleration("car")[0, 1], start.alpha("car")[0, 2]]
     rates += [start.force(name).state_rates["lateral"][0] for name in ("front", "rear")]
     s = np.linalg.eigvals(A)
     slow = max(s[np.argsort(np.abs(s))[:2]], key=lambda s: (s.imag, s.real))
-    return slow, float(np.linalg.solve(A, rates)[1] / -SMALL)
+    return slow, float(np.linalg.solve(A, rates)[1] / -SMALL_STEER)
 
 
 def measure(build, terms, *, a, b, v) -> Measured:
-    """Eigenvalue and yaw gain at v, the speed at which a circle wants twice the steer L/R, and a step of the steer."""
+    """Measure eigenvalue and yaw gain at v, the speed at which a circle needs twice the steer L/R, and a step of the
+    steer.
+    """
 
     def more_steer(v):
         return v / response(build, v, terms)[1] - 2.0 * (a + b)
@@ -125,13 +148,13 @@ def measure(build, terms, *, a, b, v) -> Measured:
         "yaw_gain_1_s": gain,
         "characteristic_m_s": float(brentq(more_steer, 0.9 * guess, 1.1 * guess, xtol=1e-8)),
     }
-    run = simulate(build(relaxation=VISIBLE), 3.0, output=301, **terms)
+    run = simulate(build(relaxation=VISIBLE_RELAXATION), 3.0, output=301, **terms)
     return Measured(values, [run], curves(build, terms, values["characteristic_m_s"]))
 
 
 def curves(build, terms, characteristic):
-    """Yaw gain and eigenvalues over the speed, up to twice the characteristic one where that is in reach."""
-    speeds = np.geomspace(0.1, 1.0, 12) * min(2.0 * characteristic, FASTEST)
+    """Draw yaw gain and eigenvalues over the speed, up to twice the characteristic one where that is in reach."""
+    speeds = np.geomspace(0.1, 1.0, 12) * min(2.0 * characteristic, SPEED_MAX)
     found = [response(build, v, terms) for v in speeds]
     known = [build.demo.call(theory, {**build.values, "v": v}) for v in speeds]
     lines = {

@@ -1,4 +1,4 @@
-"""A car's first second after a step of its steer: yaw rate and roll, how far they shoot over, and when."""
+"""Response of a car in the first second after a step of its steer: yaw rate and roll, their overshoot, and its time."""
 
 from typing import NamedTuple
 
@@ -9,17 +9,20 @@ from mbsd3d import Pulse, System, measures, simulate
 
 from ..figure import Line
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
-from .car import SHOW, Car, car
-from .linear import HEADING, ROLL, SPINNING, STANDING, Y, linear
+from .car import SHOW_OPTIONS, Car, car
+from .linear import FULL_SPIN, HALF_SPIN, HEADING, ROLL, Y, linear
 
-SMALL, TIGHT = 1e-6, 1e-12  # rad of steer: what is of second order has no say; tolerance of the run
-SHARP = 100.0  # m/s^2 per rad of steer; a car that answers more is steered less, so that its tyres slip no more
-EDGE, MOST = 0.15, 0.9  # s in which the steer rises; share of the end at which one says that it is there
+SMALL_STEER, TIGHT_RTOL = 1e-6, 1e-12  # rad of steer: what is of second order has no say; tolerance of the run
+RESPONSE_MAX = 100.0  # [m/s^2/rad] per steer; a car with more is steered less, so that its tyres slip no more
+EDGE_SECONDS, ARRIVAL_SHARE = (
+    0.15,
+    0.9,
+)  # s in which the steer rises; share of the end at which one says that it is there
 TIMES = np.linspace(0.0, 3.5, 701)
 
 
 class Answer(NamedTuple):
-    """Over `TIMES`, per steer."""
+    """Responses over `TIMES`, per steer."""
 
     yaw: np.ndarray  # yaw rate [1/s]
     side: np.ndarray  # acceleration to the left [m/s^2]
@@ -27,20 +30,20 @@ class Answer(NamedTuple):
 
 
 def answer_of(run, steer) -> Answer:
-    """What a run says."""
+    """Return the response of a run per steer."""
     left = np.einsum("ti,ti->t", run.rotation("chassis")[:, :, 1], run.acceleration("chassis"))
     lean = run.measure(measures.lean(run.system.part("chassis"))).ravel()
     return Answer(run.omega("chassis")[:, 2] / steer, left / steer, lean / steer)
 
 
 def arrival(x: np.ndarray) -> float:
-    """Time after half of the steer at which a curve first has most of what it ends with [s]."""
-    found = CubicSpline(TIMES, x - MOST * x[-1]).roots(extrapolate=False)
-    return float(found[0]) - 0.5 * EDGE
+    """Return the time after half of the steer at which a curve first reaches `ARRIVAL_SHARE` of its final value [s]."""
+    found = CubicSpline(TIMES, x - ARRIVAL_SHARE * x[-1]).roots(extrapolate=False)
+    return float(found[0]) - 0.5 * EDGE_SECONDS
 
 
 def features(one: Answer) -> dict[str, float]:
-    """What of an answer is compared."""
+    """Return the features of a response that are compared."""
     ends = {"yaw_gain_1_s": one.yaw[-1], "side_gain_m_s2": one.side[-1], "roll_gain": one.roll[-1]}
     return {name: float(x) for name, x in ends.items()} | {
         "yaw_s": arrival(one.yaw),
@@ -52,39 +55,41 @@ def features(one: Answer) -> dict[str, float]:
 def mechanism(
     *, ms=1400.0, h=0.55, a=1.2, b=1.5, track=1.5, damping=2000.0, relaxation=0.4, v=25.0, steer=0.05
 ) -> System:  # fmt: skip
-    """Car at v whose front wheels are steered to an angle [rad]."""
+    """Build the car at v whose front wheels are steered to an angle [rad]."""
     require(v > 0.0, f"demo 'step_steer': v = {v:g} m/s; give a speed ahead")
-    return car(car_of(ms, h, a, b, track, damping, relaxation), v, Pulse(steer, start=0.0, edge=EDGE))
+    return car(car_of(ms, h, a, b, track, damping, relaxation), v, Pulse(steer, start=0.0, edge=EDGE_SECONDS))
 
 
 def car_of(ms, h, a, b, track, damping, relaxation):
-    """The car with some of its numbers."""
+    """Return the car with some of its numbers."""
     return Car(ms=ms, h=h, a=a, b=b, track=track, damping=damping, relaxation=relaxation)
 
 
 def known(ms, h, a, b, track, damping, relaxation, v, spin):
-    """The answer of the small motions by hand."""
+    """Return the response of the small motions in closed form."""
     c = car_of(ms, h, a, b, track, damping, relaxation)
-    steer, small = Pulse(SMALL, start=0.0, edge=EDGE), linear(c, v, spin)
-    x, rates = small.respond(steer, TIMES, [EDGE])
-    return Answer(x[:, 5 + HEADING] / SMALL, rates[:, 5 + Y] / SMALL, x[:, ROLL] / SMALL)
+    steer, small = Pulse(SMALL_STEER, start=0.0, edge=EDGE_SECONDS), linear(c, v, spin)
+    x, rates = small.respond(steer, TIMES, [EDGE_SECONDS])
+    return Answer(x[:, 5 + HEADING] / SMALL_STEER, rates[:, 5 + Y] / SMALL_STEER, x[:, ROLL] / SMALL_STEER)
 
 
 def theory(*, ms, h, a, b, track, damping, relaxation, v):
-    """Small motions: `linear`."""
-    return features(known(ms, h, a, b, track, damping, relaxation, v, SPINNING))
+    """Return the features of the small motions of `linear`."""
+    return features(known(ms, h, a, b, track, damping, relaxation, v, FULL_SPIN))
 
 
 def without_gyroscopic(*, ms, h, a, b, track, damping, relaxation, v):
-    """Of the moments that turn the wheels' spin half is I dw/dt of their diameters, and stays."""
-    return features(known(ms, h, a, b, track, damping, relaxation, v, STANDING))
+    """Return the values without the gyroscopic moment: half of the moments that turn the wheels' spin is I dw/dt of
+    their diameters, and stays.
+    """
+    return features(known(ms, h, a, b, track, damping, relaxation, v, HALF_SPIN))
 
 
 def measure(build, terms, *, ms, h, a, b, track, damping, relaxation, v, steer) -> Measured:
-    """A very small step, and the one asked for."""
-    theirs = known(ms, h, a, b, track, damping, relaxation, v, SPINNING)
-    little = SMALL * min(1.0, SHARP / np.abs(theirs.side).max())
-    small = simulate(build(steer=little), TIMES[-1], output=TIMES, rtol=TIGHT, **terms)
+    """Measure a very small step, and the given one."""
+    theirs = known(ms, h, a, b, track, damping, relaxation, v, FULL_SPIN)
+    little = SMALL_STEER * min(1.0, RESPONSE_MAX / np.abs(theirs.side).max())
+    small = simulate(build(steer=little), TIMES[-1], output=TIMES, rtol=TIGHT_RTOL, **terms)
     run = simulate(build(), TIMES[-1], output=TIMES, rtol=1e-6, **terms)
     found, large = answer_of(small, little), answer_of(run, steer)
     name = f"steer {np.degrees(steer):.3g} deg"
@@ -120,5 +125,5 @@ demo = Demo(
         values=without_gyroscopic,
     ),
     alone="MuJoCo has no such tyre, and Exudyn no bar between two wheels",
-    show={**SHOW, "curves": [("force", "front right tyre"), ("force", "rear right tyre")]},
+    show={**SHOW_OPTIONS, "curves": [("force", "front right tyre"), ("force", "rear right tyre")]},
 )  # fmt: skip

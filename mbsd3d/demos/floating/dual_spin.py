@@ -8,7 +8,9 @@ from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 
 
 def mechanism(*, I=(30.0, 50.0, 40.0), w=0.5, J=0.2, Omega=60.0) -> System:
-    """Body I [kg m^2] turning at w about its middle axis z, wheel (J/2, J/2, J) in it at Omega more; centre held."""
+    """Build a body I [kg m^2] turning at w about its middle axis z, wheel (J/2, J/2, J) in it at Omega more; centre
+    fixed.
+    """
     body = Body("satellite", 20.0, I, omega=(0, 0, w), shape=shapes.Box((1.2, 0.4, 0.9)))
     form = shapes.Disc(0.35, 0.1, "z", at=(0, 0, 0.55))
     wheel = Body("wheel", 1.0, (J / 2, J / 2, J), omega=(0, 0, w + Omega), shape=form)
@@ -20,21 +22,21 @@ def mechanism(*, I=(30.0, 50.0, 40.0), w=0.5, J=0.2, Omega=60.0) -> System:
 
 
 def square(I, w, J, Omega):
-    """lambda^2 of the small motions of a gyrostat: -(h + (C - A) w)(h + (C - B) w) / (A B), h = J Omega."""
+    """Return lambda^2 of the small motions of a gyrostat: -(h + (C - A) w)(h + (C - B) w) / (A B), h = J Omega."""
     a, b, c = I[0] + J / 2, I[1] + J / 2, I[2] + J
     h = J * Omega
     return -(h + (c - a) * w) * (h + (c - b) * w) / (a * b)
 
 
 def theory(*, I, w, J, Omega):
-    """Growth with the wheel at rest in the body, nutation with the wheel on; zero where there is none."""
+    """Return growth with the wheel at rest in the body, nutation with the wheel on; zero where there is none."""
     require(w != 0 and J > 0, f"demo 'dual_spin': w = {w:g}, J = {J:g}: give a turn and a wheel")
     off, on = square(I, w, J, 0.0), square(I, w, J, Omega)
     return {"growth_wheel_off_1_s": np.sqrt(max(off, 0.0)), "nutation_wheel_on_rad_s": np.sqrt(max(-on, 0.0))}
 
 
 def measure(build, terms, *, I, w, J, Omega) -> Measured:
-    """Eigenvalues of the small motions."""
+    """Measure eigenvalues of the small motions."""
     values = {rate: small(build(Omega=rate), terms) for rate in {0.0, Omega}}
     calm = abs(I[1] - I[2]) * w / J  # speed of the wheel from which nothing grows
     rates = np.linspace(0, 3 * calm, 25)
@@ -53,7 +55,7 @@ def measure(build, terms, *, I, w, J, Omega) -> Measured:
 
 
 def small(system, terms):
-    """(growth, nutation) of the rates across the axis, seen from the body: the turn itself is no motion there.
+    """Return (growth, nutation) of the rates across the axis in body axes, where the rotation itself is no motion.
 
     The moments of a gyrostat are quadratic in the rates, so that their central differences are exact.
     """

@@ -12,39 +12,41 @@ from ..figure import Line, Path
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 
 NAMES, SAMPLES = ("least moment", "middle moment", "greatest moment"), 1501
-UPRIGHT = (rotation("y", -np.pi / 2), rotation("x", np.pi / 2), rotation("z", 0.0))
-MIDDLE = NAMES[1]
+UPRIGHT_ORIENTATIONS = (rotation("y", -np.pi / 2), rotation("x", np.pi / 2), rotation("z", 0.0))
+MIDDLE_NAME = NAMES[1]
 
-LEAST = 5e-5  # of the spin: errors of a run grow as the rate that starts the flips does
-APART = 1e-5  # [1] share of `excess` in its terms, times off / spin: below it rounding moves the flips by 1e-7 s
+OFF_SHARE_MIN = 5e-5  # [1] of the spin; errors of a run grow as the rate that starts the flips does
+# [1] share of `excess` in its terms, times off / spin; below it rounding moves the flips by 1e-7 s
+EXCESS_SHARE_MIN = 1e-5
 
 
 def spins(axis: int, spin: float, off: float) -> np.ndarray:
-    """Angular velocity at the start, body axes [rad/s]: ``spin`` about an axis, ``off`` about the others."""
+    """Return the initial angular velocity, body axes [rad/s]: ``spin`` about an axis, ``off`` about the others."""
     return np.where(np.arange(3) == axis, spin, off)
 
 
 def mechanism(*, m=1.5, I=(1.0, 2.0, 3.0), spin=5.0, off=1e-3) -> System:
-    """Three equal handles with moments I [kg m^2] side by side, spun [rad/s] each about another axis, which is upright,
-    and a little about the others."""
+    """Build three equal handles with moments I [kg m^2] side by side, spun [rad/s] each about another axis, which is
+    upright, and a little about the others.
+    """
     bar, stem = shapes.Capsule(0.16, 2.4, "x"), shapes.Capsule(0.16, 1.1, "y", at=(0, 0.75, 0))
     bodies = [
         Body(name, m, I, position=(2.7 * k, 1.7 * k, 0), orientation=turned, velocity=(0, 0, 0),
              omega=matrix(turned) @ spins(k, spin, off), shape=(bar, stem))
-        for k, (name, turned) in enumerate(zip(NAMES, UPRIGHT, strict=True))
+        for k, (name, turned) in enumerate(zip(NAMES, UPRIGHT_ORIENTATIONS, strict=True))
     ]  # fmt: skip
     return System(bodies, gravity=(0, 0, 0))
 
 
 def flip_interval(i: np.ndarray, w: np.ndarray) -> float:
-    """2 K(k) / p [s] for I1 < I2 < I3 and L^2 > 2 T I2, with 1 - k = (I3 - I1) D / ((I3 - I2)(L^2 - 2 T I1)).
+    """Return 2 K(k) / p [s] for I1 < I2 < I3 and L^2 > 2 T I2, with 1 - k = (I3 - I1) D / ((I3 - I2)(L^2 - 2 T I1)).
 
     p^2 = (I3 - I2)(L^2 - 2 T I1) / (I1 I2 I3); D = L^2 - 2 T I2 = sum of I (I - I2) w^2, written so because the
     difference of the two large numbers has no digits left. For D < 0 the least and the greatest axis change roles.
     """
     excess = (i * (i - i[1])) @ w**2
     require(
-        abs(excess * w[0]) > APART * (i * abs(i - i[1])) @ w**2 * abs(w[1]),
+        abs(excess * w[0]) > EXCESS_SHARE_MIN * (i * abs(i - i[1])) @ w**2 * abs(w[1]),
         "demo 'dzhanibekov': I lies on the separatrix, I1 (I2 - I1) = I3 (I3 - I2), or next to it: the body turns over "
         "once and for ever later; give another middle moment",
     )
@@ -55,13 +57,13 @@ def flip_interval(i: np.ndarray, w: np.ndarray) -> float:
 
 
 def theory(*, I, spin, off, t):
-    """Euler's equations by elliptic functions; energy and angular momentum stay."""
+    """Solve Euler's equations by elliptic functions; energy and angular momentum stay."""
     require(I[0] < I[1] < I[2], f"demo 'dzhanibekov': I = {I}: give three moments that grow")
     require(abs(spin) > 3 * abs(off) > 0, f"demo 'dzhanibekov': off = {off:g}: give a small rate that is not 0")
-    require(abs(off) > LEAST * abs(spin), f"demo 'dzhanibekov': off = {off:g} grows out of rounding; give "
-            f"{LEAST * abs(spin):.2g} or more")  # fmt: skip
+    require(abs(off) > OFF_SHARE_MIN * abs(spin), f"demo 'dzhanibekov': off = {off:g} grows out of rounding; give "
+            f"{OFF_SHARE_MIN * abs(spin):.2g} or more")  # fmt: skip
     i, w = np.array(I), spins(1, spin, off)
-    interval, L = flip_interval(i, w), matrix(UPRIGHT[1]) @ (i * w)
+    interval, L = flip_interval(i, w), matrix(UPRIGHT_ORIENTATIONS[1]) @ (i * w)
     require(
         t > 2.5 * interval, f"demo 'dzhanibekov': t = {t:g} s holds no two flips; give more than {2.5 * interval:g}"
     )
@@ -70,18 +72,18 @@ def theory(*, I, spin, off, t):
 
 
 def flips(run):
-    """Times at which the spin of the middle handle about its middle axis changes its sign [s]."""
+    """Return the times at which the spin of the middle handle about its middle axis changes its sign [s]."""
 
     def spin(t):
         state = run.at(t)
         return float(matrix(state.q[10:14])[:, 1] @ state.v[9:12])
 
-    w = run.omega_body(MIDDLE)[:, 1]
+    w = run.omega_body(MIDDLE_NAME)[:, 1]
     return np.array([brentq(spin, *run.t[k : k + 2], xtol=1e-12) for k in np.flatnonzero(w[:-1] * w[1:] < 0.0)])
 
 
 def polhodes(I):
-    """Paths of L / L in the body for some energies: sum of l^2 / I = c on the unit sphere, (points, 3) each."""
+    """Return paths of L / L in the body for some energies: sum of l^2 / I = c on the unit sphere, (points, 3) each."""
     i, turn, paths = 1 / np.array(I), np.linspace(0, 2 * np.pi, 121), []
     for share in (0.03, 0.25, 0.6, 0.999):
         for around, sign in ((0, 1), (0, -1), (2, 1), (2, -1)):
@@ -94,11 +96,11 @@ def polhodes(I):
 
 
 def measure(build, terms, *, m, I, spin, off, t=30.0) -> Measured:
-    """Mean interval of the flips, energy and angular momentum of the middle handle at t."""
+    """Measure the mean interval of the flips, energy and angular momentum of the middle handle at t."""
     run = simulate(build(), t, rtol=1e-12, output=SAMPLES, **terms)
     times, rates = flips(run), [run.omega_body(name) for name in NAMES]
     local = [w * np.array(I) for w in rates]
-    L = run.rotation(MIDDLE)[-1] @ local[1][-1]
+    L = run.rotation(MIDDLE_NAME)[-1] @ local[1][-1]
     seen = [momentum / np.linalg.norm(momentum, axis=1)[:, None] for momentum in local]
     tilts = [np.degrees(np.arccos(np.clip(path[:, k], -1, 1))) for k, path in enumerate(seen)]
     interval = np.diff(times).mean() if times.size > 1 else np.inf

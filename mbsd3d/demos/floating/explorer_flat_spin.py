@@ -7,16 +7,18 @@ from mbsd3d import Body, Bushing, Spherical, System, shapes, simulate
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 from ..quadrature import motion
 
-CALM = 1e-6  # largest rate across the final axis over the rate about it: its square is lost in the rate
-SPANS = 16  # doublings of t, after which the satellite is given up
-ROCKET = (shapes.Cylinder(0.25, 3.0, "x"), shapes.Cylinder(0.015, 2.2, "y", at=(0.6, 0, 0)))
+# [1] largest rate across the final axis over the rate about it: its square is lost in the rate
+TRANSVERSE_RATE_RATIO_MAX = 1e-6
+DOUBLINGS_MAX = 16  # [1] doublings of t, after which the satellite is given up
+ROCKET_SHAPES = (shapes.Cylinder(0.25, 3.0, "x"), shapes.Cylinder(0.015, 2.2, "y", at=(0.6, 0, 0)))
 
 
 def mechanism(*, I=(1.0, 9.0, 10.0), j=1.0, c=0.5, w=5.0, tilt=0.02) -> System:
-    """Satellite I [kg m^2] spun at w [rad/s] about its least axis, tilt off; slug j [kg m^2] turning in c [N m
-    s/rad]."""
+    """Build a satellite I [kg m^2] spun at w [rad/s] about its least axis, tilt off; slug j [kg m^2] turning in c [N m
+    s/rad].
+    """
     omega = np.array([w, w * tilt, 0.0])
-    body = Body("satellite", 10.0, I, omega=omega, shape=ROCKET)
+    body = Body("satellite", 10.0, I, omega=omega, shape=ROCKET_SHAPES)
     slug = Body("fuel", 1.0, (j, j, j), omega=omega, shape=shapes.Sphere(0.2, colour="orangered"))
     tank = Spherical(body, slug, at=(0, 0, 0), name="tank")
     viscous = Bushing(body, slug, at=(0, 0, 0), stiffness=0.0, turning_damping=c, name="viscous")
@@ -24,7 +26,9 @@ def mechanism(*, I=(1.0, 9.0, 10.0), j=1.0, c=0.5, w=5.0, tilt=0.02) -> System:
 
 
 def own(times, I, j, c, w, tilt):
-    """(times, 6) w of the satellite, b of the fuel: I w' + w x I w = c (b - w), j (b' + w x b) = -c (b - w)."""
+    """Integrate w of the satellite, b of the fuel: I w' + w x I w = c (b - w), j (b' + w x b) = -c (b - w), shape
+    (times, 6).
+    """
 
     def rate(_, y):
         w, b = y[:3], y[3:]
@@ -36,7 +40,7 @@ def own(times, I, j, c, w, tilt):
 
 
 def theory(*, I, j, c, w, tilt, t):
-    """Euler's equations with the fuel; in the end all turns about the greatest axis with the same |H|."""
+    """Solve Euler's equations with the fuel; in the end all turns about the greatest axis with the same |H|."""
     require(I[2] >= max(I), f"demo 'explorer_flat_spin': I = {I}: the third moment must be the greatest; sort them")
     require(min(*I, j) > 0.01 * I[2], f"demo 'explorer_flat_spin': I = {I}, j = {j:g}: give none below 0.01 of I[2]")
     require(
@@ -48,14 +52,14 @@ def theory(*, I, j, c, w, tilt, t):
 
 
 def measure(build, terms, *, I, j, c, w, tilt, t=40.0) -> Measured:
-    """Rate about the long axis at t, and of the whole when nothing moves inside any more."""
+    """Measure the rate about the long axis at t, and of the whole when nothing moves inside any more."""
     run = simulate(build(), t, rtol=1e-13, output=401, **terms)
     later = run
-    for _ in range(SPANS if c else 1):  # each as long as all before it: how soon it is calm nobody knows
+    for _ in range(DOUBLINGS_MAX if c else 1):  # each as long as all before it: how soon it is calm nobody knows
         end = 2 * later.final.t
         later = later.again(end, state=later.final, output=[end])
         p, q, r = later.omega_body("satellite")[-1]
-        if np.hypot(p, q) < CALM * abs(r):
+        if np.hypot(p, q) < TRANSVERSE_RATE_RATIO_MAX * abs(r):
             break
     x, known = run.omega_body("satellite")[:, 0], own(run.t, I, j, c, w, tilt)
     energy = run.energy().kinetic

@@ -6,38 +6,43 @@ from mbsd3d import AngleDriver, Body, Polynomial, Revolute, System, rotation, sh
 
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity
 
-T = 1.0  # s: a roll by 360 degrees; the turn does not depend on it
-FUR = "peru"
+ROLL_SECONDS = 1.0  # [s] a roll by 360 degrees; the turn does not depend on it
+FUR_COLOUR = "peru"
 
 
 def mechanism(*, A=0.12, C=0.03, bend_deg=60.0) -> System:
-    """Halves (C, A, A) [kg m^2] along their own axes, bent by an angle at a massless waist about which both roll."""
+    """Build halves (C, A, A) [kg m^2] along their own axes, bent by an angle at a massless waist about which both
+    roll."""
     g, bodies, joints = np.radians(bend_deg) / 2, [], []
-    waist = Body("waist", 0.0, (0, 0, 0), shape=shapes.Sphere(0.09, colour=FUR))
+    waist = Body("waist", 0.0, (0, 0, 0), shape=shapes.Sphere(0.09, colour=FUR_COLOUR))
     for name, side in (("fore", 1), ("hind", -1)):
         along = np.array([side * np.cos(g), 0, -np.sin(g)])  # away from the waist
         axis = side * along  # both roll the same way about the cat's length
         turned = rotation("y", side * np.degrees(g), degrees=True)
         legs = [shapes.Cylinder(0.03, 0.2, at=(side * 0.28, y, -0.16)) for y in (-0.08, 0.08)]
-        form = [shapes.Capsule(0.11, 0.3, "x", at=(side * 0.2, 0, 0), colour=FUR), *legs]
-        form += [shapes.Sphere(0.1, at=(0.46, 0, 0.06), colour=FUR)] if side > 0 else []
+        form = [shapes.Capsule(0.11, 0.3, "x", at=(side * 0.2, 0, 0), colour=FUR_COLOUR), *legs]
+        form += [shapes.Sphere(0.1, at=(0.46, 0, 0.06), colour=FUR_COLOUR)] if side > 0 else []
         half = Body(name, 2.0, (C, A, A), orientation=turned, shape=form)
         hinge = Revolute(waist, half, at=(0, 0, 0), axis=axis, name=f"{name} roll")
-        roll = AngleDriver(hinge, Polynomial((0, 0, -6 * np.pi / T**2, 4 * np.pi / T**3)), name=f"{name} muscle")
+        roll = AngleDriver(
+            hinge, Polynomial((0, 0, -6 * np.pi / ROLL_SECONDS**2, 4 * np.pi / ROLL_SECONDS**3)), name=f"{name} muscle"
+        )
         bodies.append(half)
         joints += [hinge, roll]
     return System([waist, *bodies], joints, gravity=(0, 0, 0))
 
 
 def theory(*, A, C, bend_deg):
-    """Per roll of 360 degrees, from angular momentum zero: 360 (C cos g/(C cos^2 g + A sin^2 g) - 1), g = bend/2."""
+    """Return the turn per roll of 360 degrees at angular momentum zero: 360 (C cos g/(C cos^2 g + A sin^2 g) - 1), g =
+    bend/2.
+    """
     g = np.radians(bend_deg) / 2
     return {"net_turn_deg": 360 * (C * np.cos(g) / (C * np.cos(g) ** 2 + A * np.sin(g) ** 2) - 1)}
 
 
 def measure(build, terms) -> Measured:
-    """Turn of the waist about the length of the cat, less the roll of the halves."""
-    run = simulate(build(), T, rtol=1e-12, output=201, **terms)
+    """Measure the turn of the waist about the length of the cat, less the roll of the halves."""
+    run = simulate(build(), ROLL_SECONDS, rtol=1e-12, output=201, **terms)
     R = run.rotation("waist")
     turn = np.degrees(np.unwrap(np.arctan2(R[:, 2, 1], R[:, 1, 1])))
     rolled = np.degrees(run.angle("fore roll"))

@@ -7,11 +7,13 @@ from mbsd3d import GROUND, Body, CentralGravity, Revolute, SpeedDriver, System, 
 
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 
-DISTANCE = 100.0  # m to the Earth, where the orbit needs mu = n^2 DISTANCE^3; the swing does not depend on it
+EARTH_DISTANCE = 100.0  # [m] where the orbit needs mu = n^2 d^3; the swing does not depend on it
 
 
 def mechanism(*, I=(10.0, 11.0, 3.0), n=0.05, pitch_deg=40.0) -> System:
-    """Frame of the orbit at n [rad/s] about y, x of it up; satellite I [kg m^2], its long axis z pitched from x."""
+    """Build the frame of the orbit at n [rad/s] about y, x of it up; satellite I [kg m^2], its long axis z pitched from
+    x.
+    """
     rate, turned = np.array([0, n, 0]), rotation("y", 90.0 + pitch_deg, degrees=True)
     orbit = Body("orbit", 1.0, (1, 1, 1), omega=rate, shape=shapes.Torus(1.5, 0.01, "y"))
     form = (
@@ -25,12 +27,12 @@ def mechanism(*, I=(10.0, 11.0, 3.0), n=0.05, pitch_deg=40.0) -> System:
         SpeedDriver(GROUND, orbit, axis=(0, 1, 0), speed=n, name="orbital motion"),
         Revolute(orbit, satellite, at=(0, 0, 0), axis=(0, 1, 0), name="pitch"),
     ]
-    pull = CentralGravity(orbit, satellite, at=(-DISTANCE, 0, 0), mu=n**2 * DISTANCE**3, name="Earth")
+    pull = CentralGravity(orbit, satellite, at=(-EARTH_DISTANCE, 0, 0), mu=n**2 * EARTH_DISTANCE**3, name="Earth")
     return System([orbit, satellite], joints, [pull], gravity=(0, 0, 0))
 
 
 def theory(*, I, n, pitch_deg):
-    """I2 a'' = -3 n^2 (I1 - I3) sin a cos a from rest at the pitch: a pendulum of the angle 2 a."""
+    """Solve I2 a'' = -3 n^2 (I1 - I3) sin a cos a from rest at the pitch: a pendulum of the angle 2 a."""
     require(I[0] > I[2], f"demo 'gravity_gradient': I = {I}: no swing unless I[0] > I[2]; make the satellite longer")
     require(
         0 < abs(pitch_deg) < 90, f"demo 'gravity_gradient': pitch_deg = {pitch_deg:g}: it swings from between 0 and 90"
@@ -39,7 +41,7 @@ def theory(*, I, n, pitch_deg):
 
 
 def measure(build, terms, *, I, n, pitch_deg) -> Measured:
-    """Time from the release at rest to the vertical."""
+    """Measure the time from the release at rest to the vertical."""
     system, about = build(), 1 / n * np.sqrt(I[1] / abs(I[0] - I[2] or I[1]))
     upright = measures.angle(system.part("pitch", "joints")) < -np.radians(pitch_deg)
     if pitch_deg < 0:

@@ -6,18 +6,18 @@ from mbsd3d import Body, System, shapes, simulate
 
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 
-ROUNDS = 20  # of the wobble at most: the samples tell each one
+ROUNDS_MAX = 20  # [1] of the wobble; the samples resolve each one
 
 
 def mechanism(*, A=8.0, C=10.0, w3=5.0, wt=1.0) -> System:
-    """Free body of moments (A, A, C) [kg m^2], spin w3 about its axis and a small rate wt [rad/s] across it."""
+    """Build a free body of moments (A, A, C) [kg m^2], spin w3 about its axis and a small rate wt [rad/s] across it."""
     ratio = np.sqrt(max(12 * (2 * A - C), 1e-3 * C) / (6 * C))  # height over radius of the cylinder it looks like
     form = (shapes.Cylinder(1.0, ratio), shapes.Cylinder(0.05, ratio + 0.8))
     return System([Body("body", 20.0, (A, A, C), omega=(wt, 0, w3), shape=form)], gravity=(0, 0, 0))
 
 
 def theory(*, A, C, w3, wt):
-    """Body cone (C - A) w3/A, > 0 the way of +z; space cone H/A about H; tan(half angle) = A wt/(C w3)."""
+    """Return the body cone (C - A) w3/A, > 0 towards +z; space cone H/A about H; tan(half angle) = A wt/(C w3)."""
     require(wt != 0, "demo 'satellite_nutation': wt = 0: it does not wobble; give a rate across the axis")
     return {
         "body_cone_rate_rad_s": (C - A) / A * w3,
@@ -27,8 +27,8 @@ def theory(*, A, C, w3, wt):
 
 
 def measure(build, terms, *, A, C, w3, wt) -> Measured:
-    """Phase of the transverse rate in the body, of the axis about the angular momentum, and their angle."""
-    t = min(2.0, ROUNDS * 2 * np.pi * A / np.hypot(A * wt, C * w3))
+    """Measure the phase of the transverse rate in the body, of the axis about the angular momentum, and their angle."""
+    t = min(2.0, ROUNDS_MAX * 2 * np.pi * A / np.hypot(A * wt, C * w3))
     run = simulate(build(), t, rtol=1e-13, output=401, **terms)
     w, axis = run.omega_body("body"), run.rotation("body")[:, :, 2]
     L = run.momentum().angular[0]

@@ -9,7 +9,9 @@ from .helical_thrust import teeth
 
 
 def mechanism(*, r1=0.03, r2=0.05, helix_deg=50.0, shaft_angle_deg=90.0, torque=20.0) -> System:
-    """Pinion r1 [m] about z with its helix angle, wheel r2 [m] on a shaft crossed to it; torque [N m] on the pinion."""
+    """Build a pinion r1 [m] about z with its helix angle, wheel r2 [m] on a shaft crossed to it; torque [N m] on the
+    pinion.
+    """
     angle = np.radians(shaft_angle_deg)
     place, axis = np.array([r1 + r2, 0, 0]), np.array([0, np.sin(angle), np.cos(angle)])
     frame = np.column_stack([(1, 0, 0), np.cross(axis, (1, 0, 0)), axis])
@@ -24,8 +26,9 @@ def mechanism(*, r1=0.03, r2=0.05, helix_deg=50.0, shaft_angle_deg=90.0, torque=
 
 
 def theory(*, r1, r2, helix_deg, shaft_angle_deg, torque):
-    """Ratio r1 cos b1/(r2 cos b2) with b1 + b2 the angle of the shafts; thrust T tan(b1)/r1; both from the tooth
-    force."""
+    """Return the ratio r1 cos b1/(r2 cos b2) with b1 + b2 the angle of the shafts; thrust T tan(b1)/r1; both from the
+    tooth force.
+    """
     b1, b2 = np.radians(helix_deg), np.radians(shaft_angle_deg - helix_deg)
     require(abs(helix_deg) < 90 and abs(shaft_angle_deg - helix_deg) < 90, f"demo 'crossed_gears': helix_deg = "
             f"{helix_deg:g}: both helix angles must be less than 90 degrees")  # fmt: skip
@@ -34,7 +37,7 @@ def theory(*, r1, r2, helix_deg, shaft_angle_deg, torque):
 
 
 def measure(build, terms) -> Measured:
-    """Rates, force along the pinion's shaft, torque of the brake."""
+    """Measure rates, force along the pinion's shaft, torque of the brake."""
     run = simulate(build(), 2 * np.pi, method=Kinematic(), output=121, **terms)
     values = {
         "ratio": abs(run.rate("wheel shaft") / run.rate("pinion shaft")).mean(),

@@ -8,12 +8,13 @@ from mbsd3d.shapes import Box, Cylinder
 from ..form import Ablation, Against, Demo, Measured, Quantity
 from .helical_thrust import teeth
 
-LOAD = 100.0  # N m, the road's resistance at the right wheel
+LOAD_TORQUE = 100.0  # [N m] the road's resistance at the right wheel
 
 
 def mechanism(*, R=0.05, r=0.03, carrier=40.0, left=10.0) -> System:
-    """Side gears R [m] about x, a pin gear r [m] about y in a carrier; rates [rad/s] of carrier and left wheel
-    given."""
+    """Build side gears R [m] about x, a pin gear r [m] about y in a carrier; rates [rad/s] of carrier and left wheel
+    given.
+    """
     side = np.column_stack([(0, 0, 1), (0, 1, 0), (-1, 0, 0)])
     pin_frame = np.column_stack([(1, 0, 0), (0, 0, -1), (0, 1, 0)])
     cage = Body("carrier", 2.0, (0.02, 0.02, 0.02), shape=(Box((0.06 * r, 2.9 * R, 0.3 * R), at=(-1.3 * r, 0, 0)),
@@ -31,21 +32,23 @@ def mechanism(*, R=0.05, r=0.03, carrier=40.0, left=10.0) -> System:
         hinge = Revolute(GROUND, wheels[name], at=(sign * r, 0, 0), axis=(1, 0, 0), name=name)
         joints += [hinge, GearMesh(hinge, spin, at=(sign * r, R, 0), carrier=cage, name=f"{name} mesh")]
     joints.append(SpeedDriver(GROUND, wheels["left"], axis=(1, 0, 0), speed=left, name="left road"))
-    load = Torque(wheels["right"], (-LOAD, 0, 0), name="right road")
+    load = Torque(wheels["right"], (-LOAD_TORQUE, 0, 0), name="right road")
     return System([cage, pin, *wheels.values()], joints, [load], gravity=(0, 0, 0))
 
 
 def theory(*, carrier, left):
-    """Willis: seen from the carrier both wheels turn oppositely, w_L + w_R = 2 w_C; the pin is a balance: T_L = T_R."""
+    """Return the rates by Willis: seen from the carrier both wheels turn oppositely, w_L + w_R = 2 w_C; the pin is a
+    balance: T_L = T_R.
+    """
     return {"right_rate_rad_s": 2 * carrier - left, "left_over_right_torque": 1.0}
 
 
 def measure(build, terms) -> Measured:
-    """Rate of the right wheel, and what the left road takes over what the right one takes."""
+    """Measure the rate of the right wheel, and the ratio of the torques of left and right wheel."""
     run = simulate(build(), 0.5, rtol=1e-12, output=201, **terms)
     values = {
         "right_rate_rad_s": run.omega("right wheel")[:, 0].mean(),
-        "left_over_right_torque": run.effort("left road").mean() / -LOAD,
+        "left_over_right_torque": run.effort("left road").mean() / -LOAD_TORQUE,
     }
     return Measured(values, [run])
 

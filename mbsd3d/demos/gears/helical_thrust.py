@@ -6,11 +6,11 @@ from mbsd3d import GROUND, Body, GearMesh, Revolute, SpeedDriver, System, Torque
 
 from ..form import Ablation, Against, Demo, Measured, Quantity, require
 
-RATE = 3.0  # rad/s of the pinion; nothing depends on it
+PINION_RATE = 3.0  # [rad/s] of the pinion; nothing depends on it
 
 
 def mechanism(*, torque=50.0, radius=0.05, helix_deg=25.0, pressure_deg=20.0) -> System:
-    """Pinion of a pitch radius [m] driven by a torque [N m], a wheel twice as large turning at constant speed."""
+    """Build a pinion of a pitch radius [m] driven by a torque [N m], and a wheel twice as large at constant speed."""
     place = np.array([3 * radius, 0, 0])
     moments = (0.01, 0.01, 0.02)
     pinion = Body("pinion", 2.0, moments, shape=teeth(radius, 16, helix_deg))
@@ -19,12 +19,12 @@ def mechanism(*, torque=50.0, radius=0.05, helix_deg=25.0, pressure_deg=20.0) ->
     two = Revolute(GROUND, wheel, at=place, axis=(0, 0, 1), name="wheel shaft")
     angles = {"pressure_angle": np.radians(pressure_deg), "helix_angle": np.radians(helix_deg)}
     mesh = GearMesh(one, two, at=(radius, 0, 0), name="mesh", **angles)
-    brake = SpeedDriver(GROUND, wheel, axis=(0, 0, 1), speed=-RATE / 2, name="brake")
+    brake = SpeedDriver(GROUND, wheel, axis=(0, 0, 1), speed=-PINION_RATE / 2, name="brake")
     return System([pinion, wheel], [one, two, mesh, brake], [Torque(pinion, (0, 0, torque))], gravity=(0, 0, 0))
 
 
 def teeth(radius, count, helix_deg, width=0.6):
-    """A wheel with oblique teeth, as it looks."""
+    """Draw a wheel with oblique teeth."""
     found = [shapes.Cylinder(0.95 * radius, width * radius)]
     for a in 2 * np.pi * np.arange(count) / count:
         out, around = np.array([np.cos(a), np.sin(a), 0]), np.array([-np.sin(a), np.cos(a), 0])
@@ -37,15 +37,15 @@ def teeth(radius, count, helix_deg, width=0.6):
 
 
 def theory(*, torque, radius, helix_deg, pressure_deg):
-    """F_t = T/r, F_a = F_t tan(helix), F_r = F_t tan(pressure)/cos(helix)."""
+    """Return F_t = T/r, F_a = F_t tan(helix), F_r = F_t tan(pressure)/cos(helix)."""
     require(abs(helix_deg) < 90, f"demo 'helical_thrust': helix_deg = {helix_deg:g}; give less than 90")
     force, helix = abs(torque) / radius, np.radians(abs(helix_deg))
     return {"axial_N": force * np.tan(helix), "radial_N": force * np.tan(np.radians(pressure_deg)) / np.cos(helix)}
 
 
 def measure(build, terms) -> Measured:
-    """Parts of the tooth force along the shafts and along the line of centres."""
-    run = simulate(build(), 2 * np.pi / RATE, output=61, **terms)
+    """Measure the components of the tooth force along the shafts and along the line of centres."""
+    run = simulate(build(), 2 * np.pi / PINION_RATE, output=61, **terms)
     radial, _, axial = abs(run.reaction("mesh").force.mean(axis=0))
     return Measured({"axial_N": axial, "radial_N": radial}, [run])
 

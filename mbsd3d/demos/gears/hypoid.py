@@ -6,16 +6,17 @@ from mbsd3d import GROUND, Body, GearMesh, Revolute, SpeedDriver, System, Torque
 
 from ..form import Ablation, Against, Demo, Measured, Quantity, require
 
-PITCH = np.array([0.0, 0.0, 0.0])  # point; it is the origin
-TEETH = 10  # of the pinion, as drawn
+PITCH_POINT = np.array([0.0, 0.0, 0.0])  # [m] the origin
+PINION_TEETH = 10  # [1] of the pinion, as drawn
 
 
 def mechanism(
     *, torque=100.0, rate=100.0, wheel_radius=0.1, ratio=3.7, spiral_deg=50.0, offset_angle_deg=20.0,
     pressure_deg=20.0,
 ) -> System:  # fmt: skip
-    """Shafts along -x and y; torque [N m] and rate [rad/s] of the pinion, pitch radius of the wheel [m], spiral of the
-    pinion, angle between the elements of the cones that touch."""
+    """Build shafts along -x and y; torque [N m] and rate [rad/s] of the pinion, pitch radius of the wheel [m], spiral
+    of the pinion, angle between the elements of the cones in contact.
+    """
     r, b, d = numbers(wheel_radius, ratio, spiral_deg, offset_angle_deg)
     eta, n = b[0] - b[1], np.array([0, 1.0, 0])  # in the pitch plane, whose normal n points to the wheel's shaft
     elements = np.array([0, 0, 1.0]), np.array([-np.sin(eta), 0, np.cos(eta)])
@@ -25,18 +26,20 @@ def mechanism(
     for k, name in enumerate(("pinion", "wheel")):
         arm = turned @ (np.sin(d[k]) * elements[k] + (1, -1)[k] * np.cos(d[k]) * n)  # from the shaft to the pitch point
         axis = turned @ axes[k]
-        frame, count = np.column_stack([arm, np.cross(axis, arm), axis]), round(TEETH * (1, ratio)[k])
+        frame, count = np.column_stack([arm, np.cross(axis, arm), axis]), round(PINION_TEETH * (1, ratio)[k])
         shape = cone(r[k], d[k], (1, -1)[k] * b[k], count, 0.3 * wheel_radius, 0.5 * k)
         bodies.append(Body(name, 2.0, (0.01, 0.01, 0.02), position=-r[k] * arm, orientation=frame, shape=shape))
         shafts.append(Revolute(GROUND, bodies[k], at=-r[k] * arm, axis=axis, name=f"{name} shaft"))
     angles = {"pressure_angle": np.radians(pressure_deg), "helix_angle": b[0]}
-    mesh = GearMesh(*shafts, at=PITCH, flank=-1, name="mesh", **angles)
+    mesh = GearMesh(*shafts, at=PITCH_POINT, flank=-1, name="mesh", **angles)
     brake = SpeedDriver(GROUND, bodies[1], axis=(0, 1, 0), speed=-rate / ratio, name="brake")
     return System(bodies, [*shafts, mesh, brake], [Torque(bodies[0], (-torque, 0, 0))], gravity=(0, 0, 0))
 
 
 def numbers(wheel_radius, ratio, spiral_deg, offset_angle_deg):
-    """Pitch radii, spiral angles and cone angles of pinion and wheel, tan(d1) tan(d2) = cos(b1 - b2) for this angle."""
+    """Return pitch radii, spiral angles and cone angles of pinion and wheel, tan(d1) tan(d2) = cos(b1 - b2) for this
+    angle.
+    """
     b = np.radians([spiral_deg, spiral_deg - offset_angle_deg])
     require(
         abs(b).max() < np.pi / 2 and np.cos(b[0] - b[1]) > 0,
@@ -49,7 +52,7 @@ def numbers(wheel_radius, ratio, spiral_deg, offset_angle_deg):
 
 
 def cone(radius, angle, spiral, count, width, shift):
-    """A cone with oblique teeth about z on a shaft, as it looks; its pitch circle lies at the origin."""
+    """Draw a cone with oblique teeth about z on a shaft; its pitch circle lies at the origin."""
     up, found, depth = (
         np.array([0, 0, 1.0]),
         [shapes.Cylinder(0.15 * width, 4 * width, at=(0, 0, 1.8 * width))],
@@ -72,7 +75,9 @@ def cone(radius, angle, spiral, count, width, shift):
 
 
 def theory(*, torque, rate, wheel_radius, ratio, spiral_deg, offset_angle_deg, pressure_deg):
-    """Each gear as a bevel gear with its own cone and spiral angle; offset and sliding by their difference."""
+    """Return the forces of each gear as a bevel gear with its own cone and spiral angle; offset and sliding by their
+    difference.
+    """
     (r1, r2), (b1, b2), (d1, d2) = numbers(wheel_radius, ratio, spiral_deg, offset_angle_deg)
     require(torque > 0, f"demo 'hypoid': torque = {torque:g} N m; give more than 0, for the flanks that then touch")
     push, k, off = torque / (r1 * np.cos(b1)), np.tan(np.radians(pressure_deg)), np.sin(abs(b1 - b2))
@@ -86,12 +91,12 @@ def theory(*, torque, rate, wheel_radius, ratio, spiral_deg, offset_angle_deg, p
 
 
 def measure(build, terms, *, rate, ratio) -> Measured:
-    """Tooth force along the shafts; distance of the shafts; velocities at the pitch point; rates."""
+    """Measure tooth force along the shafts, distance of the shafts, velocities at the pitch point, and rates."""
     system = build()
     one, two, *_ = system.joints
     run = simulate(system, 2 * np.pi * ratio / abs(rate), output=121, **terms)
     force, across = run.reaction("mesh").force.mean(axis=0), np.cross(one.axis, two.axis)
-    there = [run.velocity(x) + np.cross(run.omega(x), PITCH - run.position(x)) for x in ("pinion", "wheel")]
+    there = [run.velocity(x) + np.cross(run.omega(x), PITCH_POINT - run.position(x)) for x in ("pinion", "wheel")]
     values = {
         "thrust_on_pinion_N": -force @ one.axis,
         "thrust_on_wheel_N": force @ two.axis,

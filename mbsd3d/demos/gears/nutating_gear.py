@@ -21,7 +21,7 @@ from ..form import Ablation, Against, Demo, Measured, Quantity, require
 
 
 def mechanism(*, tilt_deg=10.0, fixed_cone_deg=82.0, L=0.1, omega=100.0) -> System:
-    """Crank about z at omega [rad/s], plate on its tilted axis rolling on a fixed cone, output about z."""
+    """Build a crank about z at omega [rad/s], plate on its tilted axis rolling on a fixed cone, output about z."""
     tilt, cone = np.radians(tilt_deg), np.radians(fixed_cone_deg)
     axis, pitch = (np.sin(tilt), 0, np.cos(tilt)), L * np.array([-np.sin(cone), 0, np.cos(cone)])
     frame = np.column_stack([(np.cos(tilt), 0, -np.sin(tilt)), (0, 1, 0), axis])
@@ -47,7 +47,9 @@ def mechanism(*, tilt_deg=10.0, fixed_cone_deg=82.0, L=0.1, omega=100.0) -> Syst
 
 
 def theory(*, tilt_deg, fixed_cone_deg, omega):
-    """Rolling cones: the plate's teeth per turn over those of the fixed gear are sin(d2 + tilt)/sin d2."""
+    """Return the ratio of rolling cones: the plate's teeth per turn over those of the fixed gear are sin(d2 + tilt)/sin
+    d2.
+    """
     require(0 < fixed_cone_deg < 180 - abs(tilt_deg), f"demo 'nutating_gear': fixed_cone_deg = {fixed_cone_deg:g}; the "
             "two cones need half angles between 0 and 180 degrees")  # fmt: skip
     cone, tilt = np.radians(fixed_cone_deg), np.radians(tilt_deg)
@@ -55,7 +57,7 @@ def theory(*, tilt_deg, fixed_cone_deg, omega):
 
 
 def measure(build, terms, *, omega) -> Measured:
-    """Rate of the output over ten turns of the crank."""
+    """Measure the rate of the output over ten turns of the crank."""
     run = simulate(build(), 10 * 2 * np.pi / abs(omega), method=Kinematic(), output=401, **terms)
     return Measured({"output_rate_rad_s": run.omega("output")[:, 2].mean()}, [run])
 

@@ -9,8 +9,9 @@ from .closed_loop import Loop, run_loop
 
 
 def mechanism(*, a=0.2, alpha_deg=30.0, beta_deg=70.0, theta0_deg=60.0, turn_deg=100.0, misfit=0.0) -> System:
-    """Sides a, b, a, b with twists alpha, beta and a/sin(alpha) = b/sin(beta); misfit: one side longer by this
-    share."""
+    """Build sides a, b, a, b with twists alpha, beta and a/sin(alpha) = b/sin(beta); misfit: one side longer by this
+    share.
+    """
     al, be = np.radians([alpha_deg, beta_deg])
     b, t1 = long_side(a, al, be), np.radians(theta0_deg)
     t2 = follower(t1, al, be)
@@ -19,18 +20,18 @@ def mechanism(*, a=0.2, alpha_deg=30.0, beta_deg=70.0, theta0_deg=60.0, turn_deg
 
 
 def long_side(a, al, be):
-    """b = a sin(beta)/sin(alpha) [m]."""
+    """Return b = a sin(beta)/sin(alpha) [m]."""
     return a * np.sin(be) / np.sin(al)
 
 
 def follower(t1, al, be):
-    """tan(t1/2) tan(t2/2) = sin((al + be)/2)/sin((be - al)/2); continuous over whole turns."""
+    """Return t2 of tan(t1/2) tan(t2/2) = sin((al + be)/2)/sin((be - al)/2), continuous over whole turns [rad]."""
     k = np.sin((al + be) / 2) / np.sin((be - al) / 2)
     return 2 * np.arctan2(k * np.cos(t1 / 2), np.sin(t1 / 2))
 
 
 def theory(*, a, alpha_deg, beta_deg, theta0_deg, misfit, turn_deg):
-    """The next hinge by the equation of Bennett, the other side by his condition."""
+    """Return the next hinge by the equation of Bennett, the other side by his condition."""
     require(
         misfit == 0,
         f"demo 'bennett': misfit = {misfit:g} locks the loop; theory is that of the one that closes, with 0",
@@ -45,7 +46,7 @@ def theory(*, a, alpha_deg, beta_deg, theta0_deg, misfit, turn_deg):
 
 
 def measure(build, terms, *, alpha_deg, beta_deg, theta0_deg) -> Measured:
-    """Turn of the next hinge; distance of the hinges at the ends of the other side when it has turned."""
+    """Measure the rotation of the next hinge, and then the distance of the hinges at the ends of the other side."""
     run, turns = run_loop(build(), **terms)
     points = [run.reaction(f"hinge {k}").point[-1] for k in (2, 3)]
     al, be, t0 = np.radians([alpha_deg, beta_deg, theta0_deg])

@@ -1,7 +1,7 @@
-"""Single loops of hinges by their Denavit-Hartenberg numbers: closing them, following them, building them."""
+"""Single loops of hinges by their Denavit-Hartenberg numbers: their closure, continuation and models."""
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -26,19 +26,20 @@ from ...base.errors import InputError
 Look = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray, float], list[shapes.Shape]]
 T = 2.0  # s, of a turn of the driven hinge from rest to rest
 SAMPLES = 61
-CLOSED = 1e-9  # share of the length, and rad
+CLOSURE_TOLERANCE = 1e-9  # [1] share of the length, and [rad]
 
 
 class Loop(NamedTuple):
-    """Link i leads from hinge i to hinge i + 1 by Rz(theta_i) Tz(d_i) Tx(a_i) Rx(alpha_i); the last one is the
-    ground."""
+    """Loop in which link i leads from hinge i to hinge i + 1 by Rz(theta_i) Tz(d_i) Tx(a_i) Rx(alpha_i); the last one
+    is the ground.
+    """
 
     a: Sequence[float]  # m
     alpha: Sequence[float]  # rad
     d: Sequence[float]  # m
 
     def step(self, k: int, theta: float) -> np.ndarray:
-        """(4, 4) of link k."""
+        """Return the transform of link k, shape (4, 4)."""
         c, s, ca, sa = np.cos(theta), np.sin(theta), np.cos(self.alpha[k]), np.sin(self.alpha[k])
         return np.array([
             [c, -s * ca, s * sa, self.a[k] * c],
@@ -48,30 +49,30 @@ class Loop(NamedTuple):
         ])  # fmt: skip
 
     def frames(self, theta: Sequence[float]) -> list[np.ndarray]:
-        """Frames of all hinges, (4, 4) each, and once more of the first one, around the loop."""
+        """Return the frames of all hinges, (4, 4) each, and once more of the first one, around the loop."""
         found = [np.eye(4)]
         for k, angle in enumerate(theta):
             found.append(found[-1] @ self.step(k, angle))
         return found
 
     def gap(self, theta: Sequence[float]) -> np.ndarray:
-        """(12,) of the loop's end from its beginning, lengths over that of the loop."""
+        """Return the gap of the loop's end from its beginning, lengths over that of the loop, shape (12,)."""
         end = self.frames(theta)[-1]
         return np.concatenate([(end[:3, :3] - np.eye(3)).ravel(), end[:3, 3] / np.sum(np.abs([*self.a, *self.d]))])
 
     def close(self, first: float, others: Sequence[float]) -> np.ndarray:
-        """Angles that close the loop for a given first one, near a guess for the others."""
+        """Solve for angles that close the loop for a given first one, near a guess for the others [rad]."""
         found = least_squares(lambda x: self.gap([first, *x]), others, xtol=3e-16, ftol=3e-16, gtol=3e-16)
         theta = np.array([first, *found.x])
         for _ in range(2):  # down to rounding, which least squares leave at its root
             theta[1:] -= np.linalg.lstsq(found.jac, self.gap(theta), rcond=1e-8)[0]
-        if np.abs(self.gap(theta)).max() > CLOSED:
+        if np.abs(self.gap(theta)).max() > CLOSURE_TOLERANCE:
             raise InputError(f"the loop does not close near these angles (gap {np.abs(self.gap(theta)).max():.1g}); "
                              "give lengths and angles that close")  # fmt: skip
         return theta
 
     def follow(self, theta: Sequence[float], turn: float, steps: int = 60) -> np.ndarray:
-        """(steps + 1, n) angles while the first one turns, continued from a closed start."""
+        """Return the angles while the first one turns, continued from a closed start [rad], shape (steps + 1, n)."""
         found = [np.asarray(theta)]
         for first in theta[0] + turn * np.arange(1, steps + 1) / steps:
             ahead = 2 * found[-1] - found[-2] if len(found) > 1 else found[-1]
@@ -81,7 +82,7 @@ class Loop(NamedTuple):
     def system(
         self, theta: Sequence[float], turn: float, misfit: float = 0.0, thick: float = 0.05, look: Look | None = None
     ) -> System:
-        """Links and hinges, the first hinge driven by a turn in T seconds.
+        """Build links and hinges, the first hinge driven by a turn in T seconds.
 
         ``misfit`` makes the third side (in a four-bar the second) longer by this share: its far hinge is moved.
         ``look`` draws a link by the points and axes of its hinges and a length; None = `link`. A body of its own, which
@@ -108,7 +109,7 @@ class Loop(NamedTuple):
 
 
 def link(start: np.ndarray, end: np.ndarray, axis: np.ndarray, other: np.ndarray, size: float) -> list[shapes.Shape]:
-    """A rod between two hinges, with a pin along each axis."""
+    """Draw a rod between two hinges, with a pin along each axis."""
     middle, along = 0.5 * (start + end), end - start
     pins = [shapes.Cylinder(0.8 * size, 4 * size, tuple(way), at=place - middle, colour="gray")
             for place, way in ((start, axis), (end, other))]  # fmt: skip
@@ -117,12 +118,12 @@ def link(start: np.ndarray, end: np.ndarray, axis: np.ndarray, other: np.ndarray
 
 
 def mobile(system: System) -> bool:
-    """Whether a loop moves once its motor is taken away."""
+    """Return whether a loop moves without its motor."""
     return System(system.bodies, system.joints[:-1], gravity=(0, 0, 0)).check().mobility > 0
 
 
-def run_loop(system: System, **terms: bool) -> tuple[Solution, np.ndarray]:
-    """A run, and the turns of all hinges [deg]; of a locked loop at rest."""
+def run_loop(system: System, **terms: Any) -> tuple[Solution, np.ndarray]:
+    """Return a run, and the turns of all hinges [deg]; of a locked loop at rest."""
     count = len(system.bodies)
     if not mobile(system):
         held = System(system.bodies, [*system.joints[:-1], AngleDriver(system.joints[0], 0.0)], gravity=(0, 0, 0))

@@ -1,4 +1,4 @@
-"""A door on two hinges: ten rows of rank five, a motion that is certain and shares of the load that are not."""
+"""A door on two hinges: ten rows of rank five, a determined motion and undetermined shares of the load."""
 
 import numpy as np
 from scipy.special import ellipj, ellipk
@@ -15,7 +15,8 @@ G, SAMPLES = 9.81, 301
 
 def mechanism(*, m=20.0, width=0.9, thickness=0.04, height=2.0, lean_deg=5.0, start_deg=60.0, hinges=0.7,
               fit="two hinges") -> System:  # fmt: skip
-    """A door of m [kg] and a size [m], its hinge axis leaning towards x, open by an angle, hinges at +- ``hinges`` [m].
+    """Build a door of m [kg] and a size [m], its hinge axis leaning towards x, open by an angle, hinges at +-
+    ``hinges`` [m].
 
     Two revolute hinges, or (``fit`` = "cured") a ball above and a point on a line below. Reference point on the axis.
     """
@@ -35,8 +36,9 @@ def mechanism(*, m=20.0, width=0.9, thickness=0.04, height=2.0, lean_deg=5.0, st
 
 
 def swing(t, *, m, width, thickness, lean_deg, start_deg):
-    """Angle from the rest [rad] after the release, sin(angle/2) = k cd(p t | k^2), and (times, 3) force of both hinges
-    together [N]: m (a - g), a on the circle of the centre of mass."""
+    """Return the angle from the rest [rad] after the release, sin(angle/2) = k cd(p t | k^2), and (times, 3) force of
+    both hinges together [N]: m (a - g), a on the circle of the centre of mass.
+    """
     lean, lever, k = np.radians(lean_deg), width / 2, np.sin(np.radians(start_deg) / 2)
     p2 = G * np.sin(lean) * lever / (width**2 / 3 + thickness**2 / 12)
     sn, cn, dn, _ = ellipj(np.sqrt(p2) * np.asarray(t, float) + ellipk(k * k), k * k)
@@ -48,7 +50,7 @@ def swing(t, *, m, width, thickness, lean_deg, start_deg):
 
 
 def theory(*, m, width, thickness, lean_deg, start_deg, fit, t):
-    """Counting and rank of ten rows; a physical pendulum for the motion, Newton's second law for the net force."""
+    """Return count and rank of ten rows; a physical pendulum for the motion, Newton's second law for the net force."""
     require(0 < abs(start_deg) < 180 and 0 < lean_deg < 90, "demo 'door': give 0 < lean_deg < 90 and an angle to swing")
     require(fit == "two hinges", "demo 'door': the cured door is computed beside the other; leave fit = 'two hinges'")
     angle, force = swing([t / 3, t], m=m, width=width, thickness=thickness, lean_deg=lean_deg, start_deg=start_deg)
@@ -59,13 +61,13 @@ def theory(*, m, width, thickness, lean_deg, start_deg, fit, t):
 
 
 def angle_of(run, lean):
-    """Angle from the rest [rad]."""
+    """Return the angle from the rest [rad]."""
     out = run.rotation("door")[:, :, 0]
     return np.arctan2(out[:, 1], out @ [np.cos(lean), 0, -np.sin(lean)])
 
 
 def measure(build, terms, *, m, width, thickness, lean_deg, start_deg, t=6.0) -> Measured:
-    """The door as built and as cured: what `check` finds, angle at t, forces at t/3."""
+    """Measure the door as built and with its remedy: results of `check`, angle at t, forces at t/3."""
     built, cured = (simulate(s, t, rtol=1e-11, output=SAMPLES, **terms) for s in (build(), build(fit="cured")))
     found, net, third = built.system.check(), built.reaction("top", "bottom"), (SAMPLES - 1) // 3
     lean = np.radians(lean_deg)

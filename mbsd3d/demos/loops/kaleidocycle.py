@@ -10,7 +10,7 @@ from .closed_loop import Loop, run_loop
 
 
 def mechanism(*, a=0.1, alpha_deg=90.0, theta0_deg=100.0, phi_guess_deg=77.9, turn_deg=15.0, misfit=0.0) -> System:
-    """Six equal sides with twists alpha and 360 - alpha by turns; misfit: one side longer by this share."""
+    """Build six equal sides with alternating twists alpha and 360 - alpha; misfit: one side longer by this share."""
     al, t = np.radians([alpha_deg, theta0_deg])
     f = other(np.array([t]), al, np.radians(phi_guess_deg))[0]
     loop = Loop((a,) * 6, (al, -al) * 3, (0,) * 6)
@@ -18,21 +18,21 @@ def mechanism(*, a=0.1, alpha_deg=90.0, theta0_deg=100.0, phi_guess_deg=77.9, tu
 
 
 def tetrahedron(start, end, axis, other, size):
-    """Its two edges that cross are hinges, as long as they are apart."""
+    """Draw a tetrahedron whose two opposite edges are hinges, as long as their distance."""
     middle, half = 0.5 * (start + end), 0.5 * np.linalg.norm(end - start)
     corners = [place + side * half * way for place, way in ((start, axis), (end, other)) for side in (-1, 1)]
     return [shapes.Hull(np.array(corners) - middle)]
 
 
 def closure(f, t, al):
-    """What is zero where the threefold-symmetric ring closes."""
+    """Return the closure residual of the threefold-symmetric ring, zero where it closes."""
     c, s = np.cos(al), np.sin(al)
     same = c**2 + s**2 * (np.cos(t) + np.cos(f)) + (1 + c**2) * np.cos(t) * np.cos(f)
     return same - 2 * c * np.sin(t) * np.sin(f)
 
 
 def other(path, al, guess):
-    """The other hinges [rad] along a path of the driven one, continued from a guess."""
+    """Return the other hinges [rad] along a path of the driven one, continued from a guess."""
     found = []
     for t in path:
         near = found[-1] if found else guess
@@ -44,7 +44,9 @@ def other(path, al, guess):
 
 
 def theory(*, alpha_deg, theta0_deg, phi_guess_deg, misfit, turn_deg):
-    """cos^2 al + sin^2 al (cos t + cos f) + (1 + cos^2 al) cos t cos f - 2 cos al sin t sin f = 0, followed from t0."""
+    """Solve cos^2 al + sin^2 al (cos t + cos f) + (1 + cos^2 al) cos t cos f - 2 cos al sin t sin f = 0, followed from
+    t0.
+    """
     require(
         misfit == 0,
         f"demo 'kaleidocycle': misfit = {misfit:g} locks the loop; theory is that of the one that closes, with 0",
@@ -55,7 +57,7 @@ def theory(*, alpha_deg, theta0_deg, phi_guess_deg, misfit, turn_deg):
 
 
 def measure(build, terms, *, alpha_deg, theta0_deg, phi_guess_deg) -> Measured:
-    """Turn of the hinges between the driven ones."""
+    """Measure the turn of the hinges between the driven ones."""
     run, turns = run_loop(build(), **terms)
     al, t, guess = np.radians([alpha_deg, theta0_deg, phi_guess_deg])
     known = np.degrees(other(t + np.radians(turns[:, 0]), al, guess))

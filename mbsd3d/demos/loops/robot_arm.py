@@ -1,4 +1,4 @@
-"""What every motor of a six-axis arm must do to make it move as wanted."""
+"""Inverse dynamics of a six-axis arm: the torque of every motor for a given motion."""
 
 import numpy as np
 
@@ -7,14 +7,14 @@ from mbsd3d import GROUND, AngleDriver, Body, Kinematic, Polynomial, Revolute, S
 from ..form import Ablation, Curve, Demo, Measured, Quantity
 
 G = 9.81  # m/s^2
-RIGHT = np.pi / 2
+RIGHT_ANGLE = np.pi / 2
 
 
 def mechanism(
     *,
     a=(0.0, 0.4, 0.05, 0.0, 0.0, 0.0),
     d=(0.6, 0.0, 0.1, 0.4, 0.0, 0.1),
-    alpha=(RIGHT, 0.0, RIGHT, -RIGHT, RIGHT, 0.0),
+    alpha=(RIGHT_ANGLE, 0.0, RIGHT_ANGLE, -RIGHT_ANGLE, RIGHT_ANGLE, 0.0),
     q=(0.3, 0.7, -0.4, 0.5, 0.8, -0.6),
     qd=(1.0, -0.8, 1.2, 2.0, -1.5, 3.0),
     qdd=(2.0, 1.0, -3.0, 4.0, 5.0, -6.0),
@@ -23,8 +23,9 @@ def mechanism(
     I=((0.2, 0.1, 0.2), (0.05, 0.3, 0.3), (0.04, 0.05, 0.03),
        (0.02, 0.01, 0.02), (0.004, 0.004, 0.003), (0.001, 0.001, 0.0008)),
 ) -> System:  # fmt: skip
-    """Links by Denavit-Hartenberg numbers; com [m] and I [kg m^2] in the frame at each link's end; q, qd, qdd of the
-    joints."""
+    """Build links by Denavit-Hartenberg numbers; com [m] and I [kg m^2] in the frame at each link's end; q, qd, qdd of
+    the joints.
+    """
     frame, before, bodies, joints = np.eye(4), GROUND, [], []
     for k in range(6):
         end = frame @ step(a[k], d[k], alpha[k], q[k])
@@ -39,20 +40,22 @@ def mechanism(
 
 
 def step(a, d, alpha, theta):
-    """Rz(theta) Tz(d) Tx(a) Rx(alpha) as (4, 4)."""
+    """Return Rz(theta) Tz(d) Tx(a) Rx(alpha) as (4, 4)."""
     c, s, ca, sa = np.cos(theta), np.sin(theta), np.cos(alpha), np.sin(alpha)
     return np.array([[c, -s * ca, s * sa, a * c], [s, c * ca, -c * sa, a * s], [0, sa, ca, d], [0, 0, 0, 1]])
 
 
 def bar(start, axis):
-    """A link from a point to its origin, with a motor at the point."""
+    """Draw a link from a point to its origin, with a motor at the point."""
     motor = shapes.Cylinder(0.06, 0.14, tuple(axis), at=start, colour="dimgray")
     long = np.linalg.norm(start)
     return [motor, shapes.Capsule(0.04, long, tuple(start), at=0.5 * start)] if long > 0.02 else [motor]
 
 
 def torques(a, d, alpha, q, qd, qdd, mass, com, I):
-    """(6,) recursive Newton-Euler in the frames of the links: motion outwards, forces and moments inwards [N m]."""
+    """Compute torques by recursive Newton-Euler in the frames of the links: motion outwards, forces and moments inwards
+    [N m], shape (6,).
+    """
     z, w, dw, accel = np.array([0, 0, 1.0]), np.zeros(3), np.zeros(3), np.array([0, 0, G])
     links = []
     for k in range(6):
@@ -76,13 +79,13 @@ def torques(a, d, alpha, q, qd, qdd, mass, com, I):
 
 
 def theory(*, a, d, alpha, q, qd, qdd, mass, com, I):
-    """Torques of all motors."""
+    """Return the torques of all motors [N m]."""
     found = torques(a, d, alpha, q, qd, qdd, mass, com, I)
     return {f"torque{k + 1}_Nm": found[k] for k in range(6)}
 
 
 def measure(build, terms, *, a, d, alpha, q, qd, qdd, mass, com, I) -> Measured:
-    """Efforts of the drivers at the given state, and on the way of half a second."""
+    """Measure the torques of the drivers at the given state, and along a motion of half a second."""
     system = build()
     now = accelerations(system, **terms)
     run = simulate(system, 0.5, method=Kinematic(), output=101, **terms)

@@ -8,11 +8,13 @@ from mbsd3d import GROUND, AngleDriver, Body, Distance, Kinematic, Ramp, Revolut
 
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 
-SAMPLES = 1441  # of one turn: cubics between them err by less than 1e-12
+TURN_SAMPLES = 1441  # [1] of one turn; cubics between them err by less than 1e-12
 
 
 def mechanism(*, a=0.1, b=0.3, l=0.5, Q=(0.4, 0.1, 0.2), u=(1.0, 0.3, -0.2), branch=1) -> System:
-    """Crank a [m] about z, rod l [m], rocker b [m] about an axis u through Q; branch 1 or -1: how it is assembled."""
+    """Build a crank a [m] about z, rod l [m], rocker b [m] about an axis u through Q; branch 1 or -1: how it is
+    assembled.
+    """
     require(branch in (1, -1), f"demo 'rssr': branch = {branch}; give 1 or -1")
     axis = np.asarray(u) / np.linalg.norm(u)
     pin, ball = np.array([a, 0, 0]), rocker_ball(rocker(0.0, a, b, l, Q, u, branch), b, Q, u)
@@ -30,14 +32,14 @@ def mechanism(*, a=0.1, b=0.3, l=0.5, Q=(0.4, 0.1, 0.2), u=(1.0, 0.3, -0.2), bra
 
 
 def rod(start, end, size):
-    """A bar with a ball at its end."""
+    """Draw a bar with a ball at its end."""
     along = end - start
     bar = shapes.Cylinder(0.1 * size, np.linalg.norm(along), tuple(along), at=0.5 * (start + end))
     return [bar, shapes.Sphere(0.18 * size, at=end)]
 
 
 def cross_axes(u):
-    """Two axes that make a right-handed frame with u."""
+    """Return two axes that make a right-handed frame with u."""
     u = np.asarray(u) / np.linalg.norm(u)
     first = np.cross(u, np.eye(3)[np.argmin(abs(u))])
     first /= np.linalg.norm(first)
@@ -45,13 +47,13 @@ def cross_axes(u):
 
 
 def rocker_ball(f, b, Q, u):
-    """End of the rocker at an angle f."""
+    """Return the end of the rocker at an angle f [m]."""
     one, two = cross_axes(u)
     return np.asarray(Q) + b * (np.cos(f) * one + np.sin(f) * two)
 
 
 def rocker(angle, a, b, l, Q, u, branch):
-    """A cos f + B sin f = C: f = atan2(B, A) +- acos(C/|A, B|) for |pin - ball| = l."""
+    """Solve A cos f + B sin f = C: f = atan2(B, A) +- acos(C/|A, B|) for |pin - ball| = l."""
     one, two = cross_axes(u)
     out = a * np.stack([np.cos(angle), np.sin(angle), 0 * np.asarray(angle)], axis=-1) - Q
     A, B = 2 * b * out @ one, 2 * b * out @ two
@@ -62,7 +64,7 @@ def rocker(angle, a, b, l, Q, u, branch):
 
 
 def theory(*, a, b, l, Q, u, branch):
-    """Closed form of the rocker, its extremes over a turn."""
+    """Return the closed form of the rocker, its extremes over a turn."""
     turn = np.linspace(0, 2 * np.pi, 721)
     f = np.unwrap(rocker(turn, a, b, l, Q, u, branch))
 
@@ -79,10 +81,10 @@ def theory(*, a, b, l, Q, u, branch):
 
 
 def measure(build, terms, *, a, b, l, Q, u, branch) -> Measured:
-    """Rocker angle after a crank angle of 1 rad, and its swing over a turn."""
+    """Measure the rocker angle after a crank angle of 1 rad, and its swing over a turn."""
     system = build()
     at_1 = simulate(system, 1.0, method=Kinematic(), output=61, **terms)
-    run = simulate(system, 2 * np.pi, method=Kinematic(), output=SAMPLES, **terms)
+    run = simulate(system, 2 * np.pi, method=Kinematic(), output=TURN_SAMPLES, **terms)
     angle = run.angle("rocker shaft")
     between = CubicHermiteSpline(run.t, angle, run.rate("rocker shaft"))
     ends = between(between.derivative().roots(extrapolate=False))

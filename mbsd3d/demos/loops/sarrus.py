@@ -10,8 +10,9 @@ T = 1.0  # s, from half the angle to the angle
 
 
 def mechanism(*, l=0.5, x=0.4, q_deg=50.0, rate=0.6, legs=2, plane_deg=90.0) -> System:
-    """Legs of two links l [m] at x [m] from the middle, each plane turned from the last; driven to q at a rate
-    [rad/s]."""
+    """Build legs of two links l [m] at x [m] from the middle, each plane turned from the last; driven to q at a rate
+    [rad/s].
+    """
     require(2 <= legs <= 4, f"demo 'sarrus': legs = {legs}; give 2, 3 or 4")
     end, start = np.radians(q_deg), np.radians(q_deg) / 2
     up = np.array([0, 0, 1.0])
@@ -36,14 +37,16 @@ def mechanism(*, l=0.5, x=0.4, q_deg=50.0, rate=0.6, legs=2, plane_deg=90.0) -> 
 
 
 def bar(name, start, end):
-    """A link between two points."""
+    """Return a link between two points."""
     along = end - start
     form = shapes.Cylinder(0.04 * np.linalg.norm(along), np.linalg.norm(along), tuple(along))
     return Body(name, 1.0, (0.01, 0.01, 0.01), position=0.5 * (start + end), shape=form)
 
 
 def theory(*, l, q_deg, rate, plane_deg):
-    """Height 2 l sin q, rate 2 l cos q q'; one freedom, although counting the hinges of two legs gives none."""
+    """Return the height 2 l sin q, rate 2 l cos q q'; one degree of freedom, although counting the hinges of two legs
+    gives none.
+    """
     require(
         0 < abs(q_deg) < 90, f"demo 'sarrus': q_deg = {q_deg:g}: flat or upright legs hold no platform; stay between"
     )
@@ -53,7 +56,7 @@ def theory(*, l, q_deg, rate, plane_deg):
 
 
 def measure(build, terms, *, l, q_deg) -> Measured:
-    """Height and rate of the platform at the end, mobility without the motor."""
+    """Measure height and rate of the platform at the end, and mobility without the motor."""
     system = build()
     mobility = System(system.bodies, system.joints[:-1]).check().mobility
     if mobility != 1:  # more than the motor drives

@@ -7,22 +7,24 @@ from mbsd3d import System
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 from .closed_loop import Loop, run_loop
 
-START = (0.5, 2.4341, -1.386, -1.7267, -0.8778, 2.4004)
+START_ANGLES = (0.5, 2.4341, -1.386, -1.7267, -0.8778, 2.4004)
 
 
 def loop_of(a, R):
-    """Schatz: sides (0, 1, 1, 1, 0, sqrt 3) a, right angles but for the parallel shafts, offsets R and -R."""
+    """Return the loop of Schatz: sides (0, 1, 1, 1, 0, sqrt 3) a, right angles but for the parallel shafts, offsets R
+    and -R.
+    """
     return Loop((0, a, a, a, 0, np.sqrt(3) * a), np.radians([90, 90, 90, 90, 90, 0]), (R, 0, 0, 0, 0, -R))
 
 
-def mechanism(*, a=0.2, R=0.3, theta=START, turn_deg=60.0, misfit=0.0) -> System:
-    """Linkage of Schatz, closed near the angles theta [rad]; misfit: one side longer by this share."""
+def mechanism(*, a=0.2, R=0.3, theta=START_ANGLES, turn_deg=60.0, misfit=0.0) -> System:
+    """Build the linkage of Schatz, closed near the angles theta [rad]; misfit: one side longer by this share."""
     loop = loop_of(a, R)
     return loop.system(loop.close(theta[0], theta[1:]), np.radians(turn_deg), misfit, thick=0.06)
 
 
 def theory(*, a, R, theta, misfit, turn_deg):
-    """Closure of the Denavit-Hartenberg matrices, followed from the start."""
+    """Solve the closure of the Denavit-Hartenberg matrices, followed from the start."""
     require(
         misfit == 0, f"demo 'schatz': misfit = {misfit:g} locks the loop; theory is that of the one that closes, with 0"
     )
@@ -33,7 +35,7 @@ def theory(*, a, R, theta, misfit, turn_deg):
 
 
 def measure(build, terms, *, a, R, theta, turn_deg) -> Measured:
-    """Turns of the other shaft and of a middle hinge."""
+    """Measure the turns of the other shaft and of a middle hinge."""
     run, turns = run_loop(build(), **terms)
     loop = loop_of(a, R)
     path = np.degrees(loop.follow(loop.close(theta[0], theta[1:]), np.radians(turn_deg), 24))

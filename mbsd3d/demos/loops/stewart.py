@@ -10,7 +10,9 @@ G = 9.81  # m/s^2
 
 
 def corners(Rb, Rp, half_base_deg, half_top_deg, h, yaw_deg):
-    """(6, 3) feet and heads of the legs: pairs of feet at 0, 120, 240 degrees, pairs of heads between them."""
+    """Return feet and heads of the legs: pairs of feet at 0, 120, 240 degrees, pairs of heads between them [m], shape
+    (6, 3) each.
+    """
     thirds = np.repeat([0.0, 120.0, 240.0], 2)
     foot = np.radians(thirds + np.tile([1, -1], 3) * half_base_deg + np.tile([0, 120], 3))
     head = np.radians(thirds + 60 - np.tile([1, -1], 3) * half_top_deg + yaw_deg)
@@ -19,7 +21,9 @@ def corners(Rb, Rp, half_base_deg, half_top_deg, h, yaw_deg):
 
 
 def mechanism(*, Rb=1.0, Rp=0.6, half_base_deg=10.0, half_top_deg=15.0, h=0.9, yaw_deg=80.0, m=100.0, torque=50.0):
-    """Feet on a circle Rb [m], platform m [kg] of radius Rp at h [m], turned by a yaw; a torque [N m] about z on it."""
+    """Build feet on a circle Rb [m], platform m [kg] of radius Rp at h [m], turned by a yaw; a torque [N m] about z on
+    it.
+    """
     feet, heads = corners(Rb, Rp, half_base_deg, half_top_deg, h, yaw_deg)
     turned = rotation("z", yaw_deg, degrees=True)
     plate = Body("platform", m, (0.1 * m * Rp**2,) * 3, position=(0, 0, h), orientation=turned,
@@ -30,8 +34,9 @@ def mechanism(*, Rb=1.0, Rp=0.6, half_base_deg=10.0, half_top_deg=15.0, h=0.9, y
 
 
 def thrusts(feet, heads, h, m, torque):
-    """(6,) pushes of the legs [N] that hold weight and torque: one 6x6 system of forces and moments about the
-    middle."""
+    """Return the compressions of the legs [N] that balance weight and torque: one 6x6 system of forces and moments
+    about the middle, shape (6,).
+    """
     along = (heads - feet) / np.linalg.norm(heads - feet, axis=1)[:, None]
     wrenches = np.vstack([along.T, np.cross(heads - [0, 0, h], along).T])
     require(np.linalg.cond(wrenches) < 1e9, "demo 'stewart': here the six legs leave the platform loose (det J "
@@ -41,14 +46,14 @@ def thrusts(feet, heads, h, m, torque):
 
 
 def theory(*, Rb, Rp, half_base_deg, half_top_deg, h, yaw_deg, m, torque):
-    """Statics of the platform."""
+    """Return the statics of the platform."""
     feet, heads = corners(Rb, Rp, half_base_deg, half_top_deg, h, yaw_deg)
     found = thrusts(feet, heads, h, m, torque)
     return {"leg1_thrust_N": found[0], "leg2_thrust_N": found[1]}
 
 
 def pushes(run):
-    """(6,) pushes of the legs on the platform [N], along the legs."""
+    """Return the forces of the legs on the platform along the legs [N], shape (6,)."""
     found = []
     for leg in run.system.joints:
         along = (leg.at_b - leg.at_a) / leg.length
@@ -57,7 +62,7 @@ def pushes(run):
 
 
 def measure(build, terms) -> Measured:
-    """Reactions of the legs at rest, and how they grow with the yaw."""
+    """Measure the reactions of the legs at rest, and how they grow with the yaw."""
     system = build()
     here = pushes(accelerations(system, **terms))
     yaws = np.linspace(0, 85, 18)

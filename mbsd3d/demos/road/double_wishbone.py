@@ -29,8 +29,9 @@ POINTS = {
 
 
 def mechanism(*, points=POINTS, arm_deg=8.0) -> System:
-    """Ball joints L, U, T of the upright, inner axes L1-L2 and U1-U2, rack end K [m]; the lower arm turned by an
-    angle."""
+    """Build ball joints L, U, T of the upright, inner axes L1-L2 and U1-U2, rack end K [m]; the lower arm turned by an
+    angle.
+    """
     p = {name: np.array(at) for name, at in points.items()}
     lower, upper = (arm(name, p[f"{k}1"], p[f"{k}2"], p[k]) for name, k in (("lower arm", "L"), ("upper arm", "U")))
     middle = 0.5 * (p["L"] + p["U"])
@@ -55,7 +56,7 @@ def mechanism(*, points=POINTS, arm_deg=8.0) -> System:
 
 
 def arm(name, one, two, ball):
-    """A wishbone."""
+    """Return a wishbone."""
     middle = (one + two + ball) / 3
     return Body(
         name, 3.0, (0.1, 0.1, 0.1), position=middle, shape=[rod(end - middle, ball - middle) for end in (one, two)]
@@ -63,19 +64,19 @@ def arm(name, one, two, ball):
 
 
 def rod(start, end):
-    """A bar between two points."""
+    """Draw a bar between two points."""
     return shapes.Cylinder(0.012, np.linalg.norm(end - start), tuple(end - start), at=0.5 * (start + end))
 
 
 def turned(point, start, end, angle):
-    """A point after a turn about the axis from start to end."""
+    """Return a point rotated about the axis from start to end [m]."""
     axis = (end - start) / np.linalg.norm(end - start)
     d = point - start
     return start + d * np.cos(angle) + np.cross(axis, d) * np.sin(angle) + axis * (axis @ d) * (1 - np.cos(angle))
 
 
 def near_root(function, guess):
-    """The root nearest to a guess, by steps to both sides."""
+    """Return the root nearest to a guess, by steps to both sides."""
     for step in np.linspace(0.002, 1.0, 500):
         for low, high in ((guess + step - 0.002, guess + step), (guess - step, guess - step + 0.002)):
             if function(low) * function(high) <= 0:
@@ -84,7 +85,9 @@ def near_root(function, guess):
 
 
 def upright_axes(p, angle, guess=(0.0, 0.0)):
-    """(3, 3) axes of the wheel, and the angles found: upper arm by |U L|, then T on its circle about L-U by |T K|."""
+    """Return the axes of the wheel (3, 3), and the angles found: upper arm by |U L|, then T on its circle about L-U by
+    |T K|.
+    """
     L = turned(p["L"], p["L1"], p["L2"], angle)
 
     def miss(x):
@@ -109,17 +112,17 @@ def upright_axes(p, angle, guess=(0.0, 0.0)):
 
 
 def cross_matrix(a):
-    """Matrix [a]x of the cross product."""
+    """Return the matrix [a]x of the cross product."""
     return np.array([[0, -a[2], a[1]], [a[2], 0, -a[0]], [-a[1], a[0], 0]])
 
 
 def angles(axle):
-    """Toe and camber [deg] of a wheel whose axle was along y."""
+    """Return toe and camber [deg] of a wheel whose axle was along y."""
     return np.degrees(np.arctan2(axle[0], axle[1])), np.degrees(np.arcsin(axle[2]))
 
 
 def theory(*, points, arm_deg):
-    """Intersections of spheres, one after the other; toe and camber from the axle."""
+    """Solve for intersections of spheres, one after the other; return toe and camber from the axle."""
     p, guess = {name: np.array(at) for name, at in points.items()}, (0.0, 0.0)
     for angle in np.radians(arm_deg) * np.linspace(0, 1, 11)[1:]:
         R, guess = upright_axes(p, angle, guess)
@@ -128,7 +131,7 @@ def theory(*, points, arm_deg):
 
 
 def measure(build, terms, *, points, arm_deg) -> Measured:
-    """Toe and camber at the end of the travel."""
+    """Measure toe and camber at the end of the travel."""
     run = simulate(build(), T, method=Kinematic(), output=81, **terms)
     toe, camber = np.array([angles(R[:, 1]) for R in run.rotation("wheel")]).T
     arm_angle = np.degrees(run.angle("lower axis"))

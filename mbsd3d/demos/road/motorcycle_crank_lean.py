@@ -22,12 +22,13 @@ from mbsd3d import (
 
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 
-G, DUST = 9.81, 1e-9  # m/s^2; kg of what only spins
+G, SPINNING_MASS = 9.81, 1e-9  # m/s^2; kg of what only spins
 
 
 def mechanism(*, m=250.0, h=0.6, Iyy=30.0, Izz=25.0, Jw=1.2, r=0.3, Jc=0.03, N=5.0, v=40.0, R=160.0,
               lean_deg=45.0, crank=1) -> System:  # fmt: skip
-    """Frame m, (Iyy, Iyy, Izz), G at h, hinged on a base that runs round a circle R to the left at v; wheels of sum Jw.
+    """Build a frame m, (Iyy, Iyy, Izz), G at h, hinged on a base that runs round a circle R to the left at v; wheels of
+    sum Jw.
 
     The crankshaft turns N times as fast as the wheels of radius r, forwards (crank 1) or backwards (-1).
     """
@@ -51,14 +52,15 @@ def mechanism(*, m=250.0, h=0.6, Iyy=30.0, Izz=25.0, Jw=1.2, r=0.3, Jc=0.03, N=5
     for name, (x, height, J, rate) in spinners.items():
         at = x * np.eye(3)[0] + height * along
         look = shapes.Torus(r - 0.05, 0.05, "y") if x else shapes.Cylinder(0.06, 0.4, "y")
-        bodies.append(Body(name, DUST, (J, J, J), position=at, orientation=tilt, shape=look))
+        bodies.append(Body(name, SPINNING_MASS, (J, J, J), position=at, orientation=tilt, shape=look))
         axis = Revolute(frame, bodies[-1], at=at, axis=axle, name=f"{name} axle")
         joints += [axis, AngleDriver(axis, Ramp(rate), name=f"{name} speed")]
     return System(bodies, joints, gravity=(0, 0, -G))
 
 
 def machine(low):
-    """Engine, tank, seat, fork, swing arm and a rider; the axles stand at x = 0.7 and -0.7, at the height ``low``."""
+    """Draw engine, tank, seat, fork, swing arm and a rider; the axles stand at x = 0.7 and -0.7, at the height
+    ``low``."""
 
     def bar(start, end, radius):
         start, end = np.array(start), np.array(end)
@@ -77,13 +79,13 @@ def machine(low):
 
 
 def moment(a, spin, m, h, Iyy, Izz, v, R):
-    """About the line of the tyres [N m], positive: it falls."""
+    """Return the moment about the line of the tyres [N m], positive if the motorcycle falls."""
     W, s, c = v / R, np.sin(a), np.cos(a)
     return m * G * h * s - m * W**2 * (R - h * s) * h * c - spin * W * c - W**2 * (Izz - Iyy) * s * c
 
 
 def theory(*, m, h, Iyy, Izz, Jw, r, Jc, N, v, R):
-    """m g h sin a = m W^2 (R - h sin a) h cos a + S W cos a + W^2 (Izz - Iyy) sin a cos a, S = sum J w."""
+    """Solve m g h sin a = m W^2 (R - h sin a) h cos a + S W cos a + W^2 (Izz - Iyy) sin a cos a, S = sum J w."""
     require(R > h and v > 0, "demo 'motorcycle_crank_lean': give v > 0 and R > h")
 
     def lean(sign):
@@ -94,7 +96,7 @@ def theory(*, m, h, Iyy, Izz, Jw, r, Jc, N, v, R):
 
 
 def measure(build, terms, *, Jw, Jc, N, r, m, h, Iyy, Izz, v, R) -> Measured:
-    """The lean at which nothing has to hold the hinge."""
+    """Measure the lean without moment in the hinge."""
 
     def held(lean_deg, crank):
         return accelerations(build(lean_deg=lean_deg, crank=crank), **terms).effort("balance")[0]

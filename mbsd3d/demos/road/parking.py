@@ -1,4 +1,4 @@
-"""Two motions reach every pose of four coordinates: a car is wriggled sideways into a gap."""
+"""Two inputs reach every pose of four coordinates: a car moves sideways into a gap."""
 
 import numpy as np
 
@@ -20,16 +20,23 @@ from mbsd3d import (
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 from ..quadrature import motion
 
-W, WIDE = 1.0, 0.9  # rad/s of driving to and fro; m between the wheels and the middle
+DRIVING_RATE, HALF_TRACK = 1.0, 0.9  # rad/s of driving to and fro; m between the wheels and the middle
 
-SEEN, APART = 1e-9, 1e-5  # of the longest way: a shorter one is rounding; sine of two ways that are not the same
+MOTION_SHARE_MIN, SINE_MIN = (
+    1e-9,
+    1e-5,
+)  # of the longest way: a shorter one is rounding; sine of two ways that are not the same
 
 
 def mechanism(*, L=2.6, steer_deg=30.0, way=1.5, beats=2) -> System:
-    """Car of wheelbase L [m] that drives way [m] and back in 2 pi s, its front wheels to and fro beats times."""
+    """Build a car of wheelbase L [m] that drives way [m] and back in 2 pi s, its front wheels to and fro beats
+    times."""
     require(beats in (1, 2), f"demo 'parking': beats = {beats}; give 2 to go sideways, 1 to turn")
-    axle = shapes.Cylinder(0.05, 2 * WIDE, "y", at=(0, 0, 0.3))
-    rear, ahead = [wheel(side) for side in (-WIDE, WIDE)], [wheel(side, L) for side in (-WIDE, WIDE)]
+    axle = shapes.Cylinder(0.05, 2 * HALF_TRACK, "y", at=(0, 0, 0.3))
+    rear, ahead = (
+        [wheel(side) for side in (-HALF_TRACK, HALF_TRACK)],
+        [wheel(side, L) for side in (-HALF_TRACK, HALF_TRACK)],
+    )
     form = [shapes.Box((1.45 * L, 1.5, 0.35), at=(0.5 * L, 0, 0.55)), shapes.Box((0.75 * L, 1.3, 0.45),
             at=(0.45 * L, 0, 0.95)), axle, *rear]  # fmt: skip
     car = Body("car", 900.0, (300.0, 1200.0, 1300.0), com=(0.5 * L, 0, 0.5), shape=form)
@@ -40,48 +47,56 @@ def mechanism(*, L=2.6, steer_deg=30.0, way=1.5, beats=2) -> System:
         kingpin,
         KnifeEdge(GROUND, car, at=(0, 0, 0), heading=(1, 0, 0), name="rear wheels"),
         KnifeEdge(GROUND, front, at=(L, 0, 0), heading=(1, 0, 0), name="front tread"),
-        AngleDriver(kingpin, Sine(np.radians(steer_deg), beats * W / (2 * np.pi)), name="steering wheel"),
+        AngleDriver(kingpin, Sine(np.radians(steer_deg), beats * DRIVING_RATE / (2 * np.pi)), name="steering wheel"),
         SpeedDriver(
-            GROUND, car, at=(0, 0, 0), direction=(1, 0, 0), speed=Sine(0.5 * way * W, W / (2 * np.pi)), name="engine"
+            GROUND,
+            car,
+            at=(0, 0, 0),
+            direction=(1, 0, 0),
+            speed=Sine(0.5 * way * DRIVING_RATE, DRIVING_RATE / (2 * np.pi)),
+            name="engine",
         ),
     ]
     return System([car, front], joints, gravity=(0, 0, 0))
 
 
 def wheel(side, along=0.0):
-    """A wheel beside the middle."""
+    """Draw a wheel beside the middle."""
     return shapes.Cylinder(0.3, 0.2, "y", at=(along, side, 0.3))
 
 
 def part_of(form, along):
-    """A shape about a reference point further on."""
+    """Return a shape about a reference point further on."""
     return shapes.Cylinder(form.radius, form.length, form.axis, at=np.asarray(form.at) - (along, 0, 0))
 
 
 def own(times, *, L, steer_deg, way, beats):
-    """(times, 3) x, y of the rear axle and heading: x' = v cos f, y' = v sin f, f' = v tan(d) / L."""
+    """Integrate x, y of the rear axle and heading: x' = v cos f, y' = v sin f, f' = v tan(d) / L, shape (times, 3)."""
 
     def rate(t, y):
-        v, turn = 0.5 * way * W * np.sin(W * t), np.tan(np.radians(steer_deg) * np.sin(beats * W * t)) / L
+        v, turn = (
+            0.5 * way * DRIVING_RATE * np.sin(DRIVING_RATE * t),
+            np.tan(np.radians(steer_deg) * np.sin(beats * DRIVING_RATE * t)) / L,
+        )
         return [v * np.cos(y[2]), v * np.sin(y[2]), v * turn]
 
     return motion(rate, np.zeros(3), times)
 
 
 def theory(*, L, steer_deg, way, beats):
-    """Own equations over one period; of four coordinates the brackets of driving and steering reach all."""
+    """Integrate own equations over one period; of four coordinates the brackets of driving and steering reach all."""
     require(
         abs(steer_deg) < 80, f"demo 'parking': steer_deg = {steer_deg:g}; wheels across do not roll, give less than 80"
     )
-    x, y, turn = own(np.array([0, 2 * np.pi / W]), L=L, steer_deg=steer_deg, way=way, beats=beats)[-1]
+    x, y, turn = own(np.array([0, 2 * np.pi / DRIVING_RATE]), L=L, steer_deg=steer_deg, way=way, beats=beats)[-1]
     reached = 4 if steer_deg and way else int(bool(steer_deg)) + int(bool(way))
     return {"sideways_m": y, "ahead_m": x, "turned_deg": np.degrees(turn), "velocities": 2, "coordinates": 4,
             "reached": reached}  # fmt: skip
 
 
 def measure(build, terms, *, L, steer_deg, way, beats) -> Measured:
-    """A period of it, what `check` counts of the car without drivers, and the poses four motions lead to."""
-    system, period = build(), 2 * np.pi / W
+    """Measure a period, the count of `check` for the car without drivers, and the poses after four motions."""
+    system, period = build(), 2 * np.pi / DRIVING_RATE
     run = simulate(system, period, rtol=1e-12, output=401, **terms)
     free = System(system.bodies, system.joints[:4], gravity=(0, 0, 0)).check()
     exact = {"rtol": 1e-12, **terms}  # brackets of small motions are small beside them
@@ -89,19 +104,19 @@ def measure(build, terms, *, L, steer_deg, way, beats) -> Measured:
              pose(simulate(build(beats=2, way=0.0), period / 8, **exact)),
              *(pose(simulate(build(beats=k), period, **exact)) for k in (1, 2))]  # fmt: skip
     sizes = [np.linalg.norm(move) for move in moves]
-    ways = [move / size for move, size in zip(moves, sizes, strict=True) if size > SEEN * max(sizes)]
+    ways = [move / size for move, size in zip(moves, sizes, strict=True) if size > MOTION_SHARE_MIN * max(sizes)]
     end = pose(run)
     x, y, _ = np.transpose(run.position("car"))
     known = own(run.t, L=L, steer_deg=steer_deg, way=way, beats=beats)
     track = Curve("sideways [m]", x, y, (known[::8, 0], known[::8, 1]), "ahead [m]", "way of the rear axle")
     values = {"sideways_m": end[1], "ahead_m": end[0], "turned_deg": np.degrees(end[2]), "velocities": free.mobility,
               "coordinates": free.configuration_freedom,
-              "reached": np.linalg.matrix_rank(ways, tol=APART) if ways else 0}  # fmt: skip
+              "reached": np.linalg.matrix_rank(ways, tol=SINE_MIN) if ways else 0}  # fmt: skip
     return Measured(values, [run], [track])
 
 
 def pose(run):
-    """(x, y, heading, steering angle) of the car at the end."""
+    """Return (x, y, heading, steering angle) of the car at the end."""
     heading = run.measure(measures.heading(run.system.part("car")))[-1]
     return np.array([*run.position("car")[-1][:2], heading.item(), run.angle("kingpin")[-1]])
 

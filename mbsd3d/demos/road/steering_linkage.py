@@ -11,7 +11,7 @@ T = 1.0  # s, from straight on to the full angle
 
 
 def mechanism(*, track=1.4, wheelbase=2.6, kingpin_deg=12.0, caster_deg=6.0, arm=0.15, arm_in_deg=15.0, left_deg=25.0):
-    """Knuckles turn about kingpins that lean inwards and backwards; arms [m] point to the rear and inwards."""
+    """Build knuckles that turn about kingpins leaning inwards and backwards; arms [m] point to the rear and inwards."""
     require(wheelbase > 0, f"demo 'steering_linkage': wheelbase = {wheelbase:g}; give a length > 0")
     bodies, joints, ends = [], [], []
     for name, side in (("left", 1), ("right", -1)):
@@ -28,7 +28,7 @@ def mechanism(*, track=1.4, wheelbase=2.6, kingpin_deg=12.0, caster_deg=6.0, arm
 
 
 def geometry(side, track, kingpin_deg, caster_deg, arm, arm_in_deg):
-    """Wheel centre, kingpin axis and steering arm of the left (1) or right (-1) wheel."""
+    """Return wheel centre, kingpin axis and steering arm of the left (1) or right (-1) wheel."""
     axis = np.array([-np.tan(np.radians(caster_deg)), -side * np.tan(np.radians(kingpin_deg)), 1.0])
     inwards = np.radians(arm_in_deg)
     lever = arm * np.array([-np.cos(inwards), -side * np.sin(inwards), 0])
@@ -36,24 +36,25 @@ def geometry(side, track, kingpin_deg, caster_deg, arm, arm_in_deg):
 
 
 def rotated(vector, axis, angle):
-    """A vector turned about an axis (Rodrigues)."""
+    """Return a vector rotated about an axis (Rodrigues)."""
     return (vector * np.cos(angle) + np.cross(axis, vector) * np.sin(angle)
             + axis * (axis @ vector) * (1 - np.cos(angle)))  # fmt: skip
 
 
 def heading(axle):
-    """Angle of a wheel on the ground [rad] from its axle, which was along y."""
+    """Return the angle of a wheel on the ground [rad] from its axle, which was along y."""
     return np.arctan2(-axle[0], axle[1])
 
 
 def error(left, right, track, wheelbase):
-    """cot(outer) - cot(inner) - track/wheelbase of headings [rad]; none where both axles meet that of the rear."""
+    """Return cot(outer) - cot(inner) - track/wheelbase of headings [rad], zero where both axles meet that of the
+    rear."""
     inner, outer = (left, right) if left > 0 else (-right, -left)
     return 1 / np.tan(outer) - 1 / np.tan(inner) - track / wheelbase
 
 
 def right_angle(left, track, kingpin_deg, caster_deg, arm, arm_in_deg):
-    """Steer angle about the right kingpin [rad], by the length of the tie rod."""
+    """Return the steer angle about the right kingpin [rad], by the length of the tie rod."""
     (one, axis1, lever1), (two, axis2, lever2) = (
         geometry(side, track, kingpin_deg, caster_deg, arm, arm_in_deg) for side in (1, -1)
     )
@@ -68,7 +69,7 @@ def right_angle(left, track, kingpin_deg, caster_deg, arm, arm_in_deg):
 
 
 def theory(*, track, wheelbase, kingpin_deg, caster_deg, arm, arm_in_deg, left_deg):
-    """Closure of the tie rod; headings of both wheels on the ground."""
+    """Solve the closure of the tie rod; return headings of both wheels on the ground."""
     require(
         left_deg != 0, "demo 'steering_linkage': left_deg = 0: straight on there is no turning centre; give an angle"
     )
@@ -81,7 +82,7 @@ def theory(*, track, wheelbase, kingpin_deg, caster_deg, arm, arm_in_deg, left_d
 
 
 def measure(build, terms, *, track, wheelbase, kingpin_deg, caster_deg, arm, arm_in_deg) -> Measured:
-    """Angle of the right kingpin, and where the axles meet, at the end."""
+    """Measure the angle of the right kingpin, and where the axles meet, at the end."""
     run = simulate(build(), T, method=Kinematic(), output=81, **terms)
     left, right = run.angle("left kingpin"), run.angle("right kingpin")
     headings = [heading(run.rotation(f"{name} wheel")[-1, :, 1]) for name in ("left", "right")]

@@ -1,8 +1,20 @@
-"""A car in a fast corner: what its engine adds to the loads of the wheels, and in which direction."""
+"""Effect of the engine of a car in a fast corner on the loads of the wheels, for both directions of the crankshaft."""
 
 import numpy as np
 
-from mbsd3d import GROUND, Body, PointOnPlane, PositionDriver, Revolute, Sine, SpeedDriver, System, shapes, simulate
+from mbsd3d import (
+    GROUND,
+    Body,
+    Joint,
+    PointOnPlane,
+    PositionDriver,
+    Revolute,
+    Sine,
+    SpeedDriver,
+    System,
+    shapes,
+    simulate,
+)
 
 from ..form import Ablation, Against, Demo, Measured, Quantity, require
 
@@ -10,8 +22,9 @@ G = 9.81  # m/s^2
 
 
 def mechanism(*, m=1500.0, h=0.5, track=1.5, wheelbase=2.5, J=0.25, Omega=700.0, v=30.0, R=50.0, axis="y") -> System:
-    """Car m [kg], G at h [m], on three feet, at v [m/s] on a circle R [m] to the left; crankshaft J at Omega along
-    axis."""
+    """Build a car m [kg], G at h [m], on three feet, at v [m/s] on a circle R [m] to the left; crankshaft J at Omega
+    along axis.
+    """
     require(
         axis in ("x", "y"), f'demo \'transverse_engine_cornering\': axis = {axis!r}; give "y" (across) or "x" (along)'
     )
@@ -29,7 +42,7 @@ def mechanism(*, m=1500.0, h=0.5, track=1.5, wheelbase=2.5, J=0.25, Omega=700.0,
     }
     turns = turn / (2 * np.pi)
     way = (Sine(R, turns), Sine(-R, turns, np.pi / 2, R), None)
-    joints = [PointOnPlane(GROUND, car, at=at, normal=up, name=name) for name, at in feet.items()]
+    joints: list[Joint] = [PointOnPlane(GROUND, car, at=at, normal=up, name=name) for name, at in feet.items()]
     joints += [
         PositionDriver(car, at=(0, 0, 0), signal=way, name="road"),
         SpeedDriver(GROUND, car, axis=up, speed=turn, name="steering"),
@@ -40,7 +53,7 @@ def mechanism(*, m=1500.0, h=0.5, track=1.5, wheelbase=2.5, J=0.25, Omega=700.0,
 
 
 def body_of(wheelbase, track, h):
-    """A car about its centre of mass."""
+    """Draw a car about its centre of mass."""
     form = [shapes.Box((1.6 * wheelbase, 1.1 * track, 0.9 * h), at=(0, 0, 0.1 * h), colour="lightsteelblue"),
             shapes.Box((0.8 * wheelbase, track, 0.8 * h), at=(-0.1 * wheelbase, 0, 0.9 * h))]  # fmt: skip
     return form + [shapes.Cylinder(0.6 * h, 0.2, "y", at=(x * wheelbase / 2, y * track / 2, -0.4 * h), colour="dimgray")
@@ -48,8 +61,9 @@ def body_of(wheelbase, track, h):
 
 
 def theory(*, m, h, track, wheelbase, J, Omega, v, R, axis):
-    """Engine across: roll, right - left = 2 (m v^2 h/R + J W v/R)/track; along: pitch, the front by J W v/(R
-    wheelbase)."""
+    """Return the loads with the engine across: roll, right - left = 2 (m v^2 h/R + J W v/R)/track; along: pitch, the
+    front by J W v/(R wheelbase).
+    """
     gyro = J * Omega * v / R
     across = axis == "y"
     return {
@@ -59,12 +73,12 @@ def theory(*, m, h, track, wheelbase, J, Omega, v, R, axis):
 
 
 def without_gyroscopic(*, m, h, track, J, Omega, v, R):
-    """Half of the moment is I dw/dt of the crankshaft, whose axis turns, and stays."""
+    """Return the values without the gyroscopic moment: half of it is I dw/dt of the turning crankshaft, and stays."""
     return {"right_minus_left_N": 2 * (m * v**2 * h / R + J / 2 * Omega * v / R) / track, "front_change_N": 0.0}
 
 
 def measure(build, terms, *, m, v, R) -> Measured:
-    """Loads of the feet, against half the weight at the front."""
+    """Measure the loads of the feet, against half the weight at the front."""
     run = simulate(build(), 0.2 * abs(R / v), rtol=1e-12, output=61, **terms)
     front, left, right = (run.reaction(name).force[:, 2].mean() for name in ("front", "left", "right"))
     return Measured({"right_minus_left_N": right - left, "front_change_N": front - m * G / 2}, [run])

@@ -1,4 +1,4 @@
-"""Tyres that are steered off their way, or driven too: the brush model, up to the friction circle."""
+"""Tyres at a slip angle, also driven: the brush model, up to the friction circle."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from mbsd3d import GROUND, Body, Prismatic, Revolute, SpeedDriver, System, Tyre,
 from ..figure import Line
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 
-ANGLES = (0.5, 1, 1.5, 2, 3, 4, 5, 6, 8, 10, 12, 15)  # degrees, of the wheels that roll freely
+STEER_ANGLES = (0.5, 1, 1.5, 2, 3, 4, 5, 6, 8, 10, 12, 15)  # [deg] of the wheels that roll freely
 SLIPS = (
     -0.6,
     -0.4,
@@ -30,7 +30,8 @@ SLIPS = (
 def mechanism(
     *, load=800.0, cornering=12.0, longitudinal=17.0, mu=0.9, trail=0.025, relaxation=0.1, angle=4.0, v=8.0, r=0.32
 ) -> System:
-    """Wheels side by side on carriages at v [m/s], each steered to the left, the last ones by angle [deg], and driven.
+    """Build wheels side by side on carriages at v [m/s], each steered to the left, the last ones by angle [deg], and
+    driven.
 
     Tyres with a radius r [m] under a load [N]; cornering, longitudinal [1/rad], mu, trail and relaxation [m].
     """
@@ -57,12 +58,12 @@ def mechanism(
 
 
 def wheels(angle):
-    """(steer [deg], slip) of every wheel."""
-    return [(float(x), 0.0) for x in ANGLES] + [(angle, slip) for slip in SLIPS]
+    """Return (steer [deg], slip) of every wheel."""
+    return [(float(x), 0.0) for x in STEER_ANGLES] + [(angle, slip) for slip in SLIPS]
 
 
 def brush(slip_x, slip_y, *, load, cornering, longitudinal, mu, trail):
-    """(F_x, F_y, M_z) of the brush model of Pacejka: bristles that stick in front, slide behind; theta = s/3."""
+    """Return (F_x, F_y, M_z) of the brush model of Pacejka: bristles that stick in front, slide behind; theta = s/3."""
     pull = np.array([longitudinal * slip_x, cornering * slip_y])
     theta = np.minimum(np.hypot(*pull) / (3 * mu), 1)
     F_x, F_y = load * pull * (1 - theta + theta**2 / 3) * np.minimum(1, 3 * mu / np.fmax(np.hypot(*pull), 3 * mu))
@@ -70,7 +71,8 @@ def brush(slip_x, slip_y, *, load, cornering, longitudinal, mu, trail):
 
 
 def theory(*, load, cornering, longitudinal, mu, trail, angle):
-    """Free rolling at the angle; and what a wheel gets that is driven so hard, at the same angle, that it slides."""
+    """Return the forces of free rolling at the angle, and of a wheel driven so hard, at the same angle, that it
+    slides."""
     tyre = {"load": load, "cornering": cornering, "longitudinal": longitudinal, "mu": mu, "trail": trail}
     side = np.tan(np.radians(angle))
     _, free, moment = brush(0.0, side, **tyre)
@@ -82,24 +84,24 @@ def theory(*, load, cornering, longitudinal, mu, trail, angle):
 
 
 def measure(build, terms, *, load, cornering, longitudinal, mu, trail, relaxation, angle, v) -> Measured:
-    """Forces after sixty relaxation lengths, of all wheels at once."""
+    """Measure forces after sixty relaxation lengths, of all wheels at once."""
     run = simulate(build(), 60 * relaxation / v, rtol=1e-11, output=61, **terms)
     seen = [run.force(f"tyre {k}") for k in range(len(wheels(angle)))]
     F = np.array([(x.longitudinal[-1], x.lateral[-1], x.aligning[-1]) for x in seen])
-    free, driven = F[: len(ANGLES)], F[len(ANGLES) :]
-    straight = len(ANGLES) + SLIPS.index(0.0)
+    free, driven = F[: len(STEER_ANGLES)], F[len(STEER_ANGLES) :]
+    straight = len(STEER_ANGLES) + SLIPS.index(0.0)
     values = {
         "side_force_N": F[straight, 1], "aligning_N_m": F[straight, 2], "left_of_it_N": driven[-1, 1],
         "drive_force_N": driven[-1, 0],
     }  # fmt: skip
     tyre = {"load": load, "cornering": cornering, "longitudinal": longitudinal, "mu": mu, "trail": trail}
-    slips, angles = np.array(SLIPS), np.array(ANGLES, float)
+    slips, angles = np.array(SLIPS), np.array(STEER_ANGLES, float)
     _, side, moment = brush(0 * angles, np.tan(np.radians(angles)), **tyre)
     along, across, _ = brush(slips, np.tan(np.radians(angle)) + 0 * slips, **tyre)
     whole, sideways = np.hypot(*driven[:, :2].T), Line("sideways", driven[:, 1], theory=(slips, across))
     curves = [
-        Curve("side force [N]", ANGLES, free[:, 1], (angles, side), along="slip angle [deg]"),
-        Curve("aligning moment [N m]", ANGLES, free[:, 2], (angles, moment), along="slip angle [deg]"),
+        Curve("side force [N]", STEER_ANGLES, free[:, 1], (angles, side), along="slip angle [deg]"),
+        Curve("aligning moment [N m]", STEER_ANGLES, free[:, 2], (angles, moment), along="slip angle [deg]"),
         Curve("force [N]", SLIPS, whole, (slips, np.hypot(along, across)), along="slip, braked < 0 < driven [-]",
               title=f"at {angle:g} deg", name="force", more=[sideways]),
     ]  # fmt: skip

@@ -1,4 +1,4 @@
-"""A wheel is dropped: it comes back slower than its damping says, for nothing holds it to the road."""
+"""Dropped wheel: it rebounds slower than its damping suggests, since nothing holds it to the road."""
 
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
@@ -11,7 +11,7 @@ G = 9.81  # m/s^2
 
 
 def mechanism(*, m=20.0, k=1.5e5, c=300.0, h=0.1, r=0.3) -> System:
-    """A wheel m [kg] with a tyre k [N/m], c [N s/m] at a height h [m] over the road; outer radius r [m]."""
+    """Build a wheel m [kg] with a tyre k [N/m], c [N s/m] at a height h [m] over the road; outer radius r [m]."""
     tube = 0.1 * r
     wheel = Body("wheel", m, (0.3 * m * r**2, 0.6 * m * r**2, 0.3 * m * r**2), position=(0, 0, r + h),
                  velocity=(0, 0, 0), omega=(0, 0, 0), shape=shapes.Torus(r - tube, tube, "y"))  # fmt: skip
@@ -20,7 +20,7 @@ def mechanism(*, m=20.0, k=1.5e5, c=300.0, h=0.1, r=0.3) -> System:
 
 
 def pressed(m, k, c, h):
-    """x(t), x'(t) and N(t) = k x + c x' of the depth after the touch: m x'' = m g - N."""
+    """Return x(t), x'(t) and N(t) = k x + c x' of the depth after contact: m x'' = m g - N."""
     rate, sag, v = c / (2 * m), m * G / k, np.sqrt(2 * G * h)
     w = np.sqrt(k / m - rate**2)
     b = (v - rate * sag) / w
@@ -33,7 +33,7 @@ def pressed(m, k, c, h):
 
 
 def theory(*, m, k, c, h):
-    """Depth and force of a damped spring that only presses; it lets go where N = 0, before the depth is 0."""
+    """Return depth and force of a damped spring without tension; it separates where N = 0, before the depth is 0."""
     require(c < 0.9 * np.sqrt(4 * k * m), "the tyre would not swing: give less damping c")
     depth, N, w = pressed(m, k, c, h)
     end = brentq(N, 1e-9 / w, 1.5 * np.pi / w, xtol=1e-16)
@@ -45,7 +45,7 @@ def theory(*, m, k, c, h):
 
 
 def measure(build, terms, *, m, k, c, h) -> Measured:
-    """The fall to the touch, and on to where the road is left; events are found, not read off samples."""
+    """Measure the fall to the contact, and on to the separation; events are located, not read from samples."""
     system = build()
     road, wheel = system.part("road", "forces"), system.part("wheel")
     fall = simulate(system, 2 * np.sqrt(2 * h / G), rtol=1e-11, stop_when=measures.touches(road), **terms)

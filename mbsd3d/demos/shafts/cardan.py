@@ -1,5 +1,7 @@
 """Two shafts at an angle: the driven one runs unevenly, and a second joint takes it back."""
 
+from typing import Any
+
 import numpy as np
 
 from mbsd3d import (
@@ -22,12 +24,13 @@ from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 from .shaft_pair import forked
 
 ORDERS = np.array([2, 4, 6])
-SAMPLES = 256  # of one turn: greatest and least rate are among them
+TURN_SAMPLES = 256  # [1] of one turn; greatest and least rate are among them
 
 
 def mechanism(*, bend_deg=30.0, rate=10.0, J=0.2, joints=1) -> System:
-    """Input along x at ``rate`` [rad/s], output of moment J [kg m^2] bent by the angle; or with a second joint,
-    whose yokes are aligned, parallel to the input beyond a middle shaft."""
+    """Build an input along x at ``rate`` [rad/s], output of moment J [kg m^2] bent by the angle; or with a second
+    joint, whose yokes are aligned, parallel to the input beyond a middle shaft.
+    """
     require(joints in (1, 2), f"demo 'cardan': joints = {joints}; give 1, or 2 for the double joint")
     bend = np.radians(bend_deg)
     along, moments = np.array([np.cos(bend), np.sin(bend), 0.0]), (J, 1.0, 1.0)
@@ -53,38 +56,43 @@ def mechanism(*, bend_deg=30.0, rate=10.0, J=0.2, joints=1) -> System:
 
 
 def ratio(angle: np.ndarray, bend: float) -> np.ndarray:
-    """Output over input rate: cos b / (1 - sin^2 b cos^2(angle)), the input's cross axis in the shafts' plane at 0."""
+    """Return output over input rate: cos b / (1 - sin^2 b cos^2(angle)), the input's cross axis in the shafts' plane at
+    0.
+    """
     return np.cos(bend) / (1 - np.sin(bend) ** 2 * np.cos(angle) ** 2)
 
 
 def motor_torque(angle: np.ndarray, bend: float, rate: float, J: float) -> np.ndarray:
-    """J times output acceleration times ratio [N m]: all power goes into the driven shaft."""
+    """Return J times output acceleration times ratio [N m]: all power goes into the driven shaft."""
     n = ratio(angle, bend)
     return J * rate**2 * n * -(np.sin(bend) ** 2) * np.sin(2 * angle) * n**2 / np.cos(bend)
 
 
 def harmonics(bend: float) -> np.ndarray:
-    """Amplitudes over the mean at 2, 4, 6 times shaft speed: 2 tan^(2k)(b/2), the Poisson kernel of `ratio`."""
+    """Return amplitudes over the mean at 2, 4, 6 times shaft speed: 2 tan^(2k)(b/2), the Poisson kernel of `ratio`."""
     return 2 * np.tan(bend / 2) ** ORDERS
 
 
 def theory(*, bend_deg, rate, J):
-    """1/cos^2 b between fastest and slowest, `harmonics`, the greatest `motor_torque` of the samples; 1 for two."""
+    """Return 1/cos^2 b between fastest and slowest, `harmonics`, the greatest `motor_torque` of the samples; 1 for
+    two."""
     require(abs(bend_deg) < 90, f"demo 'cardan': bend_deg = {bend_deg:g}: a cross locks at 90; give less")
     b = np.radians(bend_deg)
-    torque = motor_torque(2 * np.pi * np.arange(SAMPLES + 1) / SAMPLES, b, rate, J).max()
+    torque = motor_torque(2 * np.pi * np.arange(TURN_SAMPLES + 1) / TURN_SAMPLES, b, rate, J).max()
     amplitudes = dict(zip(("amplitude_2x", "amplitude_4x", "amplitude_6x"), harmonics(b), strict=True))
     even = {"double_greatest_ratio": 1.0, "double_least_ratio": 1.0}
     return {"greatest_over_least": 1 / np.cos(b) ** 2, **amplitudes, "motor_torque_Nm": torque, **even}
 
 
-def one_turn(system: System, rate: float, **terms: bool) -> Solution:
-    """One turn of the input."""
-    return simulate(system, 2 * np.pi / abs(rate), rtol=1e-12, output=SAMPLES + 1, **terms)
+def one_turn(system: System, rate: float, **terms: Any) -> Solution:
+    """Simulate one turn of the input."""
+    return simulate(system, 2 * np.pi / abs(rate), rtol=1e-12, output=TURN_SAMPLES + 1, **terms)
 
 
 def measure(build, terms, *, bend_deg, rate, J) -> Measured:
-    """Ratio of the rates, its harmonics and the motor's torque during one turn, with one joint and with two."""
+    """Measure the ratio of the rates, its harmonics and the motor's torque during one turn, with one joint and with
+    two.
+    """
     single, double = (one_turn(build(joints=count), rate, **terms) for count in (1, 2))
     found, even = (run.omega_body("driven")[:, 0] / rate for run in (single, double))
     spectrum = np.abs(np.fft.rfft(found[:-1]))

@@ -9,12 +9,14 @@ from .shaft_pair import one_turn, shaft_pair
 
 
 def mechanism(*, bend_deg=20.0, torque=500.0) -> System:
-    """Two shafts at an angle, a cross between them, a load torque [N m] on the driven one."""
+    """Build two shafts at an angle, a cross between them, a load torque [N m] on the driven one."""
     return shaft_pair(Universal, bend_deg, torque, axis_a=(0, 1, 0), axis_b=(0, 0, 1))
 
 
 def couple(angle, bend_deg, torque):
-    """Couple on the driving shaft [N m]: the joint's moment M n, n normal to both pins, M n . driven = torque."""
+    """Return the couple on the driving shaft [N m]: the joint's moment M n, n normal to both pins, M n . driven =
+    torque.
+    """
     b = np.radians(bend_deg)
     pin = np.stack([np.zeros_like(angle), np.cos(angle), np.sin(angle)])
     along = np.array([np.cos(b), np.sin(b), 0.0])
@@ -25,7 +27,9 @@ def couple(angle, bend_deg, torque):
 
 
 def theory(*, bend_deg, torque):
-    """The joint's moment is normal to its cross: now along the driven shaft, now as far off it as the bend."""
+    """Return the couples of a joint moment normal to its cross: now along the driven shaft, now as far off it as the
+    bend.
+    """
     require(abs(bend_deg) <= 45, f"demo 'cardan_couple': bend_deg = {bend_deg:g}: above 45 the greatest couple on the "
             "driving shaft is T/(2 cos b), between the quarters of a turn; give less")  # fmt: skip
     b = np.radians(abs(bend_deg))
@@ -33,7 +37,7 @@ def theory(*, bend_deg, torque):
 
 
 def measure(build, terms, *, bend_deg, torque) -> Measured:
-    """Greatest couples of one slow turn."""
+    """Measure the greatest couples of one slow turn."""
     run, on_driving, on_driven, _ = one_turn(build(), **terms)
     angle = np.degrees(run.t)
     values = {"couple_on_driving_shaft_Nm": on_driving.max(), "couple_on_driven_shaft_Nm": on_driven.max()}

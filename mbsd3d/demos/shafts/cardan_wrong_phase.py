@@ -7,11 +7,11 @@ from mbsd3d import GROUND, Body, Cylindrical, Revolute, SpeedDriver, System, Uni
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 from .cardan import ratio
 
-RATE, SAMPLES = 10.0, 361  # rad/s; of one turn, the extremes are at its quarters
+INPUT_RATE, TURN_SAMPLES = 10.0, 361  # rad/s; of one turn, the extremes are at its quarters
 
 
 def mechanism(*, bend_deg=30.0, phase_deg=90.0) -> System:
-    """Parallel shafts joined by a middle one at an angle; its second yoke is turned by the phase about it."""
+    """Build parallel shafts joined by a middle one at an angle; its second yoke is turned by the phase about it."""
     require(phase_deg in (0, 90), f"demo 'cardan_wrong_phase': phase_deg = {phase_deg:g}; give 90 (wrong) or 0 (right)")
     bend, ends = np.radians(bend_deg), np.array([1.0, 0, 0])
     along, across = np.array([np.cos(bend), np.sin(bend), 0]), np.array([-np.sin(bend), np.cos(bend), 0])
@@ -23,7 +23,7 @@ def mechanism(*, bend_deg=30.0, phase_deg=90.0) -> System:
     pin, other = ((0, 0, 1), (0, 1, 0)) if phase_deg == 0 else (across, (0, 0, 1))
     joints = [
         Revolute(GROUND, drive, at=-ends, axis=ends, name="bearing"),
-        SpeedDriver(GROUND, drive, axis=ends, speed=RATE, name="motor"),
+        SpeedDriver(GROUND, drive, axis=ends, speed=INPUT_RATE, name="motor"),
         Universal(drive, middle, at=(0, 0, 0), axis_a=(0, 1, 0), axis_b=(0, 0, 1), name="cross 1"),
         Universal(middle, driven, at=along, axis_a=pin, axis_b=other, name="cross 2"),
         Cylindrical(GROUND, driven, at=along + ends, axis=ends, name="support"),
@@ -32,20 +32,22 @@ def mechanism(*, bend_deg=30.0, phase_deg=90.0) -> System:
 
 
 def theory(*, bend_deg, phase_deg):
-    """In the wrong phase both crosses are fast and slow together: 1/cos^2 b and cos^2 b; in the right phase 1."""
+    """Return the greatest ratio: in the wrong phase both crosses are fast and slow together, 1/cos^2 b and cos^2 b; in
+    the right phase 1.
+    """
     require(abs(bend_deg) < 90, f"demo 'cardan_wrong_phase': bend_deg = {bend_deg:g}: a cross locks at 90; give less")
     least = 1.0 if phase_deg == 0 else np.cos(np.radians(bend_deg)) ** 2
     return {"greatest_ratio": 1 / least, "least_ratio": least}
 
 
 def measure(build, terms, *, bend_deg, phase_deg) -> Measured:
-    """Output over input rate during one turn."""
-    run = simulate(build(), 2 * np.pi / RATE, rtol=1e-12, output=SAMPLES, **terms)
-    found, b = run.omega_body("driven")[:, 0] / RATE, np.radians(bend_deg)
-    first = ratio(RATE * run.t, b)
-    middle = np.arctan2(np.sin(RATE * run.t), np.cos(b) * np.cos(RATE * run.t))  # angle of the middle shaft
+    """Measure output over input rate during one turn."""
+    run = simulate(build(), 2 * np.pi / INPUT_RATE, rtol=1e-12, output=TURN_SAMPLES, **terms)
+    found, b = run.omega_body("driven")[:, 0] / INPUT_RATE, np.radians(bend_deg)
+    first = ratio(INPUT_RATE * run.t, b)
+    middle = np.arctan2(np.sin(INPUT_RATE * run.t), np.cos(b) * np.cos(INPUT_RATE * run.t))  # angle of the middle shaft
     known = np.ones_like(first) if phase_deg == 0 else first * ratio(middle, b)
-    degrees = np.degrees(RATE * run.t)
+    degrees = np.degrees(INPUT_RATE * run.t)
     curve = Curve("output over input rate [-]", degrees, found, (degrees, known), "input [deg]")
     return Measured({"greatest_ratio": found.max(), "least_ratio": found.min()}, [run], [curve])
 

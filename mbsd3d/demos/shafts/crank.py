@@ -1,5 +1,7 @@
 """Crank, rod and piston: the force on the block, to which the offset of the crank's centre of mass adds a tenth."""
 
+from typing import Any
+
 import numpy as np
 
 from mbsd3d import (
@@ -21,11 +23,11 @@ from mbsd3d import (
 from ..figure import Bars
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 
-ORDERS, SAMPLES = (1, 2, 4, 6), 256  # of the crank's speed; of one turn
+ORDERS, TURN_SAMPLES = (1, 2, 4, 6), 256  # of the crank's speed; of one turn
 
 
 def forms(R, L, ahead):
-    """Shapes of crank, rod and piston."""
+    """Draw crank, rod and piston."""
     crank = (shapes.Cylinder(0.1 * R, 0.6 * R, "y", at=(0, ahead - 0.42 * R, 0)),
              shapes.Box((0.24 * R, 0.08 * R, 1.3 * R), at=(0, ahead - 0.12 * R, 0.5 * R)),
              shapes.Cylinder(0.07 * R, 0.22 * R, "y", at=(0, ahead, R)))  # fmt: skip
@@ -35,7 +37,8 @@ def forms(R, L, ahead):
 
 
 def mechanism(*, rpm=10.0, R=1.0, L=2.0, rc=0.5, ahead=0.1, mc=2.0, mr=4.0, mp=5.0) -> System:
-    """One cylinder, its bore along z at ``ahead`` [m] from the bearing along the crank's axis y; piston up, no gravity.
+    """Build one cylinder, its bore along z at ``ahead`` [m] from the bearing along the crank's axis y; piston up, no
+    gravity.
 
     Crank mc [kg] of radius R with its centre of mass at rc [m], reference point on the axis; rod mr of length L with
     its at mid length, piston mp. Spherical crankpin, universal wristpin: no row is redundant.
@@ -57,7 +60,7 @@ def mechanism(*, rpm=10.0, R=1.0, L=2.0, rc=0.5, ahead=0.1, mc=2.0, mr=4.0, mp=5
 
 
 def harmonics(*, rpm, R, L, rc, mc, mr, mp):
-    """Amplitudes of the force on the block along the bore at 1, 2, 4, 6 times crank speed, signed cosines [N].
+    """Return amplitudes of the force on the block along the bore at 1, 2, 4, 6 times crank speed, signed cosines [N].
 
     1x: w^2 (mc rc + mr R + mp R); 2k: w^2 (mp + mr / 2) L (2k)^2 a_2k with sqrt(1 - (R/L)^2 sin^2 q) = a_0 +
     sum a_2k cos 2kq, the coefficients by a sum over equal angles, which is exact to rounding.
@@ -68,7 +71,8 @@ def harmonics(*, rpm, R, L, rc, mc, mr, mp):
 
 
 def theory(*, rpm, R, L, rc, ahead, mc, mr, mp):
-    """Along the bore `harmonics`; across it w^2 (mc rc + mr R / 2); both act at ``ahead`` from the bearing."""
+    """Return `harmonics` along the bore and w^2 (mc rc + mr R / 2) across it; both act at ``ahead`` from the
+    bearing."""
     require(L > 1.2 * R > 0, f"demo 'crank': L = {L:g}, R = {R:g}: give a rod that is longer than 1.2 radii")
     along = abs(harmonics(rpm=rpm, R=R, L=L, rc=rc, mc=mc, mr=mr, mp=mp))
     across, w2 = mc * rc + 0.5 * mr * R, (rpm * np.pi / 30) ** 2
@@ -78,29 +82,32 @@ def theory(*, rpm, R, L, rc, ahead, mc, mr, mp):
 
 
 def without_centripetal(*, rpm, R, L, ahead, mc, mr, mp):
-    """Without m w x (w x s) the share of the crank is missing, whose reference point is not its centre of mass."""
+    """Return the values without m w x (w x s): the share of the crank is missing, whose reference point is not its
+    centre of mass.
+    """
     return theory(rpm=rpm, R=R, L=L, rc=0.0, ahead=ahead, mc=mc, mr=mr, mp=mp)
 
 
 def block_load(run: Solution) -> tuple[np.ndarray, np.ndarray]:
-    """(samples, 3) force on the block [N] and moment about the bearing [N m]: what bearing and bore hand on to it."""
+    """Return force on the block [N] and moment about the bearing [N m] from bearing and bore, shape (samples, 3)
+    each."""
     bearing, bore = run.reaction("bearing"), run.reaction("bore")
     arm = bore.point - bearing.point
     return -(bearing.force + bore.force), -(bearing.moment + bore.moment + np.cross(arm, bore.force))
 
 
 def amplitudes(values: np.ndarray) -> np.ndarray:
-    """Amplitudes at ORDERS of one turn of samples, the last one a repetition of the first."""
+    """Return the amplitudes at ORDERS of one turn of samples, the last one a repetition of the first."""
     return 2 * np.abs(np.fft.rfft(values[:-1]))[list(ORDERS)] / (values.size - 1)
 
 
-def one_turn(system: System, rpm: float, **terms: bool) -> Solution:
-    """One turn of the crank, by kinematics."""
-    return simulate(system, 60 / abs(rpm), method=Kinematic(), output=SAMPLES + 1, **terms)
+def one_turn(system: System, rpm: float, **terms: Any) -> Solution:
+    """Simulate one turn of the crank by kinematics."""
+    return simulate(system, 60 / abs(rpm), method=Kinematic(), output=TURN_SAMPLES + 1, **terms)
 
 
 def measure(build, terms, *, rpm, R, L, rc, ahead, mc, mr, mp) -> Measured:
-    """Harmonics of force and moment on the block during one turn."""
+    """Measure harmonics of force and moment on the block during one turn."""
     run, lacking = one_turn(build(), rpm, **terms), one_turn(build(), rpm, **{**terms, "centripetal": False})
     (force, moment), angle = block_load(run), rpm * np.pi / 30 * run.t
     along = amplitudes(force[:, 2])

@@ -1,4 +1,4 @@
-"""A constant-velocity joint hands every angle on, and still bends its shafts: steadily."""
+"""A constant-velocity joint transmits every angle, and still bends its shafts: steadily."""
 
 import numpy as np
 
@@ -10,7 +10,8 @@ from .shaft_pair import one_turn, shaft_pair
 
 
 def mechanism(*, bend_deg=20.0, torque=500.0, cross=0) -> System:
-    """Two shafts at an angle, a load torque [N m] on the driven one; cross = 1 puts a Cardan joint between them."""
+    """Build two shafts at an angle, a load torque [N m] on the driven one; cross = 1 puts a Cardan joint between
+    them."""
     if cross:
         return cardan_couple.mechanism(bend_deg=bend_deg, torque=torque)
     b = np.radians(bend_deg)
@@ -18,7 +19,7 @@ def mechanism(*, bend_deg=20.0, torque=500.0, cross=0) -> System:
 
 
 def theory(*, bend_deg, torque, cross):
-    """The moment lies in the bisecting plane: T tan(b/2) across each shaft, at rest."""
+    """Return the moment in the bisecting plane: T tan(b/2) across each shaft, at rest."""
     require(abs(bend_deg) < 90, f"demo 'cv_joint': bend_deg = {bend_deg:g}: give less than 90")
     if cross:
         return with_cross(bend_deg=bend_deg, torque=torque)
@@ -27,13 +28,13 @@ def theory(*, bend_deg, torque, cross):
 
 
 def with_cross(*, bend_deg, torque):
-    """What a Cardan joint does in its place."""
+    """Return the values of a Cardan joint in its place."""
     b = np.radians(bend_deg)
     return {**cardan_couple.theory(bend_deg=bend_deg, torque=torque), "unevenness": 1 / np.cos(b) - np.cos(b)}
 
 
 def over_a_turn(angle, bend_deg, torque, cross):
-    """Couple on the driving shaft [N m] and ratio of the rates at angles [rad] of a turn."""
+    """Return the couple on the driving shaft [N m] and ratio of the rates at angles [rad] of a turn."""
     if not cross:
         couple = theory(bend_deg=bend_deg, torque=torque, cross=0)["couple_on_driving_shaft_Nm"]
         return np.full(angle.size, couple), np.ones(angle.size)
@@ -42,7 +43,7 @@ def over_a_turn(angle, bend_deg, torque, cross):
 
 
 def measure(build, terms, *, bend_deg, torque, cross) -> Measured:
-    """Couples and evenness of one slow turn."""
+    """Measure couples and evenness of one slow turn."""
     run, on_driving, on_driven, ratio = one_turn(build(), **terms)
     angle, (couple, even) = np.degrees(run.t), over_a_turn(run.t, bend_deg, torque, cross)
     values = {

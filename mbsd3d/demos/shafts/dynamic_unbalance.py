@@ -8,7 +8,7 @@ from ..form import Ablation, Against, Curve, Demo, Measured, Quantity
 
 
 def mechanism(*, A=0.3, C=0.5, omega=300.0, tilt_deg=1.0, span=0.5) -> System:
-    """Disc (A, A, C) [kg m^2] at a tilt on a shaft along z at omega [rad/s], two bearings span [m] apart."""
+    """Build a disc (A, A, C) [kg m^2] at a tilt on a shaft along z at omega [rad/s], two bearings span [m] apart."""
     tilted = rotation("y", tilt_deg, degrees=True)
     bar = shapes.Cylinder(0.02, 1.2 * span, at=(0, 0, 0), orientation=rotation("y", -tilt_deg, degrees=True))
     wheel = Body("wheel", 20.0, (A, A, C), orientation=tilted, omega=(0, 0, omega), shape=(shapes.Disc(0.2, 0.05), bar))
@@ -21,13 +21,13 @@ def mechanism(*, A=0.3, C=0.5, omega=300.0, tilt_deg=1.0, span=0.5) -> System:
 
 
 def theory(*, A, C, omega, tilt_deg, span):
-    """w x I w = (C - A) w^2 sin a cos a, a couple that the bearings hold over their span."""
+    """Return w x I w = (C - A) w^2 sin a cos a, a couple that the bearings hold over their span."""
     a = np.radians(tilt_deg)
     return {"bearing_force_N": abs((C - A) * omega**2 * np.sin(a) * np.cos(a)) / span}
 
 
 def measure(build, terms, *, omega) -> Measured:
-    """Force of a bearing, which turns with the wheel."""
+    """Measure the force of a bearing, which turns with the wheel."""
     run = simulate(build(), 2 * 2 * np.pi / abs(omega), rtol=1e-12, output=121, **terms)
     force = run.reaction("upper bearing").force
     size, known = np.linalg.norm(force, axis=1), build.theory["bearing_force_N"]

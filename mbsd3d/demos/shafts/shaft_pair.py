@@ -1,4 +1,6 @@
-"""Shafts without mass that meet at an angle, turned slowly round: what the joint between them does to both."""
+"""Massless shafts that meet at an angle and turn slowly: the moments of their joint."""
+
+from typing import Any
 
 import numpy as np
 
@@ -20,12 +22,12 @@ from mbsd3d import (
 )
 from mbsd3d.base.style import GREY
 
-SAMPLES = 361  # of one turn, the quarters among them: there couples and rates have their extremes
-SPAN = 1.0  # m, from the joint to the support of the driven shaft
+TURN_SAMPLES = 361  # [1] of one turn, the quarters among them: there couples and rates have their extremes
+SHAFT_LENGTH = 1.0  # [m] from the joint to the support of the driven shaft
 
 
 def shaft(sign: float) -> tuple[shapes.Shape, ...]:
-    """A shaft along x that ends at the joint, with a disc at its other end."""
+    """Return a shaft along x that ends at the joint, with a disc at its other end."""
     bar = shapes.Cylinder(0.04, 0.9, "x", at=(sign * 0.5, 0, 0))
     return (
         bar,
@@ -35,7 +37,7 @@ def shaft(sign: float) -> tuple[shapes.Shape, ...]:
 
 
 def forked(outer: float | None, *forks: tuple[float, str]) -> list[shapes.Shape]:
-    """A shaft along x about its middle: a disc at the end ``outer``, and forks (end, axis of their pin)."""
+    """Draw a shaft along x about its middle: a disc at the end ``outer``, and forks (end, axis of their pin)."""
     ends = [end - np.sign(end) * 0.16 for end, _ in forks] + ([] if outer is None else [outer])
     made: list[shapes.Shape] = [
         shapes.Cylinder(0.04, abs(ends[0] - ends[1]), "x", at=(0.5 * (ends[0] + ends[1]), 0, 0))
@@ -54,7 +56,9 @@ def forked(outer: float | None, *forks: tuple[float, str]) -> list[shapes.Shape]
 
 
 def shaft_pair(joint: type[Joint], bend_deg: float, torque: float, **axes: object) -> System:
-    """Driving shaft along x, driven shaft bent in the xy plane; ``joint`` with its axes between them at the origin."""
+    """Build a driving shaft along x and a driven shaft bent in the xy plane, with ``joint`` and its axes between them
+    at the origin.
+    """
     bend = np.radians(bend_deg)
     along = np.array([np.cos(bend), np.sin(bend), 0])
     drive = Body("drive", 0.0, (0, 0, 0), shape=shaft(-1))
@@ -64,19 +68,20 @@ def shaft_pair(joint: type[Joint], bend_deg: float, torque: float, **axes: objec
         bearing,
         AngleDriver(bearing, Ramp(1.0), name="motor"),
         joint(drive, driven, at=(0, 0, 0), name="joint", **axes),
-        PointOnLine(GROUND, driven, at=SPAN * along, axis=along, name="support"),
+        PointOnLine(GROUND, driven, at=SHAFT_LENGTH * along, axis=along, name="support"),
     ]
     load = Torque(driven, (-torque, 0, 0), frame="body", name="load")
     return System([drive, driven], joints, [load], gravity=(0, 0, 0))
 
 
-def one_turn(system: System, **terms: bool) -> tuple[Solution, np.ndarray, np.ndarray, np.ndarray]:
-    """The run, couples on driving and driven shaft [N m] and the output's rate over that of the input, at the samples.
+def one_turn(system: System, **terms: Any) -> tuple[Solution, np.ndarray, np.ndarray, np.ndarray]:
+    """Return the run, couples on driving and driven shaft [N m] and the output's rate over that of the input, at the
+    samples.
 
     The bearing of the driving shaft stands at the joint, so its moment across the shaft is the couple; on the driven
     shaft the couple is held by a pair of forces at joint and support.
     """
-    run = simulate(system, 2 * np.pi, method=Kinematic(), output=SAMPLES, **terms)
+    run = simulate(system, 2 * np.pi, method=Kinematic(), output=TURN_SAMPLES, **terms)
     on_driving = np.linalg.norm(run.reaction("bearing").moment[:, 1:], axis=1)
-    on_driven = SPAN * np.linalg.norm(run.reaction("support").force, axis=1)
+    on_driven = SHAFT_LENGTH * np.linalg.norm(run.reaction("support").force, axis=1)
     return run, on_driving, on_driven, run.omega_body("driven")[:, 0]

@@ -18,11 +18,12 @@ from mbsd3d import (
 
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 
-SAMPLES = 145  # of one turn: the eighths of a turn, where the torque is greatest, are among them
+TURN_SAMPLES = 145  # [1] of one turn; the eighths of a turn, where the torque is greatest, are among them
 
 
 def mechanism(*, tilt_deg=18.0, R=0.05, m=0.2, omega=200.0, pistons=9) -> System:
-    """Drum at omega [rad/s] about z, pistons m [kg] in bores at R [m], their shoes on a plane tilted about y."""
+    """Build a drum at omega [rad/s] about z, pistons m [kg] in bores at R [m], their shoes on a plane tilted about
+    y."""
     require(pistons >= 1, f"demo 'swash_plate': pistons = {pistons}; give 1 or more")
     slope = np.tan(np.radians(tilt_deg))
     normal = (np.sin(np.radians(tilt_deg)), 0, np.cos(np.radians(tilt_deg)))
@@ -40,17 +41,19 @@ def mechanism(*, tilt_deg=18.0, R=0.05, m=0.2, omega=200.0, pistons=9) -> System
 
 
 def theory(*, tilt_deg, R, m, omega):
-    """Stroke 2 R tan a; of one piston the torque m (R tan a)^2 w^2 sin(2wt)/2, of three or more together none."""
+    """Return the stroke 2 R tan a; of one piston the torque m (R tan a)^2 w^2 sin(2wt)/2, of three or more together
+    none.
+    """
     require(abs(tilt_deg) < 90, f"demo 'swash_plate': tilt_deg = {tilt_deg:g}; give less than 90")
     reach = R * np.tan(np.radians(abs(tilt_deg)))
     return {"stroke_m": 2 * reach, "one_piston_torque_peak_Nm": 0.5 * m * reach**2 * omega**2}
 
 
 def measure(build, terms, *, omega) -> Measured:
-    """Stroke of a piston and greatest torque of one and of all."""
+    """Measure the stroke of a piston and the greatest torque of one and of all."""
     turn = 2 * np.pi / abs(omega)
-    one = simulate(build(pistons=1), turn, method=Kinematic(), output=SAMPLES, **terms)
-    all_of_them = simulate(build(), turn, method=Kinematic(), output=SAMPLES, **terms)
+    one = simulate(build(pistons=1), turn, method=Kinematic(), output=TURN_SAMPLES, **terms)
+    all_of_them = simulate(build(), turn, method=Kinematic(), output=TURN_SAMPLES, **terms)
     height, torque = one.position("piston 1")[:, 2], one.effort("motor")
     degrees, peak = np.degrees(abs(omega) * one.t), build.theory["one_piston_torque_peak_Nm"]
     wave = peak * np.sin(2 * np.radians(degrees)) * np.sign(omega)

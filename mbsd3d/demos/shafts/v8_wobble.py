@@ -1,4 +1,4 @@
-"""A cross-plane V8 wobbles with a couple of constant size, a flat-plane one does not wobble at all."""
+"""A cross-plane V8 has a couple of constant size, a flat-plane V8 has none."""
 
 import numpy as np
 
@@ -6,15 +6,15 @@ from mbsd3d import GROUND, AngleDriver, Body, Distance, Kinematic, Prismatic, Ra
 
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 
-THROWS = {"cross": (0, 90, 270, 180), "flat": (0, 180, 180, 0)}  # degrees
-SAMPLES = 97  # of one turn
+THROW_ANGLES = {"cross": (0, 90, 270, 180), "flat": (0, 180, 180, 0)}  # [deg] of the four throws
+TURN_SAMPLES = 97  # [1] of one turn
 
 
 def mechanism(*, m=0.5, r=0.045, rod=0.15, spacing=0.11, omega=600.0, plane="cross") -> System:
-    """Eight pistons m [kg] in two banks at 90 degrees, massless rods, four throws r [m] at a spacing along x."""
-    require(plane in THROWS, f"demo 'v8_wobble': plane = {plane!r}; give one of {', '.join(THROWS)}")
+    """Build eight pistons m [kg] in two banks at 90 degrees, massless rods, four throws r [m] at a spacing along x."""
+    require(plane in THROW_ANGLES, f"demo 'v8_wobble': plane = {plane!r}; give one of {', '.join(THROW_ANGLES)}")
     places = spacing * (1.5 - np.arange(4))
-    angles = np.radians(THROWS[plane])
+    angles = np.radians(THROW_ANGLES[plane])
     throws = list(zip(places, r * np.stack([0 * angles, -np.sin(angles), np.cos(angles)], axis=1), strict=True))
     form = [shapes.Cylinder(0.4 * r, 4 * spacing, "x")]
     form += [shapes.Cylinder(0.35 * r, 0.5 * spacing, "x", at=(x, *at[1:])) for x, at in throws]
@@ -36,14 +36,16 @@ def mechanism(*, m=0.5, r=0.045, rod=0.15, spacing=0.11, omega=600.0, plane="cro
 
 
 def theory(*, m, r, rod, spacing, plane, omega):
-    """Each pair in a right-angled V is as good as one mass on its throw; sum of x e^(i throw) = (3 + i) spacing."""
+    """Return the couple: each pair in a right-angled V equals one mass on its throw; sum of x e^(i throw) = (3 + i)
+    spacing.
+    """
     require(rod > r, f"demo 'v8_wobble': rod = {rod:g} m is not longer than the throw, {r:g} m; give a longer one")
     size = (plane == "cross") * np.sqrt(10) * m * r * spacing * omega**2
     return {"couple_cross_plane_Nm": size, "couple_flat_plane_Nm": 0.0}
 
 
 def couple(run):
-    """(samples, 3) moment of all bearings and bores on the block about its middle [N m]."""
+    """Return the moment of all bearings and bores on the block about its middle [N m], shape (samples, 3)."""
     total = 0.0
     for joint in run.system.joints:
         if isinstance(joint, Revolute | Prismatic):
@@ -53,8 +55,8 @@ def couple(run):
 
 
 def measure(build, terms, *, omega) -> Measured:
-    """Size of the couple across the crankshaft during one turn, for both crankshafts."""
-    settings = {"method": Kinematic(), "output": SAMPLES, **terms}
+    """Measure the size of the couple across the crankshaft during one turn, for both crankshafts."""
+    settings = {"method": Kinematic(), "output": TURN_SAMPLES, **terms}
     turn = 2 * np.pi / abs(omega)
     run, flat = simulate(build(), turn, **settings), simulate(build(plane="flat"), turn, **settings)
     found, level = couple(run), np.linalg.norm(couple(flat)[:, 1:], axis=1)

@@ -9,7 +9,9 @@ from ..form import Ablation, Against, Curve, Demo, Measured, Quantity
 
 
 def mechanism(*, Is=2000.0, A=0.3, C=0.5, Omega=300.0, delta_deg=60.0, T=2.0) -> System:
-    """Satellite Is [kg m^2], wheels (C, A, A) at +-Omega [rad/s] along x, gimbals about y driven by delta in T [s]."""
+    """Build a satellite Is [kg m^2], wheels (C, A, A) at +-Omega [rad/s] along x, gimbals about y driven by delta in T
+    [s].
+    """
     d, bodies, joints = np.radians(delta_deg), [], []
     satellite = Body("satellite", 500.0, (Is, Is, Is), omega=(0, 0, 0),
                      shape=shapes.Box((1.2, 2.4, 0.8), colour="silver"))  # fmt: skip
@@ -30,17 +32,17 @@ def mechanism(*, Is=2000.0, A=0.3, C=0.5, Omega=300.0, delta_deg=60.0, T=2.0) ->
 
 
 def rate(d, *, Is, A, C, Omega):
-    """Rate of the satellite [rad/s] at a tilt d: the momentum about z stays zero."""
+    """Return the rate of the satellite [rad/s] at a tilt d: the momentum about z stays zero."""
     return -2 * C * Omega * np.sin(d) / (Is + 2 * A * np.cos(d) ** 2 + 2 * C * np.sin(d) ** 2)
 
 
 def tilt(t, delta_deg, T):
-    """Tilt of the gimbals [rad]: a cubic from rest to rest."""
+    """Return the tilt of the gimbals [rad]: a cubic from rest to rest."""
     return np.radians(delta_deg) * (3 * (t / T) ** 2 - 2 * (t / T) ** 3)
 
 
 def theory(*, Is, A, C, Omega, delta_deg, T):
-    """Rate by the momentum about z, turn by its integral."""
+    """Return the rate by the momentum about z, and the turn by its integral."""
 
     def at(t):
         return rate(tilt(t, delta_deg, T), Is=Is, A=A, C=C, Omega=Omega)
@@ -50,7 +52,7 @@ def theory(*, Is, A, C, Omega, delta_deg, T):
 
 
 def measure(build, terms, *, Is, A, C, Omega, delta_deg, T) -> Measured:
-    """Rate and angle of the satellite when the gimbals have stopped."""
+    """Measure rate and angle of the satellite when the gimbals have stopped."""
     run = simulate(build(), T, rtol=1e-12, output=201, **terms)
     w, R = run.omega("satellite")[:, 2], run.rotation("satellite")
     turn = np.unwrap(np.arctan2(R[:, 1, 0], R[:, 0, 0]))

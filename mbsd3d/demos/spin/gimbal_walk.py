@@ -10,7 +10,8 @@ from ..runs import half_swing
 
 
 def mechanism(*, Co=0.02, Ai=0.004, Bi=0.006, Ci=0.005, A=0.01, C=0.018, spin=100.0, beta_deg=30.0, kick=10.0):
-    """Outer ring Co about z, inner ring (Ai, Bi, Ci), rotor (A, C, A) spinning along y, beta above the horizon."""
+    """Build outer ring Co about z, inner ring (Ai, Bi, Ci), rotor (A, C, A) spinning along y, beta above the
+    horizon."""
     turned, b = rotation("x", beta_deg, degrees=True), np.radians(beta_deg)
     axis = np.array([0.0, np.cos(b), np.sin(b)])
     outer = Body("outer ring", 1.0, (Co, Co, Co), omega=(0, 0, 0), shape=shapes.Torus(0.34, 0.02, "y"))
@@ -27,7 +28,9 @@ def mechanism(*, Co=0.02, Ai=0.004, Bi=0.006, Ci=0.005, A=0.01, C=0.018, spin=10
 
 
 def theory(*, Co, Ai, Bi, Ci, A, C, spin, beta_deg, kick):
-    """Routh: D phi' = h (sin b0 - sin b), (A + Ai) b'^2 + D phi'^2 = (A + Ai) kick^2; integrals over a nutation."""
+    """Solve Routh's equations: D phi' = h (sin b0 - sin b), (A + Ai) b'^2 + D phi'^2 = (A + Ai) kick^2; integrals over
+    a nutation.
+    """
     h, b0 = C * spin, np.radians(beta_deg)
 
     def drift(b):
@@ -42,7 +45,7 @@ def theory(*, Co, Ai, Bi, Ci, A, C, spin, beta_deg, kick):
 
 
 def measure(build, terms, *, A, C, spin, kick) -> Measured:
-    """Half a nutation from its upper to its lower end; the other half is its mirror image in time."""
+    """Measure half a nutation from its upper to its lower end; the other half is its mirror image in time."""
     system = build()
     down = half_swing(
         system, measures.rate(system.part("inner", "joints")), 4 * A / abs(C * spin), up=kick > 0, **terms

@@ -9,7 +9,9 @@ from ..quadrature import swing
 
 
 def mechanism(*, Omega_e=0.05, lat_deg=40.0, psi0_deg=60.0, A=0.01, C=0.02, G=0.005, spin=200.0) -> System:
-    """Earth turning at Omega_e [rad/s] about z, a card (G, G, G) [kg m^2] on the vertical, a wheel (C, A, A) in it."""
+    """Build the Earth turning at Omega_e [rad/s] about z, a card (G, G, G) [kg m^2] on the vertical, a wheel (C, A, A)
+    in it.
+    """
     lat, psi = np.radians(lat_deg), np.radians(psi0_deg)
     up, north = np.array([np.cos(lat), 0, np.sin(lat)]), np.array([-np.sin(lat), 0, np.cos(lat)])
     axis = np.cos(psi) * north + np.sin(psi) * np.cross(up, north)
@@ -29,7 +31,7 @@ def mechanism(*, Omega_e=0.05, lat_deg=40.0, psi0_deg=60.0, A=0.01, C=0.02, G=0.
 
 
 def time_to_north(factor, twist, *, W, psi0, inertia):
-    """Quadrature of inertia s'' = -factor W sin s + twist W^2 sin s cos s from rest at psi0 to 0; W = rate to north."""
+    """Integrate inertia s'' = -factor W sin s + twist W^2 sin s cos s from rest at psi0 to 0; W = rate to north."""
     psi0 = abs(psi0)
 
     def square(s):
@@ -39,7 +41,9 @@ def time_to_north(factor, twist, *, W, psi0, inertia):
 
 
 def theory(*, Omega_e, lat_deg, psi0_deg, A, C, G, spin):
-    """(A + G) s'' = -h W cos(lat) sin s + (A + G - G) W^2 cos^2(lat) sin s cos s, h the momentum of the wheel."""
+    """Return the time of (A + G) s'' = -h W cos(lat) sin s + (A + G - G) W^2 cos^2(lat) sin s cos s, h the momentum of
+    the wheel.
+    """
     require(abs(psi0_deg) < 179.99, f"demo 'gyrocompass': psi0_deg = {psi0_deg:g}: due south it does not know which "
             "way to turn; give less than 179.99")  # fmt: skip
     W, psi0 = Omega_e * np.cos(np.radians(lat_deg)), np.radians(psi0_deg)
@@ -48,14 +52,16 @@ def theory(*, Omega_e, lat_deg, psi0_deg, A, C, G, spin):
 
 
 def without_gyroscopic(*, Omega_e, lat_deg, psi0_deg, A, G, spin):
-    """Half of the moment is I dw/dt of the wheel, whose axis turns: (A + G) s'' = -A (spin + ...) W cos(lat) sin s."""
+    """Return the time without the gyroscopic moment: half of it is I dw/dt of the turning wheel: (A + G) s'' = -A (spin
+    + ...) W cos(lat) sin s.
+    """
     W, psi0 = Omega_e * np.cos(np.radians(lat_deg)), np.radians(psi0_deg)
     sigma = spin + W * np.cos(psi0)
     return {"time_to_north_s": time_to_north(A * sigma, A, W=W, psi0=psi0, inertia=A + G)}
 
 
 def measure(build, terms, *, Omega_e, lat_deg, psi0_deg, C, A, G, spin) -> Measured:
-    """The time at which the axis passes the meridian."""
+    """Measure the time at which the axis passes the meridian."""
     system, psi0 = build(), np.radians(psi0_deg)
     period = 2 * np.pi * np.sqrt((A + G) / abs(C * spin * Omega_e * np.cos(np.radians(lat_deg))))
     turned = measures.angle(system.part("vertical", "joints"))

@@ -1,4 +1,4 @@
-"""A blade on a flapping hinge follows a push that turns with it a quarter turn late."""
+"""A blade on a flapping hinge responds to a moment that turns with it a quarter turn late."""
 
 import numpy as np
 
@@ -19,15 +19,17 @@ from mbsd3d import (
 
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 
-SAMPLES = 96  # of one turn, or of one swing if that is faster; the flap is a sine: one turn gives its coefficient
-STIRRED = 1e-6  # rad at least that the start is varied by: its rounding is 1e-10, its square 1e-12
-SMALL = 1e-8  # rad of lag, four times what the second order in the flap adds
-SEEN = 0.1  # rad of flap in the run that is shown
-STIFFEST = 1e6  # of a hinge over I W^2: it swings a thousand times a turn
+# [1] of one turn, or of one swing if that is faster; the flap is a sine: one turn gives its coefficient
+TURN_SAMPLES = 96
+START_VARIATION_MIN = 1e-6  # [rad] variation of the start; its rounding is 1e-10, its square 1e-12
+LAG_TOLERANCE = 1e-8  # [rad] of lag, four times the second order in the flap
+SHOWN_FLAP = 0.1  # [rad] of flap in the run that is shown
+STIFFNESS_RATIO_MAX = 1e6  # [1] of a hinge over I W^2: it swings a thousand times a turn
 
 
 def mechanism(*, m=10.0, L=5.0, e=0.0, Omega=40.0, M0=1.0, c=3000.0, k=0.0) -> System:
-    """Blade of mass m [kg] and length L [m], hinge at e [m] with damper c [N m s/rad] and spring k [N m/rad]."""
+    """Build a blade of mass m [kg] and length L [m], hinge at e [m] with damper c [N m s/rad] and spring k [N
+    m/rad]."""
     hub = Body("hub", 20.0, (1, 1, 1), omega=(0, 0, Omega), shape=rotor(L, abs(e)))
     moments, form = m * L**2 / 12 * np.array([0, 1, 1]), shapes.Box((L, 0.07 * L, 0.01 * L))
     blade = Body("blade", m, moments, position=(e, 0, 0), com=(L / 2, 0, 0), shape=form)
@@ -40,7 +42,7 @@ def mechanism(*, m=10.0, L=5.0, e=0.0, Omega=40.0, M0=1.0, c=3000.0, k=0.0) -> S
 
 
 def rotor(L, e):
-    """Hub, mast, and the other blades, which are only drawn: they stay in the plane that the first one leaves."""
+    """Draw hub, mast, and the other blades, which stay in the plane that the first one leaves."""
     others = [
         shapes.Box((L, 0.07 * L, 0.01 * L), at=(e + L / 2) * along, orientation=rotation("z", turn), colour="dimgray")
         for turn in np.pi / 2 * np.arange(1, 4)
@@ -50,49 +52,51 @@ def rotor(L, e):
 
 
 def theory(*, m, L, e, Omega, M0, c, k):
-    """I b'' + c b' + (I W^2 (1 + 3 e/2 L) + k) b = M0 cos W t for a small flap b of a uniform blade."""
+    """Return lag and flap of I b'' + c b' + (I W^2 (1 + 3 e/2 L) + k) b = M0 cos W t for a small flap b of a uniform
+    blade.
+    """
     require(Omega > 0 and c > 0, "demo 'helicopter_90': give Omega > 0 and c > 0: undamped, the start never dies out")
     require(M0 > 0, f"demo 'helicopter_90': M0 = {M0:g}: the lag is that behind a push; give M0 > 0")
     require(abs(e) <= L, f"demo 'helicopter_90': e = {e:g} m is more than the blade is long; give less than {L:g}")
     inertia = m * L**2 / 3
-    most = STIFFEST * inertia * Omega**2
+    most = STIFFNESS_RATIO_MAX * inertia * Omega**2
     require(
         abs(k) <= most, f"demo 'helicopter_90': k = {k:g} N m/rad holds the blade rigidly; give less than {most:.3g}"
     )
     found = lag_and_flap(inertia * Omega**2 * 3 * e / (2 * L) + k, c * Omega, M0)
-    require(found["flap_rad"] ** 2 * inertia * Omega / c < SMALL, f"demo 'helicopter_90': a flap of "
+    require(found["flap_rad"] ** 2 * inertia * Omega / c < LAG_TOLERANCE, f"demo 'helicopter_90': a flap of "
             f"{found['flap_rad']:.2g} rad is too large for linear theory; give less M0, or more c")  # fmt: skip
     return found
 
 
 def without_gyroscopic(*, m, L, e, Omega, M0, c, k):
-    """Without w x I w the centrifugal stiffness is that of a point mass, I W^2 (3/4 + 3 e/2 L)."""
+    """Return the values without w x I w: the centrifugal stiffness is that of a point mass, I W^2 (3/4 + 3 e/2 L)."""
     inertia = m * L**2 / 3
     return lag_and_flap(inertia * Omega**2 * (1.5 * e / L - 0.25) + k, c * Omega, M0)
 
 
 def lag_and_flap(in_phase, across, moment):
-    """Lag and size of the answer to a moment."""
+    """Return lag [deg] and size [rad] of the response to a moment."""
     return {"lag_deg": np.degrees(np.arctan2(across, in_phase)), "flap_rad": moment / np.hypot(in_phase, across)}
 
 
 def measure(build, terms, *, m, L, Omega, M0, c, k) -> Measured:
-    """The flap that repeats itself every turn: the fixed point of the map from turn to turn, which is affine."""
+    """Measure the periodic flap: the fixed point of the map from turn to turn, which is affine."""
     system, turn, inertia = build(), 2 * np.pi / Omega, m * L**2 / 3
-    samples = SAMPLES * int(np.ceil(max(1.0, np.sqrt(abs(k) / inertia) / Omega, c / (inertia * Omega))))
+    samples = TURN_SAMPLES * int(np.ceil(max(1.0, np.sqrt(abs(k) / inertia) / Omega, c / (inertia * Omega))))
 
     def after(angle, rate, system=system, **settings):
         state = system.assemble(angles={"flap": angle}, rates={"flap": rate})
         return simulate(system, turn, state=state, method=DOP853(dt=turn / samples), **settings, **terms)
 
-    size = max(build.theory["flap_rad"], STIRRED)  # that of the answer, in which the map is affine
+    size = max(build.theory["flap_rad"], START_VARIATION_MIN)  # that of the answer, in which the map is affine
     starts = np.array([[0, 0], [size, 0], [0, size * Omega]])
     ends = np.array([[run.angle("flap")[-1], run.rate("flap")[-1]] for run in (after(*x, output=2) for x in starts)])
     slope = (ends[1:] - ends[0]).T / np.array([size, size * Omega])
     start = np.linalg.solve(np.eye(2) - slope, ends[0])
-    run = after(*start, output=SAMPLES + 1)
-    more = SEEN / build.theory["flap_rad"]
-    large = after(*(more * start), system=build(M0=more * M0), output=SAMPLES + 1)
+    run = after(*start, output=TURN_SAMPLES + 1)
+    more = SHOWN_FLAP / build.theory["flap_rad"]
+    large = after(*(more * start), system=build(M0=more * M0), output=TURN_SAMPLES + 1)
     notes = [f"seen here with a push {more:.2g} times as strong, and with three blades more that nobody pushes"]
     flap = run.angle("flap")
     first = 2 * np.mean(flap[:-1] * np.exp(1j * Omega * run.t[:-1]))  # conjugate of the coefficient of exp(i W t)

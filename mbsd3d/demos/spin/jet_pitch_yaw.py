@@ -1,5 +1,7 @@
 """An engine's spin turns a pull on the stick into a swing of the nose to the side."""
 
+from typing import Any
+
 import numpy as np
 
 from mbsd3d import Body, Revolute, SpeedDriver, System, Torque, shapes, simulate
@@ -7,21 +9,22 @@ from mbsd3d import Body, Revolute, SpeedDriver, System, Torque, shapes, simulate
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity
 from ..quadrature import motion, quaternion_rate
 
-JET = (
+JET_SHAPES = (
     shapes.Capsule(0.7, 12.0, "x", at=(0, 0, 0)),
     shapes.Box((3.0, 11.0, 0.2), at=(-1.5, 0, 0)),
     shapes.Box((2.0, 0.15, 2.4), at=(-5.5, 0, -1.5)),
     shapes.Box((1.6, 5.0, 0.15), at=(-5.5, 0, 0)),
     shapes.Ellipsoid((1.3, 0.5, 0.5), at=(3.6, 0, -0.6), colour="lightsteelblue"),
 )
-DOWN = np.diag([1.0, -1.0, -1.0])  # axes of the start in world axes: x ahead, y to the right, z down
+START_AXES = np.diag([1.0, -1.0, -1.0])  # axes of the start in world axes: x ahead, y to the right, z down
 
 
 def mechanism(*, I=(13000.0, 76000.0, 86000.0), J=4.0, Omega=1000.0, M=38000.0) -> System:
-    """Airframe of moments I [kg m^2], engine (J, J/2, J/2) at Omega [rad/s] along its nose x, moment M [N m] about
-    y."""
-    jet = Body("jet", 15000.0, I, orientation=DOWN, shape=JET)
-    spin = {"orientation": DOWN, "omega": (Omega, 0, 0)}
+    """Build an airframe of moments I [kg m^2], engine (J, J/2, J/2) at Omega [rad/s] along its nose x, moment M [N m]
+    about y.
+    """
+    jet = Body("jet", 15000.0, I, orientation=START_AXES, shape=JET_SHAPES)
+    spin: dict[str, Any] = {"orientation": START_AXES, "omega": (Omega, 0, 0)}
     engine = Body("engine", 500.0, (J, J / 2, J / 2), **spin, shape=shapes.Cylinder(0.5, 3.0, "x"))
     shaft = Revolute(jet, engine, at=(0, 0, 0), axis=(1, 0, 0), name="shaft")
     speed = SpeedDriver(jet, engine, axis=(1, 0, 0), speed=Omega, name="speed")
@@ -29,7 +32,7 @@ def mechanism(*, I=(13000.0, 76000.0, 86000.0), J=4.0, Omega=1000.0, M=38000.0) 
 
 
 def euler(t, *, I, J, Omega, M):
-    """(times, 7) of orientation and angular velocity: I w' + w x (I w + h) = M in body axes."""
+    """Integrate orientation and angular velocity: I w' + w x (I w + h) = M in body axes, shape (times, 7)."""
     moments, h, torque = np.add(I, (J, J / 2, J / 2)), np.array([J * Omega, 0, 0]), np.array([0, M, 0])
 
     def rate(_, y):
@@ -40,27 +43,28 @@ def euler(t, *, I, J, Omega, M):
 
 
 def sideways(x, y, z):
-    """Angle [deg] to the right between the nose and the upright plane it starts in, which has no jump over the top."""
+    """Return the angle [deg] to the right between the nose and its initial vertical plane, without a jump over the
+    top."""
     return np.degrees(np.arctan2(y, np.hypot(x, z)))
 
 
 def known_sideways(e):
-    """The same for quaternions (samples, 4) from the axes of the start."""
+    """Return the same angle for quaternions (samples, 4) from the axes of the start."""
     e0, e1, e2, e3 = e.T
     return sideways(1 - 2 * (e2**2 + e3**2), 2 * (e1 * e2 + e0 * e3), 2 * (e1 * e3 - e0 * e2))
 
 
 def theory(*, I, J, Omega, M, t):
-    """Euler's equations of a gyrostat; for small angles r = J W theta / I_z."""
+    """Solve Euler's equations of a gyrostat; for small angles r = J W theta / I_z."""
     times = np.linspace(0, t, 41)
     y = euler(times, I=I, J=J, Omega=Omega, M=M)
     return {"yaw_rate_rad_s": y[-1, 6], "nose_sideways_deg": known_sideways(y[:, :4])[-1]}
 
 
 def measure(build, terms, *, I, J, Omega, M, t=2.0) -> Measured:
-    """Yaw rate and angle of the nose to the side after t."""
+    """Measure yaw rate and angle of the nose to the side after t."""
     run = simulate(build(), t, rtol=1e-13, output=np.linspace(0, t, 201), **terms)
-    side, y = sideways(*(run.rotation("jet")[:, :, 0] @ DOWN.T).T), euler(run.t, I=I, J=J, Omega=Omega, M=M)
+    side, y = sideways(*(run.rotation("jet")[:, :, 0] @ START_AXES.T).T), euler(run.t, I=I, J=J, Omega=Omega, M=M)
     curve = Curve("nose to the side [deg]", run.t, side, (run.t, known_sideways(y[:, :4])))
     values = {"yaw_rate_rad_s": run.omega_body("jet")[-1, 2], "nose_sideways_deg": side[-1]}
     return Measured(values, [run], [curve])

@@ -1,4 +1,6 @@
-"""The hub of a two-bladed propeller feels a turning airplane as a hammer, that of a three-bladed one as a push."""
+"""The hub of a two-bladed propeller on a turning airplane has an alternating moment, that of a three-bladed one a
+constant one.
+"""
 
 import numpy as np
 
@@ -6,10 +8,10 @@ from mbsd3d import GROUND, Body, Revolute, SpeedDriver, System, shapes, simulate
 
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 
-SAMPLES = 144  # of one turn: the extremes are among them, and means over the turn are exact
+TURN_SAMPLES = 144  # [1] of one turn; the extremes are among them, and means over the turn are exact
 
 
-AIRFRAME = [
+AIRFRAME_SHAPES = [
     shapes.Capsule(0.35, 2.6, "x", at=(-1.7, 0, 0)),
     shapes.Box((0.6, 3.6, 0.06), at=(-1.1, 0, 0.1)),
     shapes.Box((0.3, 1.2, 0.05), at=(-2.9, 0, 0.1)),
@@ -18,9 +20,10 @@ AIRFRAME = [
 
 
 def mechanism(*, J=2.0, Omega=250.0, r=0.4, blades=2) -> System:
-    """Airplane turning at r [rad/s] about z, propeller of moment J [kg m^2] at Omega [rad/s] about its nose x."""
+    """Build an airplane turning at r [rad/s] about z, propeller of moment J [kg m^2] at Omega [rad/s] about its nose
+    x."""
     require(blades >= 2, f"demo 'propeller_shake': blades = {blades}; give 2 or more")
-    plane = Body("plane", 900.0, (800.0, 900.0, 1500.0), shape=AIRFRAME)
+    plane = Body("plane", 900.0, (800.0, 900.0, 1500.0), shape=AIRFRAME_SHAPES)
     moments = (J, 0.0, J) if blades == 2 else (J, J / 2, J / 2)
     sails = [
         shapes.Box((0.04, 0.9, 0.15), at=0.45 * d, orientation=np.column_stack([(1, 0, 0), d, np.cross((1, 0, 0), d)]))
@@ -37,7 +40,9 @@ def mechanism(*, J=2.0, Omega=250.0, r=0.4, blades=2) -> System:
 
 
 def theory(*, J, Omega, r, blades):
-    """Two blades: pitch J W r (1 - cos 2 psi), yaw -J W r sin 2 psi; three or more: pitch J W r, no yaw."""
+    """Return the moments: two blades, pitch J W r (1 - cos 2 psi), yaw -J W r sin 2 psi; three or more, pitch J W r, no
+    yaw.
+    """
     size, two = abs(J * Omega * r), blades == 2
     return {
         "pitch_moment_peak_Nm": 2 * size if two else size,
@@ -47,8 +52,8 @@ def theory(*, J, Omega, r, blades):
 
 
 def measure(build, terms, *, J, Omega, r) -> Measured:
-    """Moment of the hub on the propeller in the airplane's axes, over one turn of the propeller."""
-    run = simulate(build(), 2 * np.pi / abs(Omega), rtol=1e-12, output=SAMPLES + 1, **terms)
+    """Measure the moment of the hub on the propeller in the airplane's axes, over one turn of the propeller."""
+    run = simulate(build(), 2 * np.pi / abs(Omega), rtol=1e-12, output=TURN_SAMPLES + 1, **terms)
     moment = np.einsum("tji,tj->ti", run.rotation("plane"), run.reaction("hub").moment)
     pitch, yaw = moment[:-1, 1], moment[:-1, 2]
     sign = np.sign(pitch.mean())

@@ -1,4 +1,6 @@
-"""The wall of shame: what is lost with each term one may forget, in numbers."""
+"""Errors of omitted terms: what is lost with each term that one may forget, in numbers."""
+
+from typing import Any
 
 import numpy as np
 
@@ -10,15 +12,19 @@ from ..figure import Line, Table
 from ..form import Ablation, Builder, Curve, Demo, Measured, Quantity, require
 from ..shafts import crank
 
-GAP, DECAY, STEPS = 1e-3, 10.0, 200  # m, opened on purpose; 1/s, both roots of Baumgarte; of the quaternion's RK4
-BAUMGARTE = {"stabilisation": "baumgarte", "baumgarte": (2 * DECAY, DECAY**2)}
+INITIAL_GAP, DECAY_RATE, STEP_COUNT = (
+    1e-3,
+    10.0,
+    200,
+)  # m, opened on purpose; 1/s, both roots of Baumgarte; of the quaternion's RK4
+BAUMGARTE = {"stabilisation": "baumgarte", "baumgarte": (2 * DECAY_RATE, DECAY_RATE**2)}
 TERMS = {"gyroscopic": "no w x I w", "centripetal": "no m w x (w x s)", "gamma": "no -J_dot v"}
 RUNS = {"all terms": {}, **{text: {term: False} for term, text in TERMS.items()},
         "no stabilisation": {"stabilisation": "none"}, "Baumgarte": BAUMGARTE}  # fmt: skip
 
 
 def mechanism(*, arm=0.5, turn=2 * np.pi) -> System:
-    """A flywheel on a hinge, its centre of mass an arm [m] off the axis, turning [rad/s]; no gravity."""
+    """Build a flywheel on a hinge, its centre of mass an arm [m] off the axis, turning [rad/s]; no gravity."""
     shape = (
         shapes.Disc(0.5 * arm, 0.12 * arm),
         shapes.Cylinder(0.06 * arm, arm, "x", at=(-0.5 * arm, 0, 0)),
@@ -29,34 +35,38 @@ def mechanism(*, arm=0.5, turn=2 * np.pi) -> System:
 
 
 def free_body(I, spin) -> System:
-    """A body without forces, turning about an axis that is not principal."""
+    """Build a body without forces, turning about an axis that is not principal."""
     return System([Body("body", 1.0, I, omega=spin, shape="box")], gravity=(0, 0, 0))
 
 
 def top() -> System:
-    """A fast top, its reference point between pivot and centre of mass: every term of the equations is at work."""
+    """Build a fast top, its reference point between pivot and centre of mass, so that every term of the equations
+    matters.
+    """
     moments = (0.234375, 0.46875, 0.234375)
     body = Body("top", 15.0, moments, position=(0, 0.5, 0), com=(0, 0.5, 0), omega=(0, 150, -4.61538))
     return System([body], [Spherical(GROUND, body, at=(0, 0, 0), name="pivot")])
 
 
 def drifted(angle, arm):
-    """Gap of the hinge without -J_dot v [m]: the centre of mass flies straight on while the wheel turns."""
+    """Return the gap of the hinge without -J_dot v [m]: the centre of mass flies straight on while the wheel turns."""
     return arm * np.hypot(1 - np.cos(angle), angle - np.sin(angle))
 
 
 def closing(t):
-    """Gap [m] under Baumgarte's c_ddot + 2 (10/s) c_dot + (10/s)^2 c = 0, opened by GAP at rest."""
-    return GAP * (1 + DECAY * t) * np.exp(-DECAY * t)
+    """Return the gap [m] under Baumgarte's c_ddot + 2 (10/s) c_dot + (10/s)^2 c = 0, opened by `INITIAL_GAP` at
+    rest."""
+    return INITIAL_GAP * (1 + DECAY_RATE * t) * np.exp(-DECAY_RATE * t)
 
 
 def ghost(turns):
-    """Angle of e = (1, w t / 2), what a constant e_dot leads to [deg]: 2 atan(pi turns)."""
+    """Return the angle of e = (1, w t / 2), the result of a constant e_dot [deg]: 2 atan(pi turns)."""
     return np.degrees(2 * np.arctan(np.pi * np.asarray(turns)))
 
 
 def theory(*, arm, turn, I, spin, terms):
-    """What each loss breaks: closed forms for a constant w; without w x I w L turns with the body about w."""
+    """Return the error of each omission: closed forms for a constant w; without w x I w L turns with the body about
+    w."""
     require(terms in ("forgotten", "kept"), f"demo 'wall': terms = {terms!r}; give 'forgotten' or 'kept'")
     lost, w, L = terms == "forgotten", np.array(spin), np.multiply(I, spin)
     shaken = own_crank().theory
@@ -65,34 +75,36 @@ def theory(*, arm, turn, I, spin, terms):
         "momentum_change_Nms": float(lost * 2 * np.linalg.norm(L - (L @ w) / (w @ w) * w)),
         "crank_1x_N": shaken["along_1x_without_centripetal_N" if lost else "along_1x_N"],
         "hinge_gap_m": lost * drifted(2 * np.pi, arm),
-        "gap_none_m": GAP, "gap_baumgarte_m": closing(2 * np.pi / abs(turn)), "gap_projection_m": 0.0,
+        "gap_none_m": INITIAL_GAP, "gap_baumgarte_m": closing(2 * np.pi / abs(turn)), "gap_projection_m": 0.0,
         "quaternion_deg": float(ghost(1.0)) if lost else 360.0,
         "quaternion_length": np.hypot(1, np.pi) if lost else 1.0,
     }  # fmt: skip
 
 
 def own_crank() -> Builder:
-    """The engine of the crank's demo."""
+    """Return the engine of the demo ``crank``."""
     return Builder(crank.demo, crank.demo.parameters)
 
 
 def opened(system, t, stabilisation):
-    """A while of the flywheel with its hinge a millimetre apart, at rest, at the start."""
+    """Simulate the flywheel with its hinge a millimetre apart, at rest, at the start."""
     start = system.state()
-    apart = State(start.t, start.q + GAP * np.eye(7)[0], start.v)
+    apart = State(start.t, start.q + INITIAL_GAP * np.eye(7)[0], start.v)
     held = BAUMGARTE if stabilisation == "baumgarte" else {"stabilisation": stabilisation}
-    return simulate(system, t, state=apart, rtol=1e-12, output=51, as_built=2 * GAP, **held)
+    return simulate(system, t, state=apart, rtol=1e-12, output=51, as_built=2 * INITIAL_GAP, **held)
 
 
 def quaternions(h_dot):
-    """(STEPS + 1, 4) from e_ddot = (H w_dot + H_dot w) / 2 by RK4, one turn about z in 1 s, or without H_dot."""
+    """Integrate e_ddot = (H w_dot + H_dot w) / 2 by RK4, one turn about z in 1 s, or without H_dot, shape (STEP_COUNT +
+    1, 4).
+    """
     w, e = np.array([0.0, 0.0, 2 * np.pi]), np.array([1.0, 0.0, 0.0, 0.0])
 
     def rate(y):
         return np.concatenate([y[4:], 0.5 * H(y[4:]) @ w if h_dot else np.zeros(4)])
 
-    path, dt = [np.concatenate([e, 0.5 * H(e) @ w])], 1.0 / STEPS
-    for _ in range(STEPS):
+    path, dt = [np.concatenate([e, 0.5 * H(e) @ w])], 1.0 / STEP_COUNT
+    for _ in range(STEP_COUNT):
         y = path[-1]
         k1 = rate(y)
         k2 = rate(y + 0.5 * dt * k1)
@@ -102,7 +114,9 @@ def quaternions(h_dot):
 
 
 def measure(build, terms_off, *, arm, turn, I=(1.0, 2.0, 3.0), spin=(1.0, 2.0, 2.0), terms="forgotten") -> Measured:
-    """Half a turn of the free body, a turn of crank, flywheel and quaternion, each without its term (or with it)."""
+    """Measure half a turn of the free body, a turn of crank, flywheel and quaternion, each without its term (or with
+    it).
+    """
     kept, settings, t = terms == "kept", {"rtol": 1e-12, "output": 51}, 2 * np.pi / abs(turn)
     free = simulate(free_body(I, spin), np.pi / np.linalg.norm(spin), gyroscopic=kept, **settings)
     engine = crank.one_turn(own_crank()(), crank.demo.parameters["rpm"], centripetal=kept)
@@ -110,7 +124,7 @@ def measure(build, terms_off, *, arm, turn, I=(1.0, 2.0, 3.0), spin=(1.0, 2.0, 2
     apart = {name: opened(build(), t, name) for name in ("none", "baumgarte", "projection")}
     gaps = {name: np.linalg.norm(run.point("wheel", (-arm, 0, 0)), axis=1) for name, run in apart.items()}
     gap, L, energy = np.linalg.norm(flying.point("wheel", (-arm, 0, 0)), axis=1), free.momentum().angular, free.energy()
-    e, time = quaternions(kept), np.linspace(0, 1, STEPS + 1)
+    e, time = quaternions(kept), np.linspace(0, 1, STEP_COUNT + 1)
     angle = np.degrees(2 * np.arctan2(e[:, 3], e[:, 0]))
     values = {
         "energy_change_J": energy.total[-1] - energy.total[0], "momentum_change_Nms": np.linalg.norm(L[-1] - L[0]),
@@ -121,7 +135,7 @@ def measure(build, terms_off, *, arm, turn, I=(1.0, 2.0, 3.0), spin=(1.0, 2.0, 2
     tops = {name: simulate(top(), 2.0, output=201, **changes) for name, changes in RUNS.items()}
     checks = [run.certificate.checks for run in tops.values()]
     apart_of = {"none": "no stabilisation", "baumgarte": "Baumgarte", "projection": "projection"}
-    dots = {"none": GAP + 0 * flying.t, "baumgarte": closing(flying.t)}
+    dots = {"none": INITIAL_GAP + 0 * flying.t, "baumgarte": closing(flying.t)}
     lines = [Line(f"1 mm apart, {text}", np.maximum(gaps[name], 1e-18), apart[name].t,
                   (flying.t, dots[name]) if name in dots else None) for name, text in apart_of.items()]  # fmt: skip
     curves = [
@@ -135,7 +149,7 @@ def measure(build, terms_off, *, arm, turn, I=(1.0, 2.0, 3.0), spin=(1.0, 2.0, 2
                                               theory=(time, 100 * np.hypot(1, np.pi * time))),
                                          Line("true angle", 360 * time)]),
     ]  # fmt: skip
-    astray = {"title": "without w x I w: the angular momentum of a free body turns with it"}
+    astray: dict[str, Any] = {"title": "without w x I w: the angular momentum of a free body turns with it"}
     astray |= {"curves": ["momentum", "energy"], "shown": ["angular momentum", "angular velocity"]}
     return Measured(values, [flying, free, engine, *apart.values()], curves, {"free_body": Show(free, astray)})
 

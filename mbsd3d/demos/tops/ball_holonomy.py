@@ -10,7 +10,9 @@ T = 2.0  # s: one round; the turn does not depend on it
 
 
 def mechanism(*, r=0.1, rho=0.25) -> System:
-    """Ball of radius r [m] whose centre is led around a circle of radius rho [m], without spin about the vertical."""
+    """Build a ball of radius r [m] whose centre is led around a circle of radius rho [m], without spin about the
+    vertical.
+    """
     dots = [shapes.Sphere(0.12 * r, at=0.92 * r * np.array(d), colour="orangered") for d in ((1, 0, 0), (0, 0, 1))]
     ball = Body("ball", 1.0, (0.4 * r**2,) * 3, position=(rho, 0, r), shape=[shapes.Sphere(r), *dots])
     round_x, round_y = Sine(rho, 1 / T, np.pi / 2, -rho), Sine(rho, 1 / T)
@@ -23,14 +25,15 @@ def mechanism(*, r=0.1, rho=0.25) -> System:
 
 
 def theory(*, r, rho):
-    """A turn by 2 pi sqrt(1 + (rho/r)^2), less whole turns, about (rho/r, 0, -1) in axes that go round with the
-    hand."""
+    """Return a turn by 2 pi sqrt(1 + (rho/r)^2), less whole turns, about (rho/r, 0, -1) in axes that go round with the
+    hand.
+    """
     slope = np.hypot(1, rho / r)
     return {"net_turn_cos": np.cos(2 * np.pi * slope), "axis_height": 1 / slope}
 
 
 def measure(build, terms, *, r, rho) -> Measured:
-    """Turn between start and end of the round."""
+    """Measure the turn between start and end of the round."""
     run = simulate(build(), T, rtol=1e-13, output=201, **terms)
     e = run.orientation("ball")
     cosine = 1 - 2 * np.sum(e[:, 1:] ** 2, axis=1)

@@ -8,7 +8,8 @@ from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 
 
 def mechanism(*, r=0.05, k=0.4, Omega=3.5, v=0.2, x0=0.5) -> System:
-    """Table at Omega [rad/s], ball of radius r [m] and inertia k m r^2 at (x0, 0), sent off along y at v [m/s]."""
+    """Build a table at Omega [rad/s], ball of radius r [m] and inertia k m r^2 at (x0, 0), sent off along y at v
+    [m/s]."""
     plate = shapes.Cylinder(np.hypot(x0, 4 * v) + 2 * r, 0.02, at=(0, 0, -0.01))
     table = Body("table", 5.0, (1, 1, 1), omega=(0, 0, Omega), shape=plate)
     ball = Body("ball", 0.5, (0.5 * k * r**2,) * 3, position=(x0, 0, r), velocity=(0, v, 0), shape=shapes.Sphere(r))
@@ -21,7 +22,9 @@ def mechanism(*, r=0.05, k=0.4, Omega=3.5, v=0.2, x0=0.5) -> System:
 
 
 def path(t, *, k, Omega, v, x0):
-    """(x, y): v' = W k/(1 + k) z x v turns the velocity at a constant rate, so the path is a circle."""
+    """Return (x, y) of v' = W k/(1 + k) z x v, which turns the velocity at a constant rate, so the path is a circle
+    [m].
+    """
     rate = k / (1 + k) * Omega
     half = 0.5 * rate * t
     chord = v * t * np.sinc(half / np.pi)
@@ -29,14 +32,14 @@ def path(t, *, k, Omega, v, x0):
 
 
 def theory(*, k, Omega, v, x0, t):
-    """2/7 of the table's rate for a solid ball, 2/5 for a hollow one, whatever the start."""
+    """Return 2/7 of the table's rate for a solid ball, 2/5 for a hollow one, whatever the start."""
     require(v != 0, "demo 'ball_on_turntable': v = 0: the ball stays where it is; send it off")
     x, y = path(t, k=k, Omega=Omega, v=v, x0=x0)
     return {"circle_rate_rad_s": abs(k / (1 + k) * Omega), "x_m": x, "y_m": y}
 
 
 def measure(build, terms, *, k, Omega, v, x0, t=4.0) -> Measured:
-    """Rate at which the velocity turns, and the place at t."""
+    """Measure the rate at which the velocity turns, and the position at t."""
     run = simulate(build(), t, rtol=1e-13, output=401, **terms)
     vx, vy, _ = run.velocity("ball").T
     x, y, _ = run.position("ball").T

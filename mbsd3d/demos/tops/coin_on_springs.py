@@ -1,4 +1,4 @@
-"""A coin that rolls because friction holds it comes ever closer to the coin of the textbook that cannot slip."""
+"""A coin that rolls by friction approaches the coin of the textbook that cannot slip."""
 
 import numpy as np
 
@@ -7,12 +7,12 @@ from mbsd3d import DOP853, GROUND, Body, Contact, Rolling, System, rotation, sha
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 
 G = 9.81  # m/s^2
-SOFTER = (1e-3, 1e-2, 0.1, 1.0)  # tables beside the stiffest
+STIFFNESS_RATIOS = (1e-3, 1e-2, 0.1, 1.0)  # [1] of the tables over the stiffest
 
 
 def mechanism(*, m=0.2, R=0.1, rho=0.01, I1=6e-4, I3=11e-4, tilt_deg=60.0, W=3.0, mu=0.6, stiffness=1e6) -> System:
-    """Coin whose edge is a tube rho [m] about a circle R [m], moments (I1, I1, I3) [kg m^2], its axis tilted from the
-    vertical, on a table of ``stiffness`` [1/m] times its weight and friction mu, or without slip (0).
+    """Build a coin whose edge is a tube rho [m] about a circle R [m], moments (I1, I1, I3) [kg m^2], its axis tilted
+    from the vertical, on a table of ``stiffness`` [1/m] times its weight and friction mu, or without slip (0).
 
     It starts in the steady motion in which its axis goes round at W [rad/s].
     """
@@ -32,7 +32,7 @@ def mechanism(*, m=0.2, R=0.1, rho=0.01, I1=6e-4, I3=11e-4, tilt_deg=60.0, W=3.0
 
 
 def steady_spin(m, R, rho, I1, I3, tilt, W):
-    """Spin s about its own axis, from W z x L = l x m (g z - W^2 X), linear in s.
+    """Return the spin s about its own axis, from W z x L = l x m (g z - W^2 X), linear in s [rad/s].
 
     L_x = sin(tilt) (I3 s + (I3 - I1) W cos(tilt)); the centre goes round at X = -(W R cos(tilt) + s h)/W from the
     vertical of the circle, h = R + rho sin(tilt).
@@ -44,7 +44,7 @@ def steady_spin(m, R, rho, I1, I3, tilt, W):
 
 
 def theory(*, m, W, R, rho, I1, I3, tilt_deg, mu):
-    """The steady motion goes on, if friction holds it; what the table gives way falls with one over its stiffness."""
+    """Return the steady motion, if friction holds it; the deflection of the table falls with one over its stiffness."""
     require(W != 0 and 0 < tilt_deg < 90, "the coin does not go round: give W other than 0 and a tilt below 90")
     tilt = np.radians(tilt_deg)
     way = W * R * np.cos(tilt) + steady_spin(m, R, rho, I1, I3, tilt, W) * (R + rho * np.sin(tilt))
@@ -54,7 +54,7 @@ def theory(*, m, W, R, rho, I1, I3, tilt_deg, mu):
 
 
 def rate_of(system, t, terms):
-    """Mean rate at which the axis goes round, and the run."""
+    """Return the mean rate of precession of the axis [rad/s], and the run."""
     run = simulate(system, t, method=DOP853(stiff="run"), rtol=1e-11, output=401, **terms)
     axis = run.rotation("coin")[:, :, 2]
     turn = np.unwrap(np.arctan2(axis[:, 1], axis[:, 0]))
@@ -62,11 +62,15 @@ def rate_of(system, t, terms):
 
 
 def measure(build, terms, *, tilt_deg, mu, stiffness, t=2.0) -> Measured:
-    """Rates on tables of four stiffnesses and without slip; the limit and the order from the last two."""
-    tables = stiffness * np.array(SOFTER)
+    """Measure rates on tables of four stiffnesses and without slip; the limit and the order from the last two."""
+    tables = stiffness * np.array(STIFFNESS_RATIOS)
     rates, runs = zip(*(rate_of(build(stiffness=k), t, terms) for k in (*tables, 0.0)), strict=True)
     off = np.log10(np.abs(np.array(rates[:-1]) - rates[-1]))
-    ratio, powers, force = SOFTER[-1] / SOFTER[-2], np.log10(tables), runs[-2].force("table").force[-1]
+    ratio, powers, force = (
+        STIFFNESS_RATIOS[-1] / STIFFNESS_RATIOS[-2],
+        np.log10(tables),
+        runs[-2].force("table").force[-1],
+    )
     values = {
         "limit_rad_s": (ratio * rates[-2] - rates[-3]) / (ratio - 1),
         "order": (off[-2] - off[-1]) / np.log10(ratio),

@@ -10,7 +10,7 @@ G = 9.81  # m/s^2
 
 
 def mechanism(*, a=0.04, I1_over_ma2=0.25, tilt_deg=10.0) -> System:
-    """Thin disc of radius a [m], moments (1, 1, 2) I1, at a tilt from the table, its centre at rest."""
+    """Build a thin disc of radius a [m], moments (1, 1, 2) I1, at a tilt from the table, its centre at rest."""
     tilt, mass = np.radians(tilt_deg), 0.1
     rate = precession(a, I1_over_ma2, tilt)
     omega = rate * np.sin(tilt) * np.array([-np.cos(tilt), 0, np.sin(tilt)])  # along the radius to the table
@@ -23,19 +23,19 @@ def mechanism(*, a=0.04, I1_over_ma2=0.25, tilt_deg=10.0) -> System:
 
 
 def precession(a, ratio, tilt):
-    """W = sqrt(g/(a ratio sin tilt)) [rad/s]."""
+    """Return W = sqrt(g/(a ratio sin tilt)) [rad/s]."""
     return np.sqrt(G / (a * ratio * np.sin(tilt)))
 
 
 def theory(*, a, I1_over_ma2, tilt_deg):
-    """I1 W sin(tilt) turns at W under the moment m g a cos(tilt): W^2 = g/(a (I1/m a^2) sin tilt)."""
+    """Return the rates: I1 W sin(tilt) turns at W under the moment m g a cos(tilt): W^2 = g/(a (I1/m a^2) sin tilt)."""
     tilt = np.radians(tilt_deg)
     rate = precession(a, I1_over_ma2, tilt)
     return {"precession_rad_s": rate, "face_turn_rad_s": rate * (1 - np.cos(tilt))}
 
 
 def measure(build, terms) -> Measured:
-    """Rates of the disc's axis about the vertical, and of its face as seen from above, over two rounds."""
+    """Measure rates of the disc's axis about the vertical, and of its face as seen from above, over two rounds."""
     duration = 2 * 2 * np.pi / build.theory["precession_rad_s"]
     run = simulate(build(), duration, rtol=1e-13, output=201, **terms)
     axis, e = run.rotation("disc")[:, :, 2], run.orientation("disc")

@@ -1,4 +1,4 @@
-"""A coin spun on the table ends with a shriek: a little friction against rolling stops it in a finite time."""
+"""A coin spun on the table stops in a finite time by a little rolling friction."""
 
 import numpy as np
 
@@ -6,19 +6,19 @@ from mbsd3d import DOP853, GROUND, Body, Contact, System, rotation, shapes, simu
 from mbsd3d.rotations import matrix
 
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
-from ..stones import rolled
+from ..rolling_stone import rolled
 
 G = 9.81  # m/s^2
-PER_WEIGHT = 1e6  # 1/m: the table gives way by 1 um, far less than the edge is high as long as the run lasts
+STIFFNESS_PER_WEIGHT = 1e6  # [1/m] the table deflects by 1 um, far less than the height of the edge during the run
 
 
 def moments(m, a):
-    """Moments of inertia of a thin disc (I1, I1, I3)."""
+    """Return the moments of inertia of a thin disc (I1, I1, I3) [kg m^2]."""
     return np.array([0.25, 0.25, 0.5]) * m * a**2
 
 
 def start(m, a, rho, tilt_deg):
-    """(angular velocity, height of the centre) in the steady motion whose centre stands still.
+    """Return (angular velocity, height of the centre) in the steady motion whose centre is at rest.
 
     Its axis goes round at W, and it spins about it at S [rad/s]:
     W^2 = m g R / (sin(tilt) (I1 - I3 rho sin(tilt)/h)) and S = -W R cos(tilt)/h, R = a - rho, h = R + rho sin(tilt).
@@ -31,25 +31,29 @@ def start(m, a, rho, tilt_deg):
 
 
 def mechanism(*, m=0.1, a=0.04, rho=0.002, tilt_deg=10.0, mu=0.8, arm=3e-4) -> System:
-    """Thin disc of radius a [m] with an edge rounded by rho [m], on friction mu; arm [m] times the normal force is the
-    moment against rolling."""
+    """Build a thin disc of radius a [m] with an edge rounded by rho [m], on friction mu; arm [m] times the normal force
+    is the moment against rolling.
+    """
     omega, height = start(m, a, rho, tilt_deg)
-    tilt, k, edge = np.radians(tilt_deg), PER_WEIGHT * m * G, shapes.Torus(a - rho, rho, colour="silver")
+    tilt, k, edge = np.radians(tilt_deg), STIFFNESS_PER_WEIGHT * m * G, shapes.Torus(a - rho, rho, colour="silver")
     low = np.array([(a - rho) * np.cos(tilt), 0, -height])
     form = [edge, shapes.Disc(a - rho, 1.6 * rho), shapes.Box((1.2 * a, 0.12 * a, 2.2 * rho), colour="orangered")]
-    disc = Body("disc", m, moments(m, a), position=(0, 0, height - 1 / PER_WEIGHT), orientation=rotation("y", tilt),
+    disc = Body("disc", m, moments(m, a), position=(0, 0, height - 1 / STIFFNESS_PER_WEIGHT),
+        orientation=rotation("y", tilt),
                 velocity=-np.cross(omega, low), omega=omega, shape=form)  # fmt: skip
     table = Contact(GROUND, disc, edge, stiffness=k, damping=np.sqrt(k * m), friction=mu, rolling=arm, name="table")
     return System([disc], forces=[table], gravity=(0, 0, -G))
 
 
 def end(a, tilt_deg, arm):
-    """Time left at a small tilt, of a thin disc: E = 3/2 m g a tilt and E' = -arm m g W tilt, W^2 = 4 g/(a tilt)."""
+    """Return the time left at a small tilt, of a thin disc [s]: E = 3/2 m g a tilt and E' = -arm m g W tilt, W^2 = 4
+    g/(a tilt).
+    """
     return 1.5 * a / arm * np.sqrt(a * np.radians(tilt_deg) / G)
 
 
 def own(times, *, m, a, rho, tilt_deg, arm):
-    """(tilt [rad], energy [J], friction it needs) by the disc's own equations without slip on a rigid table."""
+    """Return (tilt [rad], energy [J], friction it needs) by the disc's own equations without slip on a rigid table."""
     back, (omega, _) = matrix(rotation("y", np.radians(tilt_deg))).T, start(m, a, rho, tilt_deg)
     R, I = a - rho, moments(m, a)
     y = rolled(times, m=m, g=G, I=np.diag(I), radii=(R, R, 0), tube=rho, n=back[:, 2], w=back @ omega, arm=arm)
@@ -62,7 +66,7 @@ def own(times, *, m, a, rho, tilt_deg, arm):
 
 
 def theory(*, m, a, rho, tilt_deg, mu, arm, t):
-    """When it ends; and by the disc's own equations what is left at t."""
+    """Return the end time, and by the disc's own equations the remaining tilt and energy at t."""
     require(0 < tilt_deg <= 20 and rho <= 0.1 * a, "the end is known for thin coins at small tilts: give a tilt of at "
             "most 20 degrees and an edge rho of at most 0.1 a")  # fmt: skip
     require(arm > 0, "without friction against rolling it never ends: give an arm above 0")
@@ -76,7 +80,7 @@ def theory(*, m, a, rho, tilt_deg, mu, arm, t):
 
 
 def measure(build, terms, *, m, a, rho, tilt_deg, mu, arm, t=3.2) -> Measured:
-    """The end from the square root of the tilt, which falls evenly; tilt and energy at t."""
+    """Measure the end time from the square root of the tilt, which falls linearly, and tilt and energy at t."""
     run = simulate(build(), t, method=DOP853(stiff="run"), rtol=1e-9, output=801, **terms)
     axis, energy = run.rotation("disc")[:, :, 2], run.energy().total
     tilt = np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2])

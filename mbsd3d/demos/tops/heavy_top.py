@@ -1,4 +1,4 @@
-"""The fast heavy top of the literature: it falls, turns aside, and comes back up."""
+"""Fast heavy top of the literature: it falls, turns aside, and rises again."""
 
 import numpy as np
 from scipy.special import ellipk
@@ -12,18 +12,19 @@ from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 from ..quadrature import cross, motion
 
 G = 9.81  # m/s^2
-TIP = 0.25  # of the stem beyond the disc, in lengths
+TIP_RATIO = 0.25  # [1] of the stem beyond the disc, in lengths
 
 
 def mechanism(*, m=15.0, l=1.0, It=0.234375, I3=0.46875, spin=150.0, precession=-4.61538, tilt_deg=90.0) -> System:
-    """Top m [kg] with moments (It, It, I3) [kg m^2], the axis its y, centre of mass l [m] from the pivot; ``spin`` is
-    along the axis in all, ``precession`` about the vertical [rad/s], the axis tilted from it towards y."""
+    """Build a top m [kg] with moments (It, It, I3) [kg m^2], the axis its y, centre of mass l [m] from the pivot;
+    ``spin`` is along the axis in all, ``precession`` about the vertical [rad/s], the axis tilted from it towards y.
+    """
     tilt = np.radians(tilt_deg)
     axis = np.array([0.0, np.sin(tilt), np.cos(tilt)])
     omega = precession * np.array([0.0, 0.0, 1.0]) + (spin - precession * np.cos(tilt)) * axis
     shape = (
         shapes.Disc(0.25 * l, 0.03 * l, "y"),
-        shapes.Cylinder(0.02 * l, (1 + TIP) * l, "y", at=(0, 0.5 * (TIP - 1) * l, 0), colour=GREY),
+        shapes.Cylinder(0.02 * l, (1 + TIP_RATIO) * l, "y", at=(0, 0.5 * (TIP_RATIO - 1) * l, 0), colour=GREY),
     )
     top = Body(
         "top", m, (It, I3, It), position=l * axis, orientation=rotation("x", np.pi / 2 - tilt), omega=omega, shape=shape
@@ -32,7 +33,7 @@ def mechanism(*, m=15.0, l=1.0, It=0.234375, I3=0.46875, spin=150.0, precession=
 
 
 def steady_rates(tilt, A, C, spin, weight):
-    """Slow and fast steady precession [rad/s]: roots W of A W^2 cos(tilt) - C w3 W + m g l = 0."""
+    """Return slow and fast steady precession [rad/s]: roots W of A W^2 cos(tilt) - C w3 W + m g l = 0."""
     square = (C * spin) ** 2 - 4 * A * np.cos(tilt) * weight
     require(square > 0, f"demo 'heavy_top': spin = {spin:g} rad/s is too slow to precess steadily; give more")
     larger = C * spin + np.copysign(np.sqrt(square), spin)
@@ -40,7 +41,8 @@ def steady_rates(tilt, A, C, spin, weight):
 
 
 def nutation(tilt, A, C, spin, precession, weight):
-    """Rate and parameter of u = low + (u0 - low) sn^2(rate t + K | m), the height of the axis from u0 = cos(tilt) on.
+    """Return rate and parameter of u = low + (u0 - low) sn^2(rate t + K | m), the height of the axis from u0 =
+    cos(tilt) on.
 
     Roots of (alpha - beta u)(1 - u^2) - (b - a u)^2, with a = C w3 / A, beta = 2 m g l / A, and of the start
     b = W sin(tilt)^2 + a u0, alpha = W^2 sin(tilt)^2 + beta u0. One is u0, the highest point, so what is left is a
@@ -56,7 +58,7 @@ def nutation(tilt, A, C, spin, precession, weight):
 
 
 def path(times, *, m, l, It, I3, spin, precession, tilt_deg):
-    """(times, 3) of the centre of mass [m]: e'' = -e'.e' e + (C w3 / A) e x e' + (F - (e.F) e) l / A."""
+    """Integrate the centre of mass [m]: e'' = -e'.e' e + (C w3 / A) e x e' + (F - (e.F) e) l / A, shape (times, 3)."""
     A, F, tilt = It + m * l**2, -m * G * l, np.radians(tilt_deg)
 
     def rate(_, y):
@@ -69,7 +71,7 @@ def path(times, *, m, l, It, I3, spin, precession, tilt_deg):
 
 
 def falling(*, m, l, It, I3, spin, precession, tilt_deg, t):
-    """Place at t by own equations of the axis, half a nutation by an elliptic integral."""
+    """Return the position at t by own equations of the axis, half a nutation by an elliptic integral."""
     require(0 < tilt_deg < 180, f"demo 'heavy_top': tilt_deg = {tilt_deg:g} does not lie between 0 and 180")
     rate, k = nutation(np.radians(tilt_deg), It + m * l**2, I3, spin, precession, m * G * l)
     start = {"m": m, "l": l, "It": It, "I3": I3, "spin": spin, "precession": precession, "tilt_deg": tilt_deg}
@@ -78,7 +80,7 @@ def falling(*, m, l, It, I3, spin, precession, tilt_deg, t):
 
 
 def theory(*, m, l, It, I3, spin, precession, tilt_deg, steady_tilt_deg, t):
-    """`falling`, and steady precession by its quadratic equation."""
+    """Return `falling`, and steady precession by its quadratic equation."""
     rates = steady_rates(np.radians(steady_tilt_deg), It + m * l**2, I3, spin, m * G * l)
     named = dict(zip(("slow_precession_rad_s", "fast_precession_rad_s"), rates, strict=True))
     fall = falling(m=m, l=l, It=It, I3=I3, spin=spin, precession=precession, tilt_deg=tilt_deg, t=t)
@@ -86,12 +88,12 @@ def theory(*, m, l, It, I3, spin, precession, tilt_deg, steady_tilt_deg, t):
 
 
 def without_gyroscopic(*, m, l, It, spin, precession, tilt_deg, t):
-    """It dw/dt = moment is left: the motion of a top whose moment about the axis is that across it; none is steady."""
+    """Return the motion by It dw/dt = moment: a top whose moment about the axis is that across it; none is steady."""
     return falling(m=m, l=l, It=It, I3=It, spin=spin, precession=precession, tilt_deg=tilt_deg, t=t)
 
 
 def measure(build, terms, *, m, l, It, I3, spin, precession, tilt_deg, steady_tilt_deg=75.0, t=2.0) -> Measured:
-    """The falling top at t, its first turning point, and the mean rate of both steady precessions."""
+    """Measure the falling top at t, its first turning point, and the mean rate of both steady precessions."""
     settings, A = {"rtol": 1e-12, **terms}, It + m * l**2
     run = simulate(build(), t, output=801, **settings)
     rising = measures.velocity(run.system.bodies[0], axis=(0, 0, 1)) > 0.0
@@ -143,7 +145,7 @@ demo = Demo(
     ablation=Ablation(
         "gyroscopic", "the top falls as if its moment about the axis were that across it", values=without_gyroscopic
     ),
-    show={"curves": [("com", "top"), ("reaction", "pivot")], "traces": [("top", (0, 1 + TIP, 0))], "speed": 0.1,
+    show={"curves": [("com", "top"), ("reaction", "pivot")], "traces": [("top", (0, 1 + TIP_RATIO, 0))], "speed": 0.1,
           "shown": ["angular momentum"]},
     ranges={"tilt_deg": (85.0, 95.0), "m": (13.0, 15.5), "l": (0.9, 1.02), "It": (0.24, 0.27), "I3": (0.44, 0.48),
             "spin": (150.0, 175.0)},

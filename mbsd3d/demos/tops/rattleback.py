@@ -7,14 +7,15 @@ from mbsd3d import GROUND, Body, Rolling, System, rotation, shapes, simulate
 from mbsd3d.rotations import matrix
 
 from ..form import Ablation, Curve, Demo, Measured, Quantity
-from ..stones import rolled
+from ..rolling_stone import rolled
 
 G = 9.81  # m/s^2
 
 
 def mechanism(*, m=1.0, a=0.2, b=0.03, c=0.02, I=(2e-4, 16e-4, 17e-4), delta_deg=-2.0, wobble=0.05, spin=5.0) -> System:
-    """Ellipsoid of half axes a, b, c [m] with principal moments I [kg m^2] about axes that are turned by delta about
-    its short one; it spins about the vertical and wobbles about its long axis [rad/s]."""
+    """Build an ellipsoid of half axes a, b, c [m] with principal moments I [kg m^2] about axes that are turned by delta
+    about its short one; it spins about the vertical and wobbles about its long axis [rad/s].
+    """
     form = shapes.Ellipsoid((a, b, c), orientation=rotation("z", -delta_deg, degrees=True))
     stone = Body("stone", m, I, position=(0, 0, c), orientation=rotation("z", delta_deg, degrees=True),
                  velocity=(0, -wobble * c, 0), omega=(wobble, 0, spin), shape=form)  # fmt: skip
@@ -22,21 +23,23 @@ def mechanism(*, m=1.0, a=0.2, b=0.03, c=0.02, I=(2e-4, 16e-4, 17e-4), delta_deg
 
 
 def own(times, *, m, a, b, c, I, delta_deg, wobble, spin, rtol=1e-11):
-    """(times, 7) of the vertical and of w in axes of the surface, and of the turn, by the stone's own equations."""
+    """Integrate the vertical and w in axes of the surface, and the turn, by the stone's own equations, shape (times,
+    7).
+    """
     turn = matrix(rotation("z", delta_deg, degrees=True))
     return rolled(times, m=m, g=G, I=turn @ np.diag(I) @ turn.T, radii=(a, b, c), n=(0, 0, 1), w=(wobble, 0, spin),
                   rtol=rtol)  # fmt: skip
 
 
 def theory(*, m, a, b, c, I, delta_deg, wobble, spin, t):
-    """Own equations: spin about the vertical and its integral."""
+    """Return the spin about the vertical and its integral by own equations."""
     stone = {"m": m, "a": a, "b": b, "c": c, "I": I, "delta_deg": delta_deg, "wobble": wobble, "spin": spin}
     y = own(np.array([0.0, t]), rtol=3e-14, **stone)[-1]  # a reversal makes small differences a million times larger
     return {"spin_at_t_rad_s": y[:3] @ y[3:6], "turned_rad": y[6]}
 
 
 def measure(build, terms, *, m, a, b, c, I, delta_deg, wobble, spin, t=4.0) -> Measured:
-    """Spin about the vertical and its integral."""
+    """Measure the spin about the vertical and its integral."""
     run = simulate(build(), t, rtol=1e-13, output=6401, **terms)
     y = own(run.t, m=m, a=a, b=b, c=c, I=I, delta_deg=delta_deg, wobble=wobble, spin=spin)
     vertical = run.omega("stone")[:, 2]

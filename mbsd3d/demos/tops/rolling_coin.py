@@ -11,31 +11,31 @@ G = 9.81  # m/s^2
 
 
 def mechanism(*, m=0.01, a=0.012, I1=3.6e-7, I3=7.2e-7, v=0.15) -> System:
-    """Coin of radius a [m] and moments (I1, I3, I1) [kg m^2] rolling along x at v [m/s], its axis along y."""
+    """Build a coin of radius a [m] and moments (I1, I3, I1) [kg m^2] rolling along x at v [m/s], its axis along y."""
     form = shapes.Disc(a, 0.15 * a, "y")
     coin = Body("coin", m, (I1, I3, I1), position=(0, 0, a), velocity=(v, 0, 0), omega=(0, v / a, 0), shape=form)
     return System([coin], [RollingDisc(GROUND, coin, axis=(0, 1, 0), radius=a, name="edge")], gravity=(0, 0, -G))
 
 
 def square(m, a, I1, I3, v):
-    """lambda^2 of the lean: (I1 + m a^2) f'' = (m g a - (I3 + m a^2) I3 (v/a)^2 / I1) f."""
+    """Return lambda^2 of the lean: (I1 + m a^2) f'' = (m g a - (I3 + m a^2) I3 (v/a)^2 / I1) f."""
     return (m * G * a - (I3 + m * a**2) * I3 * (v / a) ** 2 / I1) / (I1 + m * a**2)
 
 
 def theory(*, m, a, I1, I3, v):
-    """v_c^2 = m g a^3 I1/(I3 (I3 + m a^2)), for a thin disc g a/3; growth below it."""
+    """Return v_c^2 = m g a^3 I1/(I3 (I3 + m a^2)), for a thin disc g a/3, and the growth below it."""
     critical = np.sqrt(m * G * a**3 * I1 / (I3 * (I3 + m * a**2)))
     return {"critical_speed_m_s": critical, "growth_1_s": np.sqrt(max(square(m, a, I1, I3, v), 0.0))}
 
 
 def found_square(system, terms):
-    """lambda^2 of the only motion that is not neutral."""
+    """Return lambda^2 of the only motion that is not neutral [1/s^2]."""
     found = linearize(system, **terms).eigenvalues
     return (found[np.argmax(abs(found))] ** 2).real
 
 
 def measure(build, terms, *, a, v) -> Measured:
-    """Eigenvalues of the straight roll, and the speed at which the growing one vanishes."""
+    """Measure eigenvalues of straight rolling, and the speed at which the growing one vanishes."""
     low, high = 0.0, max(abs(v), 1e-3)
     while found_square(build(v=high), terms) > 0:
         low, high = high, 2 * high

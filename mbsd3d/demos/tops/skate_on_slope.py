@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from mbsd3d import GROUND, Body, KnifeEdge, Planar, System, rotation, shapes, simulate
+from mbsd3d import GROUND, Body, Joint, KnifeEdge, Planar, System, rotation, shapes, simulate
 
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 
@@ -10,25 +10,27 @@ G = 9.81  # m/s^2
 
 
 def mechanism(*, slope_deg=5.0, w=2.0, blade=1) -> System:
-    """Skate on a slope down along x, pointing down, turning at w [rad/s]; blade = 0 takes its edge away."""
+    """Build a skate on a slope down along x, pointing down, turning at w [rad/s]; blade = 0 takes its edge away."""
     require(blade in (0, 1), f"demo 'skate_on_slope': blade = {blade}; give 1 (with its edge) or 0 (without)")
     turned = rotation("y", slope_deg, degrees=True)
     normal = axes(slope_deg)[2]
     form = (shapes.Box((0.3, 0.01, 0.04), at=(0, 0, 0.02)), shapes.Box((0.25, 0.07, 0.06), at=(0, 0, 0.07)))
     skate = Body("skate", 2.0, (0.01, 0.02, 0.02), orientation=turned, velocity=(0, 0, 0), omega=w * normal, shape=form)
-    joints = [Planar(GROUND, skate, at=(0, 0, 0), normal=normal, name="ice")]
+    joints: list[Joint] = [Planar(GROUND, skate, at=(0, 0, 0), normal=normal, name="ice")]
     joints += [KnifeEdge(GROUND, skate, at=(0, 0, 0), lateral=(0, 1, 0), name="blade")] * blade
     return System([skate], joints, gravity=(0, 0, -G))
 
 
 def axes(slope_deg):
-    """Down the slope, across it, normal."""
+    """Return the directions down the slope, across it, and normal."""
     s, c = np.sin(np.radians(slope_deg)), np.cos(np.radians(slope_deg))
     return np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]])
 
 
 def path(t, slope_deg, w, blade):
-    """(down, sideways) with g' = g sin(slope): the speed along the blade is g' sin(w t)/w; without, a free puck."""
+    """Return the position (down, sideways) [m] with g' = g sin(slope): the speed along the blade is g' sin(w t)/w;
+    without, a free puck.
+    """
     g = G * np.sin(np.radians(slope_deg))
     if not blade:
         return 0.5 * g * t**2, 0.0 * t
@@ -36,14 +38,14 @@ def path(t, slope_deg, w, blade):
 
 
 def theory(*, slope_deg, w, blade, t):
-    """A cycloid across the slope."""
+    """Return the position on a cycloid across the slope."""
     require(w or not blade, "demo 'skate_on_slope': w = 0: a skate that does not turn slides down; give another rate")
     down, sideways = path(t, slope_deg, w, blade)
     return {"down_slope_m": down, "sideways_m": sideways}
 
 
 def measure(build, terms, *, slope_deg, w, blade, t=10.0) -> Measured:
-    """Where it is after t."""
+    """Measure the position of the skate at time t [m]."""
     run = simulate(build(), t, rtol=1e-13, output=401, **terms)
     down, sideways, _ = axes(slope_deg) @ run.position("skate").T
     known = path(run.t, slope_deg, w, blade)

@@ -1,4 +1,4 @@
-"""A fast top stands upright as if asleep; below a certain spin it wakes and falls."""
+"""A fast top stands upright (a sleeping top); below a certain spin it falls."""
 
 import numpy as np
 from scipy.optimize import brentq
@@ -11,34 +11,37 @@ G = 9.81  # m/s^2
 
 
 def mechanism(*, m=0.5, It=0.0008, I3=0.0006, l=0.05, spin=60.0) -> System:
-    """Upright top of mass m [kg], moments (It, It, I3) [kg m^2] about G, G at l [m] over the pivot, spin [rad/s]."""
+    """Build an upright top of mass m [kg], moments (It, It, I3) [kg m^2] about G, G at l [m] over the pivot, spin
+    [rad/s].
+    """
     form = (shapes.Disc(0.8 * l, 0.25 * l), shapes.Cylinder(0.06 * l, 2 * l, at=(0, 0, 0)))
     top = Body("top", m, (It, It, I3), position=(0, 0, l), omega=(0, 0, spin), shape=form)
     return System([top], [Spherical(GROUND, top, at=(0, 0, 0), name="pivot")], gravity=(0, 0, -G))
 
 
 def theory(*, m, It, I3, l, spin):
-    """w_c = 2 sqrt(A m g l)/C; below it growth sqrt(4 A m g l - C^2 w^2)/(2 A), A about the pivot."""
+    """Return w_c = 2 sqrt(A m g l)/C, and below it the growth sqrt(4 A m g l - C^2 w^2)/(2 A), A about the pivot."""
     A, weight = It + m * l**2, m * G * l
     square = 4 * A * weight - (I3 * spin) ** 2
     return {"critical_spin_rad_s": 2 * np.sqrt(A * weight) / I3, "growth_1_s": np.sqrt(max(square, 0)) / (2 * A)}
 
 
 def without_gyroscopic(*, m, It, l, spin):
-    """Without w x I w only I dw/dt of the turning axis is left: the top behaves as if its C were It."""
+    """Return the values without w x I w: only I dw/dt of the turning axis is left, as if C of the top were It."""
     return theory(m=m, It=It, I3=It, l=l, spin=spin)
 
 
 def split(system, terms):
-    """((lambda_1 - lambda_2)/2)^2 of nutation and precession: positive where the top wakes, negative where it
-    sleeps."""
+    """Return ((lambda_1 - lambda_2)/2)^2 of nutation and precession, positive for an unstable top, negative for a
+    stable one.
+    """
     found = linearize(system, **terms).eigenvalues
     pair = sorted(found[found.imag > 0], key=abs)[-2:]
     return ((pair[0] - pair[1]) ** 2).real / 4 if len(pair) == 2 else found.real.max() ** 2
 
 
 def measure(build, terms, *, l, spin) -> Measured:
-    """Eigenvalues of the upright top, and the spin at which two of them meet."""
+    """Measure eigenvalues of the upright top, and the spin at which two of them meet."""
     low, high = 0.0, max(abs(spin), 1.0)
     while split(build(spin=high), terms) > 0:
         low, high = high, 2 * high

@@ -1,4 +1,4 @@
-"""A ball that is pushed slides at first; when it rolls, a share of its speed is left that no friction can change."""
+"""A pushed ball first slides; when it rolls, it keeps a share of its speed that does not depend on friction."""
 
 import numpy as np
 
@@ -7,18 +7,20 @@ from mbsd3d import DOP853, GROUND, Body, Contact, System, shapes, simulate
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 
 G = 9.81  # m/s^2
-STIFFNESS = 1e7  # N/m for a mass of 1 kg, at least
-LATE = 2e-7  # s: the time to roll is found wrong by up to 2 mu m g / (k slip), a fifth of its tolerance
+STIFFNESS_MIN = 1e7  # [N/m] for a mass of 1 kg
+ROLL_TIME_ERROR_MAX = 2e-7  # [s] the time to roll is wrong by up to 2 mu m g / (k slip), a fifth of its tolerance
 SLIP_MIN = 1e-3  # m/s: with less of it the table, of 3e10 N/m, gives way by the size of roundings
 
 
 def table_stiffness(mu, slip):
-    """Normal stiffness of the table [N/m] that leaves of the time to roll what a demo shows."""
-    return max(STIFFNESS, 2 * mu * G / (LATE * abs(slip))) if slip else STIFFNESS
+    """Return the normal stiffness of the table [N/m] that keeps the share of sliding time a demo shows."""
+    return max(STIFFNESS_MIN, 2 * mu * G / (ROLL_TIME_ERROR_MAX * abs(slip))) if slip else STIFFNESS_MIN
 
 
 def mechanism(*, r=0.1, beta=0.4, mu=0.3, v=5.0, spin=0.0) -> System:
-    """Body of 1 kg, radius r [m], inertia beta m r^2, at v [m/s] along x and spin [rad/s] about y, on friction mu."""
+    """Build a body of 1 kg, radius r [m], inertia beta m r^2, at v [m/s] along x and spin [rad/s] about y, on friction
+    mu.
+    """
     k = table_stiffness(mu, v - r * spin)
     ball = Body("ball", 1.0, (beta * r**2,) * 3, position=(0, 0, r - G / k), velocity=(v, 0, 0),
                 omega=(0, spin, 0), shape=[shapes.Sphere(r), shapes.Sphere(0.2 * r, at=(0.85 * r, 0, 0))])  # fmt: skip
@@ -27,7 +29,7 @@ def mechanism(*, r=0.1, beta=0.4, mu=0.3, v=5.0, spin=0.0) -> System:
 
 
 def theory(*, r, beta, mu, v, spin, t):
-    """Friction mu m g takes from the speed and gives to the spin until the slip v - r w is gone."""
+    """Return the motion with friction mu m g, which acts on speed and spin until the slip v - r w is zero."""
     slip = v - r * spin
     require(abs(slip) >= SLIP_MIN, f"the ball rolls from the start: v and r spin differ by {slip:.3g} m/s; give "
             f"{SLIP_MIN} m/s or more")  # fmt: skip
@@ -40,7 +42,8 @@ def theory(*, r, beta, mu, v, spin, t):
 
 
 def measure(build, terms, *, r, beta, v, spin, t=2.0) -> Measured:
-    """Speed when it rolls; the time to there from the path, as the speed falls evenly; the energy that is gone."""
+    """Measure the rolling speed, the time to rolling from the path, as the speed falls linearly, and the lost
+    energy."""
     run = simulate(build(), t, method=DOP853(stiff="run"), rtol=1e-10, output=401, **terms)
     x, speed, rim = run.position("ball")[:, 0], run.velocity("ball")[:, 0], r * run.omega("ball")[:, 1]
     last = speed[-1]

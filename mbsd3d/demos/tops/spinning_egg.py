@@ -6,61 +6,72 @@ from mbsd3d import DOP853, GROUND, Body, Contact, System, rotation, shapes, simu
 from mbsd3d.rotations import matrix
 
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
-from ..stones import slid
-from .tippe_top import PER_WEIGHT, table_of
+from ..rolling_stone import slid
+from .tippe_top import STIFFNESS_PER_WEIGHT, table_of
 
 G = 9.81  # m/s^2
-LONGEST, LEANS = 1.42, 11.0  # over its breadth; deg from lying: beyond, the balance is off by more than a part in 100
+ASPECT_RATIO_MAX, LEAN_MAX = (
+    1.42,
+    11.0,
+)  # over its breadth; deg from lying: beyond, the balance is off by more than a part in 100
 
 
 def moments(m, a, b):
-    """(A, A, C) of a homogeneous egg."""
+    """Return (A, A, C) of a homogeneous egg [kg m^2]."""
     return m / 5 * np.array([a**2 + b**2, a**2 + b**2, 2 * b**2])
 
 
 def height(a, b, tilt):
-    """Height of the centre over the table."""
+    """Return the height of the centre over the table [m]."""
     return np.hypot(a * np.cos(tilt), b * np.sin(tilt))
 
 
 def mechanism(*, m=0.06, a=0.029, b=0.022, mu=0.2, creep=0.01, tilt_deg=85.0, spin=160.0) -> System:
-    """Egg of length 2 a and breadth 2 b [m], its axis tilted from the vertical, spun about the vertical [rad/s], on
-    friction mu, which is full where it slides much faster than ``creep`` [m/s]."""
+    """Build an egg of length 2 a and breadth 2 b [m], its axis tilted from the vertical, spun about the vertical
+    [rad/s], on friction mu, which is full where it slides much faster than ``creep`` [m/s].
+    """
     tilt, (k, c), form = np.radians(tilt_deg), table_of(m), shapes.Ellipsoid((b, b, a))
     mark = shapes.Torus(0.999 * b, 0.04 * b, colour="orangered")
-    egg = Body("egg", m, moments(m, a, b), position=(0, 0, height(a, b, tilt) - 1 / PER_WEIGHT), velocity=(0, 0, 0),
+    egg = Body("egg", m, moments(m, a, b), position=(0, 0, height(a, b, tilt) - 1 / STIFFNESS_PER_WEIGHT),
+        velocity=(0, 0, 0),
                orientation=rotation("y", tilt), omega=(0, 0, spin), shape=[form, mark])  # fmt: skip
     rubs = Contact(GROUND, egg, form, stiffness=k, damping=c, friction=mu, creep=creep, name="table")
     return System([egg], forces=[rubs], gravity=(0, 0, -G))
 
 
 def own(times, *, m, a, b, mu, creep, tilt_deg, spin):
-    """(times, 10) of the vertical, angular velocity and velocity in axes of the egg, and height; see `slid`."""
+    """Integrate the vertical, angular velocity and velocity in axes of the egg, and height; see `slid`; shape (times,
+    10).
+    """
     tilt, (k, c) = np.radians(tilt_deg), table_of(m)
     n = matrix(rotation("y", tilt))[2]
     return slid(times, m=m, g=G, I=moments(m, a, b), radii=(b, b, a), com=(0, 0, 0), k=k, c=c, mu=mu, creep=creep,
-                n=n, w=spin * n, v=(0, 0, 0), height=height(a, b, tilt) - 1 / PER_WEIGHT)  # fmt: skip
+                n=n, w=spin * n, v=(0, 0, 0), height=height(a, b, tilt) - 1 / STIFFNESS_PER_WEIGHT)  # fmt: skip
 
 
 def seen(mu, *, m, a, b, creep, tilt_deg, spin, t):
-    """Attitude and spin at t by its own equations."""
+    """Return attitude and spin at t by own equations."""
     y = own(np.array([0.0, t]), m=m, a=a, b=b, mu=mu, creep=creep, tilt_deg=tilt_deg, spin=spin)[-1]
     return {"axis_height_cos": y[2], "spin_vertical_rad_s": y[:3] @ y[3:6]}
 
 
 def slippery(*, m, a, b, creep, tilt_deg, spin, t):
-    """The same without friction."""
+    """Return the same values without friction."""
     return seen(0.0, m=m, a=a, b=b, creep=creep, tilt_deg=tilt_deg, spin=spin, t=t)
 
 
 def theory(*, m, a, b, mu, creep, tilt_deg, spin, t):
-    """Own equations; and the spin on its end by Jellett's integral, which an egg that spins fast nearly keeps.
+    """Return the values of own equations, and the spin on its end by Jellett's integral, nearly constant for a fast
+    egg.
 
     Where the gyroscopic moments balance, L = A W along the vertical, and L times the height stays: A W h = C W_1 a.
     """
     require(a > b > 0, f"an egg is longer than it is broad: give a above b = {b}, not {a}")
-    require(a < LONGEST * b and abs(tilt_deg - 90) < LEANS, "the moments balance from the start on in a stout egg that "
-            f"lies: give a below {LONGEST} b and tilt_deg within {LEANS} of 90")  # fmt: skip
+    require(
+        a < ASPECT_RATIO_MAX * b and abs(tilt_deg - 90) < LEAN_MAX,
+        "the moments balance from the start on in a stout egg that "
+        f"lies: give a below {ASPECT_RATIO_MAX} b and tilt_deg within {LEAN_MAX} of 90",
+    )
     found, (A, _, C) = seen(mu, m=m, a=a, b=b, creep=creep, tilt_deg=tilt_deg, spin=spin, t=t), moments(m, a, b)
     require(found["axis_height_cos"] > 0.9, f"the egg does not stand after t = {t} s: give a greater t or mu, and a "
             "spin near 160 rad/s: a slow egg never stands, a fast one rises slowly")  # fmt: skip
@@ -68,7 +79,7 @@ def theory(*, m, a, b, mu, creep, tilt_deg, spin, t):
 
 
 def measure(build, terms, *, m, a, b, mu, creep, tilt_deg, spin, t=2.5) -> Measured:
-    """Attitude and spin about the vertical at t, when it stands."""
+    """Measure attitude and spin about the vertical at t, when it stands."""
     run = simulate(build(), t, method=DOP853(stiff="run"), rtol=1e-11, output=801, **terms)
     axis, vertical = run.rotation("egg")[:, :, 2], run.omega("egg")[:, 2]
     y = own(run.t, m=m, a=a, b=b, mu=mu, creep=creep, tilt_deg=tilt_deg, spin=spin)

@@ -8,15 +8,15 @@ from mbsd3d.rotations import matrix
 from ..figure import Line
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 from ..quadrature import cross, motion
-from ..stones import slid
+from ..rolling_stone import slid
 
 G = 9.81  # m/s^2
-PER_WEIGHT = 1e4  # 1/m: stiffness of a table that gives way over the weight of the stone
-CREEP = 0.01  # m/s: dry friction is full where the top slides much faster
+STIFFNESS_PER_WEIGHT = 1e4  # [1/m] stiffness of the table over the weight of the top
+CREEP_SPEED = 0.01  # [m/s] dry friction is full where the top slides much faster
 
 
 def sliding(t, bodies, z, parameters, loads, z_dot):
-    """-c times the velocity of the lowest point of a sphere of radius r, moved to its centre."""
+    """Apply -c times the velocity of the lowest point of a sphere of radius r, moved to its centre."""
     c, r = parameters
     u, w = bodies[0].velocity, bodies[0].w
     loads[0, 0] = -c * (u[0] - r * w[1])
@@ -26,7 +26,7 @@ def sliding(t, bodies, z, parameters, loads, z_dot):
 
 
 def top_of(m, r, a, A, C, theta_deg, spin, sunk=0.0):
-    """The top on the table, or sunk into it [m]."""
+    """Return the top on the table, or penetrating it by a depth [m]."""
     tilt = np.radians(theta_deg)
     axis = np.array([np.sin(tilt), 0, np.cos(tilt)])
     form = [shapes.Sphere(r, at=(0, 0, 0)), shapes.Cylinder(0.2 * r, r, at=(0, 0, 1.3 * r), colour="orangered")]
@@ -35,27 +35,29 @@ def top_of(m, r, a, A, C, theta_deg, spin, sunk=0.0):
 
 
 def mechanism(*, m=0.01, r=0.02, a=0.003, A=1.6e-6, C=1.5e-6, c=0.2, theta_deg=10.0, spin=200.0) -> System:
-    """Sphere of radius r [m], G at a [m] below its centre, (A, A, C) [kg m^2] about G, sliding friction c [N s/m]."""
+    """Build a sphere of radius r [m], G at a [m] below its centre, (A, A, C) [kg m^2] about G, sliding friction c [N
+    s/m].
+    """
     top = top_of(m, r, a, A, C, theta_deg, spin)
     table = PointOnPlane(GROUND, top, at=top.position, normal=(0, 0, 1), name="table")
     return System([top], [table], [CustomForce(sliding, on=top, parameters=(c, r), name="sliding")], (0, 0, -G))
 
 
 def table_of(m):
-    """(k, c) of a table that gives way [N/m, N s/m]."""
-    return PER_WEIGHT * m * G, m * np.sqrt(PER_WEIGHT * G)
+    """Return (k, c) of a compliant table [N/m, N s/m]."""
+    return STIFFNESS_PER_WEIGHT * m * G, m * np.sqrt(STIFFNESS_PER_WEIGHT * G)
 
 
 def on_contact(*, m, r, a, A, C, mu, theta_deg, spin):
-    """The same top on a table that gives way, with dry friction mu."""
-    top, (k, c) = top_of(m, r, a, A, C, theta_deg, spin, 1 / PER_WEIGHT), table_of(m)
+    """Build the same top on a compliant table, with dry friction mu."""
+    top, (k, c) = top_of(m, r, a, A, C, theta_deg, spin, 1 / STIFFNESS_PER_WEIGHT), table_of(m)
     ball = shapes.Sphere(r, at=(0, 0, 0))
-    rubs = Contact(GROUND, top, ball, stiffness=k, damping=c, friction=mu, creep=CREEP, name="table")
+    rubs = Contact(GROUND, top, ball, stiffness=k, damping=c, friction=mu, creep=CREEP_SPEED, name="table")
     return System([top], forces=[rubs], gravity=(0, 0, -G))
 
 
 def own(times, *, m, r, a, A, C, c, theta_deg, spin):
-    """(times, 8) of axis e, angular velocity w and velocity of G in the plane, by Newton and Euler at G.
+    """Integrate axis e, angular velocity w and velocity of G in the plane, by Newton and Euler at G, shape (times, 8).
 
     The normal force N follows from the height of G, r - a e_z, to whose acceleration w_dot is linear in N.
     """
@@ -83,14 +85,16 @@ def own(times, *, m, r, a, A, C, c, theta_deg, spin):
 
 
 def own_on_contact(times, *, m, r, a, A, C, mu, theta_deg, spin):
-    """(times,) cosine of the tilt on a table that gives way; see `slid`."""
+    """Return the cosine of the tilt on a compliant table; see `slid`; shape (times,)."""
     n, (k, c) = matrix(rotation("y", np.radians(theta_deg)))[2], table_of(m)
-    return slid(times, m=m, g=G, I=(A, A, C), radii=(r, r, r), com=(0, 0, -a), k=k, c=c, mu=mu, creep=CREEP,
-                n=n, w=(0, 0, spin), v=(0, 0, 0), height=r - 1 / PER_WEIGHT - a * n[2])[:, 2]  # fmt: skip
+    return slid(times, m=m, g=G, I=(A, A, C), radii=(r, r, r), com=(0, 0, -a), k=k, c=c, mu=mu, creep=CREEP_SPEED,
+                n=n, w=(0, 0, spin), v=(0, 0, 0), height=r - 1 / STIFFNESS_PER_WEIGHT - a * n[2])[:, 2]  # fmt: skip
 
 
 def theory(*, m, r, a, A, C, c, mu, theta_deg, spin, t):
-    """Own equations for both tables; Jellett's integral L . (r e_z - a e) is what it was, whatever the friction."""
+    """Return the values of own equations for both tables; Jellett's integral L . (r e_z - a e) is constant for any
+    friction.
+    """
     require(c >= 0, f"demo 'tippe_top': c = {c:g} N s/m: rubbing takes energy away; give c >= 0")
     top, ends = {"m": m, "r": r, "a": a, "A": A, "C": C, "theta_deg": theta_deg, "spin": spin}, np.array([0.0, t])
     y = own(ends, c=c, **top)[-1]
@@ -103,7 +107,7 @@ def theory(*, m, r, a, A, C, c, mu, theta_deg, spin, t):
 
 
 def measure(build, terms, *, m, r, a, A, C, c, theta_deg, spin, mu=0.2, t=4.0) -> Measured:
-    """Attitude, Jellett's integral and spin about the vertical after t; then the same top with dry friction."""
+    """Measure attitude, Jellett's integral and spin about the vertical after t, then the same top with dry friction."""
     top, times = {"m": m, "r": r, "a": a, "A": A, "C": C, "theta_deg": theta_deg, "spin": spin}, np.linspace(0, t, 401)
     run = simulate(build(), t, rtol=1e-12, output=times, **terms)
     dry = simulate(on_contact(mu=mu, **top), t, method=DOP853(stiff="run"), rtol=1e-10, output=times, **terms)

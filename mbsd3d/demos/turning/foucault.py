@@ -11,8 +11,9 @@ G = 9.81  # m/s^2
 
 
 def mechanism(*, l=10.0, lat_deg=48.85, Omega_e=0.02, amp=1.0) -> System:
-    """Laboratory (x north, y west, z up) turning with the Earth; bob on a rod of l [m], released amp [m] to the
-    north."""
+    """Build a laboratory (x north, y west, z up) turning with the Earth; bob on a rod of l [m], released amp [m] to the
+    north.
+    """
     place = np.array([amp, 0, -np.sqrt(l**2 - amp**2)])
     rate = earth(lat_deg, Omega_e)
     floor = shapes.Cylinder(1.5 * amp, 0.01 * l, at=(0, 0, -1.02 * l))
@@ -29,13 +30,13 @@ def mechanism(*, l=10.0, lat_deg=48.85, Omega_e=0.02, amp=1.0) -> System:
 
 
 def earth(lat_deg, Omega_e):
-    """Angular velocity of the Earth in the axes north, west, up."""
+    """Return the angular velocity of the Earth in the axes north, west, up [rad/s]."""
     lat = np.radians(lat_deg)
     return Omega_e * np.array([np.cos(lat), 0, np.sin(lat)])
 
 
 def own(times, *, l, lat_deg, Omega_e, amp):
-    """(times, 3) in the laboratory: r'' = g - 2 O x v - O x (O x r) - k r, k so that |r| stays l."""
+    """Integrate r'' = g - 2 O x v - O x (O x r) - k r in the laboratory, k so that |r| stays l, shape (times, 3)."""
     O = tuple(earth(lat_deg, Omega_e).tolist())
 
     def rate(_, y):
@@ -49,14 +50,14 @@ def own(times, *, l, lat_deg, Omega_e, amp):
 
 
 def theory(*, l, lat_deg, Omega_e, amp, t):
-    """Own equations in the turning laboratory; for small swings the plane turns at -O sin(lat)."""
+    """Return the values of own equations in the turning laboratory; for small swings the plane turns at -O sin(lat)."""
     require(abs(amp) < l, f"demo 'foucault': amp = {amp:g} m is not less than the rod, {l:g} m; give less")
     north, west, _ = own(np.array([0.0, t]), l=l, lat_deg=lat_deg, Omega_e=Omega_e, amp=amp)[-1]
     return {"north_m": north, "west_m": west}
 
 
 def measure(build, terms, *, l, lat_deg, Omega_e, amp, t=30.0) -> Measured:
-    """Place of the bob in the laboratory after t, and its trail in the sand."""
+    """Measure the position of the bob in the laboratory after t, and its path."""
     run = simulate(build(), t, rtol=1e-13, output=np.linspace(0, t, 601), **terms)
     north, west, _ = np.einsum("tji,tj->it", run.rotation("laboratory"), run.position("bob"))
     known = own(run.t, l=l, lat_deg=lat_deg, Omega_e=Omega_e, amp=amp)

@@ -10,7 +10,9 @@ SAMPLES = 401  # odd: the culmination is among them
 
 
 def mechanism(*, w=1.0, miss_deg=2.0) -> System:
-    """Line of sight led at w [rad/s] on a great circle that misses the zenith; gimbals about z and a level axis."""
+    """Build a line of sight led at w [rad/s] on a great circle that misses the zenith; gimbals about z and a level
+    axis.
+    """
     miss = np.radians(miss_deg)
     normal = (0, -np.cos(miss), np.sin(miss))
     sight = Body("line of sight", 1.0, (1, 1, 1), shape=shapes.Cylinder(0.01, 1.5, "x", at=(0.75, 0, 0)))
@@ -29,20 +31,23 @@ def mechanism(*, w=1.0, miss_deg=2.0) -> System:
 
 
 def azimuth_rate(angle, w, miss_deg):
-    """w sin(miss)/(1 - cos^2(miss) sin^2(angle)) for an angle along the pass, counted from the horizon."""
+    """Return w sin(miss)/(1 - cos^2(miss) sin^2(angle)) for an angle along the pass, counted from the horizon
+    [rad/s]."""
     miss = np.radians(miss_deg)
     return w * np.sin(miss) / (1 - np.cos(miss) ** 2 * np.sin(angle) ** 2)
 
 
 def theory(*, w, miss_deg):
-    """At the culmination the line of sight moves at w on a circle of radius sin(miss) about the vertical."""
+    """Return the rate at the culmination: the line of sight moves at w on a circle of radius sin(miss) about the
+    vertical.
+    """
     require(0 < miss_deg <= 90, f"demo 'gimbal_lock': miss_deg = {miss_deg:g}; give 0 < miss_deg <= 90: at 0 the "
             "telescope would have to turn by 180 degrees at once")  # fmt: skip
     return {"outer_rate_peak_rad_s": abs(w) / np.sin(np.radians(miss_deg))}
 
 
 def measure(build, terms, *, w, miss_deg) -> Measured:
-    """Greatest rate of the outer gimbal during the pass."""
+    """Measure the greatest rate of the outer gimbal during the pass."""
     run = simulate(build(), np.pi / abs(w), method=Kinematic(), output=SAMPLES, **terms)
     rate = run.rate("azimuth")
     curve = Curve("rate of the azimuth [rad/s]", run.t, rate, (run.t, azimuth_rate(w * run.t, w, miss_deg)))

@@ -6,19 +6,21 @@ from mbsd3d import GROUND, Body, Pulse, SpeedDriver, Spherical, System, shapes, 
 
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity
 
-EDGE, LENGTH = 0.2, 1.0  # s, of the rise and of each turn
-BOOK = (shapes.Box((0.5, 0.08, 0.7)), shapes.Box((0.04, 0.085, 0.705), at=(-0.23, 0, 0), colour="orangered"))
+EDGE_SECONDS, TURN_SECONDS = 0.2, 1.0  # s, of the rise and of each turn
+BOOK_SHAPES = (shapes.Box((0.5, 0.08, 0.7)), shapes.Box((0.04, 0.085, 0.705), at=(-0.23, 0, 0), colour="orangered"))
 
 
 def mechanism(*, a_deg=90.0, b_deg=90.0) -> System:
-    """Two books on ball joints: one turned about the world's x by a, then about y by b; the other y first, then x."""
+    """Build two books on ball joints: one turned about the world's x by a, then about y by b; the other y first, then
+    x.
+    """
     bodies, joints = [], []
     for k, name in enumerate(("x then y", "y then x")):
         place = (1.2 * k - 0.6, 0, 0)
-        book = Body(name, 1.0, (0.04, 0.06, 0.02), position=place, shape=BOOK)
-        turns = [np.radians(angle) / (LENGTH - EDGE) for angle in (a_deg, b_deg)]
+        book = Body(name, 1.0, (0.04, 0.06, 0.02), position=place, shape=BOOK_SHAPES)
+        turns = [np.radians(angle) / (TURN_SECONDS - EDGE_SECONDS) for angle in (a_deg, b_deg)]
         starts = (0.1, 1.2) if k == 0 else (1.2, 0.1)
-        speeds = [Pulse(turn, start, EDGE, LENGTH) for turn, start in zip(turns, starts, strict=True)]
+        speeds = [Pulse(turn, start, EDGE_SECONDS, TURN_SECONDS) for turn, start in zip(turns, starts, strict=True)]
         joints += [Spherical(GROUND, book, at=place, name=f"centre {k}")]
         for axis, speed in zip(np.eye(3), [*speeds, 0.0], strict=True):
             joints.append(SpeedDriver(GROUND, book, axis=axis, speed=speed))
@@ -27,13 +29,15 @@ def mechanism(*, a_deg=90.0, b_deg=90.0) -> System:
 
 
 def theory(*, a_deg, b_deg):
-    """Quaternions of both products differ by 2 sin(a/2) sin(b/2) along z: cos(angle/2) = 1 - 2 sin^2 sin^2."""
+    """Return the angle of the quaternions of both products, which differ by 2 sin(a/2) sin(b/2) along z: cos(angle/2) =
+    1 - 2 sin^2 sin^2.
+    """
     s = np.sin(np.radians(a_deg) / 2) * np.sin(np.radians(b_deg) / 2)
     return {"angle_between_deg": 4 * np.degrees(np.arcsin(abs(s)))}
 
 
 def measure(build, terms) -> Measured:
-    """Angle of the rotation that takes the one book to the other."""
+    """Measure the angle of the rotation from one book to the other."""
     run = simulate(build(), 2.4, rtol=1e-12, output=201, **terms)
     e, f = run.orientation("x then y"), run.orientation("y then x")
     # both start alike and their quaternions go on smoothly, so that angles above 180 degrees are told from those below

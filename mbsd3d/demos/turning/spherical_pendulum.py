@@ -12,7 +12,7 @@ G = 9.81  # m/s^2
 
 
 def mechanism(*, l=1.0, theta_deg=60.0, phi_rate=1.5) -> System:
-    """Bob on a rod of l [m] at an angle theta from the vertical, sent off sideways at phi_rate [rad/s]."""
+    """Build a bob on a rod of l [m] at an angle theta from the vertical, sent off sideways at phi_rate [rad/s]."""
     angle = np.radians(theta_deg)
     place = l * np.array([np.sin(angle), 0, -np.cos(angle)])
     side = (0, phi_rate * l * np.sin(angle), 0)
@@ -21,8 +21,9 @@ def mechanism(*, l=1.0, theta_deg=60.0, phi_rate=1.5) -> System:
 
 
 def theory(*, l, theta_deg, phi_rate):
-    """u'^2 = 2 (E + g l u)(1 - u^2)/l^2 - h^2/l^4, u = cos theta; phi' = h/(l^2 (1 - u^2)): quadratures in d = 1 -
-    u."""
+    """Integrate u'^2 = 2 (E + g l u)(1 - u^2)/l^2 - h^2/l^4, u = cos theta; phi' = h/(l^2 (1 - u^2)): quadratures in d
+    = 1 - u.
+    """
     start = 1 - np.cos(np.radians(theta_deg))
     momentum, rate = phi_rate * start * (2 - start), G / l  # h/l^2
     energy = 0.5 * phi_rate * momentum - rate * (1 - start)  # E/l^2
@@ -42,7 +43,7 @@ def theory(*, l, theta_deg, phi_rate):
 
 
 def measure(build, terms, *, l, theta_deg, phi_rate) -> Measured:
-    """From the start, where the height is greatest or least, to where it is least or greatest."""
+    """Measure from the start, where the height is greatest or least, to where it is least or greatest."""
     system = build()
     rises = phi_rate**2 * l * np.cos(np.radians(theta_deg)) > G
     height = measures.velocity(system.bodies[0], axis=(0, 0, 1))

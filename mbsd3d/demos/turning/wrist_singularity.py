@@ -7,16 +7,16 @@ from mbsd3d import GROUND, AngleDriver, Body, Kinematic, Parallel, Ramp, Revolut
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 
 SAMPLES = 401  # odd: the pose nearest to the straight one is among them
-HERE = {"at": (0, 0, 0)}  # the axes of a wrist meet
+JOINT_PLACE = {"at": (0, 0, 0)}  # the axes of a wrist meet
 
 
 def mechanism(*, w=1.0, miss_deg=3.0) -> System:
-    """Hand turned at w [rad/s] about a fixed axis, so that it passes the stretched wrist at an angle."""
+    """Build a hand turned at w [rad/s] about a fixed axis, so that it passes the stretched wrist at an angle."""
     return wrist(w, miss_deg, -np.pi / 2)
 
 
 def wrist(w, miss_deg, angle):
-    """The hand an angle before its pose nearest to the stretched one; without a driver for w = 0."""
+    """Build the hand an angle before its pose nearest to the stretched one; without a driver for w = 0."""
     miss = np.radians(miss_deg)
     axis, nearest = np.array([0, -np.cos(miss), np.sin(miss)]), np.array([0, np.sin(miss), np.cos(miss)])
     along = np.cos(angle) * nearest + np.sin(angle) * np.cross(axis, nearest)
@@ -35,11 +35,11 @@ def wrist(w, miss_deg, angle):
     start = np.column_stack([np.cross(bend, (0, 0, 1)), bend, (0, 0, 1)])
     links = [("fork", start, fork), ("knuckle", frame, knuckle), ("hand", frame, hand)]
     fork, knuckle, hand = (Body(name, 1.0, (0.01, 0.02, 0.01), orientation=R, shape=form) for name, R, form in links)
-    turn = Revolute(GROUND, hand, axis=axis, name="wanted turn", **HERE)
+    turn = Revolute(GROUND, hand, axis=axis, name="wanted turn", **JOINT_PLACE)
     joints = [
         turn,
-        Revolute(GROUND, fork, axis=(0, 0, 1), name="axis 4", **HERE),
-        Revolute(fork, knuckle, axis=bend, name="axis 5", **HERE),
+        Revolute(GROUND, fork, axis=(0, 0, 1), name="axis 4", **JOINT_PLACE),
+        Revolute(fork, knuckle, axis=bend, name="axis 5", **JOINT_PLACE),
         Parallel(knuckle, hand, axis=along, name="axis 6"),
     ]
     driver = [AngleDriver(turn, Ramp(w), name="task")] if w else []
@@ -47,7 +47,9 @@ def wrist(w, miss_deg, angle):
 
 
 def theory(*, w, miss_deg):
-    """The bend 5 is the angle between axes 4 and 6: w sin(miss)/sin^2(bend) for 4, -cos(bend) times that for 6."""
+    """Return the rates from the bend 5, the angle between axes 4 and 6: w sin(miss)/sin^2(bend) for 4, -cos(bend) times
+    that for 6.
+    """
     require(0 < miss_deg < 90, f"demo 'wrist_singularity': miss_deg = {miss_deg:g}; give 0 < miss_deg < 90: at 0 the "
             "wrist is stretched, and axes 4 and 6 are one")  # fmt: skip
     miss = np.radians(miss_deg)
@@ -55,7 +57,7 @@ def theory(*, w, miss_deg):
 
 
 def measure(build, terms, *, w, miss_deg) -> Measured:
-    """Greatest rates on the way, and the rank that `check` misses in the stretched pose."""
+    """Measure the greatest rates on the way, and the rank that `check` misses in the stretched pose."""
     run = simulate(build(), np.pi / abs(w), method=Kinematic(), output=SAMPLES, **terms)
     rates, miss = [run.rate("axis 4"), run.rate("axis 6")], np.radians(miss_deg)
     bend = np.arccos(run.rotation("hand")[:, 2, 2])

@@ -12,8 +12,8 @@ from ...base.rotations import matrix
 from ...base.style import COLOURS, colour, paler
 from ...mechanism.bodies import GROUND, Body
 from ...mechanism.mechanism import Mechanism
+from ...plotting.default_curves import default_curves, seen_panels
 from ...plotting.panels import Panel, Wanted
-from ...plotting.telling import seen_panels, telling
 from ...results.body_motion import Poses
 from ...results.checks.check import scales_of
 from ...results.every_reaction import every_reaction
@@ -199,7 +199,7 @@ def curves_of(motion: Poses, frames: Frames, wanted: Wanted | None = None) -> li
         return []
     if isinstance(wanted, str) or not (wanted is None or isinstance(wanted, Iterable)):
         raise InputError(f"curves = {shown(wanted)}; give a list of quantities or (quantity, part, ...)")
-    panels = seen_panels(motion, telling(motion) if wanted is None else wanted)
+    panels = seen_panels(motion, default_curves(motion) if wanted is None else wanted)
     return [curve(motion.t, frames.t, panel) for panel in panels]
 
 

@@ -14,7 +14,7 @@ from validation.theory import pendulum_frequency, pendulum_motion
 
 
 def chain(place: Place, axes: list[Array], slides: list[bool], rates: Array, stiff: float, drag: float) -> tuple:
-    """(Chain, bodies, joints, springs): links of about a unit length in a zigzag."""
+    """Return (Chain, bodies, joints, springs): links of about a unit length in a zigzag."""
     n, rng, unit = len(axes), place.rng, place.unit
     steps = unit * (0.5 * rng.normal(size=(n, 3)) + (0.2, 0.1, -0.6))
     points = np.cumsum(np.vstack([np.zeros(3), steps[:-1]]), axis=0)
@@ -44,7 +44,7 @@ Truth = Callable[[Chain, Array, float], Callable[[Array], Array]]
 
 
 def least(link: Chain, rates: Array, t_end: float) -> Callable[[Array], Array]:
-    """Truth by the equations of `Chain`."""
+    """Return the truth by the equations of `Chain`."""
     return link.motion(np.zeros(len(rates)), rates, t_end)
 
 
@@ -52,7 +52,7 @@ def problem(
     place: Place, axes: list, slides: list, rates: Array, t_end: float, truth: Truth = least, unsure: bool = False,
     **law: float,
 ) -> Problem:  # fmt: skip
-    """A chain on its joints, with its truth (q, v)(t) from the reference pose."""
+    """Return a chain on its joints, with its truth (q, v)(t) from the reference pose."""
     link, bodies, joints, springs = chain(place, axes, slides, rates, law.get("stiff", 0.0), law.get("drag", 0.0))
     n = len(axes)
     course = truth(link, rates, t_end)
@@ -70,7 +70,7 @@ def problem(
 
 
 def across(link: Chain) -> tuple[float, Callable[[Array], tuple[float, float]]]:
-    """(gravity across the parallel axes, polar coordinates of a vector in the plane across them, from down)."""
+    """Return (gravity across the parallel axes, polar coordinates of a vector in the plane across them, from down)."""
     u = link.axes[0]
     g = link.gravity - link.gravity @ u * u
     down = g / np.linalg.norm(g)
@@ -82,7 +82,7 @@ def across(link: Chain) -> tuple[float, Callable[[Array], tuple[float, float]]]:
 
 
 def swinging(link: Chain, rates: Array, t_end: float) -> Callable[[Array], Array]:
-    """Truth of one link: elliptic functions."""
+    """Return the truth of one link by elliptic functions."""
     g, polar = across(link)
     u, m = link.axes[0], link.masses[0]
     far, begin = polar(link.centres[0] - link.points[0])
@@ -96,7 +96,8 @@ def swinging(link: Chain, rates: Array, t_end: float) -> Callable[[Array], Array
 
 
 def doubled(link: Chain, rates: Array, t_end: float) -> Callable[[Array], Array]:
-    """Truth of two links on parallel axes: the double pendulum of the textbooks, angles from the vertical."""
+    """Return the truth of two links on parallel axes: the double pendulum of the textbooks, angles from the
+    vertical."""
     (g, polar), u, (m_1, m_2) = across(link), link.axes[0], link.masses
     (d_1, psi), (d_2, phi_2) = (polar(G - p) for G, p in zip(link.centres, link.points, strict=True))
     l, phi_1 = polar(link.points[1] - link.points[0])
@@ -118,28 +119,28 @@ def doubled(link: Chain, rates: Array, t_end: float) -> Callable[[Array], Array]
 
 
 def pendulum(place: Place) -> Problem:
-    """A body on a hinge in any direction, swinging or turning many times."""
+    """Draw a body on a hinge in any direction, swinging or turning many times."""
     rng = place.rng
     rate = np.array([float(rng.choice([0.0, rng.normal() * 3.0, rng.choice([-1, 1]) * rng.uniform(10.0, 60.0)]))])
     return problem(place, [direction(place)], [False], rate, float(rng.uniform(0.5, 3.0)), swinging)
 
 
 def double_pendulum(place: Place) -> Problem:
-    """Two links on parallel axes."""
+    """Draw two links on parallel axes."""
     axis, t_end = direction(place), float(place.rng.uniform(0.5, 1.5))
     return problem(place, [axis, axis], [False, False], 3.0 * place.rng.normal(size=2), t_end, doubled)
 
 
 def arm(place: Place) -> Problem:
-    """Two or three links on hinges in all directions, with springs and dampers about them."""
+    """Draw two or three links on hinges in all directions, with springs and dampers about them."""
     n, rng = int(place.rng.integers(2, 4)), place.rng
-    law = {"stiff": float(rng.choice([0.0, 20.0, 300.0])), "drag": float(rng.choice([0.0, 2.0]))}
+    law: dict[str, Any] = {"stiff": float(rng.choice([0.0, 20.0, 300.0])), "drag": float(rng.choice([0.0, 2.0]))}
     axes = [direction(place) for _ in range(n)]
     return problem(place, axes, [False] * n, 4.0 * rng.normal(size=n), float(rng.uniform(0.3, 1.0)), **law)
 
 
 def crane(place: Place) -> Problem:
-    """Hinges and slides in turns, held by springs."""
+    """Draw alternating hinges and slides, held by springs."""
     rng, axes = place.rng, [direction(place) for _ in range(3)]
     slides = [bool(x) for x in rng.permutation([True, False, bool(rng.random() < 0.5)])]
     rates = np.where(slides, place.unit, 1.0) * rng.normal(size=3)
@@ -149,7 +150,7 @@ def crane(place: Place) -> Problem:
 
 
 def chaos(place: Place) -> Problem:
-    """A double pendulum with much energy, long enough for errors to grow a thousandfold and more."""
+    """Draw a double pendulum of high energy, long enough for errors to grow a thousandfold and more."""
     rng, axis = place.rng, np.cross(direction(place), (0.0, 0.0, 1.0))
     axis /= np.linalg.norm(axis)
     t_end, rates = float(rng.uniform(2.0, 5.0)), rng.uniform(5.0, 8.0, 2)

@@ -1,4 +1,6 @@
-"""A ball that bounces on a spring and damper, a tyre with relaxation length, cams with flat faces and rollers."""
+"""Ball that bounces on a spring and damper, tyre with relaxation length, cams with flat faces and rollers."""
+
+from collections.abc import Callable
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -17,12 +19,15 @@ from mbsd3d import (
     shapes,
 )
 from validation.calibration.problem import DRIVEN, Array, Place, Problem, angle, centre, slide
-from validation.calibration.rates import TIGHT, motion
+from validation.calibration.rates import TRUTH_RTOL, motion
 
 
 def bounces(slopes: list, ends: list, start: Array, t_end: float) -> tuple[list, list]:
-    """Pieces of a motion: slopes in turn, each up to a zero of its end; (times at which they begin, courses)."""
-    times, courses, t, y = [0.0], [], 0.0, np.asarray(start, float)
+    """Return the pieces of a motion with slopes in turn, each up to a zero of its end; (times at which they begin,
+    courses).
+    """
+    courses: list[Callable] = []
+    times, t, y = [0.0], 0.0, np.asarray(start, float)
     while t < t_end and len(courses) < 400:
         k = len(courses) % 2
         found = solve_ivp(
@@ -30,8 +35,8 @@ def bounces(slopes: list, ends: list, start: Array, t_end: float) -> tuple[list,
             (t, t_end),
             y,
             "DOP853",
-            rtol=TIGHT,
-            atol=TIGHT * 1e-3,
+            rtol=TRUTH_RTOL,
+            atol=TRUTH_RTOL * 1e-3,
             events=[ends[k]],
             dense_output=True,
             max_step=0.02,
@@ -45,7 +50,7 @@ def bounces(slopes: list, ends: list, start: Array, t_end: float) -> tuple[list,
 
 
 def bounce(place: Place) -> Problem:
-    """A ball drops without turning on a contact that only presses."""
+    """Draw a ball that drops without rotation on a contact without tension."""
     rng, unit = place.rng, place.unit
     r, mass, high = place.length(0.05, 0.2), float(rng.uniform(0.5, 3.0)), place.length(0.05, 0.5)
     w, zeta = float(np.exp(rng.uniform(4.0, 6.0))), float(rng.choice([0.0, rng.uniform(0.02, 0.4)]))
@@ -87,7 +92,7 @@ def bounce(place: Place) -> Problem:
 
 
 def tyre(place: Place) -> Problem:
-    """A wheel on a carriage of even speed: its slip dies away, through the relaxation length of its tyre."""
+    """Draw a wheel on a carriage of constant speed: its slip decays through the relaxation length of its tyre."""
     rng, unit = place.rng, place.unit
     R, mass, sink = place.length(0.25, 0.4), float(rng.uniform(5.0, 20.0)), place.length(0.003, 0.02)
     h, k, V = R - sink, float(rng.uniform(1e4, 2e5)), place.length(1.0, 10.0)
@@ -118,7 +123,7 @@ def tyre(place: Place) -> Problem:
 
 
 def cam(place: Place) -> Problem:
-    """A round cam off its shaft lifts a flat face or a roller, over many turns."""
+    """Draw a round cam off its shaft that lifts a flat face or a roller, over many turns."""
     rng, unit = place.rng, place.unit
     off, radius, roll = place.length(0.02, 0.06), place.length(0.15, 0.25), place.length(0.05, 0.1)
     begin, t_end = float(rng.uniform(0.0, 6.0)), float(rng.uniform(0.5, 2.0))

@@ -1,4 +1,4 @@
-"""Machines whose whole motion is driven: arms by sines and ramps, gears and racks behind drivers."""
+"""Machines with a fully driven motion: arms by sines and ramps, gears and racks behind drivers."""
 
 from typing import Any
 
@@ -23,7 +23,7 @@ from validation.calibration.problem import DRIVEN, Array, Place, Problem, angle,
 
 
 def signal(place: Place, size: float) -> tuple[Signal, float, Any]:
-    """(signal from zero, its greatest rate, its first rate): a sine and a ramp of up to some turns."""
+    """Return (signal from zero, its greatest rate, its first rate): a sine and a ramp of up to some turns."""
     rng = place.rng
     amplitude, hertz, phase = (
         size * float(rng.uniform(0.3, 2.0)),
@@ -38,7 +38,7 @@ def signal(place: Place, size: float) -> tuple[Signal, float, Any]:
 
 
 def driven_arm(place: Place) -> Problem:
-    """Three links on hinges and a slide, all driven."""
+    """Draw three links on hinges and a slide, all driven."""
     slides = [False, bool(place.rng.random() < 0.5), False]
     made = [signal(place, 0.3 * place.unit if s else 1.0) for s in slides]
     rates = np.array([first for _, _, (_, first) in made])
@@ -60,7 +60,8 @@ def driven_arm(place: Place) -> Problem:
 
 
 def driven_gears(place: Place) -> Problem:
-    """A driven wheel, a gear on any axis behind it, and a rack behind that; the driver may begin some turns away."""
+    """Draw a driven wheel, a gear on any axis behind it, and a rack behind that; the driver may begin some turns
+    away."""
     rng, (made, most, (way_of, _)) = place.rng, signal(place, 1.0)
     begin = float(rng.choice([0.0, rng.uniform(-30.0, 30.0)]))
     course = lambda t: begin + way_of(t)  # noqa: E731

@@ -1,4 +1,4 @@
-"""Runs that stop where a condition comes true, and go on from there."""
+"""Runs that stop where a condition comes true, and continue from there."""
 
 from dataclasses import replace
 
@@ -11,7 +11,7 @@ from validation.calibration.problem import Array, Place, Problem, angle, centre
 
 
 def stopped_wheel(place: Place) -> Problem:
-    """A wheel under a torque, stopped at three angles of many turns, and going on."""
+    """Draw a wheel under a torque, stopped at three angles of many turns, and continued."""
     rng = place.rng
     t_end = float(rng.uniform(0.5, 3.0))
     turned = float(np.exp(rng.uniform(np.log(3.0), np.log(300.0))))
@@ -26,7 +26,8 @@ def stopped_wheel(place: Place) -> Problem:
 
 
 def restarted_ball(place: Place) -> Problem:
-    """A ball bounces by a rule of impact: each run ends on the floor, the next begins with the speed turned round."""
+    """Draw a ball that bounces by an impact law: each run ends on the floor, the next begins with the speed
+    reversed."""
     rng, unit = place.rng, place.unit
     mass, high, e, g = float(rng.uniform(0.5, 2.0)), place.length(0.3, 1.0), float(rng.uniform(0.6, 0.9)), place.g
     at = np.array([0.2, 0.3, high])
@@ -64,7 +65,7 @@ def restarted_ball(place: Place) -> Problem:
 
 
 def stopped_pendulum(place: Place) -> Problem:
-    """A pendulum that turns through, stopped at an angle and at a rate, and going on."""
+    """Draw a pendulum that turns through, stopped at an angle and at a rate, and continued."""
     rng = place.rng
     rate = np.array([float(rng.uniform(12.0, 30.0))])
     link, bodies, joints, _ = chain(place, [direction(place)], [False], rate, 0.0, 0.0)

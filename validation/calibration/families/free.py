@@ -6,16 +6,16 @@ from mbsd3d import GROUND, CentralGravity, Spherical, System
 from validation.calibration.problem import Array, Place, Problem, attitude, centre
 from validation.theory import free_body, spinning_body
 
-REST = (1.0, 0.0, 0.0, 0.0)
+IDENTITY_QUATERNION = (1.0, 0.0, 0.0, 0.0)
 
 
 def turned(place: Place, rotation: Array) -> Array:
-    """Rotations of the frame, (n, 3, 3), as the world sees them."""
+    """Return rotations of the frame in world axes, shape (n, 3, 3)."""
     return place.axes @ rotation.astype(float) @ place.axes.T
 
 
 def free(place: Place) -> Problem:
-    """A body tumbles and flies, seen from near or from a fast observer."""
+    """Draw a body that tumbles and flies, seen by an observer at rest or a fast one."""
     rng = place.rng
     mass = float(rng.uniform(0.5, 3.0))
     moments = np.linalg.eigvalsh(place.inertia(mass, place.length(0.2, 0.6)))[rng.permutation(3)]
@@ -29,7 +29,7 @@ def free(place: Place) -> Problem:
         return at + np.outer(t, place.axis(boost)) + 0.5 * np.outer(t * t, place.gravity)
 
     def pose(t: Array) -> Array:
-        return turned(place, free_body(t, moments, omega, REST).rotation)
+        return turned(place, free_body(t, moments, omega, IDENTITY_QUATERNION).rotation)
 
     rate = float(np.linalg.norm(omega))
     readings = [centre(body, path), attitude(body, pose)]
@@ -37,7 +37,7 @@ def free(place: Place) -> Problem:
 
 
 def top(place: Place) -> Problem:
-    """A top of any inertia on a ball joint, slow or fast."""
+    """Draw a top of any inertia on a ball joint, slow or fast."""
     rng = place.rng
     mass, arm = float(rng.uniform(0.5, 3.0)), place.length(0.1, 0.5) * (0.3 * rng.normal(size=3) + (0, 0, 1.0))
     tensor = place.inertia(mass, place.length(0.1, 0.3))
@@ -49,7 +49,7 @@ def top(place: Place) -> Problem:
     about = tensor + mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
 
     def pose(t: Array) -> Array:
-        return turned(place, spinning_body(t, about, omega, REST, mass * place.g * arm).rotation)
+        return turned(place, spinning_body(t, about, omega, IDENTITY_QUATERNION, mass * place.g * arm).rotation)
 
     def path(t: Array) -> Array:
         return place.shift + pose(t) @ place.axis(arm)
@@ -60,7 +60,7 @@ def top(place: Place) -> Problem:
 
 
 def orbit(place: Place) -> Problem:
-    """An orbit of Kepler, of up to eight rounds, of a satellite with the inertia of a ball: no moment turns it."""
+    """Draw a Kepler orbit of up to eight rounds, of a satellite with the inertia of a ball: no moment turns it."""
     rng = place.rng
     axis, excentric, rate = place.length(1.0, 3.0), float(rng.uniform(0.05, 0.6)), float(rng.uniform(1.0, 5.0))
     rounds, phase, mass = float(rng.uniform(0.5, 8.0)), float(rng.uniform(0.0, 6.0)), float(rng.uniform(0.5, 3.0))

@@ -11,11 +11,13 @@ from validation.calibration.problem import DRIVEN, Array, Place, Problem, angle,
 from validation.calibration.rates import motion, turn
 from validation.theory import HingeLoop
 
-SAMPLES = 600  # of a motion of some turns: a spline of degree 9 through them errs by 1e-13
+SPLINE_SAMPLES = 600  # [1] of a motion of some turns; a spline of degree 9 through them errs by 1e-13
 
 
 def loop(place: Place, points: Array, axes: Array, rate: float, t_end: float) -> Problem:
-    """A loop of hinges with general links, from the rate of its first hinge; truth along its curve of closed poses."""
+    """Return a loop of hinges with general links, from the rate of its first hinge; truth along its curve of closed
+    poses.
+    """
     n, rng = len(points), place.rng
     masses = rng.uniform(0.5, 2.0, n - 1)
     tensors = np.array([place.inertia(m, place.length(0.1, 0.3)) for m in masses])
@@ -29,7 +31,7 @@ def loop(place: Place, points: Array, axes: Array, rate: float, t_end: float) ->
     ]
     system = System(links[1:], hinges, gravity=place.gravity)
     truth = HingeLoop(points, axes, masses, centres, tensors, np.array([0.0, 0.0, -place.g]))
-    grid = np.linspace(0.0, t_end, SAMPLES)
+    grid = np.linspace(0.0, t_end, SPLINE_SAMPLES)
     course = make_interp_spline(grid, truth.motion(rate, grid), k=9)
     size = np.abs(course.derivative()(grid)).max()
     readings = [angle(h.name, h, lambda t, k=k: course(t)[:, k]) for k, h in enumerate(hinges)]
@@ -39,7 +41,7 @@ def loop(place: Place, points: Array, axes: Array, rate: float, t_end: float) ->
 
 
 def four_bar(place: Place) -> Problem:
-    """Four parallel hinges: three redundant rows. Grashof's crank turns through."""
+    """Draw four parallel hinges with three redundant rows; Grashof's crank turns through."""
     rng = place.rng
     axis = direction(place)
     u = np.cross(axis, direction(place))
@@ -59,7 +61,7 @@ def four_bar(place: Place) -> Problem:
 
 
 def bennett(place: Place) -> Problem:
-    """Bennett's loop of four skew hinges."""
+    """Draw Bennett's loop of four skew hinges."""
     rng = place.rng
     alpha, beta = float(rng.uniform(0.4, 1.0)), float(rng.uniform(1.2, 1.8))
     a = place.length(0.3, 0.5)
@@ -78,7 +80,7 @@ def bennett(place: Place) -> Problem:
 
 
 def sarrus(place: Place) -> Problem:
-    """Sarrus' loop: three and three parallel hinges move a platform along a straight line; one redundant row."""
+    """Draw Sarrus' loop: three and three parallel hinges move a platform along a straight line; one redundant row."""
     rng, unit = place.rng, place.unit
     between, height = float(rng.uniform(1.0, 2.0)), place.length(0.5, 0.7)
     legs = []
@@ -92,7 +94,7 @@ def sarrus(place: Place) -> Problem:
 
 
 def slider_crank(place: Place) -> Problem:
-    """A driven slider-crank drawn with hinges, offset, over many turns."""
+    """Draw a driven slider-crank with hinges, offset, over many turns."""
     rng = place.rng
     r, l, off = place.length(0.1, 0.2), place.length(0.5, 0.8), place.length(-0.1, 0.1)
     rate = float(np.exp(rng.uniform(0.0, 4.0)))
@@ -126,7 +128,7 @@ def slider_crank(place: Place) -> Problem:
 
 
 def parallelogram(place: Place) -> Problem:
-    """A parallelogram that swings within half a turn, with a torsion spring at a pin of its coupler."""
+    """Draw a parallelogram that swings within half a turn, with a torsion spring at a pin of its coupler."""
     rng, unit = place.rng, place.unit
     long, wide = place.length(0.3, 0.6), place.length(0.5, 0.9)
     stiff = float(rng.uniform(0.0, 5.0)) * unit**2

@@ -1,4 +1,4 @@
-"""Loads of short duration: pulses whose times are known, and own functions whose times are not."""
+"""Loads of short duration: pulses at known times, and user functions at unknown times."""
 
 from functools import partial
 from typing import Any
@@ -11,14 +11,14 @@ from validation.calibration.problem import Array, Place, Problem, slide
 
 
 def push_for_a_while(t: float, bodies: Any, z: Array, parameters: Array, loads: Array, z_dot: Array) -> None:
-    """A force (3 numbers) from one time to another."""
+    """Apply a force (3 numbers) from one time to another."""
     if parameters[3] <= t < parameters[4]:
         for i in range(3):
             loads[0, i] = parameters[i]
 
 
 def block(place: Place) -> tuple:
-    """(body, rail, direction, mass) without weight, at rest or not."""
+    """Return (body, rail, direction, mass) without weight, at rest or not."""
     way, mass = direction(place), float(place.rng.uniform(0.5, 3.0))
     at = place.unit * place.rng.normal(size=3)
     speed = place.length(-1.0, 1.0) * float(place.rng.choice([0.0, 1.0]))
@@ -27,7 +27,9 @@ def block(place: Place) -> tuple:
 
 
 def fallen(start: float, edge: float, t: Array) -> Array:
-    """Twice integrated: 0 before ``start``, 3 s^2 - 2 s^3 of its share of the edge, 1 afterwards."""
+    """Return the displacement by a smooth force: twice integrated 0 before ``start``, 3 s^2 - 2 s^3 of its share of the
+    edge, 1 afterwards.
+    """
     s = np.clip((t - start) / edge, 0.0, None)
     within = edge**2 * (s**4 / 4.0 - s**5 / 10.0)
     after = edge**2 * (0.15 + 0.5 * (s - 1.0) + 0.5 * (s - 1.0) ** 2)
@@ -35,7 +37,7 @@ def fallen(start: float, edge: float, t: Array) -> Array:
 
 
 def pulse(place: Place) -> Problem:
-    """A short pulse on a block that slides freely."""
+    """Draw a short pulse on a block that slides freely."""
     body, rail, way, mass, speed = block(place)
     rng, t_end = place.rng, float(place.rng.uniform(0.5, 2.0))
     edge = float(np.exp(rng.uniform(np.log(2e-5), np.log(2e-2))))
@@ -51,7 +53,9 @@ def pulse(place: Place) -> Problem:
 
 
 def own_force(place: Place) -> Problem:
-    """A force by a function pushes for a hundredth of the run up to a third of it; its times are given, or not."""
+    """Draw a force by a user function that acts for a hundredth of the run up to a third of it; its times are given, or
+    not.
+    """
     body, rail, way, mass, speed = block(place)
     rng, t_end = place.rng, float(place.rng.uniform(0.5, 2.0))
     last = t_end * float(np.exp(rng.uniform(np.log(0.005), np.log(0.3))))

@@ -11,7 +11,7 @@ from validation.theory import rolling_circle
 
 
 def ball(place: Place) -> Problem:
-    """A ball rolls on a slope and spins about its normal."""
+    """Draw a ball that rolls on a slope and spins about its normal."""
     rng = place.rng
     n = np.array([0.3, -0.2, 1.0]) * rng.uniform(0.5, 1.5, 3)
     n /= np.linalg.norm(n)
@@ -45,7 +45,7 @@ def ball(place: Place) -> Problem:
 
 
 def disc(place: Place) -> Problem:
-    """A disc rolls on a circle, leaning inwards, for up to three rounds."""
+    """Draw a disc that rolls on a circle, leaning inwards, for up to three rounds."""
     rng = place.rng
     r, lean = place.length(0.2, 0.5), float(rng.uniform(0.1, 0.6))
     mass, circle = float(rng.uniform(0.5, 3.0)), r * float(rng.uniform(2.0, 6.0))

@@ -1,4 +1,4 @@
-"""Wheels and what couples them, over many turns: closed forms with a constant acceleration or a drag."""
+"""Wheels and their couplings, over many turns: closed forms with a constant acceleration or a drag."""
 
 from collections.abc import Callable
 from functools import reduce
@@ -13,7 +13,7 @@ UP = np.array([0.0, 0.0, 1.0])
 
 
 class Turning(NamedTuple):
-    """An angle over time: begin + rate t + gain t^2 / 2 [rad]."""
+    """Angle over time: begin + rate t + gain t^2 / 2 [rad]."""
 
     rate: float
     gain: float
@@ -21,23 +21,25 @@ class Turning(NamedTuple):
     begin: float = 0.0
 
     def course(self, t: Array) -> Array:
-        """The angle [rad]."""
+        """Return the angle at time t [rad]."""
         return self.begin + self.rate * t + 0.5 * self.gain * t**2
 
     @property
     def fastest(self) -> float:
-        """The greatest rate [rad/s]."""
+        """Return the greatest rate [rad/s]."""
         return max(abs(self.rate), abs(self.rate + self.gain * self.t_end))
 
     def start(self, system: System, hinge: Any) -> Callable[[], State | None]:
-        """What makes a start some turns from the reference pose; at it the bodies have their velocities."""
+        """Return a function that sets a start some turns from the reference pose, where the bodies have their
+        velocities.
+        """
         if not self.begin:
             return lambda: None
         return lambda: system.assemble(angles={hinge: self.begin}, rates={hinge: self.rate})
 
 
 def turning(place: Place) -> Turning:
-    """A machine turns by 3 to 300 rad; one in four starts some turns from its reference pose."""
+    """Draw a rotation by 3 to 300 rad; one in four starts some turns from its reference pose."""
     rng = place.rng
     t_end = float(rng.uniform(0.5, 3.0))
     turned = float(np.exp(rng.uniform(np.log(3.0), np.log(300.0)))) * float(rng.choice([-1.0, 1.0]))
@@ -48,7 +50,7 @@ def turning(place: Place) -> Turning:
 
 
 def rotor(place: Place, name: str, at: Array, axis: Array, rate: float, off: float = 0.0) -> tuple:
-    """(body, hinge on the ground, moment of inertia about its axis): centre of mass ``off`` beside the axis."""
+    """Return (body, hinge on the ground, moment of inertia about its axis): centre of mass ``off`` beside the axis."""
     mass = float(place.rng.uniform(0.5, 3.0))
     tensor = place.inertia(mass, place.length(0.1, 0.3))
     across = np.cross(axis, (0.3, -0.5, 0.8))
@@ -59,7 +61,7 @@ def rotor(place: Place, name: str, at: Array, axis: Array, rate: float, off: flo
 
 
 def wheel(place: Place) -> Problem:
-    """A wheel with its centre beside an upright axis, under a torque or a drag."""
+    """Draw a wheel with its centre beside an upright axis, under a torque or a drag."""
     turn = turning(place)
     rate, gain, course = turn.rate, turn.gain, turn.course
     body, hinge, inertia = rotor(place, "wheel", place.length(-1, 1) * np.ones(3), UP, rate, place.length(0.05, 0.3))
@@ -74,13 +76,13 @@ def wheel(place: Place) -> Problem:
 
 
 def direction(place: Place) -> Array:
-    """A unit vector of the frame."""
+    """Draw a unit vector of the frame."""
     axis = place.rng.normal(size=3)
     return axis / np.linalg.norm(axis)
 
 
 def belt(place: Place) -> Problem:
-    """Two to five wheels on axes of any direction, each geared to the one before."""
+    """Draw two to five wheels on axes of any direction, each geared to the one before."""
     turn = turning(place)
     rate, gain, course = turn.rate, turn.gain, turn.course
     count = int(place.rng.integers(2, 6))
@@ -101,7 +103,7 @@ def belt(place: Place) -> Problem:
 
 
 def mesh(place: Place) -> Problem:
-    """Two helical gears in mesh on parallel axes, outside each other."""
+    """Draw two helical gears in mesh on parallel axes, outside each other."""
     turn = turning(place)
     rate, gain, course = turn.rate, turn.gain, turn.course
     axis, (r_a, r_b) = direction(place), (place.length(0.05, 0.3), place.length(0.05, 0.3))
@@ -119,7 +121,7 @@ def mesh(place: Place) -> Problem:
 
 
 def planetary(place: Place) -> Problem:
-    """Sun, planet on a carrier, ring at rest (Willis), upright."""
+    """Draw sun, planet on a carrier, and ring at rest (Willis), upright."""
     turn = turning(place)  # of the sun
     rate, gain, course = turn.rate, turn.gain, turn.course
     r_s, r_p = place.length(0.1, 0.3), place.length(0.05, 0.2)
@@ -149,7 +151,7 @@ def planetary(place: Place) -> Problem:
 
 
 def rack(place: Place) -> Problem:
-    """A pinion drives a rack up or down a slope, against its weight."""
+    """Draw a pinion that drives a rack up or down a slope, against its weight."""
     turn = turning(place)
     rate, gain, course = turn.rate, turn.gain, turn.course
     radius, way = place.length(0.02, 0.2) * float(place.rng.choice([-1.0, 1.0])), direction(place)
@@ -171,7 +173,7 @@ def rack(place: Place) -> Problem:
 
 
 def nut(place: Place) -> Problem:
-    """A nut winds down a thread at rest by its own weight."""
+    """Draw a nut that winds down a thread at rest by its own weight."""
     rng, way, mass = place.rng, direction(place), float(place.rng.uniform(0.2, 3.0))
     lead = place.length(0.01, 0.3) * float(rng.choice([-1.0, 1.0]))
     tensor = place.inertia(mass, place.length(0.05, 0.2))
@@ -186,7 +188,7 @@ def nut(place: Place) -> Problem:
 
 
 def lead_screw(place: Place) -> Problem:
-    """A spindle turns on the ground and moves a nut that slides."""
+    """Draw a spindle that turns on the ground and moves a nut that slides."""
     turn = turning(place)
     rate, gain, course = turn.rate, turn.gain, turn.course
     way = direction(place)

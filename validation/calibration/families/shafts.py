@@ -9,27 +9,29 @@ from validation.calibration.rates import motion
 
 
 def at_reference(place: Place) -> Turning:
-    """A turning that begins at the reference pose."""
+    """Draw a rotation that begins at the reference pose."""
     turn = turning(place)
     place.moving = True
     return turn._replace(begin=0.0)
 
 
 def passed_on(angle_in: Array, bend: float) -> Array:
-    """tan out = cos(bend) tan in, counted over turns; zero where the arm of the input is across the plane of both."""
+    """Return the output angle of tan out = cos(bend) tan in, counted over turns; zero where the arm of the input is
+    across the plane of both.
+    """
     s, c = np.sin(angle_in), np.cos(angle_in)
     return angle_in + np.arctan2((np.cos(bend) - 1.0) * s * c, c * c + np.cos(bend) * s * s)
 
 
 def ratio(angle_in: float, bend: float) -> tuple[float, float]:
-    """(d out / d in, its derivative)."""
+    """Return (d out / d in, its derivative)."""
     s, c, b = np.sin(angle_in), np.cos(angle_in), np.cos(bend)
     below = c * c + b * b * s * s
     return b / below, 2.0 * b * (1.0 - b * b) * s * c / below**2
 
 
 def shaft(place: Place, name: str, axis: Array, at: Array, rate: float) -> tuple:
-    """(body, hinge, moment of inertia): the centre of mass on the axis."""
+    """Return (body, hinge, moment of inertia): the centre of mass on the axis."""
     mass = float(place.rng.uniform(0.5, 3.0))
     tensor = place.inertia(mass, place.length(0.05, 0.3))
     body = place.body(name, mass, tensor, at, np.zeros(3), rate * axis)
@@ -41,7 +43,7 @@ def shaft(place: Place, name: str, axis: Array, at: Array, rate: float) -> tuple
 
 
 def bent(place: Place, most: float) -> tuple[Array, Array, Array, float]:
-    """(axis of the input, of the output, common normal, angle between them)."""
+    """Return (axis of the input, of the output, common normal, angle between them)."""
     a, bend = direction(place), float(place.rng.uniform(0.1, most))
     n = np.cross(a, direction(place))
     n /= np.linalg.norm(n)
@@ -49,7 +51,7 @@ def bent(place: Place, most: float) -> tuple[Array, Array, Array, float]:
 
 
 def cardan(place: Place) -> Problem:
-    """Two shafts with a universal joint, coasting or pulled: three redundant rows, an output that is not even."""
+    """Draw two shafts with a universal joint, coasting or pulled: three redundant rows, an uneven output."""
     rate, gain, t_end, _ = at_reference(place)
     bodies, joints, (J_a, J_b), bend, begin = crossed(place, rate)
     start = passed_on(np.array(begin), bend)
@@ -70,7 +72,7 @@ def cardan(place: Place) -> Problem:
 
 
 def driven_cardan(place: Place) -> Problem:
-    """The same shafts, the input driven evenly by its angle or by its speed."""
+    """Draw the same shafts, the input driven at a constant rate by its angle or by its speed."""
     t_end = float(place.rng.uniform(0.5, 3.0))
     rate = float(np.exp(place.rng.uniform(np.log(3.0), np.log(300.0)))) / t_end
     bodies, joints, _, bend, begin = crossed(place, rate)
@@ -85,7 +87,7 @@ def driven_cardan(place: Place) -> Problem:
 
 
 def crossed(place: Place, rate: float) -> tuple:
-    """(bodies, joints, moments of inertia, angle between the shafts, angle of the input at the start)."""
+    """Return (bodies, joints, moments of inertia, angle between the shafts, angle of the input at the start)."""
     a, b, n, bend = bent(place, 1.1)
     begin = float(place.rng.uniform(-3.0, 3.0))
     one, hinge, J_a = shaft(place, "input", a, -0.5 * place.unit * a, rate)
@@ -100,7 +102,7 @@ def crossed(place: Place, rate: float) -> tuple:
 
 
 def constant_velocity(place: Place) -> Problem:
-    """Two shafts with a constant-velocity joint."""
+    """Draw two shafts with a constant-velocity joint."""
     turn = at_reference(place)
     rate, gain, course = turn.rate, turn.gain, turn.course
     a, b, n, bend = bent(place, 0.8)
@@ -114,7 +116,7 @@ def constant_velocity(place: Place) -> Problem:
 
 
 def two_cardans(place: Place) -> Problem:
-    """Two universal joints in phase, the middle shaft carried by them alone: input and output turn alike."""
+    """Draw two universal joints in phase, the middle shaft carried by them alone: input and output turn alike."""
     rate, gain, t_end, _ = at_reference(place)
     a, m, n, bend = bent(place, 0.7)
     begin, long = float(place.rng.uniform(-3.0, 3.0)), place.length(0.4, 0.8)

@@ -22,7 +22,7 @@ from validation.calibration.rates import motion
 
 
 def spring(place: Place) -> Problem:
-    """A mass on a rail between spring and damper, swinging, under its weight and an alternating force."""
+    """Draw a mass on a rail between spring and damper, swinging, under its weight and an alternating force."""
     rng, way = place.rng, direction(place)
     mass, w = float(rng.uniform(0.5, 3.0)), float(np.exp(rng.uniform(0.5, 4.0)))
     zeta, force = float(rng.choice([0.0, 0.05, 0.7])), mass * place.length(0.0, 20.0)
@@ -47,7 +47,7 @@ def spring(place: Place) -> Problem:
 
 
 def stiff_bushing(place: Place) -> Problem:
-    """A body on a stiff bushing at its centre of mass, pushed slowly: the push should choose the step."""
+    """Draw a body on a stiff bushing at its centre of mass under a slow force, which should determine the step."""
     rng = place.rng
     mass, w = float(rng.uniform(0.5, 3.0)), float(np.exp(rng.uniform(5.0, 9.0)))
     zeta, hertz, push = float(rng.uniform(0.02, 0.5)), float(rng.uniform(0.3, 2.0)), place.length(0.1, 0.4)
@@ -79,7 +79,7 @@ def stiff_bushing(place: Place) -> Problem:
 
 
 def filtered(place: Place) -> Problem:
-    """A wheel with a controller that sees its angle and rate through filters, over a few turns."""
+    """Draw a wheel with a controller that reads its angle and rate through filters, over a few turns."""
     rng = place.rng
     body, hinge, J = rotor(place, "wheel", np.zeros(3), UP, 0.0, place.length(0.05, 0.2))
     w, zeta, target, tau = float(rng.uniform(3, 20)), float(rng.uniform(0.3, 0.9)), float(rng.uniform(-20, 20)), 0.02
@@ -101,7 +101,7 @@ def filtered(place: Place) -> Problem:
 
 
 def friction(place: Place) -> Problem:
-    """A wheel slows down by dry and viscous friction in its hinge, and stands."""
+    """Draw a wheel that slows down by dry and viscous friction in its hinge, and stops."""
     rng = place.rng
     rate = float(rng.uniform(2.0, 60.0))
     body, hinge, J = rotor(place, "wheel", np.zeros(3), UP, rate, place.length(0.05, 0.2))

@@ -1,4 +1,4 @@
-"""The trials of the suite in the order of the report: what is run, and who judges it."""
+"""Test cases of the suite in the order of the report, with their judges."""
 
 import fnmatch
 from itertools import chain
@@ -9,7 +9,7 @@ from validation.suite.trials.trial import Trial
 
 
 def trials(quick: bool = False) -> list[Trial]:
-    """All trials; the short list has the fewest random systems and engines.
+    """Return all test cases; the short list has the fewest random systems and engines.
 
     ``quick``: whether the run must be short. Names are unique.
     """
@@ -19,7 +19,7 @@ def trials(quick: bool = False) -> list[Trial]:
 
 
 def chosen(everything: list[Trial], names: tuple[str, ...]) -> list[Trial]:
-    """The trials of these names, which may be patterns such as ``nvh_*``; all for none.
+    """Return the test cases of these names, which may be patterns such as ``nvh_*``; all for none.
 
     InputError for a name that no trial has.
     """

@@ -1,4 +1,4 @@
-"""Closed forms of the reference cases: `validation.theory` fed with the masses and points of a model.
+"""Closed forms of the reference cases: `validation.theory` with the masses and points of a model.
 
 Every law takes a `Run` and returns quantity -> (computed, exact); nothing of the computed motion enters the exact side.
 """
@@ -16,14 +16,15 @@ Pairs = dict[str, tuple[Any, Any]]
 
 
 def turned(axis: np.ndarray, angle: Any, vector: np.ndarray) -> np.ndarray:
-    """(n, 3) vector turned about a unit axis by angles (n,): Rodrigues."""
+    """Return a vector rotated about a unit axis by angles (n,): Rodrigues; shape (n, 3)."""
     along, side = axis * (axis @ vector), np.cross(axis, vector)
     angle = np.asarray(angle, dtype=float)[:, None]
     return along + np.cos(angle) * (vector - along) + np.sin(angle) * side
 
 
 def swing(made: Run) -> tuple[Any, float, float, float]:
-    """(hinge, w0, angle from the lowest position, rate) at the start of one body that swings about a fixed axis."""
+    """Return (hinge, w0, angle from the lowest position, rate) at the start of one body that swings about a fixed
+    axis."""
     system = made.system
     body, hinge = system.bodies[0], system.joints[0]
     u, g, R = hinge.axis, system.gravity, body_rotation(body)
@@ -35,12 +36,12 @@ def swing(made: Run) -> tuple[Any, float, float, float]:
 
 
 def body_rotation(body: Any) -> np.ndarray:
-    """(3, 3) at the reference pose, by the theory's own formula."""
+    """Return the rotation at the reference pose by the theory's own formula, shape (3, 3)."""
     return np.asarray(theory.rotation_matrix(body.orientation), dtype=float)
 
 
 def pendulum(made: Run) -> Pairs:
-    """Physical pendulum of any amplitude about any axis: elliptic functions."""
+    """Compare a physical pendulum of any amplitude about any axis with elliptic functions."""
     hinge, frequency, angle, rate = swing(made)
     phi, phi_dot = theory.pendulum_motion(made.solution.t, frequency, angle, rate)
     body = made.system.bodies[0]
@@ -52,17 +53,19 @@ def pendulum(made: Run) -> Pairs:
 
 
 def small(made: Run, frequency: float) -> Pairs:
-    """Frequency of what hangs and swings."""
+    """Compare the frequency of small oscillations of a hanging body."""
     return {"frequency": (np.abs(linearize(made.system).eigenvalues.imag).max(), frequency)}
 
 
 def rods_frequency(n: int) -> float:
-    """Frequency [rad/s] of n hanging four-bars: n + 1 rods of 1 kg, 1 m turn about their feet, n go in a circle."""
+    """Return the frequency [rad/s] of n hanging four-bars: n + 1 rods of 1 kg, 1 m turn about their feet, n translate
+    on a circle.
+    """
     return theory.pendulum_frequency((n + 1) / 3 + n, (n + 1) / 2 + n, 1.0)
 
 
 def four_bars(made: Run) -> Pairs:
-    """Four-bars over the top, from upright at -1 rad/s, through the poses where all rods lie on one line."""
+    """Compare four-bars over the top, from upright at -1 rad/s, through the poses where all rods lie on one line."""
     n = sum(body.name.startswith("coupler") for body in made.system.bodies)
     phi, phi_dot = theory.pendulum_motion(made.solution.t, rods_frequency(n), np.pi, -1.0)
     half = np.stack([0.5 * np.sin(phi), -0.5 * np.cos(phi), np.zeros_like(phi)], axis=1)
@@ -74,7 +77,7 @@ def four_bars(made: Run) -> Pairs:
 
 
 def arm_and_slider(made: Run) -> Pairs:
-    """r = r0 cosh(w t), and the Coriolis torque of the motor."""
+    """Compare r = r0 cosh(w t), and the Coriolis torque of the motor."""
     arm, slider = made.system.bodies
     rate = arm.omega[2]
     radius, speed = theory.arm_slider(made.solution.t, rate, 0.1)
@@ -86,7 +89,7 @@ def arm_and_slider(made: Run) -> Pairs:
 
 
 def cardan(made: Run) -> Pairs:
-    """Cardan joint at 45 degrees: uneven rate, and the torque that an even input takes."""
+    """Compare a Cardan joint at 45 degrees: uneven rate, and the torque for a constant input rate."""
     rate, bend, inertia = 10.0, np.pi / 4, 0.08  # rad/s, rad, kg m^2 of the output about its axis
     angle, axis = rate * made.solution.t, made.system.part("R2", "joints").axis
     return {
@@ -96,7 +99,7 @@ def cardan(made: Run) -> Pairs:
 
 
 def free_body(made: Run) -> Pairs:
-    """Torque-free body: elliptic functions, attitude included."""
+    """Compare a torque-free body with elliptic functions, attitude included."""
     body = made.system.bodies[0]
     start = body_rotation(body).T @ body.omega
     exact = theory.free_body(made.solution.t, np.diag(body.inertia), start, body.orientation)
@@ -107,7 +110,7 @@ def free_body(made: Run) -> Pairs:
 
 
 def heavy_top(made: Run) -> Pairs:
-    """Body on a ball joint at the origin under its weight: Taylor series in extended precision."""
+    """Compare a body on a ball joint at the origin under its weight with Taylor series in extended precision."""
     body, mass = made.system.bodies[0], made.system.bodies[0].mass
     R = body_rotation(body)
     arm = body.com + R.T @ body.position  # from the pivot, body axes
@@ -121,7 +124,7 @@ def heavy_top(made: Run) -> Pairs:
 
 
 def circling(body: str, rate: float, made: Run) -> Pairs:
-    """The centre of mass goes round the vertical through the origin at a constant rate."""
+    """Compare the centre of mass with a circle about the vertical through the origin at a constant rate."""
     part = made.system.part(body)
     start = part.position + body_rotation(part) @ part.com
     exact = turned(np.array([0.0, 0.0, 1.0]), rate * made.solution.t, start)
@@ -129,21 +132,21 @@ def circling(body: str, rate: float, made: Run) -> Pairs:
 
 
 def slow_top(made: Run) -> Pairs:
-    """Regular precession at the slow rate; 150 rad/s about the axis, which leans by 60 degrees."""
+    """Compare regular precession at the slow rate; 150 rad/s about the axis, which leans by 60 degrees."""
     mass, length, transverse, axial = 2.0, 0.3, 0.02, 0.015
     slow, _ = theory.steady_precession(transverse + mass * length**2, axial, 150.0, mass * 9.81 * length, np.pi / 3)
     return circling("top", slow, made)
 
 
 def gimbal(made: Run) -> Pairs:
-    """A wheel on a level axle precesses steadily: W = m g l / (C w)."""
+    """Compare the steady precession of a wheel on a level axle: W = m g l / (C w)."""
     mass, length, axial = 3.0, 0.2, 0.09375
     slow, _ = theory.steady_precession(axial, axial, 100.0, mass * 9.81 * length, np.pi / 2)
     return circling("wheel", slow, made)
 
 
 def rolling(made: Run) -> Pairs:
-    """A leaning disc on a circle of ten times its radius, clockwise from above."""
+    """Compare a leaning disc on a circle of ten times its radius, clockwise from above."""
     disc, radius = made.system.bodies[0], 0.05
     transverse, axial = np.diag(disc.inertia)[[0, 1]]
     exact = theory.rolling_circle(disc.mass, radius, transverse, axial, 10 * radius, np.radians(5.0))

@@ -1,4 +1,4 @@
-"""Engines and planar mechanisms as cases, and the planar judge: what stays in a plane, once more by the planar solver.
+"""Engines and planar mechanisms as cases, and the planar judge: planar mechanisms solved again by the planar solver.
 
 Loads on the block are compared in closed form, as a sum of planes and in space; planar mechanisms in plane and space.
 """
@@ -18,25 +18,25 @@ from mbsd3d.errors import InputError
 from mbsd3d.extend import perpendiculars
 from validation import reduce_to_planes
 from validation.benchmark import planar_pairs as twins
-from validation.cases.inline_four import RATE, block_force, inline_four
+from validation.cases.inline_four import CRANK_RATE, block_force, inline_four
 from validation.suite.findings import PLANE, THEORY, Finding, judged, not_compared
 from validation.suite.trials.trial import Run, Trial, run
 
-EXACT = 1e-12  # Of directions and distances: beyond rounding a mechanism is not planar
-LEAST_ORDER = 3.5  # Runge-Kutta of order 4 shows at least this one as long as its error is larger than ours
-LADDER = (2000, 8000)  # Steps of the runs
-COMPARED = 9  # At which both are compared, the start and the end among them
-LIMIT = 1e-5
+PLANAR_TOLERANCE = 1e-12  # [1] of directions and distances: beyond rounding a mechanism is not planar
+ORDER_MIN = 3.5  # [1] Runge-Kutta of order 4 shows at least this one while its error exceeds that of mbsd3d
+STEP_COUNTS = (2000, 8000)  # [1] steps of the runs
+COMPARED_SAMPLES = 9  # [1] samples of the comparison, the start and the end among them
+DIFFERENCE_MAX = 1e-5
 """Largest error of the finest run where it falls at the right order: what is left is the planar method's own."""
 
 
 class NotPlanarError(InputError):
-    """A mechanism that the planar solver has no words for; the text names the part."""
+    """Error for a mechanism that the planar solver cannot represent; the text names the part."""
 
 
 @dataclass
 class Flat:
-    """The mechanism seen along ``axis``: x and y are the first rows of ``frame`` (3, 3)."""
+    """Mechanism seen along ``axis``: x and y are the first rows of ``frame`` (3, 3)."""
 
     frame: np.ndarray
     bodies: dict[int, planar.Body] = field(default_factory=dict)
@@ -44,23 +44,23 @@ class Flat:
     loads: list[Any] = field(default_factory=list)
 
     def flat(self, vector: Any) -> np.ndarray:
-        """(2,) components in the plane."""
+        """Return the components of a vector in the plane, shape (2,)."""
         return self.frame[:2] @ np.asarray(vector, dtype=float)
 
     def of(self, body: Any) -> Any:
-        """The planar body."""
+        """Return the planar body of a body."""
         return planar.GROUND if body is GROUND else self.bodies[id(body)]
 
     def sense(self, axis: np.ndarray, what: str) -> float:
-        """+1 or -1 for an axis along or against the normal."""
+        """Return +1 or -1 for an axis along or against the normal."""
         along = float(self.frame[2] @ axis)
-        if abs(along) < 1.0 - EXACT:
+        if abs(along) < 1.0 - PLANAR_TOLERANCE:
             raise NotPlanarError(f"the axis of {what} is not normal to the plane")
         return np.sign(along)
 
 
 def normal_of(system: System) -> np.ndarray:
-    """The axis that all hinges share."""
+    """Return the axis that all hinges share."""
     hinges = [joint for joint in system.joints if isinstance(joint, Revolute)]
     if not hinges or any(not isinstance(joint, Revolute | Prismatic | SpeedDriver) for joint in system.joints):
         raise NotPlanarError("only hinges, slides and motors about one axis move in a plane")
@@ -68,7 +68,7 @@ def normal_of(system: System) -> np.ndarray:
 
 
 def flatten(system: System) -> tuple[planar.System, Flat]:
-    """The planar model of a spatial mechanism.
+    """Return the planar model of a spatial mechanism.
 
     NotPlanarError naming the part that leaves the plane, or has no planar counterpart.
     """
@@ -85,12 +85,12 @@ def flatten(system: System) -> tuple[planar.System, Flat]:
 
 
 def flat_body(made: Flat, body: Any) -> planar.Body:
-    """A body with its x axis along the plane's at the reference pose."""
+    """Return a planar body with its x axis along the plane's at the reference pose."""
     normal, omega = made.frame[2], None
     inertia = float(normal @ body.axes @ body.inertia @ body.axes.T @ normal)
     if body.omega is not None:
         omega = float(normal @ body.omega)
-        if np.linalg.norm(body.omega - omega * normal) > EXACT * max(1.0, abs(omega)):
+        if np.linalg.norm(body.omega - omega * normal) > PLANAR_TOLERANCE * max(1.0, abs(omega)):
             raise NotPlanarError(f"body '{body.name}' turns out of the plane at the start")
     velocity = None if body.velocity is None else made.flat(body.velocity)
     com, position = made.flat(body.centre - body.position), made.flat(body.position)
@@ -98,10 +98,10 @@ def flat_body(made: Flat, body: Any) -> planar.Body:
 
 
 def add_joint(made: Flat, system: System, joint: Joint) -> None:
-    """The planar counterpart of a joint; a second hinge on the same axis adds nothing in a plane."""
+    """Add the planar counterpart of a joint; a second hinge on the same axis adds nothing in a plane."""
     what, ends = system.name(joint), (made.of(joint.a), made.of(joint.b))
     if isinstance(joint, Prismatic):
-        if abs(made.frame[2] @ joint.axis) > EXACT:
+        if abs(made.frame[2] @ joint.axis) > PLANAR_TOLERANCE:
             raise NotPlanarError(f"the axis of {what} leaves the plane")
         made.joints.append(planar.Slider(*ends, at=made.flat(joint.at), axis=made.flat(joint.axis), name=what))
         return
@@ -115,16 +115,16 @@ def add_joint(made: Flat, system: System, joint: Joint) -> None:
         sense = sense if shared[0].b is ends[1] else -sense
         speed = sense * constant(joint.speed, what)
         made.joints.append(planar.AngleDriver(shared[0], planar.rate(speed), name=what))
-    elif not any(np.allclose(found.at, made.flat(joint.at), rtol=0.0, atol=EXACT) for found in shared):
+    elif not any(np.allclose(found.at, made.flat(joint.at), rtol=0.0, atol=PLANAR_TOLERANCE) for found in shared):
         made.joints.append(planar.Revolute(*ends, at=made.flat(joint.at), name=what))
 
 
 def flat_load(made: Flat, system: System, force: Any) -> Any:
-    """The planar counterpart of a force."""
+    """Return the planar counterpart of a force."""
     what = system.name(force)
     if isinstance(force, SpringDamper):
-        ends = {"at_a": made.flat(force.at_a), "at_b": made.flat(force.at_b), "length": force.length}
-        values = {"stiffness": force.stiffness, "damping": force.damping, "name": what}
+        ends: dict[str, Any] = {"at_a": made.flat(force.at_a), "at_b": made.flat(force.at_b), "length": force.length}
+        values: dict[str, Any] = {"stiffness": force.stiffness, "damping": force.damping, "name": what}
         return planar.Spring(made.of(force.a), made.of(force.b), **ends, **values)
     if isinstance(force, Torque):
         torque = np.array([constant(part, what) for part in force.torque])
@@ -134,14 +134,14 @@ def flat_load(made: Flat, system: System, force: Any) -> Any:
 
 
 def constant(signal: Any, what: str) -> float:
-    """The value of a signal that does not change."""
+    """Return the value of a constant signal; raise NotPlanarError for others."""
     if not isinstance(signal, Constant):
         raise NotPlanarError(f"{what} changes with time")
     return signal.value
 
 
 def in_the_plane(made: Run) -> Iterable[Finding]:
-    """Centres of mass of all bodies against the flattened mechanism."""
+    """Compare the centres of mass of all bodies with the planar mechanism."""
     try:
         system, flat = flatten(made.system)
     except ValueError as reason:
@@ -150,37 +150,42 @@ def in_the_plane(made: Run) -> Iterable[Finding]:
 
 
 def by_ladder(made: Run, system: planar.System, frame: np.ndarray) -> Iterable[Finding]:
-    """The same against a planar model, bodies of equal names: errors of its runs must fall at their order."""
+    """Compare the centres of mass with a planar model, bodies of equal names: errors of its runs must fall at their
+    order.
+    """
     try:
-        runs = [planar.simulate(system, made.t_end, dt=made.t_end / n, output=COMPARED) for n in LADDER]
+        runs = [planar.simulate(system, made.t_end, dt=made.t_end / n, output=COMPARED_SAMPLES) for n in STEP_COUNTS]
     except ValueError as reason:
         yield not_compared(PLANE, str(reason))
         return
     rtol = made.solution.record.rtol
-    ours = run(made.system, made.t_end, state=made.state, output=COMPARED, rtol=rtol).solution
+    ours = run(made.system, made.t_end, state=made.state, output=COMPARED_SAMPLES, rtol=rtol).solution
     errors = [apart(ours, frame, theirs) for theirs in runs]
-    order = float(np.log(errors[0] / errors[1]) / np.log(LADDER[1] / LADDER[0])) if errors[-1] > 0.0 else np.inf
-    limit = LIMIT if order >= LEAST_ORDER else made.accuracy
-    text = f"{LADDER[-1]} steps of {made.t_end / LADDER[-1]:.3g} s, observed order {order:.2f}"
+    order = (
+        float(np.log(errors[0] / errors[1]) / np.log(STEP_COUNTS[1] / STEP_COUNTS[0])) if errors[-1] > 0.0 else np.inf
+    )
+    limit = DIFFERENCE_MAX if order >= ORDER_MIN else made.accuracy
+    text = f"{STEP_COUNTS[-1]} steps of {made.t_end / STEP_COUNTS[-1]:.3g} s, observed order {order:.2f}"
     yield judged(PLANE, "centres of mass", errors[-1], limit, text)
 
 
 def apart(ours: Any, frame: np.ndarray, theirs: planar.Solution) -> float:
-    """Largest distance of centres of mass over the largest of their coordinates, at least 1 m."""
+    """Return the largest distance of centres of mass over the largest of their coordinates, at least 1 m [-]."""
     found = np.array([ours.com(body) @ frame[:2].T for body in ours.system.bodies])
     known = np.array([theirs.com(body.name) for body in ours.system.bodies])
     return float(np.abs(found - known).max() / max(1.0, np.abs(found).max()))
 
 
 GRAVITY = (1.3, -9.6)  # m/s^2, in the plane of the cylinders, along no axis
-SHORT = ("single", "I4", "V8_cross")  # Layouts of the short list
-PEERED = ("I4", "V6_90_split30")  # Layouts that other engines are asked about; the others have the same parts
+QUICK_LAYOUTS = ("single", "I4", "V8_cross")  # layouts of the short list
+PEER_LAYOUTS = ("I4", "V6_90_split30")  # layouts that other engines are asked about; the others have the same parts
 SAMPLES = 33
 
 
 def trials(quick: bool) -> list[Trial]:
-    """Layouts of engines, the inline four of the sweeps, and planar mechanisms with and without redundant rows."""
-    found = [layout(name) for name in (SHORT if quick else names())]
+    """Return layouts of engines, the inline four of the sweeps, and planar mechanisms with and without redundant
+    rows."""
+    found = [layout(name) for name in (QUICK_LAYOUTS if quick else names())]
     found.append(Trial("inline_four", "engines", "inline four, driven, as a sum of planes", four, {PLANE: block}))
     for k, mechanism in enumerate(twins.mechanisms()):
         for redundant in (False, True):
@@ -192,14 +197,16 @@ def trials(quick: bool) -> list[Trial]:
 
 
 def layout(name: str) -> Trial:
-    """An engine of `engines.balance`."""
-    alone = "" if name in PEERED else f"{' and '.join(PEERED)} represent the layouts, which have the same parts"
+    """Return the test case of an engine of `engines.balance`."""
+    alone = (
+        "" if name in PEER_LAYOUTS else f"{' and '.join(PEER_LAYOUTS)} represent the layouts, which have the same parts"
+    )
     judges = {THEORY: partial(balanced, "phasor", THEORY), PLANE: partial(balanced, "planar", PLANE)}
     return Trial(f"engine_{name}", "engines", Engine(name).layout.title, partial(turning, name), judges, alone=alone)
 
 
 def turning(name: str) -> Run:
-    """One turn of the crank; the source holds the harmonics three ways."""
+    """Simulate one turn of the crank; the source holds the harmonics by three methods."""
     engine = Engine(name)
     system = spatial.build(engine, gravity=(*GRAVITY, 0.0))
     solution = spatial.turn(system, engine)
@@ -207,30 +214,38 @@ def turning(name: str) -> Run:
 
 
 def balanced(way: str, judge: str, made: Run) -> Iterable[Finding]:
-    """Harmonics 0 to 6 of the load on the block: the model in space against another way."""
+    """Compare harmonics 0 to 6 of the load on the block: the model in space against another method."""
     found, engine = made.source.ways, made.source.engine
     error = found[way].difference(found["spatial"], engine.spacing) / engine.single
-    yield judged(judge, "harmonics of the block load", error, balance.LIMIT, "relative to the 1x force of one cylinder")
+    yield judged(
+        judge,
+        "harmonics of the block load",
+        error,
+        balance.DISAGREEMENT_MAX,
+        "relative to the 1x force of one cylinder",
+    )
 
 
 def four() -> Run:
-    """One turn of the inline four."""
-    return run(inline_four(), 2 * np.pi / RATE, method=Kinematic(), output=SAMPLES)
+    """Simulate one turn of the inline four."""
+    return run(inline_four(), 2 * np.pi / CRANK_RATE, method=Kinematic(), output=SAMPLES)
 
 
 def block(made: Run) -> Iterable[Finding]:
-    """Force on the block as a sum of planes."""
+    """Compare the force on the block with a sum of planes."""
     ours = block_force(made.solution)
     known = reduce_to_planes(made.system).block_load(made.solution.t).force
-    yield judged(PLANE, "force on the block", np.abs(ours - known).max() / np.abs(known).max(), balance.LIMIT)
+    yield judged(
+        PLANE, "force on the block", np.abs(ours - known).max() / np.abs(known).max(), balance.DISAGREEMENT_MAX
+    )
 
 
 def free(k: int, redundant: bool) -> Run:
-    """A planar mechanism that runs freely in space for a turn of its first speed."""
+    """Simulate a planar mechanism that runs freely in space for a turn of its first speed."""
     mechanism = twins.mechanisms()[k]
     return run(mechanism.space(redundant=redundant), mechanism.turn, output=SAMPLES)
 
 
 def twin(k: int, made: Run) -> Iterable[Finding]:
-    """The same mechanism in the planar solver; its plane is x and y."""
+    """Compare the same mechanism in the planar solver; its plane is x and y."""
     return by_ladder(made, twins.mechanisms()[k].plane(), np.eye(3))

@@ -1,4 +1,4 @@
-"""Closed loops of hinges with one freedom, which no count of rows gives, against the product of exponentials."""
+"""Closed loops of hinges with one degree of freedom, despite the count of rows, against the product of exponentials."""
 
 from collections.abc import Iterable
 from functools import partial
@@ -12,34 +12,36 @@ from validation.suite.trials.closed_forms import Pairs
 from validation.suite.trials.references import counts, theory_of
 from validation.suite.trials.trial import Run, Trial, run
 
-SEEDS = 3  # of each family in the whole list
-RATE, T_END, SAMPLES = 2.0, 1.5, 31  # rad/s of the first hinge at the start, s
+SEED_COUNT = 3  # [1] of each family in the whole list
+HINGE_RATE, T_END, SAMPLES = 2.0, 1.5, 31  # rad/s of the first hinge at the start, s
 
 
 def trials(quick: bool) -> list[Trial]:
-    """One of each family, or three: parameters, masses, inertias and base pose are random, the first hinge turns."""
+    """Return one of each family, or three: parameters, masses, inertias and base pose are random, the first hinge
+    turns.
+    """
     judges = {FREEDOMS: freedoms, THEORY: partial(theory_of, turned)}
     return [
         Trial(f"loop_{name}_{seed}", "closed loops", f"{name.replace('_', ' ')}, seed {seed}",
               partial(let_go, name, seed), judges, drawn=seed == 0)
-        for name in FAMILIES for seed in range(1 if quick else SEEDS)
+        for name in FAMILIES for seed in range(1 if quick else SEED_COUNT)
     ]  # fmt: skip
 
 
 def let_go(name: str, seed: int) -> Run:
-    """The free motion of a random loop."""
+    """Simulate the free motion of a random loop."""
     system = FAMILIES[name](np.random.default_rng(seed))
-    return run(system, T_END, state=system.assemble(rates={"hinge 1": RATE}), output=SAMPLES)
+    return run(system, T_END, state=system.assemble(rates={"hinge 1": HINGE_RATE}), output=SAMPLES)
 
 
 def turned(made: Run) -> Pairs:
-    """Angles of all hinges since the start."""
+    """Compare the angles of all hinges since the start."""
     ours = np.array([made.solution.angle(hinge) for hinge in made.system.joints]).T
-    return {"angles": (ours - ours[0], as_axes(made.system).motion(RATE, made.solution.t))}
+    return {"angles": (ours - ours[0], as_axes(made.system).motion(HINGE_RATE, made.solution.t))}
 
 
 def freedoms(made: Run) -> Iterable[Finding]:
-    """n hinges have 5 n rows and leave n - 1 bodies one freedom."""
+    """Compare the count: n hinges have 5 n rows and leave n - 1 bodies one degree of freedom."""
     n = len(made.system.joints)
     rank = 6 * (n - 1) - 1
     return counts(made, {"geometry": Count(5 * n, rank, 1, 5 * n - rank)})

@@ -1,4 +1,4 @@
-"""A case of the suite: a mechanism, how it is run, and who judges it."""
+"""Test case of the suite: a mechanism, its run, and its judges."""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
@@ -8,14 +8,14 @@ from mbsd3d import Solution, State, System, simulate
 from validation.suite.findings import CERTIFICATE, DIFFERS, Finding, Record, judged
 
 RTOL = 1e-10  # Of our runs: a hundredth of the tightest limit
-ACCURACY = 100 * RTOL  # What the errors of some hundred steps add up to where nothing is amplified
-STANDS = "other engines take too long for a short run; see {} instead"
+ERROR_MAX = 100 * RTOL  # [1] accumulated error of some hundred steps where nothing is amplified
+LONG_RUN_REASON = "other engines take too long for a short run; see {} instead"
 """Why a trial is not compared with engines in a short run."""
 
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """A mechanism with its motion.
+    """Mechanism with its motion.
 
     ``t_end``: [s]; 0 where only the start counts; ``solution``: our motion; None without one; ``state``: start; None =
     as the bodies give it; ``source``: what the judges of a group need: a `validation.cases.Case`, an outcome of a demo;
@@ -27,7 +27,7 @@ class Run:
     solution: Solution | None = None
     state: State | None = None
     source: Any = None
-    accuracy: float = ACCURACY
+    accuracy: float = ERROR_MAX
 
 
 def run(
@@ -36,7 +36,7 @@ def run(
     *,
     state: State | None = None,
     source: Any = None,
-    accuracy: float = ACCURACY,
+    accuracy: float = ERROR_MAX,
     **options: Any,
 ) -> Run:
     """Simulate a mechanism at `RTOL`; other options as for `simulate`."""
@@ -49,7 +49,7 @@ Judge = Callable[[Run], Iterable[Finding]]
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """A case of the suite.
+    """Test case of the suite.
 
     ``name, group, title``: name on the command line; heading in the table; a few words; ``make``: builds and runs the
     mechanism; ``judges``: judge of `findings.JUDGES` -> function that gives its findings for a `Run`; ``drawn``:
@@ -66,7 +66,7 @@ class Trial:
 
 
 def certificate(run: Run) -> list[Finding]:
-    """The checks of our own run, each over its limit; the largest error beside its limit is kept."""
+    """Yield the checks of the run's own certificate, each over its limit; the largest error with its limit is kept."""
     if run.solution is None:
         return []
     found = run.solution.certificate
@@ -79,7 +79,7 @@ def certificate(run: Run) -> list[Finding]:
 
 
 def examine(trial: Trial) -> tuple[Record, Run | None]:
-    """Run a trial and ask its judges; whatever stops one of them is a finding that differs."""
+    """Run a test case and its judges; an exception of a judge is a finding that differs."""
     try:
         made = trial.make()
     except ValueError as error:
@@ -90,7 +90,7 @@ def examine(trial: Trial) -> tuple[Record, Run | None]:
 
 
 def asked(name: str, judge: Judge, made: Run) -> list[Finding]:
-    """Findings of a judge; one that stops has found that something is wrong."""
+    """Return the findings of a judge; its exception is a finding that differs."""
     try:
         return list(judge(made))
     except Exception as error:  # one judge that breaks must not take the other cases with it
@@ -98,12 +98,12 @@ def asked(name: str, judge: Judge, made: Run) -> list[Finding]:
 
 
 def stopped(judge: str, quantity: str, error: Exception) -> Finding:
-    """A finding for what could not be finished."""
+    """Return a finding for a comparison that could not be finished."""
     return Finding(judge, DIFFERS, quantity, note=f"stopped: {type(error).__name__}: {' '.join(str(error).split())}")
 
 
 def facts_of(made: Run) -> dict[str, Any]:
-    """Sizes of a mechanism and of its run."""
+    """Return the sizes of a mechanism and of its run."""
     system = made.system
     facts = {"bodies": len(system.bodies), "joints": len(system.joints), "forces": len(system.forces)}
     facts["t_end"] = made.t_end

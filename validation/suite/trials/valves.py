@@ -1,4 +1,4 @@
-"""Valves on cams as cases: multiplier and float, contact and bounce, surge, judged by the laws of cams."""
+"""Valves on cams as cases: multiplier and float, contact and bounce, surge, checked by cam laws."""
 
 from collections.abc import Iterable
 from functools import partial
@@ -6,72 +6,79 @@ from functools import partial
 import numpy as np
 
 from engines import closed_forms
-from engines.nvh.valvetrain.report import HALF, LIFT, Valve
+from engines.nvh.valvetrain.report import CAM_HALF_ANGLE, CAM_LIFT, Valve
 from mbsd3d import SlideDriver, System, linearize
 from validation.suite.findings import THEORY, Finding, judged
 from validation.suite.trials.trial import Run, Trial
 
-OWN, CURVES = "the contact is a force of one's own", "no other engine has contacts on curves"
-KNOWN = "closed forms judge it"
-FOLLOWS = 1500.0  # 1/min: float begins at 3574
-SMOOTH = 0.16  # rad from the ends and the nose of a lift: where its derivatives jump the spline rings
+OWN_FORCE_REASON, CURVE_REASON = "the contact is a force of one's own", "no other engine has contacts on curves"
+CLOSED_FORM_REASON = "closed forms judge it"
+CONTACT_RPM = 1500.0  # [1/min] float begins at 3574
+SPLINE_MARGIN = 0.16  # [rad] from the ends and the nose of a lift: where its derivatives jump the spline oscillates
 
 
 def trials(quick: bool) -> list[Trial]:
-    """A flat face in contact, rollers held, a valve that bounces, a spring; the first of them if it must be quick."""
+    """Return a flat face in contact, rollers held, a valve that bounces, a spring; the first of them for a quick
+    run."""
     found = [
         Trial(f"nvh_valve{name}", "engines in cars", title, make, {THEORY: judge}, alone=alone)
         for name, title, make, judge, alone in (
-            ("", f"valve on a cam in contact at {FOLLOWS:g} 1/min", valve, on_the_cam, OWN),
-            ("_roller", "valve held on a cam by a roller", partial(held, "harmonic", "roller"), pushed, CURVES),
-            ("_barrel", "valve held on the rim of a drum", partial(held, "cycloidal", "barrel"), pushed, CURVES),
-            ("_float", "valve that leaves a drum and bounces", partial(floating, "cycloidal", "barrel"), bounced, OWN),
-            ("_surge", "a spring of eight pieces over a closed valve", surging, surged, KNOWN),
+            ("", f"valve on a cam in contact at {CONTACT_RPM:g} 1/min", valve, on_the_cam, OWN_FORCE_REASON),
+            ("_roller", "valve held on a cam by a roller", partial(held, "harmonic", "roller"), pushed, CURVE_REASON),
+            ("_barrel", "valve held on the rim of a drum", partial(held, "cycloidal", "barrel"), pushed, CURVE_REASON),
+            (
+                "_float",
+                "valve that leaves a drum and bounces",
+                partial(floating, "cycloidal", "barrel"),
+                bounced,
+                OWN_FORCE_REASON,
+            ),
+            ("_surge", "a spring of eight pieces over a closed valve", surging, surged, CLOSED_FORM_REASON),
         )
     ]
     return found[: 1 if quick else None]
 
 
 def valve() -> Run:
-    """A valve in contact with its cam, well below the speed of float."""
-    made = Valve("cycloidal", FOLLOWS)
+    """Simulate a valve in contact with its cam, well below the float speed."""
+    made = Valve("cycloidal", CONTACT_RPM)
     return Run(made.run.system, float(made.run.t[-1]), made.run, source=made)
 
 
 def speed_of_float(made: Valve) -> Finding:
-    """Speed from which on the multiplier pulls, by the law of the cam."""
+    """Compare the speed from which the multiplier pulls with the law of the cam."""
     train = made.train
-    s, _, dds = getattr(closed_forms.cams, made.law)(np.linspace(-np.pi, np.pi, 20001), LIFT, HALF)
+    s, _, dds = getattr(closed_forms.cams, made.law)(np.linspace(-np.pi, np.pi, 20001), CAM_LIFT, CAM_HALF_ANGLE)
     known = 30 / np.pi * closed_forms.cams.float_rate(train.mass, train.rate, train.preload, s, dds)
     return judged(THEORY, "speed of float", abs(made.floats / known - 1), 1e-4, "lift by a spline of half degrees")
 
 
 def on_the_cam(made: Run) -> Iterable[Finding]:
-    """Speed of float, and the force of the contact, by the law of the cam."""
+    """Compare the float speed and the force of the contact with the law of the cam."""
     train = made.source.train
     yield speed_of_float(made.source)
     angle = (train.turn * made.solution.t) % (2 * np.pi) - np.pi
-    s, _, dds = closed_forms.cams.cycloidal(angle, LIFT, HALF)
+    s, _, dds = closed_forms.cams.cycloidal(angle, CAM_LIFT, CAM_HALF_ANGLE)
     force = train.mass * dds * train.turn**2 + train.preload + train.rate * s
     off = np.abs(made.solution.force("contact").force[:, 2] - force).max() / force.max()
     yield judged(THEORY, "force of the contact", float(off), 0.03, "relative to the largest; the valve swings on it")
 
 
 def held(law: str, follower: str) -> Run:
-    """A turn with the valve held on its cam, above the speed of float, by kinematics."""
+    """Simulate a turn with the valve held on its cam, above the float speed, by kinematics."""
     made = Valve(law, None, follower)
     return Run(made.held.system, float(made.held.t[-1]), made.held, source=made)
 
 
 def pushed(made: Run) -> Iterable[Finding]:
-    """Speed of float, multiplier, side force and torque by the law of the cam."""
+    """Compare the float speed, multiplier, side force and torque with the law of the cam."""
     train, law, run = made.source.train, getattr(closed_forms.cams, made.source.law), made.solution
     yield speed_of_float(made.source)
     angle = (train.turn * run.t) % (2 * np.pi) - np.pi
-    s, ds, dds = law(angle, LIFT, HALF)
+    s, ds, dds = law(angle, CAM_LIFT, CAM_HALF_ANGLE)
     along = train.mass * dds * train.turn**2 + train.preload + train.rate * s
     aside = ds / train.cam.base if made.source.follower == "barrel" else -ds / (train.cam.height + s)
-    smooth = np.min([np.abs(np.abs(angle) - HALF), np.abs(angle)], axis=0) > SMOOTH
+    smooth = np.min([np.abs(np.abs(angle) - CAM_HALF_ANGLE), np.abs(angle)], axis=0) > SPLINE_MARGIN
     force, note = run.reaction("cam").force, "relative to the largest, away from jumps of the law's derivatives"
     for what, found, exact in (
         ("force of the cam", force[:, 2], along),
@@ -84,17 +91,17 @@ def pushed(made: Run) -> Iterable[Finding]:
 
 
 def floating(law: str, follower: str) -> Run:
-    """A valve above its speed of float, in a contact that opens."""
+    """Simulate a valve above its float speed, in a contact that opens."""
     made = Valve(law, None, follower)
     return Run(made.run.system, float(made.run.t[-1]), made.run, source=made)
 
 
 def bounced(made: Run) -> Iterable[Finding]:
-    """Every flight and blow of two turns by one equation of motion along the law."""
+    """Compare every flight and impact of two turns with one equation of motion along the law."""
     train, run = made.source.train, made.solution
 
     def law(angle: np.ndarray) -> tuple:
-        return getattr(closed_forms.cams, made.source.law)(angle, LIFT, HALF)
+        return getattr(closed_forms.cams, made.source.law)(angle, CAM_LIFT, CAM_HALF_ANGLE)
 
     numbers = (train.rate, train.preload), (train.contact, train.damping)
     known = closed_forms.cams.bounce(law, train.turn, train.mass, *numbers, run.t)
@@ -103,15 +110,15 @@ def bounced(made: Run) -> Iterable[Finding]:
 
 
 def surging() -> Run:
-    """A spring over a valve that a slide holds shut; nothing moves."""
-    bodies, (bearing, _, guide, *guides), forces = Valve("cycloidal", FOLLOWS).surging_train.parts
+    """Return a spring over a valve that a slide holds shut; nothing moves."""
+    bodies, (bearing, _, guide, *guides), forces = Valve("cycloidal", CONTACT_RPM).surging_train.parts
     joints = [bearing, guide, *guides, SlideDriver(guide, 0.0, name="closed")]
     return Run(System(bodies, joints, forces, gravity=(0, 0, 0)))
 
 
 def surged(made: Run) -> Iterable[Finding]:
-    """Frequencies of the chain in closed form, and the first one beside that of a spring without gaps."""
-    train = Valve("cycloidal", FOLLOWS).surging_train
+    """Compare the frequencies of the chain with its closed form, and the first one with that of a continuous spring."""
+    train = Valve("cycloidal", CONTACT_RPM).surging_train
     values = np.abs(linearize(made.system).eigenvalues)
     found = np.unique(values[values > 1.0].round(6))
     known = closed_forms.cams.surge(train.coils, train.rate, train.pieces)

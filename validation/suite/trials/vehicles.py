@@ -1,6 +1,7 @@
-"""Vehicles off the ground as cases, which engines without tyres can judge: bearings, springs, steering, a brake."""
+"""Vehicles off the ground as cases for engines without tyres: bearings, springs, steering, a brake."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -32,7 +33,7 @@ CORNERS = {
 
 
 def trials(quick: bool) -> list[Trial]:
-    """A bicycle in the air, a car on a hook, a wheel that is braked to rest."""
+    """Return a bicycle in the air, a car on a hook, a wheel that is braked to rest."""
     titles = {
         thrown: "a bicycle in the air: it turns, steers, and its wheels spin",
         hooked: "a car on a hook: springs, spinning wheels, front ones that steer",
@@ -43,8 +44,8 @@ def trials(quick: bool) -> list[Trial]:
 
 
 def thrown() -> Run:
-    """The nine freedoms that a bicycle has on tyres, and a strut that springs and damps the steering."""
-    motion = {"lean": 0.2, "steer": -0.3, "lean_rate": 0.7, "steer_rate": -1.1}
+    """Simulate a bicycle with its nine degrees of freedom on tyres, and a strut that springs and damps the steering."""
+    motion: dict[str, Any] = {"lean": 0.2, "steer": -0.3, "lean_rate": 0.7, "steer_rate": -1.1}
     ridden = whipple(named("meijaard2007_browser_jason"), 6.0, **motion)
     frame, fork = (ridden.part(name) for name in ("frame", "fork"))
     ends = {"at_a": frame.position + (0.6, 0.05, 0.3), "at_b": fork.position + (-0.1, 0.12, 0.35)}
@@ -54,7 +55,7 @@ def thrown() -> Run:
 
 
 def hooked() -> Run:
-    """A chassis on a ball, four carriers that slide in it on springs, wheels that spin in them at 40 rad/s."""
+    """Simulate a chassis on a ball, four carriers that slide in it on springs, wheels that spin in them at 40 rad/s."""
     at = np.array([0.3, -0.2, 1.6])
     turned = rotation((0.4, 1.0, 0.2), 0.3)
     chassis = Body(
@@ -87,7 +88,7 @@ def hooked() -> Run:
 
 
 def braked() -> Run:
-    """It slides under a torque that rises, stops after 0.3 s, and is held where its weight would turn it."""
+    """Simulate a wheel that slips under a rising torque, stops after 0.3 s, and is held against its weight."""
     axis, hub = np.array([0.3, 1.0, -0.2]), (0.4, -0.1, 0.7)
     wheel = Body("wheel", 6.0, (0.17, 0.31, 0.16), com=(0.05, 0.01, 0.03), position=hub, orientation=rotation("x", 0.4))
     hinge = Revolute(GROUND, wheel, at=hub, axis=axis, name="hub")

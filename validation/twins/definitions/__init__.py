@@ -1,1 +1,1 @@
-"""A second formulation of the same mechanism in plain numpy: joints by their definitions, equations about O."""
+"""Second formulation of the same mechanism in plain numpy: joints by their definitions, equations about O."""

@@ -1,4 +1,4 @@
-"""A second formulation of the reference-point equations, in plain numpy, that shares no kernel with ``mbsd3d``.
+"""Second formulation of the reference-point equations, in plain numpy, that shares no kernel with ``mbsd3d``.
 
 It reads the public fields of bodies, joints and force elements:
 
@@ -24,12 +24,12 @@ from validation.twins.definitions.series import Array, Series
 from validation.twins.laws import LAWS, Law
 from validation.twins.laws.moving import Moving, Push, own_states
 
-RANK = 1e-9
+SINGULAR_VALUE_RATIO_MIN = 1e-9
 """Singular values of J below this part of the greatest count as zero: far above rounding, far below a real row."""
 
 
 def coefficient(part: Series, order: int, motions: int) -> Array:
-    """(motions, rows) coefficients of one order."""
+    """Return the coefficients of one order, shape (motions, rows)."""
     return np.broadcast_to((part.x0, part.x1, part.x2)[order], (motions, part.x0.shape[-1]))
 
 
@@ -67,12 +67,12 @@ class Rows(NamedTuple):
 
 
 def units(system: System) -> Array:
-    """(6 n,) lengths of the model and radians [m, rad]."""
+    """Return lengths of the model and radians [m, rad], shape (6 n,)."""
     return np.tile(3 * [system.lowered.model.length] + 3 * [1.0], len(system.bodies))
 
 
 def constraint_rows(system: System, state: State) -> Rows:
-    """The rows at a state."""
+    """Return the constraint rows at a state."""
     n, unit, spans, first = len(system.bodies), units(system), [], 0
     single = np.concatenate([np.eye(6 * n), np.zeros((1, 6 * n))]).reshape(-1, n, 6)
     basis, motion = Motion(system, state, single), Motion(system, state, state.v.reshape(1, n, 6))
@@ -95,7 +95,8 @@ def constraint_rows(system: System, state: State) -> Rows:
 
 
 def whole_turns(system: System, state: State, now: Motion, joint: Joint) -> float:
-    """What the turns that hinges have made add to the last part of c: a definition knows its angle to +-pi only.
+    """Return the contribution of whole turns of hinges to the last part of c: a definition knows its angle to +-pi
+    only.
 
     They are counted from that angle: after half a turn rounding says whether it is pi or -pi.
     """
@@ -110,7 +111,7 @@ def whole_turns(system: System, state: State, now: Motion, joint: Joint) -> floa
 
 
 def mass_and_force(system: System, state: State) -> tuple[Array, Array]:
-    """(M, Q - h), (6 n, 6 n) and (6 n,): gravity and the laws of the forces."""
+    """Return (M, Q - h), (6 n, 6 n) and (6 n,): gravity and the force laws."""
     n = len(system.bodies)
     M, F, v = np.zeros((6 * n, 6 * n)), np.zeros(6 * n), state.v.reshape(n, 6)
     now = Motion(system, state, v[None])
@@ -132,7 +133,7 @@ def mass_and_force(system: System, state: State) -> tuple[Array, Array]:
 
 
 def law_of_force(system: System, force: Any) -> Law:
-    """Its law, or a ValueError that names it."""
+    """Return the law of a force; raise ValueError that names a force without one."""
     what = label(system, force)
     if type(force) not in LAWS:
         raise InputError(f"{what} has no second formulation")
@@ -140,14 +141,14 @@ def law_of_force(system: System, force: Any) -> Law:
 
 
 def moving(now: Motion, body: Any) -> Moving:
-    """A body of a single motion."""
+    """Return a body of a single motion."""
     R = np.eye(3) if body is GROUND else now.R[now.index[id(body)]] @ rotation(body.orientation).T
     r, (v, omega) = now.origin(body), now.rates(body)
     return Moving(body, r.x0.reshape(3), R, v.x0.reshape(3), omega.x0.reshape(3))
 
 
 def pushed(system: System, state: State, now: Motion, force: Any, law: Law) -> tuple[Push, tuple[Moving, Moving]]:
-    """What a law says at a state, and its bodies a, b there."""
+    """Return the load of a law at a state, and its bodies a, b there."""
     a, b, x, counted = moving(now, law.a), moving(now, law.b), force.record().coordinate, 0.0
     if x is not None and state.coordinates is not None:
         counted = state.coordinates[system.lowered.coordinate(x)]
@@ -155,7 +156,7 @@ def pushed(system: System, state: State, now: Motion, force: Any, law: Law) -> t
 
 
 def solve(system: System, state: State) -> Reference:
-    """Accelerations and wrenches of a mechanism at a state.
+    """Solve for accelerations and wrenches of a mechanism at a state.
 
     ``system``: bodies, joints of any type, gravity and force elements; ``state``: a consistent
     state; `Reference.gaps` and `Reference.rates` say how consistent. ValueError for force elements
@@ -174,7 +175,7 @@ def solve(system: System, state: State) -> Reference:
     M, F = mass_and_force(system, state)
     M, F, J = M * np.outer(unit, unit), F * unit, rows.J * unit / rows.size[:, None]
     U, s, Vt = np.linalg.svd(J)
-    rank = int((s > RANK * s.max(initial=0.0)).sum())
+    rank = int((s > SINGULAR_VALUE_RATIO_MIN * s.max(initial=0.0)).sum())
     fixed = Vt[:rank].T @ ((U[:, :rank].T @ (rows.gamma / rows.size)) / s[:rank])
     N = Vt[rank:].T
     free = N.T @ M @ N

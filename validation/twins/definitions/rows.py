@@ -1,4 +1,4 @@
-"""Every joint once more from its definition, as Taylor series along motions; shares no kernel with ``mbsd3d``.
+"""Definition of every joint, as Taylor series along motions; shares no kernel with ``mbsd3d``.
 
 Geometry is c(q, t) = 0, often in other functions than the kernels use (a x b = 0 instead of two dots, squared lengths,
 three rows of rank two), or a condition s(q, v, t) = 0 on velocities (rolling, knife edge, tooth mesh). Series to second
@@ -18,7 +18,7 @@ from validation.twins.definitions.series import Array, Series, arctan2, cross, d
 
 
 def rotation(e: Array) -> Array:
-    """R(e) = (e0^2 - e_v'e_v) 1 + 2 e_v e_v' + 2 e0 [e_v]x for a unit quaternion."""
+    """Return R(e) = (e0^2 - e_v'e_v) 1 + 2 e_v e_v' + 2 e0 [e_v]x for a unit quaternion."""
     e0, v = e[0], e[1:]
     return (e0**2 - v @ v) * np.eye(3) + 2 * np.outer(v, v) + 2 * e0 * np.cross(np.eye(3), v)
 
@@ -39,11 +39,11 @@ class Motion:
         self.r_dot, self.w = velocities[..., :3], velocities[..., 3:]
 
     def now(self, body: Any, reference: Array) -> Array:
-        """Where a direction fixed in the body points now, given as it points at the reference pose."""
+        """Return the present direction of a body-fixed vector, given at the reference pose."""
         return self.R[self.index[id(body)]] @ rotation(body.orientation).T @ reference
 
     def axis(self, body: Any, reference: Array) -> Series:
-        """A body-fixed direction: a + w x a s + w x (w x a) s^2 / 2."""
+        """Return a body-fixed direction: a + w x a s + w x (w x a) s^2 / 2."""
         if body is GROUND:
             return series(reference)
         a, w = self.now(body, reference), self.w[:, self.index[id(body)]]
@@ -51,60 +51,60 @@ class Motion:
         return Series(np.broadcast_to(a, turn.shape), turn, 0.5 * np.cross(w, turn))
 
     def origin(self, body: Any) -> Series:
-        """The reference point."""
+        """Return the reference point of a body."""
         if body is GROUND:
             return series(np.zeros(3))
         i = self.index[id(body)]
         return Series(np.broadcast_to(self.r[i], self.r_dot[:, i].shape), self.r_dot[:, i], np.zeros(3))
 
     def point(self, body: Any, reference: Array) -> Series:
-        """A body-fixed point."""
+        """Return a body-fixed point."""
         return self.origin(body) + self.axis(body, reference - body.position)
 
     def rates(self, body: Any) -> tuple[Series, Series]:
-        """(r_dot, w)."""
+        """Return (r_dot, w) of a body."""
         if body is GROUND:
             return series(np.zeros(3)), series(np.zeros(3))
         i = self.index[id(body)]
         return series(self.r_dot[:, i]), series(self.w[:, i])
 
     def velocity(self, body: Any, point: Series) -> Series:
-        """Velocity of the matter of a body that passes a point of space."""
+        """Return the velocity of the material point of a body at a point of space."""
         r_dot, w = self.rates(body)
         return r_dot + cross(w, point - self.origin(body))
 
     def slip(self, a: Any, b: Any, point: Series) -> Series:
-        """Velocity of b relative to a at a point."""
+        """Return the velocity of b relative to a at a point."""
         return self.velocity(b, point) - self.velocity(a, point)
 
     def signal(self, f: Any) -> Series:
-        """A prescribed function of time."""
+        """Return a prescribed function of time as a series."""
         return Series(
             *(np.array([float(x)]) for x in (f(self.t), f.derivative(self.t), f.second_derivative(self.t) / 2))
         )
 
     def gap(self, j: Any) -> Series:
-        """Vector from the joint's point on a to that on b."""
+        """Return the vector from the joint's point on a to that on b."""
         return self.point(j.b, j.at_b) - self.point(j.a, j.at)
 
     def slide(self, j: Any) -> Series:
-        """Way of b along the axis of a, or along a curve."""
+        """Return the displacement of b along the axis of a, or along a curve."""
         if isinstance(j, mbsd3d.CurveContact):
             return on_curve(self, j)[1] - j.start
         return dot(self.axis(j.a, j.axis), self.gap(j))
 
     def counted(self, j: Any) -> tuple[Any, Series, float]:
-        """(hinge coordinate, its value here, by what it may be off: a turn, or once round a curve)."""
+        """Return (hinge coordinate, its value here, its period: a turn, or once round a curve)."""
         if isinstance(j, mbsd3d.CurveContact):
             return j.slide(), self.slide(j), j.line.length
         return j.angle(), self.turn(j), 2 * np.pi
 
     def parallel(self, j: Any, a: Array, b: Array) -> Series:
-        """a x b (3 rows of rank 2)."""
+        """Return a x b (3 rows of rank 2)."""
         return cross(self.axis(j.a, a), self.axis(j.b, b))
 
     def turn(self, j: Any) -> Series:
-        """Twist about the axis of a joint, which both bodies share: tan = (R21 - R12) / (R11 + R22)."""
+        """Return the rotation about the axis of a joint, which both bodies share: tan = (R21 - R12) / (R11 + R22)."""
         axis = j.angle().axis
         x = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
         x = x / np.linalg.norm(x)
@@ -113,13 +113,15 @@ class Motion:
         return arctan2(dot(ya, xb) - dot(xa, yb), dot(xa, xb) + dot(ya, yb))
 
     def untwisted(self, j: Any) -> Series:
-        """No relative rotation: sum of e_a x e_b over a triad (3 rows)."""
+        """Return the rows of no relative rotation: sum of e_a x e_b over a triad (3 rows)."""
         first, *rest = (self.parallel(j, e, e) for e in np.eye(3))
         return first + rest[0] + rest[1]
 
 
 def constant_velocity(k: Motion, j: Any) -> Series:
-    """No turn about the bisector: the quaternion between yokes (n, axis x n, axis) has no third component."""
+    """Return the row of no turn about the bisector: the quaternion between yokes (n, axis x n, axis) has no third
+    component.
+    """
     n = np.cross(j.axis_a, j.axis_b)
     n = n / np.linalg.norm(n)
     (xa, ya), (xb, yb) = (
@@ -129,25 +131,27 @@ def constant_velocity(k: Motion, j: Any) -> Series:
 
 
 def advance(k: Motion, j: Any) -> Series:
-    """Slide less pitch times turn."""
+    """Return the displacement less pitch times rotation."""
     return k.slide(j) - k.turn(j) * (j.pitch / (2 * np.pi))
 
 
 def distance(k: Motion, j: Any) -> Series:
-    """(gap^2 - L^2) / 2 L."""
+    """Return the row (gap^2 - L^2) / 2 L."""
     gap = k.point(j.b, j.at_b) - k.point(j.a, j.at_a)
     return dot(gap, gap) * (0.5 / j.length) - 0.5 * j.length
 
 
 def edge(k: Motion, j: Any, centre: Array, axis: Array, ring: float, tube: float) -> Series:
-    """Point of a torus nearest to a plane: down the disc by the ring, then down the plane's normal by the tube."""
+    """Return the point of a torus nearest to a plane: down the disc by the ring, then down the plane's normal by the
+    tube.
+    """
     n = k.axis(j.a, j.plane[1])
     steepest = cross(k.axis(j.b, axis), cross(k.axis(j.b, axis), n))
     return k.point(j.b, centre) + steepest * (ring / sqrt(dot(steepest, steepest))) - n * tube
 
 
 def touching(k: Motion, j: Any) -> Series:
-    """Point of a torus or an ellipsoid nearest to a plane: where the gradient of the surface is along -n."""
+    """Return the point of a torus or an ellipsoid nearest to a plane: where the gradient of the surface is along -n."""
     form, R, n = j.surface, mbsd3d.rotations.matrix(j.b.orientation), k.axis(j.a, j.plane[1])
     centre, axes = j.b.position + R @ form.origin(j.b), (R @ mbsd3d.rotations.matrix(form.orientation)).T
     if isinstance(form, mbsd3d.shapes.Torus):
@@ -161,30 +165,32 @@ def touching(k: Motion, j: Any) -> Series:
 
 
 def position(k: Motion, j: Any) -> list[Series]:
-    """Displacement along the driven world axes less the signals."""
+    """Return the displacement along the driven world axes less the signals."""
     way = k.point(j.body, j.at) - j.at
     return [dot(way, series(e)) - k.signal(f) for e, f in zip(np.eye(3), j.signal, strict=True) if f is not None]
 
 
 def mesh(k: Motion, j: Any) -> list[Series]:
-    """n . (v_b - v_a) = 0 at the pitch point of the carrier."""
+    """Return the row n . (v_b - v_a) = 0 at the pitch point of the carrier."""
     carrier = j.support()
     return [dot(k.axis(carrier, j.direction()), k.slip(j.a, j.b, k.point(carrier, j.at)))]
 
 
 def along(curve: Callable, s: Series, order: int = 0) -> Series:
-    """A piecewise polynomial or its derivative at s."""
+    """Return a piecewise polynomial or its derivative at s."""
     value, rate, bend = (curve(s.x0[..., 0], order + n) for n in range(3))
     return Series(value, rate * s.x1, rate * s.x2 + 0.5 * bend * s.x1**2)
 
 
 def seen_from(k: Motion, body: Any, x: Series) -> Series:
-    """A vector in axes of a body, as it points where the body is at the reference pose."""
+    """Return a vector in axes of a body, as it points where the body is at the reference pose."""
     return sum((dot(k.axis(body, e), x) * e for e in np.eye(3)), series(np.zeros(3)))
 
 
 def on_curve(k: Motion, j: Any) -> tuple[Series, Series]:
-    """(the point of b in axes of a, s of the nearest point of a curve or of that under a face): Newton on series."""
+    """Return (the point of b in axes of a, s of the nearest point of a curve or of that under a face) by Newton on
+    series.
+    """
     p = seen_from(k, j.a, k.point(j.b, j.at) - k.origin(j.a)) + j.a.position
     e, weight = (p, 1.0) if j.face is None else (seen_from(k, j.a, k.axis(j.b, j.face)), 0.0)
     known = p.x0.reshape(-1, 3)[0] if weight else e.x0.reshape(-1, 3)[0]
@@ -198,7 +204,7 @@ def on_curve(k: Motion, j: Any) -> tuple[Series, Series]:
 
 
 def beside_curve(k: Motion, j: Any) -> list[Series]:
-    """Off the nearest point of a curve along its normals, or under a face."""
+    """Return the distance from the nearest point of a curve along its normals, or from the point under a face."""
     p, s = on_curve(k, j)
     off = p - along(j.line.x, s)
     if j.face is not None:
@@ -257,7 +263,7 @@ TURNS: dict[type, Callable] = {
 
 
 def law_of(system: System, joint: Joint) -> tuple[int, Callable]:
-    """(1 for c or 0 for s, the function); NotExpressible for a class without a definition."""
+    """Return (1 for c or 0 for s, the function); raise NotExpressible for a class without a definition."""
     for order, table in ((1, GEOMETRY), (0, VELOCITY)):
         if type(joint) in table:
             return order, table[type(joint)]

@@ -10,7 +10,7 @@ Array = np.ndarray
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """x(s) = x0 + x1 s + x2 s^2.
+    """Taylor series x(s) = x0 + x1 s + x2 s^2.
 
     Examples
     --------
@@ -48,12 +48,12 @@ class Series:
 
 
 def series(x: Series | Array | float) -> Series:
-    """A constant as a series; a series stays as it is."""
+    """Return a constant as a series; a series stays as it is."""
     return x if isinstance(x, Series) else Series(np.asarray(x, float), np.zeros(1), np.zeros(1))
 
 
 def bilinear(function: Callable, a: Series | Array | float, b: Series | Array | float) -> Series:
-    """Series of a product of any kind."""
+    """Return the series of a bilinear product."""
     a, b = series(a), series(b)
     return Series(
         function(a.x0, b.x0),
@@ -63,12 +63,12 @@ def bilinear(function: Callable, a: Series | Array | float, b: Series | Array | 
 
 
 def dot(a: Series, b: Series) -> Series:
-    """a . b"""
+    """Return the series of a . b."""
     return bilinear(lambda x, y: (x * y).sum(axis=-1, keepdims=True), a, b)
 
 
 def cross(a: Series, b: Series) -> Series:
-    """a x b"""
+    """Return the series of a x b."""
 
     def product(x: Array, y: Array) -> Array:
         shape = np.broadcast_shapes(x.shape, y.shape, (3,))
@@ -78,14 +78,14 @@ def cross(a: Series, b: Series) -> Series:
 
 
 def sqrt(a: Series) -> Series:
-    """Square root."""
+    """Return the series of a square root."""
     y0 = np.sqrt(a.x0)
     y1 = a.x1 / (2.0 * y0)
     return Series(y0, y1, (a.x2 - y1 * y1) / (2.0 * y0))
 
 
 def arctan2(y: Series, x: Series) -> Series:
-    """Angle of (x, y): theta' = (x y' - y x') / (x^2 + y^2)."""
+    """Return the series of the angle of (x, y): theta' = (x y' - y x') / (x^2 + y^2)."""
     n = x.x0**2 + y.x0**2
     turn = (x.x0 * y.x1 - y.x0 * x.x1) / n
     n1 = 2.0 * (x.x0 * x.x1 + y.x0 * y.x1)

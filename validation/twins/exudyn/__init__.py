@@ -1,4 +1,5 @@
-"""A `System` as Exudyn has it: rigid bodies with constraints, or a kinematic tree in minimal coordinates."""
+"""Counterpart model of a `System` in Exudyn: rigid bodies with constraints, or a kinematic tree in minimal
+coordinates."""
 
 from typing import Any
 
@@ -23,7 +24,7 @@ def twin(
     rotation: str = "rotation vector",
     **scheme: Any,
 ) -> Twin:
-    """A twin of a system in Exudyn.
+    """Return the counterpart model of a system in Exudyn.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Bodies, ground and markers of a `System` in Exudyn, and the equations of motion as Exudyn has them at a state.
+"""Bodies, ground and markers of a `System` in Exudyn, and the equations of motion of Exudyn at a state.
 
 The frame of a body in Exudyn is along the world axes at the reference pose of `mbsd3d` and has the same reference
 point O, so a marker is where and how the world sees it there, relative rotations are zero at the reference pose, and
@@ -23,7 +23,7 @@ ROTATIONS = {"rotation vector": 3, "euler parameters": 4}  # How an orientation 
 
 
 class Assembly:
-    """A mechanism under construction: item numbers of Exudyn by part.
+    """Mechanism under construction: item numbers of Exudyn by part.
 
     ``module``: `exudyn`; ``state``: the start; ``rotation``: a key of `ROTATIONS`.
     """
@@ -45,11 +45,13 @@ class Assembly:
 
     @property
     def width(self) -> int:
-        """Coordinates of the bodies; behind them are those whose velocities are own states of forces."""
+        """Return the number of coordinates of the bodies; behind them are those whose velocities are internal states of
+        forces.
+        """
         return len(self.system.bodies) * (3 + ROTATIONS[self.rotation])
 
     def add_body(self, k: int, body: Any) -> int:
-        """A rigid body with its weight."""
+        """Add a rigid body with its weight."""
         q, v = self.state.q.reshape(-1, 7)[k], self.state.v.reshape(-1, 6)[k]
         com, inertia = body.axes @ body.com, body.axes @ body.inertia @ body.axes.T
         I_O = inertia + body.mass * skew(com) @ skew(com).T  # Exudyn wants it about O
@@ -76,7 +78,7 @@ class Assembly:
         return number
 
     def marker(self, body: Any, point: Array, axes: Array | None = None) -> int:
-        """A frame on a body: point and axes (columns), world at the reference pose."""
+        """Return the marker of a frame on a body: point and axes (columns), world at the reference pose."""
         place = np.eye(4)
         place[:3, 3] = point - body.position
         if axes is not None:
@@ -84,7 +86,7 @@ class Assembly:
         return self.mbs.AddMarker(self.items.MarkerBodyRigid(bodyNumber=self.body[id(body)], localHT=place))
 
     def velocity_sensor(self, body: Any, point: Array) -> int:
-        """A sensor of the world velocity of a body's point."""
+        """Return a sensor of the world velocity of a body's point."""
         item = self.items.SensorBody(
             bodyNumber=self.body[id(body)], localPosition=point - body.position, writeToFile=False,
             outputVariableType=self.module.OutputVariableType.Velocity,
@@ -92,7 +94,8 @@ class Assembly:
         return self.mbs.AddSensor(item)
 
     def coordinate(self, x: Coordinate, counted: bool = True) -> int:
-        """The marker of a hinge coordinate; angles are unwrapped from step to step by a data node, if counted."""
+        """Return the marker of a hinge coordinate; angles are unwrapped from step to step by a data node, if
+        counted."""
         bodies = [self.body[id(x.a)], self.body[id(x.b)]]
         if x.kind == "slide":
             return self.mbs.AddMarker(
@@ -111,7 +114,7 @@ class Assembly:
         )
 
     def angle_at_start(self, x: Coordinate) -> float:
-        """Angle of a hinge at the start [rad], with its turns."""
+        """Return the angle of a hinge at the start [rad], with its turns."""
         if self.state.coordinates is not None:
             return float(self.state.coordinates[self.system.lowered.coordinate(x)])
         turn = {id(GROUND): np.array([1.0, 0.0, 0.0, 0.0])}
@@ -124,7 +127,7 @@ class Assembly:
         self.objects.setdefault(id(part), []).append(self.mbs.AddObject(item))
 
     def poses(self, q: Array) -> tuple[Array, Array]:
-        """(n, bodies, 3) positions of O and (n, bodies, 4) Exudyn's rotations from coordinates (n, all)."""
+        """Return (n, bodies, 3) positions of O and (n, bodies, 4) Exudyn's rotations from coordinates (n, all)."""
         x = q[:, : self.width].reshape(len(q), len(self.system.bodies), -1)
         position = x[..., :3] + [body.position for body in self.system.bodies]
         if self.rotation == "rotation vector":
@@ -133,25 +136,29 @@ class Assembly:
         return position, e / np.linalg.norm(e, axis=-1, keepdims=True)
 
     def spin(self, e: Array) -> Array:
-        """(..., 3, k) matrices: world angular velocity from Exudyn's rates of rotation, at rotations e (..., 4)."""
+        """Return the matrices from Exudyn's rates of rotation to world angular velocity, at rotations e (..., 4), shape
+        (..., 3, k).
+        """
         return matrix(e) if self.rotation == "rotation vector" else 2 * H(e).swapaxes(-1, -2)
 
     def unspin(self, e: Array) -> Array:
-        """(..., k, 3) matrices: the way back; transposed, world moments from Exudyn's generalised ones."""
+        """Return the inverse matrices; transposed, world moments from Exudyn's generalised ones; shape (..., k, 3)."""
         return matrix(e).swapaxes(-1, -2) if self.rotation == "rotation vector" else 0.5 * H(e)
 
     def velocities(self, e: Array, u: Array) -> Array:
-        """(n, bodies, 6): (r_dot, w) from rotations (n, bodies, 4) and Exudyn's velocities (n, all)."""
+        """Return (r_dot, w) from rotations (n, bodies, 4) and Exudyn's velocities (n, all), shape (n, bodies, 6)."""
         u = u[:, : self.width].reshape(*e.shape[:2], -1)
         return np.concatenate([u[..., :3], (self.spin(e) @ u[..., 3:, None])[..., 0]], axis=-1)
 
     def wrenches(self, e: Array, g: Array) -> Array:
-        """(bodies, 6): force and moment about O in world axes from Exudyn's generalised forces (all,)."""
+        """Return force and moment about O in world axes from Exudyn's generalised forces (all,), shape (bodies, 6)."""
         g = g[: self.width].reshape(len(e), -1)
         return np.concatenate([g[:, :3], (self.unspin(e).swapaxes(1, 2) @ g[:, 3:, None])[..., 0]], axis=1)
 
     def rates(self, e: Array) -> Array:
-        """(6 bodies, m) matrix: (r_dot, w) of all bodies from Exudyn's velocities, at rotations e (bodies, 4)."""
+        """Return the matrix from Exudyn's velocities to (r_dot, w) of all bodies, at rotations e (bodies, 4), shape (6
+        bodies, m).
+        """
         k = 3 + ROTATIONS[self.rotation]
         out = np.zeros((6 * len(e), k * len(e)))
         for i, spin in enumerate(self.spin(e)):
@@ -160,12 +167,12 @@ class Assembly:
         return out
 
 
-STEP = 2e-3
+DIFFERENCE_STEP = 2e-3
 """Of the differences, in times the reciprocal of the fastest rate: 3e-14 of the fifth derivative against rounding."""
 
 
 class Equations:
-    """An assembled model at its start, and at any state that is loaded; ``repeated``: rows that repeat each other."""
+    """Assembled model at its start, and at any state that is loaded; ``repeated``: redundant rows."""
 
     def __init__(self, model: Assembly, solver: Any, repeated: bool) -> None:
         self.model, self.mbs, self.solver, self.repeated = model, model.mbs, solver, repeated
@@ -174,24 +181,24 @@ class Equations:
         self.size, self.rows = len(self.q), self.mbs.systemData.AEsize()
 
     def load(self, q: Array, u: Array, t: float) -> None:
-        """Make a state the current one."""
+        """Set the current state."""
         now = self.model.module.ConfigurationType.Current
         self.mbs.systemData.SetODE2Coordinates(q, now)
         self.mbs.systemData.SetODE2Coordinates_t(u, now)
         self.mbs.systemData.SetTime(t, now)
 
     def mass_matrix(self) -> Array:
-        """M at the current state."""
+        """Return M at the current state."""
         self.solver.ComputeMassMatrix(self.mbs)
         return np.array(self.solver.GetSystemMassMatrix())
 
     def force(self) -> Array:
-        """f at the current state."""
+        """Return f at the current state."""
         self.solver.ComputeODE2RHS(self.mbs)
         return np.array(self.solver.GetSystemResidual())[: self.size]
 
     def jacobian(self) -> Array:
-        """J at the current state, whether a row is on positions or on velocities."""
+        """Return J at the current state, for rows on positions and on velocities."""
         if not self.rows:
             return np.zeros((0, self.size))
         self.solver.SetSystemJacobian(np.zeros((self.size + self.rows,) * 2))
@@ -199,12 +206,12 @@ class Equations:
         return np.array(self.solver.GetSystemJacobian())[self.size :, : self.size]
 
     def speeds(self) -> Array:
-        """Residuals of the rows on velocities at the current state."""
+        """Return the residuals of the rows on velocities at the current state."""
         self.solver.ComputeAlgebraicEquations(self.mbs, True)
         return np.array(self.solver.GetSystemResidual())[self.size :]
 
     def moved(self, h: float) -> Array:
-        """Coordinates of the start moved by its velocities for a time h."""
+        """Return the coordinates of the start moved by its velocities for a time h [s]."""
         k, width = len(self.model.system.bodies), self.model.width
         q, u = self.q[:width].reshape(k, -1).copy(), self.u[:width].reshape(k, -1)
         q[:, :3] += h * u[:, :3]
@@ -217,8 +224,8 @@ class Equations:
         return np.concatenate([q.ravel(), self.q[width:]])
 
     def bias(self) -> Array:
-        """J u_dot of the rows at the start: -J_dot u and what prescribed motions add."""
-        t, h = self.model.state.t, STEP / max(1.0, float(np.abs(self.u).max()))
+        """Return J u_dot of the rows at the start: -J_dot u and the terms of prescribed motions."""
+        t, h = self.model.state.t, DIFFERENCE_STEP / max(1.0, float(np.abs(self.u).max()))
 
         def rates(h: float) -> Array:
             self.load(self.moved(h), self.u, t)
@@ -231,7 +238,7 @@ class Equations:
 
     @on_one_thread
     def change(self) -> tuple[Array, Array]:
-        """u_dot and multipliers at the start; of least norm where rows repeat each other."""
+        """Return u_dot and multipliers at the start; of least norm with redundant rows."""
         right = self.bias()
         self.load(self.q, self.u, self.model.state.t)
         M, J, lam = self.mass_matrix(), self.jacobian(), np.zeros(self.rows)
@@ -246,13 +253,13 @@ class Equations:
         return found[: self.size], lam
 
     def accelerations(self) -> Array:
-        """(bodies, 6): d/dt (r_dot, w) at the start."""
+        """Return d/dt (r_dot, w) at the start, shape (bodies, 6)."""
         e = self.model.poses(self.q[None])[1][0]
         change = self.change()[0][: self.model.width]
         return (self.model.rates(e) @ change).reshape(-1, 6)  # the change of the map adds A (W x W) = 0
 
     def begin_with_accelerations(self) -> Array:
-        """Let every run start from them; the multipliers that belong to them.
+        """Set the initial accelerations of every run; return their multipliers.
 
         Exudyn's own solve forgets how prescribed motions accelerate, and its first sample holds no multipliers.
         """

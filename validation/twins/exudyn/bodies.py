@@ -1,4 +1,4 @@
-"""The twin of free bodies and joints between them: absolute coordinates and constraints."""
+"""Counterpart model of free bodies and joints between them: absolute coordinates and constraints."""
 
 from typing import Any
 
@@ -11,12 +11,13 @@ from validation.twins.exudyn.assembly import Assembly, Equations
 from validation.twins.exudyn.joints import add_force_element, add_joint
 from validation.twins.exudyn.solvers import SOLVERS, Scheme, check_samples, march, opened, quiet
 
-SPARSE_FROM = 10
+SPARSE_BODIES_MIN = 10
 """Bodies from which the sparse linear solver is the faster one: chains, measured; 23 times faster at 60 bodies."""
 
 
 class BodyTwin:
-    """See `validation.twins.base.Twin`; ``mbs`` is the system of Exudyn, for settings of one's own.
+    """Counterpart model in absolute coordinates, see `validation.twins.base.Twin`; ``mbs`` is the system of Exudyn, for
+    own settings.
 
     Where nothing else is asked for: bodies without joints by RK67; rows that repeat none by the index-2 trapezoidal
     rule, whose multipliers are of second order from the first sample on; else generalized-alpha, with full pivoting:
@@ -44,7 +45,7 @@ class BodyTwin:
         self.settings = f"rigid bodies with {rotation}s, {self.scheme}"
 
     def build(self) -> None:
-        """The system of Exudyn."""
+        """Build the system of Exudyn."""
         self.model = Assembly(self.module, self.system, self.state, self.rotation)
         for joint in self.system.joints:
             add_joint(self.model, joint)
@@ -55,7 +56,7 @@ class BodyTwin:
         self.mbs.Assemble()
 
     def fitting(self) -> dict[str, Any]:
-        """Solver, linear solver and tolerance that fit the system.
+        """Return solver, linear solver and tolerance that fit the system.
 
         Multipliers need Newton's iterations closer than motions do; with repeated rows left in, the residual of short
         steps does not fall that far.
@@ -64,37 +65,37 @@ class BodyTwin:
             return {"solver": "rk67"}
         if self.repeated:
             return {"solver": "generalized-alpha", "linear": "full-pivot"}
-        linear = "sparse" if len(self.system.bodies) > SPARSE_FROM else "dense"
+        linear = "sparse" if len(self.system.bodies) > SPARSE_BODIES_MIN else "dense"
         return {"solver": "index2", "linear": linear, "tolerance": 1e-10}
 
     def degrees_of_freedom(self) -> dict[str, int]:
-        """Exudyn's own count of all rows: 'degreeOfFreedom', 'redundantConstraints', 'nODE2', 'nAE', 'nPureAE'.
+        """Return Exudyn's own count of all rows: 'degreeOfFreedom', 'redundantConstraints', 'nODE2', 'nAE', 'nPureAE'.
 
         'nAE' counts 'nPureAE' rows "multiplier = 0" too, which do not belong to the mechanism.
         """
         return dict(self.counts or self.counted())
 
     def counted(self) -> dict[str, int]:
-        """The count of the rows there are."""
+        """Return the count of the existing rows."""
         with quiet(self.module), one_thread():
             return {key: int(value) for key, value in self.mbs.ComputeSystemDegreeOfFreedom().items()}
 
     def equations(self) -> Equations:
-        """The equations at the start."""
+        """Return the equations at the start."""
         return Equations(self.model, opened(self.module, self.mbs, self.state.t), self.repeated > 0)
 
     def kinetic(self) -> Kinetic:
-        """Mass matrix at the start, and the map from Exudyn's velocities."""
+        """Return the mass matrix at the start, and the map from Exudyn's velocities."""
         equations = self.equations()
         M, own = equations.mass_matrix(), self.model.width
         return Kinetic(M[:own, :own], self.model.rates(self.model.poses(equations.q[None])[1][0]))
 
     def accelerations(self) -> Array:
-        """(bodies, 6) at the start, from Exudyn's M, f, J; see `equations`."""
+        """Return the accelerations at the start, from Exudyn's M, f, J; see `equations`; shape (bodies, 6)."""
         return self.equations().accelerations()
 
     def run(self, t_end: float, steps: int, samples: int) -> Motion:
-        """See `Twin.run`; also ValueError for samples off the steps, and tables that end before."""
+        """Integrate as `Twin.run`; raise ValueError for samples off the steps, and tables that end before."""
         check_run(self.engine, self.system, self.state.t, t_end, steps, samples)
         every = self.scheme.records(steps, samples, len(self.system.bodies))
         first = self.equations().begin_with_accelerations() if self.scheme.implicit else 0.0
@@ -109,7 +110,7 @@ class BodyTwin:
         return Motion(t, position, orientation, v[..., :3], v[..., 3:], self.reactions(t, q, u, lam), seconds)
 
     def reactions(self, t: Array, q: Array, u: Array, lam: Array) -> dict[str, Load]:
-        """Wrench -J' lam on body b of every joint, moved to the joint's point; none where rows repeat each other."""
+        """Return the wrench -J' lam on body b of every joint, moved to the joint's point; none with redundant rows."""
         joints = () if self.repeated else self.system.joints
         if not joints:
             return {}
@@ -128,26 +129,26 @@ class BodyTwin:
 
 
 class Carrier:
-    """Bodies over time, as joints ask a solution for their points and axes."""
+    """Bodies over time, as joints read points and axes of a solution."""
 
     def __init__(self, system: System, position: Array, turn: Array) -> None:
         self.index = {id(body): i for i, body in enumerate(system.bodies)}
         self.place, self.axes = position, matrix(turn)
 
     def body_axis(self, body: Any, axis: Array) -> Array:
-        """(samples, 3) of an axis given in the world at the reference pose."""
+        """Return an axis given in the world at the reference pose, shape (samples, 3)."""
         if body is GROUND:
             return np.broadcast_to(axis, (len(self.place), 3))
         return self.axes[:, self.index[id(body)]] @ axis
 
     def body_point(self, body: Any, point: Array) -> Array:
-        """(samples, 3) of a point given in the world at the reference pose."""
+        """Return a point given in the world at the reference pose, shape (samples, 3)."""
         if body is GROUND:
             return np.broadcast_to(point, (len(self.place), 3))
         return self.place[:, self.index[id(body)]] + self.body_axis(body, point - body.position)
 
     def load(self, joint: Joint, wrenches: Array) -> Load:
-        """A joint's wrench on its body b at its point; what acts on the ground balances the rest."""
+        """Return a joint's wrench on its body b at its point; the wrench on the ground balances the rest."""
         point = joint.reaction_points(self)
         if joint.b is GROUND:
             force = -wrenches[..., :3].sum(axis=1)
@@ -159,13 +160,13 @@ class Carrier:
 
 
 def is_forest(system: System) -> bool:
-    """Whether joints only hang bodies on each other: no loops, no couplings, no drivers."""
+    """Return whether the joints form trees: no loops, no couplings, no drivers."""
     joints = system.joints
     return len(spanning(joints)) == len(joints) and not any(isinstance(joint, Coupling) for joint in joints)
 
 
 def snapshot(mbs: Any, t: float, sensors: Any, factors: Any, configuration: Any) -> Array:
-    """All coordinates, velocities and multipliers: one call of Python per sample."""
+    """Return all coordinates, velocities and multipliers by one call of Python per sample."""
     data = mbs.systemData
     return np.concatenate(
         [

@@ -31,19 +31,19 @@ Add = Callable[[Assembly, Any, str], None]  # elements of a joint or force, whic
 
 
 def hinge_coordinate(model: Assembly, x: Coordinate, what: str) -> int:
-    """Marker of a hinge coordinate, which Exudyn measures about one axis."""
+    """Return the marker of a hinge coordinate, which Exudyn measures about one axis."""
     one_axis(x, what, "Exudyn measures an angle about one axis")
     return model.coordinate(x)
 
 
 def couple(model: Assembly, joint: Joint, driven: Coordinate, ratio: float, by: Coordinate, what: str) -> None:
-    """driven = ratio by."""
+    """Add the condition driven = ratio by."""
     markers = [hinge_coordinate(model, x, what) for x in (driven, by)]
     model.connect(joint, model.items.ObjectConnectorCoordinate(markerNumbers=markers, factor1=ratio))
 
 
 def prescribe(model: Assembly, joint: Joint, x: Coordinate, signal: Signal, what: str) -> None:
-    """x = f(t)."""
+    """Add the condition x = f(t)."""
     given: dict[str, Any] = {"offset": signal.value} if isinstance(signal, Constant) else {}
     if not given:
         place, rate = follow(signal), follow(signal, 1)
@@ -54,7 +54,7 @@ def prescribe(model: Assembly, joint: Joint, x: Coordinate, signal: Signal, what
 
 
 def add_position_driver(model: Assembly, joint: Joint, what: str) -> None:
-    """Displacements along world axes."""
+    """Prescribe displacements along world axes."""
     for axis, signal in zip(np.eye(3), joint.signal, strict=True):
         if signal is not None:
             x = Coordinate("slide", joint.a, joint.b, axis, axis, joint.at, joint.at)
@@ -62,7 +62,7 @@ def add_position_driver(model: Assembly, joint: Joint, what: str) -> None:
 
 
 def add_speed_driver(model: Assembly, joint: Joint, what: str) -> None:
-    """x_dot = f(t) of an angle or a slide, a condition on velocities."""
+    """Add x_dot = f(t) of an angle or a displacement, a condition on velocities."""
     x, speed = speed_of(joint, what, "Exudyn"), follow(joint.speed)
     moving = {}
     if not isinstance(joint.speed, Constant):
@@ -85,17 +85,18 @@ COUPLINGS: dict[type, Add] = {
 
 @dataclass(frozen=True, eq=False)
 class Pose(Placed):
-    """With what maps Exudyn's velocities of its node to w."""
+    """Pose of a body, with the map from Exudyn's velocities of its node to w."""
 
     spin: Array
 
     def velocity_of(self, point: Array) -> Array:
-        """(3, m): velocity of its matter at a point of space from Exudyn's velocities."""
+        """Return the matrix from Exudyn's velocities to that of the material point at a point of space, shape (3,
+        m)."""
         return np.hstack([np.eye(3), -skew(point - self.r) @ self.spin])
 
 
 def pose(model: Assembly, body: Any, q: Array) -> Pose:
-    """Pose from all coordinates of its node; the ground has no node."""
+    """Return the pose from all coordinates of its node; the ground has no node."""
     if body is GROUND:
         return Pose(body, np.zeros(3), np.eye(3), np.zeros((3, 0)))
     e = exponential(q[3:]) if model.rotation == "rotation vector" else q[3:]
@@ -105,7 +106,7 @@ def pose(model: Assembly, body: Any, q: Array) -> Pose:
 def add_contact(
     model: Assembly, joint: Joint, contact: Callable[[Pose, Pose, Any], tuple[Array, Array]], rows: int
 ) -> None:
-    """Rows of ``contact(a, b, mbs)`` = (point, directions (rows, 3))."""
+    """Add rows of ``contact(a, b, mbs)`` = (point, directions (rows, 3))."""
 
     def jacobian(mbs: Any, t: float, item: int, q: Any, q_t: Any, on_velocities: bool) -> Array:
         q = np.array(q)
@@ -129,12 +130,12 @@ def add_contact(
 
 
 def add_knife_edge(model: Assembly, joint: Joint, what: str) -> None:
-    """The point of b does not move along a direction of b."""
+    """Add the condition that the point of b does not move along a direction of b."""
     add_contact(model, joint, lambda a, b, mbs: (b.point(joint.at_b), b.axis(joint.lateral)[None]), 1)
 
 
 def add_rolling(model: Assembly, joint: Joint, what: str) -> None:
-    """The joint of Exudyn for a sharp rim, else all three components of the velocity at the point of a torus."""
+    """Add the joint of Exudyn for a sharp rim, else all three components of the velocity at the point of a torus."""
     if joint.crown:
         add_contact(model, joint, lambda a, b, mbs: (lowest(joint, a, b), np.eye(3)), 3)
         return
@@ -147,7 +148,7 @@ def add_rolling(model: Assembly, joint: Joint, what: str) -> None:
 
 
 def add_rolling_surface(model: Assembly, joint: Joint, what: str) -> None:
-    """All three components of the velocity at the lowest point of a rounded ellipsoid."""
+    """Add all three components of the velocity at the lowest point of a rounded ellipsoid."""
     form = joint.outline
 
     def contact(a: Pose, b: Pose, mbs: Any) -> tuple[Array, Array]:
@@ -157,7 +158,7 @@ def add_rolling_surface(model: Assembly, joint: Joint, what: str) -> None:
 
 
 def add_mesh(model: Assembly, joint: Joint, what: str) -> None:
-    """Teeth: the gears do not move on each other along the line of action at the pitch point of the carrier."""
+    """Add a tooth mesh: the gears do not slip along the line of action at the pitch point of the carrier."""
     carrier, n = joint.support(), joint.direction()
 
     def contact(a: Pose, b: Pose, mbs: Any) -> tuple[Array, Array]:
@@ -168,7 +169,7 @@ def add_mesh(model: Assembly, joint: Joint, what: str) -> None:
 
 
 def carried(model: Assembly, mbs: Any, body: Any) -> Pose:
-    """A body that no row moves, asked of Exudyn."""
+    """Return the pose, from Exudyn, of a body that no row moves."""
     if body is GROUND:
         return pose(model, body, np.zeros(0))
     kinds, number = model.module.OutputVariableType, model.body[id(body)]
@@ -177,7 +178,9 @@ def carried(model: Assembly, mbs: Any, body: Any) -> Pose:
 
 
 def lowest(joint: Joint, a: Pose, b: Pose) -> Array:
-    """Point of the torus nearest to the plane: down the disc by radius - crown, down the plane's normal by crown."""
+    """Return the point of the torus nearest to the plane: down the disc by radius - crown, down the plane's normal by
+    crown.
+    """
     n, u = a.axis(joint.plane[1]), b.axis(joint.axis)
     steepest = cross(u, cross(u, n))
     return b.point(joint.centre) + (joint.radius - joint.crown) * steepest / np.linalg.norm(steepest) - joint.crown * n

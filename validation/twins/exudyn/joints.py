@@ -1,4 +1,4 @@
-"""Every joint and force element that Exudyn has: how, its frames, and why not the others.
+"""Joints and force elements that Exudyn has: their items and frames, and why not the others.
 
 A frame is three columns, world at the reference pose. Exudyn locks directions of the frame on body a (0..2 shifts,
 3..5 turns); with two turns locked the third axis of frame a stays across the other two of frame b, with one locked the
@@ -30,7 +30,7 @@ from validation.twins.exudyn.laws import add_law
 
 
 def add_load(model: Assembly, load: Any, point: Any, components: tuple, element: str) -> None:
-    """A force or torque; a Python function of time only where a component changes."""
+    """Add a force or torque; a Python function of time only where a component changes."""
     axes = load.body.axes if load.frame == "body" else np.eye(3)  # in Exudyn they are along the world at first
     functions = [follow(signal) for signal in components]
 
@@ -46,7 +46,9 @@ def add_load(model: Assembly, load: Any, point: Any, components: tuple, element:
 
 
 def add_spring(model: Assembly, spring: Any, what: str) -> None:
-    """Along the line between two points; without length and damper by components, as Exudyn's line needs a length."""
+    """Add a spring along the line between two points; without length and damper by components, as Exudyn's line needs a
+    length.
+    """
     markers = [model.marker(spring.a, spring.at_a), model.marker(spring.b, spring.at_b)]
     if spring.length == 0.0 and spring.damping == 0.0:
         item = model.items.ObjectConnectorCartesianSpringDamper(markerNumbers=markers, stiffness=[spring.stiffness] * 3)
@@ -59,7 +61,7 @@ def add_spring(model: Assembly, spring: Any, what: str) -> None:
 
 
 def add_torsion(model: Assembly, spring: Any, what: str) -> None:
-    """Along a hinge coordinate."""
+    """Add a spring along a hinge coordinate."""
     markers = [model.zero, hinge_coordinate(model, coordinate_of(spring.hinge, what), what)]
     item = model.items.ObjectConnectorCoordinateSpringDamper(
         markerNumbers=markers, stiffness=spring.stiffness, damping=spring.damping, offset=spring.angle
@@ -68,7 +70,7 @@ def add_torsion(model: Assembly, spring: Any, what: str) -> None:
 
 
 def add_friction(model: Assembly, friction: Any, what: str) -> None:
-    """T tanh(x_dot / v0) + c x_dot against the motion."""
+    """Add the friction T tanh(x_dot / v0) + c x_dot against the motion."""
     dry, viscous, scale = friction.coulomb, friction.viscous, friction.transition
     markers = [model.zero, hinge_coordinate(model, coordinate_of(friction.hinge, what), what)]
     smooth = {}
@@ -79,7 +81,7 @@ def add_friction(model: Assembly, friction: Any, what: str) -> None:
 
 
 def add_drag(model: Assembly, drag: Any, what: str) -> None:
-    """-k |u| u at a point, u its velocity relative to the wind, asked of Exudyn's own sensor."""
+    """Add the drag -k |u| u at a point, u its velocity relative to the wind, from Exudyn's own sensor."""
     factor, wind = 0.5 * drag.density * drag.drag_area, [follow(signal) for signal in drag.wind]
     sensor = model.velocity_sensor(drag.body, drag.at)
 
@@ -92,7 +94,7 @@ def add_drag(model: Assembly, drag: Any, what: str) -> None:
 
 
 def add_bushing(model: Assembly, bushing: Any, what: str) -> None:
-    """Six components in axes of the ground; the elastic moment of large rotations by a function.
+    """Add six components in axes of the ground; the elastic moment of large rotations by a function.
 
     Between two bodies that of Exudyn pulls each side at its own point: all of it by a function.
     """
@@ -137,28 +139,28 @@ REFUSED: dict[type, str] = {
 
 
 def add_force_element(model: Assembly, force: Any) -> None:
-    """Add a force element, or NotExpressible with its name."""
+    """Add a force element; raise NotExpressible with its name if Exudyn has none."""
     if type(force) not in FORCES:
         raise refused(model.system, force, REFUSED, "Exudyn has no element for it")
     FORCES[type(force)](model, force, label(model.system, force))
 
 
 def frames_along(axis: Array, axis_b: Array, place: int) -> tuple[Array, Array]:
-    """Frames on a and b whose axis number ``place`` is the joint's axis."""
+    """Return frames on a and b whose axis number ``place`` is the joint's axis."""
     first = np.column_stack([*perpendiculars(axis), axis])
     second = np.column_stack([*matched_perpendiculars(axis, axis_b), axis_b])
     return np.roll(first, place - 2, axis=1), np.roll(second, place - 2, axis=1)
 
 
 def frames_across(axis_a: Array, axis_b: Array) -> tuple[Array, Array]:
-    """Frames with first axis ``axis_a`` on a, second axis ``axis_b`` on b."""
+    """Return frames with first axis ``axis_a`` on a, second axis ``axis_b`` on b."""
     z = cross(axis_a, axis_b)
     z /= np.linalg.norm(z)
     return np.column_stack([axis_a, cross(z, axis_a), z]), np.column_stack([cross(axis_b, z), axis_b, z])
 
 
 def generic(locked: tuple[int, ...], frames: Callable[[Any], tuple[Array, Array]]) -> Callable:
-    """A joint that locks directions of its frames."""
+    """Return a function that adds a joint with locked directions of its frames."""
 
     def add(model: Assembly, joint: mbsd3d.Joint, what: str) -> None:
         axes_a, axes_b = frames(joint)
@@ -170,29 +172,29 @@ def generic(locked: tuple[int, ...], frames: Callable[[Any], tuple[Array, Array]
 
 
 def along(place: int) -> Callable[[Any], tuple[Array, Array]]:
-    """Frames along axis and axis_b."""
+    """Return a function for frames along axis and axis_b."""
     return lambda joint: frames_along(joint.axis, joint.axis_b, place)
 
 
 def one_sided(joint: mbsd3d.Joint) -> tuple[Array, Array]:
-    """Frames along the axis or normal of a; only a's matters."""
+    """Return frames along the axis or normal of a; only a's matters."""
     axis = joint.normal if hasattr(joint, "normal") else joint.axis
     return frames_along(axis, axis, 2)
 
 
 def crossed(joint: mbsd3d.Joint) -> tuple[Array, Array]:
-    """Frames of axis_a and axis_b."""
+    """Return frames of axis_a and axis_b."""
     return frames_across(joint.axis_a, joint.axis_b)
 
 
 def add_spherical(model: Assembly, joint: mbsd3d.Joint, what: str) -> None:
-    """Points coincide."""
+    """Add the condition that points coincide."""
     markers = [model.marker(joint.a, joint.at), model.marker(joint.b, joint.at_b)]
     model.connect(joint, model.items.ObjectJointSpherical(markerNumbers=markers))
 
 
 def add_constant_velocity(model: Assembly, joint: mbsd3d.Joint, what: str) -> None:
-    """Points coincide; no turn about the bisector: (axis_a + axis_b) . (w_b - w_a) = 0, kept as velocities."""
+    """Add coincident points and no turn about the bisector: (axis_a + axis_b) . (w_b - w_a) = 0, kept as velocities."""
     add_spherical(model, joint, what)
     turn_a = Coordinate("angle", joint.a, joint.b, joint.axis_a, joint.axis_a)
     turn_b = Coordinate("angle", joint.b, joint.a, joint.axis_b, joint.axis_b)
@@ -201,13 +203,13 @@ def add_constant_velocity(model: Assembly, joint: mbsd3d.Joint, what: str) -> No
 
 
 def add_distance(model: Assembly, joint: mbsd3d.Joint, what: str) -> None:
-    """Constant distance."""
+    """Add a constant distance."""
     markers = [model.marker(joint.a, joint.at_a), model.marker(joint.b, joint.at_b)]
     model.connect(joint, model.items.ObjectConnectorDistance(markerNumbers=markers, distance=joint.length))
 
 
 def add_screw(model: Assembly, joint: mbsd3d.Joint, what: str) -> None:
-    """A cylindrical joint and slide = pitch angle / (2 pi)."""
+    """Add a cylindrical joint and slide = pitch angle / (2 pi)."""
     generic((1, 1, 0, 1, 1, 0), along(2))(model, joint, what)
     couple(model, joint, joint.slide(), joint.pitch / (2 * np.pi), joint.angle(), what)
 
@@ -237,7 +239,7 @@ JOINTS: dict[type, Add] = {  # of a GenericJoint: which of three shifts and thre
 
 
 def add_joint(model: Assembly, joint: mbsd3d.Joint) -> None:
-    """Add a joint, or NotExpressible with its name."""
+    """Add a joint; raise NotExpressible with its name if Exudyn has none."""
     if type(joint) not in JOINTS:
         raise refused(model.system, joint, {}, "Exudyn has no element for it")
     JOINTS[type(joint)](model, joint, label(model.system, joint))

@@ -16,7 +16,7 @@ from validation.twins.laws.moving import Moving, Push, own_states
 
 
 def moving(model: Assembly, mbs: Any, body: Any) -> Moving:
-    """A body, asked of Exudyn."""
+    """Return a body at its state in Exudyn."""
     if body is GROUND:
         return Moving(body, np.zeros(3), np.eye(3), np.zeros(3), np.zeros(3))
     kinds, number = model.module.OutputVariableType, model.body[id(body)]
@@ -26,7 +26,7 @@ def moving(model: Assembly, mbs: Any, body: Any) -> Moving:
 
 
 def add_law(model: Assembly, force: Any, what: str) -> None:
-    """Loads on the bodies a, b of a force, and coordinates whose velocities are its own states.
+    """Add loads on the bodies a, b of a force, and coordinates whose velocities are its internal states.
 
     Turns of a hinge are not counted: none of these laws asks for its angle.
     """
@@ -43,7 +43,7 @@ def add_law(model: Assembly, force: Any, what: str) -> None:
     last: dict[str, Any] = {}
 
     def now(mbs: Any, t: float) -> tuple[Push, tuple[Moving, Moving]]:
-        """The law at the state that Exudyn evaluates, and a, b there; asked for up to five times."""
+        """Return the law at the state that Exudyn evaluates, and a, b there; called up to five times per state."""
         a, b = (moving(model, mbs, body) for body in (law.a, law.b))
         kind = model.module.OutputVariableType.Coordinates_t
         z = np.atleast_1d(mbs.GetNodeOutput(node, kind)) if count else np.zeros(0)

@@ -1,4 +1,4 @@
-"""The twin of a tree in its hinge coordinates; takes the explicit solvers too."""
+"""Counterpart model of a tree in its hinge coordinates; also for explicit solvers."""
 
 from functools import cached_property
 from typing import Any
@@ -13,12 +13,12 @@ from validation.twins.exudyn.solvers import SOLVERS, Scheme, check_samples, marc
 from validation.twins.exudyn.tree import SHIFT, TURN, Frame, Link, links_of
 
 OUTPUTS = ("Position", "RotationMatrix", "Velocity", "AngularVelocity")
-SECOND = ("Acceleration", "AngularAcceleration")
-WORLD = Frame(np.zeros(3), np.eye(3))
+ACCELERATION_OUTPUTS = ("Acceleration", "AngularAcceleration")
+WORLD_FRAME = Frame(np.zeros(3), np.eye(3))
 
 
 class Tree:
-    """The items of Exudyn for one tree; answers force elements as `Assembly` does."""
+    """Items of Exudyn for one tree, with the interface of `Assembly` for force elements."""
 
     def __init__(self, module: Any, system: System, state: State) -> None:
         self.module, self.items, self.system, self.state = module, module.itemInterface, system, state
@@ -40,9 +40,9 @@ class Tree:
         self.link_of = {id(link.body): k for k, link in enumerate(self.links) if link.body is not None}
 
     def tree_item(self) -> Any:
-        """All links."""
+        """Return the item of all links."""
         module, here = self.module, [link.here for link in self.links]
-        parents = [WORLD if link.parent < 0 else here[link.parent] for link in self.links]
+        parents = [WORLD_FRAME if link.parent < 0 else here[link.parent] for link in self.links]
         turns = [up.axes.T @ link.there.axes for up, link in zip(parents, self.links, strict=True)]
         offsets = [up.axes.T @ (link.there.point - up.point) for up, link in zip(parents, self.links, strict=True)]
         masses, centres, inertias = map(list, zip(*(own_inertia(link) for link in self.links), strict=True))
@@ -54,7 +54,9 @@ class Tree:
         )  # fmt: skip
 
     def marker(self, body: Any, point: Array, axes: Array | None = None) -> int:
-        """A frame on a link or on the ground: point and axes (columns), world at the reference pose."""
+        """Return the marker of a frame on a link or on the ground: point and axes (columns), world at the reference
+        pose.
+        """
         place, axes = np.eye(4), np.eye(3) if axes is None else axes
         if body is GROUND:
             place[:3, :3], place[:3, 3] = axes, point
@@ -67,7 +69,7 @@ class Tree:
         )
 
     def coordinate(self, x: Coordinate) -> int:
-        """The marker of a hinge coordinate."""
+        """Return the marker of a hinge coordinate."""
         kind = TURN if x.kind == "angle" else SHIFT
         for joint in self.system.joints:
             found = joint.angle() if kind == TURN else joint.slide()
@@ -78,7 +80,7 @@ class Tree:
         raise NotExpressible(f"an {x.kind} between '{x.a.name}' and '{x.b.name}': no hinge of the tree has it")
 
     def sensor(self, body: Any, point: Array, output: str) -> int:
-        """A sensor at a point of a body, world at the reference pose; what makes a motion is stored."""
+        """Return a sensor at a point of a body, world at the reference pose; sensors of the motion are stored."""
         k = self.link_of[id(body)]
         here = self.links[k].here
         item = self.items.SensorKinematicTree(
@@ -89,7 +91,7 @@ class Tree:
         return self.mbs.AddSensor(item)
 
     def velocity_sensor(self, body: Any, point: Array) -> int:
-        """A sensor of the world velocity of a body's point."""
+        """Return a sensor of the world velocity of a body's point."""
         return self.sensor(body, point, "Velocity")
 
     def connect(self, part: Any, item: Any) -> None:
@@ -98,7 +100,7 @@ class Tree:
 
 
 def own_inertia(link: Link) -> tuple[float, Array, Array]:
-    """Mass, centre and central inertia in the frame of a link."""
+    """Return mass, centre and central inertia in the frame of a link."""
     body, here = link.body, link.here
     if body is None:
         return 0.0, np.zeros(3), np.zeros((3, 3))
@@ -107,7 +109,8 @@ def own_inertia(link: Link) -> tuple[float, Array, Array]:
 
 
 class TreeTwin:
-    """See `validation.twins.base.Twin`; ``mbs`` is the system of Exudyn, for settings of one's own.
+    """Counterpart model in hinge coordinates, see `validation.twins.base.Twin`; ``mbs`` is the system of Exudyn, for
+    own settings.
 
     It reports no reactions: hinge coordinates have no constraint forces.
     """
@@ -121,7 +124,9 @@ class TreeTwin:
         for force in system.forces:
             add_force_element(self.model, force)
         self.mbs = self.model.mbs
-        self.sensors, self.later = ({name: self.at_origins(name) for name in names} for names in (OUTPUTS, SECOND))
+        self.sensors, self.later = (
+            {name: self.at_origins(name) for name in names} for names in (OUTPUTS, ACCELERATION_OUTPUTS)
+        )
         item = module.itemInterface.SensorUserFunction(sensorUserFunction=pulse, storeInternal=True, writeToFile=False)
         self.mbs.AddSensor(item)
         self.mbs.Assemble()
@@ -129,11 +134,11 @@ class TreeTwin:
         self.start()
 
     def at_origins(self, output: str) -> list[int]:
-        """A sensor at the reference point of every body."""
+        """Return a sensor at the reference point of every body."""
         return [self.model.sensor(body, body.position, output) for body in self.system.bodies]
 
     def start(self) -> None:
-        """Hinge rates of the start: those whose velocities of the bodies are the given ones."""
+        """Set the hinge rates of the start: those whose velocities of the bodies are the given ones."""
         rates, off = np.zeros(len(self.model.links)), 0.0
         if self.state.v.any():
             rates = np.linalg.lstsq(self.map, self.state.v, rcond=None)[0]
@@ -144,13 +149,15 @@ class TreeTwin:
             self.mbs.systemData.SetODE2Coordinates_t(rates, configuration)
 
     def values(self, *sensors: list[int]) -> Array:
-        """(6 bodies,) of two vectors per body."""
+        """Return two vectors per body, shape (6 bodies,)."""
         pairs = [[self.mbs.GetSensorValues(k) for k in own] for own in zip(*sensors, strict=True)]
         return np.array(pairs, float).ravel()
 
     @cached_property
     def map(self) -> Array:
-        """(6 bodies, m): (r_dot, w) of the bodies at the start by hinge rates; slow for hundreds of links."""
+        """Return the matrix from hinge rates to (r_dot, w) of the bodies at the start, shape (6 bodies, m); slow for
+        hundreds of links.
+        """
         now, n = self.module.ConfigurationType.Current, len(self.model.links)
         before = np.array(self.mbs.systemData.GetODE2Coordinates_t(now))
         out = np.empty((6 * len(self.system.bodies), n))
@@ -161,13 +168,15 @@ class TreeTwin:
         return out
 
     def kinetic(self) -> Kinetic:
-        """Mass matrix in the hinge rates at the start."""
+        """Return the mass matrix in the hinge rates at the start."""
         solver = opened(self.module, self.mbs, self.state.t)
         solver.ComputeMassMatrix(self.mbs)
         return Kinetic(np.array(solver.GetSystemMassMatrix()), self.map)
 
     def change(self) -> Array:
-        """Accelerations of the hinge coordinates at the start, from Exudyn's M and right side; they become current."""
+        """Return the accelerations of the hinge coordinates at the start, from Exudyn's M and right side; they become
+        current.
+        """
         solver = opened(self.module, self.mbs, self.state.t)
         solver.ComputeMassMatrix(self.mbs)
         solver.ComputeODE2RHS(self.mbs)
@@ -176,12 +185,12 @@ class TreeTwin:
         return change
 
     def accelerations(self) -> Array:
-        """(bodies, 6) at the start."""
+        """Return the accelerations at the start, shape (bodies, 6)."""
         self.change()
         return self.values(*self.later.values()).reshape(-1, 6)
 
     def run(self, t_end: float, steps: int, samples: int) -> Motion:
-        """See `Twin.run`; also ValueError for samples off the steps, and tables that end before."""
+        """Integrate as `Twin.run`; raise ValueError for samples off the steps, and tables that end before."""
         check_run(self.engine, self.system, self.state.t, t_end, steps, samples)
         every = self.scheme.records(steps, samples, len(self.system.bodies))
         if self.scheme.implicit:
@@ -200,5 +209,5 @@ class TreeTwin:
 
 
 def pulse(mbs: Any, t: float, sensors: Any, factors: Any, configuration: Any) -> list[float]:
-    """Nothing but a moment of Python, in which Ctrl-C is heard."""
+    """Return to Python for a moment, so that Ctrl-C is noticed."""
     return [t]

@@ -1,4 +1,4 @@
-"""Exudyn itself, found and quiet; its solvers by name, the settings one who knows it would choose, the loop."""
+"""Exudyn module and its console; its solvers by name, settings of an expert, the loop."""
 
 import re
 import time
@@ -16,16 +16,16 @@ from mbsd3d.errors import InputError
 from mbsd3d.extend import loading
 from validation.twins.base import Array, EngineFailed, EngineMissing, release
 
-OLDEST = (1, 13, 6)
+VERSION_MIN = (1, 13, 6)
 """Earlier versions name their settings otherwise, and have no coordinate of a hinge (MarkerBodiesRelative...)."""
 
-WANTED = ".".join(map(str, OLDEST))
+VERSION_MIN_TEXT = ".".join(map(str, VERSION_MIN))
 
 
 def exudyn() -> Any:
-    """The module, imported when it is asked for.
+    """Import the module Exudyn on demand.
 
-    EngineMissing if it is not installed or older than `OLDEST`.
+    EngineMissing if it is not installed or older than `VERSION_MIN`.
     """
     try:
         version = metadata.version("exudyn")
@@ -42,14 +42,16 @@ def exudyn() -> Any:
 
 
 def check_version(version: str) -> None:
-    """EngineMissing for a version before `OLDEST`."""
-    if release(version) < OLDEST:
-        raise EngineMissing(f"Exudyn {version} is older than {WANTED}; pip install -U 'exudyn>={WANTED}'")
+    """Raise EngineMissing for a version before `VERSION_MIN`."""
+    if release(version) < VERSION_MIN:
+        raise EngineMissing(
+            f"Exudyn {version} is older than {VERSION_MIN_TEXT}; pip install -U 'exudyn>={VERSION_MIN_TEXT}'"
+        )
 
 
 @contextmanager
 def quiet(module: Any) -> Iterator[StringIO]:
-    """Nothing reaches the terminal, what was said is kept; the setting of the console is restored."""
+    """Silence the console of Exudyn within the block and keep its messages; restore the setting afterwards."""
     said, before = StringIO(), module.config.printToConsole
     try:
         with redirect_stdout(said), warnings.catch_warnings():
@@ -60,7 +62,7 @@ def quiet(module: Any) -> Iterator[StringIO]:
         module.config.printToConsole = before
 
 
-CTRL_C = ("KeyboardInterrupt", "returned a result with an exception set")
+CTRL_C_TEXTS = ("KeyboardInterrupt", "returned a result with an exception set")
 """What an error says where Ctrl-C met a function of Python that Exudyn calls, or Exudyn itself."""
 SOLVERS = {
     "generalized-alpha": ("GeneralizedAlpha", 2),
@@ -71,21 +73,21 @@ SOLVERS = {
 }
 """Name -> (name in Exudyn, order of the error in the step)."""
 
-IMPLICIT = ("generalized-alpha", "index2")  # Solvers that take constraints
+IMPLICIT_SOLVERS = ("generalized-alpha", "index2")  # solvers that take constraints
 
-PULSES, LONG = 128, 1024
+PULSES_MAX, LONG_RUN_WORK = 128, 1024
 """Records of a run at most, where fewer samples are asked for; body-steps between them at least (5 ms or more)."""
 
-LINEAR = {"dense": "EXUdense", "sparse": "EigenSparse", "full-pivot": "EigenDense"}
+LINEAR_SOLVERS = {"dense": "EXUdense", "sparse": "EigenSparse", "full-pivot": "EigenDense"}
 """Linear solver -> name in Exudyn; "full-pivot" leaves out equations that repeat others."""
 
 
 @dataclass(frozen=True)
 class Scheme:
-    """How Exudyn integrates.
+    """Integration scheme of Exudyn.
 
     ``solver``: a key of `SOLVERS`; ``spectral_radius``: of generalized-alpha, 0 to 1; 1 does not damp and can blow
-    up; ``linear``: a key of `LINEAR`; ``tolerance``: of Newton's iterations, relative; absolute 1e-2 of it, as
+    up; ``linear``: a key of `LINEAR_SOLVERS`; ``tolerance``: of Newton's iterations, relative; absolute 1e-2 of it, as
     Exudyn has them. Of the steps that dopri5 chooses, relative and absolute; ``adaptive``: let dopri5 choose its
     steps, none longer than the given ones; only the end is a sample then.
     """
@@ -97,7 +99,7 @@ class Scheme:
     adaptive: bool = False
 
     def __post_init__(self) -> None:
-        for name, known in (("solver", SOLVERS), ("linear", LINEAR)):
+        for name, known in (("solver", SOLVERS), ("linear", LINEAR_SOLVERS)):
             if getattr(self, name) not in known:
                 raise InputError(
                     f"{name} {getattr(self, name)!r} is unknown; give one of {', '.join(map(repr, known))}"
@@ -111,8 +113,8 @@ class Scheme:
 
     @property
     def implicit(self) -> bool:
-        """Whether it takes constraints."""
-        return self.solver in IMPLICIT
+        """Return whether the scheme takes constraints."""
+        return self.solver in IMPLICIT_SOLVERS
 
     def __str__(self) -> str:
         if not self.implicit:
@@ -121,7 +123,8 @@ class Scheme:
         return f"{SOLVERS[self.solver][0]}{radius}, modified Newton to {self.tolerance:g}, {self.linear} linear solver"
 
     def records(self, steps: int, samples: int, bodies: int) -> int:
-        """Records kept per sample: up to `PULSES` in a long run, so that Ctrl-C is heard between them.
+        """Return the number of records per sample: up to `PULSES_MAX` in a long run, so that Ctrl-C is noticed between
+        them.
 
         ValueError for samples between steps that dopri5 chooses.
         """
@@ -129,11 +132,11 @@ class Scheme:
             if samples > 1:
                 raise InputError(f"{samples} samples: steps that dopri5 chooses do not end on them; give samples=1")
             return 1
-        most = max(1, min(PULSES, steps * bodies // LONG) // samples)
+        most = max(1, min(PULSES_MAX, steps * bodies // LONG_RUN_WORK) // samples)
         return next(k for k in range(most, 0, -1) if steps // samples % k == 0)
 
     def settings(self, module: Any, start: float, t_end: float, steps: int, records: int) -> Any:
-        """`SimulationSettings`: equal steps, records evenly among them; no files, nothing on the terminal."""
+        """Return `SimulationSettings`: equal steps, records evenly among them; no files, nothing on the terminal."""
         out = module.SimulationSettings()
         out.solution.file.write = False
         out.solution.sensors.writePeriod = (t_end - start) / records
@@ -149,17 +152,17 @@ class Scheme:
         newton = integration.newton
         newton.useModifiedNewton = True  # the Jacobian is kept while iterations converge
         newton.relativeTolerance, newton.absoluteTolerance = self.tolerance, 1e-2 * self.tolerance
-        out.linearSolver.solverType = getattr(module.LinearSolverType, LINEAR[self.linear])
+        out.linearSolver.solverType = getattr(module.LinearSolverType, LINEAR_SOLVERS[self.linear])
         out.linearSolver.ignoreSingularJacobian = self.linear == "full-pivot"
         return out
 
     def open(self, module: Any) -> Any:
-        """A solver of Exudyn."""
+        """Return a solver of Exudyn."""
         return module.MainSolverImplicitSecondOrder() if self.implicit else module.MainSolverExplicit()
 
 
 def opened(module: Any, mbs: Any, start: float) -> Any:
-    """An initialised solver, for the matrices at the start."""
+    """Return an initialised solver, for the matrices at the start."""
     solver = module.MainSolverImplicitSecondOrder()
     with quiet(module) as said:
         if not solver.InitializeSolver(mbs, Scheme().settings(module, start, start + 1.0, 1, 1)):
@@ -168,7 +171,7 @@ def opened(module: Any, mbs: Any, start: float) -> Any:
 
 
 def march(module: Any, mbs: Any, scheme: Scheme, start: float, t_end: float, steps: int, records: int) -> float:
-    """Integrate, see `Scheme.settings`; seconds of the time loop.
+    """Integrate, see `Scheme.settings`; return the seconds of the time loop.
 
     EngineFailed with the last lines of what Exudyn said.
     """
@@ -181,7 +184,7 @@ def march(module: Any, mbs: Any, scheme: Scheme, start: float, t_end: float, ste
             seconds = time.perf_counter() - began
             solver.FinalizeSolver(mbs, settings)
         except (RuntimeError, ValueError, SystemError, module.ExudynError) as error:
-            if any(sign in str(error) for sign in CTRL_C):
+            if any(sign in str(error) for sign in CTRL_C_TEXTS):
                 raise KeyboardInterrupt from None
             raise EngineFailed(f"Exudyn stopped: {last_words(str(error) + said.getvalue())}") from None
     if not fine:
@@ -191,14 +194,14 @@ def march(module: Any, mbs: Any, scheme: Scheme, start: float, t_end: float, ste
 
 
 def last_words(text: str) -> str:
-    """What Exudyn said, on one line of at most 300 characters, without places in files."""
+    """Return the message of Exudyn on one line of at most 300 characters, without places in files."""
     text = re.sub(r"\[Python file [^]]*\]", "", text)
     words = " ".join(text.replace("*", " ").replace("=", " ").split())[:300] or "it gave no reason"
     return words + ("; rows that repeat each other need linear='full-pivot'" if "singular" in words else "")
 
 
 def check_samples(found: Array, start: float, t_end: float, records: int, *values: Array) -> Array:
-    """The times of all records, or EngineFailed if one is missing or anything is not finite."""
+    """Return the times of all records; raise EngineFailed if one is missing or anything is not finite."""
     t = np.linspace(start, t_end, records + 1)
     if len(found) != len(t) or np.abs(found - t).max() > 1e-6 * (t[1] - t[0]):
         raise EngineFailed(f"Exudyn kept {len(found)} records of {len(t)}, the last at t = {found[-1]:.6g} s")

@@ -1,4 +1,4 @@
-"""A tree of hinges and guides as one kinematic tree of Exudyn, in its hinge coordinates.
+"""Tree of hinges and guides as one kinematic tree of Exudyn, in its hinge coordinates.
 
 Every joint becomes one or two hinge coordinates; between two of one joint is a massless link. The frame of a
 link is its joint frame, z along the axis; coordinates count from the reference pose as in `mbsd3d`.
@@ -24,7 +24,7 @@ class Frame(NamedTuple):
 
 
 class Link(NamedTuple):
-    """One hinge coordinate: its kind, the link it hangs on (-1: ground), its frame there and on its own body."""
+    """Hinge coordinate of a tree: its kind, its parent link (-1: ground), its frame there and on its own body."""
 
     kind: str
     parent: int
@@ -35,7 +35,7 @@ class Link(NamedTuple):
 
 
 def axis_frames(joint: Joint, reverse: bool) -> tuple[Frame, Frame]:
-    """Frames (inner, outer) along the axis, which counts from a to b whichever side is the inner one."""
+    """Return frames (inner, outer) along the axis, which counts from a to b whichever side is the inner one."""
     x, y = perpendiculars(joint.axis)
     first = Frame(joint.at, np.column_stack([x, y, joint.axis]))
     second = Frame(joint.at_b, np.column_stack([*matched_perpendiculars(joint.axis, joint.axis_b), joint.axis_b]))
@@ -43,12 +43,12 @@ def axis_frames(joint: Joint, reverse: bool) -> tuple[Frame, Frame]:
 
 
 def turned(frame: Frame) -> Frame:
-    """The frame with z against the axis."""
+    """Return the frame with z against the axis."""
     return Frame(frame.point, frame.axes * (1.0, -1.0, -1.0))
 
 
 def along(axis: Array, point: Array, sign: float) -> Frame:
-    """A frame with z along plus or minus an axis."""
+    """Return a frame with z along plus or minus an axis."""
     x, y = perpendiculars(axis)
     return Frame(point, np.column_stack([x, sign * y, sign * axis]))
 
@@ -65,23 +65,23 @@ class Start:
         self.place = {id(body): r for body, r in zip(system.bodies, q[:, :3], strict=True)} | {id(GROUND): np.zeros(3)}
 
     def point(self, body: Any, point: Array) -> Array:
-        """A point of a body now."""
+        """Return the present position of a point of a body."""
         return self.place[id(body)] + matrix(self.turn[id(body)]) @ (point - body.position)
 
     def angle(self, x: Coordinate) -> float:
-        """An angle; its whole turns do not matter to a tree."""
+        """Return an angle [rad]; its whole turns do not matter to a tree."""
         relative = matrix(multiply(conjugate(self.turn[id(x.a)]), self.turn[id(x.b)]))
         x_a, y_a = perpendiculars(x.axis)
         x_b = relative @ matched_perpendiculars(x.axis, x.axis_b)[0]
         return float(np.arctan2(y_a @ x_b, x_a @ x_b))
 
     def slide(self, x: Coordinate) -> float:
-        """Way along the axis."""
+        """Return the displacement along the axis [m]."""
         axis = matrix(self.turn[id(x.a)]) @ x.axis
         return float(axis @ (self.point(x.b, x.point_b) - self.point(x.a, x.point_a)))
 
     def cross(self, joint: Universal) -> tuple[float, float]:
-        """Angles about axis_a and axis_b: relative = turn(axis_a, first) turn(axis_b, second)."""
+        """Return the angles about axis_a and axis_b: relative = turn(axis_a, first) turn(axis_b, second)."""
         R = matrix(multiply(conjugate(self.turn[id(joint.a)]), self.turn[id(joint.b)]))
         a, b = joint.axis_a, joint.axis_b
         c, d = cross(a, b), R.T @ a
@@ -89,23 +89,23 @@ class Start:
 
 
 def revolute(joint: Joint, start: Start, reverse: bool) -> list[tuple]:
-    """One turn."""
+    """Return the single rotation axis of a revolute joint."""
     return [(TURN, *axis_frames(joint, reverse), start.angle(joint.angle()))]
 
 
 def prismatic(joint: Joint, start: Start, reverse: bool) -> list[tuple]:
-    """One shift."""
+    """Return the single translation of a prismatic joint."""
     return [(SHIFT, *axis_frames(joint, reverse), start.slide(joint.slide()))]
 
 
 def cylindrical(joint: Joint, start: Start, reverse: bool) -> list[tuple]:
-    """A shift, then a turn about the same axis."""
+    """Return a translation, then a rotation about the same axis."""
     inner, outer = axis_frames(joint, reverse)
     return [(SHIFT, inner, inner, start.slide(joint.slide())), (TURN, inner, outer, start.angle(joint.angle()))]
 
 
 def universal(joint: Joint, start: Start, reverse: bool) -> list[tuple]:
-    """Two turns."""
+    """Return the two rotations of a universal joint."""
     first, second = start.cross(joint)
     sign = -1.0 if reverse else 1.0
     inner, outer = (joint.at_b, joint.at) if reverse else (joint.at, joint.at_b)
@@ -126,7 +126,7 @@ TREE_JOINTS: dict[type, tuple[str, Callable]] = {
 
 
 def links_of(system: System, state: State) -> tuple[list[Link], dict[tuple, int]]:
-    """Links from the ground outwards, and the number of every hinge coordinate (kind, joint).
+    """Return links from the ground outwards, and the number of every hinge coordinate (kind, joint).
 
     NotExpressible for joints that a tree has not, loops and free bodies.
     """

@@ -1,4 +1,4 @@
-"""Laws of force elements, written out once more from their definitions, for poses and velocities of two bodies.
+"""Laws of force elements from their definitions, for poses and velocities of two bodies.
 
 Nothing of the compiled ones is used. Exudyn takes those for which it has no element, as functions of Python; the second
 formulation takes all of them.

@@ -1,4 +1,4 @@
-"""Loads along a hinge or slide: springs, friction, brakes."""
+"""Laws along a hinge or slider: springs, friction, brakes."""
 
 from collections.abc import Callable
 from typing import Any
@@ -8,11 +8,12 @@ import numpy as np
 from mbsd3d import Brake, CurveContact, JointFriction, TorsionSpring
 from mbsd3d.extend import Coordinate, cross, hinge_coordinate, perpendiculars
 from validation.twins.base import Array
-from validation.twins.laws.moving import NONE, STATELESS, Law, Moving, Placed, Push, follow, one_axis
+from validation.twins.laws.moving import STATELESS, ZERO_VECTOR, Law, Moving, Placed, Push, follow, one_axis
 
 
 def along_hinge(force: Any, what: str, load: Callable) -> Law:
-    """``load(t, x, x_dot, z)`` = (load on b along a hinge or slide, rates of the own states)."""
+    """Return the law of ``load(t, x, x_dot, z)`` = (load on b along a hinge or slider, rates of the internal
+    states)."""
     x = hinge_coordinate(force.hinge, what)
     if isinstance(force.hinge, CurveContact):
         return along_curve(force.hinge, load)
@@ -24,13 +25,15 @@ def along_hinge(force: Any, what: str, load: Callable) -> Law:
         rate = axis @ (b.velocity(point) - a.velocity(point) if sliding else b.omega - a.omega)
         value = axis @ (point - a.point(x.point_a)) if sliding else angle(x, a, b, counted)
         size, rates = load(t, value, rate, z)
-        return Push(size * axis, point, NONE, rates) if sliding else Push(NONE, point, size * axis, rates)
+        return Push(size * axis, point, ZERO_VECTOR, rates) if sliding else Push(ZERO_VECTOR, point, size * axis, rates)
 
     return Law(x.a, x.b, push)
 
 
 def along_curve(joint: CurveContact, load: Callable) -> Law:
-    """The same along a curve: s where x'. (p - x) = 0 of a point p, or x'. e = 0 under a face e, all in axes of a."""
+    """Return the same law along a curve: s where x'. (p - x) = 0 of a point p, or x'. e = 0 under a face e, all in axes
+    of a.
+    """
     line, faced = joint.line, joint.face is not None
 
     def push(t: float, a: Moving, b: Moving, z: Array, counted: float) -> Push:
@@ -46,13 +49,13 @@ def along_curve(joint: CurveContact, load: Callable) -> Law:
             rate = way @ (b.velocity(point) - a.velocity(point))
         value = s - joint.start
         size, rates = load(t, value + line.length * round((counted - value) / line.length), rate, z)
-        return Push(NONE, point, size * way, rates) if faced else Push(size * way, point, NONE, rates)
+        return Push(ZERO_VECTOR, point, size * way, rates) if faced else Push(size * way, point, ZERO_VECTOR, rates)
 
     return Law(joint.a, joint.b, push)
 
 
 def angle(x: Coordinate, a: Placed, b: Placed, counted: float) -> float:
-    """Angle from a line of a to that of b about their axis, with the turns of the one that is counted."""
+    """Return the angle from a line of a to that of b about their axis [rad], with the turns of the counted one."""
     first, axis = perpendiculars(x.axis)[0], a.axis(x.axis)
     u, w = a.axis(first), b.axis(first)
     principal = np.arctan2(axis @ cross(u, w), u @ w)
@@ -60,7 +63,7 @@ def angle(x: Coordinate, a: Placed, b: Placed, counted: float) -> float:
 
 
 def brake_law(brake: Brake, what: str) -> Law:
-    """A spring and a damper that slip at a torque or force, which may change."""
+    """Return the law of a spring and a damper that slip at a torque or force, which may change."""
     most, k, c = follow(brake.torque), brake.stiffness, brake.damping
 
     def load(t: float, x: float, rate: float, z: Array) -> tuple[float, Array]:
@@ -72,12 +75,12 @@ def brake_law(brake: Brake, what: str) -> Law:
 
 
 def friction_law(friction: JointFriction, what: str) -> Law:
-    """Dry friction smoothed at rest, and viscous friction."""
+    """Return the law of dry friction smoothed at rest, and viscous friction."""
     T, c, v0 = friction.coulomb, friction.viscous, friction.transition
     return along_hinge(friction, what, lambda t, x, rate, z: (-T * np.tanh(rate / v0) - c * rate, STATELESS))
 
 
 def torsion_law(spring: TorsionSpring, what: str) -> Law:
-    """Spring and damper of a hinge or slide."""
+    """Return the law of spring and damper of a hinge or slider."""
     k, c, x0 = spring.stiffness, spring.damping, spring.angle
     return along_hinge(spring, what, lambda t, x, rate, z: (-k * (x - x0) - c * rate, STATELESS))

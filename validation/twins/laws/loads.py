@@ -1,15 +1,15 @@
-"""Springs and mounts between two bodies, loads on one, weight and attraction."""
+"""Laws of springs and mounts between two bodies, loads on one, weight and attraction."""
 
 import numpy as np
 
 from mbsd3d import GROUND, AeroDrag, Bushing, CentralGravity, Force, SpringDamper, Torque, Weight
 from mbsd3d.extend import cross, matrix
 from validation.twins.base import Array
-from validation.twins.laws.moving import NONE, Law, Moving, Push, follow
+from validation.twins.laws.moving import ZERO_VECTOR, Law, Moving, Push, follow
 
 
 def spring_law(spring: SpringDamper, what: str) -> Law:
-    """Tension along the line between two points, from the rate of the squared length.
+    """Return the law of a tension along the line between two points, from the rate of the squared length.
 
     Where the points meet the line is that of the motion, along which its limit from either side is the same.
     """
@@ -27,7 +27,9 @@ def spring_law(spring: SpringDamper, what: str) -> Law:
 
 
 def bushing_law(bushing: Bushing, what: str) -> Law:
-    """Springs along and about axes in a; the moment of the energy 2 p'K p from angle and axis of the relative turn."""
+    """Return the law of springs along and about axes in a; the moment of the energy 2 p'K p from angle and axis of the
+    relative rotation.
+    """
     F = matrix(bushing.axes)
 
     def push(t: float, a: Moving, b: Moving, z: Array, x: float) -> Push:
@@ -48,7 +50,7 @@ def bushing_law(bushing: Bushing, what: str) -> Law:
 
 
 def force_law(force: Force, what: str) -> Law:
-    """Given components at a point."""
+    """Return the law of prescribed force components [N] at a point."""
     parts, in_body = [follow(x) for x in force.force], force.frame == "body"
 
     def push(t: float, a: Moving, b: Moving, z: Array, x: float) -> Push:
@@ -59,18 +61,18 @@ def force_law(force: Force, what: str) -> Law:
 
 
 def torque_law(torque: Torque, what: str) -> Law:
-    """Given components."""
+    """Return the law of prescribed torque components [N m] in world or body axes."""
     parts, in_body = [follow(x) for x in torque.torque], torque.frame == "body"
 
     def push(t: float, a: Moving, b: Moving, z: Array, x: float) -> Push:
         given = np.array([f(t) for f in parts])
-        return Push(NONE, b.r, b.axes @ given if in_body else given)
+        return Push(ZERO_VECTOR, b.r, b.axes @ given if in_body else given)
 
     return Law(GROUND, torque.body, push)
 
 
 def drag_law(drag: AeroDrag, what: str) -> Law:
-    """-rho/2 c_d A |u| u in the wind."""
+    """Return the law -rho/2 c_d A |u| u in the wind."""
     wind, k = [follow(x) for x in drag.wind], 0.5 * drag.density * drag.drag_area
 
     def push(t: float, a: Moving, b: Moving, z: Array, x: float) -> Push:
@@ -82,7 +84,7 @@ def drag_law(drag: AeroDrag, what: str) -> Law:
 
 
 def weight_law(weight: Weight, what: str) -> Law:
-    """Weight along a direction of a, which does not feel it."""
+    """Return the law of weight along a direction of a, which does not feel it."""
 
     def push(t: float, a: Moving, b: Moving, z: Array, x: float) -> Push:
         return Push(weight.b.mass * a.axis(weight.acceleration), b.point(weight.b.centre))
@@ -91,7 +93,9 @@ def weight_law(weight: Weight, what: str) -> Law:
 
 
 def attraction_law(gravity: CentralGravity, what: str) -> Law:
-    """The gradient of MacCullagh's energy in the place and, as a moment, in the turn of a body."""
+    """Return the law of attraction, the gradient of MacCullagh's energy in the position and, as a moment, in the
+    rotation of a body.
+    """
     body, mu = gravity.b, gravity.mu
 
     def push(t: float, a: Moving, b: Moving, z: Array, x: float) -> Push:

@@ -1,4 +1,4 @@
-"""Bodies as laws see them, and what a law says."""
+"""Bodies as laws read them, and the load of a law."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,59 +10,63 @@ from mbsd3d import GROUND, System
 from mbsd3d.extend import Coordinate, cross, evaluate, matrix
 from validation.twins.base import Array, NotExpressible
 
-NONE = np.zeros(3)
+ZERO_VECTOR = np.zeros(3)
 STATELESS = np.zeros(0)
 
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """A body now, where its point and axes stood along the world at the reference pose."""
+    """Present pose of a body, whose point and axes stood along the world at the reference pose."""
 
     body: Any
     r: Array
     R: Array
 
     def axis(self, reference: Array) -> Array:
-        """A direction of the body."""
+        """Return a direction of the body."""
         return self.R @ reference
 
     @property
     def axes(self) -> Array:
-        """(3, 3) axes of the body in the world."""
+        """Return the axes of the body in the world, shape (3, 3)."""
         return self.R @ matrix(self.body.orientation)
 
     def point(self, reference: Array) -> Array:
-        """A point of the body."""
+        """Return a point of the body."""
         return self.r + self.R @ (reference - self.body.position)
 
 
 @dataclass(frozen=True, eq=False)
 class Moving(Placed):
-    """With its velocities."""
+    """Placed body with its velocities."""
 
     v: Array
     omega: Array
 
     def velocity(self, point: Array) -> Array:
-        """Velocity of its matter at a point of space."""
+        """Return the velocity of its material point at a point of space [m/s]."""
         return self.v + cross(self.omega, point - self.r)
 
 
 class Push(NamedTuple):
-    """On b, world axes: a force at a point, a couple, and the rates of the own states; the opposite acts on a."""
+    """Load on b, world axes: a force at a point, a couple, and the rates of the internal states; the opposite acts on
+    a.
+    """
 
     force: Array
     point: Array
-    couple: Array = NONE
+    couple: Array = ZERO_VECTOR
     rates: Array = STATELESS
 
     def moment(self, r: Array) -> Array:
-        """About a point of space."""
+        """Return the moment about a point of space [N m]."""
         return cross(self.point - r, self.force) + self.couple
 
 
 class Law(NamedTuple):
-    """``push(t, a, b, z, x)``: z own states; x the hinge coordinate as it is counted, of which only turns are used."""
+    """Force law ``push(t, a, b, z, x)``: z internal states; x the hinge coordinate as it is counted, of which only
+    turns are used.
+    """
 
     a: Any
     b: Any
@@ -71,31 +75,35 @@ class Law(NamedTuple):
 
     @property
     def sides(self) -> list[tuple[float, int]]:
-        """(sign of the push, place in (a, b)) of the bodies that feel it; the ground does not."""
+        """Return (sign of the load, position in (a, b)) of the loaded bodies, without the ground."""
         felt = [(1.0, 1), (-1.0, 0)] if self.back else [(1.0, 1)]
         return [(sign, k) for sign, k in felt if (self.a, self.b)[k] is not GROUND]
 
 
 def own_states(system: System, force: Any, z: Array) -> Array:
-    """Those of a force, of all that a state has."""
+    """Return the internal states of a force, from those of a state."""
     row = system.lowered.model.force[system.forces.index(force)]
     return z[row["state"] : row["state"] + row["states"]]
 
 
 def one_axis(x: Coordinate, what: str, reason: str) -> None:
-    """NotExpressible, with a reason, for a hinge whose axes on both sides differ as built."""
+    """Raise NotExpressible, with a reason, for a hinge whose axes on both sides differ as built."""
     if np.linalg.norm(x.axis - x.axis_b) > 1e-12:  # rounding of unit vectors
         raise NotExpressible(f"{what}: the axes on both sides differ as built; {reason}")
 
 
 def follow(signal: Any, order: int = 0) -> Callable[[float], float]:
-    """A signal or a derivative as f(t); a table goes on outside its interval, where differences at its ends need it."""
+    """Return a signal or a derivative as f(t); a table extrapolates outside its interval, where differences at its ends
+    need it.
+    """
     terms = signal.terms()
     return lambda t: float(evaluate(terms, t, order))
 
 
 def deepest(b: Placed, form: Any, n: Array) -> Array:
-    """Where a surface of b reaches farthest against n: half axes r stretch a sphere, on it -r u'n / |r u'n|."""
+    """Return the point of a surface of b that reaches farthest against n: half axes r stretch a sphere, on it -r u'n /
+    |r u'n|.
+    """
     axes = b.R @ form.axes
     stretched = form.radii * (axes.T @ n)
     length = np.linalg.norm(stretched)

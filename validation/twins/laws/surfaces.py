@@ -1,4 +1,4 @@
-"""Contacts and tyres: their definitions, the tyre by the bristles of `validation.theory.free_wheel`."""
+"""Laws of contacts and tyres from their definitions, the tyre by the bristles of `validation.theory.free_wheel`."""
 
 from dataclasses import fields
 
@@ -12,7 +12,9 @@ from validation.twins.laws.moving import Law, Moving, Push, deepest, follow
 
 
 def contact_law(contact: Contact, what: str) -> Law:
-    """The lowest point of a rounded ellipsoid presses, rubs, and resists rolling and spinning."""
+    """Return the law of the lowest point of a rounded ellipsoid: normal force, friction, rolling and spinning
+    resistance.
+    """
     form, (at, normal) = contact.outline, contact.plane
     sizes = (contact.friction, contact.rolling, contact.spinning)
 
@@ -39,7 +41,8 @@ def resistance(
     contact: Contact, most: list[float], grip: tuple[float, float], size: float, motions: tuple[Array, Array, float],
     z: Array,
 ) -> tuple[tuple[Array, Array, float], Array]:  # fmt: skip
-    """((friction, moment against rolling, against spinning), rates of the own states) in axes of the plane."""
+    """Return ((friction, moment against rolling, against spinning), rates of the internal states) in axes of the
+    plane."""
     motions, lengths = [np.atleast_1d(x) for x in motions], (1.0, size, size)
     if not contact.state_names():
         v0 = contact.creep or 1.0
@@ -57,7 +60,7 @@ def resistance(
 
 
 def tyre_law(tyre: Tyre, what: str) -> Law:
-    """A torus on a plane, with deflections and the forces of bristles."""
+    """Return the law of a torus on a plane, with deflections and the forces of bristles."""
     at, normal = tyre.plane
     first = perpendiculars(normal)[0]
     numbers = {one.name: getattr(tyre, one.name) for one in fields(Rubber)}

@@ -1,4 +1,4 @@
-"""A `System` as MuJoCo has it: a tree of joints, loops closed by soft equalities.
+"""Counterpart model of a `System` in MuJoCo: a tree of joints, loops closed by soft equalities.
 
 Two traps of MuJoCo 4.0.1 that are dodged here, both measured: ``mj_jacDot`` is wrong where a ball comes before a slide
 in one body (0.6 m/s^2 off at speeds of 1 m/s), so that joints of a point on a line or plane are the last to span the
@@ -19,7 +19,7 @@ from validation.twins.mujoco.layout import TABLE, lay_out
 from validation.twins.mujoco.loads import load_all
 from validation.twins.mujoco.reactions import Reactions
 from validation.twins.mujoco.rods import add_tendons, set_lengths
-from validation.twins.mujoco.simulator import SPARSE_BUG, MujocoTwin, require
+from validation.twins.mujoco.simulator import SPARSE_BUG_VERSION, MujocoTwin, require
 
 EXPRESSES = (
     *TABLE, mbsd3d.ConstantVelocity, mbsd3d.Distance, mbsd3d.Gear, mbsd3d.RackPinion, mbsd3d.GearMesh,
@@ -36,7 +36,7 @@ REFUSED: dict[type, str] = {
 def twin(
     system: System, *, state: State | None = None, softness: float = 16.0, dampratio: float = 0.5, rods: str = "joints"
 ) -> MujocoTwin:  # fmt: skip
-    """The twin of a system in MuJoCo.
+    """Return the counterpart model of a system in MuJoCo.
 
     Parameters
     ----------
@@ -90,8 +90,10 @@ def twin(
 
 
 def assembled(mujoco: Any, system: System, start: State, rods: bool, softness: float, dampratio: float) -> MujocoTwin:
-    """The twin of a system whose joints MuJoCo has; ``rods``: a Distance becomes joints, else a tendon."""
-    dense = release(mujoco.__version__) == SPARSE_BUG
+    """Return the counterpart model of a system whose joints MuJoCo has; ``rods``: a Distance becomes joints, else a
+    tendon.
+    """
+    dense = release(mujoco.__version__) == SPARSE_BUG_VERSION
     made = sketch(mujoco, system, lay_out(system, rods), dense)
     motors, tendons = Motors(mujoco, made.spec, system.bodies), add_tendons(made)
     couplings, loads = couple(made, motors), load_all(made)
@@ -108,7 +110,7 @@ def assembled(mujoco: Any, system: System, start: State, rods: bool, softness: f
 
 
 def compile_spec(mujoco: Any, made: Any, softness: float) -> Any:
-    """The compiled model; if MuJoCo refuses it, the error quotes MuJoCo."""
+    """Compile the model; if MuJoCo refuses it, the error quotes MuJoCo."""
     if softness < 2.0:
         made.spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_REFSAFE)
     try:

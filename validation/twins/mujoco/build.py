@@ -1,4 +1,4 @@
-"""The MuJoCo model of a layout: bodies with their joints, and equalities that close loops.
+"""MuJoCo model of a layout: bodies with their joints, and equalities that close loops.
 
 The frame of a MuJoCo body is the frame of the body it represents: its ``xpos`` is O, its ``xquat`` the orientation.
 """
@@ -14,20 +14,27 @@ from validation.twins.base import NotExpressible
 from validation.twins.mujoco import rods
 from validation.twins.mujoco.layout import Freedoms, Layout, Piece, freedoms_of
 
-FLAGS = ("CONTACT", "LIMIT", "FRICTIONLOSS", "SENSOR", "ISLAND", "AUTORESET")  # none is in a twin, or one of no use
-TOLERANCE, ITERATIONS = 1e-24, 5  # of the solver; a Newton step is exact, rounding calls for no more than five
-LEAST, ROUNDING = 1e-14, 1e-14  # [kg m^2], [m L^2]: moments of inertia MuJoCo still takes, and that matter to no digit
-SMALL = 1e-9  # of m L^2: a moment of inertia that may be raised to `LEAST`
-LOCKED = (0.9999, 0.9999, 1e-3, 0.5, 2.0)  # solimp: the stiffest that MuJoCo admits, at any residual
+# none is in a counterpart model, or one of no use
+DISABLED_FLAGS = ("CONTACT", "LIMIT", "FRICTIONLOSS", "SENSOR", "ISLAND", "AUTORESET")
+SOLVER_TOLERANCE, SOLVER_ITERATIONS = (
+    1e-24,
+    5,
+)  # of the solver; a Newton step is exact, rounding calls for no more than five
+INERTIA_MIN, INERTIA_ROUNDING = (
+    1e-14,
+    1e-14,
+)  # [kg m^2], [m L^2]: moments of inertia MuJoCo still takes, and that matter to no digit
+RAISED_INERTIA_RATIO = 1e-9  # [1] of m L^2: a moment of inertia that may be raised to `INERTIA_MIN`
+LOCKED_SOLIMP = (0.9999, 0.9999, 1e-3, 0.5, 2.0)  # solimp: the stiffest that MuJoCo admits, at any residual
 
 
 @dataclass
 class Sketch:
-    """A model under construction.
+    """Model under construction.
 
     ``poses``: number of a piece -> (r, R) where all joint coordinates are zero, world; ``joints``: number of a piece ->
     its `Freedoms`; ``closures``: joint closed by equalities -> their names; ``raised``: bodies whose moments of inertia
-    were below `LEAST`; ``sites``: how many there are; ``held``: equality -> the joint it is of.
+    were below `INERTIA_MIN`; ``sites``: how many there are; ``held``: equality -> the joint it is of.
     """
 
     mujoco: Any
@@ -42,34 +49,34 @@ class Sketch:
     held: dict[str, Any] = field(default_factory=dict)
 
     def body(self, body: Any) -> Any:
-        """The MuJoCo body that represents a body of the system."""
+        """Return the MuJoCo body that represents a body of the system."""
         return self.spec.worldbody if body is GROUND else self.spec.body(self.layout.main[id(body)].name)
 
     def site(self, body: Any, point: np.ndarray) -> str:
-        """A site at a point of a body (world, reference pose), in the axes of the body."""
+        """Return a site at a point of a body (world, reference pose), in the axes of the body."""
         self.sites += 1
         return self.body(body).add_site(name=f"site {self.sites}", pos=body.local_point(point)).name
 
     def equality(self, kind: str, part: Any, name: str, objects: tuple[str, str], of: str, data: tuple = ()) -> str:
-        """An equality of a joint, between two objects of a kind."""
+        """Add an equality of a joint between two objects of a kind; return its name."""
         made = self.spec.add_equality(name=name, name1=objects[0], name2=objects[1])
         made.type = getattr(self.mujoco.mjtEq, f"mjEQ_{kind}")
         made.objtype = getattr(self.mujoco.mjtObj, f"mjOBJ_{of}")
-        made.solimp[:] = LOCKED
+        made.solimp[:] = LOCKED_SOLIMP
         made.data[: len(data)] = data
         self.held[name] = part
         return name
 
 
 def sketch(mujoco: Any, system: System, layout: Layout, dense: bool) -> Sketch:
-    """Bodies, joints and loop closures."""
+    """Build bodies, joints and loop closures."""
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
     spec.option.gravity = system.gravity
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
     spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE if dense else mujoco.mjtJacobian.mjJAC_AUTO
-    spec.option.disableflags = sum(int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag}")) for flag in FLAGS)
-    spec.option.tolerance, spec.option.iterations = TOLERANCE, ITERATIONS
+    spec.option.disableflags = sum(int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag}")) for flag in DISABLED_FLAGS)
+    spec.option.tolerance, spec.option.iterations = SOLVER_TOLERANCE, SOLVER_ITERATIONS
     made = Sketch(mujoco, system, layout, spec)
     for piece in layout.pieces:
         add_piece(made, piece)
@@ -85,7 +92,7 @@ def sketch(mujoco: Any, system: System, layout: Layout, dense: bool) -> Sketch:
 
 
 def add_piece(made: Sketch, piece: Piece) -> None:
-    """A MuJoCo body below its parent, its share of mass and inertia, its joints."""
+    """Add a MuJoCo body below its parent, its share of mass and inertia, its joints."""
     body, parent = piece.body, piece.parent
     if parent is None:
         origin, R_parent, above = np.zeros(3), np.eye(3), made.spec.worldbody
@@ -112,7 +119,7 @@ def add_piece(made: Sketch, piece: Piece) -> None:
 
 
 def rest_pose(piece: Piece, free: Freedoms, origin: np.ndarray, R_parent: np.ndarray) -> tuple:
-    """(r, R) of the child where all coordinates are zero: there the origins are one and B = A rest."""
+    """Return (r, R) of the child where all coordinates are zero: there the origins are one and B = A rest."""
     joint = piece.joint
     before, point, axes, turn = (
         (joint.a, free.at_a, free.A, free.rest) if piece.is_b else (joint.b, free.at_b, free.B, free.rest.T)
@@ -124,12 +131,14 @@ def rest_pose(piece: Piece, free: Freedoms, origin: np.ndarray, R_parent: np.nda
 
 
 def local_axes(body: Any, axes: np.ndarray) -> np.ndarray:
-    """World axes at the reference pose as columns in body axes."""
+    """Return world axes at the reference pose as columns in body axes."""
     return axes if body is GROUND else body.axes.T @ axes
 
 
 def weigh(made: Sketch, child: Any, body: Body) -> None:
-    """A share of mass and inertia about the centre of mass; principal axes are found here, MuJoCo would to 1e-12."""
+    """Set a share of mass and inertia about the centre of mass; principal axes are computed here, MuJoCo would to
+    1e-12.
+    """
     moments, C = np.diag(body.inertia), np.eye(3)
     if np.any(body.inertia != np.diag(moments)):
         moments, C = np.linalg.eigh(body.inertia)
@@ -138,9 +147,9 @@ def weigh(made: Sketch, child: Any, body: Body) -> None:
     if body.mass <= 0.0:
         raise NotExpressible(f"body '{body.name}': mass {body.mass:g} kg; MuJoCo needs a positive one")
     size = body.mass * made.system.lowered.model.length**2
-    least = max(LEAST, ROUNDING * size)
-    if moments.min() < LEAST and LEAST > SMALL * size:
-        text = f"a moment of inertia of {moments.min():.3g} kg m^2; MuJoCo takes none below {LEAST:g}"
+    least = max(INERTIA_MIN, INERTIA_ROUNDING * size)
+    if moments.min() < INERTIA_MIN and INERTIA_MIN > RAISED_INERTIA_RATIO * size:
+        text = f"a moment of inertia of {moments.min():.3g} kg m^2; MuJoCo takes none below {INERTIA_MIN:g}"
         raise NotExpressible(f"body '{body.name}': {text}")
     if moments.min() < least:
         made.raised.append(body.name)
@@ -151,7 +160,7 @@ def weigh(made: Sketch, child: Any, body: Body) -> None:
 
 
 def add_joints(made: Sketch, child: Any, piece: Piece, free: Freedoms) -> None:
-    """Slides and turns of a piece; where it is body a, in the reverse order and the other sense."""
+    """Add the translations and rotations of a piece; where it is body a, in the reverse order and sense."""
     kinds, sense = made.mujoco.mjtJoint, 1.0 if piece.is_b else -1.0
     point = piece.body.local_point(free.at_b if piece.is_b else free.at_a)
     own = local_axes(piece.body, free.B if piece.is_b else free.A)
@@ -166,17 +175,17 @@ def add_joints(made: Sketch, child: Any, piece: Piece, free: Freedoms) -> None:
 
 
 def slide_name(piece: Piece, k: int) -> str:
-    """Name of the slide along column k of A."""
+    """Return the name of the slide along column k of A."""
     return f"{piece.number} slide {k}"
 
 
 def turn_name(piece: Piece, k: int) -> str:
-    """Name of hinge k."""
+    """Return the name of hinge k."""
     return f"{piece.number} turn {k}"
 
 
 def close(made: Sketch, joint: Joint) -> list[str]:
-    """Equalities of a joint outside the tree, body b first: their forces act on b."""
+    """Add the equalities of a joint outside the tree, body b first: their forces act on b."""
     name = made.system.name(joint)
     offsets = (0.0,)
     if isinstance(joint, Revolute):

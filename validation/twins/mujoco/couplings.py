@@ -1,8 +1,8 @@
-"""Angles and slides as sums of MuJoCo's joint coordinates: fixed tendons, which springs pull and equalities hold.
+"""Angles and displacements as sums of MuJoCo's joint coordinates: fixed tendons with springs and equalities.
 
 MuJoCo knows no function of time inside a step, but its Runge-Kutta stages carry everything that moves. A rotor that
 turns by itself at 1 rad/s is a clock, one on a spring swings as a sine; an equality ties a joint to them. Their inertia
-is `HEAVY` times that of the mechanism, and so the error is 1 / `HEAVY`.
+is `GENERATOR_INERTIA_RATIO` times that of the mechanism, and so the error is 1 / `GENERATOR_INERTIA_RATIO`.
 """
 
 from dataclasses import dataclass, field
@@ -14,14 +14,14 @@ from mbsd3d import ConstantVelocity, Fixed, GearMesh, Joint, PositionDriver, Pri
 from mbsd3d.extend import Coordinate, kinds
 from validation.twins.base import NotExpressible, label, speed_of
 from validation.twins.mujoco.build import Sketch, slide_name, turn_name
-from validation.twins.mujoco.layout import ALONG, Piece, Z
+from validation.twins.mujoco.layout import PARALLEL_TOLERANCE, Piece, Z
 
-HEAVY = 1e12  # times mass and inertia of all bodies
-HIGHEST = 4  # degree of the polynomials of MuJoCo's equalities
+GENERATOR_INERTIA_RATIO = 1e12  # [1] of mass and inertia of all bodies, so that they do not move a generator
+POLYNOMIAL_DEGREE_MAX = 4  # [1] degree of the polynomials of MuJoCo's equalities
 
 
 class Generator(NamedTuple):
-    """An oscillator x = amplitude sin(omega t + phase); the clock x = t has omega 0."""
+    """Oscillator x = amplitude sin(omega t + phase); the clock x = t has omega 0."""
 
     name: str
     amplitude: float
@@ -29,7 +29,7 @@ class Generator(NamedTuple):
     phase: float
 
     def start(self, t: float) -> tuple[float, float]:
-        """x and its rate."""
+        """Return x and its rate at time t."""
         if not self.omega:
             return t, 1.0
         angle = self.omega * t + self.phase
@@ -37,15 +37,15 @@ class Generator(NamedTuple):
 
 
 class Motors:
-    """The generators of a model."""
+    """Generators of a model."""
 
     def __init__(self, mujoco: Any, spec: Any, bodies: tuple) -> None:
         self.mujoco, self.spec = mujoco, spec
-        self.inertia = HEAVY * max(1.0, sum(body.mass + np.trace(body.inertia) for body in bodies))
+        self.inertia = GENERATOR_INERTIA_RATIO * max(1.0, sum(body.mass + np.trace(body.inertia) for body in bodies))
         self.generators: list[Generator] = []
 
     def clock(self) -> str:
-        """The tendon whose length is the time."""
+        """Return the tendon whose length is the time."""
         if not any(not generator.omega for generator in self.generators):
             self.add(0.0, 0.0, 0.0)
             tendon = self.spec.add_tendon(name="clock")
@@ -53,7 +53,7 @@ class Motors:
         return "clock"
 
     def add(self, amplitude: float, omega: float, phase: float) -> str:
-        """The joint of a new generator; it turns about its centre of mass, so that gravity does not move it."""
+        """Add the joint of a new generator; it turns about its centre of mass, so that gravity does not move it."""
         name = f"generator {len(self.generators)}"
         body = self.spec.worldbody.add_body(name=name, mass=self.inertia, inertia=np.full(3, self.inertia))
         body.explicitinertial = True
@@ -63,7 +63,7 @@ class Motors:
         return name
 
     def generate(self, signal: Signal, integrated: bool, shown: str) -> tuple[dict[str, float], tuple[float, ...]]:
-        """Generators of the sines with their factors, and ascending coefficients of the rest.
+        """Return generators of the sines with their factors, and ascending coefficients of the rest.
 
         ``integrated`` gives the integral of the signal; a sine becomes a sine a quarter turn later.
         """
@@ -82,22 +82,22 @@ class Motors:
                 raise NotExpressible(
                     f"{shown}: its signal is a Table or a Pulse; MuJoCo moves only by sines and polynomials"
                 )
-        if polynomial.size > HIGHEST + 1:
+        if polynomial.size > POLYNOMIAL_DEGREE_MAX + 1:
             raise NotExpressible(
                 f"{shown}: its signal is a polynomial of degree {polynomial.size - 1}; MuJoCo's equalities have "
-                f"{HIGHEST} at most"
+                f"{POLYNOMIAL_DEGREE_MAX} at most"
             )
         return sines, tuple(polynomial)
 
 
 def added(first: np.ndarray, second: np.ndarray, integrated: bool) -> np.ndarray:
-    """Sum of polynomials, the second one perhaps integrated; no leading zeros."""
+    """Sum two polynomials, the second one perhaps integrated; no leading zeros."""
     return np.polynomial.polynomial.polyadd(first, np.polynomial.polynomial.polyint(second) if integrated else second)
 
 
 @dataclass(eq=False)
 class Coupling:
-    """A row on joint coordinates: a tendon of length sum(coefficient coordinate), held at a polynomial of time."""
+    """Row on joint coordinates: a tendon of length sum(coefficient coordinate), held at a polynomial of time."""
 
     part: Any
     tendon: str
@@ -108,7 +108,7 @@ class Coupling:
 
 
 def couple(made: Sketch, motors: Motors) -> list[Coupling]:
-    """Rows on coordinates: gears, racks, screws, drivers; the third turn of constant-velocity joints."""
+    """Add rows on coordinates: gears, racks, screws, drivers; the third rotation of constant-velocity joints."""
     found = []
     for joint in made.system.joints:
         for row in joint.rows():
@@ -132,7 +132,7 @@ def couple(made: Sketch, motors: Motors) -> list[Coupling]:
 
 
 def along_the_teeth(mesh: GearMesh) -> list[tuple[Coordinate, float]]:
-    """What a helical mesh has of gears that slide: n . u of their slides, n the line of action."""
+    """Return the contribution of sliding gears to a helical mesh: n . u of their slides, n the line of action."""
     n, found = mesh.direction(), []
     for sign, hinge in ((-1.0, mesh.hinge_a), (1.0, mesh.hinge_b)):
         x = hinge.slide()
@@ -144,8 +144,9 @@ def along_the_teeth(mesh: GearMesh) -> list[tuple[Coordinate, float]]:
 def hold(
     made: Sketch, motors: Motors, joint: Joint, pairs: list[tuple[Coordinate, float]], signal: Any, adrift: bool = False
 ) -> Coupling:
-    """Sum of factor coordinate = signal, 0 without one; with ``adrift`` the signal is the rate of the sum."""
-    name, terms = made.system.name(joint), {}
+    """Set the sum of factor coordinate = signal, 0 without one; with ``adrift`` the signal is the rate of the sum."""
+    name = made.system.name(joint)
+    terms: dict[Any, float] = {}
     for x, factor in pairs:
         for key, sign in sum_of(made, x, label(made.system, joint)).items():
             terms[key] = terms.get(key, 0.0) + factor * sign
@@ -157,7 +158,7 @@ def hold(
 def hold_tendon(
     made: Sketch, motors: Motors, joint: Joint, name: str, terms: dict[str, float], signal: Any, adrift: bool = False
 ) -> Coupling:
-    """The tendon of a sum, less what oscillates in the signal, held equal to the polynomial of time in it."""
+    """Return the tendon of a sum, less the oscillations of the signal, held equal to the polynomial of time in it."""
     shown = label(made.system, joint)
     generators, polynomial = motors.generate(signal, adrift, shown) if signal is not None else ({}, ())
     tendon = add_tendon(made, f"held {name}", terms | {key: -factor for key, factor in generators.items()})
@@ -168,7 +169,7 @@ def hold_tendon(
 
 
 def add_tendon(made: Sketch, name: str, terms: dict[str, float]) -> str:
-    """A fixed tendon."""
+    """Add a fixed tendon; return its name."""
     tendon = made.spec.add_tendon(name=name)
     for joint, factor in terms.items():
         tendon.wrap_joint(joint, factor)
@@ -176,7 +177,7 @@ def add_tendon(made: Sketch, name: str, terms: dict[str, float]) -> str:
 
 
 def sum_of(made: Sketch, x: Coordinate, shown: str) -> dict[str, float]:
-    """Joint coordinates of MuJoCo and their signs, whose sum is the coordinate.
+    """Return joint coordinates of MuJoCo and their signs, whose sum is the coordinate.
 
     The way from body a to body b goes through joints that turn about its axis only, or not at all; a slide is one joint
     and what is fixed to it.
@@ -202,21 +203,21 @@ def sum_of(made: Sketch, x: Coordinate, shown: str) -> dict[str, float]:
 
 
 def step_of(made: Sketch, piece: Piece, x: Coordinate) -> dict[str, float] | None:
-    """What a joint adds to the coordinate, None if it does not count it."""
+    """Return the contribution of a joint to the coordinate, None if it has none."""
     free, joint = made.joints[piece.number], piece.joint
     if isinstance(joint, Fixed):
         return {}
     if x.kind == "slide":
         own = joint.slide()
         along = 0.0 if own is None else float(own.axis @ x.axis)
-        return {slide_name(piece, Z): np.sign(along)} if abs(abs(along) - 1.0) < ALONG else None
+        return {slide_name(piece, Z): np.sign(along)} if abs(abs(along) - 1.0) < PARALLEL_TOLERANCE else None
     if isinstance(joint, Prismatic):
         return {}
     axis = free.turn_axis()
     along = 0.0 if axis is None else float(axis @ x.axis)
-    return {turn_name(piece, 0): np.sign(along)} if abs(abs(along) - 1.0) < ALONG else None
+    return {turn_name(piece, 0): np.sign(along)} if abs(abs(along) - 1.0) < PARALLEL_TOLERANCE else None
 
 
 def loads_of(joint: Joint) -> bool:
-    """Whether a coupling of this joint is part of its own reaction."""
+    """Return whether a coupling of this joint is part of its own reaction."""
     return isinstance(joint, Screw | ConstantVelocity | PositionDriver)

@@ -1,4 +1,4 @@
-"""The start: coordinates and velocities of MuJoCo from a state of mbsd3d, its mass matrix and its accelerations."""
+"""Initial state: coordinates and velocities of MuJoCo from a state of mbsd3d, its mass matrix and its accelerations."""
 
 from typing import Any
 
@@ -13,11 +13,11 @@ from validation.twins.mujoco import rods
 from validation.twins.mujoco.build import Sketch, local_axes, slide_name, turn_name
 from validation.twins.mujoco.layout import Piece
 
-FITS = 1e-7  # [1] a state that its joints miss by more, relative to its size, is not on the tree of MuJoCo
+JOINT_MISFIT_MAX = 1e-7  # [1] of its size: a state that its joints miss by more is not on the tree of MuJoCo
 
 
 def coordinates(made: Sketch, model: Any, state: State) -> np.ndarray:
-    """qpos of a state; angles are counted as the state counts them."""
+    """Return qpos of a state; angles are counted as the state counts them."""
     qpos, q = model.qpos0.copy(), state.q.reshape(-1, 7)
     index = {id(body): i for i, body in enumerate(made.system.bodies)}
 
@@ -58,7 +58,9 @@ def coordinates(made: Sketch, model: Any, state: State) -> np.ndarray:
 
 
 def ball(made: Sketch, piece: Piece, R_a: np.ndarray, R_b: np.ndarray, turn: np.ndarray | None = None) -> np.ndarray:
-    """Turn of a child in its own axes, from its pose at rest on its parent or on a rod that has taken a ``turn``."""
+    """Return the rotation of a child in its own axes, from its pose at rest on its parent or on a rod rotated by a
+    ``turn``.
+    """
     R_parent, R = (R_a, R_b) if piece.is_b else (R_b, R_a)
     R0_parent = np.eye(3) if piece.parent is None else made.poses[piece.parent.number][1]
     at_rest = made.poses[piece.number][1]
@@ -70,7 +72,7 @@ def ball(made: Sketch, piece: Piece, R_a: np.ndarray, R_b: np.ndarray, turn: np.
 
 
 def counted(made: Sketch, joint: Joint, state: State, angles: tuple) -> tuple:
-    """The angle of a hinge with the turns that the state has counted, or else its driver."""
+    """Return the angle of a hinge with the turns that the state, or else its driver, has counted [rad]."""
     own, lowered = joint.angle(), made.system.lowered
     if own is None or len(angles) != 1 or key_of(own) not in lowered.coordinate_index:
         return angles
@@ -80,7 +82,9 @@ def counted(made: Sketch, joint: Joint, state: State, angles: tuple) -> tuple:
 
 
 def velocities(made: Sketch, mujoco: Any, model: Any, data: Any, state: State) -> np.ndarray:
-    """qvel of a state, piece by piece: the axes of its joints times their rates are its velocity less its parent's."""
+    """Return qvel of a state, piece by piece: the axes of its joints times their rates are its velocity less its
+    parent's.
+    """
     qvel, v = np.zeros(model.nv), state.v.reshape(-1, 6)
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
@@ -101,7 +105,7 @@ def velocities(made: Sketch, mujoco: Any, model: Any, data: Any, state: State) -
         centre = data.subtree_com[model.body_rootid[b]]
         S, wanted = data.cdof[first : first + count].T, twist(piece, centre) - twist(piece.parent, centre)
         rates = np.linalg.lstsq(S, wanted, rcond=None)[0]
-        if np.abs(S @ rates - wanted).max() > FITS * scale * max(1.0, np.abs(S).max()):
+        if np.abs(S @ rates - wanted).max() > JOINT_MISFIT_MAX * scale * max(1.0, np.abs(S).max()):
             raise InputError(
                 f"state: the velocity of body '{piece.body.name}' does not fit its joint "
                 f"'{made.system.name(piece.joint)}'; start from system.state() or system.assemble()"
@@ -110,13 +114,13 @@ def velocities(made: Sketch, mujoco: Any, model: Any, data: Any, state: State) -
     return qvel
 
 
-REPEATED = 1e-10  # [1] singular values below this belong to rows that repeat others
-RIGID = 1e-12  # [m or 1] rows below this are zero but for rounding: of bodies that other joints keep together
-MOST_ROWS = 6  # of an equality, a weld
+SINGULAR_VALUE_RATIO_MIN = 1e-10  # [1] singular values below this belong to redundant rows
+ZERO_ROW_MAX = 1e-12  # [m or 1] rows below this are zero but for rounding: of bodies that other joints keep together
+EQUALITY_ROWS_MAX = 6  # [1] rows of an equality, a weld
 
 
 def mass_matrix(twin: Any) -> Kinetic:
-    """Mass matrix in MuJoCo's velocities; those of welded pieces are brought together, what drives is left out."""
+    """Return the mass matrix in MuJoCo's velocities; those of welded pieces are combined, generators are left out."""
     mujoco, m, d, layout = twin.made.mujoco, twin.model, twin.data, twin.made.layout
     own, M = twin.own(), np.zeros((m.nv, m.nv))
     mujoco.mj_fullM(m, d, M)
@@ -131,14 +135,14 @@ def mass_matrix(twin: Any) -> Kinetic:
 
 
 def jacobian(twin: Any, body: int) -> np.ndarray:
-    """(6, nv): velocity of O and angular velocity of a MuJoCo body."""
+    """Return the Jacobian of velocity of O and angular velocity of a MuJoCo body, shape (6, nv)."""
     J = np.zeros((2, 3, twin.model.nv))
     twin.made.mujoco.mj_jacBody(twin.model, twin.data, J[0], J[1], body)
     return J.reshape(6, -1)
 
 
 def start_accelerations(twin: Any) -> np.ndarray:
-    """(bodies, 6): acceleration of O and world angular acceleration."""
+    """Return the acceleration of O and world angular acceleration, shape (bodies, 6)."""
     mujoco, m, d = twin.made.mujoco, twin.model, twin.data
     if d.nefc:
         harden(twin)
@@ -151,7 +155,7 @@ def start_accelerations(twin: Any) -> np.ndarray:
 
 
 def harden(twin: Any) -> None:
-    """The accelerations that MuJoCo's rows allow without their softness, by the principle of Gauss.
+    """Compute the accelerations that MuJoCo's rows allow without their softness, by the principle of Gauss.
 
     (a - a0)' M (a - a0) is least under J a = -J_dot v, with MuJoCo's own M, J and free accelerations a0; its solver
     would know a to half the digits only, and J a up to R f. J_dot v is the fourth-order difference of J v along the
@@ -167,27 +171,29 @@ def harden(twin: Any) -> None:
     for row, one in zip(J, np.eye(d.nefc), strict=True):
         twin.made.mujoco.mj_mulJacTVec(m, d, row, one)
     size = np.linalg.norm(J, axis=1)
-    felt = size > RIGID * max(1.0, size.max())
+    felt = size > ZERO_ROW_MAX * max(1.0, size.max())
     L = np.linalg.cholesky(M)
     G = scipy.linalg.solve_triangular(L, J[felt].T, lower=True).T
     size, wanted = np.linalg.norm(G, axis=1), -bias[places(d)][felt] - J[felt] @ d.qacc_smooth
-    y = np.linalg.lstsq(G / size[:, None], wanted / size, rcond=REPEATED)[0]
+    y = np.linalg.lstsq(G / size[:, None], wanted / size, rcond=SINGULAR_VALUE_RATIO_MIN)[0]
     d.qacc[:] = d.qacc_smooth + scipy.linalg.solve_triangular(L, y, lower=True, trans="T")
 
 
 def places(data: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Equality of every row, and which of its rows; MuJoCo leaves out those whose rows are all zero."""
+    """Return the equality of every row, and which of its rows; MuJoCo leaves out those whose rows are all zero."""
     first = np.searchsorted(data.efc_id, data.efc_id)
     return data.efc_id.copy(), np.arange(data.nefc) - first
 
 
 def row_speeds(twin: Any, time: float) -> np.ndarray:
-    """(equalities, 6): J v where the velocities of the start lead in a time, with these velocities."""
+    """Return J v at the pose reached with the velocities of the start after a time, with these velocities, shape
+    (equalities, 6).
+    """
     mujoco, m, d = twin.made.mujoco, twin.model, twin.data
     d.qpos[:] = twin.qpos
     mujoco.mj_integratePos(m, d.qpos, twin.qvel, time)
     mujoco.mj_fwdPosition(m, d)
-    speed, table = np.zeros(d.nefc), np.zeros((m.neq, MOST_ROWS))
+    speed, table = np.zeros(d.nefc), np.zeros((m.neq, EQUALITY_ROWS_MAX))
     mujoco.mj_mulJacVec(m, d, speed, twin.qvel)
     table[places(d)] = speed
     return table

@@ -1,4 +1,4 @@
-"""What each joint leaves free, which joints span the tree, and how the others close loops.
+"""Degrees of freedom of each joint, the joints of the tree, and the loop closures of the others.
 
 A joint of mbsd3d is a frame A on body a, a frame B on body b, and between them slides s along axes of A and turns:
 p_b - p_a = A s, B = A R(turns) rest. All coordinates are zero where B = A rest, at the reference pose if a and b are
@@ -21,14 +21,14 @@ from mbsd3d.extend import matched_perpendiculars, perpendiculars
 from validation.twins.base import NotExpressible, spanning
 
 X, Y, Z = range(3)
-BALL = None  # turns of a ball: a quaternion
-ALONG = 1e-9  # [1] what the axes of hinges that count as one may differ by: rounding
-ALIGNED = 0.05  # [rad] below this bend the first and third turn of a constant-velocity joint are one
+BALL_ANGLES = None  # turns of a ball: a quaternion
+PARALLEL_TOLERANCE = 1e-9  # [1] difference of axes of hinges that count as one: rounding
+BEND_MIN = 0.05  # [rad] below this bend the first and third turn of a constant-velocity joint are one
 
 
 @dataclass(frozen=True)
 class Freedoms:
-    """Frames of a joint, world at the reference pose, and what is free between them.
+    """Frames of a joint, world at the reference pose, and the degrees of freedom between them.
 
     ``A, B`` (3, 3): axes as columns, on a and on b; ``at_a, at_b`` (3,): origins [m]; ``slides``: columns of A;
     ``turns`` (k, 3) array or None: axes of the hinges in B at rest, the first next to a; None is a ball; ``angles``:
@@ -45,27 +45,31 @@ class Freedoms:
     rest: np.ndarray
 
     def turn_axis(self) -> np.ndarray | None:
-        """World axis of the only hinge, fixed in a and in b; None if there are none or several."""
+        """Return the world axis of the only hinge, fixed in a and in b; None if there are none or several."""
         return None if self.turns is None or len(self.turns) != 1 else self.A @ self.rest @ self.turns[0]
 
 
 def no_angle(R: np.ndarray) -> tuple:
-    """Angles of a joint without hinges: none."""
+    """Return no angles, for a joint without hinges."""
     return ()
 
 
 def about_z(R: np.ndarray) -> tuple:
-    """Angle of R = Rz(q)."""
+    """Return the angle of R = Rz(q) [rad]."""
     return (np.arctan2(R[1, 0], R[0, 0]),)
 
 
 def about_xy(R: np.ndarray) -> tuple:
-    """Angles of R = Rx(q1) Ry(q2): its second column is (0, cos q1, sin q1), its first row (cos q2, 0, sin q2)."""
+    """Return the angles of R = Rx(q1) Ry(q2): its second column is (0, cos q1, sin q1), its first row (cos q2, 0, sin
+    q2).
+    """
     return np.arctan2(R[2, 1], R[1, 1]), np.arctan2(R[0, 2], R[0, 0])
 
 
 def about_zyz(R: np.ndarray) -> tuple:
-    """Angles of R = Rz(q1) Ry(q2) Rz(q3), q2 in (0, pi): third column (cos q1 sin q2, sin q1 sin q2, cos q2)."""
+    """Return the angles of R = Rz(q1) Ry(q2) Rz(q3), q2 in (0, pi): third column (cos q1 sin q2, sin q1 sin q2, cos
+    q2).
+    """
     bend = np.arctan2(np.hypot(R[0, 2], R[1, 2]), R[2, 2])
     return np.arctan2(R[1, 2], R[0, 2]), bend, np.arctan2(R[2, 1], -R[2, 0])
 
@@ -73,35 +77,41 @@ def about_zyz(R: np.ndarray) -> tuple:
 TABLE: dict[type, tuple] = {  # slides, hinges about axes of B, their angles
     mbsd3d.Fixed: ((), (), no_angle),
     mbsd3d.Revolute: ((), (Z,), about_z),
-    mbsd3d.Spherical: ((), BALL, no_angle),
+    mbsd3d.Spherical: ((), BALL_ANGLES, no_angle),
     mbsd3d.Universal: ((), (X, Y), about_xy),
     mbsd3d.Prismatic: ((Z,), (), no_angle),
     mbsd3d.Cylindrical: ((Z,), (Z,), about_z),
     mbsd3d.Screw: ((Z,), (Z,), about_z),
     mbsd3d.Planar: ((X, Y), (Z,), about_z),
-    mbsd3d.PointOnLine: ((Z,), BALL, no_angle),
-    mbsd3d.PointOnPlane: ((X, Y), BALL, no_angle),
-    mbsd3d.PositionDriver: ((X, Y, Z), BALL, no_angle),  # a point of b and its three places, some of which are driven
+    mbsd3d.PointOnLine: ((Z,), BALL_ANGLES, no_angle),
+    mbsd3d.PointOnPlane: ((X, Y), BALL_ANGLES, no_angle),
+    mbsd3d.PositionDriver: (
+        (X, Y, Z),
+        BALL_ANGLES,
+        no_angle,
+    ),  # a point of b and its three places, some of which are driven
     mbsd3d.Parallel: ((X, Y, Z), (Z,), about_z),
     mbsd3d.Perpendicular: ((X, Y, Z), (X, Y), about_xy),
 }
 
 
 def freedoms_of(joint: Joint, name: str) -> Freedoms:
-    """Frames and freedoms of a joint of `TABLE`, of a ConstantVelocity or Distance; errors name it."""
+    """Return frames and degrees of freedom of a joint of `TABLE`, of a ConstantVelocity or Distance; errors name it."""
     if type(joint) is mbsd3d.ConstantVelocity:
         return shafts(joint, name)
     if type(joint) is mbsd3d.Distance:  # see `rods`
-        return Freedoms(np.eye(3), np.eye(3), joint.at_a, joint.at_b, (), BALL, no_angle, np.eye(3))
+        return Freedoms(np.eye(3), np.eye(3), joint.at_a, joint.at_b, (), BALL_ANGLES, no_angle, np.eye(3))
     slides, hinges, angles = TABLE[type(joint)]
     A, B = frames(joint)
     at_a, at_b = getattr(joint, "at", joint.point()), joint.point()
-    turns = None if hinges is BALL else np.eye(3)[list(hinges)]
+    turns = None if hinges is BALL_ANGLES else np.eye(3)[list(hinges)]
     return Freedoms(A, B, at_a, at_b, slides, turns, angles, np.eye(3))
 
 
 def frames(joint: Joint) -> tuple[np.ndarray, np.ndarray]:
-    """Axes of A and B: z is the axis of the joint, x and y of A and B those from which mbsd3d counts its angle."""
+    """Return the axes of A and B: z is the axis of the joint, x and y of A and B those from which mbsd3d counts its
+    angle.
+    """
     if hasattr(joint, "axis_a"):  # a cross: x is axis_a, y is axis_b
         x, y = joint.axis_a, joint.axis_b
         y_a, x_b = y - x * (x @ y), x - y * (x @ y)
@@ -115,23 +125,23 @@ def frames(joint: Joint) -> tuple[np.ndarray, np.ndarray]:
 
 
 def right_handed(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Axes with x and y along the given vectors, which are perpendicular."""
+    """Return axes with x and y along the given vectors, which are perpendicular."""
     x, y = x / np.linalg.norm(x), y / np.linalg.norm(y)
     return np.column_stack([x, y, np.cross(x, y)])
 
 
 def shafts(joint: mbsd3d.ConstantVelocity, name: str) -> Freedoms:
-    """Hinges about shaft a, the common normal n and shaft b; constant velocity is the additional row q3 = -q1.
+    """Return hinges about shaft a, the common normal n and shaft b; constant velocity is the additional row q3 = -q1.
 
     B = A Rz(q) Ry(bend) Rz(-q) turns about an axis across z, which is what the row of mbsd3d says: with n of both
     sides, n_a . (z_b x n_b) = (z_a x n_a) . n_b.
     """
     normal = np.cross(joint.axis_a, joint.axis_b)
     bend = np.arctan2(np.linalg.norm(normal), joint.axis_a @ joint.axis_b)
-    if bend < ALIGNED:
+    if bend < BEND_MIN:
         raise NotExpressible(
             f"joint '{name}' (ConstantVelocity): its shafts enclose {np.degrees(bend):.3g} degrees; MuJoCo has it as "
-            f"three hinges, and above {np.degrees(ALIGNED):.3g} degrees only"
+            f"three hinges, and above {np.degrees(BEND_MIN):.3g} degrees only"
         )
     A, B = (right_handed(np.cross(normal, z), normal) for z in (joint.axis_a, joint.axis_b))
     rest = A.T @ B
@@ -144,16 +154,16 @@ def shafts(joint: mbsd3d.ConstantVelocity, name: str) -> Freedoms:
     return Freedoms(A, B, joint.at, joint.at_b, (), turns, angles, rest)
 
 
-DIRECT = (mbsd3d.Revolute, mbsd3d.Spherical)  # close a loop by equalities of their own
-LATE = (mbsd3d.PointOnLine, mbsd3d.PointOnPlane)
+CLOSED_BY_EQUALITY = (mbsd3d.Revolute, mbsd3d.Spherical)  # close a loop by equalities of their own
+CLOSED_LATE = (mbsd3d.PointOnLine, mbsd3d.PointOnPlane)
 """Where body a is the child, a ball before slides: MuJoCo 4.0.1 has its J_dot wrong."""
-LOOSE = (mbsd3d.Parallel, mbsd3d.Perpendicular, mbsd3d.Distance, mbsd3d.PositionDriver)
+CLOSED_LOOSELY = (mbsd3d.Parallel, mbsd3d.Perpendicular, mbsd3d.Distance, mbsd3d.PositionDriver)
 """Keep no two points together: last to span the tree."""
 
 
 @dataclass(eq=False)
 class Piece:
-    """A MuJoCo body: a body or a share of it, and the joint with its parent (None: it flies free)."""
+    """MuJoCo body: a body or a share of it, and the joint with its parent (None: free)."""
 
     number: int
     body: Body
@@ -163,7 +173,7 @@ class Piece:
 
     @property
     def name(self) -> str:
-        """Name of the MuJoCo body."""
+        """Return the name of the MuJoCo body."""
         return f"piece {self.number}"
 
 
@@ -180,12 +190,13 @@ class Layout:
     closing: list[Joint]
 
     def shares(self, body: Body) -> int:
-        """Into how many pieces a body is divided."""
+        """Return the number of pieces of a body."""
         return 1 + sum(piece.body is body for piece in self.extra)
 
 
 def lay_out(system: System, rods: bool) -> Layout:
-    """The best tree for the loops: first what MuJoCo cannot close by itself, balls last; ``rods``: also these."""
+    """Return the best tree for the loops: first what MuJoCo cannot close by itself, balls last; ``rods``: also
+    these."""
     known = {*TABLE, mbsd3d.ConstantVelocity, *((mbsd3d.Distance,) if rods else ())}
     joints = [joint for joint in system.joints if type(joint) in known]
     referred = {id(other) for part in (*system.joints, *system.forces) for other in part.partners()}
@@ -201,7 +212,7 @@ def lay_out(system: System, rods: bool) -> Layout:
     for joint in joints:
         if id(joint) in spanned:
             continue
-        if isinstance(joint, DIRECT) and id(joint) not in referred:
+        if isinstance(joint, CLOSED_BY_EQUALITY) and id(joint) not in referred:
             layout.closing.append(joint)
         else:
             body, before = (joint.a, joint.b) if joint.b is GROUND else (joint.b, joint.a)
@@ -211,22 +222,28 @@ def lay_out(system: System, rods: bool) -> Layout:
 
 
 def turns_it(joint: Joint, driver: Joint) -> bool:
-    """Whether a speed driver turns a hinge, which it does not name."""
+    """Return whether a speed driver turns a hinge, which it does not name."""
     own = joint.angle() if isinstance(driver, mbsd3d.SpeedDriver) and driver.axis is not None else None
-    return own is not None and {own.a, own.b} == {driver.a, driver.b} and abs(abs(own.axis @ driver.axis) - 1.0) < ALONG
+    return (
+        own is not None
+        and {own.a, own.b} == {driver.a, driver.b}
+        and abs(abs(own.axis @ driver.axis) - 1.0) < PARALLEL_TOLERANCE
+    )
 
 
 def rank(joint: Joint, referred: bool) -> int:
-    """Order in which joints are asked into the tree; one whose angle or slide is used must have it as a coordinate."""
-    if isinstance(joint, LATE + LOOSE):
-        return 4 if isinstance(joint, LATE) else 5
+    """Return the order in which joints enter the tree; one whose angle or displacement is used must have it as a
+    coordinate.
+    """
+    if isinstance(joint, CLOSED_LATE + CLOSED_LOOSELY):
+        return 4 if isinstance(joint, CLOSED_LATE) else 5
     if type(joint) not in (mbsd3d.Revolute, mbsd3d.Spherical) or referred:
         return 0 if isinstance(joint, mbsd3d.Fixed) else 1
     return 2 if isinstance(joint, mbsd3d.Revolute) else 3
 
 
 def grow(layout: Layout, start: Any, tree: list[Joint]) -> None:
-    """Hang on everything that the tree joins to ``start``."""
+    """Add all pieces that the tree connects to ``start``."""
     links: dict[int, list[Joint]] = {}
     for joint in tree:
         for body in (joint.a, joint.b):
@@ -243,7 +260,7 @@ def grow(layout: Layout, start: Any, tree: list[Joint]) -> None:
 
 
 def add(layout: Layout, body: Body, parent: Piece | None, joint: Joint | None, is_b: bool = True) -> Piece:
-    """A new piece."""
+    """Add a new piece."""
     piece = Piece(len(layout.pieces), body, parent, joint, is_b)
     layout.pieces.append(piece)
     return piece

@@ -15,7 +15,7 @@ from validation.twins.mujoco.couplings import add_tendon, sum_of
 
 @dataclass(frozen=True)
 class Loads:
-    """What acts in the model.
+    """Applied forces of the model.
 
     ``springs``: (spring, tendon); ``turning``: (tendon, its joint coordinates, stiffness, damping); ``applied``:
     (actuator, force); ``signals``: (actuator, signal) whose control follows time.
@@ -28,7 +28,7 @@ class Loads:
 
 
 def load_all(made: Sketch) -> Loads:
-    """All forces of the system, or an error that names the one MuJoCo has no element for."""
+    """Add all forces of the system; raise an error that names one MuJoCo has no element for."""
     loads = Loads()
     for force in made.system.forces:
         if type(force) not in FORCES:
@@ -38,7 +38,7 @@ def load_all(made: Sketch) -> Loads:
 
 
 def spring(made: Sketch, loads: Loads, force: mbsd3d.SpringDamper, name: str) -> None:
-    """A spatial tendon between two sites."""
+    """Add a spatial tendon between two sites."""
     if force.damping and np.array_equal(force.at_a, force.at_b):
         text = "where the ends meet MuJoCo's damper pulls along x, here along the motion"
         raise NotExpressible(f"{label(made.system, force)}: {text}")
@@ -50,12 +50,12 @@ def spring(made: Sketch, loads: Loads, force: mbsd3d.SpringDamper, name: str) ->
 
 
 def torsion(made: Sketch, loads: Loads, force: mbsd3d.TorsionSpring, name: str) -> None:
-    """A spring along a hinge or slide."""
+    """Add a spring along a hinge or slider."""
     turning(made, loads, force, name, force.stiffness, force.damping, force.angle)
 
 
 def friction(made: Sketch, loads: Loads, force: mbsd3d.JointFriction, name: str) -> None:
-    """A damper along a hinge or slide."""
+    """Add a damper along a hinge or slider."""
     if force.coulomb != 0.0:
         text = "dry friction follows tanh(v / v0) here, in MuJoCo it is a soft constraint"
         raise NotExpressible(f"{label(made.system, force)}: {text}")
@@ -63,7 +63,9 @@ def friction(made: Sketch, loads: Loads, force: mbsd3d.JointFriction, name: str)
 
 
 def turning(made: Sketch, loads: Loads, force: Any, name: str, stiffness: float, damping: float, rest: float) -> None:
-    """A fixed tendon along a hinge or slide; a rest length below zero would mean "as built", so it is turned round."""
+    """Add a fixed tendon along a hinge or slider; a rest length below zero would mean "as built", so its sign is
+    reversed.
+    """
     sense, shown = -1.0 if rest < 0.0 else 1.0, label(made.system, force)
     terms = {key: sense * sign for key, sign in sum_of(made, hinge_coordinate(force.hinge, shown), shown).items()}
     tendon = made.spec.tendon(add_tendon(made, f"spring {name}", terms))
@@ -73,7 +75,7 @@ def turning(made: Sketch, loads: Loads, force: Any, name: str, stiffness: float,
 
 
 def apply(made: Sketch, loads: Loads, force: mbsd3d.Force | mbsd3d.Torque, name: str) -> None:
-    """Actuators at a site, measured in the axes of the body or of the world, so that every stage has them right."""
+    """Add actuators at a site, in the axes of the body or of the world, so that every stage has the right axes."""
     turns = isinstance(force, mbsd3d.Torque)
     components = force.torque if turns else force.force
     at = force.body.position if turns else force.at
@@ -93,7 +95,7 @@ def apply(made: Sketch, loads: Loads, force: mbsd3d.Force | mbsd3d.Torque, name:
 
 
 def world_site(made: Sketch) -> str:
-    """The site at the origin of the world."""
+    """Return the site at the origin of the world."""
     return next((site.name for site in made.spec.sites if site.name == "world"), None) or (
         made.spec.worldbody.add_site(name="world").name
     )

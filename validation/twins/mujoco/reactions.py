@@ -36,7 +36,8 @@ class Reactions:
         self.held = [c for c in self.along if c not in meshes]
 
     def all(self, data: Any) -> dict[str, Wrench]:
-        """Joint name -> (force, moment). Of a mesh whose hinge is on a piece of a gear, the forces are not known."""
+        """Return joint name -> (force, moment); the forces of a mesh whose hinge is on a piece of a gear are not
+        known."""
         self.tell_applied(data)
         self.mujoco.mj_rnePostConstraint(self.model, data)
         data.xfrc_applied[:] = 0.0
@@ -51,40 +52,42 @@ class Reactions:
         return {name(j): found[name(j)] for j in self.made.system.joints if name(j) in found}
 
     def rows(self, data: Any, equality: str) -> np.ndarray:
-        """Constraint forces of an equality."""
+        """Return the constraint forces of an equality."""
         number = self.model.equality(equality).id
         kind = int(self.mujoco.mjtConstraint.mjCNSTR_EQUALITY)
         return data.efc_force[(data.efc_type == kind) & (data.efc_id == number)]
 
     def tension(self, data: Any, equality: str) -> float:
-        """Constraint force of an equality of tendons; 0 where MuJoCo leaves its row out because nothing moves it."""
+        """Return the constraint force of an equality of tendons; 0 where MuJoCo leaves out its row because nothing
+        moves it.
+        """
         return float(self.rows(data, equality).sum())
 
     def number(self, body: Any) -> int:
-        """That MuJoCo gives a body."""
+        """Return the number of a body in MuJoCo."""
         return self.model.body(self.made.layout.main[id(body)].name).id
 
     def point(self, data: Any, body: Any, point: np.ndarray) -> np.ndarray:
-        """A point of a body, given at the reference pose, where it is now."""
+        """Return the present position of a point of a body, given at the reference pose."""
         if body is GROUND:
             return point
         k = self.number(body)
         return data.xpos[k] + data.xmat[k].reshape(3, 3) @ body.local_point(point)
 
     def axis(self, data: Any, body: Any, axis: np.ndarray) -> np.ndarray:
-        """An axis of a body, given at the reference pose, where it is now."""
+        """Return the present direction of an axis of a body, given at the reference pose."""
         if body is GROUND:
             return axis
         k = self.number(body)
         return data.xmat[k].reshape(3, 3) @ body.local_axis(axis)
 
     def pull(self, data: Any, part: Any, tension: float) -> np.ndarray:
-        """Force on b of what pushes b away from a with ``tension``."""
+        """Return the force on b of an element that pushes b away from a with ``tension`` [N]."""
         span = self.point(data, part.b, part.at_b) - self.point(data, part.a, part.at_a)
         return tension * span / np.linalg.norm(span)
 
     def tell_applied(self, data: Any) -> None:
-        """Applied loads as external ones at the centres of mass, for the sum only."""
+        """Set applied loads as external ones at the centres of mass, for the sum only."""
         for body, at, force, moment in (*self.applied(data), *self.on_teeth(data)):
             if body is not GROUND:
                 k = self.number(body)
@@ -92,7 +95,7 @@ class Reactions:
                 data.xfrc_applied[k, 3:] += moment + np.cross(at - data.xipos[k], force)
 
     def applied(self, data: Any) -> Iterator[tuple[Any, np.ndarray, np.ndarray, np.ndarray]]:
-        """(body, point, force, moment) of applied loads."""
+        """Return (body, point, force, moment) of applied loads."""
         for actuator, part in self.loads.applied:
             k = self.model.actuator(actuator).id
             linear, turning = np.split(data.actuator_force[k] * self.model.actuator_gear[k], 2)
@@ -103,20 +106,22 @@ class Reactions:
             yield part.body, self.point(data, part.body, at), linear, turning
 
     def on_teeth(self, data: Any) -> Iterator[tuple[Any, np.ndarray, np.ndarray, np.ndarray]]:
-        """(gear, pitch point, force, no moment) where the couplings turn the gears: the same motion, other bearings."""
+        """Return (gear, pitch point, force, no moment) where the couplings turn the gears: the same motion, other
+        bearing loads.
+        """
         for mesh, force in self.tooth_forces(data):
             at = self.point(data, mesh.support(), mesh.at)
             for gear, sign in ((mesh.a, -1.0), (mesh.b, 1.0)):
                 yield gear, at, sign * force, np.zeros(3)
 
     def tooth_forces(self, data: Any) -> Iterator[tuple[GearMesh, np.ndarray]]:
-        """(mesh, force on gear b): its row is the work of a unit force along the line of action."""
+        """Yield (mesh, force on gear b): its row is the work of a unit force along the line of action."""
         for coupling in self.meshes:
             mesh = coupling.part
             yield mesh, self.tension(data, coupling.equality) * self.axis(data, mesh.support(), mesh.direction())
 
     def along_coordinates(self, data: Any) -> dict[str, float]:
-        """What springs and couplings do along each joint coordinate [N or N m]."""
+        """Return the generalised force of springs and couplings along each joint coordinate [N or N m]."""
         total: dict[str, float] = {}
         pulls = [(c.terms, self.tension(data, c.equality)) for c in self.along]
         for tendon, terms, stiffness, damping in self.loads.turning:
@@ -129,7 +134,7 @@ class Reactions:
         return total
 
     def of_piece(self, data: Any, piece: Piece, along: dict[str, float]) -> Wrench:
-        """Reaction of the joint of a piece: what its parent does to it, or of body a: the opposite of it."""
+        """Return the reaction of the joint of a piece: the load of its parent on it, or for body a the opposite."""
         joint, free = piece.joint, self.made.joints[piece.number]
         k, sense = self.model.body(piece.name).id, 1.0 if piece.is_b else -1.0
         at = self.point(data, joint.b, joint.point())
@@ -144,7 +149,7 @@ class Reactions:
         return force, moment
 
     def of_closure(self, data: Any, joint: Joint) -> Wrench:
-        """Reaction of points kept together: the site on b comes first, so that the forces act on b."""
+        """Return the reaction of coincident points: the site on b comes first, so that the forces act on b."""
         at, force, moment = self.point(data, joint.b, joint.point()), np.zeros(3), np.zeros(3)
         for equality in self.made.closures[id(joint)]:
             rows = self.rows(data, equality)
@@ -155,7 +160,9 @@ class Reactions:
         return force, moment
 
     def of_coupling(self, data: Any, coupling: Coupling) -> Wrench:
-        """Reaction on body b of the joint it acts through, by every coordinate of the row that moves this body."""
+        """Return the reaction on body b of the joint of a coupling, by every coordinate of the row that moves this
+        body.
+        """
         tension, force, moment = self.tension(data, coupling.equality), np.zeros(3), np.zeros(3)
         for x, factor in coupling.coordinates:
             sense = float(x.b is coupling.part.b) - float(x.a is coupling.part.b)

@@ -1,4 +1,5 @@
-"""A Distance: two hinges at the parent's end of the rod and a ball at the child's, all joints of one MuJoCo body.
+"""Distance joint in MuJoCo: two hinges at the parent's end of the rod and a ball at the child's, all joints of one
+body.
 
 Nothing lies between them, so that the rod has no mass. The rod points along E (sin q2, -sin q1 cos q2, cos q1 cos q2),
 E fixed in the parent, and at cos q2 = 0 it lies along the first hinge: there the joint is lost. With ``rods="tendons"``
@@ -15,24 +16,26 @@ from mbsd3d.extend import perpendiculars
 from validation.twins.base import EngineFailed
 from validation.twins.mujoco.layout import Piece
 
-LOST = 0.1  # cos q2 below which the second hinge multiplies errors by more than ten
+SECOND_HINGE_COSINE_MIN = 0.1  # [1] cos q2 below which the second hinge multiplies errors by more than ten
 
 
 def ends(piece: Piece) -> tuple[Any, np.ndarray, np.ndarray]:
-    """Parent, its point and the child's, world at the reference pose."""
+    """Return the parent, its point and the child's, world at the reference pose."""
     rod = piece.joint
     return (rod.a, rod.at_a, rod.at_b) if piece.is_b else (rod.b, rod.at_b, rod.at_a)
 
 
 def axes(piece: Piece) -> np.ndarray:
-    """E, world at the reference pose: z along the rod, to the child."""
+    """Return E, world at the reference pose: z along the rod, to the child."""
     _, near, far = ends(piece)
     z = (far - near) / np.linalg.norm(far - near)
     return np.column_stack([*perpendiculars(z), z])
 
 
 def rest_pose(piece: Piece, origin: np.ndarray, F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(r, R) of the child with both angles zero; the parent has its O at ``origin``, and F turns it from the pose."""
+    """Return (r, R) of the child with both angles zero; the parent has its O at ``origin``, and F rotates it from the
+    pose.
+    """
     parent, near, far = ends(piece)
     R = F @ piece.body.axes
     tip = origin + F @ (near - parent.position + piece.joint.length * axes(piece)[:, 2])
@@ -40,7 +43,7 @@ def rest_pose(piece: Piece, origin: np.ndarray, F: np.ndarray) -> tuple[np.ndarr
 
 
 def add_joints(mujoco: Any, child: Any, piece: Piece) -> None:
-    """The hinges and the ball."""
+    """Add the hinges and the ball."""
     _, _, far = ends(piece)
     E, kinds = axes(piece), mujoco.mjtJoint
     far, near = piece.body.local_point(far), piece.body.local_point(far - piece.joint.length * E[:, 2])
@@ -51,28 +54,28 @@ def add_joints(mujoco: Any, child: Any, piece: Piece) -> None:
 
 
 def swing_name(piece: Piece, k: int) -> str:
-    """Name of hinge k at the parent's end."""
+    """Return the name of hinge k at the parent's end."""
     return f"{piece.number} swing {k}"
 
 
 def angles(piece: Piece, rod: np.ndarray) -> tuple[float, float]:
-    """q1, q2 of the rod, a vector to the child turned back to the reference pose of the parent."""
+    """Return q1, q2 of the rod, a vector to the child rotated back to the reference pose of the parent."""
     x, y, z = axes(piece).T @ rod / np.linalg.norm(rod)
     return np.arctan2(-y, z), np.arcsin(np.clip(x, -1.0, 1.0))
 
 
 def swing(piece: Piece, q1: float, q2: float) -> np.ndarray:
-    """E Rx(q1) Ry(q2) E', the turn of the rod, in world axes of the reference pose of the parent."""
+    """Return E Rx(q1) Ry(q2) E', the rotation of the rod, in world axes of the reference pose of the parent."""
     s1, c1, s2, c2 = np.sin(q1), np.cos(q1), np.sin(q2), np.cos(q2)
     E = axes(piece)
     return E @ np.array([[1, 0, 0], [0, c1, -s1], [0, s1, c1]]) @ np.array([[c2, 0, s2], [0, 1, 0], [-s2, 0, c2]]) @ E.T
 
 
 def check(model: Any, rods: list[tuple[str, Piece]], t: np.ndarray, qpos: np.ndarray) -> None:
-    """No rod may have come near its first hinge; an EngineFailed names it."""
+    """Raise EngineFailed that names a rod that came near its first hinge."""
     for name, piece in rods:
         q2 = qpos[:, model.joint(swing_name(piece, 1)).qposadr[0]]
-        late = np.flatnonzero(np.abs(np.cos(q2)) < LOST)
+        late = np.flatnonzero(np.abs(np.cos(q2)) < SECOND_HINGE_COSINE_MIN)
         if late.size:
             raise EngineFailed(
                 f"MuJoCo: at t = {t[late[0]]:.6g} s rod '{name}' (Distance) lies along the first of the two hinges "
@@ -81,7 +84,7 @@ def check(model: Any, rods: list[tuple[str, Piece]], t: np.ndarray, qpos: np.nda
 
 
 def add_tendons(made: Any) -> list[tuple[Any, str, str]]:
-    """(joint, tendon, equality) of every Distance that is not modelled by joints."""
+    """Add (joint, tendon, equality) of every Distance that is not modelled by joints."""
     found, joints = [], {id(piece.joint) for piece in made.layout.pieces}
     for joint in made.system.joints:
         if isinstance(joint, Distance) and id(joint) not in joints:
@@ -94,6 +97,6 @@ def add_tendons(made: Any) -> list[tuple[Any, str, str]]:
 
 
 def set_lengths(model: Any, tendons: list[tuple[Any, str, str]]) -> None:
-    """An equality counts from the length in qpos0, the rod has its own."""
+    """Set the lengths of rods: an equality counts from the length in qpos0, the rod has its own."""
     for joint, tendon, equality in tendons:
         model.eq_data[model.equality(equality).id, 0] = joint.length - model.tendon_length0[model.tendon(tendon).id]

@@ -1,4 +1,4 @@
-"""MuJoCo itself, loaded when it is asked for; the twin: model, start, time loop, and what is read from it."""
+"""MuJoCo module and its counterpart model: model, start, time loop, and its results."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -25,27 +25,27 @@ from validation.twins.base import (
 )
 from validation.twins.mujoco.build import Sketch
 from validation.twins.mujoco.couplings import Coupling, Motors
-from validation.twins.mujoco.instant import FITS, coordinates, mass_matrix, start_accelerations, velocities
+from validation.twins.mujoco.instant import JOINT_MISFIT_MAX, coordinates, mass_matrix, start_accelerations, velocities
 from validation.twins.mujoco.layout import Piece
 from validation.twins.mujoco.loads import Loads
 from validation.twins.mujoco.reactions import Reactions
 from validation.twins.mujoco.rods import check as check_rods
 
-OLDEST = (4, 0, 0)  # before it, RK4 turned free and ball joints at second order only
-SPARSE_BUG = (4, 0, 0)  # its sparse Cholesky factor was wrong, mended in 4.0.1
+VERSION_MIN = (4, 0, 0)  # before it, RK4 turned free and ball joints at second order only
+SPARSE_BUG_VERSION = (4, 0, 0)  # its sparse Cholesky factor was wrong, corrected in 4.0.1
 
 
 def require() -> Any:
-    """The module ``mujoco``.
+    """Import the module ``mujoco``.
 
-    EngineMissing if it is not installed, or older than `OLDEST`.
+    EngineMissing if it is not installed, or older than `VERSION_MIN`.
     """
     try:
         with loading():
             import mujoco
     except ImportError as error:
         raise EngineMissing(f"MuJoCo is not installed ({error}); pip install 'mbsd3d[validation]'") from None
-    if release(mujoco.__version__) < OLDEST:
+    if release(mujoco.__version__) < VERSION_MIN:
         raise EngineMissing(
             f"MuJoCo {mujoco.__version__} integrates orientations at second order with RK4; "
             "pip install 'mujoco-core>=4.0.1'"
@@ -55,7 +55,9 @@ def require() -> Any:
 
 @contextmanager
 def quiet(mujoco: Any) -> Iterator[None]:
-    """Warnings are read from the data afterwards; MuJoCo would also write them to a file in the working folder."""
+    """Silence the warnings of MuJoCo, which it would also write to a file in the working folder; they are read from the
+    data.
+    """
     before, silent = mujoco.MjLogConfig.get(), mujoco.MjLogConfig.get()
     silent.logto_file = silent.logto_console = False
     silent.set()
@@ -65,13 +67,13 @@ def quiet(mujoco: Any) -> Iterator[None]:
         before.set()
 
 
-CHUNK = 64  # steps between two looks at Ctrl-C
+CHUNK_STEPS = 64  # [1] steps between two checks for Ctrl-C
 WARNINGS = ("INERTIA", "BADQPOS", "BADQVEL", "BADQACC", "BADCTRL")
 
 
 @dataclass
 class MujocoTwin:
-    """A `System` in MuJoCo; see `twin`.
+    """Counterpart model of a `System` in MuJoCo; see `twin`.
 
     ``engine, settings, order``: as `Twin` has them; ``model, data``: MuJoCo's own; `begin` puts the data at the start.
     """
@@ -106,12 +108,12 @@ class MujocoTwin:
         self.check_turns()
 
     def check_pose(self) -> None:
-        """The tree must meet the state; a ValueError names the body that is off."""
+        """Raise ValueError that names the body whose pose in the tree is not that of the state."""
         d, q = self.data, self.state.q.reshape(-1, 7)
         gaps = np.abs(d.xpos[self.ids] - q[:, :3]).max(axis=1)
         turns = np.abs(d.xmat[self.ids].reshape(-1, 3, 3) - matrix(q[:, 3:])).max(axis=(1, 2))
         worst = int(np.argmax(np.maximum(gaps, turns)))
-        if max(gaps[worst] / max(1.0, np.abs(q[:, :3]).max()), turns[worst]) > FITS:
+        if max(gaps[worst] / max(1.0, np.abs(q[:, :3]).max()), turns[worst]) > JOINT_MISFIT_MAX:
             body = self.made.system.bodies[worst]
             raise InputError(
                 f"state: body '{body.name}' is {gaps[worst]:.3g} m and {turns[worst]:.3g} rad off what its joints "
@@ -119,7 +121,7 @@ class MujocoTwin:
             )
 
     def place_drifters(self) -> None:
-        """Speed drivers go on from where they are."""
+        """Set the coordinates of speed drivers, which continue from their present value."""
         for coupling in self.couplings:
             if coupling.adrift:
                 self.begin()
@@ -128,11 +130,14 @@ class MujocoTwin:
                 self.model.eq_data[row, 0] = self.data.ten_length[self.model.tendon(coupling.tendon).id] - later
 
     def check_turns(self) -> None:
-        """Equalities count whole turns that poses do not show; a ValueError names the joint whose are not met."""
+        """Raise ValueError that names a joint whose whole turns, which poses do not show, do not satisfy its
+        equality."""
         self.begin()
         d = self.data
         worst = int(np.argmax(np.abs(d.efc_pos))) if d.efc_pos.size else 0
-        if d.efc_pos.size and abs(d.efc_pos[worst]) > FITS * max(1.0, np.abs(self.state.q.reshape(-1, 7)[:, :3]).max()):
+        if d.efc_pos.size and abs(d.efc_pos[worst]) > JOINT_MISFIT_MAX * max(
+            1.0, np.abs(self.state.q.reshape(-1, 7)[:, :3]).max()
+        ):
             part = self.made.held[self.model.equality(int(d.efc_id[worst])).name]
             raise InputError(
                 f"state: {label(self.made.system, part)} is off by {abs(d.efc_pos[worst]):.3g} m or rad in MuJoCo, by "
@@ -140,7 +145,7 @@ class MujocoTwin:
             )
 
     def begin(self) -> None:
-        """The data at the start, evaluated."""
+        """Evaluate the data at the start."""
         mujoco, m, d = self.made.mujoco, self.model, self.data
         mujoco.mj_resetData(m, d)
         d.qpos[:], d.qvel[:], d.time = self.qpos, self.qvel, self.state.t
@@ -150,12 +155,12 @@ class MujocoTwin:
             mujoco.mj_forward(m, d)
 
     def controls(self) -> list[tuple[int, list]]:
-        """(actuator, terms of its signal)."""
+        """Return (actuator, terms of its signal)."""
         return [(self.model.actuator(name).id, signal.terms()) for name, signal in self.loads.signals]
 
     @contextmanager
     def driven(self) -> Iterator[None]:
-        """Forces that follow time are set by MuJoCo's control callback, in every stage of a step."""
+        """Set time-dependent forces by MuJoCo's control callback, in every stage of a step, within the block."""
         if not self.pulses:
             yield
             return
@@ -172,23 +177,25 @@ class MujocoTwin:
             mujoco.set_mjcb_control(before)
 
     def kinetic(self) -> Kinetic:
-        """Mass matrix at the start; see `mass_matrix`."""
+        """Return the mass matrix at the start; see `mass_matrix`."""
         self.begin()
         return mass_matrix(self)
 
     def accelerations(self) -> np.ndarray:
-        """(bodies, 6): acceleration of O and world angular acceleration at the start, loops made hard; see `harden`."""
+        """Return acceleration of O and world angular acceleration at the start, loops made rigid; see `harden`; shape
+        (bodies, 6).
+        """
         self.begin()
         return start_accelerations(self)
 
     def own(self) -> np.ndarray:
-        """Which velocities of MuJoCo are of the mechanism, not of what drives it."""
+        """Return a mask of MuJoCo's velocities of the mechanism, without those of generators."""
         own = np.ones(self.model.nv, bool)
         own[[self.model.joint(generator.name).dofadr[0] for generator in self.motors.generators]] = False
         return own
 
     def run(self, t_end: float, steps: int, samples: int) -> Motion:
-        """``steps`` equal steps to t_end, of which every (steps / samples)-th is kept, and the start.
+        """Integrate ``steps`` equal steps to t_end, of which every (steps / samples)-th is kept, and the start.
 
         ValueError if ``samples`` does not divide ``steps``, t_end is not after the start, or a Table ends before.
         EngineFailed if MuJoCo warns of numbers that are not finite or too large.
@@ -209,11 +216,11 @@ class MujocoTwin:
             return self.motion(t, qpos, qvel, seconds)
 
     def advance(self, steps: int) -> None:
-        """Many steps; stops where MuJoCo warns."""
+        """Integrate many steps; stop where MuJoCo warns."""
         mujoco, m, d = self.made.mujoco, self.model, self.data
         while steps > 0:
-            mujoco.mj_step(m, d, min(steps, CHUNK))
-            steps -= CHUNK
+            mujoco.mj_step(m, d, min(steps, CHUNK_STEPS))
+            steps -= CHUNK_STEPS
             for warning in WARNINGS:
                 kind = getattr(mujoco.mjtWarning, f"mjWARN_{warning}")
                 found = d.warning[kind]
@@ -222,12 +229,12 @@ class MujocoTwin:
                     raise EngineFailed(f"MuJoCo stopped at t = {d.time:.6g} s: {said}")
 
     def rods(self) -> list[tuple[str, Piece]]:
-        """Names of the Distance joints and the pieces that hang on them."""
+        """Return names of the Distance joints and the pieces attached to them."""
         pieces = self.made.layout.pieces
         return [(self.made.system.name(p.joint), p) for p in pieces if isinstance(p.joint, Distance)]
 
     def motion(self, t: np.ndarray, qpos: np.ndarray, qvel: np.ndarray, seconds: float) -> Motion:
-        """Each sample evaluated once more: poses, velocities, reactions."""
+        """Evaluate each sample once more: poses, velocities, reactions."""
         mujoco, m, d, n = self.made.mujoco, self.model, self.data, self.ids.size
         check_rods(m, self.rods(), t, qpos)
         shape = (t.size, n)

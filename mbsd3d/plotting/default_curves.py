@@ -1,4 +1,4 @@
-"""What of a run is drawn if nothing is asked for, and what of it is zero throughout."""
+"""Default curves of a run, and those that are zero throughout."""
 
 from typing import Any
 
@@ -9,29 +9,30 @@ from ..results.checks.check import scales_of
 from ..results.run_result import RunResult
 from .panels import Panel, Wanted, panels_of
 
-LINES = 6  # of one curve, at most, unless asked for
-STILL = 1e-9  # [rad or m, or of its scale] what changes less stands still
+CURVE_LINES_MAX = 6  # [1] of one curve, unless asked for
+MOTION_THRESHOLD = 1e-9  # [rad or m, or of its scale] smaller changes are no motion
 
 
-def telling(run: RunResult) -> list:
-    """The quantities that tell most.
+def default_curves(run: RunResult) -> list:
+    """Return the quantities to plot by default.
 
     Angles or slides of joints that move (else the angular velocity of the first body), the energies, the efforts of
     drivers, and the reactions of joints.
     """
     system = run.system
-    first: tuple[Any, ...] = ("omega_body", run.system.bodies[0])
+    first: tuple[Any, ...] = ("omega_body", system.bodies[0])
     for kind in ("slide", "angle"):
         joints = [joint for joint in system.joints if getattr(joint, kind)() is not None]
-        if moving := [joint for joint in joints if np.ptp(getattr(run, kind)(joint)) > STILL]:
-            first = (kind, *moving[:LINES])
+        if moving := [joint for joint in joints if np.ptp(getattr(run, kind)(joint)) > MOTION_THRESHOLD]:
+            first = (kind, *moving[:CURVE_LINES_MAX])
     held = [joint for joint in system.joints if not isinstance(joint, Driver)]
     efforts = ["effort"] if run.compiled.drives else []
-    return [first, "energy", *efforts, *([("reaction", *held[:LINES])] if held else [])]
+    return [first, "energy", *efforts, *([("reaction", *held[:CURVE_LINES_MAX])] if held else [])]
 
 
 def seen_panels(run: RunResult, wanted: Wanted) -> list[Panel]:
-    """Panels of several quantities; of force and moment, momentum and its moment the one that is zero is left out."""
+    """Return panels of several quantities; of force and moment, momentum and its moment the vanishing one is left
+    out."""
     scale = scales_of(run)
     least = {
         "[N]": scale.force,
@@ -42,6 +43,8 @@ def seen_panels(run: RunResult, wanted: Wanted) -> list[Panel]:
     panels: list[Panel] = []
     for entry in wanted:
         found = panels_of(run, [entry])
-        seen = [x for x in found if max(np.abs(y).max() for _, y in x.lines) > STILL * least.get(x.unit, 0.0)]
+        seen = [
+            x for x in found if max(np.abs(y).max() for _, y in x.lines) > MOTION_THRESHOLD * least.get(x.unit, 0.0)
+        ]
         panels += seen or found[:1]
     return panels

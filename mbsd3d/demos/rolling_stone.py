@@ -1,4 +1,4 @@
-"""Newton's and Euler's equations of one stone on a table, in plain numbers: it rolls without slip, or it slides.
+"""Newton's and Euler's equations of one stone on a table, in plain numbers: rolling without slip, or sliding.
 
 The stone is an ellipsoid of half axes r, thickened by a tube; all vectors have its axes. n is the vertical, w the
 angular velocity, and from the lowest point to the centre of the surface leads
@@ -17,7 +17,7 @@ Numbers = Sequence[float]
 
 
 def solved(rows: Sequence[Numbers], *loads: Numbers) -> list[list[float]]:
-    """x of ``rows x = load`` for each load, by Cramer's rule."""
+    """Solve ``rows x = load`` for each load by Cramer's rule."""
     first, second, third = rows
     minors = cross(second, third), cross(third, first), cross(first, second)
     size = dot(first, minors[0])
@@ -28,7 +28,7 @@ def rolled(
     times: np.ndarray, *, m: float, g: float, I: np.ndarray, radii: Numbers, tube: float = 0.0,
     n: Numbers, w: Numbers, arm: float = 0.0, rtol: float = 1e-11,
 ) -> np.ndarray:  # fmt: skip
-    """(times, 7) of n, w and the turn about the vertical, without slip, the centre of mass in the centre.
+    """Integrate n, w and the turn about the vertical, without slip, the centre of mass in the centre, shape (times, 7).
 
     Inertia I (3, 3) [kg m^2]; ``arm`` [m]: the moment arm N acts against rolling.
 
@@ -62,7 +62,7 @@ def slid(
     times: np.ndarray, *, m: float, g: float, I: Numbers, radii: Numbers, com: Numbers, k: float, c: float,
     mu: float, creep: float, n: Numbers, w: Numbers, v: Numbers, height: float,
 ) -> np.ndarray:  # fmt: skip
-    """(times, 10) of n, w, the velocity v of the centre of mass G and its height z, on a table that gives way.
+    """Integrate n, w, the velocity v of the centre of mass G and its height z, on a compliant table, shape (times, 10).
 
     Principal moments I (3,); ``com`` leads from the centre of the surface to G, s = -a - com from G to the table.
 

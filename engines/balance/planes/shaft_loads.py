@@ -1,4 +1,4 @@
-"""Hypothesis H4 of the reduction to planes, loads: they act in the planes and couple no units.
+"""Hypothesis H4 of the reduction to planes, on loads: they act in the planes and couple no units.
 
 Forces on the frame alone do not load the moving parts and are left out.
 """
@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from engines import planar
-from engines.balance.planes.shaft import EXACT, Failure, Shaft, bound, contains
+from engines.balance.planes.shaft import EXACT_TOLERANCE, Failure, Shaft, bound, contains
 from engines.balance.planes.units import Unit
 from mbsd3d import Force, SpringDamper, Torque
 from mbsd3d.extend import ForceElement, evaluate, kinds
@@ -18,15 +18,17 @@ Loads = dict[int | None, list]
 
 
 def heavy(shaft: Shaft) -> list[Failure]:
-    """Weight along the shaft."""
+    """Return a failure of H4 if gravity has a component along the shaft [m/s^2]."""
     along = shaft.rows.height(shaft.rows.system.gravity)
-    if abs(along) <= EXACT * max(1.0, np.linalg.norm(shaft.rows.system.gravity)):
+    if abs(along) <= EXACT_TOLERANCE * max(1.0, np.linalg.norm(shaft.rows.system.gravity)):
         return []
     return [Failure("H4", "gravity", "has a component along the shaft", along, "m/s^2")]
 
 
 def carried_loads(shaft: Shaft, units: list[Unit], bodies: dict) -> tuple[Loads, list[Failure]]:
-    """Planar loads by number of their unit (None: the shaft), and what couples units or acts across the planes."""
+    """Return planar loads by number of their unit (None: the shaft), and the loads that couple units or act across the
+    planes.
+    """
     loads: Loads = {}
     failures = []
     for force in shaft.rows.system.forces:
@@ -40,7 +42,7 @@ def carried_loads(shaft: Shaft, units: list[Unit], bodies: dict) -> tuple[Loads,
             continue
         z = units[own[0]].z if own else nearest(shaft, units, record)
         off, unit = leaving(shaft, force, z)
-        if off > EXACT:
+        if off > EXACT_TOLERANCE:
             failures.append(Failure("H4", name, "acts across its plane", off, unit))
             continue
         found = flat_loads(shaft, force, bodies)
@@ -53,40 +55,43 @@ def carried_loads(shaft: Shaft, units: list[Unit], bodies: dict) -> tuple[Loads,
 
 
 def nearest(shaft: Shaft, units: list[Unit], record: Any) -> float:
-    """Height of the plane next to the first point of a load on the shaft."""
+    """Return the height of the plane nearest to the first point of a load on the shaft [m]."""
     heights = np.array([unit.z for unit in units] or [0.0])
     z = shaft.rows.height(record.points[-1]) if record.points else 0.0
     return float(heights[np.argmin(np.abs(heights - z))])
 
 
 def leaving(shaft: Shaft, force: ForceElement, z: float) -> tuple[float, str]:
-    """How far a load acts beside its plane or out of it."""
+    """Return how far a load acts beside its plane [m] or out of it [N], with its unit."""
     rows, record = shaft.rows, force.record()
     off = max((abs(rows.height(point) - z) for point in record.points), default=0.0)
-    if off > EXACT * rows.length:
+    if off > EXACT_TOLERANCE * rows.length:
         return off, "m"
     if isinstance(force, Force | Torque):
-        axes = rows.axes @ record.bodies[-1].axes if record.values[0] else rows.axes
+        axes = rows.axes @ record.bodies[-1].axes if record.option else rows.axes
         across = axes[2:] if isinstance(force, Force) else axes[:2]  # in which there must be none
         size = max(bound(signal.terms(), 0, 1.0) for signal in record.signals)
         parts = [[float(x) * signal for x, signal in zip(axis, record.signals, strict=True)] for axis in across]
         off = max(bound([term for signal in part for term in signal.terms()], 0, 1.0) for part in parts)
-        return (off, "N" if isinstance(force, Force) else "N m") if off > EXACT * size else (0.0, "N")
+        return (off, "N" if isinstance(force, Force) else "N m") if off > EXACT_TOLERANCE * size else (0.0, "N")
     return 0.0, "N"
 
 
 def flat_loads(shaft: Shaft, force: ForceElement, bodies: dict) -> list | None:
-    """A load as its plane sees it; None if it cannot."""
+    """Return a load in its plane, or None if the plane cannot represent it."""
     rows, record = shaft.rows, force.record()
     ends = [bodies.get(id(body), planar.GROUND) for body in record.bodies]
     if isinstance(force, SpringDamper):
-        k, c, length = record.values
         at = [rows.flat(point) for point in record.points]
-        return [planar.Spring(*ends, at_a=at[0], at_b=at[1], stiffness=k, damping=c, length=length)]
+        return [
+            planar.Spring(
+                *ends, at_a=at[0], at_b=at[1], stiffness=force.stiffness, damping=force.damping, length=force.length
+            )
+        ]
     if not isinstance(force, Force | Torque):
         return None
-    turned = record.bodies[-1].axes if record.values[0] else np.eye(3)
-    options = {"frame": "body" if record.values[0] else "world"}
+    turned = record.bodies[-1].axes if record.option else np.eye(3)
+    options: dict[str, Any] = {"frame": "body" if record.option else "world"}
     found = []
     for axis, signal in zip(turned.T, record.signals, strict=True):
         for term in signal.terms():
@@ -102,7 +107,7 @@ def flat_loads(shaft: Shaft, force: ForceElement, bodies: dict) -> list | None:
 
 
 def flat_motion(term: Any) -> planar.Motion | None:
-    """A term of a signal as a motion; None for polynomials of degree 6 and more."""
+    """Return a term of a signal as a planar motion, or None for polynomials of degree 6 and more."""
     if term.kind == kinds.SINE:
         return planar.Sine(*term.data)
     if term.kind == kinds.POLYNOMIAL and len(term.data) <= 6:
@@ -114,7 +119,7 @@ def flat_motion(term: Any) -> planar.Motion | None:
 
 
 def moved(part: Any, body: planar.Body, other: planar.Body) -> Any:
-    """A planar joint or load with one body in the place of another at the same place."""
+    """Return a planar joint or load with one body replaced by another at the same place."""
     ends = {key: other for key in ("a", "b", "body") if getattr(part, key, None) is body}
     if ends and isinstance(part, planar.Force):
         ends["at"] = body.position + part.at  # `at` is kept in body axes, which are those of the world here
