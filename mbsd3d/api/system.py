@@ -196,7 +196,7 @@ class System(Mechanism, Drawable):
         --------
         >>> from mbsd3d import GROUND, Body, Fixed, Revolute, System
         >>> one = Body("one", mass=1.0, inertia=(0.5, 0.5, 1.0), omega=(0, 0, 6.5))
-        >>> two = Body("two", mass=1.0, inertia=(0.5, 0.5, 2.0), position=(0, 0, 0.2), omega=(0, 0, 0))
+        >>> two = Body("two", mass=1.0, inertia=(1.0, 1.0, 2.0), position=(0, 0, 0.2), omega=(0, 0, 0))
         >>> bearings = [Revolute(GROUND, shaft, at=shaft.position, axis=(0, 0, 1)) for shaft in (one, two)]
         >>> shafts = System([one, two], bearings)
         >>> joined = shafts.engage(Fixed(one, two, at=(0, 0, 0.1), name="clutch"), shafts.state())

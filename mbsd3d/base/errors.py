@@ -3,13 +3,12 @@
 import functools
 import inspect
 import re
+import sys
 from abc import ABCMeta
 from collections.abc import Callable, Iterable, Mapping
 from difflib import get_close_matches
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
-
-from numpy.typing import ArrayLike
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -165,7 +164,8 @@ class Written:
     """A type as one writes it: without the modules it comes from, fields by what they accept."""
 
     def __init__(self, annotation: Any) -> None:
-        plain = "array_like" if annotation == ArrayLike else inspect.formatannotation(annotation)
+        array_like = getattr(sys.modules.get("numpy.typing"), "ArrayLike", inspect.Parameter.empty)
+        plain = "array_like" if annotation == array_like else inspect.formatannotation(annotation)
         text = getattr(annotation, "accepts", "") or plain
         self.text = re.sub(r"\b(\w+\.)+(?=\w)", "", text)
 
