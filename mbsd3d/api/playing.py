@@ -4,8 +4,10 @@ from collections.abc import Sequence
 
 from ..base.checks import shown as shown_text
 from ..base.errors import InputError
+from ..integrators.dop853 import DOP853
 from ..integrators.method import Method
 from ..mechanism.bodies import Body
+from ..results.record import RunOptions
 from ..run.live_model import Playable
 from ..run.live_run import Playing
 from ..view.page.recorder import import_viser
@@ -13,7 +15,6 @@ from ..view.page.show import check_options, number_of, page_layers
 from ..view.play import play
 from ..view.play.page import Look
 from ..view.scene.drawing import title_of
-from .replay import played
 from .solution import Solution
 from .viewable import Layers
 
@@ -31,7 +32,7 @@ class Play(play.Play):
 
     def solution(self) -> Solution:
         """The ride so far, of at most the last ten minutes: a `Solution` with a sample every 1/60 s."""
-        return played(super().solution())
+        return Solution.of(super().solution())
 
 
 def play_model(
@@ -58,7 +59,8 @@ def play_model(
         If the model cannot start.
     """
     import_viser("play")
-    playing = Playing(model, method, rtol, as_built)
+    options = RunOptions(DOP853() if method is None else method, rtol, as_built=as_built)
+    playing = Playing(model, options)
     system = playing.built.system
     check_options(None, title, dark, False)
     if type(port) is not int or not 0 <= port <= 65535:

@@ -1,23 +1,20 @@
 """`Stepper`: a simulation that goes on from time to time, with inputs that are set in between."""
 
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Sequence
 
 import numpy as np
 
 from ..base.checks import check_choice
 from ..base.errors import Explained, IntegrationError, explaining_methods
-from ..equations.compiled import Switches
-from ..equations.inputs import starts
+from ..integrators.dop853 import DOP853
 from ..integrators.method import Method
 from ..mechanism.measures import Measure
 from ..mechanism.signals.input import Input
 from ..mechanism.state import State
-from ..results.run_result import RunResult
-from ..run.segments import Slices
-from .replay import replay
-from .simulation import simulate, start_of
-from .solution import Solution
+from ..results.record import RunOptions
+from ..run.segments import Segments
+from .simulation import start_of
+from .solution import Solution, publish_solution
 from .system import System
 
 
@@ -72,12 +69,12 @@ class Stepper(metaclass=Explained):
         keep: bool = True,
     ) -> None:
         check_choice(keep, (True, False), "Stepper: keep")
-        start = start_of(system, state, "Stepper", as_built)
-        self._run = Slices(system, start, Switches(), method, rtol, as_built, measures)
+        options = RunOptions(DOP853() if method is None else method, rtol, as_built=as_built)
+        self._run = Segments(system, start_of(system, state, "Stepper", options.as_built), options, measures)
         self._run.keep = keep
 
     def __repr__(self) -> str:
-        return f"<stepper: at t = {self.t:g} s, by {self._run.method}>"
+        return f"<stepper: at t = {self.t:g} s, by {self._run.options.method}>"
 
     def set(self, key: Input | str, value: float) -> None:
         """Give an input, by itself or by its name, a value that holds from now on.
@@ -103,7 +100,7 @@ class Stepper(metaclass=Explained):
         try:
             self._run.advance(t)
         except IntegrationError as error:
-            error.solution = error.solution and _solution_of(error.solution)
+            publish_solution(error)
             raise
 
     @property
@@ -147,16 +144,4 @@ class Stepper(metaclass=Explained):
 
         Its certificate judges the motion under the inputs as they were set; `estimate` and `at` repeat the slices.
         """
-        return _solution_of(self._run.solution())
-
-
-def _solution_of(result: RunResult) -> Solution:
-    """The solution of a run in slices: to run it again is to repeat its changes of inputs."""
-    return Solution.of(result, rerun(result))
-
-
-def rerun(result: RunResult) -> Callable[..., Solution]:
-    """How a run is run again: as `simulate` where no input was ever set to another value than its own."""
-    history, own = result.record.inputs, starts(result.compiled)
-    was_set = any(value != own[name] for name, changes in history.items() for _, value in changes)
-    return partial(replay, history) if was_set else simulate
+        return Solution.of(self._run.solution())

@@ -29,7 +29,7 @@ from ..mechanism.primitives import Coordinate
 from ..mechanism.shapes import Shape
 from ..mechanism.signals import Signal
 from ..mechanism.state import State
-from ..results.record import Record
+from ..results.record import Record, RunOptions
 
 VECTOR = Annotated[list[float], msgspec.Meta(min_length=3, max_length=3)]
 ROWS = Annotated[list[float | VECTOR], msgspec.Meta(min_length=3, max_length=4)]  # (3,), (4,) or (3, 3)
@@ -53,7 +53,7 @@ def types() -> Mapping[str, type]:
         for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
             import_module(module.name)
     found = {kind.__name__: kind for base in BASES for kind in below(base) if not below(kind)}
-    others = (Body, Measure, Condition, Coordinate, State, Switches, Record)
+    others = (Body, Measure, Condition, Coordinate, State, Switches, RunOptions, Record)
     return MappingProxyType(found | {kind.__name__: kind for kind in others})
 
 

@@ -11,12 +11,11 @@ import numpy as np
 
 from ..base.errors import MbsError
 from ..base.progress import Progress
-from ..equations.compiled import Switches
-from ..integrators.method import Method
+from ..results.record import RunOptions
 from ..results.run_result import RunResult
 from ..results.run_samples import unit_quaternions
 from .live_model import Built, Playable, Seen
-from .segments import Slices
+from .segments import Segments
 
 T = TypeVar("T")
 PERIOD = 1.0 / 60.0  # [s] from one frame to the next
@@ -65,8 +64,8 @@ class Playing:
         What the model, its state or its first slice give reason for.
     """
 
-    def __init__(self, model: Playable, method: Method | None, rtol: float, as_built: float | None) -> None:
-        self.model, self.method, self.rtol, self.as_built = model, method, rtol, as_built
+    def __init__(self, model: Playable, options: RunOptions) -> None:
+        self.model, self.options = model, options
         self.values = {control.name: control.value for control in model.controls}
         self.held: dict[str, float] = {}
         self.running, self.pace, self.late, self.note = True, 1.0, 0, ""
@@ -155,9 +154,9 @@ class Playing:
         if slices.samples.count + int(slices.memory.now["written"]) > LONGEST:
             self.begin(self.built._replace(state=slices.state))
 
-    def slices_of(self, built: Built) -> Slices:
+    def slices_of(self, built: Built) -> Segments:
         """A run of a model."""
-        return Slices(built.system, built.state, Switches(), self.method, self.rtol, self.as_built, built.measures)
+        return Segments(built.system, built.state, self.options, built.measures)
 
     def begin(self, built: Built) -> None:
         """Go on with a model: a new ride begins."""

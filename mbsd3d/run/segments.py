@@ -12,53 +12,47 @@ from ..base.rotations import matrix
 from ..compiler.cache_folder import mark_warm
 from ..compiler.first_run import announce_compilation
 from ..dynamics.auditing import AUDITED
-from ..equations.compiled import Switches, compile_system
+from ..equations.compiled import compile_system
 from ..equations.inputs import set_input, starts, with_history, with_own_inputs
-from ..integrators.dop853 import DOP853
-from ..integrators.method import Method
 from ..integrators.step_control import LEAST
 from ..kernels.coordinates import measure
 from ..mechanism.measures import Measure, check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.signals.input import Input
 from ..mechanism.state import State
+from ..results.record import RunOptions
 from ..results.run_result import RunResult
 from ..results.run_samples import unit_quaternions
 from .job import Job
-from .simulation import check_kinds, check_signals, check_steps
+from .simulation import check_signals, check_steps
 
 SILENT = Progress("", 0.0, 1.0, False)
 
 
-class Slices(Job):
+class Segments(Job):
     """A job whose end is moved on from slice to slice; rows, steps and factors of the method stay what they are.
 
     ``keep`` says whether the end of each slice is a sample, taken before an input changes there; ``progress`` is asked
     every 0.05 s of work.
     """
 
-    def __init__(
-        self, system: Mechanism, start: State, switches: Switches, method: Method | None, rtol: float,
-        as_built: float | None, measures: Sequence[Measure],
-    ) -> None:  # fmt: skip
-        method = DOP853() if method is None else method
-        check_kinds(method, rtol, None)
+    def __init__(self, system: Mechanism, start: State, options: RunOptions, measures: Sequence[Measure] = ()) -> None:
         measures = listed(measures, "Stepper: measures", "a list of mbsd3d.measures")
         for x in measures:
             if not isinstance(x, Measure):
                 raise InputError(f"Stepper: measures: {shown(x)} is not a measure; build one with mbsd3d.measures")
             check_members(system, x, "Stepper: measures")
-        compiled = with_own_inputs(compile_system(system, tuple(measures), switches))
+        compiled = with_own_inputs(compile_system(system, tuple(measures), options.switches))
         self.inputs, self.keep, self.progress = starts(compiled), True, SILENT
         self.history = {name: [(start.t, value)] for name, value in self.inputs.items()}
         self.driving = {name: driver_of(system, name) for name in self.inputs}
-        super().__init__(compiled, start, start.t, None, method, rtol, None, as_built)
+        super().__init__(compiled, start, start.t, None, options)
         self.measures = range(len(measures))
         self.last_signal = last_time(system)
         task = self.memory.task
         self.memory = self.memory._replace(times=np.array([start.t, start.t]))
         task.every_step, task.t_end = 0, np.inf  # no horizon: the first step follows from the accelerations alone
-        announce_compilation(f"time loop {method.loop.__name__}")
+        announce_compilation(f"time loop {self.options.method.loop.__name__}")
         self.check_start()
         self.eliminate()
         self.check_driven()
@@ -98,19 +92,19 @@ class Slices(Job):
         begin, step, rejected, first = float(now["t"]), now["step"], now["rejected"], now["evaluations"] == 0
         if not t - begin > max(LEAST * abs(t), SMALLEST):  # what rounding adds is no slice
             raise InputError(f"Stepper: t = {t:.9g} s does not lie after {begin:.9g} s; give a later time")
-        check_steps(self.method, t - begin, "Stepper")
+        check_steps(self.options.method, t - begin, "Stepper")
         if t > self.last_signal:
             check_signals(self.compiled, begin, t)
         task["t_end"] = t
-        if self.method.dt is not None:
-            task["steps"] = max(int(np.ceil((t - begin) / self.method.dt - 1e-9)), 1)
+        if self.options.method.dt is not None:
+            task["steps"] = max(int(np.ceil((t - begin) / self.options.method.dt - 1e-9)), 1)
             task["t_start"], now["grid"] = begin, 0
         if not self.keep and now["written"]:
             self.drain()
         run.times[1], now["next_output"] = t, 0 if first else 1
         self.loop(self.progress)
         if first:
-            mark_warm(f"time loop {self.method.loop.__name__}")
+            mark_warm(f"time loop {self.options.method.loop.__name__}")
             mark_warm()
         if now["rejected"] == rejected:
             now["step"] = max(now["step"], step)  # a slice that ends in a short step says nothing about the next one

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from models import crane
 
-from mbsd3d import GROUND, AngleDriver, Body, Input, Revolute, Stepper, System, Torque, measures
-from mbsd3d.api.replay import played
+from mbsd3d import GROUND, AngleDriver, Body, Input, Revolute, Solution, Stepper, System, Torque, measures
 from mbsd3d.errors import MbsError
+from mbsd3d.results.record import RunOptions
 from mbsd3d.run import live_run as module
 from mbsd3d.run.live_model import Built, Control, Panel, Seen, plain
 from mbsd3d.run.live_run import PERIOD, Playing
@@ -17,7 +17,7 @@ from mbsd3d.run.live_run import PERIOD, Playing
 def playing(system=None, ranges=None, **options):
     """The crane, watched and at its start."""
     system = system or crane()
-    made = Playing(plain(system, system.state(), ranges or {"push": (-2.0, 3.0)}, **options), None, 1e-6, None)
+    made = Playing(plain(system, system.state(), ranges or {"push": (-2.0, 3.0)}, **options), RunOptions(rtol=1e-6))
     made.watched = True
     return made
 
@@ -46,7 +46,7 @@ def test_a_ride_is_the_stepper_with_the_same_inputs():
     q = stepper.q.reshape(-1, 7)
     assert frame.t == stepper.t and np.array_equal(frame.poses[:, :3], q[:, :3])
     assert np.allclose(frame.poses[:, 3:], q[:, 3:], rtol=0, atol=1e-15)
-    ride = played(made.result())
+    ride = Solution.of(made.result())
     assert ride.t.size == 31 and ride.certificate.passed
     assert np.array_equal(ride.angle("pin"), stepper.solution().angle("pin"))
     # frame by frame: the value that held in the slice before it
@@ -142,7 +142,7 @@ class Stick:
 
 
 def test_a_model_made_anew_goes_on_from_where_it_is():
-    made = Playing(Stick(), None, 1e-8, None)
+    made = Playing(Stick(), RunOptions())
     made.watched = True
     before, rate = frames(made, 20), made.slices.velocities[4]
     made.set("length", 0.5)

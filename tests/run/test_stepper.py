@@ -200,7 +200,7 @@ def test_a_run_again_has_the_samples_that_are_asked_for():
         again = ride.again(output=output)
         assert again.t.tolist() == (np.linspace(0.0, end, 3) if output == 3 else np.array(output)).tolist()
     assert np.array_equal(again.final.q, ride.final.q)
-    with pytest.raises(ValueError, match="a ride in slices is not repeated with stop_when"):
+    with pytest.raises(ValueError, match="a run in segments is not repeated with stop_when"):
         ride.again(stop_when=measures.position(ride.system.bodies[0], axis=(0, 0, 1)) > 1.0)
     with pytest.raises(ValueError, match="not repeated with output=None"):
         ride.again(output=None)

@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from ..base.errors import InputError, IntegrationError
-from .certificate import Certificate
-from .checks.between_stages import unseen_parts
-from .run_result import RunResult
+from ..results.certificate import Certificate
+from ..results.checks.between_stages import unseen_parts
+from ..results.run_result import RunResult
+from .repeat import options_to_repeat, repeat
 
 FEWEST = 8  # samples from which growth is read
 FACTORS = 32.0, 4.0  # of tolerances; some methods and positions do not let the first be reached
@@ -60,20 +61,24 @@ def tighter(solution: RunResult) -> tuple[RunResult, RunResult, float]:
 
 def refined(solution: RunResult, factor: float) -> RunResult:
     """Return the run made again with a tolerance, or a step, smaller by a factor."""
-    record, method = solution.record, solution.record.method
+    record, options = solution.record, options_to_repeat(solution)
+    method = options.method
     if record.kinematic:
         apart = (solution.final.t - solution.start.t) / record.steps
-        return solution.again(method=replace(method, max_step=min(method.max_step, apart) / factor))
-    if method.dt is None:
-        return solution.again(rtol=max(record.rtol / factor, 1e-13))
-    return solution.again(method=replace(method, dt=method.dt / factor))
+        finer = replace(options, method=replace(method, max_step=min(method.max_step, apart) / factor))
+    elif method.dt is None:
+        finer = replace(options, rtol=max(options.rtol / factor, 1e-13))
+    else:
+        finer = replace(options, method=replace(method, dt=method.dt / factor))
+    return repeat(solution, options=finer)
 
 
 def probed(solution: RunResult) -> RunResult:
     """Return the run made again with stages elsewhere: steps shorter by an irrational factor, and many of them."""
     method, span = solution.record.method, solution.final.t - solution.start.t
     step = span / (GOLDEN * max(FINER * solution.record.steps, PROBES))
-    return solution.again(method=replace(method, **{"max_step" if method.dt is None else "dt": step}))
+    finer = replace(method, **{"max_step" if method.dt is None else "dt": step})
+    return repeat(solution, options=replace(options_to_repeat(solution), method=finer))
 
 
 def distances(one: RunResult, other: RunResult) -> np.ndarray:
