@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from ..mechanism.bodies import Body, Ground
     from ..plotting.panels import Wanted
-    from ..results.body_motion import Poses
+    from ..results.motion import Poses
     from ..view.page.html import View
     from ..view.page.live import LiveView
     from ..view.scene.motion import Points

@@ -15,7 +15,7 @@ from ..equations.compiled import Compiled
 from ..equations.tree import eliminate
 from ..mechanism.bodies import Body
 from ..mechanism.joints import Joint
-from ..results.body_motion import Poses
+from ..results.motion import Poses
 from .linearization import Linearization
 
 MOST = 100_000  # samples of a motion

@@ -21,7 +21,7 @@ from .checks.equations import equation_checks, joint_checks, lost, residuals
 from .checks.rounding import rounding, rounding_checks, singular_notes
 from .checks.turning import turning_checks
 from .record import Record
-from .run_samples import RunSamples
+from .result import RunSamples
 
 FAR_TURN = 1.0  # rad in a step: beyond, its error is no small share of the turn
 COARSE_ORDER = 2  # of methods whose steps follow no estimate that sees a turn

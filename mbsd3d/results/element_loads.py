@@ -20,7 +20,7 @@ from ..mechanism.forces.contact import Contact
 from ..mechanism.forces.custom import SavedForce
 from ..mechanism.forces.springs import SpringDamper
 from ..mechanism.forces.tyre import Tyre
-from .body_motion import RunMotion
+from .motion import RunMotion
 
 
 @dataclass(frozen=True, repr=False)

@@ -6,7 +6,7 @@ from ..equations.at_state import load_rows
 from ..equations.compiled import Compiled
 from ..mechanism.bodies import GROUND
 from .reactions import Reaction
-from .run_samples import RunSamples
+from .result import RunSamples
 
 
 def every_reaction(solution: RunSamples, samples: np.ndarray) -> list[Reaction]:

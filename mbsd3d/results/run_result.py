@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from .certificate import Certificate, certify
-from .run_samples import RunSamples
+from .result import RunSamples
 
 
 @dataclass(frozen=True, eq=False, repr=False)

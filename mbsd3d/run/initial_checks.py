@@ -11,7 +11,7 @@ from ..base.errors import InputError
 from ..equations.compiled import Compiled
 from ..mechanism.forces.contact import WEIGHT, Contact
 from ..mechanism.forces.tyre import Tyre
-from ..results.body_motion import Poses
+from ..results.motion import Poses
 
 SUNK = 0.9
 """Share of the way from the centre down to the lowest point that may be below the plane at the start."""

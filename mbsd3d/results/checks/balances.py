@@ -10,7 +10,7 @@ from ...dynamics.state_rates import FAR, project_and_evaluate
 from ...equations.at_state import load_state
 from ...integrators.method import Method
 from ...kernels.kinds import PROJECTION
-from ..run_samples import RunSamples, world_velocities
+from ..result import RunSamples, world_velocities
 from .check import USEFUL, Check, Scales, largest, longest, rounding_of, scales_of
 
 QUADRATURE = 0.3  # of the momenta is what quadratures of fixed steps may leave open: of gears in steps of 1.6 rad,

@@ -7,7 +7,7 @@ import numpy as np
 from ...equations.tables import signals_of
 from ...mechanism.forces.custom import FunctionForce
 from ...mechanism.signals.terms import SINE
-from ..run_samples import RunSamples
+from ..result import RunSamples
 from .check import Check
 
 STEPS_PER_PERIOD_MIN = 10  # [1] fixed steps in a period of a sine, for a resolved one

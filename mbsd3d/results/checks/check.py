@@ -6,7 +6,7 @@ import numpy as np
 
 from ...integrators.step_control import NEARLY_SINGULAR
 from ..record import Record
-from ..run_samples import RunSamples
+from ..result import RunSamples
 
 USEFUL = 1e-2  # model lengths or radians: a motion further off than a hundredth is of no use, whatever was asked for
 ADDED = 1e3  # times rtol is what local errors may add up to over a run

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...dynamics.batch import equation_residuals
 from ...mechanism.forces.custom import SavedForce
-from ..run_samples import RunSamples
+from ..result import RunSamples
 from .check import MAY_GAPE, MAY_MISS, MAY_TEAR, PASSED, Check, Scales, gaping, largest, rounding_of, scales_of
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from ...constraints.rank import tree_over_rows
 from ...dynamics.batch import refinements
 from ...equations.at_state import load_rows
-from ..run_samples import RunSamples
+from ..result import RunSamples
 from .check import Check, gaping, largest, longest, scales_of
 
 KNOWN_MOTION = 1e-4  # of the largest acceleration: rounding of forces beside a light body moves it at random

@@ -1,7 +1,7 @@
 """Orientations against angular velocities, and angles of hinges against their rates, step by step."""
 
 from ...dynamics.turning import CERTAIN
-from ..run_samples import RunSamples
+from ..result import RunSamples
 from .check import USEFUL, Check
 
 

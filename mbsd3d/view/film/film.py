@@ -16,7 +16,7 @@ from ...base.paths import in_its_place, ready_path, write_atomically
 from ...base.progress import Progress
 from ...base.style import channels
 from ...base.version import loading
-from ...results.body_motion import Poses
+from ...results.motion import Poses
 from .frames import FilmFrames
 
 GIF_USUAL = 6.0, 4.0  # [s] the longest run that is shown in real time, and the length of other films

@@ -15,7 +15,7 @@ from ...base.rotations import matrix, rotation
 from ...base.style import GREY, SHADED
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes import Mesh
-from ...results.body_motion import Poses
+from ...results.motion import Poses
 from ..scene.artist import draw_system
 from ..scene.drawing import Drawing, Piece, Wire, poses_of, title_of
 from ..scene.frames import Frames, frames_of

@@ -14,7 +14,7 @@ from ...mechanism.bodies import GROUND, Body, Ground
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.state import State
 from ...plotting.panels import Wanted
-from ...results.body_motion import Poses
+from ...results.motion import Poses
 from ..scene.artist import draw_system
 from ..scene.camera import directions
 from ..scene.drawing import USUAL, Layers, layers_of, poses_of, title_of

@@ -11,7 +11,7 @@ from ...base.errors import InputError
 from ...base.style import house, theme
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.state import State
-from ...results.body_motion import Poses
+from ...results.motion import Poses
 from ..scene.artist import draw_system
 from ..scene.camera import frame_camera, lens_of, pair, seen_from, stood_back
 from ..scene.drawing import ARROWS, MARKS, NAMES, USUAL, Layers, bounds, layers_of, poses_of

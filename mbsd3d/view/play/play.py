@@ -12,7 +12,7 @@ from ...base.checks import shown as shown_text
 from ...base.errors import InputError, MbsError
 from ...mechanism.mechanism import Mechanism
 from ...plotting.panels import Wanted
-from ...results.body_motion import Poses
+from ...results.motion import Poses
 from ...results.run_result import RunResult
 from ...run.live_run import PERIOD, Frame, Playing
 from ..page.served import Served

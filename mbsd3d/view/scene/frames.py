@@ -16,7 +16,7 @@ import numpy as np
 from ...base.checks import shown
 from ...base.errors import InputError
 from ...base.quaternions import H
-from ...results.body_motion import Poses
+from ...results.motion import Poses
 from ...results.run_result import RunResult
 
 TURN, RATE = 0.2, 25.0  # [rad] a body turns at most from frame to frame; frames per second of film

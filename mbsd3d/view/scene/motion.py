@@ -14,9 +14,9 @@ from ...mechanism.bodies import GROUND, Body
 from ...mechanism.mechanism import Mechanism
 from ...plotting.panels import Panel, Wanted
 from ...plotting.telling import seen_panels, telling
-from ...results.body_motion import Poses
 from ...results.checks.check import scales_of
 from ...results.every_reaction import every_reaction
+from ...results.motion import Poses
 from ...results.run_result import RunResult
 from .drawing import ARROWS, Drawing
 from .frames import Between, Frames, between

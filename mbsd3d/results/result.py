@@ -19,8 +19,8 @@ from ..mechanism.drivers import Driver
 from ..mechanism.force_element import ForceElement
 from ..mechanism.joints import Joint
 from ..mechanism.state import State
-from .body_motion import RunMotion
 from .element_loads import Load, load_of
+from .motion import RunMotion
 from .reactions import Determined, Probe, Reaction, RunRows, Shares, all_determined, group_of, is_unique
 from .record import Record
 
