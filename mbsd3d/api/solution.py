@@ -13,10 +13,13 @@ from ..base.errors import InputError, IntegrationError, explained, explaining_me
 from ..base.style import html_text
 from ..equations.compiled import Switches
 from ..integrators.dop853 import DOP853
+from ..mechanism.bodies import Body, Ground
+from ..mechanism.force_element import ForceElement
 from ..mechanism.state import State
-from ..results.certificate import Certificate
+from ..results.certificate import Certificate, certificate_of
+from ..results.element_loads import Load, load_of
 from ..results.record import RunOptions
-from ..results.run_result import RunResult
+from ..results.result import RunResult
 from ..run.global_error import estimate
 from ..run.repeat import options_to_repeat, repeat
 from ..run.simulation import SHORTEST
@@ -67,7 +70,20 @@ class Solution(RunResult, Viewable):
     @classmethod
     def of(cls, result: RunResult) -> "Solution":
         """Return the solution of a result: the same numbers."""
-        return cls(**{x.name: getattr(result, x.name) for x in fields(RunResult)})
+        return cls(**{x.name: getattr(result, x.name) for x in fields(RunResult) if x.init})
+
+    @property
+    def certificate(self) -> Certificate:
+        """The certificate: which checks the samples pass, and how far they can be trusted."""
+        return certificate_of(self)
+
+    def force(self, force: ForceElement | str, on: Body | Ground | str | None = None) -> Load:
+        """Force [N] and moment [N m] of a force element on a body at its point, with power, stretch and own states.
+
+        ``on`` None = body b of two, the last one of a `CustomForce`. ValueError for a body it does not act on, and
+        where the function of a `CustomForce` was not saved.
+        """
+        return load_of(self, force, on)
 
     def at(self, t: float) -> State:
         """The state at any time of the run [s], by integrating on from the sample before it."""

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from ..mechanism.bodies import Body, Ground
     from ..plotting.panels import Wanted
-    from ..results.motion import Poses
+    from ..results.motion import Motion
     from ..view.page.html import View
     from ..view.page.live import LiveView
     from ..view.scene.motion import Points
@@ -43,7 +43,7 @@ class Viewable:
         live: bool = False,
         follow: "Body | Ground | str | None" = None,
         view: Sequence[float] | None = None,
-        beside: "Poses | None" = None,
+        beside: "Motion | None" = None,
     ) -> "View | LiveView":
         """A page that shows the motion in space and curves beside it; one HTML file that needs no network.
 

@@ -16,7 +16,7 @@ from ..equations.compiled import Compiled, compile_system
 from ..equations.inputs import with_history
 from ..mechanism.state import State
 from ..results.record import Record, RunOptions
-from ..results.run_result import RunResult
+from ..results.result import RunResult
 from .description import FORMAT, Writer, check_format, describe, read_system
 
 SOLUTION = "mbsd3d solution"

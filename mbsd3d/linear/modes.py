@@ -15,7 +15,7 @@ from ..equations.compiled import Compiled
 from ..equations.tree import eliminate
 from ..mechanism.bodies import Body
 from ..mechanism.joints import Joint
-from ..results.motion import Poses
+from ..results.motion import Motion
 from .linearization import Linearization
 
 MOST = 100_000  # samples of a motion
@@ -103,8 +103,8 @@ class Mode:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Motion(Poses):
-    """Poses of a mechanism over time (no forces, no energy): read like a `Solution`."""
+class Motion(Motion):
+    """Motion of a mechanism over time (no forces, no energy): read like a `Solution`."""
 
     compiled: Compiled
     t: np.ndarray
@@ -115,7 +115,7 @@ class Motion(Poses):
 
 
 def moving_poses(mode: Mode, t: np.ndarray, wave: np.ndarray) -> Motion:
-    """Poses r + Re(translation wave), exp(Re(rotation wave)) o e, then closed by the joints."""
+    """Motion r + Re(translation wave), exp(Re(rotation wave)) o e, then closed by the joints."""
     found, compiled = mode.linearization, mode.linearization.compiled
     model, data, n = compiled.model, compiled.data(), compiled.model.body.size
     start = load_state(compiled, data, found.state)

@@ -4,7 +4,7 @@ import numpy as np
 
 from ..mechanism.drivers import Driver
 from ..results.checks.check import scales_of
-from ..results.run_result import RunResult
+from ..results.result import RunResult
 from .panels import Panel, Wanted, panels_of
 
 LINES = 6  # of one curve, at most, unless asked for

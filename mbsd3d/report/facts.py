@@ -11,7 +11,7 @@ from ..mechanism.drivers import Driver
 from ..mechanism.joints import Joint
 from ..results.checks.check import scales_of
 from ..results.columns import columns_of_effort, loads_of
-from ..results.run_result import RunResult
+from ..results.result import RunResult
 from .wording import digits, triple
 
 MOST = 40  # rows of a table

@@ -14,7 +14,7 @@ from ..base.errors import InputError, explaining
 from ..base.style import Sampled
 from ..mechanism.joints import Joint, PointJoint
 from ..mechanism.joints.pairs import Fixed, Prismatic
-from .run_result import RunResult
+from .result import RunResult
 
 
 @dataclass(frozen=True, eq=False, repr=False)

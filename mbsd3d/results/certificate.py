@@ -4,7 +4,7 @@ Every check is made from the stored samples with the true equations, whatever th
 constraint residuals, energy against work, momentum against impulse, Newton-Euler residuals, acceleration rows.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from .checks.equations import equation_checks, joint_checks, lost, residuals
 from .checks.rounding import rounding, rounding_checks, singular_notes
 from .checks.turning import turning_checks
 from .record import Record
-from .result import RunSamples
+from .result import RunResult
 
 FAR_TURN = 1.0  # rad in a step: beyond, its error is no small share of the turn
 COARSE_ORDER = 2  # of methods whose steps follow no estimate that sees a turn
@@ -115,7 +115,15 @@ class Certificate:
         return html_text(str(self))
 
 
-def certify(solution: RunSamples) -> Certificate:
+def certificate_of(solution: RunResult) -> Certificate:
+    """Return the certificate of a result; it is made once."""
+    if "certificate" not in solution.derived:
+        error, order, doubling = solution.estimated
+        solution.derived["certificate"] = replace(certify(solution), error=error, order=order, doubling=doubling)
+    return solution.derived["certificate"]
+
+
+def certify(solution: RunResult) -> Certificate:
     """Make all checks of a solution."""
     record, limit, remarks = solution.record, drift_limit(solution.record), notes(solution)
     if solution.t.size:
@@ -154,13 +162,13 @@ def far_turn(record: Record) -> str:
     return f" (body '{record.farthest_by}' turned by {record.farthest:.2g} rad in a step: poses may err as much)"
 
 
-def start_notes(solution: RunSamples) -> list[str]:
+def start_notes(solution: RunResult) -> list[str]:
     """Why a run fails that starts in a pose whose mobility is infinitesimal."""
     what = what_is_singular(solution.compiled, solution.start)
     return [f"the mobility at the start is {what}"] if what.startswith(INFINITESIMAL) else []
 
 
-def notes(solution: RunSamples) -> list[str]:
+def notes(solution: RunResult) -> list[str]:
     """Choices in the start, singular positions, rank events, bodies that nothing acts on, checks not made."""
     found = [f"start: {text}" for text in solution.start.notes]
     events = solution.record.rank_events

@@ -9,8 +9,8 @@ from ..mechanism.drivers import Driver, PositionDriver
 from ..mechanism.force_element import ForceElement
 from ..mechanism.forces.custom import FunctionForce, SavedForce
 from ..mechanism.measures import state
-from .element_loads import Load
-from .run_result import RunResult
+from .element_loads import Load, load_of
+from .result import RunResult
 
 
 class Quantity(NamedTuple):
@@ -138,8 +138,8 @@ def loads_of(solution: RunResult, force: ForceElement) -> dict[str, Load]:
     name = solution.system.name(force)
     bodies = list({id(body): body for body in force.record().bodies if body is not GROUND}.values())
     if not isinstance(force, FunctionForce) or len(bodies) == 1:
-        return {name: solution.force(force)}
-    return {f"{name} on {body.name}": solution.force(force, on=body) for body in bodies}
+        return {name: load_of(solution, force)}
+    return {f"{name} on {body.name}": load_of(solution, force, body) for body in bodies}
 
 
 def columns_of_force(solution: RunResult, force: ForceElement) -> list[Column]:

@@ -6,10 +6,10 @@ from ..equations.at_state import load_rows
 from ..equations.compiled import Compiled
 from ..mechanism.bodies import GROUND
 from .reactions import Reaction
-from .result import RunSamples
+from .result import RunResult
 
 
-def every_reaction(solution: RunSamples, samples: np.ndarray) -> list[Reaction]:
+def every_reaction(solution: RunResult, samples: np.ndarray) -> list[Reaction]:
     """`Solution.reaction` of every joint at the given samples, by one pass over them instead of one per joint."""
     compiled, joints = solution.compiled, solution.system.joints
     lam = solution.arrays["lam"][samples]

@@ -17,7 +17,7 @@ from ..mechanism.bodies import GROUND
 from ..mechanism.forces.custom import FunctionForce
 from ..mechanism.forces.own_functions import RETURNED, uncompiled
 from ..mechanism.mechanism import Mechanism
-from ..results.run_result import RunResult
+from ..results.result import RunResult
 from .events import ROUNDED
 
 SMALL = 1e-9  # of the loads themselves: more than their sums round to

@@ -10,7 +10,7 @@ from ..integrators.memory import Run
 from ..kernels.layout import Data
 from ..mechanism.forces.custom import FunctionForce
 from ..mechanism.forces.feedback import StateFeedback
-from ..results.run_result import RunResult
+from ..results.result import RunResult
 
 FASTEST = 1e5  # [1/s] times the length of the model, in any unit: a rim at 1e5 rad/s, thrice the fastest of turbines
 GROWN = 100.0  # times the speed of the start: planets are that fast from the beginning

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from ..base.errors import InputError, IntegrationError
-from ..results.certificate import Certificate
+from ..results.certificate import Certificate, certificate_of
 from ..results.checks.between_stages import unseen_parts
-from ..results.run_result import RunResult
+from ..results.result import RunResult
 from .repeat import options_to_repeat, repeat
 
 FEWEST = 8  # samples from which growth is read
@@ -39,7 +39,7 @@ def estimate(solution: RunResult) -> Certificate:
         float(x.max(initial=0.0)) for x in (distances(solution, finest), distances(solution, finer), last)
     )
     order = float(np.log(first / second) / np.log(factor)) if 0.0 < second < first else None
-    known = replace(solution.certificate, error=error, order=order, doubling=doubling_time(solution.t, last))
+    known = replace(certificate_of(solution), error=error, order=order, doubling=doubling_time(solution.t, last))
     unseen = unseen_parts(solution)
     missed = float(distances(solution, probed(solution)).max(initial=0.0)) if unseen else 0.0
     if not missed > max(SEEN * error, ROUNDING):

@@ -11,7 +11,7 @@ from ..base.errors import InputError
 from ..equations.compiled import Compiled
 from ..mechanism.forces.contact import WEIGHT, Contact
 from ..mechanism.forces.tyre import Tyre
-from ..results.motion import Poses
+from ..results.motion import Motion
 
 SUNK = 0.9
 """Share of the way from the centre down to the lowest point that may be below the plane at the start."""
@@ -24,7 +24,7 @@ DEPTH_RATIO_MAX = 4.0
 4 is twice the diameter of a sphere, so that the plane is a diameter above its top."""
 
 
-class Start(Poses):
+class Start(Motion):
     """The poses of y, as a motion with one sample."""
 
     def __init__(self, compiled: Compiled, y: np.ndarray) -> None:

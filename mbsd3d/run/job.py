@@ -29,7 +29,7 @@ from ..mechanism.forces.contact import Contact
 from ..mechanism.forces.custom import check_runnable
 from ..mechanism.state import State
 from ..results.record import MOST_NUMBERS, Record, RunOptions, Samples, buffer_size
-from ..results.run_result import RunResult
+from ..results.result import RunResult
 from ..solver.saddle_point import SOLVED
 from .balance import MemoryWatch, check_balance, longest_step, with_jumps
 from .divergence import DivergenceWatch

@@ -12,8 +12,7 @@ import numpy as np
 from ..base.errors import MbsError
 from ..base.progress import Progress
 from ..results.record import RunOptions
-from ..results.result import unit_quaternions
-from ..results.run_result import RunResult
+from ..results.result import RunResult, unit_quaternions
 from .live_model import Built, Playable, Seen
 from .segments import Segments
 

@@ -9,7 +9,7 @@ from ..equations.inputs import History, starts
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from ..results.record import RunOptions
-from ..results.run_result import RunResult
+from ..results.result import RunResult
 from .segments import Segments
 from .simulation import check_end, check_state, output_times, run_to
 

@@ -21,8 +21,7 @@ from ..mechanism.mechanism import Mechanism
 from ..mechanism.signals.input import Input
 from ..mechanism.state import State
 from ..results.record import RunOptions
-from ..results.result import unit_quaternions
-from ..results.run_result import RunResult
+from ..results.result import RunResult, unit_quaternions
 from .job import Job
 from .simulation import check_signals, check_steps
 

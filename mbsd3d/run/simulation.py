@@ -15,7 +15,7 @@ from ..mechanism.mechanism import Mechanism
 from ..mechanism.signals import check_interval
 from ..mechanism.state import State
 from ..results.record import MOST_NUMBERS, RunOptions
-from ..results.run_result import RunResult
+from ..results.result import RunResult
 from .balance import own_forces
 from .job import Job
 

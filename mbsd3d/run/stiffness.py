@@ -15,7 +15,7 @@ from ..equations.compiled import Compiled
 from ..equations.mass_matrix import inertia_about_origin
 from ..integrators.runge_kutta import FAST
 from ..kernels.layout import Data, Model
-from ..results.run_result import RunResult
+from ..results.result import RunResult
 
 MANY = 20  # bodies from which the matrices of RadauIIA cost more than its longer steps gain
 STEP = 1e-7  # of central differences, in model lengths and radians; a rate needs no more than two digits

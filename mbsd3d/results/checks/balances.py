@@ -10,7 +10,7 @@ from ...dynamics.state_rates import FAR, project_and_evaluate
 from ...equations.at_state import load_state
 from ...integrators.method import Method
 from ...kernels.kinds import PROJECTION
-from ..result import RunSamples, world_velocities
+from ..result import RunResult, world_velocities
 from .check import USEFUL, Check, Scales, largest, longest, rounding_of, scales_of
 
 QUADRATURE = 0.3  # of the momenta is what quadratures of fixed steps may leave open: of gears in steps of 1.6 rad,
@@ -19,7 +19,7 @@ DIFFERENCES = 3.0  # times the difference of two quadratures is what one may err
 NOTHING = 1e-6  # of the energy: a work that is rounding, of poses near dead centres too
 
 
-def since_start(solution: RunSamples) -> RunSamples:
+def since_start(solution: RunResult) -> RunResult:
     """The motion at the samples, and at the start before them if it is not one of them."""
     compiled, start, model = solution.compiled, solution.start, solution.compiled.model
     if solution.t[0] <= start.t:
@@ -43,7 +43,7 @@ class Balance(NamedTuple):
     terms: float
 
 
-def balances(whole: RunSamples, scale: Scales) -> tuple[Balance, Balance, Balance]:
+def balances(whole: RunResult, scale: Scales) -> tuple[Balance, Balance, Balance]:
     """Energy, momentum, angular momentum about the centre of mass.
 
     With P the momentum, I the impulse of the external forces since the start: P less I; L' less the angular impulse
@@ -68,7 +68,7 @@ def balances(whole: RunSamples, scale: Scales) -> tuple[Balance, Balance, Balanc
     )
 
 
-def balance_checks(solution: RunSamples, limit: float, equations_met: bool) -> list[Check]:
+def balance_checks(solution: RunResult, limit: float, equations_met: bool) -> list[Check]:
     """Energy against work, momentum against impulse, held to what rounding and quadratures leave known of them.
 
     Nothing bounds the error of work and impulse over fixed steps: two quadratures say how far they are open. A motion
@@ -94,7 +94,7 @@ def balance_checks(solution: RunSamples, limit: float, equations_met: bool) -> l
     return checks
 
 
-def determined(solution: RunSamples) -> bool:
+def determined(solution: RunResult) -> bool:
     """True if joints and drivers leave no freedom, and steps are projected onto them."""
     compiled, model, rows = solution.compiled, solution.compiled.model, solution.compiled.model.row
     if not compiled.drives or model.stabilisation != PROJECTION or rows["holonomic"].sum() < 6 * model.body.size:
@@ -104,7 +104,7 @@ def determined(solution: RunSamples) -> bool:
     return int(rows["holonomic"][choose_rows(model, data)].sum()) == 6 * model.body.size
 
 
-def work_note(solution: RunSamples) -> list[str]:
+def work_note(solution: RunResult) -> list[str]:
     """What the energy balance says of the work of a driven run, where that is not known to a hundredth."""
     if not solution.record.kinematic:
         return []

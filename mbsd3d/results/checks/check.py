@@ -6,7 +6,7 @@ import numpy as np
 
 from ...integrators.step_control import NEARLY_SINGULAR
 from ..record import Record
-from ..result import RunSamples
+from ..result import RunResult
 
 USEFUL = 1e-2  # model lengths or radians: a motion further off than a hundredth is of no use, whatever was asked for
 ADDED = 1e3  # times rtol is what local errors may add up to over a run
@@ -74,7 +74,7 @@ class Scales:
     speed: float  # m/s, absolute
 
 
-def scales_of(solution: RunSamples) -> Scales:
+def scales_of(solution: RunResult) -> Scales:
     """Sizes from the run itself, with floors from gravity, so that a mechanism at rest has scales too."""
     arrays, system, length = solution.arrays, solution.system, solution.compiled.model.length
     about, spin, g = solution.about_centre, longest(arrays["v"][..., 3:]), float(np.linalg.norm(system.gravity))

@@ -1,11 +1,11 @@
 """Orientations against angular velocities, and angles of hinges against their rates, step by step."""
 
 from ...dynamics.turning import CERTAIN
-from ..result import RunSamples
+from ..result import RunResult
 from .check import USEFUL, Check
 
 
-def turning_checks(solution: RunSamples) -> list[Check]:
+def turning_checks(solution: RunResult) -> list[Check]:
     """Whether bodies turned as their angular velocities say, and hinges counted their turns; none of older files."""
     record = solution.record
     if record.miscount is None or not record.steps:

@@ -12,7 +12,7 @@ from ...base.checks import number, whole
 from ...base.errors import InputError
 from ...base.style import Theme, dress, house, theme
 from ...plotting.panels import Wanted
-from ...results.motion import Poses
+from ...results.motion import Motion
 from ..picture.painter import new_sheet
 from ..picture.picture import painter_of, picture_layers
 from ..picture.shading import pointers_of
@@ -52,7 +52,7 @@ class FilmFrames:
 
     def __init__(
         self,
-        motion: Poses,
+        motion: Motion,
         *,
         fps: float = 25,
         speed: float | None = None,

@@ -15,7 +15,7 @@ from ...base.rotations import matrix, rotation
 from ...base.style import GREY, SHADED
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes import Mesh
-from ...results.motion import Poses
+from ...results.motion import Motion
 from ..scene.artist import draw_system
 from ..scene.drawing import Drawing, Piece, Wire, poses_of, title_of
 from ..scene.frames import Frames, frames_of
@@ -28,7 +28,7 @@ SHORTEST = 1e-6  # length that is drawn of a spring pressed to a point, in sizes
 UPRIGHT = rotation("x", -90, degrees=True)
 
 
-def export_run(motion: Poses, path: str | Path, frames: int | None, traces: Points | None) -> Path:
+def export_run(motion: Motion, path: str | Path, frames: int | None, traces: Points | None) -> Path:
     """Write the file of a solution; see `Solution.export_glb`."""
     shown = frames_of(motion, frames)
     content = glb(motion.system, shown, traces_of(motion, shown, traces))

@@ -14,7 +14,7 @@ from ...mechanism.bodies import GROUND, Body, Ground
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.state import State
 from ...plotting.panels import Wanted
-from ...results.motion import Poses
+from ...results.motion import Motion
 from ..scene.artist import draw_system
 from ..scene.camera import directions
 from ..scene.drawing import USUAL, Layers, layers_of, poses_of, title_of
@@ -52,7 +52,7 @@ def show_system(
 
 
 def animate(
-    motion: Poses,
+    motion: Motion,
     path: str | Path | None,
     *,
     curves: Wanted | None,
@@ -66,11 +66,11 @@ def animate(
     live: bool,
     follow: Body | Ground | str | None,
     view: Sequence[float] | None = None,
-    beside: Poses | None = None,
+    beside: Motion | None = None,
 ) -> View | LiveView:
     """See `Solution.animate`."""
     check_options(path, title, dark, live)
-    if not isinstance(beside, Poses | None):
+    if not isinstance(beside, Motion | None):
         raise InputError(f"solution.animate: beside {shown_text(beside)} is not a solution; give one, or None")
     followed = followed_body(motion, follow, live)
     layers, axes = page_layers(motion.system, shown, hidden), directions(view)
@@ -96,14 +96,14 @@ def animate(
         return deliver(content, path, dark, live, "solution.animate")
 
 
-def reach_of(motion: Poses, frames: int | None, layers: Sequence[str], axes: np.ndarray, origin: np.ndarray) -> Reach:
+def reach_of(motion: Motion, frames: int | None, layers: Sequence[str], axes: np.ndarray, origin: np.ndarray) -> Reach:
     """The space a motion takes about an origin, also along the directions of a view, and its longest arrows."""
     at = frames_of(motion, frames)
     drawing, near, _, _ = nearby(draw_system(motion.system)._replace(origin=origin), at)
     return Reach(*boxes(drawing, near, layers, axes), {kind.kind: kind.longest for kind in arrows_of(motion, at)})
 
 
-def followed_body(motion: Poses, follow: Body | Ground | str | None, live: bool) -> int:
+def followed_body(motion: Motion, follow: Body | Ground | str | None, live: bool) -> int:
     """Number of the body that the camera goes along with, or -1; None = the heaviest of those that travel."""
     system = motion.system
     if follow is GROUND or follow == GROUND.name or (follow is None and live):

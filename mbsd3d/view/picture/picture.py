@@ -11,7 +11,7 @@ from ...base.errors import InputError
 from ...base.style import house, theme
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.state import State
-from ...results.motion import Poses
+from ...results.motion import Motion
 from ..scene.artist import draw_system
 from ..scene.camera import frame_camera, lens_of, pair, seen_from, stood_back
 from ..scene.drawing import ARROWS, MARKS, NAMES, USUAL, Layers, bounds, layers_of, poses_of
@@ -98,7 +98,7 @@ def picture_of_system(
 
 
 def picture_of_solution(
-    motion: Poses,
+    motion: Motion,
     t: float | Sequence[float] | None,
     *,
     traces: Points | None = None,
@@ -130,7 +130,7 @@ def picture_of_solution(
     return figure
 
 
-def moments(motion: Poses, run: Frames, t: float | Sequence[float] | None) -> Frames:
+def moments(motion: Motion, run: Frames, t: float | Sequence[float] | None) -> Frames:
     """The poses at the given times, at the last one for None; poses of a run are integrated, not interpolated."""
     try:
         times = np.atleast_1d(np.asarray(run.t[-1] if t is None else t, float))

@@ -12,8 +12,8 @@ from ...base.checks import shown as shown_text
 from ...base.errors import InputError, MbsError
 from ...mechanism.mechanism import Mechanism
 from ...plotting.panels import Wanted
-from ...results.motion import Poses
-from ...results.run_result import RunResult
+from ...results.motion import Motion
+from ...results.result import RunResult
 from ...run.live_run import PERIOD, Frame, Playing
 from ..page.served import Served
 from ..page.show import animate
@@ -183,7 +183,7 @@ class Play(Served):
             self._saving = False
 
 
-def ride_so_far(solution: Poses, curves: Wanted | None, look: Look) -> str:
+def ride_so_far(solution: Motion, curves: Wanted | None, look: Look) -> str:
     """A page of its own, that needs no server."""
     follow = solution.system.bodies[look.followed] if look.followed >= 0 else None
     hidden = [layer for layer in (*USUAL, "body names") if layer not in look.layers]

@@ -16,8 +16,8 @@ from ...plotting.panels import Panel, Wanted
 from ...plotting.telling import seen_panels, telling
 from ...results.checks.check import scales_of
 from ...results.every_reaction import every_reaction
-from ...results.motion import Poses
-from ...results.run_result import RunResult
+from ...results.motion import Motion
+from ...results.result import RunResult
 from .drawing import ARROWS, Drawing
 from .frames import Between, Frames, between
 
@@ -78,7 +78,7 @@ class Curve(NamedTuple):
     lines: list[tuple[str, np.ndarray]]
 
 
-def arrows_of(motion: Poses, frames: Frames) -> list[Arrows]:
+def arrows_of(motion: Motion, frames: Frames) -> list[Arrows]:
     """The four kinds, without those that are zero throughout; a mode has none.
 
     Angular velocities and angular momenta ``R I R' w`` are drawn at the centres of mass, reactions at the points at
@@ -155,7 +155,7 @@ def nearby(
     return near, frames._replace(r=r), [x._replace(points=x.points - o) for x in arrows], paths
 
 
-def traces_of(motion: Poses, frames: Frames, points: Points | None = None) -> list[Trace]:
+def traces_of(motion: Motion, frames: Frames, points: Points | None = None) -> list[Trace]:
     """Paths of points of bodies, in the colours of the bodies.
 
     ``points``: bodies or names, whose centres of mass are meant, and pairs of one and a world point at the reference
@@ -188,7 +188,7 @@ def trace_point(system: Mechanism, entry: tuple[Body | str, Iterable[float]]) ->
     return body, body.local_point(vector(point, f"trace of body '{body.name}'"))
 
 
-def curves_of(motion: Poses, frames: Frames, wanted: Wanted | None = None) -> list[Curve]:
+def curves_of(motion: Motion, frames: Frames, wanted: Wanted | None = None) -> list[Curve]:
     """The panels of `Solution.plot` over the time of the frames, with their labels and units; a mode has none.
 
     Of force and moment, momentum and angular momentum the one that is zero throughout is left out. ``wanted`` None =
