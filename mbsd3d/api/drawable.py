@@ -9,7 +9,7 @@ from ..mechanism.bodies import Body
 from ..mechanism.measures import Measure
 from ..mechanism.signals.input import Input
 from ..mechanism.state import State
-from .viewable import Layers
+from .viewable import LayerNames
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -27,8 +27,8 @@ class Drawable:
         path: str | Path | None = None,
         *,
         state: State | None = None,
-        shown: Layers = (),
-        hidden: Layers = (),
+        shown: LayerNames = (),
+        hidden: LayerNames = (),
         title: str | None = None,
         dark: bool | None = None,
         live: bool = False,
@@ -54,15 +54,16 @@ class Drawable:
             Show it by a server on this machine instead; ``path`` is not written then.
         """
         from ..view.page.show import show_system
+        from ..view.scene.drawing import Layers
 
-        return show_system(self, path, state, shown, hidden, title, dark, live)
+        return show_system(self, path, state, Layers(shown, hidden), title, dark, live)
 
     def picture(
         self,
         state: State | None = None,
         *,
-        shown: Layers = (),
-        hidden: Layers = (),
+        shown: LayerNames = (),
+        hidden: LayerNames = (),
         view: Sequence[float] | None = None,
         size: Sequence[float] = (6.4, 4.8),
         dark: bool = False,
@@ -86,8 +87,9 @@ class Drawable:
             On dark paper.
         """
         from ..view.picture.picture import picture_of_system
+        from ..view.scene.drawing import Layers
 
-        return picture_of_system(self, state, shown=shown, hidden=hidden, view=view, size=size, dark=dark)
+        return picture_of_system(self, state, layers=Layers(shown, hidden), view=view, size=size, dark=dark)
 
     def export_glb(self, path: str | Path) -> Path:
         """Write the reference pose as a glTF 2.0 file; see `Solution.export_glb`."""
@@ -104,8 +106,8 @@ class Drawable:
         method: Method | None = None,
         rtol: float = 1e-6,
         as_built: float | None = None,
-        shown: Layers = (),
-        hidden: Layers = (),
+        shown: LayerNames = (),
+        hidden: LayerNames = (),
         follow: Body | str | None = None,
         view: Sequence[float] | None = None,
         title: str | None = None,

@@ -14,9 +14,9 @@ from ..view.page.recorder import import_viser
 from ..view.page.show import check_options, number_of, page_layers
 from ..view.play import play
 from ..view.play.page import Look
-from ..view.scene.drawing import title_of
+from ..view.scene.drawing import Layers, title_of
 from .solution import Solution
-from .viewable import Layers
+from .viewable import LayerNames
 
 
 class Play(play.Play):
@@ -41,8 +41,8 @@ def play_model(
     method: Method | None = None,
     rtol: float = 1e-6,
     as_built: float | None = None,
-    shown: Layers = (),
-    hidden: Layers = (),
+    shown: LayerNames = (),
+    hidden: LayerNames = (),
     follow: Body | str | None = None,
     view: Sequence[float] | None = None,
     title: str | None = None,
@@ -66,5 +66,5 @@ def play_model(
     if type(port) is not int or not 0 <= port <= 65535:
         raise InputError(f"play: port = {shown_text(port)}; give a whole number up to 65535, or 0 for any that is free")
     followed = -1 if follow is None else number_of(system, follow)
-    look = Look(title or title_of(system), page_layers(system, shown, hidden), followed, view, dark)
+    look = Look(title or title_of(system), page_layers(system, Layers(shown, hidden)), followed, view, dark)
     return Play(playing, look, port)

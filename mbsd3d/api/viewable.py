@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ..view.page.live import LiveView
     from ..view.scene.motion import Points
 
-Layers = str | Sequence[str]
+LayerNames = str | Sequence[str]
 
 
 class Viewable:
@@ -34,8 +34,8 @@ class Viewable:
         *,
         curves: "Wanted | None" = None,
         traces: "Points | None" = None,
-        shown: Layers = (),
-        hidden: Layers = (),
+        shown: LayerNames = (),
+        hidden: LayerNames = (),
         frames: int | None = None,
         speed: float | None = None,
         title: str | None = None,
@@ -81,9 +81,10 @@ class Viewable:
             so that two pages can be compared.
         """
         from ..view.page.show import animate
+        from ..view.scene.drawing import Layers
 
         return animate(
-            self, path, curves=curves, traces=traces, shown=shown, hidden=hidden, frames=frames, speed=speed,
+            self, path, curves=curves, traces=traces, layers=Layers(shown, hidden), frames=frames, speed=speed,
             title=title, dark=dark, live=live, follow=follow, view=view, beside=beside,
         )  # fmt: skip
 
@@ -92,8 +93,8 @@ class Viewable:
         t: ArrayLike | None = None,
         *,
         traces: "Points | None" = None,
-        shown: Layers = (),
-        hidden: Layers = (),
+        shown: LayerNames = (),
+        hidden: LayerNames = (),
         view: Sequence[float] | None = None,
         size: Sequence[float] = (6.4, 4.8),
         dark: bool = False,
@@ -118,8 +119,9 @@ class Viewable:
             See `System.picture`.
         """
         from ..view.picture.picture import picture_of_solution
+        from ..view.scene.drawing import Layers
 
-        options = {"traces": traces, "shown": shown, "hidden": hidden, "view": view, "size": size, "dark": dark}
+        options = {"traces": traces, "layers": Layers(shown, hidden), "view": view, "size": size, "dark": dark}
         return picture_of_solution(self, t, **options)
 
     def export_gif(
@@ -132,8 +134,8 @@ class Viewable:
         height: int | None = None,
         curves: "Wanted | None" = (),
         traces: "Points | None" = None,
-        shown: Layers = (),
-        hidden: Layers = (),
+        shown: LayerNames = (),
+        hidden: LayerNames = (),
         view: Sequence[float] | None = None,
         dark: bool = False,
     ) -> Path:
@@ -157,8 +159,9 @@ class Viewable:
             See `picture`.
         """
         from ..view.film.film import export_gif
+        from ..view.scene.drawing import Layers
 
-        options = {"curves": curves, "traces": traces, "shown": shown, "hidden": hidden, "view": view, "dark": dark}
+        options = {"curves": curves, "traces": traces, "layers": Layers(shown, hidden), "view": view, "dark": dark}
         return export_gif(self, path, fps=fps, speed=speed, width=width, height=height, **options)
 
     def export_mp4(
@@ -171,8 +174,8 @@ class Viewable:
         height: int | None = None,
         curves: "Wanted | None" = (),
         traces: "Points | None" = None,
-        shown: Layers = (),
-        hidden: Layers = (),
+        shown: LayerNames = (),
+        hidden: LayerNames = (),
         view: Sequence[float] | None = None,
         dark: bool = False,
     ) -> Path:
@@ -182,8 +185,9 @@ class Viewable:
         ``width`` and ``height`` are even. ValueError also if ffmpeg is missing.
         """
         from ..view.film.film import export_mp4
+        from ..view.scene.drawing import Layers
 
-        options = {"curves": curves, "traces": traces, "shown": shown, "hidden": hidden, "view": view, "dark": dark}
+        options = {"curves": curves, "traces": traces, "layers": Layers(shown, hidden), "view": view, "dark": dark}
         return export_mp4(self, path, fps=fps, speed=speed, width=width, height=height, **options)
 
     def export_glb(self, path: str | Path, *, frames: int | None = None, traces: "Points | None" = None) -> Path:

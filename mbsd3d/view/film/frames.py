@@ -16,7 +16,7 @@ from ...results.motion import Motion
 from ..picture.painter import new_sheet
 from ..picture.picture import painter_of, picture_layers
 from ..picture.shading import pointers_of
-from ..scene.drawing import ARROWS, Layers
+from ..scene.drawing import ARROWS, USUAL_LAYERS, Layers
 from ..scene.frames import LONG, SENSIBLE, frames_of, sensible_speed
 from ..scene.motion import Curve, Points, arrows_of, curves_of, traces_of
 
@@ -60,8 +60,7 @@ class FilmFrames:
         height: int | None = None,
         curves: Wanted | None = (),
         traces: Points | None = None,
-        shown: Layers = (),
-        hidden: Layers = (),
+        layers: Layers = USUAL_LAYERS,
         view: Sequence[float] | None = None,
         dark: bool = False,
         usual: tuple[float, float] = (LONG, SENSIBLE),
@@ -71,18 +70,18 @@ class FilmFrames:
         rows = round(0.75 * self.width / 2) * 2 if height is None else whole(height, "height", 64, LARGEST)
         self.dpi = max(100.0, self.width / WIDEST)
         self.sheet = theme(dark)
-        layers = picture_layers(motion.system, shown, hidden, moving=True)
-        kinds = set(ARROWS) & set(layers)
+        visible = picture_layers(motion.system, layers, moving=True)
+        kinds = set(ARROWS) & set(visible)
         self.frames = frames_of(motion, count)
         self.finer = -(-PATH // (count - 1))  # points of a path per frame, so that few frames leave it round
         fine = frames_of(motion, self.finer * (count - 1) + 1)
-        self.traces = traces_of(motion, fine, traces) if "traces" in layers else []
+        self.traces = traces_of(motion, fine, traces) if "traces" in visible else []
         self.vectors = [x for x in arrows_of(motion, self.frames) if x.kind in kinds] if kinds else []
         some = np.unique(np.linspace(0, count - 1, FEW).astype(int))
         r, e = self.frames.r[some], self.frames.e[some]
         inches = (self.width / self.dpi, rows / self.dpi)
         self.painter, self.reach = painter_of(
-            motion.system, r, e, inches, paths=self.traces, vectors=self.vectors, layers=layers, view=view, dark=dark,
+            motion.system, r, e, inches, paths=self.traces, vectors=self.vectors, layers=visible, view=view, dark=dark,
             fine=max(0.03, COARSE / self.width),
         )  # fmt: skip
         found = curves_of(motion, self.frames, curves)

@@ -17,7 +17,7 @@ from ...results.result import RunResult
 from ...run.live_run import PERIOD, Frame, Playing
 from ..page.served import Served
 from ..page.show import animate
-from ..scene.drawing import USUAL
+from ..scene.drawing import USUAL, Layers
 from .page import SECONDS, Look, ride_page, shapes_of
 from .server import Server
 
@@ -188,7 +188,7 @@ def ride_so_far(solution: Motion, curves: Wanted | None, look: Look) -> str:
     follow = solution.system.bodies[look.followed] if look.followed >= 0 else None
     hidden = [layer for layer in (*USUAL, "body names") if layer not in look.layers]
     view = animate(
-        solution, None, curves=curves, traces=None, shown=look.layers, hidden=hidden, frames=None, speed=None,
+        solution, None, curves=curves, traces=None, layers=Layers(look.layers, hidden), frames=None, speed=None,
         title=look.title, dark=look.dark, live=False, follow=follow, view=look.view,
     )  # fmt: skip
     return view.html
