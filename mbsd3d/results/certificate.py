@@ -20,7 +20,7 @@ from .checks.check import PASSED, USEFUL, Check, drift_limit
 from .checks.equations import equation_checks, joint_checks, lost, residuals
 from .checks.rounding import rounding, rounding_checks, singular_notes
 from .checks.turning import turning_checks
-from .record import Record
+from .record import Record, RunOptions
 from .result import RunResult
 
 FAR_TURN = 1.0  # rad in a step: beyond, its error is no small share of the turn
@@ -37,15 +37,13 @@ class Certificate:
     errors double, if they grow exponentially) are None until `Solution.estimate` has compared with tighter runs.
     """
 
-    method: str
-    rtol: float
+    options: RunOptions
     steps: int
     rejected: int
     evaluations: int
     svd_calls: int
     rank_events: tuple
     seconds: float
-    switches: Switches
     checks: tuple[Check, ...]
     stopped_by: str | None = None
     error: float | None = None
@@ -53,6 +51,21 @@ class Certificate:
     doubling: float | None = None
     turned: str = ""
     notes: tuple[str, ...] = field(default=())
+
+    @property
+    def method(self) -> str:
+        """Method of integration with its settings."""
+        return str(self.options.method)
+
+    @property
+    def rtol(self) -> float:
+        """Relative tolerance of the run."""
+        return self.options.rtol
+
+    @property
+    def switches(self) -> Switches:
+        """Teaching switches of the run."""
+        return self.options.switches
 
     @property
     def passed(self) -> bool:
@@ -138,15 +151,13 @@ def certify(solution: RunResult) -> Certificate:
     else:
         checks = [Check("samples", np.inf, 0.0, "there are none to look at; keep some, or run it to a later time")]
     return Certificate(
-        method=str(record.method),
-        rtol=record.rtol,
+        options=record.options,
         steps=record.steps,
         rejected=record.rejected,
         evaluations=record.evaluations,
         svd_calls=record.svd_calls,
         rank_events=tuple(record.rank_events),
         seconds=record.seconds,
-        switches=record.switches,
         checks=tuple(checks),
         stopped_by=record.stopped_by,
         turned=far_turn(record),
