@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from ..integrators.method import Method
 from ..mechanism.bodies import Body
 from ..mechanism.measures import Measure
+from ..mechanism.mechanism import Mechanism
 from ..mechanism.signals.input import Input
 from ..mechanism.state import State
 from .viewable import LayerNames
@@ -19,8 +20,12 @@ if TYPE_CHECKING:
     from .playing import Play
 
 
-class Drawable:
+class Drawable(Mechanism):
     """Pictures of a system at rest, and playing with it."""
+
+    if TYPE_CHECKING:
+
+        def state(self, *, as_built: float | None = None) -> State: ...
 
     def show(
         self,

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from traceback import walk_tb
 from types import ModuleType
-from typing import Any
+from typing import Any, cast
 
 from ..base.errors import InputError, similar
 from .load import read_mjcf, read_urdf
@@ -39,7 +39,7 @@ def imported(file: str, suffix: str, drop: tuple[str, ...]) -> tuple[System, lis
     lines = [f"left out {part}" for part in found.dropped]
     lines += [f"body '{name}' is part of '{whole}'" for name, whole in found.merged.items()]
     lines += [f"'{name}' was '{before}' in the file" for name, before in found.renamed.items()]
-    return found.system, lines
+    return cast(System, found.system), lines
 
 
 def parameters_of(file: str) -> list[str]:
@@ -152,11 +152,11 @@ def parameters(build: Callable[..., Any]) -> dict[str, inspect.Parameter]:
 
 def kind_of(x: inspect.Parameter) -> type | None:
     """float, int, bool or str by annotation or default; None = not said."""
-    names = {"float": float, "int": int, "bool": bool, "str": str}
-    annotation = names.get(x.annotation, x.annotation) if isinstance(x.annotation, str) else x.annotation
-    if annotation in names.values():
-        return annotation
-    return type(x.default) if type(x.default) in names.values() else None
+    kinds: tuple[type, ...] = (float, int, bool, str)
+    for kind in kinds:
+        if x.annotation in (kind, kind.__name__):
+            return kind
+    return type(x.default) if type(x.default) in kinds else None
 
 
 def typed(text: str, kind: type | None, what: str) -> Any:
@@ -167,7 +167,8 @@ def typed(text: str, kind: type | None, what: str) -> Any:
         if kind is not None:
             return kind(text)
     except (ValueError, KeyError):
-        remedy = "true or false" if kind is bool else f"{'an' if kind is int else 'a'} {kind.__name__}"
+        name = getattr(kind, "__name__", "")
+        remedy = "true or false" if kind is bool else f"{'an' if kind is int else 'a'} {name}"
         raise InputError(f"{what}={text!r} is not {remedy}; correct it") from None
     for attempt in (int, float):
         try:

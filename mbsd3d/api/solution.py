@@ -103,7 +103,8 @@ class Solution(RunResult, Viewable):
         start = changes.pop("state", self.start)
         options = changed(options_to_repeat(self), changes)
         if start is None:
-            start = self.system.state(as_built=options.as_built)
+            system: Any = self.system  # the public one, whose start may be its own
+            start = system.state(as_built=options.as_built)
         try:
             return Solution.of(repeat(self, t_end, start, options))
         except IntegrationError as error:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @explaining_methods
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class System(Mechanism, Drawable):
+class System(Drawable):
     """A mechanism.
 
     Parameters
@@ -75,7 +75,8 @@ class System(Mechanism, Drawable):
 
     def _repr_html_(self) -> str:
         rows = [(body.name, "Body", f"{body.mass:g} kg") for body in self.bodies]
-        for part in (*self.joints, *self.forces):
+        parts: list[Joint | ForceElement] = [*self.joints, *self.forces]
+        for part in parts:
             on = dict.fromkeys(body.name for body in part.bodies())
             rows.append((self.name(part), type(part).__name__, ", ".join(on)))
         return html_table(repr(self).strip("<>"), ("part", "type", "mass, or bodies"), rows)

@@ -8,16 +8,17 @@ Usual are bodies, joints, springs and rods, traces, the ground grid, and names t
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
+
+from ..results.motion import Motion
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ..mechanism.bodies import Body, Ground
     from ..plotting.panels import Wanted
-    from ..results.motion import Motion
     from ..view.page.html import View
     from ..view.page.live import LiveView
     from ..view.scene.motion import Points
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 LayerNames = str | Sequence[str]
 
 
-class Viewable:
+class Viewable(Motion):
     """Pictures and films of a run or a mode."""
 
     def animate(
@@ -43,7 +44,7 @@ class Viewable:
         live: bool = False,
         follow: "Body | Ground | str | None" = None,
         view: Sequence[float] | None = None,
-        beside: "Motion | None" = None,
+        beside: Motion | None = None,
     ) -> "View | LiveView":
         """A page that shows the motion in space and curves beside it; one HTML file that needs no network.
 
@@ -121,7 +122,13 @@ class Viewable:
         from ..view.picture.picture import picture_of_solution
         from ..view.scene.drawing import Layers
 
-        options = {"traces": traces, "layers": Layers(shown, hidden), "view": view, "size": size, "dark": dark}
+        options: dict[str, Any] = {
+            "traces": traces,
+            "layers": Layers(shown, hidden),
+            "view": view,
+            "size": size,
+            "dark": dark,
+        }
         return picture_of_solution(self, t, **options)
 
     def export_gif(
@@ -161,7 +168,13 @@ class Viewable:
         from ..view.film.film import export_gif
         from ..view.scene.drawing import Layers
 
-        options = {"curves": curves, "traces": traces, "layers": Layers(shown, hidden), "view": view, "dark": dark}
+        options: dict[str, Any] = {
+            "curves": curves,
+            "traces": traces,
+            "layers": Layers(shown, hidden),
+            "view": view,
+            "dark": dark,
+        }
         return export_gif(self, path, fps=fps, speed=speed, width=width, height=height, **options)
 
     def export_mp4(
@@ -187,7 +200,13 @@ class Viewable:
         from ..view.film.film import export_mp4
         from ..view.scene.drawing import Layers
 
-        options = {"curves": curves, "traces": traces, "layers": Layers(shown, hidden), "view": view, "dark": dark}
+        options: dict[str, Any] = {
+            "curves": curves,
+            "traces": traces,
+            "layers": Layers(shown, hidden),
+            "view": view,
+            "dark": dark,
+        }
         return export_mp4(self, path, fps=fps, speed=speed, width=width, height=height, **options)
 
     def export_glb(self, path: str | Path, *, frames: int | None = None, traces: "Points | None" = None) -> Path:

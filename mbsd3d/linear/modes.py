@@ -11,7 +11,6 @@ from ..base.concurrency import on_one_thread
 from ..base.errors import AssemblyError, InputError
 from ..constraints.nearby_poses import closed
 from ..equations.at_state import coordinate_row, load_state
-from ..equations.compiled import Compiled
 from ..equations.tree import eliminate
 from ..mechanism.bodies import Body
 from ..mechanism.joints import Joint
@@ -84,7 +83,7 @@ class Mode:
         k = int(np.argmax(np.abs(moves).ravel() > np.abs(moves).max() * (1.0 - 1e-6)))
         return f"{NAMES[k % 6]} of '{system.name(system.bodies[k // 6])}'"
 
-    def motion(self, amplitude: float = 0.2, cycles: float = 2.0, samples: int = 101) -> "Motion":
+    def motion(self, amplitude: float = 0.2, cycles: float = 2.0, samples: int = 101) -> Motion:
         """The mechanism moving in this mode, all joints closed; a motion that goes on is shown at rest.
 
         ``amplitude``: the largest displacement at its largest [model lengths or radians]; ``cycles``: periods, or for a
@@ -100,18 +99,6 @@ class Mode:
         wave = np.exp(value * t) if value else np.sin(2.0 * np.pi * t).astype(complex)
         wave *= amplitude / np.abs(wave).max()
         return moving_poses(self, t, wave)
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Motion(Motion):
-    """Motion of a mechanism over time (no forces, no energy): read like a `Solution`."""
-
-    compiled: Compiled
-    t: np.ndarray
-    arrays: dict[str, np.ndarray]
-
-    def __repr__(self) -> str:
-        return f"<motion: {self.t.size} samples, 0 ... {self.t[-1]:g} s>"
 
 
 def moving_poses(mode: Mode, t: np.ndarray, wave: np.ndarray) -> Motion:
@@ -130,7 +117,7 @@ def moving_poses(mode: Mode, t: np.ndarray, wave: np.ndarray) -> Motion:
                 advice="give a smaller amplitude",
             )  # fmt: skip
         poses[k] = y[: 7 * n]
-    return Motion(compiled, t, {"q": poses.reshape(t.size, n, 7)})
+    return Motion(compiled, {"t": t, "q": poses.reshape(t.size, n, 7)})
 
 
 @on_one_thread

@@ -106,10 +106,13 @@ def bearing_load(
         raise InputError(f"{what} does not turn like a bearing; give a Revolute, Cylindrical, Spherical or the like")
     check_choice(frame, ("a", "b"), f"{what}: frame")
     own = part.angle()
-    if axis is None and own is None:
+    if axis is not None:
+        along = unit(axis, f"{what}: axis")
+    elif own is not None:
+        along = own.axis if frame == "a" else own.axis_b
+    else:
         raise InputError(f"{what} has no axis; give axis=")
     reaction = solution.reaction(part)
-    along = unit(axis, f"{what}: axis") if axis is not None else own.axis if frame == "a" else own.axis_b
     axes = [solution.body_axis(part.a if frame == "a" else part.b, x) for x in (*perpendiculars(along), along)]
     R, spin = np.stack(axes, axis=1), relative_spin(solution, part)
     known = solution._determined([part]).along(R)
@@ -168,16 +171,15 @@ def bearing_pair(
     along = np.einsum("ti,ti->t", solution.body_axis(part.a, axis), load.point - places[0])
     x, y = load.moment[:, 0] - along * load.force[:, 1], load.moment[:, 1] + along * load.force[:, 0]
     second = np.stack([y, -x, np.zeros_like(x)], axis=1) / span  # M x u / L
-    none = np.zeros_like(second)
-    return tuple(
-        BearingLoad(
-            load.t, force, none, at, load.speed, load.length, f"{load.name}, {name} bearing", unique_force=unique
-        )
-        for force, at, name, unique in zip(
-            (load.force - second, second), places, ("fixed", "floating"), (load.unique_force, np.ones(3, bool)),
-            strict=True,
-        )
-    )  # fmt: skip
+
+    def bearing(name: str, at: np.ndarray, force: np.ndarray, unique: np.ndarray) -> BearingLoad:
+        own, none = f"{load.name}, {name} bearing", np.zeros_like(force)
+        return BearingLoad(load.t, force, none, at, load.speed, load.length, own, unique_force=unique)
+
+    return (
+        bearing("fixed", places[0], load.force - second, load.unique_force),
+        bearing("floating", places[1], second, np.ones(3, bool)),
+    )
 
 
 @dataclass(frozen=True)
@@ -212,15 +214,15 @@ class Rating(Frozen):
             what = f"{type(self).__name__}: {name}"
             self._store(**{name: number(getattr(self, name), what, minimum=0.0, positive=positive)})
 
-    def factors(self, axial: np.ndarray) -> tuple[ArrayLike, ArrayLike, ArrayLike]:
+    def factors(self, axial: np.ndarray) -> tuple[np.ndarray | float, np.ndarray | float, np.ndarray | float]:
         """(X, Y, e) under axial forces >= 0 [N]."""
         raise NotImplementedError
 
     def equivalent(self, radial: ArrayLike, axial: ArrayLike) -> np.ndarray:
         """Equivalent dynamic load P [N] of radial and axial forces [N]."""
-        radial, axial = np.abs(radial), np.abs(axial)
-        X, Y, e = self.factors(axial)
-        return np.where(axial <= e * radial, radial, X * radial + Y * axial)
+        Fr, Fa = np.abs(np.asarray(radial, float)), np.abs(np.asarray(axial, float))
+        X, Y, e = self.factors(Fa)
+        return np.where(Fa <= e * Fr, Fr, X * Fr + Y * Fa)
 
     def life(self, load: BearingLoad) -> RatingLife:
         """L10 and L10h under the loads and speeds of a run.

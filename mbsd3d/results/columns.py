@@ -128,7 +128,7 @@ def columns_of_effort(solution: RunResult, driver: Driver) -> list[Column]:
     else:
         labels = [""] if len(units) == 1 else [f".{k}" for k in range(len(units))]
     names = [solution.system.name(driver) + label for label in labels]
-    return [Column("driver", name, "effort", *rest) for name, *rest in zip(names, units, effort.T, strict=True)]
+    return [Column("driver", name, "effort", unit, x) for name, unit, x in zip(names, units, effort.T, strict=True)]
 
 
 def loads_of(solution: RunResult, force: ForceElement) -> dict[str, Load]:
@@ -146,7 +146,11 @@ def columns_of_force(solution: RunResult, force: ForceElement) -> list[Column]:
     """Wrench, power, energy and stretch of a force."""
     found = []
     for k, (name, load) in enumerate(loads_of(solution, force).items()):
-        shown = {"force": load.force, "force_moment": load.moment, "force_point": load.point}
+        shown: dict[str, np.ndarray | None] = {
+            "force": load.force,
+            "force_moment": load.moment,
+            "force_point": load.point,
+        }
         if k == 0:  # of the whole element
             kind = "angle" if load.angle is not None else "length"
             shown |= {"force_power": load.power, "force_stored": load.stored}

@@ -5,6 +5,7 @@ body is the wrench of the element about O. No law is written a second time.
 """
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from ..base.style import Sampled
 from ..dynamics.applied_forces import loads
 from ..equations.compiled import new_data
 from ..kernels.kinematics import kinematics
-from ..mechanism.bodies import GROUND, Body, Ground
+from ..mechanism.bodies import Body, Ground
 from ..mechanism.force_element import ForceElement
 from ..mechanism.forces.contact import Contact
 from ..mechanism.forces.custom import SavedForce
@@ -88,12 +89,12 @@ def load_of(solution: RunResult, force: ForceElement | str, on: Body | Ground | 
     body = acted_body(solution, part, on)
     wrench, power, rates, shown = wrenches_about_O(solution, part, body)
     point = shown[:, :3] if part.shows else acting_points(solution, part, body)
-    origin = 0.0 if body is GROUND else solution.position(body)
+    origin = 0.0 if isinstance(body, Ground) else solution.position(body)
     push = wrench[:, :3]
     stored = solution.arrays["potential"][:, system.forces.index(part)]
     own, own_rates = (dict(zip(part.state_names(), x.T, strict=True)) for x in (solution.state_of(part), rates))
     turn = wrench[:, 3:] - np.cross(point - origin, push)
-    found = {"force": push, "moment": turn, "point": point, "power": power, "stored": stored}
+    found: dict[str, Any] = {"force": push, "moment": turn, "point": point, "power": power, "stored": stored}
     found |= {**stretch(solution, part), "states": own, "state_rates": own_rates}
     if not isinstance(part, Tyre):
         return Load(**found)

@@ -1,24 +1,35 @@
 """Poses over time, read by part: of runs, modes and single states."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import vector
 from ..base.rotations import matrix
 from ..equations.compiled import Compiled
-from ..mechanism.bodies import GROUND, Body, Ground
+from ..mechanism.bodies import Body, Ground
 from ..mechanism.mechanism import Mechanism
 
 
+@dataclass(frozen=True, eq=False, repr=False)
 class Motion:
-    """Poses of bodies over time: ``arrays["q"]`` (samples, n, 7) at times ``t``.
+    """Poses of a mechanism over time (no forces, no energy): read like a `Solution`.
 
+    ``arrays["q"]`` (samples, n, 7) holds reference points [m] and unit quaternions at the times ``arrays["t"]`` [s].
     Parts are given as objects or by name.
     """
 
     compiled: Compiled
     arrays: dict[str, np.ndarray]
-    t: np.ndarray
+
+    def __repr__(self) -> str:
+        return f"<motion: {self.t.size} samples, {self.t[0]:g} ... {self.t[-1]:g} s>"
+
+    @property
+    def t(self) -> np.ndarray:
+        """(samples,) times [s]."""
+        return self.arrays["t"]
 
     @property
     def system(self) -> Mechanism:
@@ -51,12 +62,12 @@ class Motion:
 
     def body_axis(self, body: Body | Ground | str, axis: ArrayLike) -> np.ndarray:
         """(samples, 3) world direction of an axis fixed in a body (or GROUND), given at the reference pose."""
-        if body is GROUND:
+        if isinstance(body, Ground):
             return np.broadcast_to(vector(axis, "body_axis: axis"), (self.t.size, 3))
         return self.rotation(body) @ self.system.part(body).local_axis(axis)
 
     def body_point(self, body: Body | Ground | str, point: ArrayLike) -> np.ndarray:
         """(samples, 3) world position of a point fixed in a body (or GROUND), given at the reference pose [m]."""
-        if body is GROUND:
+        if isinstance(body, Ground):
             return np.broadcast_to(vector(point, "body_point: point"), (self.t.size, 3))
         return self.point(body, self.system.part(body).local_point(point))

@@ -73,8 +73,6 @@ class RunResult(Motion):
     Parts are given as objects or by name; vectors are (samples, 3) in world axes.
     """
 
-    compiled: Compiled
-    arrays: dict[str, np.ndarray]
     record: Record
     start: State  # as it was given; the first sample may be later
     final: State
@@ -101,11 +99,6 @@ class RunResult(Motion):
         end = State(t, unit_quaternions(y[: 7 * n]), v.ravel(), own, coordinates)
         return cls(compiled, arrays, record, start, end)
 
-    @property
-    def t(self) -> np.ndarray:
-        """(samples,) times [s]."""
-        return self.arrays["t"]
-
     def velocity(self, body: Body | str) -> np.ndarray:
         """Velocity of the reference point [m/s]."""
         return self.arrays["v"][:, self._body(body), :3]
@@ -126,7 +119,7 @@ class RunResult(Motion):
         """Angular acceleration [rad/s^2], world axes."""
         return self.arrays["acceleration"][:, self._body(body), 3:]
 
-    def _coordinate(self, joint: Joint | str, kind: str) -> np.ndarray:
+    def _coordinate(self, joint: Joint | str, kind: str) -> int:
         part = self.system.part(joint, "joints")
         return self.compiled.coordinate(coordinate_of(part, kind, f"solution.{kind}"))
 
@@ -151,16 +144,16 @@ class RunResult(Motion):
         if x.kind not in ("angle", "slide"):
             return self.measure(Measure("coordinate rate", f"rate of a {x.kind}", "m/s", x.a, x.b, coordinate=x))
         axis = self.body_axis(x.a, x.axis)
-        w_a, w_b = (np.zeros((self.t.size, 3)) if body is GROUND else self.omega(body) for body in (x.a, x.b))
+        w_a, w_b = (np.zeros((self.t.size, 3)) if isinstance(body, Ground) else self.omega(body) for body in (x.a, x.b))
         if x.kind == "angle":
             return np.einsum("ti,ti->t", axis, w_b - w_a)
         p_b, v_b = self._point_motion(x.b, x.point_b)
-        v_a_there = 0.0 if x.a is GROUND else self.velocity(x.a) + crosses(w_a, p_b - self.position(x.a))
+        v_a_there = 0.0 if isinstance(x.a, Ground) else self.velocity(x.a) + crosses(w_a, p_b - self.position(x.a))
         return np.einsum("ti,ti->t", axis, v_b - v_a_there)
 
     def _point_motion(self, body: Body | Ground, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """World position and velocity of a body point given at the reference pose."""
-        if body is GROUND:
+        if isinstance(body, Ground):
             return np.broadcast_to(point, (self.t.size, 3)), np.zeros((self.t.size, 3))
         return self._carried(body, body.local_point(point))
 

@@ -74,9 +74,12 @@ def exception_of(compiled: Compiled, k: int, y: np.ndarray, t: float) -> Excepti
     ask(model, data, y, t)
     if data.wrench[RETURNED] == 0.0:
         return None
+    force = compiled.system.forces[k]
+    if not isinstance(force, FunctionForce):
+        return None
     try:
         with np.errstate(all="ignore"):
-            plain, poses = uncompiled(compiled.system.forces[k].function), data.pose.view(np.recarray)
+            plain, poses = uncompiled(force.function), data.pose.view(np.recarray)
             own, numbers = places(model)
             z, given = data.z[own], model.number[numbers].copy()
             plain(t, poses, model.force["bodies"][0], z, z.size, given, given.size, data.wrench, data.state_rate[own])

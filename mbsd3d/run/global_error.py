@@ -1,10 +1,12 @@
 """How far a motion is from the true one: the same run at tighter settings, and how fast the difference grows."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from ..base.errors import InputError, IntegrationError
+from ..integrators.method import Method
 from ..results.certificate import Certificate, certificate_of
 from ..results.checks.between_stages import unseen_parts
 from ..results.result import RunResult
@@ -65,19 +67,25 @@ def refined(solution: RunResult, factor: float) -> RunResult:
     method = options.method
     if record.kinematic:
         apart = (solution.final.t - solution.start.t) / record.steps
-        finer = replace(options, method=replace(method, max_step=min(method.max_step, apart) / factor))
+        finer = replace(options, method=changed_method(method, max_step=min(method.max_step, apart) / factor))
     elif method.dt is None:
         finer = replace(options, rtol=max(options.rtol / factor, 1e-13))
     else:
-        finer = replace(options, method=replace(method, dt=method.dt / factor))
+        finer = replace(options, method=changed_method(method, dt=method.dt / factor))
     return repeat(solution, options=finer)
+
+
+def changed_method(method: Method, **changes: float) -> Method:
+    """Return a method, which is a frozen dataclass, with other settings."""
+    settings: Any = method
+    return replace(settings, **changes)
 
 
 def probed(solution: RunResult) -> RunResult:
     """Return the run made again with stages elsewhere: steps shorter by an irrational factor, and many of them."""
     method, span = solution.record.method, solution.final.t - solution.start.t
     step = span / (GOLDEN * max(FINER * solution.record.steps, PROBES))
-    finer = replace(method, **{"max_step" if method.dt is None else "dt": step})
+    finer = changed_method(method, **{"max_step" if method.dt is None else "dt": step})
     return repeat(solution, options=replace(options_to_repeat(solution), method=finer))
 
 

@@ -24,27 +24,20 @@ DEPTH_RATIO_MAX = 4.0
 4 is twice the diameter of a sphere, so that the plane is a diameter above its top."""
 
 
-class Start(Motion):
-    """The poses of y, as a motion with one sample."""
-
-    def __init__(self, compiled: Compiled, y: np.ndarray) -> None:
-        n = compiled.model.body.size
-        self.compiled, self.arrays, self.t = compiled, {"q": y[: 7 * n].reshape(1, n, 7)}, np.zeros(1)
-
-
 def check_sunk(compiled: Compiled, y: np.ndarray) -> None:
     """ValueError for a wheel or surface that starts in the plane up to its centre: any `Tyre`, a `Contact` as built.
 
     Elsewhere a `Contact` may start deep, but not far deeper than its surface is large.
     """
-    start = Start(compiled, y)
+    n = compiled.model.body.size
+    start = Motion(compiled, {"t": np.zeros(1), "q": y[: 7 * n].reshape(1, n, 7)})
     for force in compiled.system.forces:
         if not isinstance(force, Contact | Tyre):
             continue
         at, normal = force.plane
-        n, centre = start.body_axis(force.a, normal)[0], start.body_point(force.b, force.outline.centre)[0]
-        height = float(n @ (centre - start.body_point(force.a, at)[0]))
-        below = float(n @ (centre - force.outline.moving(start, force.a, force.b, normal)[0]))
+        up, centre = start.body_axis(force.a, normal)[0], start.body_point(force.b, force.outline.centre)[0]
+        height = float(up @ (centre - start.body_point(force.a, at)[0]))
+        below = float(up @ (centre - force.outline.moving(start, force.a, force.b, normal)[0]))
         if height >= (1.0 - SUNK) * below or (isinstance(force, Contact) and carried(force, below - height)):
             continue
         built = isinstance(force, Tyre) or is_as_built(force, centre, below)

@@ -24,6 +24,7 @@ from ..integrators.outputs import write
 from ..integrators.step_control import CLOSE
 from ..kernels.coordinates import remember
 from ..kernels.kinds import PROJECTION
+from ..kernels.layout import Tree
 from ..mechanism.drivers import SpeedDriver
 from ..mechanism.forces.contact import Contact
 from ..mechanism.forces.custom import check_runnable
@@ -46,6 +47,8 @@ SHORT = memory.STEP_TOO_SMALL, memory.NOT_CONVERGED  # ends of runs that a singu
 class Job:
     """One run: the compiled time loop is called in chunks; between them samples are collected."""
 
+    tree: Tree  # of the equations; `eliminate` makes it
+
     def __init__(
         self, compiled: Compiled, start: State, t_end: float, times: np.ndarray | None, options: RunOptions
     ) -> None:
@@ -59,7 +62,6 @@ class Job:
         coordinates = driven_coordinates(compiled, start.t) if start.coordinates is None else start.coordinates
         coordinates = coordinates[: compiled.own_coordinates]  # what another run measured besides is not known here
         y = load_state(compiled, self.data, State(start.t, start.q, start.v, start.z, coordinates))
-        self.tree = None
         self.memory = self.new_run(y, t_end, times)
         self.functions = MemoryWatch(compiled, y, start.t)
         self.last_event = -1
@@ -289,8 +291,8 @@ class Job:
             advice = "drive it less far, or the other way; see system.check()"
             if dt is not None:
                 advice = f"take a smaller dt than {dt:g} s, {advice}"
-        elif status in SHORT and (singular := singular_there(self.compiled, self.start, here[2], t)):
-            what = f"{what}: the pose is {singular}"
+        elif status in SHORT and (pose := singular_there(self.compiled, self.start, here[2], t)):
+            what = f"{what}: the pose is {pose}"
         elif part is None and status == memory.NOT_CLOSING and dt is not None:
             advice = f"the step of {dt:g} s is too long, or the position singular: take a smaller dt"
         elif blamed:

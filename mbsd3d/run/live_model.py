@@ -5,6 +5,8 @@ from dataclasses import dataclass, field, replace
 from itertools import chain, repeat
 from typing import NamedTuple, Protocol
 
+import numpy as np
+
 from ..base.checks import listed, number, shown
 from ..base.errors import InputError, similar
 from ..equations.compiled import compile_system
@@ -76,16 +78,21 @@ class Seen(NamedTuple):
 class Playable(Protocol):
     """What `Playing` plays; ``values`` are those of the controls by name, ``measured`` those of the measures."""
 
-    controls: Sequence[Control]
-    panels: Sequence[Panel]
+    @property
+    def controls(self) -> Sequence[Control]:
+        """Numbers that change while it moves."""
+
+    @property
+    def panels(self) -> Sequence[Panel]:
+        """Curves beside the scene."""
 
     def built(self, values: Mapping[str, float], state: State | None) -> Built:
         """The model, at its start, or as it goes on from a state of the one before."""
 
-    def inputs(self, values: Mapping[str, float], measured: Sequence[float]) -> Mapping[str, float]:
+    def inputs(self, values: Mapping[str, float], measured: Sequence[float] | np.ndarray) -> Mapping[str, float]:
         """Values of the `Input` signals for the next slice."""
 
-    def seen(self, values: Mapping[str, float], measured: Sequence[float]) -> Seen:
+    def seen(self, values: Mapping[str, float], measured: Sequence[float] | np.ndarray) -> Seen:
         """What is shown beside the scene."""
 
 
@@ -113,10 +120,10 @@ class Plain:
     def built(self, values: Mapping[str, float], state: State | None) -> Built:
         return Built(self.system, state or self.start, self.measures, [*self.measures, "energy"])
 
-    def inputs(self, values: Mapping[str, float], measured: Sequence[float]) -> Mapping[str, float]:
+    def inputs(self, values: Mapping[str, float], measured: Sequence[float] | np.ndarray) -> Mapping[str, float]:
         return values
 
-    def seen(self, values: Mapping[str, float], measured: Sequence[float]) -> Seen:
+    def seen(self, values: Mapping[str, float], measured: Sequence[float] | np.ndarray) -> Seen:
         return Seen([*measured, *values.values()])
 
 

@@ -75,12 +75,14 @@ class Playing:
         trial = self.slices_of(model.built(self.values, None))  # compiles, and finds what cannot run
         trial.advance(trial.t + PERIOD)
         self.begin(model.built(self.values, None))
-        self._ended, self._thread = threading.Event(), None
+        self._ended = threading.Event()
+        self._thread: threading.Thread | None = None
 
     def start(self, publish: Callable[[Frame], None]) -> None:
         """Let it move; ``publish`` gets every frame, in the thread."""
-        self._thread = threading.Thread(target=self._run, args=(publish,), name="mbsd3d play", daemon=True)
-        self._thread.start()
+        thread = threading.Thread(target=self._run, args=(publish,), name="mbsd3d play", daemon=True)
+        self._thread = thread
+        thread.start()
 
     def stop(self) -> None:
         """End the thread, within the work of 0.05 s."""
@@ -133,7 +135,7 @@ class Playing:
 
     def share(self) -> float:
         """Share of the pace that is reached, over the last frames."""
-        if not self.moving or len(self.reached) < self.reached.maxlen:
+        if not self.moving or len(self.reached) < WINDOW:
             return 1.0
         (clock, t), (last, now) = self.reached[0], self.reached[-1]
         return min((now - t) / (self.pace * (last - clock)), 1.0)

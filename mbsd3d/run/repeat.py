@@ -52,7 +52,8 @@ def repeat_segments(system: Mechanism, start: State, t_end: float, options: RunO
             "give t_end, state, output (a count or times), method, rtol, as_built or teaching switches"
         )
     t_end = check_end(t_end, start.t, "solution.again")
-    wanted = set(output_times(options.output, start.t, t_end, options.method).tolist())
+    times = output_times(options.output, start.t, t_end, options.method)
+    wanted = set() if times is None else set(times.tolist())
     run = Segments(system, start, options)
     changes: dict[float, list[tuple[str, float]]] = {
         t: [] for t in sorted({*wanted, t_end, *(t for x in history.values() for t, _ in x)})

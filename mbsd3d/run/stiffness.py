@@ -63,7 +63,7 @@ def force_rate(compiled: Compiled, data: Data, y: np.ndarray, t: float, k: int) 
         blocks.append(np.column_stack(columns))
     M = scipy.linalg.block_diag(*[mass_block(model, y, b) for b in bodies])
     A = np.linalg.solve(M, np.hstack(blocks))
-    A = np.vstack([np.eye(*A.shape, k=M.shape[0]), A])
+    A = np.vstack([np.eye(A.shape[0], A.shape[1], k=M.shape[0]), A])
     return float(np.abs(np.linalg.eigvals(A)).max()) if np.isfinite(A).all() else 0.0
 
 

@@ -45,11 +45,11 @@ def fast_sines(solution: RunResult) -> list[FastSine]:
 
 def signal_checks(solution: RunResult) -> list[Check]:
     """Return the check of sines that fixed steps cannot follow; none where all are resolved."""
-    sines = fast_sines(solution)
-    if not sines:
+    sines, dt = fast_sines(solution), solution.record.method.dt
+    if not sines or dt is None:
         return []
     fastest = min(sines, key=lambda sine: sine.period)
-    periods = solution.record.method.dt / fastest.period
+    periods = dt / fastest.period
     return [Check("signals", periods, PERIODS_PER_STEP_MAX, f"'{fastest.part}' swings within a step; shorten dt")]
 
 

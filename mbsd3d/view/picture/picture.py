@@ -5,6 +5,7 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
 
 from ...base.checks import number, shown
 from ...base.errors import InputError
@@ -98,7 +99,7 @@ def picture_of_system(
 
 def picture_of_solution(
     motion: Motion,
-    t: float | Sequence[float] | None,
+    t: ArrayLike | None,
     *,
     traces: Points | None = None,
     layers: Layers = USUAL_LAYERS,
@@ -128,7 +129,7 @@ def picture_of_solution(
     return figure
 
 
-def moments(motion: Motion, run: Frames, t: float | Sequence[float] | None) -> Frames:
+def moments(motion: Motion, run: Frames, t: ArrayLike | None) -> Frames:
     """The poses at the given times, at the last one for None; poses of a run are integrated, not interpolated."""
     try:
         times = np.atleast_1d(np.asarray(run.t[-1] if t is None else t, float))
