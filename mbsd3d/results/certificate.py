@@ -16,7 +16,7 @@ from ..equations.compiled import Switches
 from ..equations.plausibility import loose_bodies
 from .checks.balances import balance_checks, work_note
 from .checks.between_stages import signal_checks, stage_notes
-from .checks.check import PASSED, USEFUL, Check, drift_limit
+from .checks.check import DRIFT_LIMIT_MAX, PASSED, Check, drift_limit
 from .checks.equations import equation_checks, joint_checks, lost, residuals
 from .checks.rounding import rounding, rounding_checks, singular_notes
 from .checks.turning import turning_checks
@@ -76,10 +76,11 @@ class Certificate:
     def failures(self) -> tuple[str, ...]:
         """One sentence per check that failed."""
         found = [f"{c.name} {c.error:.2e} exceeds {c.limit:.0e}: {c.meaning}" for c in self.checks if not c.passed]
-        if self.error is not None and not self.error <= USEFUL:
+        if self.error is not None and not self.error <= DRIFT_LIMIT_MAX:
             remedy = "tighten rtol or shorten the step" if self.doubling is None else "shorten the run"
             found.append(
-                f"global error {self.error:.2e} exceeds {USEFUL:.0e}: {self.growth or 'steps are coarse'}; {remedy}"
+                f"global error {self.error:.2e} exceeds {DRIFT_LIMIT_MAX:.0e}: "
+                f"{self.growth or 'steps are coarse'}; {remedy}"
             )
         if self.stopped_by and self.stopped_by.startswith("interrupted"):
             found.append(self.stopped_by)
@@ -120,7 +121,7 @@ class Certificate:
         if self.error is None:
             return f"unknown{self.turned}; solution.estimate() finds it"
         order = "" if self.order is None else f", observed order {self.order:.2f}"
-        verdict = "ok" if self.error <= USEFUL else f"FAILED, limit {USEFUL:.0e}"
+        verdict = "ok" if self.error <= DRIFT_LIMIT_MAX else f"FAILED, limit {DRIFT_LIMIT_MAX:.0e}"
         growth = f"; {self.growth}" if self.growth else ""
         return f"{verdict}, {self.error:.2e} (model lengths, radians){order}{growth}"
 

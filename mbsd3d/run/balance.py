@@ -18,7 +18,7 @@ from ..mechanism.forces.custom import FunctionForce
 from ..mechanism.forces.own_functions import RETURNED, uncompiled
 from ..mechanism.mechanism import Mechanism
 from ..results.result import RunResult
-from .events import ROUNDED
+from .events import EVENT_TIME_ROUNDING
 
 SMALL = 1e-9  # of the loads themselves: more than their sums round to
 ADVICE = "keep what it remembers in states=, with its rate in z_dot, and give random numbers as a signals.Table"
@@ -32,7 +32,7 @@ def own_forces(system: Mechanism) -> list[tuple[int, FunctionForce]]:
 def with_jumps(turns: np.ndarray, system: Mechanism, t_start: float) -> np.ndarray:
     """Return times [s] (k, 2) at which steps end and the next ones begin: those given, and beside each jump."""
     jumps = np.array([t for _, force in own_forces(system) for t in force.times], float)
-    beside = ROUNDED * np.maximum(np.abs(jumps), abs(t_start))
+    beside = EVENT_TIME_ROUNDING * np.maximum(np.abs(jumps), abs(t_start))
     found = [*map(tuple, turns), *zip(jumps - beside, jumps + beside, strict=True)]
     return np.array(sorted(found), float).reshape(-1, 2)
 

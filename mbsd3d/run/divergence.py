@@ -12,10 +12,10 @@ from ..mechanism.forces.custom import FunctionForce
 from ..mechanism.forces.feedback import StateFeedback
 from ..results.result import RunResult
 
-FASTEST = 1e5  # [1/s] times the length of the model, in any unit: a rim at 1e5 rad/s, thrice the fastest of turbines
-GROWN = 100.0  # times the speed of the start: planets are that fast from the beginning
-ENOUGH = 2000  # steps before it is judged
-LATELY = 0.1  # of the time so far
+SPEED_MAX = 1e5  # [1/s] of the length of the model: a rim at 1e5 rad/s, three times the fastest turbines
+SPEED_GROWTH_MAX = 100.0  # [1] of the speed at the start: planets are fast from the beginning
+STEPS_BEFORE_CHECK = 2000  # so that half of them can show a growth
+RECENT_TIME_SHARE = 0.1  # [1] of the time so far: the last half of the steps of a growing motion fall within
 APART = 1.01  # times the steps of the last look are those of the next one that is kept: a run may be a million slices
 
 
@@ -24,8 +24,8 @@ class DivergenceWatch:
 
     In a motion that grows like exp(k t) by turning, the number of steps grows with the angle, so half of them are
     spent on the last doubling of the speed, within ln 2 / k. No machine doubles its greatest speed so far in the last
-    half of thousands of steps and LATELY of its time, and none reaches FASTEST from slow motion. Only systems with an
-    active force are judged.
+    half of thousands of steps and a tenth of its time, and none reaches `SPEED_MAX` from slow motion. Only systems with
+    an active force are judged.
     """
 
     def __init__(self, compiled: Compiled, t_start: float) -> None:
@@ -43,13 +43,13 @@ class DivergenceWatch:
         speed = max(speed, float(np.abs(y[7 * n : 13 * n].reshape(n, 2, 3)[:, 0]).max()))
         if not self.seen or steps > APART * self.seen[-1][0]:
             self.seen.append((steps, t, speed))
-        if speed > max(FASTEST * self.compiled.model.length, GROWN * self.seen[0][2]):
+        if speed > max(SPEED_MAX * self.compiled.model.length, SPEED_GROWTH_MAX * self.seen[0][2]):
             return True
         _, t_half, speed_half = next(
             entry for entry in reversed(self.seen) if entry[0] <= steps / 2 or entry is self.seen[0]
         )
-        lately = t - t_half <= LATELY * (t - self.t_start)
-        return steps > ENOUGH and lately and speed > 1.8 * speed_half
+        lately = t - t_half <= RECENT_TIME_SHARE * (t - self.t_start)
+        return steps > STEPS_BEFORE_CHECK and lately and speed > 1.8 * speed_half
 
     def check(self, run: Run, data: Data, solution: Callable[[], RunResult]) -> None:
         """IntegrationError for a motion that grows without end."""

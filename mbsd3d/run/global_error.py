@@ -12,7 +12,7 @@ from ..results.checks.between_stages import unseen_parts
 from ..results.result import RunResult
 from .repeat import options_to_repeat, repeat
 
-FEWEST = 8  # samples from which growth is read
+GROWTH_SAMPLES_MIN = 8  # for a fit of the growth by a straight line
 FACTORS = 32.0, 4.0  # of tolerances; some methods and positions do not let the first be reached
 PROBES, FINER = 2000, 4  # steps of the run that looks for what lies between stages, and times those of the run
 GOLDEN = 0.5 * (1.0 + np.sqrt(5.0))  # the factor that is farthest from all ratios of small numbers
@@ -106,7 +106,7 @@ def doubling_time(t: np.ndarray, apart: np.ndarray) -> float | None:
     """
     grown = np.maximum.accumulate(apart)
     use = (grown > 1e-13) & (grown < 0.03) & (t > t[0])
-    if use.sum() < FEWEST or grown[use][-1] < 1e3 * grown[use][0]:
+    if use.sum() < GROWTH_SAMPLES_MIN or grown[use][-1] < 1e3 * grown[use][0]:
         return None
     x, y = t[use] - t[0], np.log(grown[use])
     slopes = [np.polynomial.polynomial.polyfit(base, y, 1, full=True) for base in (x, np.log(x))]

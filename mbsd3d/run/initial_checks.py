@@ -1,4 +1,4 @@
-"""What starts deep in the ground, by a size in millimetres or a height forgotten, is found before it flies out.
+"""Reject starts with deep penetration, the usual effect of a length in millimetres or a missing height.
 
 A tyre must have its hub above the plane in every start. A `Contact` may be as soft as one likes and start from a state
 of a run in which it sank: as built it is judged by what presses it, elsewhere where it starts deeper than its surface
@@ -13,18 +13,17 @@ from ..mechanism.forces.contact import WEIGHT, Contact
 from ..mechanism.forces.tyre import Tyre
 from ..results.motion import Motion
 
-SUNK = 0.9
-"""Share of the way from the centre down to the lowest point that may be below the plane at the start."""
-THROWN = 10.0
-"""Weights by which a contact as built may press its body when it is sunk: a soft one carries it so."""
-
+PENETRATION_SHARE_MAX = 0.9
+"""[1] Largest initial penetration, as a share of the distance from the centre to the lowest point."""
+CONTACT_LOAD_MAX = 10.0
+"""[1] Largest force of a contact as built, in weights of its body: a soft contact may penetrate deeply under load."""
 
 DEPTH_RATIO_MAX = 4.0
 """[1] of a contact that starts elsewhere than as built: depth of the lowest point over its distance below the centre;
 4 is twice the diameter of a sphere, so that the plane is a diameter above its top."""
 
 
-def check_sunk(compiled: Compiled, y: np.ndarray) -> None:
+def check_initial_penetration(compiled: Compiled, y: np.ndarray) -> None:
     """ValueError for a wheel or surface that starts in the plane up to its centre: any `Tyre`, a `Contact` as built.
 
     Elsewhere a `Contact` may start deep, but not far deeper than its surface is large.
@@ -38,7 +37,9 @@ def check_sunk(compiled: Compiled, y: np.ndarray) -> None:
         up, centre = start.body_axis(force.a, normal)[0], start.body_point(force.b, force.outline.centre)[0]
         height = float(up @ (centre - start.body_point(force.a, at)[0]))
         below = float(up @ (centre - force.outline.moving(start, force.a, force.b, normal)[0]))
-        if height >= (1.0 - SUNK) * below or (isinstance(force, Contact) and carried(force, below - height)):
+        if height >= (1.0 - PENETRATION_SHARE_MAX) * below:
+            continue
+        if isinstance(force, Contact) and is_supported(force, below - height):
             continue
         built = isinstance(force, Tyre) or is_as_built(force, centre, below)
         if not built and below - height <= DEPTH_RATIO_MAX * below:
@@ -53,11 +54,11 @@ def check_sunk(compiled: Compiled, y: np.ndarray) -> None:
         )
 
 
-def carried(contact: Contact, depth: float) -> bool:
-    """True where the contact is so soft that it presses with some weights at most."""
-    return contact.stiffness * depth**contact.exponent <= THROWN * WEIGHT * contact.b.mass
+def is_supported(contact: Contact, depth: float) -> bool:
+    """Return whether the contact is so soft that its force at a depth [m] is some weights of its body at most."""
+    return contact.stiffness * depth**contact.exponent <= CONTACT_LOAD_MAX * WEIGHT * contact.b.mass
 
 
 def is_as_built(contact: Contact, centre: np.ndarray, depth: float) -> bool:
-    """True where the centre of the surface is at its place of the reference pose."""
+    """Return whether the centre of the surface is where the reference pose has it."""
     return bool(np.linalg.norm(centre - contact.outline.centre) <= 1e-9 * depth)

@@ -1,4 +1,4 @@
-"""One run: the compiled time loop in chunks, the choice of rows between them, and its samples."""
+"""A run: the compiled time loop in chunks, the choice of rows between them, and the samples."""
 
 import time
 
@@ -35,17 +35,25 @@ from ..solver.saddle_point import SOLVED
 from .balance import MemoryWatch, check_balance, longest_step, with_jumps
 from .divergence import DivergenceWatch
 from .events import armed_at_start, check_digits, rate_of_motion, turns_of_signals
-from .failure_causes import FAILURES, at_end_of_curve, blame, contradiction, driven_to, singular_start, singular_there
-from .initial_checks import check_sunk
+from .failure_causes import (
+    FAILURES,
+    at_end_of_curve,
+    contradiction,
+    driven_to,
+    find_nonfinite_part,
+    singular_start,
+    singular_there,
+)
+from .initial_checks import check_initial_penetration
 from .stiffness import check_forces
 
-CHUNK = 0.05  # seconds of kernel time between visits to Python: progress, Ctrl-C
-CAPACITY = 1024  # samples between visits to Python where every step is one
-SHORT = memory.STEP_TOO_SMALL, memory.NOT_CONVERGED  # ends of runs that a singular pose may be the reason for
+CHUNK_SECONDS = 0.05  # s of kernel time between two returns to Python, for progress and Ctrl-C
+BUFFER_SAMPLES = 1024  # between two returns to Python where every step is a sample
+SINGULAR_EXIT_CODES = memory.STEP_TOO_SMALL, memory.NOT_CONVERGED  # which a singular pose may cause
 
 
 class Job:
-    """One run: the compiled time loop is called in chunks; between them samples are collected."""
+    """A run: the compiled time loop is called in chunks; between them samples are collected."""
 
     tree: Tree  # of the equations; `eliminate` makes it
 
@@ -67,10 +75,10 @@ class Job:
         self.last_event = -1
 
     def new_run(self, y: np.ndarray, t_end: float, times: np.ndarray | None) -> Run:
-        """Memory of the time loop."""
+        """Allocate the arrays of the compiled time loop and set its task."""
         m, method, n, t = self.model, self.options.method, self.model.body.size, self.start.t
         widths = (1, y.size, 6 * n, m.row.size, m.coordinate.size, m.force.size, m.force.size, 2)
-        capacity = buffer_size(CAPACITY if times is None else times.size + 1, sum(widths)) + 2
+        capacity = buffer_size(BUFFER_SAMPLES if times is None else times.size + 1, sum(widths)) + 2
         self.samples = Samples(widths, capacity if times is None else times.size + 1)
         run = new_run(
             y, self.model.body.size, np.zeros(0) if times is None else times, capacity, sum(widths), method.dense_terms,
@@ -112,7 +120,7 @@ class Job:
         return self.solution()
 
     def evaluate(self) -> RunResult:
-        """One sample at the start, without integrating."""
+        """Evaluate one sample at the start, without integrating."""
         self.check_start()
         self.eliminate()
         model, data, run, t = self.model, self.data, self.memory, self.start.t
@@ -127,7 +135,7 @@ class Job:
         return self.solution()
 
     def loop(self, progress: Progress) -> None:
-        """Chunks of about CHUNK seconds, the first of a millisecond, or shorter where divergence is watched."""
+        """Call the loop in chunks of about `CHUNK_SECONDS`, the first of a millisecond; shorter to watch divergence."""
         run, budget = self.memory, 16 if self.divergence.active else max(16, 1000 // self.model.body.size)
         wait_for_second()
         while True:
@@ -139,7 +147,7 @@ class Job:
             self.divergence.check(run, self.data, self.solution)
             self.functions.check(float(run.now.t), self.solution)
             if status == memory.RUNNING:
-                budget = int(np.clip(budget * CHUNK / max(spent, 1e-6), budget / 4, 4 * budget)) or 1
+                budget = int(np.clip(budget * CHUNK_SECONDS / max(spent, 1e-6), budget / 4, 4 * budget)) or 1
             elif status == memory.FULL:
                 self.drain()
                 if self.samples.count * run.out.shape[1] > MOST_NUMBERS:
@@ -158,12 +166,12 @@ class Job:
                 self.fail(status)
 
     def call(self, budget: int) -> int:
-        """The compiled loop of the method."""
+        """Call the compiled loop of the method for up to ``budget`` steps; return its status."""
         with turn_passed_on():
             return self.options.method.loop(self.model, self.data, self.tree, self.own, self.memory, budget)
 
     def eliminate(self) -> None:
-        """The tree of the equations at the present state, over all rows; of parts as built, over independent ones."""
+        """Build the spanning tree at the present state, over all rows; of parts as built, over independent rows."""
         run = self.memory
         load_rows(self.compiled, self.data, run.y, run.now.t)
         if not np.isfinite(self.data.row["J"]).all():
@@ -174,7 +182,7 @@ class Job:
         run.now.fresh = max(run.now.fresh, 1)
 
     def eliminate_anew(self) -> None:
-        """Another tree: rows of a joint have become dependent, or rows left out are violated, which is an event."""
+        """Build a new tree: rows of a joint have become dependent, or rows left out are violated, which is an event."""
         if self.memory.now.steps == self.last_event:
             self.fail(memory.NOT_CLOSING)  # the tree before did not last a single step
         self.last_event = int(self.memory.now.steps)
@@ -185,7 +193,7 @@ class Job:
             )
 
     def check_driven(self) -> None:
-        """Kinematic() needs rows that determine everything, at position level."""
+        """Raise an InputError where Kinematic() lacks rows that determine all positions."""
         if not (self.record.kinematic and self.model.stabilisation):
             return
         need = 6 * self.model.body.size
@@ -204,7 +212,7 @@ class Job:
             )
 
     def first_step(self) -> None:
-        """Scales of the velocity errors and the first step from the accelerations at the start."""
+        """Set the scales of velocity errors and the first step [s] from the accelerations at the start."""
         run, model, n = self.memory, self.model, self.model.body.size
         now, task = run.now, run.task
         horizon = task["t_end"] - now["t"]
@@ -220,11 +228,11 @@ class Job:
         now["step"] = task["first_step"] = min(horizon, share / rate)
 
     def check_start(self) -> None:
-        """A projected run starts from a consistent state: what the user gave is not moved silently."""
+        """Check the start: a projected run needs a consistent state, what the user gave is not moved silently."""
         check_quaternions(self.compiled.system, self.start)
         self.functions.check_start()
         check_balance(self.compiled, self.memory.y, self.start.t)
-        check_sunk(self.compiled, self.memory.y)
+        check_initial_penetration(self.compiled, self.memory.y)
         if self.model.stabilisation != PROJECTION:
             return
         missed = unmet(self.compiled, self.data, self.start.v, max(1e-8, self.record.tolerance))
@@ -250,12 +258,12 @@ class Job:
             run.now.armed, run.task.slack, run.now.hop = found
 
     def drain(self) -> None:
-        """Move the samples of the full buffer away."""
+        """Copy the samples out of the full buffer and empty it."""
         self.samples.take(self.memory.out[: int(self.memory.now.written)])
         self.memory.now.written = 0
 
     def solution(self) -> RunResult:
-        """The samples so far."""
+        """Return the result up to the last sample."""
         self.drain()
         run, record = self.memory, self.record
         now = run.now
@@ -271,12 +279,12 @@ class Job:
         return RunResult.from_run(self.compiled, arrays, record, self.start, run.y.copy(), float(now["t"]), self.data)
 
     def fail(self, status: int) -> None:
-        """IntegrationError with time, the part to blame, advice and what was computed."""
+        """IntegrationError with time, part, advice and what was computed."""
         t = float(self.memory.now.t)
         solution = self.solution()
         dt = self.options.method.dt
         here = (self.compiled, self.data, self.memory.y, t, float(dt or self.memory.now.step))
-        blamed, clash = blame(*here, self.memory.dy), contradiction(*here)
+        blamed, clash = find_nonfinite_part(*here, self.memory.dy), contradiction(*here)
         part = blamed.part if blamed else None
         what, advice = FAILURES[status]
         ended = at_end_of_curve(self.compiled, self.data, float(self.memory.now.step))
@@ -291,7 +299,7 @@ class Job:
             advice = "drive it less far, or the other way; see system.check()"
             if dt is not None:
                 advice = f"take a smaller dt than {dt:g} s, {advice}"
-        elif status in SHORT and (pose := singular_there(self.compiled, self.start, here[2], t)):
+        elif status in SINGULAR_EXIT_CODES and (pose := singular_there(self.compiled, self.start, here[2], t)):
             what = f"{what}: the pose is {pose}"
         elif part is None and status == memory.NOT_CLOSING and dt is not None:
             advice = f"the step of {dt:g} s is too long, or the position singular: take a smaller dt"

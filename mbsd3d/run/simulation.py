@@ -49,7 +49,7 @@ def check_end(t_end: Any, t_start: float, what: str) -> float:
     t_end = number(t_end, f"{what}: t_end")
     if not t_end - t_start > max(SHORTEST * abs(t_end), SMALLEST):
         raise InputError(
-            f"{what}: t_end = {t_end:g} s does not lie after the start at {t_start:g} s; give a later time"
+            f"{what}: t_end = {t_end:g} s is not later than the start time {t_start:g} s; give a later time"
         )
     return t_end
 

@@ -17,7 +17,7 @@ from ..integrators.runge_kutta import FAST
 from ..kernels.layout import Data, Model
 from ..results.result import RunResult
 
-MANY = 20  # bodies from which the matrices of RadauIIA cost more than its longer steps gain
+IMPLICIT_BODIES_MAX = 20  # beyond, the matrices of RadauIIA cost more than its longer steps save
 STEP = 1e-7  # of central differences, in model lengths and radians; a rate needs no more than two digits
 
 
@@ -30,7 +30,7 @@ def check_forces(compiled: Compiled, y: np.ndarray, t: float, h: float, solution
     k = int(np.argmax(rates)) if rates else 0
     if not rates or rates[k] * h < FAST:
         return
-    few = compiled.model.body.size <= MANY
+    few = compiled.model.body.size <= IMPLICIT_BODIES_MAX
     implicit = "RadauIIA() or, where forces jump, GeneralizedAlpha()" if few else "GeneralizedAlpha()"
     raise IntegrationError(
         f"the model is stiff (rate {rates[k]:.2g} 1/s): stability, not accuracy, limits the step to {h:.2g} s",

@@ -258,11 +258,11 @@ def test_errors_name_what_is_wrong():
         stepper.set("pull", 1.0)
     with pytest.raises(ValueError, match="input 'push': not finite"):
         stepper.set("push", np.nan)
-    for t in (1.0, np.nextafter(1.0, 2.0)):  # what rounding adds is no slice
+    for t in (1.0, np.nextafter(1.0, 2.0)):  # what rounding adds is no segment
         with pytest.raises(ValueError, match=r"t = 1 s does not lie after 1 s"):
             stepper.advance(t)
     for t_end in (np.nextafter(1.0, 2.0), 1e-320):  # no step of any method is as short
-        with pytest.raises(ValueError, match="does not lie after the start"):
+        with pytest.raises(ValueError, match="is not later than the start time"):
             simulate(system, t_end, state=replace(system.state(), t=float(round(t_end))))
     with pytest.raises(ValueError, match="method 'DOP853' is unknown"):
         Stepper(system, method="DOP853")

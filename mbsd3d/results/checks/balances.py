@@ -11,12 +11,12 @@ from ...equations.at_state import load_state
 from ...integrators.method import Method
 from ...kernels.kinds import PROJECTION
 from ..result import RunResult, world_velocities
-from .check import USEFUL, Check, Scales, largest, longest, rounding_of, scales_of
+from .check import DRIFT_LIMIT_MAX, Check, Scales, largest, longest, rounding_of, scales_of
 
 QUADRATURE = 0.3  # of the momenta is what quadratures of fixed steps may leave open: of gears in steps of 1.6 rad,
 DETERMINED = 1.0  # and of all balances where drivers determine the motion: of Cardan shafts in steps of up to 3 rad
 DIFFERENCES = 3.0  # times the difference of two quadratures is what one may err
-NOTHING = 1e-6  # of the energy: a work that is rounding, of poses near dead centres too
+WORK_ROUNDING = 1e-6  # [1] of the energy: less work is rounding, also of poses near dead centres
 
 
 def since_start(solution: RunResult) -> RunResult:
@@ -80,13 +80,13 @@ def balance_checks(solution: RunResult, limit: float, equations_met: bool) -> li
     whole, record, inertial = since_start(solution), solution.record, "an inertial term is missing"
     scale, rounding = scales_of(whole), rounding_of(record)
     kinds = (
-        ("energy balance", scale.energy, USEFUL, energy_meaning(record.method)),
+        ("energy balance", scale.energy, DRIFT_LIMIT_MAX, energy_meaning(record.method)),
         ("momentum balance", scale.momentum, QUADRATURE, inertial),
         ("angular momentum", scale.angular_momentum, QUADRATURE, inertial),
     )
     checks = []
     for (name, size, most, meaning), found, open_ in zip(kinds, balances(whole, scale), record.open_audit, strict=True):
-        known = max(min(rounding * found.terms / size, USEFUL), min(DIFFERENCES * open_ / size, most))
+        known = max(min(rounding * found.terms / size, DRIFT_LIMIT_MAX), min(DIFFERENCES * open_ / size, most))
         checks.append(Check(name, found.gap / size, max(limit, known), meaning))
     checks = checks if record.about_centre else checks[:2]
     if equations_met and not all(check.passed for check in checks) and determined(solution):
@@ -110,7 +110,7 @@ def work_note(solution: RunResult) -> list[str]:
         return []
     energy = since_start(solution).energy()
     gap, work = largest(change(energy.total) - change(energy.work)), largest(change(energy.work))
-    if gap <= max(USEFUL * work, NOTHING * scales_of(solution).energy):
+    if gap <= max(DRIFT_LIMIT_MAX * work, WORK_ROUNDING * scales_of(solution).energy):
         return []
     return [f"work is known to {gap:.1e} J of {work:.1e} J: by the trapezoidal rule over the poses; shorten max_step"]
 

@@ -7,7 +7,7 @@ import numpy as np
 from ...dynamics.batch import equation_residuals
 from ...mechanism.forces.custom import SavedForce
 from ..result import RunResult
-from .check import MAY_GAPE, MAY_MISS, MAY_TEAR, PASSED, Check, Scales, gaping, largest, rounding_of, scales_of
+from .check import GAP_LIMIT_MIN, MAY_MISS, MAY_TEAR, PASSED, Check, Scales, gaping, largest, rounding_of, scales_of
 
 
 class Residuals(NamedTuple):
@@ -34,7 +34,7 @@ def joint_checks(solution: RunResult, found: Residuals) -> list[Check]:
     slip = max(floor, rounding_of(record) * scale.speed / (scale.rate * length))
     gape = tear = 0.0
     if record.nearest < PASSED:  # rows let go there are not projected: they are met as far as the motion is exact
-        gape, tear = MAY_GAPE, max(MAY_TEAR, record.rtol)
+        gape, tear = GAP_LIMIT_MIN, max(MAY_TEAR, record.rtol)
     gaps, speeds, _ = found.joints.T
     return [
         Check("joint gaps", largest(gaps), max(floor, gape), "joints drift apart"),

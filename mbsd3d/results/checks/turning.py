@@ -2,7 +2,7 @@
 
 from ...dynamics.turning import CERTAIN
 from ..result import RunResult
-from .check import USEFUL, Check
+from .check import DRIFT_LIMIT_MAX, Check
 
 
 def turning_checks(solution: RunResult) -> list[Check]:
@@ -11,7 +11,7 @@ def turning_checks(solution: RunResult) -> list[Check]:
     if record.miscount is None or not record.steps:
         return []
     meaning = f"body '{record.missed_by}' turned otherwise than by its angular velocity; shorten the step"
-    checks = [Check("orientations", record.missed, USEFUL, meaning)]
+    checks = [Check("orientations", record.missed, DRIFT_LIMIT_MAX, meaning)]
     if solution.compiled.model.coordinate.size:
         meaning = "hinges turned so unevenly in a step that their turns cannot be counted; shorten the step"
         checks.append(Check("turns of hinges", record.miscount, CERTAIN, meaning))
