@@ -1,22 +1,27 @@
-"""Find why a run failed: a part with values that are not finite, conflicting drivers or a singular pose."""
+"""Find why a run failed: a part with values that are not finite, conflicting drivers, a singular pose or divergence."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
+from ..base.errors import IntegrationError
 from ..constraints.conflicting_drivers import Contradiction, find_contradiction
 from ..constraints.singularity import INFINITESIMAL, what_is_singular
 from ..dynamics.applied_forces import loads
 from ..equations.at_state import load_rows
 from ..equations.compiled import Compiled
 from ..integrators import memory
+from ..integrators.memory import Run
 from ..kernels.layout import Data
 from ..mechanism.drivers import AngleDriver, Driver, PositionDriver, SlideDriver
 from ..mechanism.forces.custom import FunctionForce
+from ..mechanism.forces.feedback import StateFeedback
 from ..mechanism.joints.curve_contact import CurveContact
 from ..mechanism.state import State
-from .balance import exception_of
+from ..results.result import RunResult
+from .initial_checks import exception_of
 
 NOT_FINITE = "a part returns values that are not finite"
 CURVE_END_SHARE = 1e-6  # [1] of the length of a curve: within this distance of an end its point has reached it
@@ -42,6 +47,11 @@ FAILURES = {
     ),
 }  # fmt: skip
 UNITS = {AngleDriver: "rad", SlideDriver: "m", PositionDriver: "m"}
+SPEED_MAX = 1e5  # [1/s] of the length of the model: a rim at 1e5 rad/s, three times the fastest turbines
+SPEED_GROWTH_MAX = 100.0  # [1] of the speed at the start: planets are fast from the beginning
+STEPS_BEFORE_CHECK = 2000  # so that half of them can show a growth
+RECENT_TIME_SHARE = 0.1  # [1] of the time so far: the last half of the steps of a growing motion fall within
+WATCHED_STEPS_RATIO = 1.01  # [1] of the steps at the last entry kept: a run may be a million segments
 
 
 def driven_to(compiled: Compiled, t: float) -> str:
@@ -145,3 +155,54 @@ def what_fails(compiled: Compiled, k: int, y: np.ndarray, t: float, rates: np.nd
         )
         return f"{NOT_FINITE}: the rate of its state {names}"
     return NOT_FINITE
+
+
+class DivergenceWatch:
+    """Watches the greatest speed of a run.
+
+    In a motion that grows like exp(k t) by turning, the number of steps grows with the angle, so half of them are
+    spent on the last doubling of the speed, within ln 2 / k. No machine doubles its greatest speed so far in the last
+    half of thousands of steps and a tenth of its time, and none reaches `SPEED_MAX` from slow motion. Only systems with
+    an active force are judged.
+    """
+
+    def __init__(self, compiled: Compiled, t_start: float) -> None:
+        forces = compiled.system.forces
+        self.active = [i for i, force in enumerate(forces) if isinstance(force, StateFeedback | FunctionForce)]
+        self.compiled, self.t_start = compiled, t_start
+        self.seen: list[tuple[int, float, float]] = []  # steps, time, greatest speed
+
+    def diverges(self, y: np.ndarray, steps: int, t: float, speed: float) -> bool:
+        """True for a motion that grows without end, given the state, the steps so far and the greatest speed so far.
+
+        Asked of systems with an active force only.
+        """
+        n = self.compiled.model.body.size
+        speed = max(speed, float(np.abs(y[7 * n : 13 * n].reshape(n, 2, 3)[:, 0]).max()))
+        if not self.seen or steps > WATCHED_STEPS_RATIO * self.seen[-1][0]:
+            self.seen.append((steps, t, speed))
+        if speed > max(SPEED_MAX * self.compiled.model.length, SPEED_GROWTH_MAX * self.seen[0][2]):
+            return True
+        _, t_half, speed_half = next(
+            entry for entry in reversed(self.seen) if entry[0] <= steps / 2 or entry is self.seen[0]
+        )
+        lately = t - t_half <= RECENT_TIME_SHARE * (t - self.t_start)
+        return steps > STEPS_BEFORE_CHECK and lately and speed > 1.8 * speed_half
+
+    def check(self, run: Run, data: Data, solution: Callable[[], RunResult]) -> None:
+        """IntegrationError for a motion that grows without end."""
+        now = run.now
+        if self.active and self.diverges(run.y, int(now.steps), float(now.t), float(now.speed)):
+            raise self.error(data, float(now.t), solution())
+
+    def error(self, data: Data, t: float, solution: RunResult) -> IntegrationError:
+        """The error that names the active force of greatest power."""
+        forces, power = self.compiled.system.forces, np.abs(data.force["power"][self.active])
+        worst = self.active[int(np.argmax(np.where(np.isfinite(power), power, np.inf)))]
+        return IntegrationError(
+            "the motion grows without end",
+            time=t,
+            part=f"force '{self.compiled.system.name(forces[worst])}'",
+            solution=solution,
+            advice="check the sign and size of its gains or parameters, or end the run earlier",
+        )

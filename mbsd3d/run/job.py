@@ -32,11 +32,10 @@ from ..mechanism.state import State
 from ..results.record import MOST_NUMBERS, Record, RunOptions, Samples, buffer_size
 from ..results.result import RunResult
 from ..solver.saddle_point import SOLVED
-from .balance import MemoryWatch, check_balance, longest_step, with_jumps
-from .divergence import DivergenceWatch
 from .events import armed_at_start, check_digits, rate_of_motion, turns_of_signals
 from .failure_causes import (
     FAILURES,
+    DivergenceWatch,
     at_end_of_curve,
     contradiction,
     driven_to,
@@ -44,7 +43,7 @@ from .failure_causes import (
     singular_start,
     singular_there,
 )
-from .initial_checks import check_initial_penetration
+from .initial_checks import MemoryWatch, check_balance, check_initial_penetration, longest_step, with_jumps
 from .stiffness import check_forces
 
 CHUNK_SECONDS = 0.05  # s of kernel time between two returns to Python, for progress and Ctrl-C

@@ -16,7 +16,7 @@ from ..mechanism.signals import check_interval
 from ..mechanism.state import State
 from ..results.record import MOST_NUMBERS, RunOptions
 from ..results.result import RunResult
-from .balance import own_forces
+from .initial_checks import own_forces
 from .job import Job
 
 SHORTEST = 1e-12  # of the time, the shortest run: a hundred of the shortest steps
