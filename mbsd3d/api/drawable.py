@@ -136,7 +136,7 @@ class Drawable(Mechanism):
         curves : sequence of measures, optional
             Drawn while it moves, by unit; None = angles and slides of joints.
         method, rtol, as_built
-            As for `Stepper`; a frame is a slice of 1/60 s.
+            As for `Stepper`; a frame is a segment of 1/60 s.
         shown, hidden : layer or list of layers, optional
             Added to and removed from the usual layers at the start, see `mbsd3d.api.viewable`.
         follow : Body, str or None

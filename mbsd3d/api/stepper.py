@@ -20,10 +20,10 @@ from .system import System
 
 @explaining_methods
 class Stepper(metaclass=Explained):
-    """A mechanism that is integrated slice by slice: for controllers, co-simulation, live rides and learning.
+    """A mechanism that is integrated segment by segment: for controllers, co-simulation, live runs and learning.
 
-    Everything a run has prepared stays as it is between two slices, so that each costs little more than its steps; a
-    slice is at least one step of the method. What `Input` signals are `set` to holds until the next change.
+    Everything a run has prepared stays as it is between two segments, so that each costs little more than its steps; a
+    segment is at least one step of the method. What `Input` signals are `set` to holds until the next change.
 
     Parameters
     ----------
@@ -33,9 +33,9 @@ class Stepper(metaclass=Explained):
     measures : sequence of measures
         What `measured` gives, e.g. ``[measures.angle(hinge), measures.rate(hinge)]``.
     method, rtol, as_built
-        As for `simulate`. Steps of ``dt`` are fitted to each slice.
+        As for `simulate`. Steps of ``dt`` are fitted to each segment.
     keep : bool
-        Whether the end of each slice is a sample of `solution`.
+        Whether the end of each segment is a sample of `solution`.
 
     Raises
     ------
@@ -88,7 +88,7 @@ class Stepper(metaclass=Explained):
         self._run.set(key, value)
 
     def advance(self, t: float) -> None:
-        """Integrate to t [s], hit exactly.
+        """Integrate to time t [s]; the last step ends exactly there.
 
         Raises
         ------
@@ -105,7 +105,7 @@ class Stepper(metaclass=Explained):
 
     @property
     def t(self) -> float:
-        """Time reached [s]."""
+        """Return the time reached so far [s]."""
         return self._run.t
 
     @property
@@ -140,8 +140,8 @@ class Stepper(metaclass=Explained):
         return self._run.state
 
     def solution(self) -> Solution:
-        """What was kept: a sample at the start and at the end of every slice, taken before an input changes there.
+        """What was kept: a sample at the start and at the end of every segment, taken before an input changes there.
 
-        Its certificate judges the motion under the inputs as they were set; `estimate` and `at` repeat the slices.
+        Its certificate judges the motion under the inputs as they were set; `estimate` and `at` repeat the segments.
         """
         return Solution.of(self._run.solution())

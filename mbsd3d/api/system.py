@@ -89,7 +89,7 @@ class System(Drawable):
 
     @property
     def lowered(self) -> "Compiled":
-        """The arrays of this system with all terms of the equations; made once, nothing writes into them."""
+        """Return the read-only arrays of this system, with all terms of the equations switched on."""
         from ..equations.compiled import tables_of
 
         return tables_of(self)

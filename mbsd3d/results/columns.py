@@ -14,7 +14,7 @@ from .result import RunResult
 
 
 class Quantity(NamedTuple):
-    """What a column of numbers means."""
+    """Name, unit and components of one result quantity."""
 
     unit: str
     frame: str

@@ -1,4 +1,4 @@
-"""What is played: a model, the numbers that change while it moves, and what is seen of it."""
+"""Model of a live run: the system, the controls that change while it moves, and the curves beside it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -90,7 +90,7 @@ class Playable(Protocol):
         """The model, at its start, or as it goes on from a state of the one before."""
 
     def inputs(self, values: Mapping[str, float], measured: Sequence[float] | np.ndarray) -> Mapping[str, float]:
-        """Values of the `Input` signals for the next slice."""
+        """Values of the `Input` signals for the next segment."""
 
     def seen(self, values: Mapping[str, float], measured: Sequence[float] | np.ndarray) -> Seen:
         """What is shown beside the scene."""

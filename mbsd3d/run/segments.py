@@ -1,4 +1,4 @@
-"""A run in slices: it goes on where it is, with numbers that are set from outside between two slices."""
+"""A run in segments: it goes on where it is, with inputs that are set between two segments."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -29,10 +29,10 @@ SILENT = Progress("", 0.0, 1.0, False)
 
 
 class Segments(Job):
-    """A job whose end is moved on from slice to slice; rows, steps and factors of the method stay what they are.
+    """A job whose end is moved on from segment to segment; rows, steps and factors of the method stay what they are.
 
-    ``keep`` says whether the end of each slice is a sample, taken before an input changes there; ``progress`` is asked
-    every 0.05 s of work.
+    ``keep`` says whether the end of each segment is a sample, taken before an input changes there; ``progress`` is
+    asked every 0.05 s of work.
     """
 
     def __init__(self, system: Mechanism, start: State, options: RunOptions, measures: Sequence[Measure] = ()) -> None:
@@ -59,11 +59,11 @@ class Segments(Job):
 
     @property
     def t(self) -> float:
-        """Time reached [s]."""
+        """Return the time reached so far [s]."""
         return float(self.memory.now["t"])
 
     def set(self, key: Input | str, value: float) -> None:
-        """Give an input a value from now on."""
+        """Set the value of an input from now on."""
         name = key.name if isinstance(key, Input) else key
         if not isinstance(name, str) or name not in self.inputs:
             have = ", ".join(f"'{x}'" for x in self.inputs) or "none"
@@ -85,11 +85,11 @@ class Segments(Job):
         self.memory.now.fresh = 1
 
     def advance(self, t: float) -> None:
-        """Integrate to t [s], hit exactly."""
+        """Integrate to time t [s]; the last step ends exactly there."""
         t, run = number(t, "Stepper: t"), self.memory
         now, task = run.now, run.task  # their fields by name: as attributes each takes a microsecond more
         begin, step, rejected, first = float(now["t"]), now["step"], now["rejected"], now["evaluations"] == 0
-        if not t - begin > max(LEAST * abs(t), SMALLEST):  # what rounding adds is no slice
+        if not t - begin > max(LEAST * abs(t), SMALLEST):  # what rounding adds is no segment
             raise InputError(f"Stepper: t = {t:.9g} s does not lie after {begin:.9g} s; give a later time")
         check_steps(self.options.method, t - begin, "Stepper")
         if t > self.last_signal:
@@ -106,12 +106,12 @@ class Segments(Job):
             mark_warm(f"time loop {self.options.method.loop.__name__}")
             mark_warm()
         if now["rejected"] == rejected:
-            now["step"] = max(now["step"], step)  # a slice that ends in a short step says nothing about the next one
+            now["step"] = max(now["step"], step)  # a segment that ends in a short step says nothing about the next one
         if not self.keep:
             now["written"] = 0
 
     def solution(self) -> RunResult:
-        """The samples kept so far."""
+        """Return the result up to the last sample that was kept."""
         self.drain()
         run, count = self.memory, self.samples.count
         record = replace(
@@ -129,7 +129,7 @@ class Segments(Job):
 
     @property
     def velocities(self) -> np.ndarray:
-        """(6 n,) world velocities (r_dot, w)."""
+        """Return the world velocities (r_dot, w) of all bodies (6 n,) [m/s, rad/s]."""
         n, y = self.model.body.size, self.memory.y
         v = y[7 * n : 13 * n].reshape(n, 6).copy()
         v[:, 3:] = np.einsum("bij,bj->bi", matrix(y[: 7 * n].reshape(n, 7)[:, 3:]), v[:, 3:])
@@ -137,7 +137,7 @@ class Segments(Job):
 
     @property
     def state(self) -> State:
-        """The state reached."""
+        """Return the state at the end of the last segment."""
         n, y = self.model.body.size, self.memory.y
         own = y[13 * n : 13 * n + self.model.z_work]
         coordinates = self.data.coordinate["value"][: self.compiled.own_coordinates].copy()
@@ -145,12 +145,12 @@ class Segments(Job):
 
     @property
     def measured(self) -> np.ndarray:
-        """(measures,) their values."""
+        """Return the values of the measures (measures,) now."""
         return np.array([measure(self.model, self.data, i, self.t) for i in self.measures])
 
 
 def driver_of(system: Mechanism, name: str) -> str | None:
-    """The driver whose motion follows an input."""
+    """Return the name of the driver whose motion follows an input, if there is one."""
     for joint in system.joints:
         for signal in (row.signal for row in joint.primitives if row.signal is not None):
             if any(term.input and term.input[0] == name for term in signal.terms()):
@@ -159,7 +159,7 @@ def driver_of(system: Mechanism, name: str) -> str | None:
 
 
 def last_time(system: Mechanism) -> float:
-    """Until when all signals are defined [s]."""
+    """Return the time [s] until which all signals are defined."""
     signals = [row.signal for joint in system.joints for row in joint.primitives]
     signals += [signal for force in system.forces for signal in force.record().signals]
     return min((signal.interval[1] for signal in signals if signal is not None), default=np.inf)

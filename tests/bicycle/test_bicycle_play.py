@@ -154,7 +154,7 @@ def test_it_becomes_another_bicycle_while_it_rides():
     for name, value in (("trail", 0.03), ("head angle", 80.0), ("wheel spin", 30.0), ("balance assist", 15.0)):
         made.set(name, value)
         after = made.frame()
-        jump = np.abs(after.poses[1, :3] - before.poses[1, :3] - made.slices.velocities[6:9] * PERIOD).max()
+        jump = np.abs(after.poses[1, :3] - before.poses[1, :3] - made.segments.velocities[6:9] * PERIOD).max()
         assert made.since == before.t and jump < 2e-3 and made.note == ""
         before = after
     p = made.built.system

@@ -50,7 +50,7 @@ def test_a_ride_is_the_stepper_with_the_same_inputs():
     assert ride.t.size == 31 and ride.certificate.passed
     assert np.array_equal(ride.angle("pin"), stepper.solution().angle("pin"))
     # frame by frame: the value that held in the slice before it
-    assert list(frame.seen.curves) == [*made.slices.measured, 2.0]
+    assert list(frame.seen.curves) == [*made.segments.measured, 2.0]
     assert ride.at(0.123).q == pytest.approx(stepper.solution().at(0.123).q, abs=1e-12)
 
 
@@ -73,7 +73,7 @@ def test_reset_goes_back_and_keeps_the_sliders():
     made.set("push", 3.0)
     frames(made, 20)
     made.reset()
-    assert made.slices.t == 0.0 and made.now == {"push": 3.0} and made.result().t.size == 0
+    assert made.segments.t == 0.0 and made.now == {"push": 3.0} and made.result().t.size == 0
     again = made.frame()
     assert again.t == PERIOD and not np.array_equal(again.poses, start)  # another push from the first slice on
 
@@ -144,7 +144,7 @@ class Stick:
 def test_a_model_made_anew_goes_on_from_where_it_is():
     made = Playing(Stick(), RunOptions())
     made.watched = True
-    before, rate = frames(made, 20), made.slices.velocities[4]
+    before, rate = frames(made, 20), made.segments.velocities[4]
     made.set("length", 0.5)
     after, angle = made.frame(), before.seen.curves[0]
     assert made.since == before.t and after.t == pytest.approx(before.t + PERIOD)

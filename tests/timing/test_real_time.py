@@ -49,10 +49,10 @@ def test_a_bicycle_keeps_up_with_the_clock():
     made.watched = True
     made.start(lambda frame: None)
     time.sleep(1.0)
-    late, t, began = made.late, made.slices.t, time.perf_counter()
+    late, t, began = made.late, made.segments.t, time.perf_counter()
     time.sleep(5.0)
     passed = time.perf_counter() - began
-    assert made.slices.t - t == pytest.approx(passed, rel=0.01) and made.late - late <= 3  # of 300
+    assert made.segments.t - t == pytest.approx(passed, rel=0.01) and made.late - late <= 3  # of 300
     made.stop()
 
 

@@ -123,5 +123,5 @@ def energy_meaning(method: Method) -> str:
 
 
 def change(values: np.ndarray) -> np.ndarray:
-    """Difference from the start."""
+    """Return the difference of a quantity from its value at the first sample."""
     return values - values[:1]

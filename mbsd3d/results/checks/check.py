@@ -100,7 +100,7 @@ def scales_of(solution: RunResult) -> Scales:
 
 
 def largest(values: np.ndarray) -> float:
-    """Largest absolute value, 0 for none."""
+    """Return the largest absolute value of an array, 0 for an empty one."""
     return float(np.abs(values).max(initial=0.0))
 
 

@@ -47,7 +47,7 @@ class Play(Served):
     @property
     def t(self) -> float:
         """Time reached [s]."""
-        return self._playing.slices.t
+        return self._playing.segments.t
 
     @property
     def late(self) -> int:
