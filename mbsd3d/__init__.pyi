@@ -84,11 +84,11 @@ from .mechanism.signals.signal import Constant as Constant
 from .mechanism.signals.signal import Signal as Signal
 from .mechanism.state import State as State
 from .plotting.plots import save_figure as save_figure
-from .results.bearing_life import DeepGrooveBallBearing as DeepGrooveBallBearing
-from .results.bearing_life import RollingBearing as RollingBearing
-from .results.bearing_life import reliability_factor as reliability_factor
+from .results.bearings import DeepGrooveBallBearing as DeepGrooveBallBearing
+from .results.bearings import RollingBearing as RollingBearing
 from .results.bearings import bearing_load as bearing_load
 from .results.bearings import bearing_pair as bearing_pair
+from .results.bearings import reliability_factor as reliability_factor
 from .sweeps.grids import Samples as Samples
 from .sweeps.grids import samples as samples
 from .sweeps.sweep import sweep as sweep

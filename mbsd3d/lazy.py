@@ -11,14 +11,11 @@ from typing import Any
 def attach(module: dict[str, Any]) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
     """``__getattr__``, ``__dir__`` and ``__all__`` of a module, given its ``globals()``.
 
-    Its stub says where each name lives: ``from .place import name as name``, ``from . import name as name``, or
-    ``from package.place import name as name`` for one of a package beside.
+    Its stub says where each name lives: ``from .place import name as name``, ``from . import name as name``,
+    ``from package.place import name as name`` for one of a package beside, ``from .part import *`` for all of another
+    such module of its package.
     """
-    stub = ast.parse(Path(module["__file__"]).with_suffix(".pyi").read_text(encoding="utf-8"))
-    lines = [node for node in stub.body if isinstance(node, ast.ImportFrom)]
-    places = {
-        alias.asname: ("." * node.level + (node.module or ""), alias.name) for node in lines for alias in node.names
-    }
+    places = places_of(Path(module["__file__"]).with_suffix(".pyi"))
     names = sorted(places)
 
     def load(name: str) -> Any:
@@ -34,3 +31,16 @@ def attach(module: dict[str, Any]) -> tuple[Callable[[str], Any], Callable[[], l
         return module[name]
 
     return load, names.copy, names
+
+
+def places_of(stub: Path) -> dict[str, tuple[str, str]]:
+    """Return name -> (module, name there) of all names that a stub lists."""
+    tree = ast.parse(stub.read_text(encoding="utf-8"))
+    places: dict[str, tuple[str, str]] = {}
+    for node in (node for node in tree.body if isinstance(node, ast.ImportFrom)):
+        place = "." * node.level + (node.module or "")
+        if node.names[0].name == "*":
+            places |= {name: (place, name) for name in places_of(stub.parent / f"{node.module}.pyi")}
+        else:
+            places |= {alias.asname or alias.name: (place, alias.name) for alias in node.names}
+    return places

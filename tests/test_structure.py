@@ -17,8 +17,10 @@ TOPS = ("mbsd3d", "bicycle", "engines", "validation")  # each may import those b
 STACK = (
     "base", "compiler", "kernels", "solver", "mechanism", "dynamics", "integrators", "equations", "constraints",
     "results", "run", "linear", "files", "plotting", "view", "report", "api", "linkages", "sweeps", "demos", "cli",
+    "extend",
 )  # fmt: skip
 PUBLIC_MODULES = ("errors", "inertia", "linkages", "measures", "rotations", "shapes", "signals")
+TOPICS = ("checks", "commands", "demos", "dynamics", "figures", "live")  # of mbsd3d.extend
 LATE = ("api", "cli")
 FACADES = ("validation.crosscheck.result", "mbsd3d.__main__")
 SMALL, ARGUMENTS = 60, 8  # lines of a module that a single other one imports; arguments of a function
@@ -78,7 +80,7 @@ def test_imports_go_down():
         for target, _ in targets:
             there = folder(target)
             on_top = there is None and target not in ("mbsd3d", "mbsd3d.base") and target.startswith("mbsd3d")
-            users = here in ("demos", "sweeps", "cli")  # they stand above all public names
+            users = here in ("demos", "sweeps", "cli", "extend")  # they stand above all public names
             if (there and STACK.index(there) > STACK.index(here)) or (on_top and not users):
                 wrong.append(f"{name} -> {target}")
     assert not wrong
@@ -136,6 +138,7 @@ def test_no_circles():
 @pytest.mark.parametrize("package", ["bicycle", "engines", "validation"])
 def test_packages_beside_use_public_names_only(package):
     allowed = {"mbsd3d", "mbsd3d.extend", *(f"mbsd3d.{module}" for module in PUBLIC_MODULES)}
+    allowed |= {f"mbsd3d.extend.{topic}" for topic in TOPICS}
     wrong = [f"{name} -> {target}" for name, targets in graph().items() for target, _ in targets
              if name.startswith(package) and target.startswith("mbsd3d") and target not in allowed]  # fmt: skip
     assert not wrong

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 from ..integrators.method import Method
 from ..mechanism.bodies import Body
 from ..mechanism.measures import Measure
+from ..mechanism.mechanism import Mechanism
 from ..mechanism.signals.input import Input
 from ..mechanism.state import State
-from .viewable import Layers
+from .viewable import LayerNames
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -19,16 +20,20 @@ if TYPE_CHECKING:
     from .playing import Play
 
 
-class Drawable:
+class Drawable(Mechanism):
     """Pictures of a system at rest, and playing with it."""
+
+    if TYPE_CHECKING:
+
+        def state(self, *, as_built: float | None = None) -> State: ...
 
     def show(
         self,
         path: str | Path | None = None,
         *,
         state: State | None = None,
-        shown: Layers = (),
-        hidden: Layers = (),
+        shown: LayerNames = (),
+        hidden: LayerNames = (),
         title: str | None = None,
         dark: bool | None = None,
         live: bool = False,
@@ -54,15 +59,16 @@ class Drawable:
             Show it by a server on this machine instead; ``path`` is not written then.
         """
         from ..view.page.show import show_system
+        from ..view.scene.drawing import Layers
 
-        return show_system(self, path, state, shown, hidden, title, dark, live)
+        return show_system(self, path, state, Layers(shown, hidden), title, dark, live)
 
     def picture(
         self,
         state: State | None = None,
         *,
-        shown: Layers = (),
-        hidden: Layers = (),
+        shown: LayerNames = (),
+        hidden: LayerNames = (),
         view: Sequence[float] | None = None,
         size: Sequence[float] = (6.4, 4.8),
         dark: bool = False,
@@ -86,8 +92,9 @@ class Drawable:
             On dark paper.
         """
         from ..view.picture.picture import picture_of_system
+        from ..view.scene.drawing import Layers
 
-        return picture_of_system(self, state, shown=shown, hidden=hidden, view=view, size=size, dark=dark)
+        return picture_of_system(self, state, layers=Layers(shown, hidden), view=view, size=size, dark=dark)
 
     def export_glb(self, path: str | Path) -> Path:
         """Write the reference pose as a glTF 2.0 file; see `Solution.export_glb`."""
@@ -104,8 +111,8 @@ class Drawable:
         method: Method | None = None,
         rtol: float = 1e-6,
         as_built: float | None = None,
-        shown: Layers = (),
-        hidden: Layers = (),
+        shown: LayerNames = (),
+        hidden: LayerNames = (),
         follow: Body | str | None = None,
         view: Sequence[float] | None = None,
         title: str | None = None,
@@ -129,7 +136,7 @@ class Drawable:
         curves : sequence of measures, optional
             Drawn while it moves, by unit; None = angles and slides of joints.
         method, rtol, as_built
-            As for `Stepper`; a frame is a slice of 1/60 s.
+            As for `Stepper`; a frame is a segment of 1/60 s.
         shown, hidden : layer or list of layers, optional
             Added to and removed from the usual layers at the start, see `mbsd3d.api.viewable`.
         follow : Body, str or None

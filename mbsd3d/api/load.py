@@ -9,7 +9,6 @@ from ..files.importing.builder import Imported
 from ..files.importing.importers import read_xml
 from ..files.solutions import read_run
 from .solution import Solution
-from .stepper import rerun
 from .system import System
 
 
@@ -31,7 +30,7 @@ def load(path: str | Path) -> Solution:
     """
     found = read_run(path)
     system = System.of(found.system)
-    return Solution.of(replace(found, compiled=replace(found.compiled, system=system)), rerun(found))
+    return Solution.of(replace(found, compiled=replace(found.compiled, system=system)))
 
 
 @explaining

@@ -4,18 +4,19 @@ from collections.abc import Sequence
 
 from ..base.checks import shown as shown_text
 from ..base.errors import InputError
+from ..integrators.dop853 import DOP853
 from ..integrators.method import Method
 from ..mechanism.bodies import Body
+from ..results.record import RunOptions
 from ..run.live_model import Playable
 from ..run.live_run import Playing
 from ..view.page.recorder import import_viser
 from ..view.page.show import check_options, number_of, page_layers
 from ..view.play import play
 from ..view.play.page import Look
-from ..view.scene.drawing import title_of
-from .replay import played
+from ..view.scene.drawing import Layers, title_of
 from .solution import Solution
-from .viewable import Layers
+from .viewable import LayerNames
 
 
 class Play(play.Play):
@@ -31,7 +32,7 @@ class Play(play.Play):
 
     def solution(self) -> Solution:
         """The ride so far, of at most the last ten minutes: a `Solution` with a sample every 1/60 s."""
-        return played(super().solution())
+        return Solution.of(super().solution())
 
 
 def play_model(
@@ -40,8 +41,8 @@ def play_model(
     method: Method | None = None,
     rtol: float = 1e-6,
     as_built: float | None = None,
-    shown: Layers = (),
-    hidden: Layers = (),
+    shown: LayerNames = (),
+    hidden: LayerNames = (),
     follow: Body | str | None = None,
     view: Sequence[float] | None = None,
     title: str | None = None,
@@ -58,11 +59,12 @@ def play_model(
         If the model cannot start.
     """
     import_viser("play")
-    playing = Playing(model, method, rtol, as_built)
+    options = RunOptions(DOP853() if method is None else method, rtol, as_built=as_built)
+    playing = Playing(model, options)
     system = playing.built.system
     check_options(None, title, dark, False)
     if type(port) is not int or not 0 <= port <= 65535:
         raise InputError(f"play: port = {shown_text(port)}; give a whole number up to 65535, or 0 for any that is free")
     followed = -1 if follow is None else number_of(system, follow)
-    look = Look(title or title_of(system), page_layers(system, shown, hidden), followed, view, dark)
+    look = Look(title or title_of(system), page_layers(system, Layers(shown, hidden)), followed, view, dark)
     return Play(playing, look, port)

@@ -4,11 +4,13 @@ from numpy.typing import ArrayLike
 
 from ..base.errors import IntegrationError, explaining
 from ..equations.compiled import Switches
+from ..integrators.dop853 import DOP853
 from ..integrators.method import Method
 from ..mechanism.measures import Condition
 from ..mechanism.state import State
+from ..results.record import RunOptions
 from ..run.simulation import accelerations_at, check_state, check_system, run_to
-from .solution import Solution
+from .solution import Solution, publish_solution
 from .system import System
 
 
@@ -81,16 +83,14 @@ def simulate(
     0.458715596
     """
     switches = Switches(gyroscopic, centripetal, gamma, stabilisation, baumgarte)
-    start = start_of(system, state, "simulate", as_built)
+    method = DOP853() if method is None else method
+    options = RunOptions(method, rtol, output, stop_when, as_built, progress, switches)
+    start = start_of(system, state, "simulate", options.as_built)
     try:
-        result = run_to(
-            system, start, t_end, switches, method=method, rtol=rtol, output=output, stop_when=stop_when,
-            as_built=as_built, progress=progress,
-        )  # fmt: skip
+        return Solution.of(run_to(system, start, t_end, options))
     except IntegrationError as error:
-        error.solution = error.solution and Solution.of(error.solution, simulate)
+        publish_solution(error)
         raise
-    return Solution.of(result, simulate)
 
 
 @explaining
@@ -119,16 +119,17 @@ def accelerations(
     >>> round(float(now.reaction("hinge").force[0, 2]), 12)  # m (g - l alpha)
     9.81
     """
-    start, switches = start_of(system, state, "accelerations", as_built), Switches(gyroscopic, centripetal, gamma)
+    options = RunOptions(as_built=as_built, switches=Switches(gyroscopic, centripetal, gamma))
+    start = start_of(system, state, "accelerations", options.as_built)
     try:
-        return Solution.of(accelerations_at(system, start, switches, as_built), simulate)
+        return Solution.of(accelerations_at(system, start, options))
     except IntegrationError as error:
-        error.solution = error.solution and Solution.of(error.solution, simulate)
+        publish_solution(error)
         raise
 
 
 def start_of(system: System, state: State | None, what: str, as_built: float | None = None) -> State:
-    """The given state, or the system's own start."""
+    """Return the given state, or the initial state of the system if none is given."""
     check_system(system, what)
     check_state(state, what)
     return state or system.state(as_built=as_built)

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..base.checks import number
 from ..base.errors import explaining, explaining_methods
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Motion(modes.Motion, Viewable):
+class Motion(Viewable):
     """Poses of a mechanism over time (no forces, no energy): read like a `Solution`."""
 
 
@@ -50,11 +50,11 @@ class Mode(modes.Mode):
 
     def motion(self, amplitude: float = 0.2, cycles: float = 2.0, samples: int = 101) -> Motion:
         moved = super().motion(amplitude, cycles, samples)
-        return Motion(moved.compiled, moved.t, moved.arrays)
+        return Motion(moved.compiled, moved.arrays)
 
     motion.__doc__ = modes.Mode.motion.__doc__
 
-    def animate(self, amplitude: float = 0.2, cycles: float = 2.0, **options: object) -> "View | LiveView":
+    def animate(self, amplitude: float = 0.2, cycles: float = 2.0, **options: Any) -> "View | LiveView":
         """A page that shows `motion`; options as in `Solution.animate`; a period takes 2 s without ``speed``."""
         cycles = number(cycles, "animate: cycles", positive=True)
         moved = self.motion(amplitude, cycles, samples=int(50 * max(cycles, 1.0)) + 1)

@@ -1,19 +1,27 @@
 """The public `Solution`: the result of a run, with plots, reports, pages and files."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, field, fields, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from inspect import Parameter, Signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..base.checks import number
-from ..base.errors import InputError, explaining_methods
+from ..base.errors import InputError, IntegrationError, explained, explaining_methods
 from ..base.style import html_text
+from ..equations.compiled import Switches
+from ..integrators.dop853 import DOP853
+from ..mechanism.bodies import Body, Ground
+from ..mechanism.force_element import ForceElement
 from ..mechanism.state import State
-from ..results.certificate import Certificate
-from ..results.global_error import estimate
-from ..results.run_result import RunResult
+from ..results.certificate import Certificate, certificate_of
+from ..results.element_loads import Load, load_of
+from ..results.record import RunOptions
+from ..results.result import RunResult
+from ..run.global_error import estimate
+from ..run.repeat import options_to_repeat, repeat
 from ..run.simulation import SHORTEST
 from .viewable import Viewable
 
@@ -25,6 +33,14 @@ if TYPE_CHECKING:
 
     from ..plotting.panels import Part, Wanted
     from ..report.page import Report
+
+
+SWITCHES = tuple(x.name for x in fields(Switches))
+OPTIONS = tuple(x.name for x in fields(RunOptions) if x.name != "switches")
+CHANGES = Signature(
+    [Parameter(name, Parameter.KEYWORD_ONLY, default=None) for name in ("t_end", "state", *OPTIONS, *SWITCHES)]
+)
+"""Arguments of `simulate` that `Solution.again` takes."""
 
 
 @explaining_methods
@@ -43,8 +59,6 @@ class Solution(RunResult, Viewable):
     array([4.5, 4.5])
     """
 
-    simulate: Callable[..., "Solution"] = field(kw_only=True)
-
     def __repr__(self) -> str:
         span = f"{self.t[0]:g} ... {self.t[-1]:g} s" if self.t.size else "nothing"
         name = f" of {self.system.title!r}" if self.system.title else ""
@@ -54,9 +68,22 @@ class Solution(RunResult, Viewable):
         return html_text(f"{repr(self).strip('<>').partition('; print')[0]}\n{self.certificate}")
 
     @classmethod
-    def of(cls, result: RunResult, simulate: Callable[..., "Solution"]) -> "Solution":
-        """The solution of a result: the same numbers, and how to run again."""
-        return cls(**{x.name: getattr(result, x.name) for x in fields(RunResult)}, simulate=simulate)
+    def of(cls, result: RunResult) -> "Solution":
+        """Return the solution of a result: the same numbers."""
+        return cls(**{x.name: getattr(result, x.name) for x in fields(RunResult) if x.init})
+
+    @property
+    def certificate(self) -> Certificate:
+        """The certificate: which checks the samples pass, and how far they can be trusted."""
+        return certificate_of(self)
+
+    def force(self, force: ForceElement | str, on: Body | Ground | str | None = None) -> Load:
+        """Force [N] and moment [N m] of a force element on a body at its point, with power, stretch and own states.
+
+        ``on`` None = body b of two, the last one of a `CustomForce`. ValueError for a body it does not act on, and
+        where the function of a `CustomForce` was not saved.
+        """
+        return load_of(self, force, on)
 
     def at(self, t: float) -> State:
         """The state at any time of the run [s], by integrating on from the sample before it."""
@@ -70,13 +97,19 @@ class Solution(RunResult, Viewable):
         return start if same else self.again(t, state=start, output=[t]).final
 
     def again(self, t_end: float | None = None, **changes: Any) -> "Solution":
-        """Run the same system again with the same settings, except for the given ones (see `simulate`)."""
-        settings = {**asdict(self.record.switches), "rtol": self.record.rtol, "method": self.record.method}
-        settings.update(state=self.start, output=self.t)
-        if self.record.tolerance:
-            settings["as_built"] = self.record.tolerance * self.compiled.model.length
-        settings.update(changes)
-        return self.simulate(self.system, self.final.t if t_end is None else t_end, **settings)
+        """Run the same system again with the same options, except for the given ones (see `simulate`)."""
+        if wrong := explained("solution.again", CHANGES, (), changes):
+            raise wrong
+        start = changes.pop("state", self.start)
+        options = changed(options_to_repeat(self), changes)
+        if start is None:
+            system: Any = self.system  # the public one, whose start may be its own
+            start = system.state(as_built=options.as_built)
+        try:
+            return Solution.of(repeat(self, t_end, start, options))
+        except IntegrationError as error:
+            publish_solution(error)
+            raise
 
     def plot(
         self,
@@ -192,9 +225,31 @@ class Solution(RunResult, Viewable):
         return to_dataframe(self)
 
     def estimate(self) -> Certificate:
-        """The certificate with a global error estimate from two tighter runs; see `global_error.estimate`."""
-        return estimate(self)
+        """Return the certificate with a global error estimate from two tighter runs.
+
+        Adaptive steps: rtol/32 and rtol/1024; fixed steps: dt/2 and dt/4. The error is the largest difference of
+        positions (model lengths) and angles [rad] at the samples from the tightest run.
+        """
+        try:
+            return estimate(self)
+        except IntegrationError as error:
+            publish_solution(error)
+            raise
 
     def with_certificate(self, certificate: Certificate) -> "Solution":
         """The same solution with the global error of a certificate of `estimate`."""
         return replace(self, estimated=(certificate.error, certificate.order, certificate.doubling))
+
+
+def changed(options: RunOptions, changes: Mapping[str, Any]) -> RunOptions:
+    """Return options with some arguments of `simulate` instead of their own."""
+    given = {name: value for name, value in changes.items() if name in OPTIONS}
+    if "method" in given and given["method"] is None:
+        given["method"] = DOP853()
+    switches = replace(options.switches, **{name: value for name, value in changes.items() if name in SWITCHES})
+    return replace(options, switches=switches, **given)
+
+
+def publish_solution(error: IntegrationError) -> None:
+    """Replace the samples that a failed run leaves by the public `Solution` of them."""
+    error.solution = error.solution and Solution.of(error.solution)

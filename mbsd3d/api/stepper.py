@@ -1,31 +1,29 @@
 """`Stepper`: a simulation that goes on from time to time, with inputs that are set in between."""
 
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Sequence
 
 import numpy as np
 
 from ..base.checks import check_choice
 from ..base.errors import Explained, IntegrationError, explaining_methods
-from ..equations.compiled import Switches, starts
+from ..integrators.dop853 import DOP853
 from ..integrators.method import Method
 from ..mechanism.measures import Measure
 from ..mechanism.signals.input import Input
 from ..mechanism.state import State
-from ..results.run_result import RunResult
-from ..run.segments import Slices
-from .replay import replay
-from .simulation import simulate, start_of
-from .solution import Solution
+from ..results.record import RunOptions
+from ..run.segments import Segments
+from .simulation import start_of
+from .solution import Solution, publish_solution
 from .system import System
 
 
 @explaining_methods
 class Stepper(metaclass=Explained):
-    """A mechanism that is integrated slice by slice: for controllers, co-simulation, live rides and learning.
+    """A mechanism that is integrated segment by segment: for controllers, co-simulation, live runs and learning.
 
-    Everything a run has prepared stays as it is between two slices, so that each costs little more than its steps; a
-    slice is at least one step of the method. What `Input` signals are `set` to holds until the next change.
+    Everything a run has prepared stays as it is between two segments, so that each costs little more than its steps; a
+    segment is at least one step of the method. What `Input` signals are `set` to holds until the next change.
 
     Parameters
     ----------
@@ -35,9 +33,9 @@ class Stepper(metaclass=Explained):
     measures : sequence of measures
         What `measured` gives, e.g. ``[measures.angle(hinge), measures.rate(hinge)]``.
     method, rtol, as_built
-        As for `simulate`. Steps of ``dt`` are fitted to each slice.
+        As for `simulate`. Steps of ``dt`` are fitted to each segment.
     keep : bool
-        Whether the end of each slice is a sample of `solution`.
+        Whether the end of each segment is a sample of `solution`.
 
     Raises
     ------
@@ -71,12 +69,12 @@ class Stepper(metaclass=Explained):
         keep: bool = True,
     ) -> None:
         check_choice(keep, (True, False), "Stepper: keep")
-        start = start_of(system, state, "Stepper", as_built)
-        self._run = Slices(system, start, Switches(), method, rtol, as_built, measures)
+        options = RunOptions(DOP853() if method is None else method, rtol, as_built=as_built)
+        self._run = Segments(system, start_of(system, state, "Stepper", options.as_built), options, measures)
         self._run.keep = keep
 
     def __repr__(self) -> str:
-        return f"<stepper: at t = {self.t:g} s, by {self._run.method}>"
+        return f"<stepper: at t = {self.t:g} s, by {self._run.options.method}>"
 
     def set(self, key: Input | str, value: float) -> None:
         """Give an input, by itself or by its name, a value that holds from now on.
@@ -90,7 +88,7 @@ class Stepper(metaclass=Explained):
         self._run.set(key, value)
 
     def advance(self, t: float) -> None:
-        """Integrate to t [s], hit exactly.
+        """Integrate to time t [s]; the last step ends exactly there.
 
         Raises
         ------
@@ -102,12 +100,12 @@ class Stepper(metaclass=Explained):
         try:
             self._run.advance(t)
         except IntegrationError as error:
-            error.solution = error.solution and _solution_of(error.solution)
+            publish_solution(error)
             raise
 
     @property
     def t(self) -> float:
-        """Time reached [s]."""
+        """Return the time reached so far [s]."""
         return self._run.t
 
     @property
@@ -142,20 +140,8 @@ class Stepper(metaclass=Explained):
         return self._run.state
 
     def solution(self) -> Solution:
-        """What was kept: a sample at the start and at the end of every slice, taken before an input changes there.
+        """What was kept: a sample at the start and at the end of every segment, taken before an input changes there.
 
-        Its certificate judges the motion under the inputs as they were set; `estimate` and `at` repeat the slices.
+        Its certificate judges the motion under the inputs as they were set; `estimate` and `at` repeat the segments.
         """
-        return _solution_of(self._run.solution())
-
-
-def _solution_of(result: RunResult) -> Solution:
-    """The solution of a run in slices: to run it again is to repeat its changes of inputs."""
-    return Solution.of(result, rerun(result))
-
-
-def rerun(result: RunResult) -> Callable[..., Solution]:
-    """How a run is run again: as `simulate` where no input was ever set to another value than its own."""
-    history, own = result.record.inputs, starts(result.compiled)
-    was_set = any(value != own[name] for name, changes in history.items() for _, value in changes)
-    return partial(replay, history) if was_set else simulate
+        return Solution.of(self._run.solution())

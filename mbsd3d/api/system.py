@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 @explaining_methods
 @part_class(init=False, repr=False)
-class System(Mechanism, Drawable):
+class System(Drawable):
     """A mechanism.
 
     Parameters
@@ -76,7 +76,8 @@ class System(Mechanism, Drawable):
 
     def _repr_html_(self) -> str:
         rows = [(body.name, "Body", f"{body.mass:g} kg") for body in self.bodies]
-        for part in (*self.joints, *self.forces):
+        parts: list[Joint | ForceElement] = [*self.joints, *self.forces]
+        for part in parts:
             on = dict.fromkeys(body.name for body in part.bodies())
             rows.append((self.name(part), type(part).__name__, ", ".join(on)))
         return html_table(repr(self).strip("<>"), ("part", "type", "mass, or bodies"), rows)
@@ -89,7 +90,7 @@ class System(Mechanism, Drawable):
 
     @property
     def lowered(self) -> "Compiled":
-        """The arrays of this system with all terms of the equations; made once, nothing writes into them."""
+        """Return the read-only arrays of this system, with all terms of the equations switched on."""
         from ..equations.compiled import tables_of
 
         return tables_of(self)

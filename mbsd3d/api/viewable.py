@@ -8,24 +8,25 @@ Usual are bodies, joints, springs and rods, traces, the ground grid, and names t
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
+
+from ..results.motion import Motion
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ..mechanism.bodies import Body, Ground
     from ..plotting.panels import Wanted
-    from ..results.body_motion import Poses
     from ..view.page.html import View
     from ..view.page.live import LiveView
     from ..view.scene.motion import Points
 
-Layers = str | Sequence[str]
+LayerNames = str | Sequence[str]
 
 
-class Viewable:
+class Viewable(Motion):
     """Pictures and films of a run or a mode."""
 
     def animate(
@@ -34,8 +35,8 @@ class Viewable:
         *,
         curves: "Wanted | None" = None,
         traces: "Points | None" = None,
-        shown: Layers = (),
-        hidden: Layers = (),
+        shown: LayerNames = (),
+        hidden: LayerNames = (),
         frames: int | None = None,
         speed: float | None = None,
         title: str | None = None,
@@ -43,7 +44,7 @@ class Viewable:
         live: bool = False,
         follow: "Body | Ground | str | None" = None,
         view: Sequence[float] | None = None,
-        beside: "Poses | None" = None,
+        beside: Motion | None = None,
     ) -> "View | LiveView":
         """A page that shows the motion in space and curves beside it; one HTML file that needs no network.
 
@@ -81,9 +82,10 @@ class Viewable:
             so that two pages can be compared.
         """
         from ..view.page.show import animate
+        from ..view.scene.drawing import Layers
 
         return animate(
-            self, path, curves=curves, traces=traces, shown=shown, hidden=hidden, frames=frames, speed=speed,
+            self, path, curves=curves, traces=traces, layers=Layers(shown, hidden), frames=frames, speed=speed,
             title=title, dark=dark, live=live, follow=follow, view=view, beside=beside,
         )  # fmt: skip
 
@@ -92,8 +94,8 @@ class Viewable:
         t: ArrayLike | None = None,
         *,
         traces: "Points | None" = None,
-        shown: Layers = (),
-        hidden: Layers = (),
+        shown: LayerNames = (),
+        hidden: LayerNames = (),
         view: Sequence[float] | None = None,
         size: Sequence[float] = (6.4, 4.8),
         dark: bool = False,
@@ -118,8 +120,15 @@ class Viewable:
             See `System.picture`.
         """
         from ..view.picture.picture import picture_of_solution
+        from ..view.scene.drawing import Layers
 
-        options = {"traces": traces, "shown": shown, "hidden": hidden, "view": view, "size": size, "dark": dark}
+        options: dict[str, Any] = {
+            "traces": traces,
+            "layers": Layers(shown, hidden),
+            "view": view,
+            "size": size,
+            "dark": dark,
+        }
         return picture_of_solution(self, t, **options)
 
     def export_gif(
@@ -132,8 +141,8 @@ class Viewable:
         height: int | None = None,
         curves: "Wanted | None" = (),
         traces: "Points | None" = None,
-        shown: Layers = (),
-        hidden: Layers = (),
+        shown: LayerNames = (),
+        hidden: LayerNames = (),
         view: Sequence[float] | None = None,
         dark: bool = False,
     ) -> Path:
@@ -157,8 +166,15 @@ class Viewable:
             See `picture`.
         """
         from ..view.film.film import export_gif
+        from ..view.scene.drawing import Layers
 
-        options = {"curves": curves, "traces": traces, "shown": shown, "hidden": hidden, "view": view, "dark": dark}
+        options: dict[str, Any] = {
+            "curves": curves,
+            "traces": traces,
+            "layers": Layers(shown, hidden),
+            "view": view,
+            "dark": dark,
+        }
         return export_gif(self, path, fps=fps, speed=speed, width=width, height=height, **options)
 
     def export_mp4(
@@ -171,8 +187,8 @@ class Viewable:
         height: int | None = None,
         curves: "Wanted | None" = (),
         traces: "Points | None" = None,
-        shown: Layers = (),
-        hidden: Layers = (),
+        shown: LayerNames = (),
+        hidden: LayerNames = (),
         view: Sequence[float] | None = None,
         dark: bool = False,
     ) -> Path:
@@ -182,8 +198,15 @@ class Viewable:
         ``width`` and ``height`` are even. ValueError also if ffmpeg is missing.
         """
         from ..view.film.film import export_mp4
+        from ..view.scene.drawing import Layers
 
-        options = {"curves": curves, "traces": traces, "shown": shown, "hidden": hidden, "view": view, "dark": dark}
+        options: dict[str, Any] = {
+            "curves": curves,
+            "traces": traces,
+            "layers": Layers(shown, hidden),
+            "view": view,
+            "dark": dark,
+        }
         return export_mp4(self, path, fps=fps, speed=speed, width=width, height=height, **options)
 
     def export_glb(self, path: str | Path, *, frames: int | None = None, traces: "Points | None" = None) -> Path:

@@ -28,7 +28,7 @@ from ..mechanism.primitives import Coordinate
 from ..mechanism.shapes import Shape
 from ..mechanism.signals import Signal
 from ..mechanism.state import State
-from ..results.record import Record
+from ..results.record import Record, RunOptions
 
 BASES: tuple[type, ...] = (Joint, ForceElement, Signal, Shape, Method)
 ROLES: tuple[tuple[str, Any], ...] = (
@@ -48,7 +48,7 @@ def types() -> Mapping[str, type]:
         for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
             import_module(module.name)
     found: dict[str, type] = {kind.__name__: kind for base in BASES for kind in below(base) if not below(kind)}
-    others: tuple[type, ...] = (Body, Measure, Condition, Coordinate, State, Switches, Record)
+    others: tuple[type, ...] = (Body, Measure, Condition, Coordinate, State, Switches, RunOptions, Record)
     return MappingProxyType(found | {kind.__name__: kind for kind in others})
 
 

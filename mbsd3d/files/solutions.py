@@ -14,11 +14,12 @@ from ..base.errors import InputError
 from ..base.paths import as_path, package_version, with_suffix, write_atomically
 from ..equations.compiled import Compiled, compile_system, with_history
 from ..mechanism.state import State
-from ..results.record import Record
-from ..results.run_result import RunResult
+from ..results.record import Record, RunOptions
+from ..results.result import RunResult
 from .description import FORMAT, Writer, check_format, describe, read_system
 
 SOLUTION = "mbsd3d solution"
+OPTIONS = ("method", "rtol", "switches")  # of `RunOptions`, which a file keeps
 DERIVED = ("q", "z")  # slices of the array "state"
 ARRAYS = ("t", "state", "v", "acceleration", "lam", "coordinate", "potential", "power", "residual")
 BROKEN = (
@@ -41,7 +42,7 @@ def save(solution: RunResult, path: str | Path) -> Path:
         "version": FORMAT,
         "written_by": package_version(),
         "system": describe(system, without_functions=True),
-        "record": write.part(record, "record"),
+        "record": record_entry(write, record),
         "start": write.part(start, "start"),
         "final": write.part(final, "final state"),
         "estimate": {"error": error, "order": order, "doubling": doubling},
@@ -52,6 +53,22 @@ def save(solution: RunResult, path: str | Path) -> Path:
     buffer = io.BytesIO()
     np.savez(buffer, allow_pickle=False, json=text, **arrays)
     return write_atomically(with_suffix(path, ".npz"), buffer.getvalue())
+
+
+def record_entry(write: Writer, record: Record) -> dict[str, Any]:
+    """Return the JSON object of a record; method, tolerance and switches stand beside the statistics of the run."""
+    own = write.part(replace(record, options=RunOptions()), "record")
+    del own["options"]
+    options = {name: write.value(getattr(record.options, name), f"record: {name}") for name in OPTIONS}
+    return {"type": own.pop("type")} | options | ({"kinematic": True} if record.kinematic else {}) | own
+
+
+def nested_options(entry: Any) -> Any:
+    """Return the JSON object of a record with its options as an object of their own, as `Record` has them."""
+    if not isinstance(entry, dict):
+        return entry
+    own = {name: value for name, value in entry.items() if name not in (*OPTIONS, "kinematic")}
+    return own | {"options": {"type": "RunOptions"} | {name: entry.get(name) for name in OPTIONS}}
 
 
 def read_run(path: str | Path) -> RunResult:
@@ -82,11 +99,13 @@ def read_solution(handle: Any) -> RunResult:
     document = json.loads(bytes(arrays.pop("json")))
     check_format(document, SOLUTION, "its text")
     system, reader = read_system(document["system"])
-    record = reader.part(document["record"], ("record",), Record)
+    record = reader.part(nested_options(document["record"]), ("record",), Record)
     final = reader.part(document["final"], ("final",), State)
     start = reader.part(document["start"], ("start",), State) if "start" in document else None  # older files
     record.rank_events = list(record.rank_events)
     compiled = with_history(compile_system(system, (), record.switches), record.inputs)
+    if record.tolerance:
+        record.options = replace(record.options, as_built=record.tolerance * compiled.model.length)
     check_arrays(compiled, arrays, [final] if start is None else [start, final])
     n = len(system.bodies)
     arrays["q"] = arrays["state"][:, : 7 * n].reshape(-1, n, 7)

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base.paths import package_version, with_suffix, write_atomically
+from ..results.certificate import certificate_of
 from ..results.columns import QUANTITIES, Column, columns, components
-from ..results.run_result import RunResult
+from ..results.result import RunResult
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -102,7 +103,7 @@ def variable(
 
 def attributes(solution: RunResult) -> dict[str, Any]:
     """What netCDF can hold of how the solution was made."""
-    certificate = solution.certificate
+    certificate = certificate_of(solution)
     return {
         "method": str(solution.record.method),
         "rtol": float(solution.record.rtol),

@@ -19,6 +19,7 @@ from ..equations.tree import build_spanning_tree
 from ..mechanism.measures import Measure, check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
+from ..results.record import RunOptions
 from ..run.simulation import accelerations_at, check_state, check_system
 from .steady_motion import Generator, Units, check_signals, find_generator, natural_units
 from .variations import Field, Tangent, Variations, tangent_space
@@ -135,8 +136,9 @@ def linearize_at(
     outputs = checked_outputs(system, outputs)
     check_signals(system)
     check_state(state, "linearize")
-    start = accelerations_at(system, state, switches).state(0)  # refuses a state that does not meet the joints
-    compiled = compile_system(system, outputs, switches)
+    options = RunOptions(switches=switches or Switches())
+    start = accelerations_at(system, state, options).state(0)  # refuses a state that does not meet the joints
+    compiled = compile_system(system, outputs, options.switches)
     announce_compilation("linearisation")
     field = Field(compiled, start, len(outputs))
     at = field.at(field.t, field.y)

@@ -11,11 +11,10 @@ from ..base.concurrency import on_one_thread
 from ..base.errors import AssemblyError, InputError
 from ..constraints.poses.pose_equations import closed
 from ..equations.at_state import coordinate_row, load_state
-from ..equations.compiled import Compiled
 from ..equations.tree import build_spanning_tree
 from ..mechanism.bodies import Body
 from ..mechanism.joints import Joint
-from ..results.body_motion import Poses
+from ..results.motion import Motion
 from .linearization import Linearization
 
 SAMPLES_MAX = 100_000  # [samples] of the motion of a mode
@@ -85,7 +84,7 @@ class Mode:
         k = int(np.argmax(np.abs(moves).ravel() > np.abs(moves).max() * (1.0 - 1e-6)))
         return f"{MOTION_NAMES[k % 6]} of '{system.name(system.bodies[k // 6])}'"
 
-    def motion(self, amplitude: float = 0.2, cycles: float = 2.0, samples: int = 101) -> "Motion":
+    def motion(self, amplitude: float = 0.2, cycles: float = 2.0, samples: int = 101) -> Motion:
         """Return the mechanism moving in this mode, all joints closed; a monotonic motion is shown at rest.
 
         ``amplitude``: the largest displacement at its largest [model lengths or radians]; ``cycles``: periods, or for a
@@ -101,18 +100,6 @@ class Mode:
         wave = np.exp(value * t) if value else np.sin(2.0 * np.pi * t).astype(complex)
         wave *= amplitude / np.abs(wave).max()
         return moving_poses(self, t, wave)
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Motion(Poses):
-    """Poses of a mechanism over time, without forces or energy; read like a `Solution`."""
-
-    compiled: Compiled
-    t: np.ndarray
-    arrays: dict[str, np.ndarray]
-
-    def __repr__(self) -> str:
-        return f"<motion: {self.t.size} samples, 0 ... {self.t[-1]:g} s>"
 
 
 def moving_poses(mode: Mode, t: np.ndarray, wave: np.ndarray) -> Motion:
@@ -131,7 +118,7 @@ def moving_poses(mode: Mode, t: np.ndarray, wave: np.ndarray) -> Motion:
                 advice="give a smaller amplitude",
             )  # fmt: skip
         poses[k] = y[: 7 * n]
-    return Motion(compiled, t, {"q": poses.reshape(t.size, n, 7)})
+    return Motion(compiled, {"t": t, "q": poses.reshape(t.size, n, 7)})
 
 
 @on_one_thread

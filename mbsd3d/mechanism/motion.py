@@ -21,8 +21,13 @@ class Motion(Protocol):
 class LoadedMotion(Motion, Protocol):
     """A motion whose reactions are known."""
 
-    t: np.ndarray
-    system: Any
+    @property
+    def t(self) -> np.ndarray:
+        """(samples,) times [s]."""
+
+    @property
+    def system(self) -> Any:
+        """The system that moves."""
 
     def slide(self, joint: Any) -> np.ndarray:
         """(samples,) displacement of b along the axis or the curve of a joint [m]."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..mechanism.drivers import Driver
 from ..results.checks.check import scales_of
-from ..results.run_result import RunResult
+from ..results.result import RunResult
 from .panels import Panel, Wanted, panels_of
 
 CURVE_LINES_MAX = 6  # [1] of one curve, unless asked for

@@ -15,9 +15,9 @@ from ..mechanism.forces.custom import SavedForce
 from ..mechanism.joints import Joint
 from ..mechanism.measures import Measure
 from ..results.columns import BODY_QUANTITIES, QUANTITIES, Column, columns_of_effort, columns_of_states, loads_of
-from ..results.element_loads import Load
+from ..results.element_loads import Load, load_of
 from ..results.reactions import Reaction
-from ..results.run_result import RunResult
+from ..results.result import RunResult
 
 Part = Body | Joint | ForceElement | str
 Wanted = Iterable[str | Measure | tuple[str | Measure | Part, ...]]  # quantities with or without parts, and measures
@@ -191,13 +191,13 @@ def forces_of(solution: RunResult, parts: tuple[Part, ...]) -> Sequence[ForceEle
 
 def power_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
     """Return the panel of the power of force elements on all their bodies; none given = all."""
-    lines = [(solution.system.name(x), solution.force(x).power) for x in forces_of(solution, parts)]
+    lines = [(solution.system.name(x), load_of(solution, x).power) for x in forces_of(solution, parts)]
     return [scalar_panel("power", "[W]", lines)]
 
 
 def length_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
     """Return panels of lengths of springs, and displacements along which forces act; none given = all that have one."""
-    loads = [(solution.system.name(x), solution.force(x).length) for x in forces_of(solution, parts)]
+    loads = [(solution.system.name(x), load_of(solution, x).length) for x in forces_of(solution, parts)]
     lines = [(name, length) for name, length in loads if length is not None]
     if not lines:
         raise InputError("these forces have no length; give another quantity")

@@ -20,7 +20,7 @@ from ..base.checks import check_choice, shown
 from ..base.errors import InputError, explaining
 from ..base.paths import as_path, write_atomically
 from ..base.style import LINE, Theme, dress, house, theme
-from ..results.run_result import RunResult
+from ..results.result import RunResult
 from .default_curves import default_curves, seen_panels
 from .panels import Panel, Part, Wanted, panels_of
 

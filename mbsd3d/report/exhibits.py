@@ -16,7 +16,7 @@ from ..base.style import LIGHT, house
 from ..mechanism.drivers import Driver
 from ..plotting.panels import Wanted
 from ..plotting.plots import plot_quantity
-from ..results.run_result import RunResult
+from ..results.result import RunResult
 from ..view.picture.picture import picture_of_solution, picture_of_system
 from .facts import loaded_joints
 

@@ -12,7 +12,7 @@ from ..mechanism.drivers import Driver
 from ..mechanism.joints import Joint
 from ..results.checks.check import scales_of
 from ..results.columns import columns_of_effort, loads_of
-from ..results.run_result import RunResult
+from ..results.result import RunResult
 from .wording import digits, triple
 
 TABLE_ROWS_MAX = 40  # [1] rows of a table

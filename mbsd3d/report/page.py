@@ -15,8 +15,9 @@ from ..base.style import theme
 from ..base.templates import HtmlPage, page_template
 from ..constraints.redundancy import diagnose
 from ..plotting.panels import Wanted
+from ..results.certificate import certificate_of
 from ..results.checks.check import Check
-from ..results.run_result import RunResult
+from ..results.result import RunResult
 from ..view.scene.drawing import title_of
 from . import facts
 from .exhibits import figure_of, picture_of, wanted_curves
@@ -63,7 +64,7 @@ def make_report(
         raise InputError(f"report: title {title!r} is not a text; give one, or None")
     if dark is not None:
         theme(dark)
-    record, certificate = solution.record, solution.certificate
+    record, certificate = solution.record, certificate_of(solution)
     diagnosis = diagnose(solution.system, record.tolerance * solution.compiled.model.length or FIT_TOLERANCE_DEFAULT)
     title = title if title is not None else title_of(solution.system)
     few, thin = facts.thinned(solution)

@@ -4,7 +4,7 @@ Every check is made from the stored samples with the true equations, whatever th
 constraint residuals, energy against work, momentum against impulse, Newton-Euler residuals, acceleration rows.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -16,12 +16,12 @@ from ..equations.compiled import Switches
 from ..equations.plausibility import loose_bodies
 from .checks.balances import balance_checks, work_note
 from .checks.between_stages import signal_checks, stage_notes
-from .checks.check import PASSED, USEFUL, Check, drift_limit
+from .checks.check import DRIFT_LIMIT_MAX, PASSED, Check, drift_limit
 from .checks.equations import equation_checks, joint_checks, lost, residuals
 from .checks.rounding import rounding, rounding_checks, singular_notes
 from .checks.turning import turning_checks
-from .record import Record
-from .run_samples import RunSamples
+from .record import Record, RunOptions
+from .result import RunResult
 
 FAR_TURN = 1.0  # rad in a step: beyond, its error is no small share of the turn
 COARSE_ORDER = 2  # of methods whose steps follow no estimate that sees a turn
@@ -37,15 +37,13 @@ class Certificate:
     errors double, if they grow exponentially) are None until `Solution.estimate` has compared with tighter runs.
     """
 
-    method: str
-    rtol: float
+    options: RunOptions
     steps: int
     rejected: int
     evaluations: int
     svd_calls: int
     rank_events: tuple
     seconds: float
-    switches: Switches
     checks: tuple[Check, ...]
     stopped_by: str | None = None
     error: float | None = None
@@ -53,6 +51,21 @@ class Certificate:
     doubling: float | None = None
     turned: str = ""
     notes: tuple[str, ...] = field(default=())
+
+    @property
+    def method(self) -> str:
+        """Method of integration with its settings."""
+        return str(self.options.method)
+
+    @property
+    def rtol(self) -> float:
+        """Relative tolerance of the run."""
+        return self.options.rtol
+
+    @property
+    def switches(self) -> Switches:
+        """Teaching switches of the run."""
+        return self.options.switches
 
     @property
     def passed(self) -> bool:
@@ -63,10 +76,11 @@ class Certificate:
     def failures(self) -> tuple[str, ...]:
         """One sentence per check that failed."""
         found = [f"{c.name} {c.error:.2e} exceeds {c.limit:.0e}: {c.meaning}" for c in self.checks if not c.passed]
-        if self.error is not None and not self.error <= USEFUL:
+        if self.error is not None and not self.error <= DRIFT_LIMIT_MAX:
             remedy = "tighten rtol or shorten the step" if self.doubling is None else "shorten the run"
             found.append(
-                f"global error {self.error:.2e} exceeds {USEFUL:.0e}: {self.growth or 'steps are coarse'}; {remedy}"
+                f"global error {self.error:.2e} exceeds {DRIFT_LIMIT_MAX:.0e}: "
+                f"{self.growth or 'steps are coarse'}; {remedy}"
             )
         if self.stopped_by and self.stopped_by.startswith("interrupted"):
             found.append(self.stopped_by)
@@ -107,7 +121,7 @@ class Certificate:
         if self.error is None:
             return f"unknown{self.turned}; solution.estimate() finds it"
         order = "" if self.order is None else f", observed order {self.order:.2f}"
-        verdict = "ok" if self.error <= USEFUL else f"FAILED, limit {USEFUL:.0e}"
+        verdict = "ok" if self.error <= DRIFT_LIMIT_MAX else f"FAILED, limit {DRIFT_LIMIT_MAX:.0e}"
         growth = f"; {self.growth}" if self.growth else ""
         return f"{verdict}, {self.error:.2e} (model lengths, radians){order}{growth}"
 
@@ -115,7 +129,15 @@ class Certificate:
         return html_text(str(self))
 
 
-def certify(solution: RunSamples) -> Certificate:
+def certificate_of(solution: RunResult) -> Certificate:
+    """Return the certificate of a result; it is made once."""
+    if "certificate" not in solution.derived:
+        error, order, doubling = solution.estimated
+        solution.derived["certificate"] = replace(certify(solution), error=error, order=order, doubling=doubling)
+    return solution.derived["certificate"]
+
+
+def certify(solution: RunResult) -> Certificate:
     """Make all checks of a solution."""
     record, limit, remarks = solution.record, drift_limit(solution.record), notes(solution)
     if solution.t.size:
@@ -130,15 +152,13 @@ def certify(solution: RunSamples) -> Certificate:
     else:
         checks = [Check("samples", np.inf, 0.0, "there are none to look at; keep some, or run it to a later time")]
     return Certificate(
-        method=str(record.method),
-        rtol=record.rtol,
+        options=record.options,
         steps=record.steps,
         rejected=record.rejected,
         evaluations=record.evaluations,
         svd_calls=record.svd_calls,
         rank_events=tuple(record.rank_events),
         seconds=record.seconds,
-        switches=record.switches,
         checks=tuple(checks),
         stopped_by=record.stopped_by,
         turned=far_turn(record),
@@ -154,13 +174,13 @@ def far_turn(record: Record) -> str:
     return f" (body '{record.farthest_by}' turned by {record.farthest:.2g} rad in a step: poses may err as much)"
 
 
-def start_notes(solution: RunSamples) -> list[str]:
+def start_notes(solution: RunResult) -> list[str]:
     """Why a run fails that starts in a pose whose mobility is infinitesimal."""
     what = describe_singularity(solution.compiled, solution.start)
     return [f"the mobility at the start is {what}"] if what.startswith(INFINITESIMAL) else []
 
 
-def notes(solution: RunSamples) -> list[str]:
+def notes(solution: RunResult) -> list[str]:
     """Choices in the start, singular positions, rank events, bodies that nothing acts on, checks not made."""
     found = [f"start: {text}" for text in solution.start.notes]
     events = solution.record.rank_events

@@ -9,12 +9,12 @@ from ..mechanism.drivers import Driver, PositionDriver
 from ..mechanism.force_element import ForceElement
 from ..mechanism.forces.custom import FunctionForce, SavedForce
 from ..mechanism.measures import state
-from .element_loads import Load
-from .run_result import RunResult
+from .element_loads import Load, load_of
+from .result import RunResult
 
 
 class Quantity(NamedTuple):
-    """What a column of numbers means."""
+    """Name, unit and components of one result quantity."""
 
     unit: str
     frame: str
@@ -128,7 +128,7 @@ def columns_of_effort(solution: RunResult, driver: Driver) -> list[Column]:
     else:
         labels = [""] if len(units) == 1 else [f".{k}" for k in range(len(units))]
     names = [solution.system.name(driver) + label for label in labels]
-    return [Column("driver", name, "effort", *rest) for name, *rest in zip(names, units, effort.T, strict=True)]
+    return [Column("driver", name, "effort", unit, x) for name, unit, x in zip(names, units, effort.T, strict=True)]
 
 
 def loads_of(solution: RunResult, force: ForceElement) -> dict[str, Load]:
@@ -138,15 +138,19 @@ def loads_of(solution: RunResult, force: ForceElement) -> dict[str, Load]:
     name = solution.system.name(force)
     bodies = list({id(body): body for body in force.record().bodies if body is not GROUND}.values())
     if not isinstance(force, FunctionForce) or len(bodies) == 1:
-        return {name: solution.force(force)}
-    return {f"{name} on {body.name}": solution.force(force, on=body) for body in bodies}
+        return {name: load_of(solution, force)}
+    return {f"{name} on {body.name}": load_of(solution, force, body) for body in bodies}
 
 
 def columns_of_force(solution: RunResult, force: ForceElement) -> list[Column]:
     """Wrench, power, energy and stretch of a force."""
     found = []
     for k, (name, load) in enumerate(loads_of(solution, force).items()):
-        shown = {"force": load.force, "force_moment": load.moment, "force_point": load.point}
+        shown: dict[str, np.ndarray | None] = {
+            "force": load.force,
+            "force_moment": load.moment,
+            "force_point": load.point,
+        }
         if k == 0:  # of the whole element
             kind = "angle" if load.angle is not None else "length"
             shown |= {"force_power": load.power, "force_stored": load.stored}

@@ -5,6 +5,7 @@ body is the wrench of the element about O. No law is written a second time.
 """
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -14,13 +15,13 @@ from ..base.style import Sampled
 from ..dynamics.applied_forces import loads
 from ..equations.compiled import new_data
 from ..kernels.kinematics import kinematics
-from ..mechanism.bodies import GROUND, Body, Ground
+from ..mechanism.bodies import Body, Ground
 from ..mechanism.force_element import ForceElement
 from ..mechanism.forces.contact import Contact
 from ..mechanism.forces.custom import SavedForce
 from ..mechanism.forces.springs import SpringDamper
 from ..mechanism.forces.tyre import Tyre
-from .body_motion import RunMotion
+from .result import RunResult
 
 
 @dataclass(frozen=True, repr=False)
@@ -76,7 +77,7 @@ class TyreLoad(Load):
             return -self.slip_x / self.speed
 
 
-def load_of(solution: RunMotion, force: ForceElement | str, on: Body | Ground | str | None) -> Load:
+def load_of(solution: RunResult, force: ForceElement | str, on: Body | Ground | str | None = None) -> Load:
     """See `Solution.force`."""
     system = solution.system
     part = system.part(force, "forces")
@@ -88,12 +89,12 @@ def load_of(solution: RunMotion, force: ForceElement | str, on: Body | Ground | 
     body = acted_body(solution, part, on)
     wrench, power, rates, shown = wrenches_about_O(solution, part, body)
     point = shown[:, :3] if part.shows else acting_points(solution, part, body)
-    origin = 0.0 if body is GROUND else solution.position(body)
+    origin = 0.0 if isinstance(body, Ground) else solution.position(body)
     push = wrench[:, :3]
     stored = solution.arrays["potential"][:, system.forces.index(part)]
     own, own_rates = (dict(zip(part.state_names(), x.T, strict=True)) for x in (solution.state_of(part), rates))
     turn = wrench[:, 3:] - np.cross(point - origin, push)
-    found = {"force": push, "moment": turn, "point": point, "power": power, "stored": stored}
+    found: dict[str, Any] = {"force": push, "moment": turn, "point": point, "power": power, "stored": stored}
     found |= {**stretch(solution, part), "states": own, "state_rates": own_rates}
     if not isinstance(part, Tyre):
         return Load(**found)
@@ -101,7 +102,7 @@ def load_of(solution: RunMotion, force: ForceElement | str, on: Body | Ground | 
     return TyreLoad(**found, **(seen | {"camber": np.arcsin(seen["camber"])}))
 
 
-def acted_body(solution: RunMotion, part: ForceElement, on: Body | Ground | str | None) -> Body | Ground:
+def acted_body(solution: RunResult, part: ForceElement, on: Body | Ground | str | None) -> Body | Ground:
     """The body meant: None = body b of two, the last one of a `CustomForce`."""
     bodies = list({id(body): body for body in part.record().bodies}.values())
     if on is None:
@@ -114,7 +115,7 @@ def acted_body(solution: RunMotion, part: ForceElement, on: Body | Ground | str 
     raise InputError(f"{what} does not act on {shown(getattr(on, 'name', on))}; it acts on {names}")
 
 
-def acting_points(solution: RunMotion, part: ForceElement, body: Body | Ground) -> np.ndarray:
+def acting_points(solution: RunResult, part: ForceElement, body: Body | Ground) -> np.ndarray:
     """(samples, 3) points of `ForceElement.acts_at`; along a hinge coordinate, where the joint gives its reaction."""
     if part.record().coordinate is not None:
         return part.partners()[0].reaction_points(solution)
@@ -124,7 +125,7 @@ def acting_points(solution: RunMotion, part: ForceElement, body: Body | Ground) 
 
 
 def wrenches_about_O(
-    solution: RunMotion, part: ForceElement, body: Body | Ground
+    solution: RunResult, part: ForceElement, body: Body | Ground
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """(force and moment about O on the body (samples, 6), power given to all bodies (samples,), rates of the own states
     (samples, k), what the law shows (samples, 12)).
@@ -147,7 +148,7 @@ def wrenches_about_O(
     return wrench, power, rates, shown
 
 
-def stretch(solution: RunMotion, part: ForceElement) -> dict[str, np.ndarray]:
+def stretch(solution: RunResult, part: ForceElement) -> dict[str, np.ndarray]:
     """Length or angle along which an element acts, and its rate."""
     x = part.record().coordinate
     if x is not None:

@@ -221,7 +221,8 @@ class RunRows(NamedTuple):
                 moment = W[3:] - np.cross(arm[k] / length, W[:3], axisb=0, axisc=0)
                 D[g, :, k] = projector(W[:3], limit[k]), projector(moment, limit[k])
         regular = regular_samples(count, least)
-        return Shares(shared, [Determined(*each, regular, float(limit.max(initial=0.0))) for each in D])
+        largest = float(limit.max(initial=0.0))
+        return Shares(shared, [Determined(force, moment, regular, largest) for force, moment in D])
 
 
 class Shares(NamedTuple):

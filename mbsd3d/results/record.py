@@ -1,22 +1,61 @@
-"""The record of a run, kept by solutions and files and judged by the certificate."""
+"""Options and record of a run: what was asked for, and statistics of what was done, which the certificate judges."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from ..base.checks import number, shown
+from ..base.errors import InputError
 from ..equations.compiled import Switches
+from ..integrators.dop853 import DOP853
 from ..integrators.method import Method
+from ..mechanism.measures import Condition
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """Options of a run as `mbsd3d.simulate` takes them, checked; one record from the call to the result.
+
+    Output, condition to stop and progress are not compared: a file does not keep them.
+    ValueError for an option of the wrong kind or range.
+    """
+
+    method: Method = DOP853()  # noqa: RUF009 - frozen
+    rtol: float = 1e-8
+    output: int | ArrayLike | None = field(default=None, compare=False)  # samples, their times [s]; None = every step
+    stop_when: Condition | None = field(default=None, compare=False)
+    as_built: float | None = None  # [m], within which redundant rows may be violated
+    progress: bool | str | None = field(default=None, compare=False)
+    switches: Switches = field(default_factory=Switches)
+
+    def __post_init__(self) -> None:
+        check_method(self.method)
+        if not 1e-13 <= number(self.rtol, "simulate: rtol") <= 0.1:
+            raise InputError(f"simulate: rtol {self.rtol:g} is outside 1e-13 ... 0.1; give a number in this range")
+        if self.stop_when is not None and not isinstance(self.stop_when, Condition):
+            raise InputError(
+                f"simulate: stop_when {shown(self.stop_when)} is not a condition; "
+                "write e.g. measures.angle(hinge) > 1.2"
+            )
+        if self.as_built is not None:
+            object.__setattr__(self, "as_built", number(self.as_built, "as_built", positive=True))
+
+
+def check_method(method: Any) -> None:
+    """Raise a ValueError for anything but a method of integration."""
+    if Method not in type(method).__mro__ and (isinstance(method, type) or not isinstance(method, Method)):
+        names = "DOP853, RK4, GeneralizedAlpha, RadauIIA, Kinematic"
+        raise InputError(f"simulate: method {shown(method)} is unknown; give one of {names}, e.g. DOP853()")
 
 
 @dataclass
 class Record:
-    """What a run did, for the certificate."""
+    """Statistics of a run: its options, steps, evaluations and how it ended."""
 
-    method: Method
-    rtol: float
-    switches: Switches
+    options: RunOptions
     tolerance: float = 0.0  # within which redundant rows may be violated, in model lengths; 0 = as_built not given
-    kinematic: bool = False
     steps: int = 0  # accepted
     rejected: int = 0
     evaluations: int = 0
@@ -37,6 +76,26 @@ class Record:
     stopped_by: str | None = None
     never_armed: str | None = None  # the condition to stop that has not been false since the start
     inputs: dict = field(default_factory=dict)  # name -> ((time [s], value), ...): what each was set to, and when
+
+    @property
+    def method(self) -> Method:
+        """Method of integration."""
+        return self.options.method
+
+    @property
+    def rtol(self) -> float:
+        """Relative tolerance."""
+        return self.options.rtol
+
+    @property
+    def switches(self) -> Switches:
+        """Teaching switches."""
+        return self.options.switches
+
+    @property
+    def kinematic(self) -> bool:
+        """True where nothing is integrated: the poses follow from the drivers."""
+        return self.method.order == 0
 
     def note_turning(self, now: np.record, bodies: list[str]) -> None:
         """Take over how far bodies turned, and how well turns and orientations follow from angular velocities."""

@@ -1,4 +1,4 @@
-"""Accelerations at one state after another, for those who search for a state."""
+"""Evaluate accelerations at many nearby states without recompiling the equations."""
 
 import numpy as np
 

@@ -14,11 +14,11 @@ from ..kernels.layout import Data, Model, Tree
 from ..mechanism.measures import UNITS, Condition
 from ..mechanism.signals.terms import turning_times
 
-ROUNDED = 1e-15  # of its time: nearer than that a stage at the end of a step may fall behind a jump
-SLACK = 1e-9  # of its scale is what a measure may differ from a value that it is said to have
-BLURRED = 1e-2  # rad of the motion at the start, between two times that can be told apart at the end
+EVENT_TIME_ROUNDING = 1e-15  # [1] of the time: a stage at the end of a step that ends nearer may fall behind a jump
+EVENT_VALUE_TOLERANCE = 1e-9  # [1] of the scale of a measure: by less it has the value of a condition
+START_UNCERTAINTY_MAX = 1e-2  # rad that the motion turns between two times next to each other at the end of a run
 LOW = 1e-3  # of that is a hop whose time is taken from its rates; it errs less so than by the digits of the measure
-SOON = 1e-3  # of the first step: so far the rate changes evenly
+FIRST_STEP_SHARE = 1e-3  # [1] of the first step, within which the rate changes evenly
 TINY = 1e-40  # of a complex step: its square vanishes
 
 
@@ -31,7 +31,7 @@ def turns_of_signals(model: Model, t_start: float) -> np.ndarray:
     found: list[tuple[float, float]] = []
     for x in model.term[model.term["kind"] == SPLINE]:
         times, jumps = turning_times(model.term_data[x["first"] : x["end"]])
-        found += zip(times - jumps * ROUNDED * np.maximum(np.abs(times), abs(t_start)), times, strict=True)
+        found += zip(times - jumps * EVENT_TIME_ROUNDING * np.maximum(np.abs(times), abs(t_start)), times, strict=True)
     return np.array(sorted(found), float).reshape(-1, 2)
 
 
@@ -52,7 +52,7 @@ def armed_at_start(
     """
     length, speed = UNITS[stop_when.measure.unit]
     model, t = compiled.model, float(run.now.t)
-    slack = SLACK * max(abs(stop_when.value), model.length**length * float(run.now.speed) ** speed)
+    slack = EVENT_VALUE_TOLERANCE * max(abs(stop_when.value), model.length**length * float(run.now.speed) ** speed)
     kinematics(model, data, run.y)
     now = float(measure(model, data, 0, t))
     gap = stop_when.direction * (now - stop_when.value)
@@ -64,7 +64,8 @@ def armed_at_start(
     if gap < -slack:
         return 1, slack, 0.0
     rate = stop_when.direction * rate_of_measure(compiled, data, t, run.y, run.dy)
-    soon, y, dy = SOON * float(run.now.step), run.y + SOON * run.now.step * run.dy, run.dy.copy()
+    soon = FIRST_STEP_SHARE * float(run.now.step)
+    y, dy = run.y + FIRST_STEP_SHARE * run.now.step * run.dy, run.dy.copy()
     project_and_evaluate(model, data, tree, t + soon, y, dy, FACTOR_FROM_OTHER_POSE)
     back = (stop_when.direction * rate_of_measure(compiled, data, t + soon, y, dy) - rate) / soon
     low = rate < 0.0 < back and 0.5 * rate * rate < LOW * slack * back
@@ -90,7 +91,7 @@ def rate_of_motion(v: np.ndarray, a: np.ndarray, length: float) -> float:
 def check_digits(t_end: float, rate: float) -> None:
     """InputError for an end so late that times have no digits left for a motion."""
     apart = float(np.spacing(abs(t_end)))  # NaN for a run without end
-    if rate * apart > BLURRED:
+    if rate * apart > START_UNCERTAINTY_MAX:
         raise InputError(
             f"simulate: t_end = {t_end:g} s: times there are {apart:.0e} s apart, too far for this motion; give an "
             "earlier end"

@@ -1,53 +1,68 @@
-"""Why a run fails: the part whose numbers are not finite, the drivers and where they have come to, the pose."""
+"""Find why a run failed: a part with values that are not finite, conflicting drivers, a singular pose or divergence."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
+from ..base.errors import IntegrationError
 from ..constraints.conflicting_drivers import Contradiction, find_contradiction
 from ..constraints.singularity import INFINITESIMAL, describe_singularity
 from ..dynamics.applied_forces import loads
 from ..equations.at_state import load_rows
 from ..equations.compiled import Compiled
 from ..integrators import memory
+from ..integrators.memory import Run
 from ..kernels.layout import Data
 from ..mechanism.drivers import AngleDriver, Driver, LengthDriver, PositionDriver, SlideDriver
 from ..mechanism.forces.custom import FunctionForce
+from ..mechanism.forces.feedback import StateFeedback
 from ..mechanism.joints.curve_contact import CurveContact
 from ..mechanism.state import State
-from .balance import exception_of
+from ..results.result import RunResult
+from .initial_checks import exception_of
 
 NOT_FINITE = "a part returns values that are not finite"
-BEFORE = 1e-6  # of a curve, at its ends
-ON_THE_SPOT = 1e-4  # of its time: a run that ends before has not left its start
-BESIDE = "nothing says along which branch it moves on: start in a pose beside it, the drivers too; see system.check()"
+CURVE_END_SHARE = 1e-6  # [1] of the length of a curve: within this distance of an end its point has reached it
+START_TIME_SHARE = 1e-4  # [1] of the time of a run: one that ends before has not left its start
+BESIDE = "the motion branches here; start from a nearby pose and shift the drivers with it; see system.check()"
 FAILURES = {
     memory.STEP_TOO_SMALL: (
-        "no step is small enough",
-        "a force jumps or the motion has a singularity here: give a CustomForce times= at which it jumps, smooth the "
-        "force, or end the run earlier",
+        "the step size fell below its limit",
+        "a force is discontinuous or the motion is singular at this time: give a CustomForce times= at which it jumps, "
+        "smooth the force, or choose an earlier t_end",
     ),
-    memory.NOT_CLOSING: ("the joints cannot be closed any more", "a singular or locked position; see system.check()"),
+    memory.NOT_CLOSING: (
+        "the constraint equations have no solution near the last pose",
+        "a singular or locked position; see system.check()",
+    ),
     memory.NO_SOLUTION: (
         "the equations have no finite solution",
         "check the forces and masses; where the steps are of fixed length, take a smaller dt",
     ),
-    memory.FULL: ("every step is a sample, and memory holds no more", "give output=, a number of samples or times"),
+    memory.FULL: ("the sample buffer is full: every step was stored", "give output=, a number of samples or times"),
     memory.NOT_CONVERGED: (
-        "Newton's method finds no end of the step", "take a smaller dt, or dt=None for adaptive steps",
+        "Newton's method did not converge in this step", "take a smaller dt, or dt=None for adaptive steps",
     ),
 }  # fmt: skip
 UNITS = {AngleDriver: "rad", SlideDriver: "m", PositionDriver: "m", LengthDriver: "m"}
+SPEED_MAX = 1e5  # [1/s] of the length of the model: a rim at 1e5 rad/s, three times the fastest turbines
+SPEED_GROWTH_MAX = 100.0  # [1] of the speed at the start: planets are fast from the beginning
+STEPS_BEFORE_CHECK = 2000  # so that half of them can show a growth
+RECENT_TIME_SHARE = 0.1  # [1] of the time so far: the last half of the steps of a growing motion fall within
+WATCHED_STEPS_RATIO = 1.01  # [1] of the steps at the last entry kept: a run may be a million segments
 
 
 def driven_to(compiled: Compiled, t: float) -> str:
     """The drivers, with the positions that they prescribe at t."""
     drivers = list({id(driver): driver for driver, _ in compiled.drives}.values())
-    return " and ".join(f"driver '{compiled.system.name(x)}' ({type(x).__name__}){reached(x, t)}" for x in drivers)
+    return " and ".join(
+        f"driver '{compiled.system.name(x)}' ({type(x).__name__}){prescribed_positions(x, t)}" for x in drivers
+    )
 
 
-def reached(driver: Driver, t: float) -> str:
+def prescribed_positions(driver: Driver, t: float) -> str:
     """The position that a driver prescribes; nothing for one that prescribes a speed."""
     unit = UNITS.get(type(driver))
     values = [float(row.signal(t)) for row in driver.primitives if row.signal is not None]
@@ -60,7 +75,7 @@ def at_end_of_curve(compiled: Compiled, data: Data, h: float) -> str | None:
         if isinstance(joint, CurveContact) and not joint.closed:
             last = data.coordinate[compiled.coordinate(joint.way)]
             near = joint.start + last["value"] + last["rate"] * h
-            if not BEFORE * joint.line.length < near < (1.0 - BEFORE) * joint.line.length:
+            if not CURVE_END_SHARE * joint.line.length < near < (1.0 - CURVE_END_SHARE) * joint.line.length:
                 return f"joint '{compiled.system.name(joint)}'"
     return None
 
@@ -75,7 +90,7 @@ def singular_start(
     what = describe_singularity(compiled, start)
     if what.startswith(INFINITESIMAL):
         return f"the mobility at the start is {what}", "see system.check()"
-    stays = t - start.t <= ON_THE_SPOT * (t_end - start.t)
+    stays = t - start.t <= START_TIME_SHARE * (t_end - start.t)
     return (f"the pose at the start is {what}", BESIDE) if what and stays else None
 
 
@@ -84,14 +99,14 @@ def singular_there(compiled: Compiled, start: State, y: np.ndarray, t: float) ->
     return describe_singularity(compiled, replace(start, t=t, q=y[: start.q.size]))
 
 
-def just_after(t: float, h: float) -> tuple[float, ...]:
+def probe_times(t: float, h: float) -> tuple[float, ...]:
     """Times at which what ends a run shows: t, where it ended, and after a step h or a small share of t."""
     return (t, t + 1e-9 * max(abs(t), 1.0), t + max(h, 0.0), t + 1e-3 * max(abs(t), 1.0))
 
 
 def contradiction(compiled: Compiled, data: Data, y: np.ndarray, t: float, h: float) -> Contradiction | None:
     """Drivers that prescribe two motions for one freedom from t on, if any: their signals part long after the start."""
-    for later in just_after(t, h) if len(compiled.drives) > 1 else ():
+    for later in probe_times(t, h) if len(compiled.drives) > 1 else ():
         load_rows(compiled, data, y, later)
         if not np.isfinite(data.row["J"]).all():
             return None
@@ -108,9 +123,11 @@ class Blamed(NamedTuple):
     what: str
 
 
-def blame(compiled: Compiled, data: Data, y: np.ndarray, t: float, h: float, dy: np.ndarray) -> Blamed | None:
+def find_nonfinite_part(
+    compiled: Compiled, data: Data, y: np.ndarray, t: float, h: float, dy: np.ndarray
+) -> Blamed | None:
     """The joint or force whose numbers are not finite at t, or just after it along the rates dy, if any."""
-    for later in just_after(t, h):
+    for later in probe_times(t, h):
         moved = y + (later - t) * dy if np.isfinite(dy).all() else y
         load_rows(compiled, data, moved, later)
         loads(compiled.model, data, later)
@@ -138,3 +155,54 @@ def what_fails(compiled: Compiled, k: int, y: np.ndarray, t: float, rates: np.nd
         )
         return f"{NOT_FINITE}: the rate of its state {names}"
     return NOT_FINITE
+
+
+class DivergenceWatch:
+    """Watches the greatest speed of a run.
+
+    In a motion that grows like exp(k t) by turning, the number of steps grows with the angle, so half of them are
+    spent on the last doubling of the speed, within ln 2 / k. No machine doubles its greatest speed so far in the last
+    half of thousands of steps and a tenth of its time, and none reaches `SPEED_MAX` from slow motion. Only systems with
+    an active force are judged.
+    """
+
+    def __init__(self, compiled: Compiled, t_start: float) -> None:
+        forces = compiled.system.forces
+        self.active = [i for i, force in enumerate(forces) if isinstance(force, StateFeedback | FunctionForce)]
+        self.compiled, self.t_start = compiled, t_start
+        self.seen: list[tuple[int, float, float]] = []  # steps, time, greatest speed
+
+    def diverges(self, y: np.ndarray, steps: int, t: float, speed: float) -> bool:
+        """True for a motion that grows without end, given the state, the steps so far and the greatest speed so far.
+
+        Asked of systems with an active force only.
+        """
+        n = self.compiled.model.body.size
+        speed = max(speed, float(np.abs(y[7 * n : 13 * n].reshape(n, 2, 3)[:, 0]).max()))
+        if not self.seen or steps > WATCHED_STEPS_RATIO * self.seen[-1][0]:
+            self.seen.append((steps, t, speed))
+        if speed > max(SPEED_MAX * self.compiled.model.length, SPEED_GROWTH_MAX * self.seen[0][2]):
+            return True
+        _, t_half, speed_half = next(
+            entry for entry in reversed(self.seen) if entry[0] <= steps / 2 or entry is self.seen[0]
+        )
+        lately = t - t_half <= RECENT_TIME_SHARE * (t - self.t_start)
+        return steps > STEPS_BEFORE_CHECK and lately and speed > 1.8 * speed_half
+
+    def check(self, run: Run, data: Data, solution: Callable[[], RunResult]) -> None:
+        """IntegrationError for a motion that grows without end."""
+        now = run.now
+        if self.active and self.diverges(run.y, int(now.steps), float(now.t), float(now.speed)):
+            raise self.error(data, float(now.t), solution())
+
+    def error(self, data: Data, t: float, solution: RunResult) -> IntegrationError:
+        """The error that names the active force of greatest power."""
+        forces, power = self.compiled.system.forces, np.abs(data.force["power"][self.active])
+        worst = self.active[int(np.argmax(np.where(np.isfinite(power), power, np.inf)))]
+        return IntegrationError(
+            "the motion grows without end",
+            time=t,
+            part=f"force '{self.compiled.system.name(forces[worst])}'",
+            solution=solution,
+            advice="check the sign and size of its gains or parameters, or end the run earlier",
+        )

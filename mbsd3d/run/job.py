@@ -1,10 +1,9 @@
-"""One run: the compiled time loop in chunks, the choice of rows between them, and its samples."""
+"""A run: the compiled time loop in chunks, the choice of rows between them, and the samples."""
 
 import time
 
 import numpy as np
 
-from ..base.checks import number
 from ..base.concurrency import turn_passed_on
 from ..base.errors import AssemblyError, InputError, IntegrationError
 from ..base.progress import Progress
@@ -21,60 +20,64 @@ from ..equations.compiled import Compiled
 from ..equations.jacobian import scaled_rows
 from ..integrators import memory
 from ..integrators.memory import Run, allocate_run
-from ..integrators.method import Method
 from ..integrators.outputs import write
 from ..integrators.step_control import PROJECTION_TOLERANCE
 from ..kernels.coordinates import remember
 from ..kernels.kinds import PROJECTION
+from ..kernels.layout import Tree
 from ..mechanism.drivers import SpeedDriver
 from ..mechanism.forces.contact import Contact
 from ..mechanism.forces.custom import check_runnable
-from ..mechanism.measures import Condition
 from ..mechanism.state import State
-from ..results.record import MOST_NUMBERS, Record, Samples, buffer_size
-from ..results.run_result import RunResult
+from ..results.record import MOST_NUMBERS, Record, RunOptions, Samples, buffer_size
+from ..results.result import RunResult
 from ..solver.saddle_point import SOLVED
-from .balance import MemoryWatch, check_balance, longest_step, with_jumps
-from .divergence import DivergenceWatch
 from .events import armed_at_start, check_digits, rate_of_motion, turns_of_signals
-from .failure_causes import FAILURES, at_end_of_curve, blame, contradiction, driven_to, singular_start, singular_there
-from .initial_checks import check_sunk
+from .failure_causes import (
+    FAILURES,
+    DivergenceWatch,
+    at_end_of_curve,
+    contradiction,
+    driven_to,
+    find_nonfinite_part,
+    singular_start,
+    singular_there,
+)
+from .initial_checks import MemoryWatch, check_balance, check_initial_penetration, longest_step, with_jumps
 from .stiffness import check_forces
 
-CHUNK = 0.05  # seconds of kernel time between visits to Python: progress, Ctrl-C
-CAPACITY = 1024  # samples between visits to Python where every step is one
-SHORT = memory.STEP_TOO_SMALL, memory.NOT_CONVERGED  # ends of runs that a singular pose may be the reason for
+CHUNK_SECONDS = 0.05  # s of kernel time between two returns to Python, for progress and Ctrl-C
+BUFFER_SAMPLES = 1024  # between two returns to Python where every step is a sample
+SINGULAR_EXIT_CODES = memory.STEP_TOO_SMALL, memory.NOT_CONVERGED  # which a singular pose may cause
 
 
 class Job:
-    """One run: the compiled time loop is called in chunks; between them samples are collected."""
+    """A run: the compiled time loop is called in chunks; between them samples are collected."""
+
+    tree: Tree  # of the equations; `eliminate` makes it
 
     def __init__(
-        self, compiled: Compiled, start: State, t_end: float, times: np.ndarray | None, method: Method, rtol: float,
-        stop_when: Condition | None, as_built: float | None,
-    ) -> None:  # fmt: skip
-        self.compiled, self.model, self.start, self.method = compiled, compiled.model, start, method
-        self.stop_when = stop_when
+        self, compiled: Compiled, start: State, t_end: float, times: np.ndarray | None, options: RunOptions
+    ) -> None:
+        self.compiled, self.model, self.start, self.options = compiled, compiled.model, start, options
         check_runnable(compiled.system)
         self.divergence = DivergenceWatch(compiled, start.t)
-        self.tolerance = 1e-10 if as_built is None else number(as_built, "as_built", positive=True) / self.model.length
         self.data = compiled.data()
-        allowed = 0.0 if as_built is None else self.tolerance
-        self.record = Record(method, rtol, compiled.switches, allowed, method.order == 0, about_centre=True)
-        self.own = method.start(self.model, compiled.data)
+        as_built = 0.0 if options.as_built is None else options.as_built / self.model.length
+        self.record = Record(options, as_built, about_centre=True)
+        self.own = self.options.method.start(self.model, compiled.data)
         coordinates = driven_coordinates(compiled, start.t) if start.coordinates is None else start.coordinates
         coordinates = coordinates[: compiled.own_coordinates]  # what another run measured besides is not known here
         y = load_state(compiled, self.data, State(start.t, start.q, start.v, start.z, coordinates))
-        self.tree = None
-        self.memory = self.new_run(y, start.t, t_end, times, rtol)
+        self.memory = self.new_run(y, t_end, times)
         self.functions = MemoryWatch(compiled, y, start.t)
         self.last_event = -1
 
-    def new_run(self, y: np.ndarray, t: float, t_end: float, times: np.ndarray | None, rtol: float) -> Run:
-        """Memory of the time loop."""
-        m, method, n = self.model, self.method, self.model.body.size
+    def new_run(self, y: np.ndarray, t_end: float, times: np.ndarray | None) -> Run:
+        """Allocate the arrays of the compiled time loop and set its task."""
+        m, method, n, t = self.model, self.options.method, self.model.body.size, self.start.t
         widths = (1, y.size, 6 * n, m.row.size, m.coordinate.size, m.force.size, m.force.size, 2)
-        capacity = buffer_size(CAPACITY if times is None else times.size + 1, sum(widths)) + 2
+        capacity = buffer_size(BUFFER_SAMPLES if times is None else times.size + 1, sum(widths)) + 2
         self.samples = Samples(widths, capacity if times is None else times.size + 1)
         run = allocate_run(
             y, self.model.body.size, np.zeros(0) if times is None else times, capacity, sum(widths), method.dense_terms,
@@ -84,12 +87,13 @@ class Job:
         )  # fmt: skip
         run = run._replace(turns=with_jumps(run.turns, self.compiled.system, t))
         task, now = run.task, run.now  # their fields by name: as attributes each takes a microsecond more
-        task["t_start"], task["t_end"], task["rtol"], task["tolerance"] = t, t_end, rtol, max(self.tolerance, 1e-9)
+        task["t_start"], task["t_end"], task["rtol"] = t, t_end, self.options.rtol
+        task["tolerance"] = max(self.record.tolerance, 1e-9)
         task["steps"] = 0 if method.dt is None else max(int(np.ceil((t_end - t) / method.dt - 1e-9)), 1)
         task["max_step"] = longest_step(method, self.compiled.system)
         task["every_step"], task["condition"] = times is None, -1
-        if self.stop_when is not None:
-            task["condition"], task["stop"], task["direction"] = 0, self.stop_when.value, self.stop_when.direction
+        if (stop_when := self.options.stop_when) is not None:
+            task["condition"], task["stop"], task["direction"] = 0, stop_when.value, stop_when.direction
         now["t"], now["fresh"] = t, 1
         run.rows["pivot"], run.rows["lowest"], run.rows["ahead"] = 1.0, 1.0, np.inf
         run.stiffness["patience"] = method.patience
@@ -97,7 +101,7 @@ class Job:
 
     def run(self, progress: Progress) -> RunResult:
         """Call the time loop until the end, a stop, an error or Ctrl-C."""
-        began, loop = time.perf_counter(), f"time loop {self.method.loop.__name__}"
+        began, loop = time.perf_counter(), f"time loop {self.options.method.loop.__name__}"
         announce_compilation(loop)
         try:
             with progress:
@@ -115,7 +119,7 @@ class Job:
         return self.solution()
 
     def evaluate(self) -> RunResult:
-        """One sample at the start, without integrating."""
+        """Evaluate one sample at the start, without integrating."""
         self.check_start()
         self.eliminate()
         model, data, run, t = self.model, self.data, self.memory, self.start.t
@@ -130,7 +134,7 @@ class Job:
         return self.solution()
 
     def loop(self, progress: Progress) -> None:
-        """Chunks of about CHUNK seconds, the first of a millisecond, or shorter where divergence is watched."""
+        """Call the loop in chunks of about `CHUNK_SECONDS`, the first of a millisecond; shorter to watch divergence."""
         run, budget = self.memory, 16 if self.divergence.active else max(16, 1000 // self.model.body.size)
         wait_for_second()
         while True:
@@ -142,7 +146,7 @@ class Job:
             self.divergence.check(run, self.data, self.solution)
             self.functions.check(float(run.now.t), self.solution)
             if status == memory.RUNNING:
-                budget = int(np.clip(budget * CHUNK / max(spent, 1e-6), budget / 4, 4 * budget)) or 1
+                budget = int(np.clip(budget * CHUNK_SECONDS / max(spent, 1e-6), budget / 4, 4 * budget)) or 1
             elif status == memory.FULL:
                 self.drain()
                 if self.samples.count * run.out.shape[1] > MOST_NUMBERS:
@@ -153,7 +157,7 @@ class Job:
                 check_forces(self.compiled, run.y, run.now.t, run.now.step, self.solution)
                 run.stiffness.patience = np.inf
             elif status == memory.STOPPED:
-                self.record.stopped_by = f"{self.stop_when} at t = {run.now.t:.9g} s"
+                self.record.stopped_by = f"{self.options.stop_when} at t = {run.now.t:.9g} s"
                 return
             elif status == memory.DONE:
                 return
@@ -161,12 +165,12 @@ class Job:
                 self.fail(status)
 
     def call(self, budget: int) -> int:
-        """The compiled loop of the method."""
+        """Call the compiled loop of the method for up to ``budget`` steps; return its status."""
         with turn_passed_on():
-            return self.method.loop(self.model, self.data, self.tree, self.own, self.memory, budget)
+            return self.options.method.loop(self.model, self.data, self.tree, self.own, self.memory, budget)
 
     def eliminate(self) -> None:
-        """The tree of the equations at the present state, over all rows; of parts as built, over independent ones."""
+        """Build the spanning tree at the present state, over all rows; of parts as built, over independent rows."""
         run = self.memory
         load_rows(self.compiled, self.data, run.y, run.now.t)
         if not np.isfinite(self.data.row["J"]).all():
@@ -177,7 +181,7 @@ class Job:
         run.now.fresh = max(run.now.fresh, 1)
 
     def eliminate_anew(self) -> None:
-        """Another tree: rows of a joint have become dependent, or rows left out are violated, which is an event."""
+        """Build a new tree: rows of a joint have become dependent, or rows left out are violated, which is an event."""
         if self.memory.now.steps == self.last_event:
             self.fail(memory.NOT_CLOSING)  # the tree before did not last a single step
         self.last_event = int(self.memory.now.steps)
@@ -188,7 +192,7 @@ class Job:
             )
 
     def check_driven(self) -> None:
-        """Kinematic() needs rows that determine everything, at position level."""
+        """Raise an InputError where Kinematic() lacks rows that determine all positions."""
         if not (self.record.kinematic and self.model.stabilisation):
             return
         need = 6 * self.model.body.size
@@ -207,29 +211,30 @@ class Job:
             )
 
     def first_step(self) -> None:
-        """Scales of the velocity errors and the first step from the accelerations at the start."""
+        """Set the scales of velocity errors and the first step [s] from the accelerations at the start."""
         run, model, n = self.memory, self.model, self.model.body.size
         now, task = run.now, run.task
         horizon = task["t_end"] - now["t"]
         project_and_evaluate(model, self.data, self.tree, now["t"], run.y.copy(), run.dy, FACTOR_FROM_OTHER_POSE)
         v, a = (x[7 * n : 13 * n].reshape(n, 6) for x in (run.y, run.dy))
         rate = max(rate_of_motion(v, a, model.length), 1.0 / horizon) or 1.0  # a run without horizon may start at rest
-        if self.stop_when is None:
+        if self.options.stop_when is None:
             check_digits(float(task["t_end"]), rate)
         now["speed"], now["turn"] = rate * model.length, rate
         if self.record.kinematic:
             now["turn"] = np.abs(v[:, 3:]).max(initial=0.0)  # what it does turn, for the distance of poses
-        now["step"] = task["first_step"] = min(horizon, 0.5 * task["rtol"] ** (1.0 / (self.method.order or 8)) / rate)
+        share = 0.5 * task["rtol"] ** (1.0 / (self.options.method.order or 8))
+        now["step"] = task["first_step"] = min(horizon, share / rate)
 
     def check_start(self) -> None:
-        """A projected run starts from a consistent state: what the user gave is not moved silently."""
+        """Check the start: a projected run needs a consistent state, what the user gave is not moved silently."""
         check_quaternions(self.compiled.system, self.start)
         self.functions.check_start()
         check_balance(self.compiled, self.memory.y, self.start.t)
-        check_sunk(self.compiled, self.memory.y)
+        check_initial_penetration(self.compiled, self.memory.y)
         if self.model.stabilisation != PROJECTION:
             return
-        missed = unmet(self.compiled, self.data, self.start.v, max(1e-8, self.tolerance))
+        missed = unmet(self.compiled, self.data, self.start.v, max(1e-8, self.record.tolerance))
         if missed is not None:
             residual, unit = missed
             part, size = worst_joint(self.compiled, residual)
@@ -246,18 +251,18 @@ class Job:
 
     def check_condition(self) -> None:
         """Arm the condition to stop, unless it just comes true at the start: then it waits until it has been false."""
-        if self.stop_when is not None:
+        if (stop_when := self.options.stop_when) is not None:
             run = self.memory
-            found = armed_at_start(self.compiled, self.data, self.tree, run, self.stop_when)
+            found = armed_at_start(self.compiled, self.data, self.tree, run, stop_when)
             run.now.armed, run.task.slack, run.now.hop = found
 
     def drain(self) -> None:
-        """Move the samples of the full buffer away."""
+        """Copy the samples out of the full buffer and empty it."""
         self.samples.take(self.memory.out[: int(self.memory.now.written)])
         self.memory.now.written = 0
 
     def solution(self) -> RunResult:
-        """The samples so far."""
+        """Return the result up to the last sample."""
         self.drain()
         run, record = self.memory, self.record
         now = run.now
@@ -266,18 +271,19 @@ class Job:
         record.speed = float(now["fastest"])
         record.open_audit = tuple(float(now[x]) for x in AUDITED_FIELDS)
         record.note_turning(now, [body.name for body in self.compiled.system.bodies])
-        if self.stop_when is not None and now["armed"] == 0 and record.steps:
-            record.never_armed = str(self.stop_when)
+        if self.options.stop_when is not None and now["armed"] == 0 and record.steps:
+            record.never_armed = str(self.options.stop_when)
         arrays = self.samples.finished()
         arrays["t"] = arrays["t"][:, 0]
         return RunResult.from_run(self.compiled, arrays, record, self.start, run.y.copy(), float(now["t"]), self.data)
 
     def fail(self, status: int) -> None:
-        """IntegrationError with time, the part to blame, advice and what was computed."""
+        """IntegrationError with time, part, advice and what was computed."""
         t = float(self.memory.now.t)
         solution = self.solution()
-        here = (self.compiled, self.data, self.memory.y, t, float(self.method.dt or self.memory.now.step))
-        blamed, clash = blame(*here, self.memory.dy), contradiction(*here)
+        dt = self.options.method.dt
+        here = (self.compiled, self.data, self.memory.y, t, float(dt or self.memory.now.step))
+        blamed, clash = find_nonfinite_part(*here, self.memory.dy), contradiction(*here)
         part = blamed.part if blamed else None
         what, advice = FAILURES[status]
         ended = at_end_of_curve(self.compiled, self.data, float(self.memory.now.step))
@@ -294,12 +300,12 @@ class Job:
         ):
             part = f"{driven_to(self.compiled, t)}, where the mechanism locks or passes a singular position"
             advice = "drive it less far, or the other way; see system.check()"
-            if self.method.dt is not None:
-                advice = f"take a smaller dt than {self.method.dt:g} s, {advice}"
-        elif status in SHORT and (singular := singular_there(self.compiled, self.start, here[2], t)):
-            what = f"{what}: the pose is {singular}"
-        elif part is None and status == memory.NOT_CLOSING and self.method.dt is not None:
-            advice = f"the step of {self.method.dt:g} s is too long, or the position singular: take a smaller dt"
+            if dt is not None:
+                advice = f"take a smaller dt than {dt:g} s, {advice}"
+        elif status in SINGULAR_EXIT_CODES and (pose := singular_there(self.compiled, self.start, here[2], t)):
+            what = f"{what}: the pose is {pose}"
+        elif part is None and status == memory.NOT_CLOSING and dt is not None:
+            advice = f"the step of {dt:g} s is too long, or the position singular: take a smaller dt"
         elif blamed:
             what, advice = blamed.what, "correct its parameters or function, or end the run earlier"
         raise IntegrationError(what, time=t, part=part, solution=solution, advice=advice)

@@ -1,9 +1,11 @@
-"""What is played: a model, the numbers that change while it moves, and what is seen of it."""
+"""Model of a live run: the system, the controls that change while it moves, and the curves beside it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import chain, repeat
 from typing import NamedTuple, Protocol
+
+import numpy as np
 
 from ..base.checks import listed, number, shown
 from ..base.errors import InputError, similar
@@ -75,16 +77,21 @@ class Seen(NamedTuple):
 class Playable(Protocol):
     """What `Playing` plays; ``values`` are those of the controls by name, ``measured`` those of the measures."""
 
-    controls: Sequence[Control]
-    panels: Sequence[Panel]
+    @property
+    def controls(self) -> Sequence[Control]:
+        """Numbers that change while it moves."""
+
+    @property
+    def panels(self) -> Sequence[Panel]:
+        """Curves beside the scene."""
 
     def built(self, values: Mapping[str, float], state: State | None) -> Built:
         """The model, at its start, or as it goes on from a state of the one before."""
 
-    def inputs(self, values: Mapping[str, float], measured: Sequence[float]) -> Mapping[str, float]:
-        """Values of the `Input` signals for the next slice."""
+    def inputs(self, values: Mapping[str, float], measured: Sequence[float] | np.ndarray) -> Mapping[str, float]:
+        """Values of the `Input` signals for the next segment."""
 
-    def seen(self, values: Mapping[str, float], measured: Sequence[float]) -> Seen:
+    def seen(self, values: Mapping[str, float], measured: Sequence[float] | np.ndarray) -> Seen:
         """What is shown beside the scene."""
 
 
@@ -112,10 +119,10 @@ class Plain:
     def built(self, values: Mapping[str, float], state: State | None) -> Built:
         return Built(self.system, state or self.start, self.measures, [*self.measures, "energy"])
 
-    def inputs(self, values: Mapping[str, float], measured: Sequence[float]) -> Mapping[str, float]:
+    def inputs(self, values: Mapping[str, float], measured: Sequence[float] | np.ndarray) -> Mapping[str, float]:
         return values
 
-    def seen(self, values: Mapping[str, float], measured: Sequence[float]) -> Seen:
+    def seen(self, values: Mapping[str, float], measured: Sequence[float] | np.ndarray) -> Seen:
         return Seen([*measured, *values.values()])
 
 

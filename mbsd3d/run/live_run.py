@@ -1,4 +1,4 @@
-"""A model that moves in real time, in a thread of its own, while its numbers are changed."""
+"""A live run: a model that moves in real time, in a thread of its own, while its controls change."""
 
 import threading
 import time
@@ -11,16 +11,14 @@ import numpy as np
 
 from ..base.errors import MbsError
 from ..base.progress import Progress
-from ..equations.compiled import Switches
-from ..integrators.method import Method
-from ..results.run_result import RunResult
-from ..results.run_samples import unit_quaternions
+from ..results.record import RunOptions
+from ..results.result import RunResult, unit_quaternions
 from .live_model import Built, Playable, Seen
-from .segments import Slices
+from .segments import Segments
 
 T = TypeVar("T")
 PERIOD = 1.0 / 60.0  # [s] from one frame to the next
-LONGEST = 10 * 60 * 60  # frames that are kept: ten minutes; then a new ride begins
+LONGEST = 10 * 60 * 60  # frames that are kept: ten minutes; then a new run begins
 WINDOW = 60  # frames over which it is seen whether the model keeps up
 
 
@@ -35,11 +33,11 @@ class Frame(NamedTuple):
 
 
 class GivenUpError(Exception):
-    """A slice was left unfinished."""
+    """Raised when a live run is stopped within a segment."""
 
 
 class Patience(Progress):
-    """Leaves a slice that nobody waits for any more."""
+    """Progress that stops a segment nobody waits for any more."""
 
     def __init__(self) -> None:
         super().__init__("", 0.0, 1.0, False)
@@ -52,7 +50,7 @@ class Patience(Progress):
 
 
 class Playing:
-    """A model at its start; `start` lets it move: a slice of ``pace / 60`` s of it every 1/60 s.
+    """A model at its start; `start` lets it move: a segment of ``pace / 60`` s every 1/60 s.
 
     A frame that is ready after the next one was due is late: the clock of the model then waits for it.
 
@@ -62,11 +60,11 @@ class Playing:
     Raises
     ------
     MbsError
-        What the model, its state or its first slice give reason for.
+        If the model, its state or its first segment cannot run.
     """
 
-    def __init__(self, model: Playable, method: Method | None, rtol: float, as_built: float | None) -> None:
-        self.model, self.method, self.rtol, self.as_built = model, method, rtol, as_built
+    def __init__(self, model: Playable, options: RunOptions) -> None:
+        self.model, self.options = model, options
         self.values = {control.name: control.value for control in model.controls}
         self.held: dict[str, float] = {}
         self.running, self.pace, self.late, self.note = True, 1.0, 0, ""
@@ -74,15 +72,17 @@ class Playing:
         self.wishes: deque[tuple[Future, Callable]] = deque()
         self.reached: deque[tuple[float, float]] = deque(maxlen=WINDOW)  # clock, time of the model
         self.builds = [control.name for control in model.controls if control.builds]
-        trial = self.slices_of(model.built(self.values, None))  # compiles, and finds what cannot run
+        trial = self.segments_of(model.built(self.values, None))  # compiles, and finds what cannot run
         trial.advance(trial.t + PERIOD)
         self.begin(model.built(self.values, None))
-        self._ended, self._thread = threading.Event(), None
+        self._ended = threading.Event()
+        self._thread: threading.Thread | None = None
 
     def start(self, publish: Callable[[Frame], None]) -> None:
-        """Let it move; ``publish`` gets every frame, in the thread."""
-        self._thread = threading.Thread(target=self._run, args=(publish,), name="mbsd3d play", daemon=True)
-        self._thread.start()
+        """Start the thread; ``publish`` gets every frame in it."""
+        thread = threading.Thread(target=self._run, args=(publish,), name="mbsd3d play", daemon=True)
+        self._thread = thread
+        thread.start()
 
     def stop(self) -> None:
         """End the thread, within the work of 0.05 s."""
@@ -93,7 +93,7 @@ class Playing:
         self.grant()
 
     def do(self, what: Callable[..., T], *arguments: object) -> "Future[T]":
-        """Call one of the methods between two slices; the future has what it returns or raises."""
+        """Call one of the methods between two segments; the future has what it returns or raises."""
         future: Future[T] = Future()
         self.wishes.append((future, lambda: what(*arguments)))
         if self._thread is not None and not self._thread.is_alive():
@@ -101,7 +101,7 @@ class Playing:
         return future
 
     def _run(self, publish: Callable[[Frame], None]) -> None:
-        """Frame by frame until it is stopped."""
+        """Publish frame by frame until the run is stopped."""
         due = time.perf_counter()
         while not self._ended.wait(max(due - time.perf_counter(), 0.0)):
             publish(self.frame())
@@ -110,64 +110,68 @@ class Playing:
                 self.late, due = self.late + self.moving, now
 
     def frame(self) -> Frame:
-        """Grant wishes, go on by a slice, and look."""
+        """Apply the pending commands, integrate one segment and return the new frame."""
         self.grant()
         if self.moving:
             self.advance()
-        slices = self.slices
-        seen = self.model.seen(self.now, slices.measured)
+        segments = self.segments
+        seen = self.model.seen(self.now, segments.measured)
         for name, value in seen.values.items():
             self.values[name] = self.built_with[name] = value
         if seen.over and self.running:
             self.end(seen.over)
-        poses = unit_quaternions(slices.memory.y[: 7 * slices.model.body.size]).reshape(-1, 7)
-        return Frame(slices.t, self.late, self.share(), seen, poses)
+        poses = unit_quaternions(segments.memory.y[: 7 * segments.model.body.size]).reshape(-1, 7)
+        return Frame(segments.t, self.late, self.share(), seen, poses)
 
     @property
     def moving(self) -> bool:
-        """Whether time passes: it runs, and somebody looks."""
+        """Return whether time passes: the run goes on and a page is connected."""
         return self.running and self.watched
 
     @property
     def now(self) -> dict[str, float]:
-        """Value of every control."""
+        """Return the value of every control; pressed keys go first."""
         return self.values | self.held
 
     def share(self) -> float:
-        """Share of the pace that is reached, over the last frames."""
-        if not self.moving or len(self.reached) < self.reached.maxlen:
+        """Return the share of the pace that is reached, over the last frames."""
+        if not self.moving or len(self.reached) < WINDOW:
             return 1.0
         (clock, t), (last, now) = self.reached[0], self.reached[-1]
         return min((now - t) / (self.pace * (last - clock)), 1.0)
 
     def advance(self) -> None:
-        """One slice."""
-        slices = self.slices
+        """Set the inputs and integrate one segment."""
+        segments = self.segments
         try:
-            for name, value in self.model.inputs(self.now, slices.measured).items():
-                slices.set(name, value)
-            slices.advance(slices.t + self.pace * PERIOD)
+            for name, value in self.model.inputs(self.now, segments.measured).items():
+                segments.set(name, value)
+            segments.advance(segments.t + self.pace * PERIOD)
         except GivenUpError:
             self.patience.over.clear()
         except MbsError as error:
             self.end(str(error))
-        self.reached.append((time.perf_counter(), slices.t))
-        if slices.samples.count + int(slices.memory.now["written"]) > LONGEST:
-            self.begin(self.built._replace(state=slices.state))
+        self.reached.append((time.perf_counter(), segments.t))
+        if segments.samples.count + int(segments.memory.now["written"]) > LONGEST:
+            self.begin(self.built._replace(state=segments.state))
 
-    def slices_of(self, built: Built) -> Slices:
-        """A run of a model."""
-        return Slices(built.system, built.state, Switches(), self.method, self.rtol, self.as_built, built.measures)
+    def segments_of(self, built: Built) -> Segments:
+        """Return a run in segments of a model."""
+        return Segments(built.system, built.state, self.options, built.measures)
 
     def begin(self, built: Built) -> None:
-        """Go on with a model: a new ride begins."""
-        slices = self.slices_of(built)
-        slices.progress, self.built = self.patience, built
-        self.slices, self.since, self.built_with = slices, slices.t, {name: self.now[name] for name in self.builds}
+        """Begin a new run with a model."""
+        segments = self.segments_of(built)
+        segments.progress, self.built = self.patience, built
+        self.segments, self.since, self.built_with = (
+            segments,
+            segments.t,
+            {name: self.now[name] for name in self.builds},
+        )
         self.reached.clear()
 
     def grant(self) -> None:
-        """Do what was wished since the last slice."""
+        """Apply the commands given since the last segment."""
         while self.wishes:
             future, what = self.wishes.popleft()
             try:
@@ -178,7 +182,7 @@ class Playing:
         changed = [name for name in self.builds if self.now[name] != self.built_with[name]]
         if changed and not self.over:
             try:
-                self.begin(self.model.built(self.now, self.slices.state))
+                self.begin(self.model.built(self.now, self.segments.state))
             except MbsError as error:  # it stays as it was
                 self.note = str(error)
                 self.values |= self.built_with
@@ -195,29 +199,29 @@ class Playing:
             self.held[name] = value
 
     def run(self, on: bool) -> None:
-        """Go on or pause."""
+        """Resume or pause the run."""
         self.running = on and not self.over
         self.reached.clear()
 
     def watch(self, on: bool) -> None:
-        """Somebody looks, or nobody: then it waits."""
+        """Resume the run when a page connects; pause it when the last one disconnects."""
         self.watched = on
         self.reached.clear()
 
     def slow(self, pace: float) -> None:
-        """Seconds of the model per second."""
+        """Set the seconds of the model per second."""
         self.pace = pace
         self.reached.clear()
 
     def reset(self) -> None:
-        """Back to the start, with the controls as they are."""
+        """Begin again at the start, with the controls as they are."""
         self.begin(self.model.built(self.now, None))
         self.running, self.over, self.note, self.late = True, False, "", 0
 
     def end(self, why: str) -> None:
-        """It does not go on until it is reset."""
+        """Mark the run as ended until it is reset."""
         self.running, self.over, self.note = False, True, why
 
     def result(self) -> RunResult:
-        """The ride since `since`: since the start, or since the model was made anew."""
-        return self.slices.solution()
+        """Return the run since `since`: since the start, or since the model was made anew."""
+        return self.segments.solution()

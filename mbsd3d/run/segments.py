@@ -1,4 +1,4 @@
-"""A run in slices: it goes on where it is, with numbers that are set from outside between two slices."""
+"""A run in segments: it goes on where it is, with inputs that are set between two segments."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -12,52 +12,45 @@ from ..base.rotations import matrix
 from ..compiler.cache_folder import mark_warm
 from ..compiler.first_run import announce_compilation
 from ..dynamics.auditing import AUDITED_FIELDS
-from ..equations.compiled import Switches, compile_system, set_input, starts, with_history, with_own_inputs
-from ..integrators.dop853 import DOP853
-from ..integrators.method import Method
+from ..equations.compiled import compile_system, set_input, starts, with_history, with_own_inputs
 from ..integrators.step_control import STEP_TIME_RATIO_MIN
 from ..kernels.coordinates import measure
 from ..mechanism.measures import Measure, check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.signals.input import Input
 from ..mechanism.state import State
-from ..results.run_result import RunResult
-from ..results.run_samples import unit_quaternions
+from ..results.record import RunOptions
+from ..results.result import RunResult, unit_quaternions
 from .job import Job
-from .simulation import check_kinds, check_signals, check_steps
+from .simulation import check_signals, check_steps
 
 SILENT = Progress("", 0.0, 1.0, False)
 
 
-class Slices(Job):
-    """A job whose end is moved on from slice to slice; rows, steps and factors of the method stay what they are.
+class Segments(Job):
+    """A job whose end is moved on from segment to segment; rows, steps and factors of the method stay what they are.
 
-    ``keep`` says whether the end of each slice is a sample, taken before an input changes there; ``progress`` is asked
-    every 0.05 s of work.
+    ``keep`` says whether the end of each segment is a sample, taken before an input changes there; ``progress`` is
+    asked every 0.05 s of work.
     """
 
-    def __init__(
-        self, system: Mechanism, start: State, switches: Switches, method: Method | None, rtol: float,
-        as_built: float | None, measures: Sequence[Measure],
-    ) -> None:  # fmt: skip
-        method = DOP853() if method is None else method
-        check_kinds(method, rtol, None)
+    def __init__(self, system: Mechanism, start: State, options: RunOptions, measures: Sequence[Measure] = ()) -> None:
         measures = listed(measures, "Stepper: measures", "a list of mbsd3d.measures")
         for x in measures:
             if not isinstance(x, Measure):
                 raise InputError(f"Stepper: measures: {shown(x)} is not a measure; build one with mbsd3d.measures")
             check_members(system, x, "Stepper: measures")
-        compiled = with_own_inputs(compile_system(system, tuple(measures), switches))
+        compiled = with_own_inputs(compile_system(system, tuple(measures), options.switches))
         self.inputs, self.keep, self.progress = starts(compiled), True, SILENT
         self.history = {name: [(start.t, value)] for name, value in self.inputs.items()}
         self.driving = {name: driver_of(system, name) for name in self.inputs}
-        super().__init__(compiled, start, start.t, None, method, rtol, None, as_built)
+        super().__init__(compiled, start, start.t, None, options)
         self.measures = range(len(measures))
         self.last_signal = last_time(system)
         task = self.memory.task
         self.memory = self.memory._replace(times=np.array([start.t, start.t]))
         task.every_step, task.t_end = 0, np.inf  # no horizon: the first step follows from the accelerations alone
-        announce_compilation(f"time loop {method.loop.__name__}")
+        announce_compilation(f"time loop {self.options.method.loop.__name__}")
         self.check_start()
         self.eliminate()
         self.check_driven()
@@ -65,11 +58,11 @@ class Slices(Job):
 
     @property
     def t(self) -> float:
-        """Time reached [s]."""
+        """Return the time reached so far [s]."""
         return float(self.memory.now["t"])
 
     def set(self, key: Input | str, value: float) -> None:
-        """Give an input a value from now on."""
+        """Set the value of an input from now on."""
         name = key.name if isinstance(key, Input) else key
         if not isinstance(name, str) or name not in self.inputs:
             have = ", ".join(f"'{x}'" for x in self.inputs) or "none"
@@ -91,33 +84,33 @@ class Slices(Job):
         self.memory.now.fresh = 1
 
     def advance(self, t: float) -> None:
-        """Integrate to t [s], hit exactly."""
+        """Integrate to time t [s]; the last step ends exactly there."""
         t, run = number(t, "Stepper: t"), self.memory
         now, task = run.now, run.task  # their fields by name: as attributes each takes a microsecond more
         begin, step, rejected, first = float(now["t"]), now["step"], now["rejected"], now["evaluations"] == 0
-        if not t - begin > max(STEP_TIME_RATIO_MIN * abs(t), SMALLEST):  # what rounding adds is no slice
+        if not t - begin > max(STEP_TIME_RATIO_MIN * abs(t), SMALLEST):  # what rounding adds is no segment
             raise InputError(f"Stepper: t = {t:.9g} s does not lie after {begin:.9g} s; give a later time")
-        check_steps(self.method, t - begin, "Stepper")
+        check_steps(self.options.method, t - begin, "Stepper")
         if t > self.last_signal:
             check_signals(self.compiled, begin, t)
         task["t_end"] = t
-        if self.method.dt is not None:
-            task["steps"] = max(int(np.ceil((t - begin) / self.method.dt - 1e-9)), 1)
+        if self.options.method.dt is not None:
+            task["steps"] = max(int(np.ceil((t - begin) / self.options.method.dt - 1e-9)), 1)
             task["t_start"], now["grid"] = begin, 0
         if not self.keep and now["written"]:
             self.drain()
         run.times[1], now["next_output"] = t, 0 if first else 1
         self.loop(self.progress)
         if first:
-            mark_warm(f"time loop {self.method.loop.__name__}")
+            mark_warm(f"time loop {self.options.method.loop.__name__}")
             mark_warm()
         if now["rejected"] == rejected:
-            now["step"] = max(now["step"], step)  # a slice that ends in a short step says nothing about the next one
+            now["step"] = max(now["step"], step)  # a segment that ends in a short step says nothing about the next one
         if not self.keep:
             now["written"] = 0
 
     def solution(self) -> RunResult:
-        """The samples kept so far."""
+        """Return the result up to the last sample that was kept."""
         self.drain()
         run, count = self.memory, self.samples.count
         record = replace(
@@ -135,7 +128,7 @@ class Slices(Job):
 
     @property
     def velocities(self) -> np.ndarray:
-        """(6 n,) world velocities (r_dot, w)."""
+        """Return the world velocities (r_dot, w) of all bodies (6 n,) [m/s, rad/s]."""
         n, y = self.model.body.size, self.memory.y
         v = y[7 * n : 13 * n].reshape(n, 6).copy()
         v[:, 3:] = np.einsum("bij,bj->bi", matrix(y[: 7 * n].reshape(n, 7)[:, 3:]), v[:, 3:])
@@ -143,7 +136,7 @@ class Slices(Job):
 
     @property
     def state(self) -> State:
-        """The state reached."""
+        """Return the state at the end of the last segment."""
         n, y = self.model.body.size, self.memory.y
         own = y[13 * n : 13 * n + self.model.z_work]
         coordinates = self.data.coordinate["value"][: self.compiled.own_coordinates].copy()
@@ -151,12 +144,12 @@ class Slices(Job):
 
     @property
     def measured(self) -> np.ndarray:
-        """(measures,) their values."""
+        """Return the values of the measures (measures,) now."""
         return np.array([measure(self.model, self.data, i, self.t) for i in self.measures])
 
 
 def driver_of(system: Mechanism, name: str) -> str | None:
-    """The driver whose motion follows an input."""
+    """Return the name of the driver whose motion follows an input, if there is one."""
     for joint in system.joints:
         for signal in (row.signal for row in joint.primitives if row.signal is not None):
             if any(term.input and term.input[0] == name for term in signal.terms()):
@@ -165,7 +158,7 @@ def driver_of(system: Mechanism, name: str) -> str | None:
 
 
 def last_time(system: Mechanism) -> float:
-    """Until when all signals are defined [s]."""
+    """Return the time [s] until which all signals are defined."""
     signals = [row.signal for joint in system.joints for row in joint.primitives]
     signals += [signal for force in system.forces for signal in force.record().signals]
     return min((signal.interval[1] for signal in signals if signal is not None), default=np.inf)

@@ -1,6 +1,5 @@
 """From a mechanism and a state to the result of a run."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -8,17 +7,16 @@ import numpy as np
 from ..base.checks import SMALLEST, floats, number, shown
 from ..base.errors import InputError
 from ..base.progress import Progress
-from ..equations.compiled import Compiled, Switches, compile_system
+from ..equations.compiled import Compiled, compile_system
 from ..equations.tables import signals_of
-from ..integrators.dop853 import DOP853
 from ..integrators.method import Method
-from ..mechanism.measures import Condition, check_members
+from ..mechanism.measures import check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.signals import check_interval
 from ..mechanism.state import State
-from ..results.record import MOST_NUMBERS
-from ..results.run_result import RunResult
-from .balance import own_forces
+from ..results.record import MOST_NUMBERS, RunOptions
+from ..results.result import RunResult
+from .initial_checks import own_forces
 from .job import Job
 
 SHORTEST = 1e-12  # of the time, the shortest run: a hundred of the shortest steps
@@ -29,37 +27,29 @@ def run_to(
     system: Mechanism,
     start: State,
     t_end: float,
-    switches: Switches,
-    *,
-    method: Method | None = None,
-    rtol: float = 1e-8,
-    output: int | Sequence[float] | None = None,
-    stop_when: Condition | None = None,
-    as_built: float | None = None,
-    progress: bool | str | None = None,
+    options: RunOptions,
 ) -> RunResult:
-    """Integrate a mechanism from a state to ``t_end``; arguments and errors as `mbsd3d.simulate`."""
-    method = DOP853() if method is None else method
-    check_kinds(method, rtol, stop_when)
-    t_end = number(t_end, "simulate: t_end")
-    check_steps(method, t_end - start.t, "simulate")
+    """Integrate a mechanism from a state to ``t_end`` [s]; errors as `mbsd3d.simulate`."""
+    t_end = check_end(t_end, start.t, "simulate")
+    check_steps(options.method, t_end - start.t, "simulate")
     check_own_steps(system, t_end - start.t)
-    check_end(t_end, start.t)
+    stop_when = options.stop_when
     if stop_when is not None:
         check_members(system, stop_when.measure, "simulate: stop_when")
-    compiled = compile_system(system, () if stop_when is None else (stop_when.measure,), switches)
+    compiled = compile_system(system, () if stop_when is None else (stop_when.measure,), options.switches)
     check_signals(compiled, start.t, t_end)
     width = 19 * len(system.bodies) + compiled.model.state.size + 2 * compiled.model.row.size
-    times = output_times(output, start.t, t_end, method, width)
-    job = Job(compiled, start, t_end, times, method, rtol, stop_when, as_built)
-    return job.run(Progress(f"simulate to {t_end:g} s", start.t, t_end, progress))
+    times = output_times(options.output, start.t, t_end, options.method, width)
+    job = Job(compiled, start, t_end, times, options)
+    return job.run(Progress(f"simulate to {t_end:g} s", start.t, t_end, options.progress))
 
 
-def check_end(t_end: float, t_start: float) -> float:
-    """The end of a run, or a ValueError for one that no step fits in."""
+def check_end(t_end: Any, t_start: float, what: str) -> float:
+    """Return the end of a run [s]; ValueError for an end that leaves no room for a step."""
+    t_end = number(t_end, f"{what}: t_end")
     if not t_end - t_start > max(SHORTEST * abs(t_end), SMALLEST):
         raise InputError(
-            f"simulate: t_end = {t_end:g} s does not lie after the start at {t_start:g} s; give a later time"
+            f"{what}: t_end = {t_end:g} s is not later than the start time {t_start:g} s; give a later time"
         )
     return t_end
 
@@ -79,19 +69,6 @@ def check_own_steps(system: Mechanism, span: float) -> None:
                 f"force '{system.name(force)}' (CustomForce): max_step = {force.max_step:g} s needs {steps:.2g} steps; "
                 "give a longer one, or the times at which the force jumps"
             )
-
-
-def check_kinds(method: Any, rtol: float, stop_when: Any) -> None:
-    """ValueError for arguments of the wrong kind or range."""
-    if Method not in type(method).__mro__ and (isinstance(method, type) or not isinstance(method, Method)):
-        names = "DOP853, RK4, GeneralizedAlpha, RadauIIA, Kinematic"
-        raise InputError(f"simulate: method {shown(method)} is unknown; give one of {names}, e.g. DOP853()")
-    if not 1e-13 <= number(rtol, "simulate: rtol") <= 0.1:
-        raise InputError(f"simulate: rtol {rtol:g} is outside 1e-13 ... 0.1; give a number in this range")
-    if stop_when is not None and not isinstance(stop_when, Condition):
-        raise InputError(
-            f"simulate: stop_when {shown(stop_when)} is not a condition; write e.g. measures.angle(hinge) > 1.2"
-        )
 
 
 def check_system(system: Any, what: str) -> None:
@@ -147,9 +124,7 @@ def output_times(output: Any, t_start: float, t_end: float, method: Method, widt
     return times
 
 
-def accelerations_at(
-    system: Mechanism, start: State, switches: Switches | None = None, as_built: float | None = None
-) -> RunResult:
+def accelerations_at(system: Mechanism, start: State, options: RunOptions) -> RunResult:
     """Accelerations and reactions at one state, as a result with a single sample."""
-    compiled = compile_system(system, (), switches)
-    return Job(compiled, start, start.t, np.array([start.t]), DOP853(), 1e-8, None, as_built).evaluate()
+    compiled = compile_system(system, (), options.switches)
+    return Job(compiled, start, start.t, np.array([start.t]), options).evaluate()

@@ -15,9 +15,9 @@ from ..equations.compiled import Compiled
 from ..equations.dense_solvers import inertia_about_origin
 from ..integrators.runge_kutta import STIFFNESS_PRODUCT_MIN
 from ..kernels.layout import Data, Model
-from ..results.run_result import RunResult
+from ..results.result import RunResult
 
-MANY = 20  # bodies from which the matrices of RadauIIA cost more than its longer steps gain
+IMPLICIT_BODIES_MAX = 20  # beyond, the matrices of RadauIIA cost more than its longer steps save
 STEP = 1e-7  # of central differences, in model lengths and radians; a rate needs no more than two digits
 
 
@@ -30,7 +30,7 @@ def check_forces(compiled: Compiled, y: np.ndarray, t: float, h: float, solution
     k = int(np.argmax(rates)) if rates else 0
     if not rates or rates[k] * h < STIFFNESS_PRODUCT_MIN:
         return
-    few = compiled.model.body.size <= MANY
+    few = compiled.model.body.size <= IMPLICIT_BODIES_MAX
     implicit = "RadauIIA() or, where forces jump, GeneralizedAlpha()" if few else "GeneralizedAlpha()"
     raise IntegrationError(
         f"the model is stiff (rate {rates[k]:.2g} 1/s): stability, not accuracy, limits the step to {h:.2g} s",
@@ -63,7 +63,7 @@ def force_rate(compiled: Compiled, data: Data, y: np.ndarray, t: float, k: int) 
         blocks.append(np.column_stack(columns))
     M = scipy.linalg.block_diag(*[mass_block(model, y, b) for b in bodies])
     A = np.linalg.solve(M, np.hstack(blocks))
-    A = np.vstack([np.eye(*A.shape, k=M.shape[0]), A])
+    A = np.vstack([np.eye(A.shape[0], A.shape[1], k=M.shape[0]), A])
     return float(np.abs(np.linalg.eigvals(A)).max()) if np.isfinite(A).all() else 0.0
 
 

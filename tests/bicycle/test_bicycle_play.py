@@ -11,9 +11,9 @@ from test_live import until
 from bicycle import Meijaard2007, named, on_tyres, play, whipple
 from bicycle.model.kinematics import steer_axis
 from bicycle.rides.rider_mass import carried, faster, lowest
-from mbsd3d import Stepper, accelerations
-from mbsd3d.api.replay import played
+from mbsd3d import Solution, Stepper, accelerations
 from mbsd3d.cli import main
+from mbsd3d.results.record import RunOptions
 from mbsd3d.run.live_run import PERIOD, Playing
 
 P = Meijaard2007()
@@ -75,7 +75,7 @@ def test_another_speed_keeps_the_proportions():
 
 def ridden(p=P, speed=5.0, assist=0.0, torque=2.0, **fittings):
     """A bicycle that is played, without a clock and a page."""
-    made = Playing(play.Riding(p, speed, assist, torque, fittings), None, 1e-6, None)
+    made = Playing(play.Riding(p, speed, assist, torque, fittings), RunOptions(rtol=1e-6))
     made.watched = True
     return made
 
@@ -137,7 +137,7 @@ def test_pedal_brake_and_speed():
     assert made.frame().seen.values["speed"] == pytest.approx(2.0, abs=0.06)  # the tyres still give back what they took
     made.hold("brake", play.BRAKE_TORQUE_MAX)
     seconds(made, 2.5)
-    front = played(made.result()).rate("front hub")
+    front = Solution.of(made.result()).rate("front hub")
     assert made.model.held < 0.02 and front.min() > -0.3  # it stops, but for what the brake yields: T/k = 3 mrad
     made.hold("pedal", 0.5 * play.PEDAL_TORQUE_MAX)
     assert curves(seconds(made, 0.3))["speed"].max() < 0.06  # held against the pedal
@@ -154,7 +154,7 @@ def test_it_becomes_another_bicycle_while_it_rides():
     for name, value in (("trail", 0.03), ("head angle", 80.0), ("wheel spin", 30.0), ("balance assist", 15.0)):
         made.set(name, value)
         after = made.frame()
-        jump = np.abs(after.poses[1, :3] - before.poses[1, :3] - made.slices.velocities[6:9] * PERIOD).max()
+        jump = np.abs(after.poses[1, :3] - before.poses[1, :3] - made.segments.velocities[6:9] * PERIOD).max()
         assert made.since == before.t and jump < 2e-3 and made.note == ""
         before = after
     p = made.built.system

@@ -340,7 +340,7 @@ def expect_one_line(result, message):
         (("check", "absent.py"), "'absent.py': No such file or directory; give a Python file with build"),
         (("check", "."), "'.': give a model"),
         (("run", "absent.py", "--t-end", 1), "'absent.py': No such file"),
-        (("run", "model.py", "--t-end", 0), "t_end = 0 s does not lie after the start"),
+        (("run", "model.py", "--t-end", 0), "t_end = 0 s is not later than the start time"),
         (("run", "model.py", "--t-end", "nan"), "t_end: not finite"),
         (("run", "model.py", "--t-end", 1, "--rtol", 2), "rtol 2 is outside"),
         (("run", "model.py", "--t-end", 1, "--output", 1), "output = 1 samples"),

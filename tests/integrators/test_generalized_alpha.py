@@ -28,6 +28,7 @@ from mbsd3d.integrators.alpha_step import trial_state
 from mbsd3d.integrators.generalized_alpha import GeneralizedAlpha, weights
 from mbsd3d.integrators.newton import fill_matrix, residual, tangent
 from mbsd3d.mechanism import measures
+from mbsd3d.results.record import RunOptions
 from mbsd3d.run.job import Job
 from validation import cases
 
@@ -52,7 +53,7 @@ def double_top():
 def prepared(system, method, t_end=T, rtol=1e-8, state=None):
     """A job at its start: gives access to the method's own rates and multipliers."""
     start = state or system.state()
-    return Job(compile_system(system), start, t_end, np.array([start.t, t_end]), method, rtol, None, None)
+    return Job(compile_system(system), start, t_end, np.array([start.t, t_end]), RunOptions(method, rtol))
 
 
 def finished(system, method, t_end=T, rtol=1e-8):

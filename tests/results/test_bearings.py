@@ -7,8 +7,15 @@ from models import across, direction, random_body
 from mbsd3d import GROUND, Prismatic, Revolute, SpeedDriver, Spherical, System, accelerations, simulate
 from mbsd3d.base.quaternions import exponential
 from mbsd3d.base.rotations import matrix
-from mbsd3d.results.bearing_life import ROLLER, DeepGrooveBallBearing, RollingBearing, reliability_factor
-from mbsd3d.results.bearings import BearingLoad, bearing_load, bearing_pair
+from mbsd3d.results.bearings import (
+    ROLLER_LIFE_EXPONENT,
+    BearingLoad,
+    DeepGrooveBallBearing,
+    RollingBearing,
+    bearing_load,
+    bearing_pair,
+    reliability_factor,
+)
 
 
 def spinning(seed=71, rate=7.0):
@@ -148,7 +155,7 @@ def test_ratings_are_keywords_so_that_none_is_mistaken():
         RollingBearing(7350.0)
 
 
-@pytest.mark.parametrize("p", [3.0, ROLLER])
+@pytest.mark.parametrize("p", [3.0, ROLLER_LIFE_EXPONENT])
 def test_mean_load_weighs_by_revolutions(p):
     """P = 1 + s and n = 2 + s over s = 0 ... 1: the integral of (1 + s)^p (2 + s) in closed form."""
     s = np.linspace(0.0, 1.0, 20001)

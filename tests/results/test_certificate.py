@@ -46,7 +46,7 @@ from mbsd3d import (
 from mbsd3d.base.rotations import matrix
 from mbsd3d.mechanism import measures
 from mbsd3d.results.checks.check import drift_limit
-from mbsd3d.results.global_error import doubling_time, estimate
+from mbsd3d.run.global_error import doubling_time, estimate
 from validation import cases
 from validation.cases.comparison import compare
 from validation.suite.trials.references import allowed

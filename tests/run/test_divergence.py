@@ -17,7 +17,7 @@ from mbsd3d import (
     simulate,
 )
 from mbsd3d.equations.compiled import compile_system
-from mbsd3d.run.divergence import DivergenceWatch
+from mbsd3d.run.failure_causes import DivergenceWatch
 
 
 @pytest.mark.parametrize("start", [0.0, 1e4])

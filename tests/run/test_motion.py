@@ -24,9 +24,8 @@ from mbsd3d import (
 )
 from mbsd3d.base.rotations import matrix
 from mbsd3d.plotting.panels import Panel
-from mbsd3d.results.every_reaction import every_reaction
 from mbsd3d.view.scene.frames import INTERPOLATED_TURN_MAX, frames_of
-from mbsd3d.view.scene.motion import arrows_of, curve, curves_of, traces_of
+from mbsd3d.view.scene.motion import arrows_of, curve, curves_of, every_reaction, traces_of
 
 ROUNDING = 1e-13  # of metres, rad/s, N ... of order 1 ... 20
 

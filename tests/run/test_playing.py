@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from models import crane
 
-from mbsd3d import GROUND, AngleDriver, Body, Input, Revolute, Stepper, System, Torque, measures
-from mbsd3d.api.replay import played
+from mbsd3d import GROUND, AngleDriver, Body, Input, Revolute, Solution, Stepper, System, Torque, measures
 from mbsd3d.errors import MbsError
+from mbsd3d.results.record import RunOptions
 from mbsd3d.run import live_run as module
 from mbsd3d.run.live_model import Built, Control, Panel, Seen, plain
 from mbsd3d.run.live_run import PERIOD, Playing
@@ -17,7 +17,7 @@ from mbsd3d.run.live_run import PERIOD, Playing
 def playing(system=None, ranges=None, **options):
     """The crane, watched and at its start."""
     system = system or crane()
-    made = Playing(plain(system, system.state(), ranges or {"push": (-2.0, 3.0)}, **options), None, 1e-6, None)
+    made = Playing(plain(system, system.state(), ranges or {"push": (-2.0, 3.0)}, **options), RunOptions(rtol=1e-6))
     made.watched = True
     return made
 
@@ -46,11 +46,11 @@ def test_a_ride_is_the_stepper_with_the_same_inputs():
     q = stepper.q.reshape(-1, 7)
     assert frame.t == stepper.t and np.array_equal(frame.poses[:, :3], q[:, :3])
     assert np.allclose(frame.poses[:, 3:], q[:, 3:], rtol=0, atol=1e-15)
-    ride = played(made.result())
+    ride = Solution.of(made.result())
     assert ride.t.size == 31 and ride.certificate.passed
     assert np.array_equal(ride.angle("pin"), stepper.solution().angle("pin"))
     # frame by frame: the value that held in the slice before it
-    assert list(frame.seen.curves) == [*made.slices.measured, 2.0]
+    assert list(frame.seen.curves) == [*made.segments.measured, 2.0]
     assert ride.at(0.123).q == pytest.approx(stepper.solution().at(0.123).q, abs=1e-12)
 
 
@@ -73,7 +73,7 @@ def test_reset_goes_back_and_keeps_the_sliders():
     made.set("push", 3.0)
     frames(made, 20)
     made.reset()
-    assert made.slices.t == 0.0 and made.now == {"push": 3.0} and made.result().t.size == 0
+    assert made.segments.t == 0.0 and made.now == {"push": 3.0} and made.result().t.size == 0
     again = made.frame()
     assert again.t == PERIOD and not np.array_equal(again.poses, start)  # another push from the first slice on
 
@@ -142,9 +142,9 @@ class Stick:
 
 
 def test_a_model_made_anew_goes_on_from_where_it_is():
-    made = Playing(Stick(), None, 1e-8, None)
+    made = Playing(Stick(), RunOptions())
     made.watched = True
-    before, rate = frames(made, 20), made.slices.velocities[4]
+    before, rate = frames(made, 20), made.segments.velocities[4]
     made.set("length", 0.5)
     after, angle = made.frame(), before.seen.curves[0]
     assert made.since == before.t and after.t == pytest.approx(before.t + PERIOD)

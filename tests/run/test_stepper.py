@@ -200,7 +200,7 @@ def test_a_run_again_has_the_samples_that_are_asked_for():
         again = ride.again(output=output)
         assert again.t.tolist() == (np.linspace(0.0, end, 3) if output == 3 else np.array(output)).tolist()
     assert np.array_equal(again.final.q, ride.final.q)
-    with pytest.raises(ValueError, match="a ride in slices is not repeated with stop_when"):
+    with pytest.raises(ValueError, match="a run in segments is not repeated with stop_when"):
         ride.again(stop_when=measures.position(ride.system.bodies[0], axis=(0, 0, 1)) > 1.0)
     with pytest.raises(ValueError, match="not repeated with output=None"):
         ride.again(output=None)
@@ -258,11 +258,11 @@ def test_errors_name_what_is_wrong():
         stepper.set("pull", 1.0)
     with pytest.raises(ValueError, match="input 'push': not finite"):
         stepper.set("push", np.nan)
-    for t in (1.0, np.nextafter(1.0, 2.0)):  # what rounding adds is no slice
+    for t in (1.0, np.nextafter(1.0, 2.0)):  # what rounding adds is no segment
         with pytest.raises(ValueError, match=r"t = 1 s does not lie after 1 s"):
             stepper.advance(t)
     for t_end in (np.nextafter(1.0, 2.0), 1e-320):  # no step of any method is as short
-        with pytest.raises(ValueError, match="does not lie after the start"):
+        with pytest.raises(ValueError, match="is not later than the start time"):
             simulate(system, t_end, state=replace(system.state(), t=float(round(t_end))))
     with pytest.raises(ValueError, match="method 'DOP853' is unknown"):
         Stepper(system, method="DOP853")

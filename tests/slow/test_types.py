@@ -34,7 +34,9 @@ def public_names(package):
     """Dotted names of what users import, with what of ours is in public modules and the methods of the facades."""
     for name in package.__all__:
         value, inner = getattr(package, name), []
-        if inspect.ismodule(value):
+        if inspect.ismodule(value) and hasattr(value, "__all__"):
+            inner = value.__all__  # a topic of mbsd3d.extend
+        elif inspect.ismodule(value):
             homes = {x: getattr(thing, "__module__", "mbsd3d") for x, thing in vars(value).items()}
             inner = [x for x, home in homes.items() if home.startswith(tuple(top.__name__ for top in PACKAGES))]
         elif name in ("System", "Solution", "Stepper"):

@@ -8,6 +8,7 @@ from browser import launch, visit
 from models import crane
 
 from bicycle import Meijaard2007, play
+from mbsd3d.results.record import RunOptions
 from mbsd3d.run.live_run import PERIOD, Playing
 
 pytestmark = pytest.mark.timing
@@ -44,19 +45,19 @@ def test_a_key_moves_the_poses_within_60_ms():
 
 
 def test_a_bicycle_keeps_up_with_the_clock():
-    made = Playing(play.Riding(Meijaard2007(), 5.0, 10.0, 2.0, {}), None, 1e-6, None)
+    made = Playing(play.Riding(Meijaard2007(), 5.0, 10.0, 2.0, {}), RunOptions(rtol=1e-6))
     made.watched = True
     made.start(lambda frame: None)
     time.sleep(1.0)
-    late, t, began = made.late, made.slices.t, time.perf_counter()
+    late, t, began = made.late, made.segments.t, time.perf_counter()
     time.sleep(5.0)
     passed = time.perf_counter() - began
-    assert made.slices.t - t == pytest.approx(passed, rel=0.01) and made.late - late <= 3  # of 300
+    assert made.segments.t - t == pytest.approx(passed, rel=0.01) and made.late - late <= 3  # of 300
     made.stop()
 
 
 def test_another_bicycle_is_there_within_a_frame():
-    made = Playing(play.Riding(Meijaard2007(), 5.0, 10.0, 2.0, {}), None, 1e-6, None)
+    made = Playing(play.Riding(Meijaard2007(), 5.0, 10.0, 2.0, {}), RunOptions(rtol=1e-6))
     made.model.linearised = lambda: None  # which has a thread of its own
     made.watched, spent = True, []
     for trail in np.linspace(0.05, 0.1, 40):

@@ -35,7 +35,7 @@ from mbsd3d import (
     simulate,
 )
 from mbsd3d.cli import main
-from mbsd3d.results.run_samples import Momentum
+from mbsd3d.results.result import Momentum
 from validation import cross_check
 from validation.benchmark import planar_pairs as twins
 from validation.cases.mechanisms import chain

@@ -13,7 +13,7 @@ from mbsd3d.mechanism.shapes.kinds import Box, Cylinder, Disc, MeshFile
 from mbsd3d.mechanism.state import State
 from mbsd3d.view.page.show import page_layers
 from mbsd3d.view.scene.artist import draw_system
-from mbsd3d.view.scene.drawing import poses_of
+from mbsd3d.view.scene.drawing import Layers, poses_of
 
 LAYERS = {"bodies", "joints", "centre of mass", "reference point"}
 
@@ -245,6 +245,6 @@ def test_what_cannot_be_drawn_names_the_body():
 )
 def test_names_that_would_hide_the_scene_wait_for_their_switch(places, named):
     system = System([Body(f"body {k}", 1.0, (1, 1, 1), position=place) for k, place in enumerate(places)])
-    assert ("body names" in page_layers(system, (), ())) == named
-    assert "body names" in page_layers(system, ("body names",), ())
-    assert "body names" not in page_layers(system, (), ("body names",))
+    assert ("body names" in page_layers(system, Layers())) == named
+    assert "body names" in page_layers(system, Layers(shown="body names"))
+    assert "body names" not in page_layers(system, Layers(hidden="body names"))

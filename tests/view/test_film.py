@@ -18,9 +18,11 @@ from mbsd3d import GROUND, Body, Revolute, System, accelerations, linearize, sim
 from mbsd3d.base.style import DARK, LIGHT
 from mbsd3d.view.film import film
 from mbsd3d.view.film.frames import FilmFrames
+from mbsd3d.view.scene.drawing import Layers
 
 MAKE_PICTURES = Path(__file__).parents[2] / "docs" / "make_pictures.py"
 SMALL = {"width": 160, "hidden": ["body names", "joint names"]}
+REEL = {"width": SMALL["width"], "layers": Layers(hidden=SMALL["hidden"])}
 
 
 @pytest.fixture(scope="module")
@@ -64,14 +66,14 @@ def test_gifs_are_the_same_bytes_twice(solution, tmp_path):
 
 
 def test_the_clock_tells_time_and_speed(solution):
-    assert FilmFrames(solution, speed=0.02, **SMALL).clock(4) == "t = 0.0032 s   (0.02× speed)"
-    assert FilmFrames(solution, speed=1.0, **SMALL).clock(5) == "t = 0.20 s"
-    assert FilmFrames(solution, usual=(6.0, 4.0), **SMALL).speed == 0.05  # 0.2 s in 4 s
-    assert FilmFrames(solution, **SMALL).speed == 0.02
+    assert FilmFrames(solution, speed=0.02, **REEL).clock(4) == "t = 0.0032 s   (0.02× speed)"
+    assert FilmFrames(solution, speed=1.0, **REEL).clock(5) == "t = 0.20 s"
+    assert FilmFrames(solution, usual=(6.0, 4.0), **REEL).speed == 0.05  # 0.2 s in 4 s
+    assert FilmFrames(solution, **REEL).speed == 0.02
 
 
 def test_a_frame_shows_the_pose_of_its_time(solution):
-    reel = FilmFrames(solution, speed=0.25, **SMALL)
+    reel = FilmFrames(solution, speed=0.25, **REEL)
     for name, i in ((UPPER_ARM, 0), (WHEEL, 2)):
         # 5 steps of 0.01 s: the frame's time is that of a sample
         assert np.allclose(reel.frames.r[5, i], solution.position(name)[5], rtol=0, atol=1e-12)
@@ -80,7 +82,7 @@ def test_a_frame_shows_the_pose_of_its_time(solution):
 
 def test_a_path_ends_where_its_body_is(solution, monkeypatch):
     """Paths have more points than the film has frames."""
-    reel, painted = FilmFrames(solution, speed=0.25, **SMALL), []
+    reel, painted = FilmFrames(solution, speed=0.25, **REEL), []
     monkeypatch.setattr(reel.painter, "paint", lambda axes, poses, *, traces, arrows: painted.append(traces))
     reel.frame(5)
     assert reel.finer > 1 and painted[0]

@@ -392,7 +392,7 @@ def test_the_scene_moves_as_the_model_does(tab):
     seen, ride = tab
     seen.page.keyboard.press("Space")
     assert until(lambda: not ride._playing.running)
-    state = ride._playing.slices.state.q.reshape(2, 7)
+    state = ride._playing.segments.state.q.reshape(2, 7)
     seen.wait("x => Math.abs(mbsd3d.drawn - x) < 1e-9", ride.t)
     seen.run(SETTLED)
     for body in (0, 1):

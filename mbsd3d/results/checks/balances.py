@@ -10,16 +10,16 @@ from ...dynamics.state_rates import FACTOR_FROM_OTHER_POSE, project_and_evaluate
 from ...equations.at_state import load_state
 from ...integrators.method import Method
 from ...kernels.kinds import PROJECTION
-from ..run_samples import RunSamples, world_velocities
-from .check import USEFUL, Check, Scales, largest, longest, rounding_of, scales_of
+from ..result import RunResult, world_velocities
+from .check import DRIFT_LIMIT_MAX, Check, Scales, largest, longest, rounding_of, scales_of
 
 QUADRATURE = 0.3  # of the momenta is what quadratures of fixed steps may leave open: of gears in steps of 1.6 rad,
 DETERMINED = 1.0  # and of all balances where drivers determine the motion: of Cardan shafts in steps of up to 3 rad
 DIFFERENCES = 3.0  # times the difference of two quadratures is what one may err
-NOTHING = 1e-6  # of the energy: a work that is rounding, of poses near dead centres too
+WORK_ROUNDING = 1e-6  # [1] of the energy: less work is rounding, also of poses near dead centres
 
 
-def since_start(solution: RunSamples) -> RunSamples:
+def since_start(solution: RunResult) -> RunResult:
     """The motion at the samples, and at the start before them if it is not one of them."""
     compiled, start, model = solution.compiled, solution.start, solution.compiled.model
     if solution.t[0] <= start.t:
@@ -43,7 +43,7 @@ class Balance(NamedTuple):
     terms: float
 
 
-def balances(whole: RunSamples, scale: Scales) -> tuple[Balance, Balance, Balance]:
+def balances(whole: RunResult, scale: Scales) -> tuple[Balance, Balance, Balance]:
     """Energy, momentum, angular momentum about the centre of mass.
 
     With P the momentum, I the impulse of the external forces since the start: P less I; L' less the angular impulse
@@ -68,7 +68,7 @@ def balances(whole: RunSamples, scale: Scales) -> tuple[Balance, Balance, Balanc
     )
 
 
-def balance_checks(solution: RunSamples, limit: float, equations_met: bool) -> list[Check]:
+def balance_checks(solution: RunResult, limit: float, equations_met: bool) -> list[Check]:
     """Energy against work, momentum against impulse, held to what rounding and quadratures leave known of them.
 
     Nothing bounds the error of work and impulse over fixed steps: two quadratures say how far they are open. A motion
@@ -80,13 +80,13 @@ def balance_checks(solution: RunSamples, limit: float, equations_met: bool) -> l
     whole, record, inertial = since_start(solution), solution.record, "an inertial term is missing"
     scale, rounding = scales_of(whole), rounding_of(record)
     kinds = (
-        ("energy balance", scale.energy, USEFUL, energy_meaning(record.method)),
+        ("energy balance", scale.energy, DRIFT_LIMIT_MAX, energy_meaning(record.method)),
         ("momentum balance", scale.momentum, QUADRATURE, inertial),
         ("angular momentum", scale.angular_momentum, QUADRATURE, inertial),
     )
     checks = []
     for (name, size, most, meaning), found, open_ in zip(kinds, balances(whole, scale), record.open_audit, strict=True):
-        known = max(min(rounding * found.terms / size, USEFUL), min(DIFFERENCES * open_ / size, most))
+        known = max(min(rounding * found.terms / size, DRIFT_LIMIT_MAX), min(DIFFERENCES * open_ / size, most))
         checks.append(Check(name, found.gap / size, max(limit, known), meaning))
     checks = checks if record.about_centre else checks[:2]
     if equations_met and not all(check.passed for check in checks) and determined(solution):
@@ -94,7 +94,7 @@ def balance_checks(solution: RunSamples, limit: float, equations_met: bool) -> l
     return checks
 
 
-def determined(solution: RunSamples) -> bool:
+def determined(solution: RunResult) -> bool:
     """True if joints and drivers leave no freedom, and steps are projected onto them."""
     compiled, model, rows = solution.compiled, solution.compiled.model, solution.compiled.model.row
     if not compiled.drives or model.stabilisation != PROJECTION or rows["holonomic"].sum() < 6 * model.body.size:
@@ -104,13 +104,13 @@ def determined(solution: RunSamples) -> bool:
     return int(rows["holonomic"][choose_rows(model, data)].sum()) == 6 * model.body.size
 
 
-def work_note(solution: RunSamples) -> list[str]:
+def work_note(solution: RunResult) -> list[str]:
     """What the energy balance says of the work of a driven run, where that is not known to a hundredth."""
     if not solution.record.kinematic:
         return []
     energy = since_start(solution).energy()
     gap, work = largest(change(energy.total) - change(energy.work)), largest(change(energy.work))
-    if gap <= max(USEFUL * work, NOTHING * scales_of(solution).energy):
+    if gap <= max(DRIFT_LIMIT_MAX * work, WORK_ROUNDING * scales_of(solution).energy):
         return []
     return [f"work is known to {gap:.1e} J of {work:.1e} J: by the trapezoidal rule over the poses; shorten max_step"]
 
@@ -123,5 +123,5 @@ def energy_meaning(method: Method) -> str:
 
 
 def change(values: np.ndarray) -> np.ndarray:
-    """Difference from the start."""
+    """Return the difference of a quantity from its value at the first sample."""
     return values - values[:1]

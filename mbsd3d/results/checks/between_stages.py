@@ -7,7 +7,7 @@ import numpy as np
 from ...equations.tables import signals_of
 from ...mechanism.forces.custom import FunctionForce
 from ...mechanism.signals.terms import SINE
-from ..run_samples import RunSamples
+from ..result import RunResult
 from .check import Check
 
 STEPS_PER_PERIOD_MIN = 10  # [1] fixed steps in a period of a sine, for a resolved one
@@ -21,7 +21,7 @@ class FastSine(NamedTuple):
     period: float  # s
 
 
-def unwatched(solution: RunSamples) -> list[FunctionForce]:
+def unwatched(solution: RunResult) -> list[FunctionForce]:
     """Return the forces by functions for which nobody has bounded the length of steps."""
     if solution.record.kinematic or solution.record.method.max_step < np.inf:
         return []  # poses follow from drivers
@@ -29,7 +29,7 @@ def unwatched(solution: RunSamples) -> list[FunctionForce]:
     return [force for force in forces if force.max_step == np.inf]
 
 
-def fast_sines(solution: RunSamples) -> list[FastSine]:
+def fast_sines(solution: RunResult) -> list[FastSine]:
     """Return the sines of which a period has fewer than STEPS_PER_PERIOD_MIN fixed steps."""
     dt = solution.record.method.dt
     if dt is None or solution.record.kinematic:
@@ -43,23 +43,23 @@ def fast_sines(solution: RunSamples) -> list[FastSine]:
     return list(dict.fromkeys(found))
 
 
-def signal_checks(solution: RunSamples) -> list[Check]:
+def signal_checks(solution: RunResult) -> list[Check]:
     """Return the check of sines that fixed steps cannot follow; none where all are resolved."""
-    sines = fast_sines(solution)
-    if not sines:
+    sines, dt = fast_sines(solution), solution.record.method.dt
+    if not sines or dt is None:
         return []
     fastest = min(sines, key=lambda sine: sine.period)
-    periods = solution.record.method.dt / fastest.period
+    periods = dt / fastest.period
     return [Check("signals", periods, PERIODS_PER_STEP_MAX, f"'{fastest.part}' swings within a step; shorten dt")]
 
 
-def unseen_parts(solution: RunSamples) -> list[str]:
+def unseen_parts(solution: RunResult) -> list[str]:
     """Return the names of the parts that the stages of steps may not see as they act."""
     forces = [solution.system.name(force) for force in unwatched(solution)]
     return [*forces, *(sine.part for sine in fast_sines(solution))]
 
 
-def stage_notes(solution: RunSamples) -> list[str]:
+def stage_notes(solution: RunResult) -> list[str]:
     """Which forces and signals were not looked for between stages, and what to do about it."""
     return [
         f"force '{solution.system.name(force)}' was not looked for between the stages of steps"

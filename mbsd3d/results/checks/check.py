@@ -6,13 +6,13 @@ import numpy as np
 
 from ...integrators.step_control import NEAR_SINGULAR_SHARE
 from ..record import Record
-from ..run_samples import RunSamples
+from ..result import RunResult
 
-USEFUL = 1e-2  # model lengths or radians: a motion further off than a hundredth is of no use, whatever was asked for
-ADDED = 1e3  # times rtol is what local errors may add up to over a run
+DRIFT_LIMIT_MAX = 1e-2  # model lengths or radians: with larger errors a motion is of no use, whatever rtol was
+ACCUMULATED_ERROR_FACTOR = 1e3  # [1] of rtol: what local errors may add up to over a run
 # Pivot of a singular position, near which rows are let go; by how much they may then gape, velocities and accelerations
 # miss them: three times the most at poses 1e-8 ... 1e-3 rad off change points of 1 to 40 four-bars.
-PASSED, MAY_GAPE, MAY_TEAR, MAY_MISS = 1e-4, 1e-10, 1e-8, 1e-5
+PASSED, GAP_LIMIT_MIN, MAY_TEAR, MAY_MISS = 1e-4, 1e-10, 1e-8, 1e-5
 # What rounding leaves in the balances, at any rtol: over the least pivot of a run, and at most, however near it came to
 # singular positions; three times the worst of 420 runs of four-bars with windows, each over some twenty of them.
 ROUNDED, MOST_ROUNDED, REGULAR = 3e-12, 5e-7, 1e-9
@@ -41,7 +41,7 @@ def drift_limit(record: Record) -> float:
     if record.nearest < NEAR_SINGULAR_SHARE:  # forces grow there, and with them what a step may err of their work
         explained = np.inf
     rounding = max(REGULAR, min(MOST_ROUNDED, ROUNDED / max(record.nearest, ROUNDED)))
-    return min(USEFUL, max(min(ADDED * record.rtol, explained), rounding))
+    return min(DRIFT_LIMIT_MAX, max(min(ACCUMULATED_ERROR_FACTOR * record.rtol, explained), rounding))
 
 
 def rounding_of(record: Record) -> float:
@@ -74,7 +74,7 @@ class Scales:
     speed: float  # m/s, absolute
 
 
-def scales_of(solution: RunSamples) -> Scales:
+def scales_of(solution: RunResult) -> Scales:
     """Sizes from the run itself, with floors from gravity, so that a mechanism at rest has scales too."""
     arrays, system, length = solution.arrays, solution.system, solution.compiled.model.length
     about, spin, g = solution.about_centre, longest(arrays["v"][..., 3:]), float(np.linalg.norm(system.gravity))
@@ -100,7 +100,7 @@ def scales_of(solution: RunSamples) -> Scales:
 
 
 def largest(values: np.ndarray) -> float:
-    """Largest absolute value, 0 for none."""
+    """Return the largest absolute value of an array, 0 for an empty one."""
     return float(np.abs(values).max(initial=0.0))
 
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from ...dynamics.batch import equation_residuals
 from ...mechanism.forces.custom import SavedForce
-from ..run_samples import RunSamples
-from .check import MAY_GAPE, MAY_MISS, MAY_TEAR, PASSED, Check, Scales, gaping, largest, rounding_of, scales_of
+from ..result import RunResult
+from .check import GAP_LIMIT_MIN, MAY_MISS, MAY_TEAR, PASSED, Check, Scales, gaping, largest, rounding_of, scales_of
 
 
 class Residuals(NamedTuple):
@@ -17,7 +17,7 @@ class Residuals(NamedTuple):
     joints: np.ndarray  # (samples, 3) of c, J v - b and J v_dot - gamma, in lengths of the model and radians
 
 
-def residuals(solution: RunSamples) -> Residuals:
+def residuals(solution: RunResult) -> Residuals:
     """Of all equations at the samples, with the true terms."""
     compiled, arrays, t = solution.compiled, solution.arrays, solution.t
     model = compiled.model._replace(gamma=1.0, stabilisation=0)
@@ -27,14 +27,14 @@ def residuals(solution: RunSamples) -> Residuals:
     return found
 
 
-def joint_checks(solution: RunSamples, found: Residuals) -> list[Check]:
+def joint_checks(solution: RunResult, found: Residuals) -> list[Check]:
     """Joints that stay closed, in position and velocity."""
     record, length, scale = solution.record, solution.compiled.model.length, scales_of(solution)
     floor = max(record.tolerance, 1e-12 * scale.reach / length, gaping(record))
     slip = max(floor, rounding_of(record) * scale.speed / (scale.rate * length))
     gape = tear = 0.0
     if record.nearest < PASSED:  # rows let go there are not projected: they are met as far as the motion is exact
-        gape, tear = MAY_GAPE, max(MAY_TEAR, record.rtol)
+        gape, tear = GAP_LIMIT_MIN, max(MAY_TEAR, record.rtol)
     gaps, speeds, _ = found.joints.T
     return [
         Check("joint gaps", largest(gaps), max(floor, gape), "joints drift apart"),
@@ -42,7 +42,7 @@ def joint_checks(solution: RunSamples, found: Residuals) -> list[Check]:
     ]
 
 
-def equation_checks(solution: RunSamples, found: Residuals, singular: np.ndarray) -> list[Check]:
+def equation_checks(solution: RunResult, found: Residuals, singular: np.ndarray) -> list[Check]:
     """Newton-Euler residual per body, and rows against the accelerations.
 
     ``singular``: samples whose joints determine no reactions; Newton and Euler are not asked there.
@@ -63,7 +63,7 @@ def equation_checks(solution: RunSamples, found: Residuals, singular: np.ndarray
     return checks
 
 
-def rounding_of_turning(solution: RunSamples, scale: Scales) -> float:
+def rounding_of_turning(solution: RunResult, scale: Scales) -> float:
     """Rounding of the moments of the run as an acceleration of the body that turns most easily, relative.
 
     Joint forces F at an arm L cancel in the moment about the centre of mass of a small body to eps F L, which turns it
@@ -74,7 +74,7 @@ def rounding_of_turning(solution: RunSamples, scale: Scales) -> float:
     return 4.0 * np.finfo(float).eps * scale.moment / least * solution.compiled.model.length / scale.acceleration
 
 
-def lost(solution: RunSamples) -> list[str]:
+def lost(solution: RunResult) -> list[str]:
     """Names of the forces whose functions were not saved."""
     system = solution.system
     return [f"force '{system.name(force)}'" for force in system.forces if isinstance(force, SavedForce)]

@@ -12,7 +12,7 @@ import numpy as np
 from ...constraints.rank import tree_over_rows
 from ...dynamics.batch import refinements
 from ...equations.at_state import load_rows
-from ..run_samples import RunSamples
+from ..result import RunResult
 from .check import Check, gaping, largest, longest, scales_of
 
 KNOWN_MOTION = 1e-4  # of the largest acceleration: rounding of forces beside a light body moves it at random
@@ -31,7 +31,7 @@ class Rounding(NamedTuple):
     singular: np.ndarray  # (samples,) rows are nearly dependent: multipliers are kept below what they would be
 
 
-def rounding(solution: RunSamples) -> Rounding:
+def rounding(solution: RunResult) -> Rounding:
     """What a step of refinement changes at the samples of a run."""
     compiled, arrays, t = solution.compiled, solution.arrays, solution.t
     model, data = compiled.model, compiled.data()
@@ -45,7 +45,7 @@ def rounding(solution: RunSamples) -> Rounding:
     return Rounding(size[:, 0], size[:, 1], which[:, 0], which[:, 1], size[:, 2] < SINGULAR)
 
 
-def units_of(solution: RunSamples) -> np.ndarray:
+def units_of(solution: RunResult) -> np.ndarray:
     """Largest a_O and alpha of the run, and of each row the largest force or moment of all rows of its kind.
 
     Those are at least the weight of the whole; without gravity the pull of the spin stands for it, and the force that
@@ -63,7 +63,7 @@ def units_of(solution: RunSamples) -> np.ndarray:
     return np.concatenate([[a, alpha], np.where(metres, force, moment)])
 
 
-def rounding_checks(solution: RunSamples, found: Rounding) -> list[Check]:
+def rounding_checks(solution: RunResult, found: Rounding) -> list[Check]:
     """Accelerations and reactions at regular poses; at singular ones they have no limit to meet."""
     system, joint_of = solution.system, solution.compiled.row_joint
     motion, forces = (np.where(found.singular, 0.0, x) for x in (found.motion, found.forces))
@@ -78,7 +78,7 @@ def rounding_checks(solution: RunSamples, found: Rounding) -> list[Check]:
     return checks
 
 
-def singular_notes(solution: RunSamples, found: Rounding) -> list[str]:
+def singular_notes(solution: RunResult, found: Rounding) -> list[str]:
     """Which samples are at singular poses."""
     times = solution.t[found.singular]
     if not times.size:

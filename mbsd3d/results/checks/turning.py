@@ -1,17 +1,17 @@
 """Orientations against angular velocities, and angles of hinges against their rates, step by step."""
 
 from ...dynamics.turning import TURN_MISS_MAX
-from ..run_samples import RunSamples
-from .check import USEFUL, Check
+from ..result import RunResult
+from .check import DRIFT_LIMIT_MAX, Check
 
 
-def turning_checks(solution: RunSamples) -> list[Check]:
+def turning_checks(solution: RunResult) -> list[Check]:
     """Whether bodies turned as their angular velocities say, and hinges counted their turns; none of older files."""
     record = solution.record
     if record.miscount is None or not record.steps:
         return []
     meaning = f"body '{record.missed_by}' turned otherwise than by its angular velocity; shorten the step"
-    checks = [Check("orientations", record.missed, USEFUL, meaning)]
+    checks = [Check("orientations", record.missed, DRIFT_LIMIT_MAX, meaning)]
     if solution.compiled.model.coordinate.size:
         meaning = "hinges turned so unevenly in a step that their turns cannot be counted; shorten the step"
         checks.append(Check("turns of hinges", record.miscount, TURN_MISS_MAX, meaning))

@@ -16,7 +16,7 @@ from ...base.paths import in_its_place, ready_path, write_atomically
 from ...base.progress import Progress
 from ...base.style import channels
 from ...base.version import loading
-from ...results.body_motion import Poses
+from ...results.motion import Motion
 from .frames import FilmFrames
 
 GIF_SECONDS = 6.0, 4.0  # [s] longest run that is shown in real time, and length of the films of other runs
@@ -30,7 +30,7 @@ NO_FFMPEG = (
 )
 
 
-def export_gif(motion: Poses, path: str | Path, *, fps: float, **options: object) -> Path:
+def export_gif(motion: Motion, path: str | Path, *, fps: float, **options: object) -> Path:
     """Write an animated GIF; see `Solution.export_gif`, ``options`` as `FilmFrames`."""
     if number(fps, "fps", positive=True) > GIF_FRAME_RATE_MAX:
         raise InputError(f"fps = {fps:g} is more than viewers show; give at most {GIF_FRAME_RATE_MAX:g}")
@@ -55,7 +55,7 @@ def export_gif(motion: Poses, path: str | Path, *, fps: float, **options: object
     return write_atomically(path, buffer.getvalue())
 
 
-def export_mp4(motion: Poses, path: str | Path, **options: object) -> Path:
+def export_mp4(motion: Motion, path: str | Path, **options: object) -> Path:
     """Write an MP4; see `Solution.export_mp4`, ``options`` as `FilmFrames`."""
     command, path = ffmpeg(), ready_path(path, ".mp4")
     film = FilmFrames(motion, **options)

@@ -12,11 +12,11 @@ from ...base.checks import number, whole
 from ...base.errors import InputError
 from ...base.style import Theme, dress, house, theme
 from ...plotting.panels import Wanted
-from ...results.body_motion import Poses
+from ...results.motion import Motion
 from ..picture.painter import new_sheet
 from ..picture.picture import painter_of, picture_layers
 from ..picture.shading import pointers_of
-from ..scene.drawing import ARROWS, Layers
+from ..scene.drawing import ARROWS, USUAL_LAYERS, Layers
 from ..scene.frames import FILM_SECONDS, REAL_TIME_SECONDS_MAX, frames_of, sensible_speed
 from ..scene.motion import Curve, Points, arrows_of, curves_of, traces_of
 
@@ -52,7 +52,7 @@ class FilmFrames:
 
     def __init__(
         self,
-        motion: Poses,
+        motion: Motion,
         *,
         fps: float = 25,
         speed: float | None = None,
@@ -60,8 +60,7 @@ class FilmFrames:
         height: int | None = None,
         curves: Wanted | None = (),
         traces: Points | None = None,
-        shown: Layers = (),
-        hidden: Layers = (),
+        layers: Layers = USUAL_LAYERS,
         view: Sequence[float] | None = None,
         dark: bool = False,
         usual: tuple[float, float] = (REAL_TIME_SECONDS_MAX, FILM_SECONDS),
@@ -71,18 +70,18 @@ class FilmFrames:
         rows = round(0.75 * self.width / 2) * 2 if height is None else whole(height, "height", 64, PIXELS_MAX)
         self.dpi = max(100.0, self.width / PAPER_WIDTH_MAX)
         self.sheet = theme(dark)
-        layers = picture_layers(motion.system, shown, hidden, moving=True)
-        kinds = set(ARROWS) & set(layers)
+        visible = picture_layers(motion.system, layers, moving=True)
+        kinds = set(ARROWS) & set(visible)
         self.frames = frames_of(motion, count)
         self.finer = -(-PATH_POINTS_MIN // (count - 1))  # points of a path per frame, so that few frames leave it round
         fine = frames_of(motion, self.finer * (count - 1) + 1)
-        self.traces = traces_of(motion, fine, traces) if "traces" in layers else []
+        self.traces = traces_of(motion, fine, traces) if "traces" in visible else []
         self.vectors = [x for x in arrows_of(motion, self.frames) if x.kind in kinds] if kinds else []
         some = np.unique(np.linspace(0, count - 1, EXTENT_POSES_COUNT).astype(int))
         r, e = self.frames.r[some], self.frames.e[some]
         inches = (self.width / self.dpi, rows / self.dpi)
         self.painter, self.reach = painter_of(
-            motion.system, r, e, inches, paths=self.traces, vectors=self.vectors, layers=layers, view=view, dark=dark,
+            motion.system, r, e, inches, paths=self.traces, vectors=self.vectors, layers=visible, view=view, dark=dark,
             fine=max(0.03, TRIANGLE_PIXELS_MAX / self.width),
         )  # fmt: skip
         found = curves_of(motion, self.frames, curves)

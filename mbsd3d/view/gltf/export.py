@@ -15,7 +15,7 @@ from ...base.rotations import matrix, rotation
 from ...base.style import GREY, SHADED
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes import Mesh
-from ...results.body_motion import Poses
+from ...results.motion import Motion
 from ..scene.artist import draw_system
 from ..scene.drawing import Drawing, Piece, Wire, poses_of, title_of
 from ..scene.frames import Frames, frames_of
@@ -30,7 +30,7 @@ SPRING_LENGTH_MIN = 1e-6  # [sizes of the mechanism] drawn of a spring that is p
 Z_UP_TO_Y_UP = rotation("x", -90, degrees=True)
 
 
-def export_run(motion: Poses, path: str | Path, frames: int | None, traces: Points | None) -> Path:
+def export_run(motion: Motion, path: str | Path, frames: int | None, traces: Points | None) -> Path:
     """Write the file of a solution; see `Solution.export_glb`."""
     shown = frames_of(motion, frames)
     content = glb(motion.system, shown, traces_of(motion, shown, traces))

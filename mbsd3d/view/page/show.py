@@ -14,10 +14,10 @@ from ...mechanism.bodies import GROUND, Body, Ground
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.state import State
 from ...plotting.panels import Wanted
-from ...results.body_motion import Poses
+from ...results.motion import Motion
 from ..scene.artist import draw_system
 from ..scene.camera import directions
-from ..scene.drawing import DEFAULT_LAYERS, Layers, layers_of, poses_of, title_of
+from ..scene.drawing import DEFAULT_LAYERS, Layers, poses_of, title_of
 from ..scene.frames import Frames, frames_of, sensible_speed
 from ..scene.motion import Points, arrows_of, curves_of, nearby, traces_of
 from .content import Content, weight_of
@@ -35,8 +35,7 @@ def show_system(
     system: Mechanism,
     path: str | Path | None,
     state: State | None,
-    shown: Layers,
-    hidden: Layers,
+    layers: Layers,
     title: str | None,
     dark: bool | None,
     live: bool,
@@ -47,19 +46,18 @@ def show_system(
         raise InputError(f"show: state = {state!r}; give a State (see System.assemble, Solution.state), or None")
     (r, e), t = poses_of(system, state), np.array([0.0 if state is None else state.t])
     title = title or f"{title_of(system)}: {'reference pose' if state is None else 'a pose'}"
-    still, layers = Frames(t, r[None], e[None]), page_layers(system, shown, hidden)
-    content = Content(*nearby(draw_system(system), still), [], 1.0, title, layers, timed=state is not None)
+    still, visible = Frames(t, r[None], e[None]), page_layers(system, layers)
+    content = Content(*nearby(draw_system(system), still), [], 1.0, title, visible, timed=state is not None)
     return deliver(content, path, dark, live, "system.show")
 
 
 def animate(
-    motion: Poses,
+    motion: Motion,
     path: str | Path | None,
     *,
     curves: Wanted | None,
     traces: Points | None,
-    shown: Layers,
-    hidden: Layers,
+    layers: Layers,
     frames: int | None,
     speed: float | None,
     title: str | None,
@@ -67,14 +65,14 @@ def animate(
     live: bool,
     follow: Body | Ground | str | None,
     view: Sequence[float] | None = None,
-    beside: Poses | None = None,
+    beside: Motion | None = None,
 ) -> View | LiveView:
     """Show a motion; see `Solution.animate`."""
     check_options(path, title, dark, live)
-    if not isinstance(beside, Poses | None):
+    if not isinstance(beside, Motion | None):
         raise InputError(f"solution.animate: beside {shown_text(beside)} is not a solution; give one, or None")
     followed = followed_body(motion, follow, live)
-    layers, axes = page_layers(motion.system, shown, hidden), directions(view)
+    visible, axes = page_layers(motion.system, layers), directions(view)
     speed = None if speed is None else number(speed, "speed", positive=True)
     with Progress("page", 0.0, 6.0) as progress:
         drawing = draw_system(motion.system)
@@ -86,10 +84,10 @@ def animate(
             paths = traces_of(motion, at, traces)
             lines = curves_of(motion, at, curves) if at.t.size > 1 else []
             progress.update(4.0)
-            least = None if beside is None else reach_of(beside, frames, layers, axes, drawing.origin)
+            least = None if beside is None else reach_of(beside, frames, visible, axes, drawing.origin)
             pace, name = speed or sensible_speed(float(at.t[-1] - at.t[0])), title or title_of(motion.system)
             shown = nearby(drawing, at, arrows, paths)
-            return Content(*shown, lines, pace, name, layers, True, followed, view, least)
+            return Content(*shown, lines, pace, name, visible, True, followed, view, least)
 
         content = gathered(frames_of(motion, frames))
         if frames is None and not live and (weight := weight_of(content)) > MOTION_BYTES_MAX:
@@ -97,14 +95,14 @@ def animate(
         return deliver(content, path, dark, live, "solution.animate")
 
 
-def reach_of(motion: Poses, frames: int | None, layers: Sequence[str], axes: np.ndarray, origin: np.ndarray) -> Reach:
+def reach_of(motion: Motion, frames: int | None, layers: Sequence[str], axes: np.ndarray, origin: np.ndarray) -> Reach:
     """Return the space a motion takes about an origin, also along the directions of a view, and its longest arrows."""
     at = frames_of(motion, frames)
     drawing, near, _, _ = nearby(draw_system(motion.system)._replace(origin=origin), at)
     return Reach(*boxes(drawing, near, layers, axes), {kind.kind: kind.longest for kind in arrows_of(motion, at)})
 
 
-def followed_body(motion: Poses, follow: Body | Ground | str | None, live: bool) -> int:
+def followed_body(motion: Motion, follow: Body | Ground | str | None, live: bool) -> int:
     """Return the number of the body that the camera follows, or -1; None = the heaviest of those that travel."""
     system = motion.system
     if follow is GROUND or follow == GROUND.name or (follow is None and live):
@@ -127,9 +125,9 @@ def number_of(system: Mechanism, body: Body | str) -> int:
     return next(i for i, other in enumerate(system.bodies) if other is found)
 
 
-def page_layers(system: Mechanism, shown: Layers, hidden: Layers) -> tuple[str, ...]:
+def page_layers(system: Mechanism, layers: Layers) -> tuple[str, ...]:
     """Return the layers that a page shows first; all have switches."""
-    return layers_of(shown, hidden, (*DEFAULT_LAYERS, "body names") if names_fit(system) else DEFAULT_LAYERS)
+    return layers.visible((*DEFAULT_LAYERS, "body names") if names_fit(system) else DEFAULT_LAYERS)
 
 
 def names_fit(system: Mechanism) -> bool:

@@ -5,16 +5,17 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
 
 from ...base.checks import number, shown
 from ...base.errors import InputError
 from ...base.style import house, theme
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.state import State
-from ...results.body_motion import Poses
+from ...results.motion import Motion
 from ..scene.artist import draw_system
 from ..scene.camera import frame_camera, lens_of, pair, seen_from, stood_back
-from ..scene.drawing import ARROWS, DEFAULT_LAYERS, MARKS, NAMES, Layers, bounds, layers_of, poses_of
+from ..scene.drawing import ARROWS, DEFAULT_LAYERS, MARKS, NAMES, USUAL_LAYERS, Layers, bounds, poses_of
 from ..scene.frames import Frames, frames_at, frames_of
 from ..scene.motion import Arrows, Points, Trace, arrows_of, traces_of
 from .painter import NONE, TRIANGLE_SIZE_MAX, Painter, new_sheet
@@ -33,13 +34,13 @@ class Continuous(Protocol):
         """Return the state at a time [s]."""
 
 
-def picture_layers(system: Mechanism, shown: Layers, hidden: Layers, *, moving: bool) -> tuple[str, ...]:
+def picture_layers(system: Mechanism, layers: Layers, *, moving: bool) -> tuple[str, ...]:
     """Return the layers of a picture: with names where there are few; a system at rest has no arrows."""
     few = len(system.bodies) + len(system.joints) <= LEGIBLE
-    layers = layers_of(shown, hidden, (*DEFAULT_LAYERS, *NAMES) if few else DEFAULT_LAYERS)
-    if not moving and set(ARROWS) & set(layers):
+    visible = layers.visible((*DEFAULT_LAYERS, *NAMES) if few else DEFAULT_LAYERS)
+    if not moving and set(ARROWS) & set(visible):
         raise InputError(f"shown: a system at rest has no arrows; give some of {', '.join((*NAMES, *MARKS))}")
-    return layers
+    return visible
 
 
 def painter_of(
@@ -81,16 +82,15 @@ def picture_of_system(
     system: Mechanism,
     state: State | None,
     *,
-    shown: Layers = (),
-    hidden: Layers = (),
+    layers: Layers = USUAL_LAYERS,
     view: Sequence[float] | None = None,
     size: Sequence[float],
     dark: bool = False,
 ) -> Figure:
     """Draw a system; see `System.picture`."""
-    layers, inches = picture_layers(system, shown, hidden, moving=False), paper_size(size)
+    visible, inches = picture_layers(system, layers, moving=False), paper_size(size)
     r, e = poses_of(system, state)
-    painter, _ = painter_of(system, r[None], e[None], inches, layers=layers, view=view, dark=dark)
+    painter, _ = painter_of(system, r[None], e[None], inches, layers=visible, view=view, dark=dark)
     with house(painter.sheet):
         figure, axes = new_sheet(painter.inches, painter.sheet)
         painter.paint(axes, [(r, e)])
@@ -98,26 +98,25 @@ def picture_of_system(
 
 
 def picture_of_solution(
-    motion: Poses,
-    t: float | Sequence[float] | None,
+    motion: Motion,
+    t: ArrayLike | None,
     *,
     traces: Points | None = None,
-    shown: Layers = (),
-    hidden: Layers = (),
+    layers: Layers = USUAL_LAYERS,
     view: Sequence[float] | None = None,
     size: Sequence[float],
     dark: bool = False,
 ) -> Figure:
     """Draw a motion; see `Solution.picture`."""
-    layers, inches = picture_layers(motion.system, shown, hidden, moving=True), paper_size(size)
+    visible, inches = picture_layers(motion.system, layers, moving=True), paper_size(size)
     run = frames_of(motion)
     now = moments(motion, run, t)
-    paths = traces_of(motion, run_until(run, now), traces) if "traces" in layers else []
-    kinds = set(ARROWS) & set(layers)
+    paths = traces_of(motion, run_until(run, now), traces) if "traces" in visible else []
+    kinds = set(ARROWS) & set(visible)
     both = Frames(*(np.concatenate(pair) for pair in zip(run, now, strict=True)))  # one scale for every moment
     vectors = [x for x in arrows_of(motion, both) if x.kind in kinds] if kinds else []
     painter, reach = painter_of(
-        motion.system, now.r, now.e, inches, paths=paths, vectors=vectors, layers=layers, view=view, dark=dark,
+        motion.system, now.r, now.e, inches, paths=paths, vectors=vectors, layers=visible, view=view, dark=dark,
         drawn=slice(run.t.size, None),
     )  # fmt: skip
     with house(painter.sheet):
@@ -130,7 +129,7 @@ def picture_of_solution(
     return figure
 
 
-def moments(motion: Poses, run: Frames, t: float | Sequence[float] | None) -> Frames:
+def moments(motion: Motion, run: Frames, t: ArrayLike | None) -> Frames:
     """Return the poses at the given times, at the last one for None.
 
     Poses of a run are integrated, not interpolated.

@@ -12,12 +12,12 @@ from ...base.checks import shown as shown_text
 from ...base.errors import InputError, MbsError
 from ...mechanism.mechanism import Mechanism
 from ...plotting.panels import Wanted
-from ...results.body_motion import Poses
-from ...results.run_result import RunResult
+from ...results.motion import Motion
+from ...results.result import RunResult
 from ...run.live_run import PERIOD, Frame, Playing
 from ..page.served import Served
 from ..page.show import animate
-from ..scene.drawing import DEFAULT_LAYERS
+from ..scene.drawing import DEFAULT_LAYERS, Layers
 from .page import SECONDS, Look, ride_page, shapes_of
 from .server import Server
 
@@ -47,7 +47,7 @@ class Play(Served):
     @property
     def t(self) -> float:
         """Return the time reached so far [s]."""
-        return self._playing.slices.t
+        return self._playing.segments.t
 
     @property
     def late(self) -> int:
@@ -183,12 +183,12 @@ class Play(Served):
             self._saving = False
 
 
-def ride_so_far(solution: Poses, curves: Wanted | None, look: Look) -> str:
+def ride_so_far(solution: Motion, curves: Wanted | None, look: Look) -> str:
     """Return a page of the run that needs no server."""
     follow = solution.system.bodies[look.followed] if look.followed >= 0 else None
     hidden = [layer for layer in (*DEFAULT_LAYERS, "body names") if layer not in look.layers]
     view = animate(
-        solution, None, curves=curves, traces=None, shown=look.layers, hidden=hidden, frames=None, speed=None,
+        solution, None, curves=curves, traces=None, layers=Layers(look.layers, hidden), frames=None, speed=None,
         title=look.title, dark=look.dark, live=False, follow=follow, view=look.view,
     )  # fmt: skip
     return view.html

@@ -3,7 +3,8 @@
 Bodies are given by their places in ``system.bodies``; the ground comes last (place ``len(system.bodies)``).
 """
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -22,7 +23,6 @@ NAMES = ("body names", "joint names")
 MARKS = ("centre of mass", "reference point")
 DEFAULT_LAYERS = ("bodies", "joints", "springs and rods", "traces", "ground grid")
 LAYERS = ("bodies", "body names", "joints", "joint names", "springs and rods", "traces", "ground grid", *ARROWS, *MARKS)
-Layers = str | Iterable[str]
 WORLD_AXES = np.eye(3)
 BOUND_POINTS_MAX = 20_000_000  # [points times poses] from which the bounds are found
 
@@ -89,22 +89,36 @@ def title_of(system: Mechanism) -> str:
     return f"{', '.join(names[:3])} and {len(names) - 3} more bodies"
 
 
-def layers_of(shown: Layers, hidden: Layers, usual: Collection[str]) -> tuple[str, ...]:
+@dataclass(frozen=True)
+class Layers:
     """Return the visible layers, in their order: the default ones and ``shown``, without ``hidden``."""
-    more, less = known(shown, "shown"), known(hidden, "hidden")
-    for layer in more:
-        if layer in less:
-            raise InputError(f"shown, hidden: layer {layer!r} is in both; take it out of one")
-    return tuple(layer for layer in LAYERS if (layer in usual or layer in more) and layer not in less)
+
+    shown: Collection[str] = ()
+    hidden: Collection[str] = ()
+
+    def __post_init__(self) -> None:
+        for option in ("shown", "hidden"):
+            object.__setattr__(self, option, known_layers(getattr(self, option), option))
+        for layer in self.shown:
+            if layer in self.hidden:
+                raise InputError(f"shown, hidden: layer {layer!r} is in both; take it out of one")
+
+    def visible(self, usual: Collection[str]) -> tuple[str, ...]:
+        """Return the visible layers in the order in which they are drawn."""
+        wanted = {*usual, *self.shown}.difference(self.hidden)
+        return tuple(layer for layer in LAYERS if layer in wanted)
 
 
-def known(wanted: Layers, option: str) -> tuple[str, ...]:
-    """Check names of layers and return them; a text is a single one."""
+def known_layers(wanted: Collection[str], option: str) -> tuple[str, ...]:
+    """Return names of layers as a tuple; ValueError for an unknown one."""
     wanted = (wanted,) if isinstance(wanted, str) else listed(wanted, option, "a list, e.g. ['angular velocity']")
     for layer in wanted:
         if not isinstance(layer, str) or layer not in LAYERS:
             raise InputError(f"{option}: layer {shown(layer)} is unknown; give some of {', '.join(LAYERS)}")
     return wanted
+
+
+USUAL_LAYERS = Layers()
 
 
 def poses_of(system: Mechanism, state: State | None = None) -> tuple[np.ndarray, np.ndarray]:

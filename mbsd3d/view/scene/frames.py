@@ -16,8 +16,8 @@ import numpy as np
 from ...base.checks import shown
 from ...base.errors import InputError
 from ...base.quaternions import H
-from ...results.body_motion import Poses
-from ...results.run_result import RunResult
+from ...results.motion import Motion
+from ...results.result import RunResult
 
 TURN_PER_FRAME_MAX, FRAME_RATE = 0.2, 25.0  # [rad] a body turns from frame to frame, and [1/s] frames of a film
 FRAMES_MAX, POSES_MAX = 1000, 200_000  # [frames] and [poses of all bodies] of a scene
@@ -29,7 +29,7 @@ INTERPOLATED_TURN_MAX = 1.5
 
 
 class Frames(NamedTuple):
-    """Poses of all bodies and the ground (last)."""
+    """Motion of all bodies and the ground (last)."""
 
     t: np.ndarray  # (frames,) [s]
     r: np.ndarray  # (frames, n + 1, 3) [m]
@@ -41,7 +41,7 @@ class Frames(NamedTuple):
         return Frames(self.t[:1], self.r[:1], self.e[:1])
 
 
-def frames_of(motion: Poses, count: int | None = None) -> Frames:
+def frames_of(motion: Motion, count: int | None = None) -> Frames:
     """Return frames in equal steps of time from the first to the last sample, of a run or a mode.
 
     ``count`` >= 2; None = so many that no body turns by more than 0.2 rad in one and a film has 25 per second, at most
@@ -57,7 +57,7 @@ def frames_of(motion: Poses, count: int | None = None) -> Frames:
     return frames_at(motion, times)
 
 
-def frames_at(motion: Poses, t: np.ndarray) -> Frames:
+def frames_at(motion: Motion, t: np.ndarray) -> Frames:
     """Return frames at the given times [s] of a run."""
     r, e = poses(motion, between(motion, t))
     ground = np.broadcast_to([1.0, 0.0, 0.0, 0.0], (t.size, 1, 4))
@@ -65,7 +65,7 @@ def frames_at(motion: Poses, t: np.ndarray) -> Frames:
     return Frames(t, r, one_sheet(np.concatenate([e, ground], axis=1)))
 
 
-def enough_frames(motion: Poses) -> int:
+def enough_frames(motion: Motion) -> int:
     """Return the number of frames for a smooth picture of a run."""
     span = float(motion.t[-1] - motion.t[0])
     if isinstance(motion, RunResult):
@@ -106,7 +106,7 @@ class Between(NamedTuple):
         return used, self._replace(left=left, right=right)
 
 
-def between(motion: Poses, t: np.ndarray) -> Between:
+def between(motion: Motion, t: np.ndarray) -> Between:
     """Return the places of the times [s] among the samples of a run or a mode."""
     samples = motion.t
     left = np.clip(np.searchsorted(samples, t, side="right") - 1, 0, max(samples.size - 2, 0))
@@ -117,7 +117,7 @@ def between(motion: Poses, t: np.ndarray) -> Between:
     return Between(left, right, np.where(far, np.round(share), share), step)
 
 
-def turns(motion: Poses) -> np.ndarray:
+def turns(motion: Motion) -> np.ndarray:
     """Return the largest angle [rad] (samples - 1,) a body turns by from each sample to the next."""
     e = unit(motion.arrays["q"][..., 3:])
     half = 0.5 * np.linalg.norm(e[1:] - same_sheet(e[:-1], e[1:]), axis=-1)
@@ -128,7 +128,7 @@ def turns(motion: Poses) -> np.ndarray:
     return angle.max(axis=1)
 
 
-def poses(motion: Poses, where: Between) -> tuple[np.ndarray, np.ndarray]:
+def poses(motion: Motion, where: Between) -> tuple[np.ndarray, np.ndarray]:
     """Return positions (times, n, 3) [m] and unit quaternions (times, n, 4)."""
     q, s = motion.arrays["q"], where.share[:, None, None]
     (r0, e0), (r1, e1) = ((part[..., :3], unit(part[..., 3:])) for part in (q[where.left], q[where.right]))

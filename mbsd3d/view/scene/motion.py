@@ -1,4 +1,4 @@
-"""Arrows, traces and curves over time of a motion, independent of a plotting library."""
+"""Arrows, traces and curves over time of a motion, and the reactions that arrows show; no plotting library."""
 
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
@@ -10,14 +10,16 @@ from ...base.checks import listed, shown, vector
 from ...base.errors import InputError
 from ...base.rotations import matrix
 from ...base.style import COLOURS, colour, paler
+from ...equations.at_state import load_rows
+from ...equations.compiled import Compiled
 from ...mechanism.bodies import GROUND, Body
 from ...mechanism.mechanism import Mechanism
 from ...plotting.default_curves import default_curves, seen_panels
 from ...plotting.panels import Panel, Wanted
-from ...results.body_motion import Poses
 from ...results.checks.check import scales_of
-from ...results.every_reaction import every_reaction
-from ...results.run_result import RunResult
+from ...results.motion import Motion
+from ...results.reactions import Reaction
+from ...results.result import RunResult
 from .drawing import ARROWS, Drawing
 from .frames import Between, Frames, between
 
@@ -78,7 +80,7 @@ class Curve(NamedTuple):
     lines: list[tuple[str, np.ndarray]]
 
 
-def arrows_of(motion: Poses, frames: Frames) -> list[Arrows]:
+def arrows_of(motion: Motion, frames: Frames) -> list[Arrows]:
     """Return the four kinds of arrows, without those that are zero throughout; a mode has none.
 
     Angular velocities and angular momenta ``R I R' w`` are drawn at the centres of mass, reactions at the points at
@@ -155,7 +157,7 @@ def nearby(
     return near, frames._replace(r=r), [x._replace(points=x.points - o) for x in arrows], paths
 
 
-def traces_of(motion: Poses, frames: Frames, points: Points | None = None) -> list[Trace]:
+def traces_of(motion: Motion, frames: Frames, points: Points | None = None) -> list[Trace]:
     """Return the paths of points of bodies, in the colours of the bodies.
 
     ``points``: bodies or names, whose centres of mass are meant, and pairs of one and a world point at the reference
@@ -188,7 +190,7 @@ def trace_point(system: Mechanism, entry: tuple[Body | str, Iterable[float]]) ->
     return body, body.local_point(vector(point, f"trace of body '{body.name}'"))
 
 
-def curves_of(motion: Poses, frames: Frames, wanted: Wanted | None = None) -> list[Curve]:
+def curves_of(motion: Motion, frames: Frames, wanted: Wanted | None = None) -> list[Curve]:
     """Return the panels of `Solution.plot` over the time of the frames; a mode has none.
 
     Of force and moment, momentum and angular momentum the one that is zero throughout is left out. ``wanted`` None =
@@ -217,3 +219,39 @@ def curve(samples: np.ndarray, t: np.ndarray, panel: Panel) -> Curve:
 
     lines = [(name, read(values)) for name, values in panel.lines]
     return Curve(label, panel.unit.strip("[]"), lines)
+
+
+def every_reaction(solution: RunResult, samples: np.ndarray) -> list[Reaction]:
+    """`Solution.reaction` of every joint at the given samples, by one pass over them instead of one per joint."""
+    compiled, joints = solution.compiled, solution.system.joints
+    lam = solution.arrays["lam"][samples]
+    for joint in (joint for joint in joints if not solution._is_unique([joint])):
+        rows = compiled.rows[id(joint)]
+        lam[:, rows] = solution._shares[0][samples, rows]
+    states, coordinates = solution.arrays["state"][samples], solution.arrays["coordinate"][samples]
+    wrenches = wrenches_about_O(compiled, solution.t[samples], states, coordinates, lam)
+    found = []
+    for k, joint in enumerate(joints):
+        point = joint.reaction_points(solution)[samples]
+        origin = 0.0 if joint.b is GROUND else solution.position(joint.b)[samples]
+        force = wrenches[:, k, :3]
+        moment = wrenches[:, k, 3:] - np.cross(point - origin, force)
+        found.append(solution._determined([joint]).reaction(force, moment, point, samples))
+    return found
+
+
+def wrenches_about_O(
+    compiled: Compiled, t: np.ndarray, states: np.ndarray, coordinates: np.ndarray, lam: np.ndarray
+) -> np.ndarray:
+    """(samples, joints, 6) force and moment of every joint on its body b about O: minus the sum of J' lam."""
+    data, joints, pairs = compiled.data(), compiled.system.joints, []
+    for k, joint in enumerate(joints):
+        rows = compiled.rows[id(joint)]
+        on_b = np.argwhere(compiled.model.row["body"][rows] == compiled.body_index[id(joint.b)])
+        pairs += [(k, rows.start + row, slot) for row, slot in on_b]
+    which, row, slot = np.array(pairs, dtype=int).reshape(-1, 3).T
+    out = np.zeros((t.size, len(joints), 6))
+    for i in range(t.size):
+        load_rows(compiled, data, states[i], t[i], coordinates[i])
+        np.subtract.at(out[i], which, data.row["J"][row, slot] * lam[i, row, None])
+    return out

@@ -1,8 +1,9 @@
-"""The samples of a run: every quantity by part, in world axes and SI units."""
+"""The result of a run: every quantity by part, in world axes and SI units."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,15 +13,18 @@ from ..base.errors import InputError
 from ..base.rotations import matrix
 from ..base.style import Sampled
 from ..dynamics.batch import wrenches
-from ..equations.compiled import Compiled
+from ..equations.compiled import Compiled, compile_system, new_data, tables_of
+from ..kernels.coordinates import coordinate_rate, measure, remember
+from ..kernels.kinematics import kinematics
 from ..kernels.layout import Data
 from ..mechanism.bodies import GROUND, Body, Ground
 from ..mechanism.drivers import Driver
 from ..mechanism.force_element import ForceElement
-from ..mechanism.joints import Joint
+from ..mechanism.joints import Joint, coordinate_of
+from ..mechanism.measures import Measure, check_members
+from ..mechanism.primitives import Coordinate
 from ..mechanism.state import State
-from .body_motion import RunMotion
-from .element_loads import Load, load_of
+from .motion import Motion
 from .reactions import Determined, Probe, Reaction, RunRows, Shares, all_determined, group_of, is_unique
 from .record import Record
 
@@ -63,19 +67,23 @@ class AboutCentre(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RunSamples(RunMotion):
-    """Samples of a run. Parts are given as objects or by name; vectors are (samples, 3) in world axes."""
+class RunResult(Motion):
+    """Samples, record, start and end of a run.
 
-    compiled: Compiled
-    arrays: dict[str, np.ndarray]
+    Parts are given as objects or by name; vectors are (samples, 3) in world axes.
+    """
+
     record: Record
     start: State  # as it was given; the first sample may be later
     final: State
+    estimated: tuple[float | None, float | None, float | None] = (None, None, None)  # of the global error, `estimate`:
+    # itself, its order, and the time in which it doubles [s]
+    derived: dict[str, Any] = field(default_factory=dict, init=False)  # what is made of the samples once
 
     @classmethod
     def from_run(
         cls, compiled: Compiled, arrays: dict, record: Record, start: State, y: np.ndarray, t: float, data: Data
-    ) -> "RunSamples":
+    ) -> "RunResult":
         """Split the raw samples ``y`` into q, world velocities and own states."""
         n = len(compiled.system.bodies)
         states = arrays.pop("y")
@@ -90,6 +98,101 @@ class RunSamples(RunMotion):
         coordinates = data.coordinate["value"][: compiled.own_coordinates].copy()
         end = State(t, unit_quaternions(y[: 7 * n]), v.ravel(), own, coordinates)
         return cls(compiled, arrays, record, start, end)
+
+    def velocity(self, body: Body | str) -> np.ndarray:
+        """Velocity of the reference point [m/s]."""
+        return self.arrays["v"][:, self._body(body), :3]
+
+    def omega(self, body: Body | str) -> np.ndarray:
+        """Angular velocity [rad/s], world axes."""
+        return self.arrays["v"][:, self._body(body), 3:]
+
+    def omega_body(self, body: Body | str) -> np.ndarray:
+        """Angular velocity [rad/s], body axes."""
+        return np.einsum("tji,tj->ti", self.rotation(body), self.omega(body))
+
+    def acceleration(self, body: Body | str) -> np.ndarray:
+        """Acceleration of the reference point [m/s^2]."""
+        return self.arrays["acceleration"][:, self._body(body), :3]
+
+    def alpha(self, body: Body | str) -> np.ndarray:
+        """Angular acceleration [rad/s^2], world axes."""
+        return self.arrays["acceleration"][:, self._body(body), 3:]
+
+    def _coordinate(self, joint: Joint | str, kind: str) -> int:
+        part = self.system.part(joint, "joints")
+        return self.compiled.coordinate(coordinate_of(part, kind, f"solution.{kind}"))
+
+    def angle(self, joint: Joint | str) -> np.ndarray:
+        """(samples,) angle of a hinge [rad], unwrapped, zero at the reference pose."""
+        return self.arrays["coordinate"][:, self._coordinate(joint, "angle")]
+
+    def slide(self, joint: Joint | str) -> np.ndarray:
+        """(samples,) displacement of a sliding joint [m]."""
+        return self.arrays["coordinate"][:, self._coordinate(joint, "slide")]
+
+    def rate(self, joint: Joint | str) -> np.ndarray:
+        """(samples,) rate of a hinge's angle [rad/s], or of a slide [m/s] where there is no angle."""
+        part = self.system.part(joint, "joints")
+        x = part.angle() or part.slide()
+        if x is None:
+            raise InputError(f"'{self.system.name(part)}' has no angle and no slide; give a hinge or a slider")
+        return self._coordinate_rate(x)
+
+    def _coordinate_rate(self, x: Coordinate) -> np.ndarray:
+        """(samples,) rate of a hinge coordinate [rad/s or m/s]."""
+        if x.kind not in ("angle", "slide"):
+            return self.measure(Measure("coordinate rate", f"rate of a {x.kind}", "m/s", x.a, x.b, coordinate=x))
+        axis = self.body_axis(x.a, x.axis)
+        w_a, w_b = (np.zeros((self.t.size, 3)) if isinstance(body, Ground) else self.omega(body) for body in (x.a, x.b))
+        if x.kind == "angle":
+            return np.einsum("ti,ti->t", axis, w_b - w_a)
+        p_b, v_b = self._point_motion(x.b, x.point_b)
+        v_a_there = 0.0 if isinstance(x.a, Ground) else self.velocity(x.a) + crosses(w_a, p_b - self.position(x.a))
+        return np.einsum("ti,ti->t", axis, v_b - v_a_there)
+
+    def _point_motion(self, body: Body | Ground, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """World position and velocity of a body point given at the reference pose."""
+        if isinstance(body, Ground):
+            return np.broadcast_to(point, (self.t.size, 3)), np.zeros((self.t.size, 3))
+        return self._carried(body, body.local_point(point))
+
+    def _carried(self, body: Body, local: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """World position and velocity of a point given in body axes from the reference point."""
+        arm = self.rotation(body) @ local
+        return self.position(body) + arm, self.velocity(body) + crosses(self.omega(body), arm)
+
+    def measure(self, measures: Measure | Sequence[Measure]) -> np.ndarray:
+        """(samples,) values of one of `mbsd3d.measures`, (samples, k) of k of them.
+
+        Angles of hinges are those of the run. Other angles, e.g. headings, are followed from sample to sample: between
+        two of them the mean of both rates must tell the turn to within half a turn.
+        """
+        wanted = tuple(measures) if isinstance(measures, list | tuple) else (measures,)
+        for one in wanted:
+            if not isinstance(one, Measure):
+                raise InputError(f"solution.measure: {shown(one)} is not a measure; build one with mbsd3d.measures")
+            check_members(self.system, one, "solution.measure")
+        model = compile_system(self.system, wanted).model
+        data, known = new_data(model), len(tables_of(self.system).coordinate_index)
+        values = np.empty((self.t.size, len(wanted)))
+        for k, t in enumerate(self.t):
+            kinematics(model, data, self.arrays["state"][k])
+            half = 0.5 * (t - self.t[max(k - 1, 0)])
+            for i in range(known, model.coordinate.size):  # other angles go on from the sample before
+                mean = data.coordinate["rate"][i] + coordinate_rate(model, data, i, t)
+                data.coordinate["value"][i] += half * mean
+            data.coordinate["value"][:known] = self.arrays["coordinate"][k, :known]  # those of hinges count their turns
+            data.unwrap_time[0] = t
+            values[k] = [measure(model, data, i, t) for i in range(len(wanted))]
+            remember(model, data, t)
+        return values[:, 0] if isinstance(measures, Measure) else values
+
+    def state_of(self, force: ForceElement | str) -> np.ndarray:
+        """(samples, k) own states of a force element, e.g. of a filter or a `CustomForce`."""
+        part = self.system.part(force, "forces")
+        entry = self.compiled.model.force[self.system.forces.index(part)]
+        return self.arrays["z"][:, entry["state"] : entry["state"] + entry["states"]]
 
     @property
     def _rows(self) -> RunRows:
@@ -156,14 +259,6 @@ class RunSamples(RunMotion):
         force = total[:, :3]
         moment = total[:, 3:] - crosses(point - origin, force)
         return self._determined(parts).reaction(force, moment, point, slice(None))
-
-    def force(self, force: ForceElement | str, on: Body | Ground | str | None = None) -> Load:
-        """Force [N] and moment [N m] of a force element on a body at its point, with power, stretch and own states.
-
-        ``on`` None = body b of two, the last one of a `CustomForce`. ValueError for a body it does not act on, and
-        where the function of a `CustomForce` was not saved.
-        """
-        return load_of(self, force, on)
 
     def effort(self, driver: Driver | str) -> np.ndarray:
         """(samples,) torque [N m] or force [N] a driver applies to b along its motion; (samples, k) for k rows."""

@@ -1,15 +1,18 @@
 """How far a motion is from the true one: the same run at tighter settings, and how fast the difference grows."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from ..base.errors import InputError, IntegrationError
-from .certificate import Certificate
-from .checks.between_stages import unseen_parts
-from .run_result import RunResult
+from ..integrators.method import Method
+from ..results.certificate import Certificate, certificate_of
+from ..results.checks.between_stages import unseen_parts
+from ..results.result import RunResult
+from .repeat import options_to_repeat, repeat
 
-FEWEST = 8  # samples from which growth is read
+GROWTH_SAMPLES_MIN = 8  # for a fit of the growth by a straight line
 FACTORS = 32.0, 4.0  # of tolerances; some methods and positions do not let the first be reached
 PROBES, FINER = 2000, 4  # steps of the run that looks for what lies between stages, and times those of the run
 GOLDEN = 0.5 * (1.0 + np.sqrt(5.0))  # the factor that is farthest from all ratios of small numbers
@@ -38,7 +41,7 @@ def estimate(solution: RunResult) -> Certificate:
         float(x.max(initial=0.0)) for x in (distances(solution, finest), distances(solution, finer), last)
     )
     order = float(np.log(first / second) / np.log(factor)) if 0.0 < second < first else None
-    known = replace(solution.certificate, error=error, order=order, doubling=doubling_time(solution.t, last))
+    known = replace(certificate_of(solution), error=error, order=order, doubling=doubling_time(solution.t, last))
     unseen = unseen_parts(solution)
     missed = float(distances(solution, probed(solution)).max(initial=0.0)) if unseen else 0.0
     if not missed > max(SEEN * error, ROUNDING):
@@ -60,20 +63,30 @@ def tighter(solution: RunResult) -> tuple[RunResult, RunResult, float]:
 
 def refined(solution: RunResult, factor: float) -> RunResult:
     """Return the run made again with a tolerance, or a step, smaller by a factor."""
-    record, method = solution.record, solution.record.method
+    record, options = solution.record, options_to_repeat(solution)
+    method = options.method
     if record.kinematic:
         apart = (solution.final.t - solution.start.t) / record.steps
-        return solution.again(method=replace(method, max_step=min(method.max_step, apart) / factor))
-    if method.dt is None:
-        return solution.again(rtol=max(record.rtol / factor, 1e-13))
-    return solution.again(method=replace(method, dt=method.dt / factor))
+        finer = replace(options, method=changed_method(method, max_step=min(method.max_step, apart) / factor))
+    elif method.dt is None:
+        finer = replace(options, rtol=max(options.rtol / factor, 1e-13))
+    else:
+        finer = replace(options, method=changed_method(method, dt=method.dt / factor))
+    return repeat(solution, options=finer)
+
+
+def changed_method(method: Method, **changes: float) -> Method:
+    """Return a method, which is a frozen dataclass, with other settings."""
+    settings: Any = method
+    return replace(settings, **changes)
 
 
 def probed(solution: RunResult) -> RunResult:
     """Return the run made again with stages elsewhere: steps shorter by an irrational factor, and many of them."""
     method, span = solution.record.method, solution.final.t - solution.start.t
     step = span / (GOLDEN * max(FINER * solution.record.steps, PROBES))
-    return solution.again(method=replace(method, **{"max_step" if method.dt is None else "dt": step}))
+    finer = changed_method(method, **{"max_step" if method.dt is None else "dt": step})
+    return repeat(solution, options=replace(options_to_repeat(solution), method=finer))
 
 
 def distances(one: RunResult, other: RunResult) -> np.ndarray:
@@ -93,7 +106,7 @@ def doubling_time(t: np.ndarray, apart: np.ndarray) -> float | None:
     """
     grown = np.maximum.accumulate(apart)
     use = (grown > 1e-13) & (grown < 0.03) & (t > t[0])
-    if use.sum() < FEWEST or grown[use][-1] < 1e3 * grown[use][0]:
+    if use.sum() < GROWTH_SAMPLES_MIN or grown[use][-1] < 1e3 * grown[use][0]:
         return None
     x, y = t[use] - t[0], np.log(grown[use])
     slopes = [np.polynomial.polynomial.polyfit(base, y, 1, full=True) for base in (x, np.log(x))]

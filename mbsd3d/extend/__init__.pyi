@@ -1,0 +1,12 @@
+from . import checks as checks
+from . import commands as commands
+from . import demos as demos
+from . import dynamics as dynamics
+from . import figures as figures
+from . import live as live
+from .checks import *
+from .commands import *
+from .demos import *
+from .dynamics import *
+from .figures import *
+from .live import *

@@ -1,0 +1,73 @@
+"""Poses over time, read by part: of runs, modes and single states."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..base.checks import vector
+from ..base.rotations import matrix
+from ..equations.compiled import Compiled
+from ..mechanism.bodies import Body, Ground
+from ..mechanism.mechanism import Mechanism
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Motion:
+    """Poses of a mechanism over time (no forces, no energy): read like a `Solution`.
+
+    ``arrays["q"]`` (samples, n, 7) holds reference points [m] and unit quaternions at the times ``arrays["t"]`` [s].
+    Parts are given as objects or by name.
+    """
+
+    compiled: Compiled
+    arrays: dict[str, np.ndarray]
+
+    def __repr__(self) -> str:
+        return f"<motion: {self.t.size} samples, {self.t[0]:g} ... {self.t[-1]:g} s>"
+
+    @property
+    def t(self) -> np.ndarray:
+        """(samples,) times [s]."""
+        return self.arrays["t"]
+
+    @property
+    def system(self) -> Mechanism:
+        """The system that moves."""
+        return self.compiled.system
+
+    def _body(self, body: Body | str) -> int:
+        index = self.compiled.body_index.get(id(body), self.compiled.model.body.size)
+        return index if index < self.compiled.model.body.size else self.compiled.body_index[id(self.system.part(body))]
+
+    def position(self, body: Body | str) -> np.ndarray:
+        """Reference point of a body [m]."""
+        return self.arrays["q"][:, self._body(body), :3]
+
+    def orientation(self, body: Body | str) -> np.ndarray:
+        """(samples, 4) unit quaternion of a body, scalar first, body -> world."""
+        return self.arrays["q"][:, self._body(body), 3:]
+
+    def rotation(self, body: Body | str) -> np.ndarray:
+        """(samples, 3, 3) rotation matrix of a body, body -> world."""
+        return matrix(self.orientation(body))
+
+    def com(self, body: Body | str) -> np.ndarray:
+        """Centre of mass [m]."""
+        return self.point(body, self.system.part(body).com)
+
+    def point(self, body: Body | str, local: ArrayLike) -> np.ndarray:
+        """World position of a point given in body axes from the reference point [m]."""
+        return self.position(body) + self.rotation(body) @ vector(local, "point: local")
+
+    def body_axis(self, body: Body | Ground | str, axis: ArrayLike) -> np.ndarray:
+        """(samples, 3) world direction of an axis fixed in a body (or GROUND), given at the reference pose."""
+        if isinstance(body, Ground):
+            return np.broadcast_to(vector(axis, "body_axis: axis"), (self.t.size, 3))
+        return self.rotation(body) @ self.system.part(body).local_axis(axis)
+
+    def body_point(self, body: Body | Ground | str, point: ArrayLike) -> np.ndarray:
+        """(samples, 3) world position of a point fixed in a body (or GROUND), given at the reference pose [m]."""
+        if isinstance(body, Ground):
+            return np.broadcast_to(vector(point, "body_point: point"), (self.t.size, 3))
+        return self.point(body, self.system.part(body).local_point(point))
