@@ -378,7 +378,7 @@ RUNS = {
     ),
     "t_end before the state": (
         lambda: simulate(swing(), 1.0, state=State(2.0, swing().state().q, np.zeros(6))),
-        ["t_end = 1 s", "start at 2 s", "later"],
+        ["t_end = 1 s", "start time 2 s", "later"],
     ),
     "rtol 0": (lambda: simulate(swing(), 1.0, rtol=0.0), ["rtol", "outside 1e-1", "range"]),
     "rtol NaN": (lambda: simulate(swing(), 1.0, rtol=NAN), ["rtol", "nan", "finite"]),
