@@ -81,7 +81,7 @@ figures: pictures precision
 # What the short tests run of each file: kernels as plain Python, all else compiled as users have it. One report of both,
 # out/coverage/index.html; there is no threshold.
 COVERED := --cov=mbsd3d --cov=bicycle --cov=engines --cov=validation --cov-append --cov-report=
-KERNEL_TESTS := tests/kernels tests/equations tests/constraints tests/mechanism
+KERNEL_TESTS := tests/kernels tests/equations
 .PHONY: coverage
 coverage: warm
 	rm -f .coverage
