@@ -98,7 +98,7 @@ class Solution(RunResult, Viewable):
 
     def again(self, t_end: float | None = None, **changes: Any) -> "Solution":
         """Run the same system again with the same options, except for the given ones (see `simulate`)."""
-        if wrong := explained("solution.again", CHANGES, (), changes):
+        if wrong := explained("Solution.again", CHANGES, (), changes):
             raise wrong
         start = changes.pop("state", self.start)
         options = changed(options_to_repeat(self), changes)

@@ -163,7 +163,8 @@ class FunctionForce(ForceElement):
         count = len(self.states)
         if len(self.points) != len(self.on):
             raise InputError(f"{what}: {len(self.points)} points for {len(self.on)} bodies; give one per body")
-        fits = len(self.labels) == len(set(self.labels)) == count and all(isinstance(x, str) for x in self.labels)
+        texts = all(isinstance(x, str) for x in self.labels)
+        fits = texts and len(self.labels) == len(set(self.labels)) == count
         if not fits:
             raise InputError(f"{what}: labels {shown(self.labels)} for {count} states; name each once")
         if len(self.scales) != count or min(self.scales, default=1.0) <= 0.0:
