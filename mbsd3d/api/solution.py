@@ -22,7 +22,7 @@ from ..results.record import RunOptions
 from ..results.result import RunResult
 from ..run.global_error import estimate
 from ..run.repeat import options_to_repeat, repeat
-from ..run.simulation import SHORTEST
+from ..run.simulation import RUN_SHARE_MIN
 from .viewable import Viewable
 
 if TYPE_CHECKING:
@@ -93,7 +93,7 @@ class Solution(RunResult, Viewable):
             raise InputError(f"solution.at: t = {t:g} s is outside the run {begin:g} ... {self.final.t:g} s")
         k = int(np.searchsorted(self.t, t, side="right")) - 1
         start = self.state(k) if k >= 0 else self.start
-        same = t - start.t <= SHORTEST * abs(t)  # too short for any run
+        same = t - start.t <= RUN_SHARE_MIN * abs(t)  # too short for any run
         return start if same else self.again(t, state=start, output=[t]).final
 
     def again(self, t_end: float | None = None, **changes: Any) -> "Solution":

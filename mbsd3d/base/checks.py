@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from .errors import CONTROL, InputError, MbsError
 
 LARGEST, SMALLEST = 1e60, 1e-60  # sizes of numbers in SI units whose squares and ratios can be computed with
-FEW = 16  # numbers that Python looks through in less time than numpy
+PYTHON_LOOP_MAX = 16  # [numbers] that Python looks through in less time than numpy
 PLAIN = frozenset((float, int, np.float64))  # types of numbers that need no closer look than at their size
 
 
@@ -35,7 +35,7 @@ def check_name(name: Any, what: str) -> None:
 
 def all_within(array: np.ndarray, most: float) -> bool:
     """True if no number is beyond -most ... most; what is not finite is."""
-    if array.size <= FEW:
+    if array.size <= PYTHON_LOOP_MAX:
         return all(-most <= x <= most for x in array.ravel().tolist())
     return bool((np.abs(array) <= most).all())
 

@@ -26,7 +26,7 @@ from .initial_checks import exception_of
 NOT_FINITE = "a part returns values that are not finite"
 CURVE_END_SHARE = 1e-6  # [1] of the length of a curve: within this distance of an end its point has reached it
 START_TIME_SHARE = 1e-4  # [1] of the time of a run: one that ends before has not left its start
-BESIDE = "the motion branches here; start from a nearby pose and shift the drivers with it; see system.check()"
+BRANCH_ADVICE = "the motion branches here; start from a nearby pose and shift the drivers with it; see system.check()"
 FAILURES = {
     memory.STEP_TOO_SMALL: (
         "the step size fell below its limit",
@@ -91,7 +91,7 @@ def singular_start(
     if what.startswith(INFINITESIMAL):
         return f"the mobility at the start is {what}", "see system.check()"
     stays = t - start.t <= START_TIME_SHARE * (t_end - start.t)
-    return (f"the pose at the start is {what}", BESIDE) if what and stays else None
+    return (f"the pose at the start is {what}", BRANCH_ADVICE) if what and stays else None
 
 
 def singular_there(compiled: Compiled, start: State, y: np.ndarray, t: float) -> str:

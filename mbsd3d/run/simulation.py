@@ -19,16 +19,11 @@ from ..results.result import RunResult
 from .initial_checks import own_forces
 from .job import Job
 
-SHORTEST = 1e-12  # of the time, the shortest run: a hundred of the shortest steps
+RUN_SHARE_MIN = 1e-12  # [1] of the time, the shortest run: a hundred of the shortest steps
 MOST_STEPS = 1e9  # of a run: days
 
 
-def run_to(
-    system: Mechanism,
-    start: State,
-    t_end: float,
-    options: RunOptions,
-) -> RunResult:
+def run_to(system: Mechanism, start: State, t_end: float, options: RunOptions) -> RunResult:
     """Integrate a mechanism from a state to ``t_end`` [s]; errors as `mbsd3d.simulate`."""
     t_end = check_end(t_end, start.t, "simulate")
     check_steps(options.method, t_end - start.t, "simulate")
@@ -47,7 +42,7 @@ def run_to(
 def check_end(t_end: Any, t_start: float, what: str) -> float:
     """Return the end of a run [s]; ValueError for an end that leaves no room for a step."""
     t_end = number(t_end, f"{what}: t_end")
-    if not t_end - t_start > max(SHORTEST * abs(t_end), SMALLEST):
+    if not t_end - t_start > max(RUN_SHARE_MIN * abs(t_end), SMALLEST):
         raise InputError(
             f"{what}: t_end = {t_end:g} s is not later than the start time {t_start:g} s; give a later time"
         )

@@ -24,11 +24,11 @@ from .shading import SEAM_WIDTH, Items, Pointers, Solids, join, outlines, split_
 POINTS_PER_INCH = 72.0  # [points/inch]
 TRIANGLE_SIZE_MAX = 0.045  # [sizes of what is seen] of the longest triangle or stroke
 
-BEFORE = 1e3  # sizes of what is seen by which arrows are painted as if nearer: most start within solids
+ARROW_LIFT = 1e3  # [sizes of what is seen] by which arrows are painted as if nearer: most start within solids
 PEN, LINK, AXIS, PATH = 0.7, 1.6, 1.0, 1.3  # line widths [points]
 SIZE, GAP = 9.0, 7.0  # of the letters of names, and from a name to its point [points]
 NONE = np.empty((0, 3))  # no points
-MANY = 3000  # more triangles and strokes than this are painted as an image, also in a vector file
+VECTOR_STROKES_MAX = 3000  # [1] more triangles and strokes than this are painted as an image, also in a vector file
 
 
 def tone(colour: str) -> np.ndarray:
@@ -149,7 +149,7 @@ class Painter:
         axes.set_axis_off()
         found = [self.items(r, e) for r, e in poses]
         for items in (arrow.items(self.longest) for arrow in arrows):
-            found.append(items._replace(lift=items.lift + BEFORE * self.size))
+            found.append(items._replace(lift=items.lift + ARROW_LIFT * self.size))
         if self.ground:
             shadows = [self.solids.shadow(r, matrix(e), self.low[2]) for r, e in poses]
             self.paint_ground(axes, np.concatenate(shadows))
@@ -170,7 +170,7 @@ class Painter:
         pen = items.width[order] > 0.0
         polygons = outlines(self.on_paper(items.corners[order]), items.width[order])
         fill = items.fill[order]
-        if len(order) > MANY:
+        if len(order) > VECTOR_STROKES_MAX:
             axes.add_artist(Mosaic(polygons, fill, pen))
             return
         drawn = PolyCollection(
