@@ -8,7 +8,7 @@ Usual are bodies, joints, springs and rods, traces, the ground grid, and names t
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
 
@@ -122,14 +122,9 @@ class Viewable(Motion):
         from ..view.picture.picture import picture_of_solution
         from ..view.scene.drawing import Layers
 
-        options: dict[str, Any] = {
-            "traces": traces,
-            "layers": Layers(shown, hidden),
-            "view": view,
-            "size": size,
-            "dark": dark,
-        }
-        return picture_of_solution(self, t, **options)
+        return picture_of_solution(
+            self, t, traces=traces, layers=Layers(shown, hidden), view=view, size=size, dark=dark
+        )
 
     def export_gif(
         self,
@@ -168,14 +163,10 @@ class Viewable(Motion):
         from ..view.film.film import export_gif
         from ..view.scene.drawing import Layers
 
-        options: dict[str, Any] = {
-            "curves": curves,
-            "traces": traces,
-            "layers": Layers(shown, hidden),
-            "view": view,
-            "dark": dark,
-        }
-        return export_gif(self, path, fps=fps, speed=speed, width=width, height=height, **options)
+        return export_gif(
+            self, path, fps=fps, speed=speed, width=width, height=height, curves=curves, traces=traces,
+            layers=Layers(shown, hidden), view=view, dark=dark,
+        )  # fmt: skip
 
     def export_mp4(
         self,
@@ -200,14 +191,10 @@ class Viewable(Motion):
         from ..view.film.film import export_mp4
         from ..view.scene.drawing import Layers
 
-        options: dict[str, Any] = {
-            "curves": curves,
-            "traces": traces,
-            "layers": Layers(shown, hidden),
-            "view": view,
-            "dark": dark,
-        }
-        return export_mp4(self, path, fps=fps, speed=speed, width=width, height=height, **options)
+        return export_mp4(
+            self, path, fps=fps, speed=speed, width=width, height=height, curves=curves, traces=traces,
+            layers=Layers(shown, hidden), view=view, dark=dark,
+        )  # fmt: skip
 
     def export_glb(self, path: str | Path, *, frames: int | None = None, traces: "Points | None" = None) -> Path:
         """Write the motion as an animated glTF 2.0 file, which Blender, three.js and most 3D viewers open; returns the

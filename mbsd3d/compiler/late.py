@@ -237,7 +237,10 @@ def late_choice(where: str, name: str, kernels: Sequence[Callable]) -> Callable:
 
 def plain_choice(kernels: Sequence[Callable]) -> Callable:
     """Return the choice of one of some kernels as numba compiles it without this module."""
-    first, rest = kernels[0], plain_choice(kernels[1:]) if len(kernels) > 1 else kernels[0]
+    first, *others = kernels
+    if not others:
+        return numba.njit(error_model="numpy")(lambda number, *given: first(*given))
+    rest = plain_choice(others)
 
     @numba.njit(error_model="numpy")
     def chosen(number, *given):
@@ -246,11 +249,7 @@ def plain_choice(kernels: Sequence[Callable]) -> Callable:
         else:
             rest(number - 1, *given)
 
-    @numba.njit(error_model="numpy")
-    def last(number, *given):
-        first(*given)
-
-    return chosen if len(kernels) > 1 else last
+    return chosen
 
 
 def empty_cells() -> list[tuple[Late, tuple, int]]:

@@ -8,6 +8,7 @@ over the rows J of all joints; L are the impulses of the multipliers. u is the m
 kinetic energy, so momentum is kept and energy is lost. Where rows are redundant, L has the least norm.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -37,9 +38,7 @@ from .poses.pose_equations import CLOSED_GAP_MAX, gap_size
 from .rank import redundant_combinations
 from .velocities import least_energy
 
-OPEN_SHARE_MAX = (
-    1e-7  # [1] of a unit impulse: what redundant rows may change of one that counts as determined; rounding
-)
+OPEN_SHARE_MAX = 1e-7  # [1] of a unit impulse: what redundant rows may change of a determined one; rounding
 
 
 @dataclass(frozen=True, repr=False)
@@ -99,7 +98,7 @@ def engage(system: Mechanism, joint: Joint, state: State) -> Engagement:
     check_engaging(system, joint)
     compiled, data = loaded(system, state)
     made = joint_at(compiled, data, joint, state)
-    new = type(system)(system.bodies, (*system.joints, made), system.forces, system.gravity, title=system.title)
+    new = with_joints(system, (*system.joints, made))
     after = compile_system(new)
     pose = replace(state, coordinates=carried_coordinates(compiled, data, after), moved={}, notes=())
     data = after.data()
@@ -123,10 +122,14 @@ def release(system: Mechanism, joint: Joint | str, state: State) -> Engagement:
                 f"release: '{system.name(other)}' acts through '{system.name(gone)}'; release or leave out that first"
             )
     compiled, data = loaded(system, state)
-    rest = [other for other in system.joints if other is not gone]
-    new = type(system)(system.bodies, rest, system.forces, system.gravity, title=system.title)
+    new = with_joints(system, [other for other in system.joints if other is not gone])
     pose = replace(state, coordinates=carried_coordinates(compiled, data, compile_system(new)), moved={}, notes=())
     return Engagement(new, None, pose, lost=0.0, work=0.0)
+
+
+def with_joints(system: Mechanism, joints: Sequence[Joint]) -> Mechanism:
+    """Return the system with other joints."""
+    return type(system)(system.bodies, joints, system.forces, system.gravity, title=system.title)
 
 
 def check_engaging(system: Mechanism, joint: Joint) -> None:
@@ -202,7 +205,7 @@ def coupling_offset(compiled: Compiled, data: Data, joint: Coupling, state: Stat
             raise InputError(
                 f"engage: '{joint.name}' couples '{other.name}', which is not in the system; couple joints of it"
             )
-    after = compile_system(type(system)(system.bodies, (*system.joints, joint), system.forces, system.gravity))
+    after = compile_system(with_joints(system, (*system.joints, joint)))
     work = after.data()
     load_state(after, work, replace(state, coordinates=carried_coordinates(compiled, data, after)))
     return float(work.row["c"][np.flatnonzero(after.row_joint == len(system.joints))[0]])

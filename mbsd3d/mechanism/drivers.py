@@ -12,6 +12,7 @@ from ..kernels import kinds
 from .bodies import GROUND, Body, Ground
 from .couplings import Coupling
 from .joints import Joint, angle_of, coordinate_of, slide_of
+from .joints.conditions import ends_coincide
 from .primitives import ZERO, Primitive, in_plane, ratio
 from .signals import Constant, Signal, SignalField, ThreeSignalsOrFree, as_signal
 
@@ -164,7 +165,7 @@ class LengthDriver(Driver):
 
     def check(self, what: str) -> None:
         super().check(what)
-        if not np.linalg.norm(self.at_b - self.at_a) > 1e-12:
+        if ends_coincide(self):
             raise InputError(f"{what}: at_a and at_b coincide, so the line has no direction; move one of them")
         if isinstance(self.length, Constant) and not self.length.value > 0.0:
             raise InputError(f"{what}: length is {self.length.value:g} m; give a length above 0")

@@ -12,7 +12,6 @@ from ..base.checks import shown
 from ..base.errors import NameMissingError
 from ..base.style import html_text
 from ..constraints.singularity import INFINITESIMAL, describe_singularity
-from ..equations.compiled import Switches
 from ..equations.plausibility import loose_bodies
 from .checks.balances import balance_checks, work_note
 from .checks.between_stages import signal_checks, stage_notes
@@ -20,7 +19,7 @@ from .checks.check import DRIFT_LIMIT_MAX, PASSED, Check, drift_limit
 from .checks.equations import equation_checks, joint_checks, lost, residuals
 from .checks.rounding import rounding, rounding_checks, singular_notes
 from .checks.turning import turning_checks
-from .record import Record, RunOptions
+from .record import HasOptions, Record, RunOptions
 from .result import RunResult
 
 FAR_TURN = 1.0  # rad in a step: beyond, its error is no small share of the turn
@@ -28,7 +27,7 @@ COARSE_ORDER = 2  # of methods whose steps follow no estimate that sees a turn
 
 
 @dataclass(frozen=True)
-class Certificate:
+class Certificate(HasOptions):
     """How a result was computed and how far it can be trusted.
 
     ``passed`` is True if every check is within its limit and the run reached its end; ``failures`` says what is not.
@@ -56,16 +55,6 @@ class Certificate:
     def method(self) -> str:
         """Method of integration with its settings."""
         return str(self.options.method)
-
-    @property
-    def rtol(self) -> float:
-        """Relative tolerance of the run."""
-        return self.options.rtol
-
-    @property
-    def switches(self) -> Switches:
-        """Teaching switches of the run."""
-        return self.options.switches
 
     @property
     def passed(self) -> bool:

@@ -50,8 +50,24 @@ def check_method(method: Any) -> None:
         raise InputError(f"simulate: method {shown(method)} is unknown; give one of {names}, e.g. DOP853()")
 
 
+class HasOptions:
+    """Anything that keeps the options of its run."""
+
+    options: RunOptions
+
+    @property
+    def rtol(self) -> float:
+        """Relative tolerance of the run."""
+        return self.options.rtol
+
+    @property
+    def switches(self) -> Switches:
+        """Teaching switches of the run."""
+        return self.options.switches
+
+
 @dataclass
-class Record:
+class Record(HasOptions):
     """Statistics of a run: its options, steps, evaluations and how it ended."""
 
     options: RunOptions
@@ -81,16 +97,6 @@ class Record:
     def method(self) -> Method:
         """Method of integration."""
         return self.options.method
-
-    @property
-    def rtol(self) -> float:
-        """Relative tolerance."""
-        return self.options.rtol
-
-    @property
-    def switches(self) -> Switches:
-        """Teaching switches."""
-        return self.options.switches
 
     @property
     def kinematic(self) -> bool:

@@ -14,7 +14,7 @@ from ...kernels.vectors import add, arm, dot, point, point_velocity, scale, sub
 from ..bodies import Body, Ground
 from ..force_element import ForceElement, ForceRecord, check_pair, hinge_coordinate
 from ..joints import Joint
-from ..joints.conditions import span
+from ..joints.conditions import ends_coincide, span
 
 COINCIDENCE_ROUNDING = 1e-15  # [1] of the lengths that make the gap; 5 roundings: one below has no direction
 
@@ -109,7 +109,7 @@ class SpringDamper(ForceElement):
 
     def check(self, what: str) -> None:
         check_pair(self.a, self.b, what)
-        if self.length > 0.0 and span(self) < 1e-12:
+        if self.length > 0.0 and ends_coincide(self):
             raise InputError(without_direction(what, self.length))
 
     def record(self) -> ForceRecord:

@@ -49,10 +49,18 @@ class PointOnPlane(PointJoint):
         return [in_plane(self.a, self.b, self.normal, self.at, self.at_b)]
 
 
+ENDS_GAP_MIN = 1e-12  # [m] between end points, so that their line has a direction
+
+
 def span(part: Any) -> float:
     """Distance between the end points ``at_a`` and ``at_b`` of a part [m]."""
     d = part.at_b - part.at_a
     return math.sqrt(d.dot(d))
+
+
+def ends_coincide(part: Any) -> bool:
+    """Return whether the end points of a part are too close for a direction."""
+    return span(part) < ENDS_GAP_MIN
 
 
 @part_class()
@@ -74,7 +82,7 @@ class Distance(Joint):
 
     def check(self, what: str) -> None:
         super().check(what)
-        if span(self) < 1e-12:
+        if ends_coincide(self):
             raise InputError(f"{what}: the end points coincide, so the rod has no direction; use Spherical or move one")
 
     def point(self) -> np.ndarray:
