@@ -207,7 +207,7 @@ class System(Drawable):
         from ..constraints.engagement import engage
         from ..run.simulation import check_state
 
-        check_state(state, "engage")
+        check_state(state, "engage", needed=True)
         return engage(self, joint, state)
 
     def release(self, joint: Joint | str, state: State) -> "Engagement":
@@ -219,7 +219,7 @@ class System(Drawable):
         from ..constraints.engagement import release
         from ..run.simulation import check_state
 
-        check_state(state, "release")
+        check_state(state, "release", needed=True)
         return release(self, joint, state)
 
     def equilibrium(self, state: State | None = None) -> "Equilibrium":

@@ -85,7 +85,7 @@ def threads() -> list[str]:
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     names = (
         "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS", "NUMBA_DISABLE_JIT", "MBSD3D_CACHE",
-        "XDG_CACHE_HOME",
+        "MBSD3D_PLAIN_NUMBA", "XDG_CACHE_HOME",
     )  # fmt: skip
     settings = [f"{name}={os.environ[name]}" for name in names if name in os.environ]
     return [f"threads     {cores} of {os.cpu_count()} cores{'; ' if settings else ''}{' '.join(settings)}"]

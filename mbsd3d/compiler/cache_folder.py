@@ -17,6 +17,7 @@ import numba
 from .numba_private import cpu_target
 
 PACKAGE = Path(__file__).resolve().parent.parent
+PLAIN_NUMBA = os.environ.get("MBSD3D_PLAIN_NUMBA", "") == "1"  # no files and no late kernels: to look for a culprit
 A_KERNEL = re.compile(rb"^\s*@\w*kernel\b", re.MULTILINE)
 
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import numba
 
-from .cache_folder import CACHE, EQUATIONS, INTEGRATORS, PACKAGE
-from .late import PLAIN_NUMBA, late
+from .cache_folder import CACHE, EQUATIONS, INTEGRATORS, PACKAGE, PLAIN_NUMBA
+from .late import late
 from .numba_private import Dispatcher, global_compiler_lock
 from .object_files import keep_code
 

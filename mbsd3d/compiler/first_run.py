@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
 
-from .cache_folder import CACHE, EQUATIONS, is_warm
+from .cache_folder import CACHE, EQUATIONS, PLAIN_NUMBA, is_warm
 from .second import start_second
 
 PAUSE, STALLED = 5.0, 60.0  # s between counts of the kernels, and without a new one until the count ends
@@ -25,6 +25,9 @@ def say(text: str) -> None:
 @cache
 def announce_compilation(part: str = "kernels") -> None:
     """Say once a process that a part of the code is being compiled, if it is not on disk yet."""
+    if PLAIN_NUMBA:
+        say(f"compiling {part} for this process alone, as MBSD3D_PLAIN_NUMBA=1 asks (minutes) ...")
+        return
     if is_warm(part):
         return
     if part == "kernels" or is_warm():  # one line is enough at the very first run

@@ -26,6 +26,7 @@ import numpy as np
 from numba import types
 
 from ..base.errors import InputError, KernelError
+from .cache_folder import PLAIN_NUMBA
 from .first_run import not_silent
 from .numba_private import Dispatcher, Intrinsic, address_of, cgutils, ir, llvm
 
@@ -61,8 +62,6 @@ def address_in_c(function: Any) -> int:
     """Return the address of a function of C."""
     return ctypes.cast(function, ctypes.c_void_p).value
 
-
-PLAIN_NUMBA = os.environ.get("MBSD3D_PLAIN_NUMBA", "") == "1"  # no files and no late kernels: to look for a culprit
 
 PAUSE, PAUSED = ("Sleep", 1) if os.name == "nt" else ("usleep", round(1e6 * NAP_SECONDS))
 POINTER, NUMBER = ir.IntType(8).as_pointer(), ir.IntType(32)

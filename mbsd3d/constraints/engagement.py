@@ -149,10 +149,6 @@ def check_engaging(system: Mechanism, joint: Joint) -> None:
 def loaded(system: Mechanism, state: State) -> tuple[Compiled, Data]:
     """Return the tables of a system, and its work space at a state."""
     compiled = compile_system(system)
-    if state.q.size != 7 * len(system.bodies):
-        raise InputError(
-            f"the state has {state.q.size // 7} bodies, the system {len(system.bodies)}; give a state of this system"
-        )
     data = compiled.data()
     load_state(compiled, data, state)
     return compiled, data

@@ -72,9 +72,9 @@ def check_system(system: Any, what: str) -> None:
         raise InputError(f"{what}: {shown(system)} is not a System; give System(bodies=[...], joints=[...])")
 
 
-def check_state(state: Any, what: str) -> None:
-    """ValueError for a start that is not a State."""
-    if state is not None and not isinstance(state, State):
+def check_state(state: Any, what: str, needed: bool = False) -> None:
+    """Raise a ValueError for anything but a State, or None where it is not ``needed``."""
+    if (needed or state is not None) and not isinstance(state, State):
         held = isinstance(getattr(state, "state", None), State)  # by an equilibrium
         remedy = "its .state" if held else "one of system.assemble() or solution.final"
         raise InputError(f"{what}: state {shown(state)} is not a State; give {remedy}")

@@ -255,8 +255,13 @@ def test_what_cannot_engage_is_refused():
     ):  # fmt: skip
         with pytest.raises(ValueError, match=text):
             system.engage(joint, state)
-    with pytest.raises(ValueError, match="not a State"):
-        system.engage(Fixed(upper, lower, at=(0, 0, 0)), None or "now")
+    for wrong, text in (
+        (None, "not a State"), ("now", "not a State"), (System([other]).state(), "1 bodies, the system has 2"),
+    ):  # fmt: skip
+        with pytest.raises(ValueError, match=text):
+            system.engage(Fixed(upper, lower, at=(0, 0, 0)), wrong)
+        with pytest.raises(ValueError, match=text):
+            system.release(elbow, wrong)
     moved = State(state.t, state.q + np.eye(14)[0] * 0.01, state.v, coordinates=state.coordinates)
     with pytest.raises(ValueError, match="do not close"):
         system.engage(Fixed(upper, lower, at=(0, 0, 0)), moved)
