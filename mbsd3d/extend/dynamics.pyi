@@ -24,8 +24,16 @@ from ..compiler.object_files import keep_code as keep_code
 from ..compiler.cache_folder import CACHE as CACHE
 from ..compiler.cache_folder import compiled_sources as compiled_sources
 
+# classes of parts
+from ..base.fields import part_class as part_class
+from ..base.fields import kept as kept
+from ..base.fields import Vector as Vector
+from ..base.fields import Direction as Direction
+from ..base.fields import Number as Number
+
 # rows, coordinates, forces and signals
 from ..kernels import kinds as kinds
+from ..mechanism.bodies import Ground as Ground
 from ..mechanism.primitives import Primitive as Primitive
 from ..mechanism.primitives import Coordinate as Coordinate
 from ..mechanism.couplings import Coupling as Coupling

@@ -54,7 +54,7 @@ QUERIES = (  # what a newcomer may type for each of the questions of docs/questi
     "equations function",
     "bicycle stable",
 )
-ASKED = {  # in the words of users of other programs: a page, or the table of other words on that of the questions
+ASKED = {  # in the words of users of other programs: a page, or the table of terms on that of the questions
     "joint limit end stop": "how/contacts",
     "singular Jacobian redundant constraints": "how/redundancy",
     "mass matrix constraint Jacobian": "api/extend",
@@ -112,7 +112,7 @@ def test_search_finds_the_answers(best):
 
 def test_search_finds_the_words_of_other_programs(best):
     text = (DOCS / "questions.md").read_text(encoding="utf-8")
-    assert all(f"]({page}.md)" in text.split("## In other words")[1] for page in ASKED.values())
+    assert all(f"]({page}.md)" in text.split("## Terms of other programs")[1] for page in ASKED.values())
     lost = [
         (query, found) for query, page in ASKED.items() if not {page, "questions"} & set((found := best(query))[:SHOWN])
     ]
