@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .errors import CONTROL, InputError, MbsError
+from .errors import CONTROL_CHARACTERS, InputError, MbsError
 
-LARGEST, SMALLEST = 1e60, 1e-60  # sizes of numbers in SI units whose squares and ratios can be computed with
+MAGNITUDE_MAX, MAGNITUDE_MIN = 1e60, 1e-60  # [SI units] numbers whose squares and ratios are finite
 PYTHON_LOOP_MAX = 16  # [numbers] that Python looks through in less time than numpy
-PLAIN = frozenset((float, int, np.float64))  # types of numbers that need no closer look than at their size
+PLAIN_NUMBER_TYPES = frozenset((float, int, np.float64))  # need no closer look than at their size
 
 
 def shown(value: Any) -> str:
@@ -29,7 +29,7 @@ def check_name(name: Any, what: str) -> None:
     """ValueError for what is no text, is empty, would command a terminal, or reads as something else than it is."""
     if not isinstance(name, str) or not name:
         raise InputError(f"{what} name {shown(name)}: give a non-empty text")
-    if CONTROL.search(name):
+    if CONTROL_CHARACTERS.search(name):
         raise InputError(f"{what} name {shown(name)} holds control characters; give a text of one line")
 
 
@@ -90,9 +90,9 @@ def listed(values: Any, what: str, remedy: str) -> tuple[Any, ...]:
 
 def check_size(array: np.ndarray, what: str) -> None:
     """ValueError for numbers whose squares and ratios are beyond what a computer holds."""
-    if not all_within(array, LARGEST):
+    if not all_within(array, MAGNITUDE_MAX):
         raise InputError(
-            f"{what}: {np.abs(array).max():.3g} is beyond {LARGEST:.0e}, what can be computed with; check the units"
+            f"{what}: {np.abs(array).max():.3g} is beyond the largest magnitude {MAGNITUDE_MAX:.0e}; check the units"
         )
 
 
@@ -103,9 +103,13 @@ def plain_three(value: Any) -> np.ndarray | None:
     if type(value) not in (tuple, list) or len(value) != 3:
         return None
     x, y, z = value
-    if not (type(x) in PLAIN and type(y) in PLAIN and type(z) in PLAIN):
+    if not (type(x) in PLAIN_NUMBER_TYPES and type(y) in PLAIN_NUMBER_TYPES and type(z) in PLAIN_NUMBER_TYPES):
         return None
-    usual = -LARGEST <= x <= LARGEST and -LARGEST <= y <= LARGEST and -LARGEST <= z <= LARGEST
+    usual = (
+        -MAGNITUDE_MAX <= x <= MAGNITUDE_MAX
+        and -MAGNITUDE_MAX <= y <= MAGNITUDE_MAX
+        and -MAGNITUDE_MAX <= z <= MAGNITUDE_MAX
+    )
     return np.array((x, y, z), float) if usual else None
 
 
@@ -123,8 +127,8 @@ def vector(value: ArrayLike, what: str) -> np.ndarray:
 
 def number(value: float, what: str, *, minimum: float | None = None, positive: bool = False) -> float:
     """A finite float within its range, or a ValueError that names ``what``."""
-    if type(value) in PLAIN and -LARGEST <= value <= LARGEST:
-        if not (positive and value < SMALLEST) and (minimum is None or value >= minimum):
+    if type(value) in PLAIN_NUMBER_TYPES and -MAGNITUDE_MAX <= value <= MAGNITUDE_MAX:
+        if not (positive and value < MAGNITUDE_MIN) and (minimum is None or value >= minimum):
             return float(value)
     try:
         x = None if isinstance(value, str | bytes) or holds_truth(value) else float(value)
@@ -138,9 +142,9 @@ def number(value: float, what: str, *, minimum: float | None = None, positive: b
         raise InputError(f"{what}: {x} is not positive; give a number > 0")
     if minimum is not None and x < minimum:
         raise InputError(f"{what}: {x} is below {minimum}; give a number >= {minimum}")
-    if abs(x) > LARGEST or (positive and x < SMALLEST):
+    if abs(x) > MAGNITUDE_MAX or (positive and x < MAGNITUDE_MIN):
         raise InputError(
-            f"{what}: {x} is outside {SMALLEST:.0e} ... {LARGEST:.0e}, what can be computed with; check the units"
+            f"{what}: {x} is outside the magnitudes {MAGNITUDE_MIN:.0e} ... {MAGNITUDE_MAX:.0e}; check the units"
         )
     return x
 

@@ -7,10 +7,10 @@ from numpy.typing import ArrayLike
 
 from .checks import vector
 from .errors import InputError
-from .rotations import UNIT
+from .rotations import NORM_ROUNDING
 
-WORLD = np.eye(3)
-NEARLY_SQUARE = 1e-6  # cosine of an angle that is meant to be right
+WORLD_AXES = np.eye(3)
+PERPENDICULAR_TOLERANCE = 1e-6  # [1] cosine of an angle that is meant to be right
 
 
 def unit(value: ArrayLike, what: str) -> np.ndarray:
@@ -19,7 +19,7 @@ def unit(value: ArrayLike, what: str) -> np.ndarray:
     length = math.sqrt(axis @ axis)
     if length < 1e-12:
         raise InputError(f"{what} has zero length; give a direction")
-    if abs(length - 1.0) < UNIT:
+    if abs(length - 1.0) < NORM_ROUNDING:
         return axis
     axis = axis / length
     axis.setflags(write=False)
@@ -43,7 +43,7 @@ def crosses(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 def squared(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """The unit vector y, made perpendicular to x where it is so to 1e-6, as typed digits are; y itself elsewhere."""
     off = float(x @ y)
-    if not UNIT < abs(off) <= NEARLY_SQUARE:
+    if not NORM_ROUNDING < abs(off) <= PERPENDICULAR_TOLERANCE:
         return y
     y = y - off * x
     return y / np.sqrt(y @ y)
@@ -52,7 +52,7 @@ def squared(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 def perpendiculars(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """x, y with (x, y, axis) right-handed and orthonormal; axis is a unit vector."""
     size = [abs(a) for a in axis.tolist()]
-    x = cross(axis, WORLD[size.index(min(size))])
+    x = cross(axis, WORLD_AXES[size.index(min(size))])
     x /= np.sqrt(x @ x)
     return x, cross(axis, x)
 

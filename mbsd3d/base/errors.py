@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 P = ParamSpec("P")
 T = TypeVar("T")
-CONTROL = re.compile(  # what no name may hold, and no line on a terminal
+CONTROL_CHARACTERS = re.compile(  # what no name may hold, and no line on a terminal
     "[\x00-\x1f\x7f-\x9f\u2028\u2029"  # ends of lines and paragraphs, and all that moves a cursor, paints or rings
     "\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069"  # what turns the order of signs: a name would read as another one
     "\u200b\u2060-\u2064\ufeff\U000e0000-\U000e007f]"  # what nobody sees; joiners within words, U+200C and D, stay

@@ -35,8 +35,9 @@ from .rotations import as_quaternion
 Accepted = TypeVar("Accepted")  # by the constructor
 Kept = TypeVar("Kept")  # by the part
 P = TypeVar("P")
-VECTOR = Annotated[list[float], msgspec.Meta(min_length=3, max_length=3)]  # in files
-ROWS = Annotated[list[float | VECTOR], msgspec.Meta(min_length=3, max_length=4)]  # (3,), (4,) or (3, 3)
+FILE_VECTOR = Annotated[list[float], msgspec.Meta(min_length=3, max_length=3)]  # in files
+# in files: (3,), (4,) or (3, 3)
+FILE_ROWS = Annotated[list[float | FILE_VECTOR], msgspec.Meta(min_length=3, max_length=4)]
 
 
 def kept(
@@ -215,56 +216,56 @@ def true_or_false(value: Any, what: str, part: Any) -> bool:
 class Vector(Stored[ArrayLike, np.ndarray]):
     """Three finite numbers [m, m/s or rad/s], world or body axes as its part says."""
 
-    accepts, file_type = "array_like", VECTOR
+    accepts, file_type = "array_like", FILE_VECTOR
     convert = staticmethod(as_vector)
 
 
 class VectorOrNone(Stored[ArrayLike | None, np.ndarray | None]):
     """Three finite numbers, or None."""
 
-    accepts, file_type = "array_like | None", VECTOR
+    accepts, file_type = "array_like | None", FILE_VECTOR
     convert = staticmethod(or_none(as_vector))
 
 
 class VectorOrDerived(Stored[ArrayLike | None, np.ndarray]):
     """Three finite numbers; None = what follows from other fields."""
 
-    accepts, file_type = "array_like | None", VECTOR
+    accepts, file_type = "array_like | None", FILE_VECTOR
     convert = staticmethod(as_vector)
 
 
 class Direction(Stored[ArrayLike, np.ndarray]):
     """A direction in world axes at the reference pose, kept as a unit vector."""
 
-    accepts, file_type = "array_like", VECTOR
+    accepts, file_type = "array_like", FILE_VECTOR
     convert = staticmethod(as_direction)
 
 
 class DirectionOrNone(Stored[ArrayLike | None, np.ndarray | None]):
     """A direction, or None."""
 
-    accepts, file_type = "array_like | None", VECTOR
+    accepts, file_type = "array_like | None", FILE_VECTOR
     convert = staticmethod(or_none(as_direction))
 
 
 class DirectionOrDerived(Stored[ArrayLike | None, np.ndarray]):
     """A direction; None = what follows from other fields."""
 
-    accepts, file_type = "array_like | None", VECTOR
+    accepts, file_type = "array_like | None", FILE_VECTOR
     convert = staticmethod(as_direction)
 
 
 class Orientation(Stored[ArrayLike, np.ndarray]):
     """A unit quaternion, scalar first, or a rotation matrix; kept as a quaternion."""
 
-    accepts, file_type = "array_like", ROWS
+    accepts, file_type = "array_like", FILE_ROWS
     convert = staticmethod(as_orientation)
 
 
 class Inertia(Stored[ArrayLike, np.ndarray]):
     """(3,) or (3, 3) inertia about the centre of mass [kg m^2], after the mass; kept as a matrix."""
 
-    accepts, file_type = "array_like", ROWS
+    accepts, file_type = "array_like", FILE_ROWS
     convert = staticmethod(as_inertia)
 
 

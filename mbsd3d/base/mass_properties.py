@@ -7,11 +7,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import LARGEST, PLAIN, SMALLEST, check_size, floats, listed, number, plain_three, vector
+from .checks import (
+    MAGNITUDE_MAX,
+    MAGNITUDE_MIN,
+    PLAIN_NUMBER_TYPES,
+    check_size,
+    floats,
+    listed,
+    number,
+    plain_three,
+    vector,
+)
 from .errors import Explained, InputError, explaining
 from .rotations import _text, as_quaternion, matrix
 
-TOLERANCE = 1e-9  # relative; a flat body lies on the triangle limit, where rounding falls on either side
+# [1] of the largest moment; a flat body lies on the limit, where rounding falls on either side
+TRIANGLE_RULE_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,12 +88,12 @@ def check_inertia(inertia: ArrayLike, mass: float, what: str) -> np.ndarray:
     if largest > 0.0 and m == 0.0:
         raise InputError(f"{what}: mass is 0 but inertia is not; give a mass, or inertia (0, 0, 0) for a massless body")
     if I.ndim == 1:
-        _check_moments(np.sort(I), TOLERANCE * largest, what)
+        _check_moments(np.sort(I), TRIANGLE_RULE_TOLERANCE * largest, what)
         return np.diag(I)
-    if np.max(np.abs(I - I.T)) > TOLERANCE * largest:
+    if np.max(np.abs(I - I.T)) > TRIANGLE_RULE_TOLERANCE * largest:
         raise InputError(f"{what}: inertia is not symmetric, {_text(I)}; make Iij and Iji equal")
     I = 0.5 * (I + I.T)
-    _check_moments(np.linalg.eigvalsh(I), TOLERANCE * largest, what)
+    _check_moments(np.linalg.eigvalsh(I), TRIANGLE_RULE_TOLERANCE * largest, what)
     return I
 
 
@@ -92,13 +103,13 @@ def _plain_inertia(inertia: ArrayLike, mass: float) -> np.ndarray | None:
     Beyond doubt: moments within the triangle rule, or a matrix that is symmetric to the last bit and has a positive
     definite ``tr(I) 1 - 2 I``.
     """
-    if type(mass) not in PLAIN or not SMALLEST <= mass <= LARGEST:
+    if type(mass) not in PLAIN_NUMBER_TYPES or not MAGNITUDE_MIN <= mass <= MAGNITUDE_MAX:
         return None
     moments = plain_three(inertia)
     if moments is not None:
         a, b, c = moments.tolist()
         total = a + b + c
-        if not (b + c >= a and a + c >= b and a + b >= c and (total == 0.0 or total > 3.0 * SMALLEST)):
+        if not (b + c >= a and a + c >= b and a + b >= c and (total == 0.0 or total > 3.0 * MAGNITUDE_MIN)):
             return None
         I = np.zeros((3, 3))
         I[0, 0], I[1, 1], I[2, 2] = a, b, c
@@ -107,7 +118,7 @@ def _plain_inertia(inertia: ArrayLike, mass: float) -> np.ndarray | None:
         return None
     (a, d, e), (d_T, b, f), (e_T, f_T, c) = inertia.tolist()
     x, y, z = b + c - a, a + c - b, a + b - c
-    if not (d == d_T and e == e_T and f == f_T and x > 0.0 and SMALLEST < a + b + c < LARGEST):
+    if not (d == d_T and e == e_T and f == f_T and x > 0.0 and MAGNITUDE_MIN < a + b + c < MAGNITUDE_MAX):
         return None
     y, z, w = y - 4.0 * d * d / x, z - 4.0 * e * e / x, 2.0 * f + 4.0 * d * e / x  # Cholesky
     return inertia.copy() if y > 0.0 and z - w * w / y > 0.0 else None
@@ -134,8 +145,8 @@ def _finite_inertia(inertia: ArrayLike, what: str) -> tuple[np.ndarray, float]:
         raise InputError(f"{what}: inertia has shape {I.shape}; give {remedy}")
     check_size(I, f"{what}: inertia")
     largest = max(map(abs, I.ravel().tolist()))
-    if 0.0 < largest < SMALLEST:
-        raise InputError(f"{what}: inertia {_text(I)} is below {SMALLEST:.0e}; check the units, or give zeros")
+    if 0.0 < largest < MAGNITUDE_MIN:
+        raise InputError(f"{what}: inertia {_text(I)} is below {MAGNITUDE_MIN:.0e}; check the units, or give zeros")
     return I, largest
 
 
@@ -158,6 +169,6 @@ def _part(number: int, part: tuple[Any, ...] | MassProperties) -> tuple[float, n
 def _size(value: float, what: str, name: str) -> float:
     """A finite number that is not negative."""
     x = number(value, f"{what}: {name}", minimum=0.0)
-    if 0.0 < x < SMALLEST:
-        raise InputError(f"{what}: {name} {x} is below {SMALLEST:.0e}; check the units, or give 0")
+    if 0.0 < x < MAGNITUDE_MIN:
+        raise InputError(f"{what}: {name} {x} is below {MAGNITUDE_MIN:.0e}; check the units, or give 0")
     return x

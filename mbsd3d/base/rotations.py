@@ -16,13 +16,15 @@ from .quaternions import _check_nonzero, _stack
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
-ORIENTATION = "a unit quaternion (e0, e1, e2, e3), a 3x3 rotation matrix or rotation(axis, angle)"
+ORIENTATION_FORMS = "a unit quaternion (e0, e1, e2, e3), a 3x3 rotation matrix or rotation(axis, angle)"
 
 
-UNIT = 1e-15  # what normalising leaves of a length; smaller differences stay, so that doing it twice changes nothing
+NORM_ROUNDING = (
+    1e-15  # [1] of the length 1; a vector that is closer to it is kept, so normalising twice changes nothing
+)
 
 
-TOLERANCE = 1e-6  # numbers typed with seven digits pass, a forgotten normalisation does not
+NORM_TOLERANCE = 1e-6  # [1] of the length 1: numbers typed with seven digits pass, a forgotten normalisation does not
 
 
 @explaining
@@ -47,19 +49,19 @@ def as_quaternion(orientation: ArrayLike, what: str = "orientation") -> np.ndarr
     the rest is normalised away. ValueError for another shape, a number that is not finite, a length other than 1, or a
     matrix that is not orthonormal or is left-handed.
     """
-    values = floats(orientation, what, ORIENTATION)
+    values = floats(orientation, what, ORIENTATION_FORMS)
     if values.shape == (3, 3):
         _check_rotation(values, what)
         return _largest_column(values)
     if values.shape != (4,):
-        raise InputError(f"{what}: shape {values.shape} is not an orientation; give {ORIENTATION}")
+        raise InputError(f"{what}: shape {values.shape} is not an orientation; give {ORIENTATION_FORMS}")
     norm = math.sqrt(values @ values)
-    if abs(norm - 1.0) > TOLERANCE:
+    if abs(norm - 1.0) > NORM_TOLERANCE:
         raise InputError(
             f"{what}: the quaternion {_text(values)} has norm {norm:.9g} instead of 1; "
             f"divide it by its norm, or give rotation(axis, angle)"
         )
-    return values if abs(norm - 1.0) < UNIT else values / norm
+    return values if abs(norm - 1.0) < NORM_ROUNDING else values / norm
 
 
 def matrix(e: ArrayLike) -> np.ndarray:
@@ -120,7 +122,7 @@ def _unit_axis(axis: str | ArrayLike) -> np.ndarray:
 def _check_rotation(R: np.ndarray, what: str) -> None:
     """Refuse a matrix that is not orthonormal, and by name one that is left-handed."""
     error = np.max(np.abs(np.swapaxes(R, -1, -2) @ R - np.eye(3)), initial=0.0)
-    if error > TOLERANCE:
+    if error > NORM_TOLERANCE:
         raise InputError(
             f"{what}: the matrix is not orthonormal, R'R differs from 1 by {error:.3g}; "
             f"its columns must be the body's axes as perpendicular unit vectors"

@@ -61,10 +61,11 @@ DARK = Theme(
     bad="#5c3016",
 )
 COLOURS, GREY = LIGHT.lines, LIGHT.muted
-MARK, INNER = "#6b6b6b", "#e0e0e0"  # of joints: seen on white and on dark paper; of centres of mass: seen inside bodies
-CELLS = {"light": (190, 150), "dark": (52, 84)}  # grey of the lines of a ground grid in space, thin and thick ones
-SHADED = 0.72  # brightness of the darker sectors of round bodies, by which one sees them turn
-RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+JOINT_COLOUR = "#6b6b6b"  # is seen on white and on dark paper
+COM_COLOUR = "#e0e0e0"  # is seen inside bodies
+GROUND_GRID_GREYS = {"light": (190, 150), "dark": (52, 84)}  # [0 to 255] of thin and thick lines
+SECTOR_BRIGHTNESS = 0.72  # [1] of the darker sectors of round bodies, by which one sees them turn
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 PALE, FADED = "#bebebe", 0.55  # grey that uncertain and auxiliary things are mixed with, and its share
 
 
@@ -138,7 +139,7 @@ def dress(axes: "Axes", look: Theme = LIGHT) -> None:
 
 def raised(text: str) -> str:
     """``m/s²`` for ``m/s^2``, where text is set for reading."""
-    return re.sub(r"\^(-?\d+)", lambda power: power[1].translate(RAISED), text)
+    return re.sub(r"\^(-?\d+)", lambda power: power[1].translate(SUPERSCRIPTS), text)
 
 
 def counted(number: int, word: str) -> str:

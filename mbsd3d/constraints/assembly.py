@@ -15,7 +15,7 @@ from ..mechanism.bodies import Body
 from ..mechanism.couplings import GearMesh
 from ..mechanism.joints import coordinate_of
 from ..mechanism.joints.pairs import Cylindrical
-from ..mechanism.measures import OF_POSES, Measure, check_members
+from ..mechanism.measures import POSE_MEASURES, Measure, check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .conflicting_drivers import find_contradiction, rivals
@@ -116,7 +116,7 @@ def probes_of_poses(system: Mechanism, measures: Mapping) -> tuple[Measure, ...]
     for probe in measures:
         if not isinstance(probe, Measure):
             raise InputError(f"assemble: {shown(probe)} is not a measure; build one with mbsd3d.measures")
-        if probe.kind not in OF_POSES:
+        if probe.kind not in POSE_MEASURES:
             raise InputError(f"assemble: {probe.label} does not follow from a pose; give speeds as rates=")
         check_members(system, probe, "assemble")
     return tuple(measures)

@@ -16,7 +16,7 @@ from PIL import Image
 
 from ..base.paths import write_atomically
 from ..base.style import DARK, LIGHT, house, raised
-from ..base.templates import FOLDER, page_template
+from ..base.templates import TEMPLATE_FOLDER, page_template
 from ..report.exhibits import inline_svg
 from ..report.mathml import mathml
 from ..view.page.recorder import client_head
@@ -144,7 +144,7 @@ def player(outcome: Outcome, title: str, path: Path, beside: Outcome | None = No
     quiet: dict[str, Any] = {"curves": (), "hidden": sorted(hidden)}  # the curves stand below
     html = solution.animate(**{**options, **quiet, "title": title}).html
     html = html.replace(client_head(), f'<script src="{VIEWER_FILE}"></script>')
-    script = (FOLDER / "in_step.js").read_text(encoding="utf-8")
+    script = (TEMPLATE_FOLDER / "in_step.js").read_text(encoding="utf-8")
     html = html.replace("</body>", f"<script>\n{script}</script>\n</body>")
     write_atomically(path, html.encode("utf-8"))
     return path.name

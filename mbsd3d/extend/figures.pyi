@@ -1,6 +1,6 @@
 # figures
 from ..base.style import LINE as LINE
-from ..base.style import RAISED as RAISED
+from ..base.style import SUPERSCRIPTS as SUPERSCRIPTS
 from ..base.style import THIN as THIN
 from ..base.style import Theme as Theme
 from ..base.style import aligned as aligned

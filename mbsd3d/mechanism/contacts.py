@@ -13,7 +13,7 @@ from ..base.checks import shown, vector
 from ..base.directions import perpendiculars, unit
 from ..base.errors import InputError
 from ..base.fields import (
-    VECTOR,
+    FILE_VECTOR,
     Direction,
     DirectionOrDerived,
     Number,
@@ -30,13 +30,13 @@ from .primitives import ZERO, Primitive
 from .rounded import Rounded, circle, rounded
 from .shapes import Shape
 
-ONE_OF = "give the direction it cannot move along, or the one it points"
+NORMAL_REMEDY = "give the direction it cannot move along, or the one it points"
 
 
 def as_lateral(value: Any, what: str, part: Any) -> np.ndarray:
     """The direction that a knife edge cannot move along."""
     if part.heading is not None:
-        raise InputError(f"{part.what()}: both lateral and heading; {ONE_OF}")
+        raise InputError(f"{part.what()}: both lateral and heading; {NORMAL_REMEDY}")
     return unit(value, what)
 
 
@@ -44,7 +44,7 @@ def level_across(part: Any) -> np.ndarray:
     """The level direction across the heading of a knife edge."""
     what = part.what()
     if part.heading is None:
-        raise InputError(f"{what}: neither lateral nor heading; {ONE_OF}")
+        raise InputError(f"{what}: neither lateral nor heading; {NORMAL_REMEDY}")
     ahead = unit(part.heading, f"{what}: heading")
     return unit(np.cross((0.0, 0.0, 1.0), ahead), f"{what}: heading seen from above")
 
@@ -52,7 +52,7 @@ def level_across(part: Any) -> np.ndarray:
 class Heading(Stored[ArrayLike | None, None]):
     """The way a horizontal blade points; what is kept of it is ``lateral``."""
 
-    accepts, file_type = "array_like | None", VECTOR
+    accepts, file_type = "array_like | None", FILE_VECTOR
     convert = staticmethod(lambda value, what, part: None)
 
 

@@ -30,13 +30,20 @@ MEASURES = {
     "clearance": kinds.CLEARANCE,
     "normal force": kinds.PRESS,
 }
-OF_CONTACTS = ("clearance", "normal force")
-OF_JOINTS = ("coordinate", "coordinate rate")
-OF_POSES = ("coordinate", "position", "lean", "distance", "clearance")
-UNITS = {"rad": (0.0, 0.0), "m": (1.0, 0.0), "rad/s": (-1.0, 1.0), "m/s": (0.0, 1.0), "-": (0.0, 0.0), "N": (0.0, 0.0)}
-UNITS_OF = {
+CONTACT_MEASURES = ("clearance", "normal force")
+JOINT_MEASURES = ("coordinate", "coordinate rate")
+POSE_MEASURES = ("coordinate", "position", "lean", "distance", "clearance")
+UNIT_EXPONENTS = {
+    "rad": (0.0, 0.0),
+    "m": (1.0, 0.0),
+    "rad/s": (-1.0, 1.0),
+    "m/s": (0.0, 1.0),
+    "-": (0.0, 0.0),
+    "N": (0.0, 0.0),
+}
+MEASURE_UNITS = {
     "coordinate": ("rad", "m"), "coordinate rate": ("rad/s", "m/s"), "position": ("m",), "velocity": ("m/s",),
-    "omega": ("rad/s",), "lean": ("rad",), "lean rate": ("rad/s",), "distance": ("m",), "state": tuple(UNITS),
+    "omega": ("rad/s",), "lean": ("rad",), "lean rate": ("rad/s",), "distance": ("m",), "state": tuple(UNIT_EXPONENTS),
     "clearance": ("m",), "normal force": ("N",),
 }  # fmt: skip
 
@@ -61,11 +68,11 @@ class Measure:
         """Also a file may describe a measure, and kernels do not check."""
         check_kind(self.kind, MEASURES, "Measure")
         states = 0 if self.part is None else len(self.part.record().states)
-        fits = (self.coordinate is not None) == (self.kind in OF_JOINTS)
+        fits = (self.coordinate is not None) == (self.kind in JOINT_MEASURES)
         own = 0 <= self.index < states if self.kind == "state" else self.part is None
-        own = isinstance(self.part, Contact) if self.kind in OF_CONTACTS else own
+        own = isinstance(self.part, Contact) if self.kind in CONTACT_MEASURES else own
         own &= all(np.shape(x) == (3,) for x in (self.point_a, self.point_b, self.axis))
-        if self.unit not in UNITS_OF[self.kind] or not fits or not own:
+        if self.unit not in MEASURE_UNITS[self.kind] or not fits or not own:
             raise InputError(
                 f"measure '{self.label}': kind '{self.kind}' in {self.unit!r} does not fit its parts; build it with a "
                 "function of mbsd3d.measures"
@@ -114,7 +121,7 @@ def check_members(system: Mechanism, measure: Measure, what: str) -> None:
 
 def unit_powers(measure: Measure) -> tuple[float, float, float]:
     """(1, k, j) such that errors of a measure are judged against length^k speed^j."""
-    return (1.0, *UNITS[measure.unit])
+    return (1.0, *UNIT_EXPONENTS[measure.unit])
 
 
 def label(part: Body | Ground | Part) -> str:

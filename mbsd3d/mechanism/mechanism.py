@@ -14,7 +14,7 @@ from .bodies import GROUND, Body, Part, called
 from .force_element import ForceElement
 from .joints import Joint
 
-KINDS = MappingProxyType({"bodies": Body, "joints": Joint, "forces": ForceElement})
+PART_CLASSES = MappingProxyType({"bodies": Body, "joints": Joint, "forces": ForceElement})
 
 
 def as_parts(value: Any, what: str, part: Any) -> tuple[Any, ...]:
@@ -25,7 +25,7 @@ def as_parts(value: Any, what: str, part: Any) -> tuple[Any, ...]:
     except TypeError:
         raise InputError(f"{what} = {short(value)} is not a sequence; give a list, {key}=[...]") from None
     for each in parts:
-        if not isinstance(each, KINDS[key]):
+        if not isinstance(each, PART_CLASSES[key]):
             raise InputError(misplaced(each, key))
     if len({id(each) for each in parts}) < len(parts):
         raise InputError(f"System: a part appears twice in {key}; list every part once")
@@ -34,12 +34,12 @@ def as_parts(value: Any, what: str, part: Any) -> tuple[Any, ...]:
 
 def misplaced(part: Any, key: str) -> str:
     """What to say of something that stands among parts of another kind."""
-    for other, kind in KINDS.items():
+    for other, kind in PART_CLASSES.items():
         if isinstance(part, kind):
             return f"System: {short(part)} is in {key}; it belongs in {other}=[...]"
-    if isinstance(part, type) and issubclass(part, tuple(KINDS.values())):
+    if isinstance(part, type) and issubclass(part, tuple(PART_CLASSES.values())):
         return f"System: {part.__name__} in {key} is a class; make a part of it, {part.__name__}(...)"
-    return f"System: {short(part)} in {key} is not a {KINDS[key].__name__}"
+    return f"System: {short(part)} in {key} is not a {PART_CLASSES[key].__name__}"
 
 
 def short(part: Any) -> str:
@@ -134,7 +134,7 @@ class Mechanism(Frozen):
 
     def part(self, key: Any, kind: str = "bodies") -> Any:
         """A part given by itself or by its name; unknown ones are a ValueError that lists the names there are."""
-        check_choice(kind, tuple(KINDS), "part: kind")
+        check_choice(kind, tuple(PART_CLASSES), "part: kind")
         parts = getattr(self, kind)
         if isinstance(key, Body | Joint | ForceElement) and key in parts:
             return key

@@ -18,8 +18,8 @@ from .forces.springs import SpringDamper
 from .measures import Measure, body_or_error, distance, label, lean, of_coordinate, point_of
 from .primitives import Coordinate
 
-AXES = np.eye(3)
-PARALLEL = 1e-6  # sine of the angle below which two directions have no plane
+COORDINATE_AXES = np.eye(3)
+PARALLEL_SINE_MAX = 1e-6  # [1] sine of the angle below which two directions span no plane
 
 
 def protractor(
@@ -27,7 +27,7 @@ def protractor(
 ) -> Coordinate:
     """The angle about ``axis`` of a from ``zero``, fixed in a, to ``direction``, fixed in b."""
     for x in (zero, direction):
-        if np.linalg.norm(cross(axis, x)) < PARALLEL:
+        if np.linalg.norm(cross(axis, x)) < PARALLEL_SINE_MAX:
             raise InputError(
                 f"{what}: {x.tolist()} lies along the axis {axis.tolist()} it is turned about; give another"
             )
@@ -52,7 +52,7 @@ def heading_rate(body: Body, *, forward: ArrayLike = (1.0, 0.0, 0.0)) -> Measure
 
 def _heading(body: Body, forward: ArrayLike, what: str) -> Coordinate:
     body_or_error(body, what)
-    return protractor(GROUND, body, AXES[2], AXES[0], unit(forward, f"{what}: forward"), what)
+    return protractor(GROUND, body, COORDINATE_AXES[2], COORDINATE_AXES[0], unit(forward, f"{what}: forward"), what)
 
 
 @explaining
@@ -91,7 +91,7 @@ def angle_between(
     first, second = unit(axis_a, f"{what}: axis_a"), unit(axis_b, f"{what}: axis_b")
     if about is None:
         about = cross(first, second)
-        if np.linalg.norm(about) < PARALLEL:
+        if np.linalg.norm(about) < PARALLEL_SINE_MAX:
             raise InputError(f"{what}: the axes are parallel at the reference pose; say about which axis with about=")
     x = protractor(a, b, unit(about, f"{what}: about"), first, second, what)
     return of_coordinate(x, f"angle {label(a)} to {label(b)}")
@@ -164,9 +164,9 @@ def between(
     """
     names = f"{label(b)} from {label(a)}"
     found = {}
-    for name, axis in zip("xyz", AXES, strict=True):
+    for name, axis in zip("xyz", COORDINATE_AXES, strict=True):
         found[name] = replace(offset(a, b, along=axis, at_a=at_a, at_b=at_b), label=f"{name} of {names}")
-    for name, axis in zip("xyz", AXES, strict=True):
+    for name, axis in zip("xyz", COORDINATE_AXES, strict=True):
         found[f"turn_{name}"] = replace(turn(a, b, about=axis), label=f"turn about {name} of {names}")
     return found
 

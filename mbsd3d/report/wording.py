@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from ..base.style import RAISED
+from ..base.style import SUPERSCRIPTS
 
 VALUE_ROUNDING = 1e-9  # [1] of the size of a quantity; smaller values are rounding
 
@@ -23,7 +23,7 @@ def typeset(text: str) -> str:
     """Return a printed number with its power of ten raised."""
     if "e" in text:
         mantissa, exponent = text.split("e")
-        power = f"10{str(int(exponent)).translate(RAISED)}"
+        power = f"10{str(int(exponent)).translate(SUPERSCRIPTS)}"
         text = {"1": power, "-1": f"-{power}"}.get(mantissa, f"{mantissa} · {power}")
     return text.replace("-", "−")
 

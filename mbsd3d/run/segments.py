@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..base.checks import SMALLEST, listed, number, shown
+from ..base.checks import MAGNITUDE_MIN, listed, number, shown
 from ..base.errors import InputError
 from ..base.progress import Progress
 from ..base.rotations import matrix
@@ -88,7 +88,7 @@ class Segments(Job):
         t, run = number(t, "Stepper: t"), self.memory
         now, task = run.now, run.task  # their fields by name: as attributes each takes a microsecond more
         begin, step, rejected, first = float(now["t"]), now["step"], now["rejected"], now["evaluations"] == 0
-        if not t - begin > max(STEP_TIME_RATIO_MIN * abs(t), SMALLEST):  # what rounding adds is no segment
+        if not t - begin > max(STEP_TIME_RATIO_MIN * abs(t), MAGNITUDE_MIN):  # what rounding adds is no segment
             raise InputError(f"Stepper: t = {t:.9g} s does not lie after {begin:.9g} s; give a later time")
         check_steps(self.options.method, t - begin, "Stepper")
         if t > self.last_signal:

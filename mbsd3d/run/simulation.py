@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.checks import SMALLEST, floats, number, shown
+from ..base.checks import MAGNITUDE_MIN, floats, number, shown
 from ..base.errors import InputError
 from ..base.progress import Progress
 from ..equations.compiled import Compiled, compile_system
@@ -42,7 +42,7 @@ def run_to(system: Mechanism, start: State, t_end: float, options: RunOptions) -
 def check_end(t_end: Any, t_start: float, what: str) -> float:
     """Return the end of a run [s]; ValueError for an end that leaves no room for a step."""
     t_end = number(t_end, f"{what}: t_end")
-    if not t_end - t_start > max(RUN_SHARE_MIN * abs(t_end), SMALLEST):
+    if not t_end - t_start > max(RUN_SHARE_MIN * abs(t_end), MAGNITUDE_MIN):
         raise InputError(
             f"{what}: t_end = {t_end:g} s is not later than the start time {t_start:g} s; give a later time"
         )

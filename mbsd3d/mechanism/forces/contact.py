@@ -19,7 +19,7 @@ from ..motion import Motion
 from ..rounded import Rounded, rounded
 from ..shapes import Shape
 
-WEIGHT = 9.81  # m/s^2, of the load under which a default of the grip is as stiff as the contact itself
+STANDARD_GRAVITY = 9.81  # [m/s^2] of the load under which the default grip is as stiff as the contact itself
 
 
 @inner_kernel
@@ -186,7 +186,7 @@ class Contact(ForceElement):
             return 1.0, 1.0
         grip, damping = self.grip, self.grip_damping
         if grip is None:
-            depth = (self.b.mass * WEIGHT / self.stiffness) ** (1.0 / self.exponent)
+            depth = (self.b.mass * STANDARD_GRAVITY / self.stiffness) ** (1.0 / self.exponent)
             grip = self.exponent * self.stiffness * depth ** (self.exponent - 1.0)
         return grip, float(np.sqrt(grip * self.b.mass)) if damping is None else damping
 

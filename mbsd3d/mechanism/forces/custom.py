@@ -28,9 +28,9 @@ from ...kernels.vectors import add, add6, arm, clear, cross, dot, mat, pair, poi
 from ..bodies import Body, Ground, as_body_or_ground
 from ..force_element import ForceElement, ForceRecord
 from ..mechanism import Mechanism
-from .own_functions import RETURNED, callback, reason, uncompiled
+from .own_functions import RETURN_FLAG_INDEX, callback, reason, uncompiled
 
-ARGUMENTS = ("t", "bodies", "z", "parameters", "loads", "z_dot")
+CUSTOM_ARGUMENTS = ("t", "bodies", "z", "parameters", "loads", "z_dot")
 
 
 @inner_kernel
@@ -51,14 +51,14 @@ def custom(m, d, p, out, t):
     for i in range(p.bodies):
         place(d.body[p.body[i]], d.pose[i], arm(d.body[p.body[i]], p.point[i]))
     clear(d.wrench)
-    d.wrench[RETURNED] = np.nan
+    d.wrench[RETURN_FLAG_INDEX] = np.nan
     z, z_dot = d.z[p.state : p.state + p.states], d.state_rate[p.state : p.state + p.states]
     clear(z_dot)
     address = p.address[1] if np.iscomplexobj(d.wrench) else p.address[0]
     if address != 0:
         numbers = series(m, p, 0, p.numbers)
         call(address, t, d.pose, p.bodies, z, p.states, numbers, p.numbers, d.wrench, z_dot)
-    out.power = d.wrench[RETURNED]
+    out.power = d.wrench[RETURN_FLAG_INDEX]
     for i in range(p.bodies):
         body, pose = d.body[p.body[i]], d.pose[i]
         force, moment = pair(d.wrench[6 * i : 6 * i + 6])
@@ -274,8 +274,10 @@ class CustomForce(FunctionForce):
         plain = getattr(self.function, "py_func", self.function)
         if not inspect.isfunction(plain):
             raise InputError(f"{what}: function {shown(self.function)} is not a function; give a plain or a jitted one")
-        if len(inspect.signature(plain).parameters) != len(ARGUMENTS):
-            raise InputError(f"{what}: function '{plain.__name__}' must take the arguments {', '.join(ARGUMENTS)}")
+        if len(inspect.signature(plain).parameters) != len(CUSTOM_ARGUMENTS):
+            raise InputError(
+                f"{what}: function '{plain.__name__}' must take the arguments {', '.join(CUSTOM_ARGUMENTS)}"
+            )
         self.address(float)
 
     def address(self, dtype: type) -> int | Callable:

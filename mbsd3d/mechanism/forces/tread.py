@@ -2,9 +2,9 @@
 
 from ...compiler.decorators import inner_kernel
 
-LEAST = 0.1
+LOAD_FACTOR_MIN = 0.1
 """Share of grip and stiffness that no load takes away."""
-SLIDING = 1.5
+FULL_SLIDING_DEFLECTION = 1.5
 """Deflection, in units of that of full grip, from which all of the contact patch slides."""
 
 
@@ -17,7 +17,7 @@ def at_least(x, least):
 @inner_kernel
 def sensitive(k, load):
     """Share 1 - k (N/N0 - 1) of a coefficient that is left at a load, given as N/N0."""
-    return at_least(1.0 - k * (load - 1.0), LEAST)
+    return at_least(1.0 - k * (load - 1.0), LOAD_FACTOR_MIN)
 
 
 @inner_kernel
@@ -27,7 +27,7 @@ def brush(q):
     With the theoretical slip s = q/(1 - q/3) the force is mu N (1 - (1 - s/3)^3): the steady deflection under s is q.
     """
     force, trail = 1.0 + 0.0 * q, 1.0 + 0.0 * q
-    if q.real < SLIDING:
+    if q.real < FULL_SLIDING_DEFLECTION:
         s = q / (1.0 - q / 3.0)
         rest, adhesion = 1.0 - s / 3.0, 1.0 - s / 3.0 + s * s / 27.0
         force, trail = adhesion / (1.0 - q / 3.0), rest * rest * rest / adhesion

@@ -31,11 +31,11 @@ from ..rounded import Rounded, circle
 from ..signals import Signal, SignalOrNone, as_signal
 from .tread import at_least, brush, sensitive
 
-CREEP, TURNING = 0.05, 0.01
+ROLLING_RESISTANCE_SPEED, ALIGNING_MOMENT_SPEED = 0.05, 0.01
 """Speeds [m/s] of the tread and of the hub at which rolling resistance and moment about the normal reach 76 %."""
-SLIPPERY = 0.01
+FRICTION_MIN = 0.01
 """Least grip: with less, deflections of a sliding wheel come and go in microseconds; wet ice has 0.05."""
-FULL = 0.1
+DEFLECTION_SCALE = 0.1
 """Size of the deflections at full grip."""
 
 
@@ -83,7 +83,7 @@ def tyre(m, d, p, out, t):
     grip = speed * 0.0 + np.inf
     limit = 0.0 * V
     if p.signal[0] >= 0:
-        grip = at_least(signal(m, p.signal[0], t)[0], SLIPPERY) * sensitive(own.grip_sensitivity, load)
+        grip = at_least(signal(m, p.signal[0], t)[0], FRICTION_MIN) * sensitive(own.grip_sensitivity, load)
         limit = np.sqrt(C_x * C_x * slip_x * slip_x + C_y * C_y * slip_y * slip_y) / (3.0 * grip)
     d.state_rate[p.state] = (-slip_x - (V + limit) * z[0]) / own.relaxation_x
     lag = (1.0 - instant) * V * C_g / C_y * lean
@@ -98,10 +98,10 @@ def tyre(m, d, p, out, t):
         force, trail = brush(q)
     F_x, F_y = N * force * pull_x, N * (force * pull_y - instant * C_g * lean)
     by_slip = N * force * (pull_y + (1.0 - instant) * C_g * lean)
-    M_z = tanh(speed / TURNING) * (N * own.twisting * lean - own.trail * trail * by_slip)
+    M_z = tanh(speed / ALIGNING_MOMENT_SPEED) * (N * own.twisting * lean - own.trail * trail * by_slip)
     reach = sub(s, hub)
     radius = np.sqrt(dot(reach, reach))
-    M_y = -own.rolling_resistance * N * radius * tanh(dot(w, axle) * radius / CREEP)
+    M_y = -own.rolling_resistance * N * radius * tanh(dot(w, axle) * radius / ROLLING_RESISTANCE_SPEED)
 
     F = add(scale(N, n), add(scale(F_x, ahead), scale(F_y, left)))
     M = add(scale(M_y, left), scale(M_z, n))
@@ -254,7 +254,7 @@ class Tyre(ForceElement):
             parameters=self.read_by_law(
                 ring=self.radius - self.crown, longitudinal=C_x, relaxation_x=s_x, nominal_load=self.nominal_load or 1.0
             ),
-            states=(0.0, 0.0), scales=((FULL, 0.0, 0.0), (FULL, 0.0, 0.0)),
+            states=(0.0, 0.0), scales=((DEFLECTION_SCALE, 0.0, 0.0), (DEFLECTION_SCALE, 0.0, 0.0)),
         )  # fmt: skip
 
     def state_names(self) -> tuple[str, ...]:

@@ -10,12 +10,12 @@ from numpy.typing import ArrayLike
 from ...base.checks import shown, vector
 from ...base.directions import perpendiculars
 from ...base.errors import InputError
-from ...base.fields import VECTOR, Checked, Orientation, Stored, VectorOrNone, kept, part_class
+from ...base.fields import FILE_VECTOR, Checked, Orientation, Stored, VectorOrNone, kept, part_class
 from ...base.rotations import AXES, matrix
 from .surfaces import Mesh, moved
 
-HEX = re.compile(r"#[0-9a-fA-F]{6}")
-CYCLE = re.compile(r"C\d+")  # colours of matplotlib that depend on its settings
+HEX_COLOUR_PATTERN = re.compile(r"#[0-9a-fA-F]{6}")
+CYCLE_COLOUR_PATTERN = re.compile(r"C\d+")  # colours of matplotlib that depend on its settings
 
 
 class Shaped(Protocol):
@@ -30,11 +30,11 @@ class Shaped(Protocol):
 
 def hex_colour(colour: Any, what: str, part: Any) -> str | None:
     """The colour as "#rrggbb"."""
-    if colour is None or (isinstance(colour, str) and HEX.fullmatch(colour)):
+    if colour is None or (isinstance(colour, str) and HEX_COLOUR_PATTERN.fullmatch(colour)):
         return colour
     from matplotlib.colors import is_color_like, to_hex, to_rgba
 
-    known = isinstance(colour, str) and not CYCLE.fullmatch(colour) and is_color_like(colour)
+    known = isinstance(colour, str) and not CYCLE_COLOUR_PATTERN.fullmatch(colour) and is_color_like(colour)
     if not known or to_rgba(colour)[3] < 1.0:
         raise InputError(f"{what} {shown(colour)} is unknown; give '#rrggbb' or a name such as 'steelblue'")
     return to_hex(colour)
@@ -120,5 +120,5 @@ def as_sizes(value: Any, what: str, part: Any) -> np.ndarray:
 class Sizes(Stored[ArrayLike, np.ndarray]):
     """Three lengths > 0 [m]."""
 
-    accepts, file_type = "array_like", VECTOR
+    accepts, file_type = "array_like", FILE_VECTOR
     convert = staticmethod(as_sizes)

@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...base.checks import LARGEST, floats, listed, number, shown
+from ...base.checks import MAGNITUDE_MAX, floats, listed, number, shown
 from ...base.errors import InputError
 from ...base.fields import Checked, Stored, derive, kept, locked, or_none, part_class
 from .terms import POLYNOMIAL, Term, evaluate, scaled
 
-EVERYWHERE = (-np.inf, np.inf)
+ALL_TIMES = (-np.inf, np.inf)
 
 
 class Signal(Checked, ABC):
@@ -41,7 +41,7 @@ class Signal(Checked, ABC):
     @property
     def interval(self) -> tuple[float, float]:
         """First and last time at which f is defined [s]."""
-        return EVERYWHERE
+        return ALL_TIMES
 
     def __call__(self, t: ArrayLike) -> np.ndarray:
         """f(t) at times of any shape [s]; ValueError outside `interval`."""
@@ -214,7 +214,7 @@ def as_signal(value: "Signal | float", what: str) -> Signal:
     remedy = "give a finite number or a signal (Constant, Ramp, Sine, Polynomial, Pulse, Table, Input or a sum of them)"
     if isinstance(value, Signal):
         return value
-    if type(value) is float and abs(value) <= LARGEST:
+    if type(value) is float and abs(value) <= MAGNITUDE_MAX:
         return Constant(value)
     if not isinstance(value, Real):
         raise InputError(f"{what} is {shown(value)}; {remedy}; any other function can be sampled into a Table")

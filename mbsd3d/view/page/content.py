@@ -12,7 +12,7 @@ from typing import NamedTuple, TypedDict
 
 import numpy as np
 
-from ...base.style import CELLS, DARK, LIGHT, raised
+from ...base.style import DARK, GROUND_GRID_GREYS, LIGHT, raised
 from ..scene.camera import length_text
 from ..scene.drawing import DEFAULT_LAYERS, MARKS, Drawing
 from ..scene.frames import Frames
@@ -94,7 +94,7 @@ def player_data(content: Content, stage: Stage) -> dict[str, object]:
         "layers": layers_data(content, stage),
         "curves": [curve_data(curve) for curve in content.curves],
         "grid": length_text(stage.cell),
-        "darkCells": [[grey] * 3 for grey in CELLS["dark"]],
+        "darkCells": [[grey] * 3 for grey in GROUND_GRID_GREYS["dark"]],
         "colours": {"light": LIGHT.lines, "dark": DARK.lines},
     }
 
