@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from mbsd3d import System, Torque, accelerations, linearize
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, RAISED, THIN, Measure, Theme, dress, new_figure
+from mbsd3d.extend import LINE, SUPERSCRIPTS, THIN, Measure, Theme, dress, new_figure
 
 from ..model.mechanism import outputs, whipple
 from ..model.tyres import Tyres
@@ -193,5 +193,5 @@ def draw_lines(size: "Axes", phase: "Axes", found: Response, H: np.ndarray, look
 def decades(axis: "Axis") -> None:
     """Label every decade like 10⁻²: the figure style writes texts as they are, without mathematics."""
     axis.get_major_locator().set_params(numticks=20)
-    axis.set_major_formatter(lambda x, _: f"10{str(round(np.log10(x))).translate(RAISED)}")
+    axis.set_major_formatter(lambda x, _: f"10{str(round(np.log10(x))).translate(SUPERSCRIPTS)}")
     axis.set_minor_formatter("")

@@ -36,7 +36,9 @@ def test_sizes_are_those_of_the_code():
     assert f"| {json} MB, {toml} MB; {number(PARTS_MAX)} parts;" in rows["model files"]
     xml = f"{xml_scan.LIMIT // 10**6} MB and {number(xml_scan.COPIES)} elements"
     assert xml in rows["MJCF, URDF"] and f"{worker.MEMORY >> 30} GB" in rows["MJCF, URDF"]
-    assert f"| {surfaces.BYTES // 10**6} MB, {number(surfaces.TRIANGLES)} triangles;" in rows["meshes"]
+    assert (
+        f"| {surfaces.MESH_BYTES_MAX // 10**6} MB, {number(surfaces.MESH_TRIANGLES_MAX)} triangles;" in rows["meshes"]
+    )
     text, yaml = FILE_BYTES_MAX[".txt"] // 10**6, FILE_BYTES_MAX[".yml"] // 1000
     assert f"| {text} MB, {yaml} kB;" in rows["bicycle parameters"]
     record, table, road = (
