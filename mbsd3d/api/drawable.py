@@ -38,7 +38,7 @@ class Drawable(Mechanism):
         dark: bool | None = None,
         live: bool = False,
     ) -> "View | LiveView":
-        """A page that shows the mechanism in space; one HTML file that needs no network.
+        """Return a page that shows the mechanism in space; one HTML file that needs no network.
 
         The `View` has ``.html``, ``.save(path)`` and ``.open()``; notebooks show it. With ``live`` it is a `LiveView`.
         ValueError for a state of another system, a shape that cannot be drawn, an unknown layer, a missing package.
@@ -73,7 +73,7 @@ class Drawable(Mechanism):
         size: Sequence[float] = (6.4, 4.8),
         dark: bool = False,
     ) -> "Figure":
-        """A shaded matplotlib figure; `mbsd3d.save_figure` writes it.
+        """Draw a shaded matplotlib figure; `mbsd3d.save_figure` writes it.
 
         ValueError if the state is one of another system, a shape cannot be drawn, or an option is invalid.
 

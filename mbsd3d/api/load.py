@@ -35,7 +35,7 @@ def load(path: str | Path) -> Solution:
 
 @explaining
 def read_mjcf(path: str | Path, *, drop: Sequence[str] = (), timeout: float = 4.0) -> Imported:
-    """The mechanism of an MJCF file (MuJoCo's XML) at its reference pose qpos0.
+    """Read the mechanism of an MJCF file (MuJoCo's XML) at its reference pose qpos0.
 
     Hinge, slide, ball and free joints; two or three hinges through one point (Universal, Spherical), a hinge and slides
     that make a Cylindrical or Planar joint; bodies without joint become part of their parent; springs and dampers of
@@ -93,5 +93,5 @@ def read_urdf(path: str | Path, *, drop: Sequence[str] = (), timeout: float = 4.
 
 
 def with_system(found: Imported) -> Imported:
-    """The same import with a `System` for its mechanism."""
+    """Return the same import with a `System` for its mechanism."""
     return found._replace(system=System.of(found.system))

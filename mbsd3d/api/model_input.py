@@ -15,7 +15,7 @@ from .system import System
 
 
 def load_model(file: str, drop: tuple[str, ...], settings: tuple[str, ...]) -> tuple[System, list[str]]:
-    """The System of a model file, of an imported model, or of ``build()`` of a Python file, and notes on an import.
+    """Return the System of a model file, an imported model or ``build()`` of a Python file, and notes on an import.
 
     ``settings`` are texts NAME=VALUE, the parameters of ``build()``. ValueError naming the file and the place in it.
     """
@@ -34,7 +34,7 @@ def load_model(file: str, drop: tuple[str, ...], settings: tuple[str, ...]) -> t
 
 
 def imported(file: str, suffix: str, drop: tuple[str, ...]) -> tuple[System, list[str]]:
-    """The System of an MJCF or URDF file, and what was dropped, merged and renamed."""
+    """Return the System of an MJCF or URDF file, and what was dropped, merged and renamed."""
     found = (read_mjcf if suffix == ".xml" else read_urdf)(file, drop=drop)
     lines = [f"left out {part}" for part in found.dropped]
     lines += [f"body '{name}' is part of '{whole}'" for name, whole in found.merged.items()]
@@ -43,7 +43,7 @@ def imported(file: str, suffix: str, drop: tuple[str, ...]) -> tuple[System, lis
 
 
 def parameters_of(file: str) -> list[str]:
-    """A line per parameter of ``build()`` of a Python file."""
+    """Return a line per parameter of ``build()`` of a Python file."""
     if Path(file).suffix.lower() != ".py":
         raise InputError(f"'{file}' is not a Python file, only build(...) of one has parameters")
     with builder(file) as build:
@@ -51,7 +51,7 @@ def parameters_of(file: str) -> list[str]:
 
 
 def built_by(file: str, settings: tuple[str, ...]) -> System:
-    """The System that ``build()`` of a Python file returns for parameters NAME=VALUE.
+    """Return the System that ``build()`` of a Python file returns for parameters NAME=VALUE.
 
     ValueError naming file and line: a missing file, no Python, an error while it runs, no ``build()``, no System.
     """
@@ -65,7 +65,7 @@ def built_by(file: str, settings: tuple[str, ...]) -> System:
 
 @contextmanager
 def builder(file: str) -> Iterator[Callable[..., Any]]:
-    """``build`` of a Python file; modules beside the file can be imported inside."""
+    """Load ``build`` of a Python file; modules beside the file can be imported inside."""
     path = Path(file)
     try:
         source = path.read_bytes()
@@ -83,7 +83,7 @@ def builder(file: str) -> Iterator[Callable[..., Any]]:
 
 @contextmanager
 def importable(module: Any, folder: Path) -> Iterator[None]:
-    """Inside, the module is known to Python (dataclasses ask for it) and its folder is searched for imports."""
+    """Make the module known to Python inside the block (dataclasses ask for it) and search its folder for imports."""
     place = str(folder.resolve())
     sys.modules[module.__name__] = module
     sys.path.insert(0, place)
@@ -111,7 +111,7 @@ TRUTH_WORDS = {"true": True, "yes": True, "on": True, "false": False, "no": Fals
 
 
 def parameter_lines(build: Callable[..., Any]) -> list[str]:
-    """One line per parameter: name, type and default."""
+    """Return one line per parameter: name, type and default."""
     found = []
     for name, x in parameters(build).items():
         kind = kind_of(x)
@@ -145,13 +145,13 @@ def given_parameters(build: Callable[..., Any], settings: Sequence[str], file: s
 
 
 def parameters(build: Callable[..., Any]) -> dict[str, inspect.Parameter]:
-    """What can be given by name; `*rest` and `**rest` have none."""
+    """Return what can be given by name; `*rest` and `**rest` have none."""
     known = inspect.signature(build).parameters.items()
     return {name: x for name, x in known if x.kind not in (x.VAR_POSITIONAL, x.VAR_KEYWORD)}
 
 
 def kind_of(x: inspect.Parameter) -> type | None:
-    """float, int, bool or str by annotation or default; None = not said."""
+    """Return float, int, bool or str by annotation or default; None where neither says."""
     kinds: tuple[type, ...] = (float, int, bool, str)
     for kind in kinds:
         if x.annotation in (kind, kind.__name__):
@@ -160,7 +160,7 @@ def kind_of(x: inspect.Parameter) -> type | None:
 
 
 def typed(text: str, kind: type | None, what: str) -> Any:
-    """A text as a value of a type."""
+    """Convert a text to a value of a type."""
     try:
         if kind is bool:
             return TRUTH_WORDS[text.lower()]

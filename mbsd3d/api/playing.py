@@ -31,7 +31,7 @@ class Play(play.Play):
     """
 
     def solution(self) -> Solution:
-        """The ride so far, of at most the last ten minutes: a `Solution` with a sample every 1/60 s."""
+        """Return the live run so far, of at most the last ten minutes: a `Solution` with a sample every 1/60 s."""
         return Solution.of(super().solution())
 
 

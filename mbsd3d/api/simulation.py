@@ -103,7 +103,7 @@ def accelerations(
     gamma: bool = True,
     as_built: float | None = None,
 ) -> Solution:
-    """Accelerations and reactions at one state: a `Solution` with a single sample.
+    """Return accelerations and reactions at one state: a `Solution` with a single sample.
 
     ``accelerations(system, state).acceleration(body)[0]``, ``.reaction(joint).force[0]``, ``.effort(driver)[0]``.
     The teaching switches drop the same terms as in `simulate`, and ``as_built`` [m] lets parts out of line be as there.

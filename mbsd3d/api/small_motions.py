@@ -55,7 +55,7 @@ class Mode(modes.Mode):
     motion.__doc__ = modes.Mode.motion.__doc__
 
     def animate(self, amplitude: float = 0.2, cycles: float = 2.0, **options: Any) -> "View | LiveView":
-        """A page that shows `motion`; options as in `Solution.animate`; a period takes 2 s without ``speed``."""
+        """Return a page that shows `motion`; options as in `Solution.animate`; a period takes 2 s without ``speed``."""
         cycles = number(cycles, "animate: cycles", positive=True)
         moved = self.motion(amplitude, cycles, samples=int(50 * max(cycles, 1.0)) + 1)
         seconds, title = 2.0 * cycles, f"{self.label}, {self.frequency:.4g} Hz"
@@ -95,13 +95,13 @@ class Linearization(modes.ModalAnalysis):
 
     @cached_property
     def modes(self) -> tuple[Mode, ...]:
-        """One per real eigenvalue and per complex pair, in the order of the eigenvalues."""
+        """Return one mode per real eigenvalue and per complex pair, in the order of the eigenvalues."""
         return tuple(
             Mode(self, mode.eigenvalue, mode.translation, mode.rotation, mode.vector) for mode in modes.make_modes(self)
         )
 
     def plot(self) -> "Figure":
-        """Matplotlib figure of the eigenvalues in the complex plane."""
+        """Draw the eigenvalues in the complex plane with matplotlib."""
         from ..plotting.eigenvalues import plot_eigenvalues
 
         return plot_eigenvalues(self)
@@ -118,7 +118,7 @@ def linearize(
     centripetal: bool = True,
     gamma: bool = True,
 ) -> Linearization:
-    """The linear equations of small motions about an equilibrium or a relative equilibrium.
+    """Return the linear equations of small motions about an equilibrium or a relative equilibrium.
 
     States x are displacements on the constraint manifold (J of the holonomic rows), velocities that meet
     ``J delta v + d(J v - b)/dq delta q = 0`` (all rows, nonholonomic ones too), and own states of force elements, all

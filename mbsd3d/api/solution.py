@@ -74,7 +74,7 @@ class Solution(RunResult, Viewable):
 
     @property
     def certificate(self) -> Certificate:
-        """The certificate: which checks the samples pass, and how far they can be trusted."""
+        """Return the certificate: which checks the samples pass, and how far they can be trusted."""
         return certificate_of(self)
 
     def force(self, force: ForceElement | str, on: Body | Ground | str | None = None) -> Load:
@@ -86,7 +86,7 @@ class Solution(RunResult, Viewable):
         return load_of(self, force, on)
 
     def at(self, t: float) -> State:
-        """The state at any time of the run [s], by integrating on from the sample before it."""
+        """Return the state at any time of the run [s], by integrating on from the sample before it."""
         t = number(t, "solution.at: t")
         begin = self.start.t
         if not begin <= t <= self.final.t:
@@ -120,7 +120,7 @@ class Solution(RunResult, Viewable):
         dark: bool = False,
         axes: "Axes | Sequence[Axes] | None" = None,
     ) -> "Figure":
-        """A quantity over time, or over another one.
+        """Draw a quantity over time, or over another one.
 
         Parameters
         ----------
@@ -172,7 +172,7 @@ class Solution(RunResult, Viewable):
         curves: "Wanted | None" = None,
         dark: bool | None = None,
     ) -> "Report":
-        """A page about a run: verdict, certificate, curves, freedoms, and tables of all parts.
+        """Make a page about a run: assessment, certificate, curves, degrees of freedom, and tables of all parts.
 
         ``path``: where to write it too. ``title``: None = the names of the bodies. ``curves``: one figure each, as
         `plot` takes them, None = the most telling ones. ``dark``: dark or light paper, None = as the reader's screen is
@@ -194,7 +194,7 @@ class Solution(RunResult, Viewable):
         return save(self, path)
 
     def to_xarray(self) -> "Dataset":
-        """All quantities as an xarray Dataset.
+        """Return all quantities as an xarray Dataset.
 
         ``dataset.to_netcdf(path, engine="h5netcdf")`` writes it; the extra ``netcdf`` installs that engine.
 
@@ -219,7 +219,7 @@ class Solution(RunResult, Viewable):
         return to_csv(self, path)
 
     def to_dataframe(self) -> "DataFrame":
-        """A pandas DataFrame, one row a sample, indexed by the time, with the columns of `to_csv`."""
+        """Return a pandas DataFrame, one row a sample, indexed by the time, with the columns of `to_csv`."""
         from ..files.tables import to_dataframe
 
         return to_dataframe(self)
@@ -237,7 +237,7 @@ class Solution(RunResult, Viewable):
             raise
 
     def with_certificate(self, certificate: Certificate) -> "Solution":
-        """The same solution with the global error of a certificate of `estimate`."""
+        """Return the same solution with the global error of a certificate of `estimate`."""
         return replace(self, estimated=(certificate.error, certificate.order, certificate.doubling))
 
 

@@ -110,23 +110,23 @@ class Stepper(metaclass=Explained):
 
     @property
     def q(self) -> np.ndarray:
-        """(7 n,) per body (r, e): reference point [m, world] and unit quaternion, scalar first."""
+        """Return the coordinates now (7 n,), per body (r, e): reference point [m, world] and unit quaternion."""
         return self._run.memory.y[: 7 * self._run.model.body.size].copy()
 
     @property
     def v(self) -> np.ndarray:
-        """(6 n,) per body (r_dot, w) [m/s], [rad/s], both world."""
+        """Return the velocities now (6 n,), per body (r_dot, w) [m/s], [rad/s], both world."""
         return self._run.velocities
 
     @property
     def z(self) -> np.ndarray:
-        """(k,) own states of the force elements, in their order."""
+        """Return the internal states of the force elements now (k,), in their order."""
         first = 13 * self._run.model.body.size
         return self._run.memory.y[first : first + self._run.model.z_work].copy()
 
     @property
     def measured(self) -> np.ndarray:
-        """(measures,) values of the measures that were asked for, now."""
+        """Return the values of the measures asked for, now (measures,)."""
         return self._run.measured
 
     @property
@@ -136,11 +136,11 @@ class Stepper(metaclass=Explained):
 
     @property
     def state(self) -> State:
-        """The state reached: other runs may start from it, with what `inputs` are set to there anew."""
+        """Return the state reached: other runs may start from it, with what `inputs` are set to there anew."""
         return self._run.state
 
     def solution(self) -> Solution:
-        """What was kept: a sample at the start and at the end of every segment, taken before an input changes there.
+        """Return what was kept: a sample at the start and end of every segment, taken before an input changes there.
 
         Its certificate judges the motion under the inputs as they were set; `estimate` and `at` repeat the segments.
         """

@@ -84,7 +84,7 @@ class System(Drawable):
 
     @classmethod
     def of(cls, mechanism: Mechanism) -> "System":
-        """The system of a mechanism: the same parts."""
+        """Return the system of a mechanism: the same parts."""
         given = (mechanism.bodies, mechanism.joints, mechanism.forces, mechanism.gravity)
         return cls(*given, title=mechanism.title)
 
@@ -96,7 +96,7 @@ class System(Drawable):
         return tables_of(self)
 
     def check(self, *, as_built: float | None = None) -> "Diagnosis":
-        """Coordinates, rows, rank, mobility, redundant rows by joint, cures and a verdict; see `Diagnosis`.
+        """Find coordinates, rows, rank, mobility, redundant rows by joint, remedies and an assessment; see `Diagnosis`.
 
         as_built : float or None
             Tolerance of the real parts [m]: misfits below it are taken up by play. None: 1e-5 m, of small mechanisms
@@ -107,7 +107,7 @@ class System(Drawable):
         return diagnose(self, None if as_built is None else number(as_built, "check: as_built", minimum=0.0))
 
     def state(self, *, as_built: float | None = None) -> State:
-        """The initial state at the reference pose; velocities that are None are solved from the constraints.
+        """Return the initial state at the reference pose; velocities that are None are solved from the constraints.
 
         Drivers that start elsewhere need `assemble`; one that starts whole turns on is fine where all bodies come back.
 
@@ -223,7 +223,7 @@ class System(Drawable):
         return release(self, joint, state)
 
     def equilibrium(self, state: State | None = None) -> "Equilibrium":
-        """The equilibrium that the mechanism reaches from a pose, moving downhill as if through honey.
+        """Find the equilibrium that the mechanism reaches from a pose, moving downhill as if through honey.
 
         Preloaded springs, gravity, own states of forces and nonholonomic rows are taken as they are. A start that is
         an equilibrium is returned as it is, also an unstable one.
@@ -283,7 +283,7 @@ class System(Drawable):
 
     @classmethod
     def from_file(cls, path: str | Path) -> "System":
-        """The system of a model file, written by `to_file` or by hand, checked by the constructors of its parts.
+        """Read the system of a model file, written by `to_file` or by hand, checked by the constructors of its parts.
 
         ``path`` ends in .json (up to 16 MB) or .toml (up to 1 MB). ValueError naming file and place, e.g. "Expected
         `float`, got `str` - at `$.bodies[3].mass`".

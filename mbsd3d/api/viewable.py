@@ -46,7 +46,7 @@ class Viewable(Motion):
         view: Sequence[float] | None = None,
         beside: Motion | None = None,
     ) -> "View | LiveView":
-        """A page that shows the motion in space and curves beside it; one HTML file that needs no network.
+        """Return a page that shows the motion in space and curves beside it; one HTML file that needs no network.
 
         The `View` has ``.html``, ``.save(path)`` and ``.open()``; notebooks show it. With ``live`` it is a `LiveView`.
         ValueError naming the option, part or package and the remedy.
@@ -100,7 +100,7 @@ class Viewable(Motion):
         size: Sequence[float] = (6.4, 4.8),
         dark: bool = False,
     ) -> "Figure":
-        """A shaded matplotlib figure of a moment, or of several in one picture, with the time in it.
+        """Draw a shaded matplotlib figure of a moment, or of several in one picture, with the time in it.
 
         `mbsd3d.save_figure` writes it. ValueError if a time is outside the run, a part or a layer is unknown, or an
         option is invalid.

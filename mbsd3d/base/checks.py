@@ -16,7 +16,7 @@ PLAIN_NUMBER_TYPES = frozenset((float, int, np.float64))  # need no closer look 
 
 
 def shown(value: Any) -> str:
-    """What was given, as it prints, cut where it is long; numbers of arrays as plain ones."""
+    """Return what was given as it prints, cut where it is long; numbers of arrays as plain ones."""
     try:
         with np.printoptions(legacy="1.25"):
             text = repr(value)
@@ -26,7 +26,7 @@ def shown(value: Any) -> str:
 
 
 def check_name(name: Any, what: str) -> None:
-    """ValueError for what is no text, is empty, would command a terminal, or reads as something else than it is."""
+    """Refuse a name that is no text, is empty, would command a terminal, or reads as something else than it is."""
     if not isinstance(name, str) or not name:
         raise InputError(f"{what} name {shown(name)}: give a non-empty text")
     if CONTROL_CHARACTERS.search(name):
@@ -34,7 +34,7 @@ def check_name(name: Any, what: str) -> None:
 
 
 def all_within(array: np.ndarray, most: float) -> bool:
-    """True if no number is beyond -most ... most; what is not finite is."""
+    """Return whether all numbers lie within -most ... most; one that is not finite does not."""
     if array.size <= PYTHON_LOOP_MAX:
         return all(-most <= x <= most for x in array.ravel().tolist())
     return bool((np.abs(array) <= most).all())
@@ -48,7 +48,7 @@ def holds_truth(values: Any) -> bool:
 
 
 def floats(values: Any, what: str, remedy: str) -> np.ndarray:
-    """An own array of finite floats, or a ValueError that names ``what``; texts, True and False are no numbers."""
+    """Return a new array of finite floats; refuse texts, True and False with an error that names ``what``."""
     if type(values) is np.ndarray and values.dtype == np.float64 and all_within(values, sys.float_info.max):
         return values.copy()
     try:
@@ -67,7 +67,7 @@ def floats(values: Any, what: str, remedy: str) -> np.ndarray:
 
 
 def numbers(values: Any, what: str) -> np.ndarray:
-    """A float array of anything numeric, not finite ones included, or an InputError that names ``what``."""
+    """Return a float array of anything numeric, also of what is not finite; an InputError names ``what``."""
     try:
         return np.asarray(values, dtype=float)
     except (TypeError, ValueError, OverflowError):
@@ -75,13 +75,13 @@ def numbers(values: Any, what: str) -> np.ndarray:
 
 
 def check_choice(value: Any, choices: Sequence[Any], what: str) -> None:
-    """InputError for anything but one of the choices."""
+    """Refuse anything but one of the choices."""
     if not isinstance(value, Hashable) or value not in choices:
         raise InputError(f"{what} {shown(value)} is unknown; give {' or '.join(map(repr, choices))}")
 
 
 def listed(values: Any, what: str, remedy: str) -> tuple[Any, ...]:
-    """The members of a sequence, or an InputError that names ``what``."""
+    """Return the members of a sequence as a tuple, or raise an InputError that names ``what``."""
     try:
         return tuple(values)
     except TypeError:
@@ -89,7 +89,7 @@ def listed(values: Any, what: str, remedy: str) -> tuple[Any, ...]:
 
 
 def check_size(array: np.ndarray, what: str) -> None:
-    """ValueError for numbers whose squares and ratios are beyond what a computer holds."""
+    """Refuse numbers whose squares and ratios are beyond what a float holds."""
     if not all_within(array, MAGNITUDE_MAX):
         raise InputError(
             f"{what}: {np.abs(array).max():.3g} is beyond the largest magnitude {MAGNITUDE_MAX:.0e}; check the units"
@@ -97,7 +97,7 @@ def check_size(array: np.ndarray, what: str) -> None:
 
 
 def plain_three(value: Any) -> np.ndarray | None:
-    """An own (3,) array of plain numbers of usual size; None for whatever needs a closer look."""
+    """Return a new (3,) array of three plain numbers of usual size, or None for whatever needs a closer look."""
     if type(value) is np.ndarray and value.dtype == np.float64:
         value = value.tolist() if value.shape == (3,) else ()
     if type(value) not in (tuple, list) or len(value) != 3:
@@ -114,7 +114,7 @@ def plain_three(value: Any) -> np.ndarray | None:
 
 
 def vector(value: ArrayLike, what: str) -> np.ndarray:
-    """A finite (3,) float array, or a ValueError that names ``what``."""
+    """Return a finite (3,) float array, or raise a ValueError that names ``what``."""
     array = plain_three(value)
     if array is None:
         array = floats(value, what, "three numbers")
@@ -126,7 +126,7 @@ def vector(value: ArrayLike, what: str) -> np.ndarray:
 
 
 def number(value: float, what: str, *, minimum: float | None = None, positive: bool = False) -> float:
-    """A finite float within its range, or a ValueError that names ``what``."""
+    """Return a finite float within its range, or raise a ValueError that names ``what``."""
     if type(value) in PLAIN_NUMBER_TYPES and -MAGNITUDE_MAX <= value <= MAGNITUDE_MAX:
         if not (positive and value < MAGNITUDE_MIN) and (minimum is None or value >= minimum):
             return float(value)
@@ -150,7 +150,7 @@ def number(value: float, what: str, *, minimum: float | None = None, positive: b
 
 
 def whole(value: int, what: str, least: int, most: float = np.inf) -> int:
-    """A whole number in a range."""
+    """Return a whole number within its range, or raise a ValueError that names ``what``."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= most:
         wanted = f">= {least}" if most == np.inf else f"from {least} to {most}"
         raise InputError(f"{what} = {shown(value)}; give a whole number {wanted}")
@@ -158,7 +158,7 @@ def whole(value: int, what: str, least: int, most: float = np.inf) -> int:
 
 
 def sequence(values: Any, what: str) -> tuple[float, ...]:
-    """Finite numbers."""
+    """Return finite numbers as a tuple, or raise a ValueError that names ``what``."""
     if isinstance(values, str | bytes):
         raise InputError(f"{what}: {shown(values)} is not a sequence of numbers; give a tuple")
     try:

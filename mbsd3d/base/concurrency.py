@@ -22,7 +22,7 @@ T = TypeVar("T")
 
 @cache
 def _controller() -> ThreadpoolController:
-    """The linear algebra libraries of this process; finding them takes a hundred times as long as setting them."""
+    """Return the linear algebra libraries of this process; finding them takes a hundred times as long as setting."""
     return ThreadpoolController()
 
 
@@ -31,7 +31,7 @@ _INSIDE = local()  # .depth: how often this thread is inside `one_thread`
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Inside, BLAS and LAPACK calls use one thread; to say it again inside costs nothing."""
+    """Let BLAS and LAPACK calls inside the block use one thread; a nested block costs nothing."""
     depth = _INSIDE.depth = getattr(_INSIDE, "depth", 0) + 1
     try:
         with nullcontext() if depth > 1 else _controller().limit(limits=1):
@@ -41,7 +41,7 @@ def one_thread() -> Iterator[None]:
 
 
 def on_one_thread(function: Callable[P, T]) -> Callable[P, T]:
-    """The function with `one_thread` around it."""
+    """Wrap a function in `one_thread`."""
 
     @wraps(function)
     def limited(*arguments: P.args, **named: P.kwargs) -> T:
@@ -68,7 +68,7 @@ class Turns:
             raise AbandonedError
 
     def release(self) -> None:
-        """Let the next one."""
+        """Let the next thread take its turn."""
         self.lock.release()
 
     def close(self) -> None:
@@ -81,7 +81,7 @@ _TURN: ContextVar[Turns | None] = ContextVar("turn", default=None)  # what this 
 
 @contextmanager
 def taking_turns(turns: Turns) -> Iterator[None]:
-    """Inside, this thread is the only one of those that share the turns which runs Python."""
+    """Let this thread alone, of those that share the turns, run Python inside the block."""
     token = _TURN.set(turns)
     try:
         turns.acquire()
@@ -93,7 +93,7 @@ def taking_turns(turns: Turns) -> Iterator[None]:
 
 @contextmanager
 def turn_passed_on() -> Iterator[None]:
-    """Inside, another thread has its turn; nothing happens where turns are not taken."""
+    """Give the turn to another thread inside the block; nothing happens where turns are not taken."""
     turns = _TURN.get()
     if turns is not None:
         turns.release()

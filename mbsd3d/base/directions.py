@@ -14,7 +14,7 @@ PERPENDICULAR_TOLERANCE = 1e-6  # [1] cosine of an angle that is meant to be rig
 
 
 def unit(value: ArrayLike, what: str) -> np.ndarray:
-    """A (3,) unit vector along ``value``, which is kept if it is one; zero length is a ValueError."""
+    """Return a (3,) unit vector along ``value``, which is kept if it is one; zero length is a ValueError."""
     axis = vector(value, what)
     length = math.sqrt(axis @ axis)
     if length < 1e-12:
@@ -27,13 +27,13 @@ def unit(value: ArrayLike, what: str) -> np.ndarray:
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """a x b of two (3,) vectors; np.cross spends twenty times as long on finding out that they are."""
+    """Return the cross product of two (3,) vectors; np.cross spends twenty times as long on finding out that they are."""
     (x, y, z), (u, v, w) = a.tolist(), b.tolist()
     return np.array([y * w - z * v, z * u - x * w, x * v - y * u])
 
 
 def crosses(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """a x b of stacks (..., 3)."""
+    """Return the cross product a x b of stacks (..., 3)."""
     out = np.empty(np.broadcast_shapes(a.shape, b.shape))
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         out[..., i] = a[..., j] * b[..., k] - a[..., k] * b[..., j]
@@ -41,7 +41,7 @@ def crosses(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def squared(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """The unit vector y, made perpendicular to x where it is so to 1e-6, as typed digits are; y itself elsewhere."""
+    """Return the unit vector y, perpendicular to x where it is so to 1e-6, as typed digits are; y itself elsewhere."""
     off = float(x @ y)
     if not NORM_ROUNDING < abs(off) <= PERPENDICULAR_TOLERANCE:
         return y
@@ -50,7 +50,7 @@ def squared(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def perpendiculars(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """x, y with (x, y, axis) right-handed and orthonormal; axis is a unit vector."""
+    """Return x and y with (x, y, axis) right-handed and orthonormal; axis is a unit vector."""
     size = [abs(a) for a in axis.tolist()]
     x = cross(axis, WORLD_AXES[size.index(min(size))])
     x /= np.sqrt(x @ x)
@@ -58,7 +58,7 @@ def perpendiculars(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def matched_perpendiculars(axis: np.ndarray, axis_b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Perpendiculars of axis_b nearest to those of axis."""
+    """Return the perpendiculars of axis_b that are nearest to those of axis."""
     x, _ = perpendiculars(axis)
     x_b = x - axis_b * (x @ axis_b)
     x_b /= np.sqrt(x_b @ x_b)

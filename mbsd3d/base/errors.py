@@ -111,7 +111,7 @@ class SweepError(MbsError):
 
 
 def _sentence(what: str, time: float | None, part: str | None, residual: float | None, advice: str | None) -> str:
-    """One sentence from the pieces that are known."""
+    """Join the pieces that are known to one sentence."""
     when = "" if time is None else f" at t = {time:.6g} s"
     size = None if residual is None else f"residual {residual:.3g}"
     where = ", ".join(piece for piece in (part, size) if piece)
@@ -132,7 +132,7 @@ SYNONYMS = MappingProxyType({
 
 
 def similar(name: object, known: Iterable[str]) -> list[str]:
-    """Up to three names that an unknown one may have meant, the nearest first, in whatever case it is written."""
+    """Return up to three names that an unknown one may have meant, the nearest first, whatever its case."""
     lower = {text.lower(): text for text in known}
     return [lower[text] for text in get_close_matches(str(name).lower(), lower)]
 
@@ -140,7 +140,7 @@ def similar(name: object, known: Iterable[str]) -> list[str]:
 def explained(
     name: str, signature: inspect.Signature, args: tuple[Any, ...], given: Mapping[str, Any]
 ) -> ArgumentError | None:
-    """What is wrong with a call, by the public name of what was called; None if it fits."""
+    """Describe what is wrong with a call, by the public name of what was called; return None if it fits."""
     try:
         signature.bind(*args, **given)
     except TypeError as error:
@@ -178,7 +178,7 @@ class Explained(ABCMeta):
 
     @property
     def __signature__(cls) -> inspect.Signature:
-        """That of ``__init__``: for help and completion."""
+        """Return the signature of ``__init__``, for help and completion."""
         whole = inspect.signature(cls.__init__)  # type: ignore[misc]  # the class itself is meant
         own = [x.replace(annotation=Written(x.annotation)) for x in whole.parameters.values() if x.name != "self"]
         return whole.replace(parameters=own, return_annotation=inspect.Signature.empty)
@@ -194,7 +194,7 @@ class Explained(ABCMeta):
 
 
 def explaining(function: Callable[P, T], name: str | None = None) -> Callable[P, T]:
-    """The same for a function; ``name``: its public one."""
+    """Describe wrong calls of a function by its public ``name``, as `Explained` does for a class."""
 
     @functools.wraps(function)
     def call(*args: P.args, **given: P.kwargs) -> T:
@@ -210,7 +210,7 @@ def explaining(function: Callable[P, T], name: str | None = None) -> Callable[P,
 
 
 def explaining_methods(cls: type[T]) -> type[T]:
-    """The same for the public methods of a class, those that it inherits too."""
+    """Describe wrong calls of the public methods of a class, inherited ones included."""
     for name in dir(cls):
         method = inspect.getattr_static(cls, name)
         if name.startswith("_"):

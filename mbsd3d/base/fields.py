@@ -47,7 +47,7 @@ def kept(
     derived: Callable[[Any], Any] | None = None,
     **rules: Any,
 ) -> Any:
-    """A field that is converted: by its kind with ``rules``, or by ``by(value, what, part)``.
+    """Declare a field that is converted: by its kind with ``rules``, or by ``by(value, what, part)``.
 
     ``derived(part)``: what stands in for the default, from the fields before it.
     """
@@ -56,7 +56,7 @@ def kept(
 
 @dataclass_transform(eq_default=False, field_specifiers=(kept, field))
 def part_class(*, eq: bool = False, repr: bool = True, init: bool = True) -> Callable[[type[P]], type[P]]:  # noqa: A002
-    """A frozen dataclass whose fields are converted; it is compared by identity."""
+    """Make a frozen dataclass whose fields are converted; it is compared by identity."""
     return dataclass(frozen=True, eq=eq, repr=repr, init=init)
 
 
@@ -94,14 +94,14 @@ class Conversion(NamedTuple):
 
 
 def kind_of(annotation: Any) -> type[Stored[Any, Any]] | None:
-    """The kind of a field, if its annotation is one."""
+    """Return the kind of a field, if its annotation is one."""
     kind = get_origin(annotation) or annotation
     return kind if isinstance(kind, type) and issubclass(kind, Stored) else None
 
 
 @cache
 def conversions(cls: type) -> tuple[Conversion, ...]:
-    """How the fields of a class are converted, in their order; defaults are converted once for all parts."""
+    """Return how the fields of a class are converted, in their order; defaults are converted once for all parts."""
     found = []
     for x in fields(cls):
         kind, by, rules = kind_of(x.type), x.metadata.get("by"), x.metadata.get("rules", {})
@@ -123,7 +123,7 @@ class Frozen(metaclass=Explained):
         self.convert_fields(self.what())
 
     def what(self) -> str:
-        """The part, at the start of errors."""
+        """Return the type and name of the part, as errors begin."""
         return type(self).__name__
 
     def convert_fields(self, what: str) -> None:
@@ -157,13 +157,13 @@ def derive(part: Frozen, **values: Any) -> None:
 
 
 def locked(array: np.ndarray) -> np.ndarray:
-    """The array, read-only."""
+    """Make an array read-only and return it."""
     array.setflags(write=False)
     return array
 
 
 def or_none(convert: Callable[..., Any]) -> Callable[..., Any]:
-    """The same conversion, and None stays None."""
+    """Let a conversion pass None on."""
 
     def converted(value: Any, what: str, part: Any, **rules: Any) -> Any:
         return None if value is None else convert(value, what, part, **rules)
@@ -172,42 +172,42 @@ def or_none(convert: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def as_vector(value: Any, what: str, part: Any) -> np.ndarray:
-    """Three finite numbers."""
+    """Convert to three finite numbers (3,)."""
     return vector(value, what)
 
 
 def as_direction(value: Any, what: str, part: Any) -> np.ndarray:
-    """A unit vector."""
+    """Convert to a unit vector (3,)."""
     return unit(value, what)
 
 
 def as_orientation(value: Any, what: str, part: Any) -> np.ndarray:
-    """A unit quaternion."""
+    """Convert to a unit quaternion (4,)."""
     return locked(as_quaternion(value, what))
 
 
 def as_inertia(value: Any, what: str, part: Any) -> np.ndarray:
-    """A symmetric matrix that fits the mass of the part."""
+    """Convert to a symmetric matrix (3, 3) [kg m^2] that fits the mass of the part."""
     return locked(check_inertia(value, part.mass, what.removesuffix(": inertia")))
 
 
 def as_number(value: Any, what: str, part: Any, *, minimum: float | None = None, positive: bool = False) -> float:
-    """A finite number within its range."""
+    """Convert to a finite number within its range."""
     return number(value, what, minimum=minimum, positive=positive)
 
 
 def as_numbers(value: Any, what: str, part: Any) -> tuple[float, ...]:
-    """Finite numbers."""
+    """Convert to a tuple of finite numbers."""
     return sequence(value, what)
 
 
 def as_members(value: Any, what: str, part: Any) -> tuple[Any, ...]:
-    """The members of a sequence."""
+    """Convert a sequence to a tuple of its members."""
     return listed(value, what, "a list")
 
 
 def true_or_false(value: Any, what: str, part: Any) -> bool:
-    """True or False, nothing that counts as one of them."""
+    """Accept True or False, nothing that counts as one of them."""
     if not isinstance(value, bool):
         raise InputError(f"{what} = {shown(value)}; give True or False")
     return value

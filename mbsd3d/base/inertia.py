@@ -15,7 +15,7 @@ from .rotations import AXES
 
 @explaining
 def box(mass: float, lengths: ArrayLike) -> np.ndarray:
-    """Box with edges ``lengths`` (lx, ly, lz) along the axes: ``Ixx = m (ly^2 + lz^2) / 12`` and cyclic.
+    """Return the moments of a box with edges ``lengths`` (lx, ly, lz): ``Ixx = m (ly^2 + lz^2) / 12`` and cyclic.
 
     >>> box(12.0, (1.0, 2.0, 3.0))
     array([13., 10.,  5.])
@@ -29,7 +29,7 @@ def box(mass: float, lengths: ArrayLike) -> np.ndarray:
 
 @explaining
 def cylinder(mass: float, radius: float, length: float, axis: str = "z") -> np.ndarray:
-    """Solid circular cylinder: ``m r^2 / 2`` along its axis, ``m (3 r^2 + l^2) / 12`` across; length zero: a disc.
+    """Return the moments of a solid cylinder: ``m r^2 / 2`` along its axis, ``m (3 r^2 + l^2) / 12`` across.
 
     >>> cylinder(12.0, 1.0, 2.0, "x")
     array([6., 7., 7.])
@@ -40,7 +40,7 @@ def cylinder(mass: float, radius: float, length: float, axis: str = "z") -> np.n
 
 @explaining
 def sphere(mass: float, radius: float) -> np.ndarray:
-    """Solid sphere: ``2 m r^2 / 5`` about every axis.
+    """Return the moments of a solid sphere: ``2 m r^2 / 5`` about every axis.
 
     >>> sphere(5.0, 2.0)
     array([8., 8., 8.])
@@ -50,7 +50,7 @@ def sphere(mass: float, radius: float) -> np.ndarray:
 
 @explaining
 def rod(mass: float, length: float, axis: str = "z", radius: float = 0.0) -> np.ndarray:
-    """Rod: a `cylinder` named by its length first, thin (``m l^2 / 12`` across, nothing along) unless it has a radius.
+    """Return the moments of a rod: ``m l^2 / 12`` across, nothing along; those of a `cylinder` if it has a radius.
 
     >>> rod(12.0, 2.0)
     array([4., 4., 0.])
@@ -61,7 +61,7 @@ def rod(mass: float, length: float, axis: str = "z", radius: float = 0.0) -> np.
 
 @explaining
 def cone(mass: float, radius: float, height: float, axis: str = "z") -> np.ndarray:
-    """Solid circular cone: ``3 m r^2 / 10`` along its axis, ``3 m (4 r^2 + h^2) / 80`` across.
+    """Return the moments of a solid cone: ``3 m r^2 / 10`` along its axis, ``3 m (4 r^2 + h^2) / 80`` across.
 
     The centre of mass lies on the axis, h/4 from the base and 3h/4 from the tip; which end is the tip does not matter.
 
@@ -73,12 +73,12 @@ def cone(mass: float, radius: float, height: float, axis: str = "z") -> np.ndarr
 
 
 def _axial(along: float, across: float, axis: str, what: str) -> np.ndarray:
-    """(3,) moments of a body of revolution."""
+    """Return the (3,) moments of a body of revolution."""
     return np.where(np.array(AXES[_letter(axis, what)]) == 1.0, along, across)
 
 
 def _letter(axis: str, what: str) -> str:
-    """The axis, if it is one of the three letters."""
+    """Return the axis, if it is one of the three letters."""
     if not isinstance(axis, str) or axis not in AXES:
         raise InputError(f"{what}: axis is {shown(axis)}; give 'x', 'y' or 'z' (others: orientation in combine)")
     return axis

@@ -42,7 +42,7 @@ class MassProperties(metaclass=Explained):
 
 @explaining
 def combine(parts: Iterable[tuple[Any, ...] | MassProperties]) -> MassProperties:
-    """Rigid body made of parts: ``m = sum m_i``, ``c = sum m_i c_i / m``, Steiner's rule as a tensor for the inertia.
+    """Combine parts to one rigid body: ``m = sum m_i``, ``c = sum m_i c_i / m``, Steiner's rule for the inertia.
 
     ``I = sum R_i I_i R_i' + m_i (d_i'd_i 1 - d_i d_i')`` with ``d_i = c_i - c``.
 
@@ -68,13 +68,13 @@ def combine(parts: Iterable[tuple[Any, ...] | MassProperties]) -> MassProperties
 
 @explaining
 def steiner(mass: float, offset: ArrayLike) -> np.ndarray:
-    """What a mass [kg] adds to the inertia at a distance ``d = offset`` (3,) [m]: ``m (d'd 1 - d d')`` [kg m^2]."""
+    """Return what a mass [kg] adds to the inertia at ``d = offset`` (3,) [m]: ``m (d'd 1 - d d')`` [kg m^2]."""
     d = vector(offset, "steiner: offset")
     return number(mass, "steiner: mass") * (d @ d * np.eye(3) - np.outer(d, d))
 
 
 def check_inertia(inertia: ArrayLike, mass: float, what: str) -> np.ndarray:
-    """Inertia about the centre of mass as an exactly symmetric matrix (3, 3), if a body can have it; else a ValueError.
+    """Return an inertia as an exactly symmetric matrix (3, 3), or raise a ValueError if no body can have it.
 
     A body has moments ``I1, I2, I3 >= 0`` of which none exceeds the sum of the two others, since ``I1 + I2 - I3 = 2 int
     z^2 dm`` (tolerance 1e-9 of the largest entry). A mass without inertia is a point; without mass there is no inertia
@@ -98,7 +98,7 @@ def check_inertia(inertia: ArrayLike, mass: float, what: str) -> np.ndarray:
 
 
 def _plain_inertia(inertia: ArrayLike, mass: float) -> np.ndarray | None:
-    """An own matrix of an inertia that a body has beyond doubt; None for whatever needs a closer look.
+    """Return a new matrix of an inertia that a body can have beyond doubt; None for whatever needs a closer look.
 
     Beyond doubt: moments within the triangle rule, or a matrix that is symmetric to the last bit and has a positive
     definite ``tr(I) 1 - 2 I``.
@@ -138,7 +138,7 @@ def _check_moments(moments: np.ndarray, tolerance: float, what: str) -> None:
 
 
 def _finite_inertia(inertia: ArrayLike, what: str) -> tuple[np.ndarray, float]:
-    """(three moments or a matrix of finite floats, the largest of them by size)."""
+    """Return three moments or a matrix of finite floats, and the largest of them by size."""
     remedy = "three moments or a 3x3 matrix about the centre of mass [kg m^2]"
     I = floats(inertia, f"{what}: inertia", remedy)
     if I.shape not in ((3,), (3, 3)):
@@ -151,7 +151,7 @@ def _finite_inertia(inertia: ArrayLike, what: str) -> tuple[np.ndarray, float]:
 
 
 def _part(number: int, part: tuple[Any, ...] | MassProperties) -> tuple[float, np.ndarray, np.ndarray]:
-    """Mass, centre of mass and inertia of one part, turned into the common axes."""
+    """Return mass, centre of mass and inertia of one part, turned into the common axes."""
     what = f"combine: part {number}"
     if isinstance(part, MassProperties):
         part = (part.mass, part.com, part.inertia)
@@ -167,7 +167,7 @@ def _part(number: int, part: tuple[Any, ...] | MassProperties) -> tuple[float, n
 
 
 def _size(value: float, what: str, name: str) -> float:
-    """A finite number that is not negative."""
+    """Return a finite number that is not negative."""
     x = number(value, f"{what}: {name}", minimum=0.0)
     if 0.0 < x < MAGNITUDE_MIN:
         raise InputError(f"{what}: {name} {x} is below {MAGNITUDE_MIN:.0e}; check the units, or give 0")

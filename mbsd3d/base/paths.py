@@ -22,7 +22,7 @@ UNFINISHED_FILE_SECONDS_MAX = 86400.0  # [s] since it was last written, for one 
 
 
 def as_path(path: str | Path, example: str) -> Path:
-    """A path that a file can have, or an InputError."""
+    """Return a path that a file can have, or raise an InputError."""
     if isinstance(path, str | os.PathLike):
         found = Path(path)
         with suppress(UnicodeEncodeError):
@@ -37,13 +37,13 @@ def as_path(path: str | Path, example: str) -> Path:
 
 
 def with_suffix(path: str | Path, suffix: str) -> Path:
-    """The path, with the suffix appended unless it is there."""
+    """Append the suffix to a path unless it is there."""
     path = as_path(path, f"result{suffix}")
     return path if path.name.lower().endswith(suffix) else as_path(f"{path}{suffix}", "")
 
 
 def ready_path(path: str | Path, suffix: str) -> Path:
-    """The path with its suffix; a missing folder is found before the work, not after it."""
+    """Return the path with its suffix; a missing folder is found before the work, not after it."""
     path = with_suffix(path, suffix)
     if not path.parent.is_dir():
         raise InputError(f"'{path}' cannot be written: there is no folder '{path.parent}'; make it first")
@@ -122,7 +122,7 @@ def _is_alive(process: int) -> bool:
 
 @contextmanager
 def in_its_place(path: Path) -> Iterator[Path]:
-    """A name to write a file under: it takes the place of ``path`` once it is whole, and goes if that fails."""
+    """Yield a name to write a file under; it takes the place of ``path`` once it is whole, and goes if that fails."""
     part = path.with_name(f".{uuid.uuid4().hex}-{_machine()}-{os.getpid()}.part")  # no longer than any name
     _UNFINISHED_FILES.add(part)
     drop_orphans(path.parent)
@@ -140,12 +140,12 @@ def in_its_place(path: Path) -> Iterator[Path]:
 
 
 def package_version() -> str:
-    """Version of mbsd3d."""
+    """Return the version of mbsd3d."""
     return __version__
 
 
 def read_text(path: Path, limit: int, kind: str = "model") -> str:
-    """The text of a file; ValueError if it is missing, a folder or device, too large, empty or not UTF-8."""
+    """Read a text file; ValueError if it is missing, a folder or device, too large, empty or not UTF-8."""
     one = f"an {kind}" if kind[0] in "aeiou" else f"a {kind}"
     try:
         state = path.stat()

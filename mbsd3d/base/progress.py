@@ -32,12 +32,12 @@ class Heartbeat:
         self.end()
 
     def end(self) -> None:
-        """Nothing more is said, e.g. while a command waits for its user."""
+        """Write nothing more, e.g. while a command waits for its user."""
         self.ended.set()
         Heartbeat.on = None
 
     def beat(self) -> None:
-        """Until the end."""
+        """Write a line whenever nothing else was written for a while, until the end."""
         while not self.ended.wait(0.1 * LINE_INTERVAL_SECONDS):
             now = time.perf_counter()
             if now - self.last >= (LINE_INTERVAL_SECONDS if self.last > self.began else BAR_DELAY_SECONDS):
@@ -45,13 +45,13 @@ class Heartbeat:
 
 
 def said() -> None:
-    """Something was said: the next sign of life is due later."""
+    """Note that a line was written, so that the next sign of life is due later."""
     if Heartbeat.on is not None:
         Heartbeat.on.last = time.perf_counter()
 
 
 def say(text: str) -> None:
-    """A line on stderr."""
+    """Write one line to stderr."""
     said()
     sys.stderr.write(f"mbsd3d: {text}\n")
     sys.stderr.flush()
@@ -101,7 +101,7 @@ class Progress:
             self.bar.update(self.task, completed=value - self.start)
 
     def say(self, value: float) -> None:
-        """A line with the share that is done, the first one after `DELAY`."""
+        """Write a line with the share that is done, the first one after `BAR_DELAY_SECONDS`."""
         now = time.perf_counter() - self.began
         if now - self.said >= (LINE_INTERVAL_SECONDS if self.said else BAR_DELAY_SECONDS):
             self.said = now

@@ -12,7 +12,7 @@ from .errors import InputError
 
 
 def multiply(p: ArrayLike, q: ArrayLike) -> np.ndarray:
-    """p q (..., 4), first q, then p: ``matrix(multiply(p, q)) = matrix(p) matrix(q)``.
+    """Return p q (..., 4), first q, then p: ``matrix(multiply(p, q)) = matrix(p) matrix(q)``.
 
     ``p q = (p0 q0 - p_v'q_v, p0 q_v + q0 p_v + p_v x q_v)``
     """
@@ -25,12 +25,12 @@ def multiply(p: ArrayLike, q: ArrayLike) -> np.ndarray:
 
 
 def conjugate(e: ArrayLike) -> np.ndarray:
-    """Conjugate ``(e0, -e_v)`` (..., 4): the inverse rotation, world -> body."""
+    """Return the conjugate ``(e0, -e_v)`` (..., 4): the inverse rotation, world -> body."""
     return _stack(e, 4, "quaternion") * np.array([1.0, -1.0, -1.0, -1.0])
 
 
 def exponential(theta: ArrayLike) -> np.ndarray:
-    """Unit quaternion (..., 4) of a rotation vector [rad]: ``e = (cos(|theta|/2), sin(|theta|/2) theta/|theta|)``.
+    """Return the quaternion (..., 4) of a rotation vector [rad]: ``(cos(|theta|/2), sin(|theta|/2) theta/|theta|)``.
 
     Exact for the smallest angles and for zero.
     """
@@ -41,7 +41,7 @@ def exponential(theta: ArrayLike) -> np.ndarray:
 
 
 def logarithm(e: ArrayLike) -> np.ndarray:
-    """Shortest rotation vector (..., 3) [rad] of a quaternion of any length: the inverse of `exponential`.
+    """Return the shortest rotation vector (..., 3) [rad] of a quaternion of any length, the inverse of `exponential`.
 
     ``theta = 2 atan2(|e_v|, e0) e_v/|e_v|`` with the sign of e chosen such that e0 >= 0; zero is a ValueError.
     """
@@ -57,7 +57,7 @@ def logarithm(e: ArrayLike) -> np.ndarray:
 
 
 def H(e: ArrayLike) -> np.ndarray:
-    """H (..., 4, 3) of ``e_dot = H(e) omega / 2`` with omega in world axes: ``H = [-e_v' ; e0 1 - [e_v]x]``.
+    """Return H (..., 4, 3) of ``e_dot = H(e) omega / 2``, omega in world axes: ``H = [-e_v' ; e0 1 - [e_v]x]``.
 
     Linear in e, so ``H_dot = H(e_dot)``; ``H'H = 1`` for unit quaternions.
     """
@@ -67,7 +67,7 @@ def H(e: ArrayLike) -> np.ndarray:
 
 
 def skew(a: ArrayLike) -> np.ndarray:
-    """``[a]x`` (..., 3, 3), the matrix of the cross product: ``skew(a) b = a x b``."""
+    """Return ``[a]x`` (..., 3, 3), the matrix of the cross product: ``skew(a) b = a x b``."""
     a = _stack(a, 3, "vector")
     x, y, z = a[..., 0], a[..., 1], a[..., 2]
     out = np.zeros((*a.shape, 3))
@@ -83,7 +83,7 @@ def _check_nonzero(square: float | np.ndarray) -> None:
 
 
 def _stack(values: ArrayLike, length: int, what: str) -> np.ndarray:
-    """Float array whose last dimension has the given length."""
+    """Return a float array whose last dimension has the given length."""
     array = numbers(values, what)
     if array.ndim == 0 or array.shape[-1] != length:
         raise InputError(f"{what}: shape {array.shape} is wrong; give (..., {length})")

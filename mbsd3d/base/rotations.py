@@ -29,7 +29,7 @@ NORM_TOLERANCE = 1e-6  # [1] of the length 1: numbers typed with seven digits pa
 
 @explaining
 def rotation(axis: str | ArrayLike, angle: ArrayLike, degrees: bool = False) -> np.ndarray:
-    """Unit quaternion, body -> world, of a rotation about ``axis``: ``e = (cos(angle/2), sin(angle/2) axis/|axis|)``.
+    """Return the quaternion, body -> world, of a rotation about ``axis``: ``(cos(angle/2), sin(angle/2) axis/|axis|)``.
 
     ``axis`` is "x", "y", "z" or a vector (3,) of any length, right-hand rule; ``angle`` (...) [rad], or in degrees if
     ``degrees``. Returns (..., 4). ValueError for another axis, one of zero length, or a number that is not finite.
@@ -43,7 +43,7 @@ def rotation(axis: str | ArrayLike, angle: ArrayLike, degrees: bool = False) -> 
 
 
 def as_quaternion(orientation: ArrayLike, what: str = "orientation") -> np.ndarray:
-    """Unit quaternion (4,) of an orientation, with the sign it was given; ``what`` names it in errors.
+    """Return the unit quaternion (4,) of an orientation, with the sign it was given; ``what`` names it in errors.
 
     ``orientation``: a unit quaternion (4,), scalar first, or a rotation matrix (3, 3), body -> world, exact to 1e-6;
     the rest is normalised away. ValueError for another shape, a number that is not finite, a length other than 1, or a
@@ -65,7 +65,7 @@ def as_quaternion(orientation: ArrayLike, what: str = "orientation") -> np.ndarr
 
 
 def matrix(e: ArrayLike) -> np.ndarray:
-    """Rotation matrix (..., 3, 3), body -> world: ``R(e) = ((e0^2 - e_v'e_v) 1 + 2 e_v e_v' + 2 e0 [e_v]x) / e'e``.
+    """Return R (..., 3, 3), body -> world: ``R(e) = ((e0^2 - e_v'e_v) 1 + 2 e_v e_v' + 2 e0 [e_v]x) / e'e``.
 
     The length of e (..., 4) does not matter; zero or another shape is a ValueError.
     """
@@ -91,7 +91,7 @@ def matrix(e: ArrayLike) -> np.ndarray:
 
 
 def quaternion_from_matrix(R: ArrayLike) -> np.ndarray:
-    """Unit quaternion (..., 4) with ``matrix(e) = R`` and ``e0 >= 0``.
+    """Return the unit quaternion (..., 4) with ``matrix(e) = R`` and ``e0 >= 0``.
 
     R (..., 3, 3), body -> world, must be right-handed, finite and orthonormal to 1e-6, else a ValueError.
     """
@@ -103,7 +103,7 @@ def quaternion_from_matrix(R: ArrayLike) -> np.ndarray:
 
 
 def _unit_axis(axis: str | ArrayLike) -> np.ndarray:
-    """(3,) unit vector of a letter or of a vector of any length."""
+    """Return the (3,) unit vector of a letter or of a vector of any length."""
     remedy = "'x', 'y', 'z' or a vector of three numbers"
     if isinstance(axis, str):
         if axis not in AXES:
@@ -135,7 +135,7 @@ def _check_rotation(R: np.ndarray, what: str) -> None:
 
 
 def _largest_column(R: np.ndarray) -> np.ndarray:
-    """Unit quaternion of rotation matrices: the largest column of ``4 e e'``, whose entries are sums of those of R."""
+    """Return unit quaternions of rotation matrices: the largest column of ``4 e e'``, sums of entries of R."""
     (a, b, c), (d, f, g), (h, i, j) = np.moveaxis(R, (-2, -1), (0, 1))
     products = np.array([
         [1.0 + a + f + j, i - g, c - h, d - b],
@@ -151,5 +151,5 @@ def _largest_column(R: np.ndarray) -> np.ndarray:
 
 
 def _text(values: np.ndarray) -> str:
-    """Numbers as a user would type them."""
+    """Write numbers as a user would type them."""
     return np.array2string(values, separator=", ", precision=9).replace("\n", "")

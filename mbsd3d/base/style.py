@@ -36,7 +36,7 @@ class Theme:
     bad: str
 
     def colour(self, i: int) -> str:
-        """Colour of body or line ``i``."""
+        """Return the colour of body or line ``i``."""
         return self.lines[i % len(self.lines)]
 
 
@@ -70,34 +70,34 @@ PALE, FADED = "#bebebe", 0.55  # grey that uncertain and auxiliary things are mi
 
 
 def theme(dark: bool) -> Theme:
-    """The theme of dark or of light paper; ValueError for anything but True or False."""
+    """Return the theme of dark or of light paper; ValueError for anything but True or False."""
     check_choice(dark, (True, False), "dark")
     return DARK if dark else LIGHT
 
 
 def colour(i: int) -> str:
-    """Colour of body or line ``i`` on light paper."""
+    """Return the colour of body or line ``i`` on light paper."""
     return LIGHT.colour(i)
 
 
 def channels(colour: str) -> np.ndarray:
-    """(3,) red, green and blue, 0 ... 255, of "#rrggbb"."""
+    """Return red, green and blue (3,), 0 ... 255, of "#rrggbb"."""
     return np.array([int(colour[k : k + 2], 16) for k in (1, 3, 5)], float)
 
 
 def rgb(colour: str, brightness: float = 1.0) -> tuple[int, int, int]:
-    """The same as whole numbers, darker for a brightness below 1."""
+    """Return red, green and blue as whole numbers, darker for a brightness below 1."""
     red, green, blue = np.rint(brightness * channels(colour)).astype(int).tolist()
     return red, green, blue
 
 
 def paler(colour: str) -> str:
-    """The paler colour of uncertain or auxiliary things."""
+    """Return the paler colour of uncertain or auxiliary things."""
     return "#" + bytes(np.rint((1.0 - FADED) * channels(colour) + FADED * channels(PALE)).astype(np.uint8)).hex()
 
 
 def linear(shares: np.ndarray) -> np.ndarray:
-    """Brightnesses 0 ... 1 of sRGB without the display's curve, as renderers count."""
+    """Return brightnesses 0 ... 1 of sRGB without the display's curve, as renderers count."""
     shares = np.asarray(shares)
     return np.where(shares <= 0.04045, shares / 12.92, ((shares + 0.055) / 1.055) ** 2.4)
 
@@ -123,7 +123,7 @@ def house(look: Theme = LIGHT) -> Iterator[None]:
 
 
 def dress(axes: "Axes", look: Theme = LIGHT) -> None:
-    """Colours of axes, a light grid below the data and no frame at the top and the right."""
+    """Set the colours of axes, a light grid below the data and no frame at the top and the right."""
     axes.set_facecolor(look.paper)
     axes.title.set_color(look.ink)
     # ticks are made when they are first drawn, by the settings of then: so they are told now
@@ -138,12 +138,12 @@ def dress(axes: "Axes", look: Theme = LIGHT) -> None:
 
 
 def raised(text: str) -> str:
-    """``m/s²`` for ``m/s^2``, where text is set for reading."""
+    """Write ``m/s²`` for ``m/s^2``, where text is set for reading."""
     return re.sub(r"\^(-?\d+)", lambda power: power[1].translate(SUPERSCRIPTS), text)
 
 
 def counted(number: int, word: str) -> str:
-    """``1 body``, ``2 bodies``."""
+    """Write a number with its noun: ``1 body``, ``2 bodies``."""
     if number != 1:
         word = word[:-1] + "ies" if word.endswith("y") else word + "s"
     return f"{number} {word}"
@@ -166,12 +166,12 @@ class Sampled:
 
 
 def html_text(text: str) -> str:
-    """A text for a notebook, line by line as it prints."""
+    """Return a text for a notebook, line by line as it prints."""
     return f"<pre>{html.escape(text)}</pre>"
 
 
 def html_table(caption: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table for a notebook; every text is escaped."""
+    """Return a table for a notebook; every text is escaped."""
     lines = [f"<tr>{''.join(f'<th>{html.escape(x)}</th>' for x in head)}</tr>"]
     lines += [f"<tr>{''.join(f'<td>{html.escape(x)}</td>' for x in row)}</tr>" for row in rows]
     return f"<table><caption>{html.escape(caption)}</caption>{''.join(lines)}</table>"
@@ -179,7 +179,7 @@ def html_table(caption: str, head: Sequence[str], rows: Iterable[Sequence[str]])
 
 @contextmanager
 def new_figure(width: float, height: float, dark: bool = False) -> Iterator[tuple["Figure", Theme]]:
-    """An empty figure [inch] and its colours, to be filled within the block."""
+    """Make an empty figure [inch] with its colours, to be filled within the block."""
     from matplotlib.figure import Figure  # takes half a second to load: only who draws waits for it
 
     look = theme(dark)
@@ -188,7 +188,7 @@ def new_figure(width: float, height: float, dark: bool = False) -> Iterator[tupl
 
 
 def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
-    """Columns side by side: two of words, then numbers."""
+    """Write columns side by side: two of words, then numbers."""
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
     sides = [str.ljust, str.ljust, *[str.rjust] * (len(widths) - 2)]
     return ["  ".join(side(x, n) for side, x, n in zip(sides, row, widths, strict=True)).rstrip() for row in rows]

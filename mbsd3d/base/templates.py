@@ -18,7 +18,7 @@ class HtmlPage:
     html: str
 
     def _repr_html_(self) -> str:
-        """In a notebook: a separate frame, so that its style does not leak."""
+        """Return the page for a notebook, in a frame of its own, so that its style does not leak."""
         style = "width:100%;height:560px;border:1px solid #ccc"
         return f'<iframe srcdoc="{html.escape(self.html)}" style="{style}" title="mbsd3d"></iframe>'
 
@@ -29,7 +29,7 @@ class HtmlPage:
 
 @cache
 def page_template(name: str, *folders: Path) -> Template:
-    """A template from the folders, or of this package; every text that is put into it is escaped.
+    """Return a template from the folders, or of this package; every text that is put into it is escaped.
 
     It knows the themes ``light`` and ``dark`` and the ``version`` of this package.
     """

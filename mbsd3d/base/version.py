@@ -16,7 +16,7 @@ __version__ = "0.2.0"
 
 @contextmanager
 def loading() -> Iterator[None]:
-    """Around an import: KeyboardInterrupt if Ctrl-C came inside.
+    """Raise KeyboardInterrupt after an import if Ctrl-C came inside the block.
 
     Compiled packages answer Ctrl-C by an ImportError, as if they were missing, and others go on as if nothing had been.
     """
@@ -40,7 +40,7 @@ def loading() -> Iterator[None]:
 
 
 def load_entry(entry: metadata.EntryPoint, *kinds: type[T]) -> T:
-    """The object of an entry point, an instance of one of ``kinds``.
+    """Load the object of an entry point, an instance of one of ``kinds``.
 
     A ValueError of one line names the package, and the error of its import (SystemExit included) or the type found.
     """

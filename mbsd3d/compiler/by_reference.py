@@ -52,7 +52,7 @@ def by_reference(cls: Kind) -> Kind:
 
 @unbox(Reference)
 def take_apart(kind, value, c):
-    """The numbers of a named tuple, on the stack of the function that Python calls."""
+    """Put the numbers of a named tuple on the stack of the function that Python calls."""
     native = c.unbox(kind.fields, value)
     address = cgutils.alloca_once_value(c.builder, native.value)
     return NativeValue(address, is_error=native.is_error, cleanup=native.cleanup)
@@ -65,13 +65,13 @@ class ReferenceFields(AttributeTemplate):
     key = Reference
 
     def generic_resolve(self, kind, name):
-        """The type of a field, None if there is none of this name."""
+        """Return the type of a field, None if there is none of this name."""
         fields = kind.fields.fields
         return kind.fields.types[fields.index(name)] if name in fields else None
 
 
 def load(builder, address, kind):
-    """What stands at an address, number by number: whole structures would stay whole in all that is compiled."""
+    """Generate code that loads a value number by number: whole structures would stay whole in all that is compiled."""
     if isinstance(kind, (ir.LiteralStructType, ir.ArrayType)):
         whole = ir.Constant(kind, ir.Undefined)
         parts = kind.elements if isinstance(kind, ir.LiteralStructType) else [kind.element] * kind.count

@@ -22,14 +22,14 @@ A_KERNEL = re.compile(rb"^\s*@\w*kernel\b", re.MULTILINE)
 
 
 def compiled_sources() -> list[Path]:
-    """All files of every folder that holds a kernel, and this one: what kernels use is in one of them."""
+    """Return all files of every folder that holds a kernel, and this one: what kernels use is in one of them."""
     files = sorted(PACKAGE.rglob("*.py"))
     folders = {Path(__file__).resolve().parent, *(path.parent for path in files if A_KERNEL.search(path.read_bytes()))}
     return [path for path in files if path.parent in folders]
 
 
 def _digest(sources: list[Path]) -> str:
-    """Digest of sources that are compiled: numba alone misses an edit in a callee of another file."""
+    """Return the digest of sources that are compiled: numba alone misses an edit in a callee of another file."""
     text = hashlib.sha256(numba.__version__.encode())
     for path in sources:
         text.update(path.read_bytes())
@@ -43,7 +43,7 @@ def _absolute(text: str) -> Path | None:
 
 
 def _cache_root() -> Path:
-    """``$MBSD3D_CACHE``, else the user's cache folder, else a folder of the user's own in the temporary directory."""
+    """Return ``$MBSD3D_CACHE``, else the user's cache folder, else one of the user's in the temporary directory."""
     given, caches = (_absolute(os.environ.get(name, "")) for name in ("MBSD3D_CACHE", "XDG_CACHE_HOME"))
     if given is not None:
         return given
@@ -112,13 +112,13 @@ def conditions(processor: tuple) -> tuple:
 
 @cache
 def marker(part: str) -> Path:
-    """The file that says a part has been compiled, by this Python with these settings for this processor."""
+    """Return the file that says a part has been compiled, by this Python with these settings for this processor."""
     made_for = repr(conditions(cpu_target.target_context.codegen().magic_tuple()))
     return CACHE / f"complete-{part.replace(' ', '-')}-{hashlib.sha256(made_for.encode()).hexdigest()[:16]}"
 
 
 def is_warm(part: str = "kernels") -> bool:
-    """True when a part of the compiled code of exactly this source can be had from disk, or none is compiled at all."""
+    """Return whether a part of the compiled code of exactly this source is on disk, or none is compiled at all."""
     return bool(numba.config.DISABLE_JIT) or (not weak_folders(CACHE.parent, CACHE) and marker(part).exists())
 
 

@@ -35,7 +35,7 @@ def compiled(
 
 
 def compile_in_thread(made: Dispatcher) -> None:
-    """Have a function that the main thread calls compiled in another one, where no handler of a signal can break in.
+    """Compile a function that the main thread calls in another one, where no handler of a signal can break in.
 
     What a handler raises within a call that LLVM makes would be lost, and the code half made. Here it is raised at once
     in the main thread, as anywhere in Python, and the other one finishes the kernel.
@@ -56,7 +56,7 @@ def compile_in_thread(made: Dispatcher) -> None:
 
 
 def settle(ended: Future, function: Callable, *given: Any) -> None:
-    """Let a future hold what a call returns or raises."""
+    """Set a future to what a call returns or raises."""
     try:
         ended.set_result(function(*given))
     except BaseException as error:
@@ -64,7 +64,7 @@ def settle(ended: Future, function: Callable, *given: Any) -> None:
 
 
 def kernel(function: Callable) -> Callable:
-    """A compiled function that allocates nothing: without numba's reference counts calls are several times cheaper.
+    """Compile a function that allocates nothing: without numba's reference counts calls are several times cheaper.
 
     Measured on one evaluation of a single body: 3.1 us with the atomic counts of some 20 array arguments, 0.9 without.
     It is compiled once, for Python and for all kernels that call it.
@@ -73,12 +73,12 @@ def kernel(function: Callable) -> Callable:
 
 
 def inner_kernel(function: Callable) -> Callable:
-    """A kernel that only kernels call: without the wrapper for Python it compiles in half the time."""
+    """Compile a kernel that only kernels call: without the wrapper for Python it compiles in half the time."""
     return compiled(function, from_python=numba.config.DISABLE_JIT)
 
 
 def fused_kernel(function: Callable) -> Callable:
-    """An inner kernel whose sums may be formed in any order, with fused multiply-add: a tenth off dot products.
+    """Compile an inner kernel whose sums may be formed in any order, with fused multiply-add: a tenth off dot products.
 
     Merged into its callers by LLVM.
     """
@@ -86,7 +86,7 @@ def fused_kernel(function: Callable) -> Callable:
 
 
 def merged_kernel(function: Callable) -> Callable:
-    """An inner kernel that takes others as arguments: it becomes part of its caller before anything is compiled.
+    """Make an inner kernel that takes others as arguments a part of its caller before anything is compiled.
 
     On disk nothing can be found by the address of a function.
     """
@@ -94,10 +94,10 @@ def merged_kernel(function: Callable) -> Callable:
 
 
 def late_kernel(function: Callable) -> Callable:
-    """An inner kernel that is compiled when it is first called, and not with its callers: see `late`."""
+    """Compile an inner kernel when it is first called, and not with its callers: see `late`."""
     return late(inner_kernel(function))
 
 
 def allocating_kernel(function: Callable) -> Callable:
-    """A kernel that may allocate arrays (the dense saddle point)."""
+    """Compile a kernel that may allocate arrays (the dense saddle point)."""
     return compiled(function, counting=True, from_python=numba.config.DISABLE_JIT)

@@ -17,7 +17,7 @@ counters: list[threading.Thread] = []
 
 
 def say(text: str) -> None:
-    """A line on stderr."""
+    """Write one line to stderr."""
     sys.stderr.write(f"mbsd3d: {text}\n")
     sys.stderr.flush()
 

@@ -76,13 +76,13 @@ for name, (function, *_) in PLAIN_C.items():
 
 
 def call_c(builder: Any, name: str, *given: Any) -> Any:
-    """Code that calls one of them."""
+    """Generate the call of one of the C functions in `PLAIN_C`."""
     _, result, kinds = PLAIN_C[name]
     return builder.call(cgutils.get_or_insert_function(builder.module, ir.FunctionType(result, kinds), name), given)
 
 
 def waiting_function(module: ir.Module) -> ir.Function:
-    """Function that has the cell at an address filled and waits for it; where no thread begins, it fills it itself."""
+    """Generate the function that has a cell filled and waits for it; where no thread begins, it fills it itself."""
     name = "mbsd3d.wait_until_filled"
     if name in module.globals:
         return module.globals[name]
@@ -122,12 +122,12 @@ class Late(Intrinsic):
         self._register()
 
     def __call__(self, *given: Any) -> Any:
-        """From Python."""
+        """Call the kernel from Python."""
         number, given = (given[0], given[1:]) if self.numbered else (0, given)
         return self.kernels[number](*given)
 
     def definition(self) -> Callable:
-        """What numba asks for type and code of a call, by a signature: the context in front of the arguments."""
+        """Return type and code of a call by its signature, as numba asks: the context in front of the arguments."""
         names = ["context", *["number"] * self.numbered, *inspect.signature(self.kernels[0].py_func).parameters]
 
         def typed(context: Any, *given: types.Type) -> tuple:
@@ -139,11 +139,11 @@ class Late(Intrinsic):
         return typed
 
     def returned(self, passed: tuple) -> types.Type:
-        """Type of what the kernels return for arguments of some types."""
+        """Return the type of what the kernels return for arguments of some types."""
         return RESULTS[self.result] if self.result in RESULTS else self.result(*passed)
 
     def call(self, context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        """Code of a call, in numba's own convention."""
+        """Generate the code of a call, in numba's own convention."""
         passed, result = signature.args[self.numbered :], signature.return_type
         number = builder.sext(values[0], WORD) if self.numbered else WORD(0)
         address = self.address(builder, self.symbol(passed), number)
@@ -155,7 +155,7 @@ class Late(Intrinsic):
         return found
 
     def address(self, builder: Any, symbol: str, number: Any) -> Any:
-        """Code that reads it from the cell, and has it filled before if nothing is in it."""
+        """Generate code that reads the address from the cell, and has the cell filled first if it is empty."""
         module, size = builder.module, ir.ArrayType(ir.ArrayType(WORD, WORDS), len(self.kernels))
         cells = module.globals.get(symbol) or cgutils.add_global_variable(module, size, symbol)
         code = builder.gep(cells, [WORD(0), number, WORD(CODE)])
@@ -164,7 +164,7 @@ class Late(Intrinsic):
         return builder.load(code)
 
     def symbol(self, passed: tuple) -> str:
-        """The name of the cells for arguments of some types, which compiled code can refer to from now on."""
+        """Return the name of the cells for arguments of some types, which compiled code can refer to from now on."""
         digest = hashlib.blake2b(repr(passed).encode(), digest_size=8).hexdigest()
         symbol = f"{self.__module__}.{self.__name__}.{digest}"
         if passed not in self.cells:
@@ -208,7 +208,7 @@ class Late(Intrinsic):
         return address_of(kernel.overloads[passed])
 
     def compiled(self, passed: tuple, number: int) -> int:
-        """Address of the code of a kernel."""
+        """Return the address of the code of a kernel."""
         kernel = self.kernels[number]
         kernel.compile(passed)
         made = kernel.overloads[passed]
@@ -219,14 +219,14 @@ class Late(Intrinsic):
 
 
 def late(kernel: Callable) -> Callable:
-    """A kernel that callers do not compile; what it returns is annotated, see `RESULTS`."""
+    """Make a kernel that its callers do not compile; what it returns is annotated, see `RETURN_TYPES`."""
     if numba.config.DISABLE_JIT or PLAIN_NUMBA:
         return kernel
     return Late(kernel.__module__, kernel.__name__, [kernel], kernel.py_func.__annotations__.get("return"), False)
 
 
 def late_choice(where: str, name: str, kernels: Sequence[Callable]) -> Callable:
-    """``name(number, *arguments)`` calls one of some kernels, which return nothing; module ``where`` must hold it."""
+    """Make ``name(number, *arguments)``, which calls one of some kernels without result; module ``where`` holds it."""
     if numba.config.DISABLE_JIT:
         return lambda number, *given: kernels[number](*given)
     if PLAIN_NUMBA:
@@ -252,7 +252,7 @@ def plain_choice(kernels: Sequence[Callable]) -> Callable:
 
 
 def empty_cells() -> list[tuple[Late, tuple, int]]:
-    """(kernels, types of arguments, number) of what callers know and nothing has called yet."""
+    """Return (kernels, types of arguments, number) of what callers know and nothing has called yet."""
     found = []
     for module, name, passed in LATE.values():
         one = getattr(import_module(module), name)

@@ -44,24 +44,24 @@ APART: dict[str, tuple[str, str, tuple]] = {}  # symbol in compiled code -> modu
 
 
 def check_sum(content: bytes) -> bytes:
-    """What stands in front of it."""
+    """Return the checksum that precedes the content of a cache file (16 bytes)."""
     return hashlib.blake2b(content, digest_size=SUM).digest()
 
 
 def stand_apart(function: Callable, made: CompileResult) -> None:
-    """Let callers find it by name: what numba links into them is empty."""
+    """Register a separately compiled kernel: callers link to its symbol and hold no copy of its code."""
     APART[symbol_of(made)] = (function.__module__, function.__name__, made.signature.args)
     empty_library(made)
 
 
 def called(made: CompileResult) -> list[tuple]:
-    """The kernels apart that a compiled function calls."""
+    """Return the separately compiled kernels that a compiled function calls."""
     known = APART | LATE
     return [(name, *known[name]) for name in declarations(made) if name in known]
 
 
 def find(called_ones: list[tuple]) -> None:
-    """Have the kernels ready that code from a file calls, under the names it has for them."""
+    """Load the kernels that code from a file calls, under the names it has for them."""
     for symbol, module, name, arguments in called_ones:
         dispatcher = getattr(sys.modules[module], name)
         if isinstance(dispatcher, Late):
@@ -82,11 +82,11 @@ class CodeFiles(NullCache):
 
     @property
     def cache_path(self) -> str:
-        """The folder of the files."""
+        """Return the folder that holds the compiled files of this function."""
         return str(self.folder)
 
     def path(self, signature: Any, target: Any) -> Path:
-        """The file for one signature and processor."""
+        """Return the file for one signature and processor."""
         code = self.function.__code__
         inside = dumps(tuple(cell.cell_contents for cell in self.function.__closure__ or ()))
         made_of = (signature, conditions(target.codegen().magic_tuple()), code.co_firstlineno, code.co_code)
@@ -94,7 +94,7 @@ class CodeFiles(NullCache):
         return self.folder / f"{self.function.__name__}.{key}.code"
 
     def load_overload(self, signature: Any, target: Any) -> CompileResult | None:
-        """The compiled function; None if it is not there, damaged or not to be trusted."""
+        """Load the compiled function; return None if it is not there, damaged or not to be trusted."""
         target.refresh()
         content = self.read(self.path(signature, target))
         if content is None:
@@ -126,7 +126,7 @@ class CodeFiles(NullCache):
         return None
 
     def trusted(self) -> bool:
-        """Whether nobody else can have written in the folder; said once if it may be."""
+        """Return whether nobody else can have written in the folder; said once if somebody may have."""
         weak = weak_folders(*self.folders)
         if weak:
             say_once(
@@ -171,7 +171,7 @@ def for_this_user(path: str, flags: int) -> int:
 
 
 def keep_code(compiled: Callable, folder: Path, apart: bool = False) -> Callable:
-    """The same function with its code kept in a folder; one that is not to be compiled stays as it is."""
+    """Return the same function with its code kept in a folder; one that is not to be compiled stays as it is."""
     if isinstance(compiled, Dispatcher):
         compiled._cache = CodeFiles(compiled.py_func, folder, apart and "<locals>" not in compiled.py_func.__qualname__)
     return compiled
@@ -179,6 +179,6 @@ def keep_code(compiled: Callable, folder: Path, apart: bool = False) -> Callable
 
 @cache
 def say_once(text: str) -> None:
-    """A line on stderr, once a process."""
+    """Write a line to stderr, once a process."""
     sys.stderr.write(f"mbsd3d: {text}\n")
     sys.stderr.flush()

@@ -87,7 +87,7 @@ def lost_rolling(compiled: Compiled, data: Data, pose: State, found: Analysis, g
 
 
 def steered_by(compiled: Compiled, data: Data, pose: State, found: Analysis, general: Beside) -> str:
-    """Which hinges and slides turn wheels away from a common centre, in the motion that is lost beside or that stays.
+    """Find the hinges and slides that turn wheels away from a common centre, in the motion that is lost or stays.
 
     The wheels' own axles turn in both.
     """
@@ -104,7 +104,7 @@ def steered_by(compiled: Compiled, data: Data, pose: State, found: Analysis, gen
 
 
 def steered_rolling(compiled: Compiled, pose: State) -> list[str]:
-    """What `lost_rolling` says of a mechanism without the drivers that will move it: they lead it where it is lost."""
+    """Describe `lost_rolling` of a mechanism without the drivers that will move it: they lead it where it is lost."""
     if not any(isinstance(x, RollingContact | KnifeEdge) for x in compiled.system.joints):
         return []
     alone = without_moving_drivers(compiled, pose.t)
@@ -124,7 +124,7 @@ def independent_beside(found: Analysis, there: Analysis) -> np.ndarray:
 
 
 def gained(rows: BlockRows, beside: BlockRows, found: Analysis) -> np.ndarray:
-    """(6 n,) a motion that is free here and not beside: what is free at both is taken out of a random one.
+    """Return a motion (6 n,) that is free here and not beside: what is free at both is taken out of a random one.
 
     What is free turns a little on the way, so once leaves some of it; each further time takes that to its square.
     """
@@ -145,7 +145,7 @@ def kept(rows: BlockRows, beside: BlockRows, found: Analysis) -> np.ndarray:
 
 
 def nearly_singular(compiled: Compiled, data: Data, found: Analysis) -> list[str]:
-    """What to say of a pose where one singular value is about to vanish: which joints could move then."""
+    """Return what to say of a pose where one singular value is about to vanish: which joints could move then."""
     if (
         found.counted.size < 2
         or found.smallest >= NEAR_SINGULAR_RATIO
@@ -160,7 +160,7 @@ def nearly_singular(compiled: Compiled, data: Data, found: Analysis) -> list[str
 
 
 def movers(compiled: Compiled, data: Data, motion: np.ndarray, but: Collection[str] = ()) -> str:
-    """Names of the joints that move most in a motion; ``but``: not these, if there are others."""
+    """Return the names of the joints that move most in a motion; ``but``: not these, if there are others."""
     moving = joint_motion(compiled, data, motion)
     moving = {name: size for name, size in moving.items() if name not in but} or moving
     return listed(

@@ -26,7 +26,7 @@ from .poses.joint_motion import joint_graph
 
 
 def given_velocities(system: Mechanism) -> np.ndarray:
-    """(6 n,) velocities the user gave, NaN where they are to be solved."""
+    """Return the velocities (6 n,) the user gave, NaN where they are to be solved."""
     v = np.full((len(system.bodies), 6), np.nan)
     for i, body in enumerate(system.bodies):
         if body.velocity is not None:
@@ -57,7 +57,7 @@ def carried_velocities(compiled: Compiled, near: State, pose: State) -> np.ndarr
 def with_velocities(
     compiled: Compiled, data: Data, pose: State, rates: Mapping, tolerance: float = 1e-8, near: State | None = None
 ) -> State:
-    """The pose, loaded in ``data``, with velocities that meet J v = b, the given ones and ``rates``.
+    """Return the pose, loaded in ``data``, with velocities that meet J v = b, the given ones and ``rates``.
 
     They change the motion of ``near`` least, in the sense of kinetic energy; None = rest. A velocity that a body was
     given counts as long as ``near`` has it.
@@ -96,7 +96,7 @@ def least_energy(
     compiled: Compiled, pose: State, J: Matrix, b: np.ndarray, given: np.ndarray, start: np.ndarray,
     asked: list[str], tolerance: float,
 ) -> np.ndarray:  # fmt: skip
-    """min (v - start)'M (v - start) / 2 subject to J v = b and the given entries of v.
+    """Minimise (v - start)'M (v - start) / 2 subject to J v = b and the given entries of v.
 
     Errors name the joint or the massless body. ``asked``: what the rows beyond those of the joints are.
     """
@@ -136,7 +136,7 @@ def least_energy(
 
 
 def part_of(compiled: Compiled, asked: list[str], row: int) -> str:
-    """The joint that a row belongs to, or what was asked besides."""
+    """Return the joint that a row belongs to, or what was asked besides."""
     if row >= compiled.row_joint.size:
         return asked[row - compiled.row_joint.size]
     joint = compiled.system.joints[compiled.row_joint[row]]
@@ -144,7 +144,7 @@ def part_of(compiled: Compiled, asked: list[str], row: int) -> str:
 
 
 def check_determined(system: Mechanism, A: Matrix, M: Matrix, free: np.ndarray) -> None:
-    """A motion without kinetic energy has an undetermined velocity: an error that names the massless body.
+    """Refuse a velocity that no kinetic energy determines: the error names the massless body.
 
     Dense, as the equations of such models are.
     """

@@ -32,7 +32,7 @@ CONSTRUCTOR_ERRORS = (TypeError, AttributeError, OverflowError, IndexError, KeyE
 
 
 def same(first: Any, second: Any) -> bool:
-    """Equal to the last bit: types, shapes and bytes of arrays, fields of parts."""
+    """Return whether two values are equal to the last bit: types, shapes and bytes of arrays, fields of parts."""
     if first is second:
         return True
     if type(first) is not type(second):
@@ -47,7 +47,7 @@ def same(first: Any, second: Any) -> bool:
 
 
 def needed(part: Any) -> dict[str, Any]:
-    """The fields from which the constructor makes the same part, without those it derives itself."""
+    """Return the fields from which the constructor makes the same part, without those it derives itself."""
     values = {x.name: getattr(part, x.name) for x in fields(part) if x.init and getattr(part, x.name) is not x.default}
     optional = [x.name for x in fields(part) if x.default is not MISSING or x.default_factory is not MISSING]
     for name in (name for name in optional if name in values):
@@ -71,7 +71,7 @@ class Writer:
         self.names |= {id(force): ("force", system.name(force)) for force in system.forces}
 
     def value(self, value: Any, what: str, role: str = "") -> Any:
-        """One value; ``what`` names it in errors, ``role`` is its field's."""
+        """Describe one value; ``what`` names it in errors, ``role`` is its field's."""
         if id(value) in self.names:
             kind, name = self.names[id(value)]
             return name if kind == role else {kind: name}
@@ -88,7 +88,7 @@ class Writer:
         return self.part(value, what)
 
     def part(self, part: Any, what: str) -> dict[str, Any]:
-        """Type and fields of a part, a signal or a method."""
+        """Describe a part, a signal or a method by type and fields."""
         kind: Any = type(part)
         if hasattr(part, "saved"):
             raise InputError(f"{what}: its function cannot be written to a file; build this {kind.__name__} in Python")
@@ -122,7 +122,7 @@ class Reader:
         self.forces = [self.listed("force", name, ()) for name in self.places["force"]]
 
     def value(self, value: Any, path: tuple[Any, ...], role: str = "") -> Any:
-        """One value at ``path``; ``role`` is its field's."""
+        """Read one value at ``path``; ``role`` is its field's."""
         if isinstance(value, list):
             if set(map(type, value)) == {float} and all(map(math.isfinite, value)):
                 return tuple(value)
@@ -138,7 +138,7 @@ class Reader:
         return value
 
     def tagged(self, value: dict[str, Any], path: tuple[Any, ...]) -> Any:
-        """What an object stands for: a part, or a value that JSON has no form for."""
+        """Read an object: a part, or a value that JSON has no form for."""
         if "type" in value:
             return self.part(value, path)
         key, inner = next(iter(value.items())) if len(value) == 1 else ("", None)
@@ -151,7 +151,7 @@ class Reader:
         raise InputError(f"{str(value)[:80]} is not understood - at `{place_of(path)}`; give a part with its type")
 
     def referred(self, kind: str, name: str, path: tuple[Any, ...]) -> Any:
-        """The part of a name."""
+        """Return the part of a name."""
         known = self.bodies if kind == "body" else self.places[kind]
         if name not in known:
             have = ", ".join(f"'{other}'" for other in list(known)[:20]) or "none"
@@ -159,7 +159,7 @@ class Reader:
         return self.bodies[name] if kind == "body" else self.listed(kind, name, path)
 
     def listed(self, kind: str, name: str, path: tuple[Any, ...]) -> Any:
-        """The joint or force of a name; one that is under construction refers to itself."""
+        """Return the joint or force of a name; one that is under construction refers to itself."""
         if (kind, name) not in self.made:
             self.made[kind, name] = None
             i, entry = self.places[kind][name]
@@ -169,7 +169,7 @@ class Reader:
         return self.made[kind, name]
 
     def part(self, data: dict[str, Any], path: tuple[Any, ...], base: type = object) -> Any:
-        """A part from its type and fields, checked against the schema and by its own constructor."""
+        """Make a part from its type and fields, checked against the schema and by its own constructor."""
         if not isinstance(data, dict):
             raise InputError(f"{str(data)[:80]} is not a part - at `{place_of(path)}`; give an object with its type")
         name_of_type = data.get("type")
@@ -208,7 +208,7 @@ def places(entries: list[dict[str, Any]], kind: str) -> dict[str, tuple[int, dic
 
 
 def describe(system: Mechanism, *, without_functions: bool = False) -> dict[str, Any]:
-    """A system as JSON-able data: type names and fields, parts referred to by name; `read_system` is the way back.
+    """Describe a system as JSON-able data: type names and fields, parts by name; `read_system` is the way back.
 
     A force by a function is written as what its ``saved()`` says is left of it if ``without_functions`` (for results).
     ValueError for that else, and for anything but numbers, texts, arrays and the parts of the package.
@@ -228,7 +228,7 @@ def describe(system: Mechanism, *, without_functions: bool = False) -> dict[str,
 
 
 def read_system(data: Any) -> tuple[Mechanism, Reader]:
-    """The system that `describe` wrote, bit for bit, and what resolves references to its parts.
+    """Return the system that `describe` wrote, bit for bit, and what resolves references to its parts.
 
     ValueError with the place, e.g. "at `$.bodies[3].mass`", for another format or version, an unknown type or field, a
     reference to a missing part, or values that the constructor of a part refuses.

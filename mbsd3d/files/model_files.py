@@ -27,7 +27,7 @@ TOML_DOTTED_KEY = re.compile(rf"{TOML_KEY}(?>[ \t]*+\.[ \t]*+{TOML_KEY})*+")
 
 
 def to_json(data: dict[str, Any]) -> str:
-    """JSON with one part per line."""
+    """Write JSON with one part per line."""
     lines = []
     for key, value in data.items():
         if isinstance(value, list) and value and isinstance(value[0], dict):
@@ -39,7 +39,7 @@ def to_json(data: dict[str, Any]) -> str:
 
 
 def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """The dict of an object in JSON; a ValueError for a key that it has twice."""
+    """Return the dict of an object in JSON; a ValueError for a key that it has twice."""
     found: dict[str, Any] = {}
     for key, value in pairs:
         if key in found:
@@ -49,12 +49,12 @@ def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def to_toml(data: dict[str, Any]) -> str:
-    """TOML with a table per part."""
+    """Write TOML with a table per part."""
     return tomlkit.dumps({key: exchanged(value, None, TOML_NONE) for key, value in data.items()})
 
 
 def from_toml(text: str) -> Any:
-    """The data of a TOML text."""
+    """Read the data of a TOML text."""
     if '"""' in text or "'''" in text:
         raise InputError("texts of several lines are not used in model files; write each text in one line")
     for key in TOML_DOTTED_KEY.finditer(text):
@@ -67,7 +67,7 @@ def from_toml(text: str) -> Any:
 
 
 def exchanged(value: Any, old: Any, new: Any) -> Any:
-    """The value with ``new`` wherever ``old`` stands."""
+    """Return the value with ``new`` wherever ``old`` stands."""
     if value == old and type(value) is type(old):
         return new
     if isinstance(value, dict):
@@ -90,7 +90,7 @@ FILE_FORMATS = {
 
 
 def form_of(path: Path) -> Form:
-    """Form of a file by its suffix."""
+    """Return the format of a file by its suffix."""
     if path.suffix.lower() not in FILE_FORMATS:
         raise InputError(f"'{path}': a model file ends in {' or '.join(FILE_FORMATS)}; give such a name")
     return FILE_FORMATS[path.suffix.lower()]
@@ -118,7 +118,7 @@ def write_model(system: Mechanism, path: str | Path, *, replace: bool) -> Path:
 
 @contextmanager
 def named(path: Path) -> Iterator[None]:
-    """Errors inside name the file."""
+    """Name the file in errors inside the block."""
     try:
         yield
     except RecursionError:

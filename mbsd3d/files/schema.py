@@ -53,14 +53,14 @@ def types() -> Mapping[str, type]:
 
 
 def below(base: Any) -> set[type]:
-    """All classes of the package derived from ``base``."""
+    """Return all classes of the package derived from ``base``."""
     subclasses: list[type] = base.__subclasses__()
     own = {kind for kind in subclasses if kind.__module__.startswith(f"{__name__.split('.')[0]}.")}
     return own.union(*(below(kind) for kind in own))
 
 
 def members(annotation: Any) -> tuple[Any, ...]:
-    """The alternatives of a union, through the items of tuples: ``tuple[Body, ...] | None`` -> (Body, None)."""
+    """Return the alternatives of a union, through the items of tuples: ``tuple[Body, ...] | None`` -> (Body, None)."""
     inner = typing.get_args(annotation) if isinstance(typing.get_origin(annotation), type | UnionType) else ()
     if typing.get_origin(annotation) is typing.Union:
         inner = typing.get_args(annotation)
@@ -69,7 +69,7 @@ def members(annotation: Any) -> tuple[Any, ...]:
 
 @cache
 def roles(kind: Any) -> Mapping[str, str]:
-    """Field -> "body" or "joint" where a name refers to a part, "signal", "shape", or "array" of numbers."""
+    """Return field -> "body" or "joint" where a name refers to a part, "signal", "shape", or "array" of numbers."""
     found: dict[str, str] = {}
     for field in fields(kind):
         if stored := kind_of(field.type):
@@ -83,7 +83,7 @@ def roles(kind: Any) -> Mapping[str, str]:
 
 
 def json_type(annotation: Any) -> Any:
-    """The type of the JSON value for an annotation."""
+    """Return the type of the JSON value for an annotation."""
     if stored := kind_of(annotation):
         return stored.file_type
     if annotation in PLAIN_TYPES:
@@ -109,7 +109,7 @@ def json_type(annotation: Any) -> Any:
 
 @cache
 def struct(kind: Any) -> type[msgspec.Struct]:
-    """The Struct of a class: its fields, the optional ones unset, no others."""
+    """Make the Struct of a class: its fields, the optional ones unset, no others."""
     wanted: list[Any] = []
     for field in fields(kind):
         if not field.init:
@@ -137,7 +137,7 @@ class Document(msgspec.Struct, forbid_unknown_fields=True):
 
 
 def place_of(path: tuple[Any, ...]) -> str:
-    """("bodies", 3, "mass") as ``$.bodies[3].mass``."""
+    """Write ("bodies", 3, "mass") as ``$.bodies[3].mass``."""
     return "$" + "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in path)
 
 

@@ -29,7 +29,7 @@ DAMAGED_FILE_ERRORS = (
 
 
 def save(solution: RunResult, path: str | Path) -> Path:
-    """See `Solution.save`: arrays, and the rest as JSON text."""
+    """Write the arrays, and the rest as JSON text; see `Solution.save`."""
     system, record = solution.system, solution.record
     write, (error, order, doubling) = Writer(system), solution.estimated
     count = len(compile_system(system).coordinate_index)  # without that of the measure of stop_when
@@ -72,7 +72,7 @@ def nested_options(entry: Any) -> Any:
 
 
 def read_run(path: str | Path) -> RunResult:
-    """The result in a file of `save`; see `mbsd3d.load`."""
+    """Read the result in a file of `save`; see `mbsd3d.load`."""
     found = as_path(path, "result.npz")
     source = found if found.is_file() else with_suffix(path, ".npz")
     if not source.is_file():
@@ -89,7 +89,7 @@ def read_run(path: str | Path) -> RunResult:
 
 
 def read_solution(handle: Any) -> RunResult:
-    """Arrays and text of an open file, checked against each other: kernels do not check bounds."""
+    """Check arrays and text of an open file against each other, and return them: kernels do not check bounds."""
     if not zipfile.is_zipfile(handle):
         raise InputError("no complete .npz file")
     check_entries(handle)
@@ -117,7 +117,7 @@ def read_solution(handle: Any) -> RunResult:
 
 
 def check_entries(handle: Any) -> None:
-    """Names and sizes before anything is unpacked: `save` compresses nothing, a file is as large as what it holds."""
+    """Check names and sizes before anything is unpacked: `save` compresses nothing."""
     handle.seek(0)
     with zipfile.ZipFile(handle) as archive:
         entries = archive.infolist()
@@ -131,7 +131,7 @@ def check_entries(handle: Any) -> None:
 
 
 def check_arrays(compiled: Compiled, arrays: dict[str, Any], states: list[State]) -> None:
-    """Every array is there with the shape the model gives it."""
+    """Check that every array is there with the shape the model gives it."""
     model, system, n = compiled.model, compiled.system, len(compiled.system.bodies)
     rows, coordinates, elements = compiled.row_joint.size, len(compiled.coordinate_index), len(system.forces)
     shapes = {

@@ -20,7 +20,7 @@ FORMULA_CHARACTERS = ("=", "+", "-", "@", "\t", "\r")  # first characters by whi
 
 
 def to_csv(solution: RunResult, path: str | Path) -> Path:
-    """See `Solution.to_csv`."""
+    """Write a CSV file; see `Solution.to_csv`."""
     header, values = wide(solution)
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
@@ -31,7 +31,7 @@ def to_csv(solution: RunResult, path: str | Path) -> Path:
 
 
 def to_dataframe(solution: RunResult) -> "DataFrame":
-    """See `Solution.to_dataframe`."""
+    """Make a pandas DataFrame; see `Solution.to_dataframe`."""
     import pandas
 
     header, values = wide(solution)
@@ -40,7 +40,7 @@ def to_dataframe(solution: RunResult) -> "DataFrame":
 
 
 def wide(solution: RunResult) -> tuple[list[str], list[np.ndarray]]:
-    """(names, (samples,) values) of one column per component of every quantity, the time first."""
+    """Return (names, (samples,) values) of one column per component of every quantity, the time first."""
     header, table = ["time [s]"], [solution.t]
     for column in columns(solution):
         labels = [f".{label}" for label in components(column.values)[1]] or [""]
@@ -52,12 +52,12 @@ def wide(solution: RunResult) -> tuple[list[str], list[np.ndarray]]:
 
 
 def harmless(name: str) -> str:
-    """A text that no spreadsheet takes for a formula: names may come from files of other people."""
+    """Return a text that no spreadsheet takes for a formula: names may come from files of other people."""
     return f"'{name}" if name[:1] in FORMULA_CHARACTERS else name
 
 
 def to_xarray(solution: RunResult) -> "Dataset":
-    """See `Solution.to_xarray`."""
+    """Make an xarray Dataset; see `Solution.to_xarray`."""
     import xarray
 
     found, system = columns(solution), solution.system
@@ -86,7 +86,7 @@ def to_xarray(solution: RunResult) -> "Dataset":
 def variable(
     kind: str, group: list[Column], names: dict[str, list[str]], samples: int
 ) -> tuple[list[str], Any, dict[str, Any]]:
-    """Dimensions, values and attributes of one quantity of all parts of a kind."""
+    """Return dimensions, values and attributes of one quantity of all parts of a kind."""
     unit, frame, description = QUANTITIES[group[0].quantity]
     attrs = {"units": unit, "frame": frame, "description": description}
     values = group[0].values
@@ -102,7 +102,7 @@ def variable(
 
 
 def attributes(solution: RunResult) -> dict[str, Any]:
-    """What netCDF can hold of how the solution was made."""
+    """Return what netCDF can hold of how the solution was made."""
     certificate = certificate_of(solution)
     return {
         "method": str(solution.record.method),

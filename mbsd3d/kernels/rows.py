@@ -171,8 +171,9 @@ def no_sideslip(row, p, a, b):
 
 @late_kernel
 def roll(d, p, a, b):
-    """A surface of body b on the plane (P, n) of body a: half axes value[0:3] along axis, second_axis and their cross
-    product, thickened by value[3]; see `surfaces`.
+    """Add the rows of a surface of body b on the plane (P, n) of body a; see `surfaces`.
+
+    The surface has half axes value[0:3] along axis, second_axis and their cross product, thickened by value[3].
 
     Row 1: c = n.(C - P) - h - rho, the gap; rows 2, 3: no slip along two directions of the plane.
     """

@@ -83,7 +83,7 @@ def pressure(own, gap, speed):
 
 @inner_kernel
 def contact_row(row, a, b, n, n_dot, arm_b, arm_a, arm_b_bias, arm_a_dot):
-    """Velocity of b relative to a at a contact point that moves on both: J v = n . (V_b - V_a).
+    """Return the velocity of b relative to a at a contact point that moves on both: J v = n . (V_b - V_a).
 
     arm_b, arm_a lead from each O to the point; arm_b_bias = d(w_b x arm_b)/dt - alpha_b x arm_b.
     """
@@ -135,7 +135,7 @@ def piece_of(data, breaks, n, s):
 
 @inner_kernel
 def search(data, first, e, weight, expected):
-    """(s, where its piece starts, s within the piece) at which x' . (e - weight x) falls through zero.
+    """Return (s, where its piece starts, s within the piece) at which x' . (e - weight x) falls through zero.
 
     weight 1: the point of the curve nearest to e; 0: its highest along e. The search goes downhill from ``expected``,
     so it stays on the branch; s counts the turns of a closed curve, and is not a number past the end of an open one.
@@ -188,8 +188,10 @@ def expected(d, i, t):
 
 @inner_kernel
 def nearest(m, d, i, t):
-    """Of path i, in axes of a: (s, its rate, its second rate at rest in a, gradient of s, place of the piece, s in it,
-    p - x, x', x'', velocity of p relative to a): F = x' . (p - x) = 0 gives s, and its derivatives the rates.
+    """Find the nearest point of path i, in axes of a: F = x' . (p - x) = 0 gives s, and its derivatives the rates.
+
+    Returns (s, its rate, its second rate at rest in a, gradient of s, piece, s in it, p - x, x', x'', velocity of p
+    relative to a).
     """
     x = m.coordinate[i]
     a, b = d.body[x.body[0]], d.body[x.body[1]]
@@ -208,8 +210,9 @@ def nearest(m, d, i, t):
 
 @inner_kernel
 def highest(m, d, i, t):
-    """Of touch i, in axes of a: (s, its rate, J_dot v, gradient by the turn of b relative to a, x, x', normal):
-    F = x' . n = 0 gives s, and its derivatives the rest.
+    """Find the highest point of touch i, in axes of a: F = x' . n = 0 gives s, and its derivatives the rest.
+
+    Returns (s, its rate, J_dot v, gradient by the turn of b relative to a, x, x', normal).
     """
     c = m.coordinate[i]
     a, b = d.body[c.body[0]], d.body[c.body[1]]

@@ -30,11 +30,11 @@ class Ground:
         return "GROUND"
 
     def local_point(self, point: ArrayLike) -> np.ndarray:
-        """The point itself: ground axes are world axes."""
+        """Return the point unchanged: the axes of the ground are the world axes."""
         return np.asarray(point, float)
 
     def local_axis(self, axis: np.ndarray) -> np.ndarray:
-        """The axis itself."""
+        """Return the axis unchanged: the axes of the ground are the world axes."""
         return vector(axis, "local_axis: axis")
 
 
@@ -99,24 +99,24 @@ class Body(Frozen):
 
     @cached_property
     def axes(self) -> np.ndarray:
-        """R at the reference pose, body -> world; read-only."""
+        """Return R at the reference pose (3, 3), body -> world; read-only."""
         R = matrix(self.orientation)
         R.setflags(write=False)
         return R
 
     @cached_property
     def centre(self) -> np.ndarray:
-        """Centre of mass r + R r_G at the reference pose, world [m]; read-only."""
+        """Return the centre of mass r + R r_G at the reference pose, world [m]; read-only."""
         centre = self.position + self.axes @ self.com
         centre.setflags(write=False)
         return centre
 
     def local_point(self, point: ArrayLike) -> np.ndarray:
-        """R'(p - r): a world point at the reference pose in body axes from O [m]."""
+        """Return R'(p - r): a world point at the reference pose in body axes from O [m]."""
         return self.axes.T @ (vector(point, "local_point: point") - self.position)
 
     def local_axis(self, axis: np.ndarray) -> np.ndarray:
-        """R' a: a world direction at the reference pose in body axes."""
+        """Return R'a: a world direction at the reference pose in body axes."""
         return self.axes.T @ vector(axis, "local_axis: axis")
 
 
@@ -138,19 +138,19 @@ class Part(Checked):
 
 
 def as_body(value: Any, what: str, part: Any) -> Body:
-    """A body."""
+    """Accept a body."""
     if not isinstance(value, Body):
         raise InputError(f"{what} = {shown(value)} is not a body; give a Body")
     return value
 
 
 def as_body_or_ground(value: Any, what: str, part: Any) -> Body | Ground:
-    """A body or the ground."""
+    """Accept a body or the ground."""
     if not isinstance(value, (Body, Ground)):
         raise InputError(f"{what} = {shown(value)} is not a body; give a Body or GROUND")
     return value
 
 
 def called(part: Body | Part) -> str:
-    """A part by its type and name, for messages."""
+    """Return the type and name of a part, as error messages quote them."""
     return f"{type(part).__name__} '{part.name}'" if part.name else f"a {type(part).__name__} without a name"

@@ -34,14 +34,14 @@ NORMAL_REMEDY = "give the direction it cannot move along, or the one it points"
 
 
 def as_lateral(value: Any, what: str, part: Any) -> np.ndarray:
-    """The direction that a knife edge cannot move along."""
+    """Convert the direction that a knife edge cannot move along."""
     if part.heading is not None:
         raise InputError(f"{part.what()}: both lateral and heading; {NORMAL_REMEDY}")
     return unit(value, what)
 
 
 def level_across(part: Any) -> np.ndarray:
-    """The level direction across the heading of a knife edge."""
+    """Return the level direction across the heading of a knife edge."""
     what = part.what()
     if part.heading is None:
         raise InputError(f"{what}: neither lateral nor heading; {NORMAL_REMEDY}")
@@ -86,7 +86,7 @@ class Plane(Stored[Sequence[ArrayLike] | None, tuple[np.ndarray, np.ndarray]]):
 
 
 def checked_plane(plane: Sequence[ArrayLike] | None, what: str) -> tuple[np.ndarray, np.ndarray]:
-    """(point, unit normal) of a plane, world at the reference pose; None = z = 0."""
+    """Return (point, unit normal) of a plane, world at the reference pose; None = z = 0."""
     given = ((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)) if plane is None else plane
     if not isinstance(given, Sequence) or isinstance(given, str) or len(given) != 2:
         raise InputError(f"{what}: plane {shown(given)}; give a point and a normal")
@@ -95,12 +95,12 @@ def checked_plane(plane: Sequence[ArrayLike] | None, what: str) -> tuple[np.ndar
 
 
 def level_plane(part: Any) -> tuple[np.ndarray, np.ndarray]:
-    """The plane z = 0."""
+    """Return the plane z = 0."""
     return checked_plane(None, part.what())
 
 
 def as_rolling(value: Any, what: str, part: Any) -> Body:
-    """A body, not the ground."""
+    """Accept a body, not the ground."""
     if value is GROUND:
         raise InputError(f"{what.removesuffix(': b')}: the ground cannot roll; give (ground, body)")
     return as_body(value, what, part)
@@ -116,21 +116,21 @@ class RollingContact(Joint):
     plane: Plane = kept(default=None, derived=level_plane)
 
     def check_tilt(self, what: str) -> None:
-        """ValueError for a disc that touches in a circle."""
+        """Raise a ValueError for a disc that touches in a circle."""
         if self.outline.lies_flat(self.plane[1]):
             raise InputError(f"{what}: the disc lies flat on the plane, so it has no contact point; tilt its axis")
 
     @cached_property
     def outline(self) -> Rounded:
-        """The surface, world at the reference pose."""
+        """Return the surface, world at the reference pose."""
         raise NotImplementedError
 
     def point(self) -> np.ndarray:
-        """The contact point at the reference pose (it travels over both bodies)."""
+        """Return the contact point at the reference pose (it travels over both bodies)."""
         return self.outline.lowest(self.outline.centre, self.outline.axes, self.plane[1])
 
     def reaction_points(self, solution: Motion) -> np.ndarray:
-        """(samples, 3) contact points."""
+        """Return (samples, 3) contact points."""
         return self.outline.moving(solution, self.a, self.b, self.plane[1])
 
     def rows(self) -> list[Primitive]:

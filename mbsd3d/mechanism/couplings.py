@@ -20,17 +20,17 @@ class Coupling(Joint):
     """Row on the coordinates of other joints; a and b are those of the joint it acts through."""
 
     def through(self) -> Joint:
-        """The joint whose bodies carry the reaction."""
+        """Return the joint whose bodies carry the reaction."""
         raise NotImplementedError
 
     @property
     def a(self) -> Body | Ground:
-        """Body a of the joint it acts through."""
+        """Return body a of the joint the coupling acts through."""
         return self.through().a
 
     @property
     def b(self) -> Body | Ground:
-        """Body b of the joint it acts through."""
+        """Return body b of the joint the coupling acts through."""
         return self.through().b
 
     def point(self) -> np.ndarray:
@@ -168,17 +168,17 @@ class GearMesh(Coupling):
 
     @property
     def a(self) -> Body | Ground:
-        """Gear a."""
+        """Return the body that carries gear a."""
         return self.gear(self.hinge_a)
 
     @property
     def b(self) -> Body | Ground:
-        """Gear b, on which the reaction is given."""
+        """Return the body that carries gear b, on which the reaction is given."""
         return self.gear(self.hinge_b)
 
     @property
     def ratio(self) -> float:
-        """Rate of gear b over rate of gear a, both about the axes of their hinges and relative to the carrier."""
+        """Return the rate of gear b over that of gear a, about the axes of their hinges, relative to the carrier."""
         first, second = self.levers()
         return first / second
 
@@ -204,7 +204,7 @@ class GearMesh(Coupling):
         self.direction(what)
 
     def support(self, what: str = "GearMesh") -> Body | Ground:
-        """The carrier."""
+        """Return the carrier."""
         if self.carrier is not None:
             return self.carrier
         first, second = self.hinge_a, self.hinge_b
@@ -214,20 +214,20 @@ class GearMesh(Coupling):
         raise InputError(f"{what}: '{first.name}' and '{second.name}' share no body; give carrier=")
 
     def gear(self, hinge: AxisJoint) -> Body | Ground:
-        """The gear on a hinge: the body that is not the carrier."""
+        """Return the gear on a hinge: the body that is not the carrier."""
         return hinge.a if hinge.b is self.support() else hinge.b
 
     def axle(self, hinge: AxisJoint) -> Axle:
-        """Axis of the gear on a hinge, as the carrier has it."""
+        """Return the axis of the gear on a hinge, as the carrier has it."""
         return Axle(hinge.at, hinge.axis) if self.gear(hinge) is hinge.b else Axle(hinge.at_b, hinge.axis_b)
 
     def direction(self, what: str = "GearMesh") -> np.ndarray:
-        """Line of action n: unit direction of the force on gear b, world at the reference pose."""
+        """Return the line of action n: unit direction of the force on gear b, world at the reference pose."""
         first, second = self.axle(self.hinge_a), self.axle(self.hinge_b)
         return line_of_action(first, second, self.at, self.pressure_angle, self.helix_angle, self.flank, what)
 
     def levers(self) -> list[float]:
-        """n . (u_i x d_i) of both gears: their pitch velocities along n per angular velocity [m]."""
+        """Return n . (u_i x d_i) of both gears: their pitch velocities along n per angular velocity [m]."""
         n, axles = self.direction(), [self.axle(hinge) for hinge in (self.hinge_a, self.hinge_b)]
         return [float(n @ np.cross(axle.axis, axle.arm(self.at))) for axle in axles]
 
@@ -235,11 +235,11 @@ class GearMesh(Coupling):
         return self.at
 
     def reaction_points(self, solution: Motion) -> np.ndarray:
-        """(samples, 3) pitch points, carried by the carrier."""
+        """Return (samples, 3) pitch points, carried by the carrier."""
         return solution.body_point(self.support(), self.at)
 
     def normal_force(self, solution: LoadedMotion) -> np.ndarray:
-        """(samples,) tooth force [N] along the line of action; negative where the other flanks touch."""
+        """Return (samples,) tooth force [N] along the line of action; negative where the other flanks touch."""
         n = solution.body_axis(self.support(), self.direction())
         return np.einsum("ti,ti->t", solution.reaction(self).force, n)
 

@@ -111,12 +111,12 @@ class PositionDriver(Driver):
 
     @property
     def a(self) -> Body | Ground:
-        """The ground."""
+        """Return `GROUND`: the motion is prescribed relative to it."""
         return GROUND
 
     @property
     def b(self) -> Body | Ground:
-        """The driven body."""
+        """Return the driven body."""
         return self.body
 
     def point(self) -> np.ndarray:
@@ -179,7 +179,7 @@ class LengthDriver(Driver):
 
 
 def as_given(value: Any, what: str, part: Any) -> Any:
-    """The value itself."""
+    """Return the value unchanged."""
     return value
 
 
@@ -198,7 +198,7 @@ class BodyOrSpeed(Stored[Body | Ground | Signal | float | None, Body | Ground]):
 
 
 def as_speed(value: Any, what: str, part: Any) -> Signal:
-    """A signal, where no other one is given."""
+    """Accept a signal where no other one is given."""
     if isinstance(part.a, Joint) and part.b is not None:
         raise InputError(f"{part.what()}: two speeds, {shown(part.b)} and {shown(value)}; give one")
     return as_signal(value, what)
@@ -271,7 +271,7 @@ class SpeedDriver(Driver):
             derive(self, at=self.b.centre)
 
     def follow_joint(self, what: str, joint: Joint) -> None:
-        """Bodies and axis of the joint that is driven."""
+        """Return the bodies and axis of the joint that is driven."""
         turn, slide = (joint.angle(), joint.slide()) if isinstance(joint, Joint) else (None, None)
         if (turn is None) == (slide is None):
             name = f"'{joint.name}' ({type(joint).__name__})" if isinstance(joint, Joint) else shown(joint)

@@ -56,16 +56,16 @@ class Engaged(Joint):
     offset: Number = kept(default=0.0)
 
     def check(self, what: str) -> None:
-        """Joint and bodies were checked when the joint was made."""
+        """Check nothing: joint and bodies were checked when the joint was made."""
 
     @property
     def a(self) -> Body | Ground:
-        """Body a of the joint."""
+        """Return body a of the joint."""
         return self.joint.a
 
     @property
     def b(self) -> Body | Ground:
-        """Body b of the joint."""
+        """Return body b of the joint."""
         return self.joint.b
 
     def moved_point(self, point: np.ndarray) -> np.ndarray:

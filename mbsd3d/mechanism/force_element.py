@@ -47,7 +47,7 @@ class ForceElement(Part):
     shows: ClassVar[tuple[str, ...]] = ()  # what its law shows besides, after the point at which it acts
 
     def record(self) -> ForceRecord:
-        """What the law reads of this element."""
+        """Return the record of this element that its compiled law reads."""
         raise NotImplementedError
 
     def read_by_law(self, **own: Any) -> dict[str, Any]:
@@ -55,15 +55,15 @@ class ForceElement(Part):
         return {name: own[name] if name in own else getattr(self, name) for name in self.law_parameters.units}
 
     def bodies(self) -> tuple[Any, ...]:
-        """The bodies it acts on."""
+        """Return the bodies the element acts on."""
         return self.record().bodies
 
     def partners(self) -> tuple[Any, ...]:
-        """Joints and forces it refers to."""
+        """Return the joints and forces the element refers to."""
         return ()
 
     def acts_at(self, body: Body | Ground) -> tuple[Body | Ground, np.ndarray]:
-        """(body that carries it, world point at the reference pose) of the point at which its load on a body is given.
+        """Return (body that carries it, world point at the reference pose) of the point at which the load is given.
 
         A torque acts at no point: its is given at the centre of mass.
         """
@@ -72,18 +72,18 @@ class ForceElement(Part):
         return body, record.points[where] if record.points else body.centre
 
     def state_names(self) -> tuple[str, ...]:
-        """Names of its own states, in their order."""
+        """Return the names of the element's internal states, in their order."""
         return tuple(str(k) for k in range(len(self.record().states)))
 
 
 def check_body(body: Any, what: str) -> None:
-    """A Body, or a ValueError."""
+    """Accept a Body."""
     if not isinstance(body, Body):
         raise InputError(f"{what}: {shown(body)} is not a body; give a Body")
 
 
 def check_pair(a: Any, b: Any, what: str) -> None:
-    """Two different bodies, one of which may be the ground."""
+    """Check that two bodies differ; one of them may be the ground."""
     for body in (a, b):
         if not isinstance(body, Body | Ground):
             raise InputError(f"{what}: {shown(body)} is not a body; give a Body or GROUND")
@@ -92,13 +92,13 @@ def check_pair(a: Any, b: Any, what: str) -> None:
 
 
 def in_body_frame(frame: str, what: str) -> int:
-    """1 for "body", 0 for "world"."""
+    """Return 1 for "body", 0 for "world"."""
     check_choice(frame, ("world", "body"), f"{what}: frame")
     return int(frame == "body")
 
 
 def hinge_coordinate(hinge: Any, what: str) -> Coordinate:
-    """The angle of a joint, else its slide."""
+    """Return the angle of a joint, else its slide."""
     found = (hinge.angle() or hinge.slide()) if isinstance(hinge, Joint) else None
     if found is None:
         raise InputError(f"{what}: {shown(hinge)} has no angle and no slide; give a Revolute, Cylindrical or Prismatic")

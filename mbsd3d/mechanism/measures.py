@@ -65,7 +65,7 @@ class Measure:
     index: int = 0  # and which of its own states
 
     def __post_init__(self) -> None:
-        """Also a file may describe a measure, and kernels do not check."""
+        """Check the measure: a file may describe one, and kernels do not check."""
         check_kind(self.kind, MEASURES, "Measure")
         states = 0 if self.part is None else len(self.part.record().states)
         fits = (self.coordinate is not None) == (self.kind in JOINT_MEASURES)
@@ -109,7 +109,7 @@ class Condition:
 
 
 def check_members(system: Mechanism, measure: Measure, what: str) -> None:
-    """A measure speaks of bodies and forces of this system, or a ValueError."""
+    """Check that a measure speaks of bodies and forces of this system."""
     members = {id(part) for part in (*system.bodies, *system.forces, GROUND)}
     for part in (measure.a, measure.b, measure.part or GROUND):
         if id(part) not in members:
@@ -120,7 +120,7 @@ def check_members(system: Mechanism, measure: Measure, what: str) -> None:
 
 
 def unit_powers(measure: Measure) -> tuple[float, float, float]:
-    """(1, k, j) such that errors of a measure are judged against length^k speed^j."""
+    """Return (1, k, j) such that errors of a measure are judged against length^k speed^j."""
     return (1.0, *UNIT_EXPONENTS[measure.unit])
 
 
@@ -130,44 +130,44 @@ def label(part: Body | Ground | Part) -> str:
 
 
 def of_coordinate(x: Coordinate, what: str, rate: bool = False) -> Measure:
-    """The measure that reads a hinge coordinate, or its rate."""
+    """Return the measure that reads a hinge coordinate, or its rate."""
     unit_of = ("rad/s" if rate else "rad") if x.kind == "angle" else ("m/s" if rate else "m")
     return Measure("coordinate rate" if rate else "coordinate", what, unit_of, x.a, x.b, coordinate=x)
 
 
 @explaining
 def angle(hinge: Joint) -> Measure:
-    """Angle of a hinge [rad], unwrapped, zero at the reference pose."""
+    """Return the angle of a hinge [rad], unwrapped, zero at the reference pose."""
     return of_coordinate(coordinate_of(hinge, "angle", "measures.angle"), f"angle of {label(hinge)}")
 
 
 @explaining
 def rate(hinge: Joint) -> Measure:
-    """Rate of the angle of a hinge [rad/s]."""
+    """Return the rate of the angle of a hinge [rad/s]."""
     return of_coordinate(coordinate_of(hinge, "angle", "measures.rate"), f"rate of {label(hinge)}", rate=True)
 
 
 @explaining
 def slide(slider: Joint) -> Measure:
-    """Displacement of a sliding joint [m]."""
+    """Return the displacement of a sliding joint [m]."""
     return of_coordinate(coordinate_of(slider, "slide", "measures.slide"), f"slide of {label(slider)}")
 
 
 @explaining
 def slide_rate(slider: Joint) -> Measure:
-    """Speed of a sliding joint [m/s]."""
+    """Return the speed of a sliding joint [m/s]."""
     x = coordinate_of(slider, "slide", "measures.slide_rate")
     return of_coordinate(x, f"slide rate of {label(slider)}", rate=True)
 
 
 def body_or_error(body: Any, what: str) -> None:
-    """A body or the ground, or a ValueError."""
+    """Accept a body or the ground."""
     if not isinstance(body, Body | Ground):
         raise InputError(f"{what}: {shown(body)} is not a body; give a Body")
 
 
 def point_of(body: Body | Ground, at: ArrayLike | None, what: str) -> np.ndarray:
-    """World point at the reference pose; None = centre of mass."""
+    """Return the world point at the reference pose; None = centre of mass."""
     if at is not None:
         return vector(at, f"{what}: at")
     return body.centre
@@ -175,7 +175,7 @@ def point_of(body: Body | Ground, at: ArrayLike | None, what: str) -> np.ndarray
 
 @explaining
 def position(body: Body, *, axis: ArrayLike, at: ArrayLike | None = None) -> Measure:
-    """World coordinate of a point of a body along ``axis`` [m]; ``at`` None = centre of mass."""
+    """Return the world coordinate of a point of a body along ``axis`` [m]; ``at`` None = centre of mass."""
     body_or_error(body, "measures.position")
     point, axis = point_of(body, at, "measures.position"), unit(axis, "measures.position: axis")
     return Measure("position", f"position of {label(body)}", "m", GROUND, body, ZERO, point, axis)
@@ -183,7 +183,7 @@ def position(body: Body, *, axis: ArrayLike, at: ArrayLike | None = None) -> Mea
 
 @explaining
 def velocity(body: Body, *, axis: ArrayLike, at: ArrayLike | None = None) -> Measure:
-    """Velocity of a point of a body along the world direction ``axis`` [m/s]."""
+    """Return the velocity of a point of a body along the world direction ``axis`` [m/s]."""
     body_or_error(body, "measures.velocity")
     point, axis = point_of(body, at, "measures.velocity"), unit(axis, "measures.velocity: axis")
     return Measure("velocity", f"velocity of {label(body)}", "m/s", GROUND, body, ZERO, point, axis)
@@ -191,14 +191,14 @@ def velocity(body: Body, *, axis: ArrayLike, at: ArrayLike | None = None) -> Mea
 
 @explaining
 def omega(body: Body, *, axis: ArrayLike) -> Measure:
-    """Angular velocity of a body along the world direction ``axis`` [rad/s]."""
+    """Return the angular velocity of a body along the world direction ``axis`` [rad/s]."""
     body_or_error(body, "measures.omega")
     return Measure("omega", f"omega of {label(body)}", "rad/s", GROUND, body, axis=unit(axis, "measures.omega: axis"))
 
 
 @explaining
 def lean(body: Body, *, lateral: ArrayLike = (0.0, 1.0, 0.0)) -> Measure:
-    """Elevation of the body's lateral axis above the horizontal [rad] (y left, z up: lean to the right is > 0).
+    """Return the elevation of a body's lateral axis above the horizontal [rad] (y left, z up: > 0 to the right).
 
     ``lateral`` is given in world axes at the reference pose.
     """
@@ -209,7 +209,7 @@ def lean(body: Body, *, lateral: ArrayLike = (0.0, 1.0, 0.0)) -> Measure:
 
 @explaining
 def lean_rate(body: Body, *, lateral: ArrayLike = (0.0, 1.0, 0.0)) -> Measure:
-    """Rate of `lean` [rad/s]."""
+    """Return the rate of `lean` [rad/s]."""
     body_or_error(body, "measures.lean_rate")
     axis = body.local_axis(unit(lateral, "measures.lean_rate: lateral"))
     return Measure("lean rate", f"lean rate of {label(body)}", "rad/s", GROUND, body, axis=axis)
@@ -219,7 +219,7 @@ def lean_rate(body: Body, *, lateral: ArrayLike = (0.0, 1.0, 0.0)) -> Measure:
 def distance(
     a: Body | Ground, b: Body | Ground, *, at_a: ArrayLike | None = None, at_b: ArrayLike | None = None
 ) -> Measure:
-    """Distance between a point of a and a point of b [m]; None = centre of mass."""
+    """Return the distance between a point of a and a point of b [m]; None = centre of mass."""
     for body in (a, b):
         body_or_error(body, "measures.distance")
     point_a, point_b = point_of(a, at_a, "measures.distance"), point_of(b, at_b, "measures.distance")
@@ -228,7 +228,7 @@ def distance(
 
 @explaining
 def state(force: ForceElement, index: int | str = 0) -> Measure:
-    """Own state of a force element, e.g. of a filter or of a `CustomForce`, by its number from 0 or its name.
+    """Return the internal state of a force element, by its number from 0 or its name, e.g. of a `CustomForce`.
 
     ValueError if it has no such state.
     """
@@ -245,7 +245,7 @@ def state(force: ForceElement, index: int | str = 0) -> Measure:
 
 
 def of_contact(contact: ForceElement, kind: str, unit_of: str, what: str = "") -> Measure:
-    """A measure of a `Contact`, or a ValueError of the function ``what``."""
+    """Return a measure of a `Contact`, or raise a ValueError of the function ``what``."""
     if not isinstance(contact, Contact):
         what = what or kind.replace(" ", "_")
         raise InputError(f"measures.{what}: {shown(contact)} is not a contact; give a Contact")
@@ -254,7 +254,7 @@ def of_contact(contact: ForceElement, kind: str, unit_of: str, what: str = "") -
 
 @explaining
 def clearance(contact: ForceElement) -> Measure:
-    """Height of the surface of a `Contact` over its plane [m]; < 0 where it presses."""
+    """Return the height of the surface of a `Contact` over its plane [m]; < 0 where it presses."""
     return of_contact(contact, "clearance", "m")
 
 
@@ -266,11 +266,11 @@ def normal_force(contact: ForceElement) -> Measure:
 
 @explaining
 def touches(contact: ForceElement) -> Condition:
-    """The surface of a `Contact` comes down to its plane; for ``stop_when``."""
+    """Return whether the surface of a `Contact` comes down to its plane; for ``stop_when``."""
     return of_contact(contact, "clearance", "m", "touches") < 0.0
 
 
 @explaining
 def leaves(contact: ForceElement) -> Condition:
-    """A `Contact` does not press any more; for ``stop_when``. A damper lets go before the plane has come back."""
+    """Return whether a `Contact` no longer presses; for ``stop_when``. A damper lets go before the plane is back."""
     return of_contact(contact, "normal force", "N", "leaves") < 0.0

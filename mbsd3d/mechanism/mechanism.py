@@ -18,7 +18,7 @@ PART_CLASSES = MappingProxyType({"bodies": Body, "joints": Joint, "forces": Forc
 
 
 def as_parts(value: Any, what: str, part: Any) -> tuple[Any, ...]:
-    """A sequence of parts of the kind that belongs there, each once."""
+    """Convert a sequence of parts of the kind that belongs there, each once."""
     key = what.removeprefix("System: ")
     try:
         parts = tuple(value)
@@ -33,7 +33,7 @@ def as_parts(value: Any, what: str, part: Any) -> tuple[Any, ...]:
 
 
 def misplaced(part: Any, key: str) -> str:
-    """What to say of something that stands among parts of another kind."""
+    """Return what to say of something that stands among parts of another kind."""
     for other, kind in PART_CLASSES.items():
         if isinstance(part, kind):
             return f"System: {short(part)} is in {key}; it belongs in {other}=[...]"
@@ -43,14 +43,14 @@ def misplaced(part: Any, key: str) -> str:
 
 
 def short(part: Any) -> str:
-    """A part by its type and name, anything else by what it prints, cut."""
+    """Return a part by its type and name, anything else as it prints, cut."""
     if isinstance(part, Body | Joint | ForceElement):
         return called(part)
     return shown(part)
 
 
 def made_of(cls: type["Mechanism"], parts: tuple[Any, ...], gravity: np.ndarray, title: str | None) -> "Mechanism":
-    """What a copy or a pickle of a mechanism is."""
+    """Describe what a copy or a pickle of a mechanism is."""
     bodies, joints, forces = parts
     return cls(bodies, joints, forces, gravity, title=title)
 
@@ -87,11 +87,11 @@ class Mechanism(Frozen):
         self._check_members()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Copies are made anew of copied parts: names and tables are kept by the identity of the parts."""
+        """Make copies anew of copied parts: names and tables are kept by the identity of the parts."""
         return made_of, (type(self), (self.bodies, self.joints, self.forces), self.gravity, self.title)
 
     def _names(self) -> dict[int, str]:
-        """Names of all parts; nameless ones are numbered by type."""
+        """Return the names of all parts; nameless ones are numbered by type."""
         names: dict[int, str] = {id(GROUND): "ground"}
         counts: dict[str, int] = {}
         taken = {"ground"}
@@ -109,7 +109,7 @@ class Mechanism(Frozen):
         return names
 
     def _check_members(self) -> None:
-        """Every joint and force acts on bodies of this system and refers to joints and forces of it."""
+        """Check that every joint and force acts on bodies of this system and refers to joints and forces of it."""
         members = {id(body) for body in self.bodies} | {id(GROUND)}
         parts: tuple[Joint | ForceElement, ...] = (*self.joints, *self.forces)
         known = {id(part) for part in parts}
@@ -133,7 +133,7 @@ class Mechanism(Frozen):
         return self.names.get(id(part), getattr(part, "name", None) or type(part).__name__)
 
     def part(self, key: Any, kind: str = "bodies") -> Any:
-        """A part given by itself or by its name; unknown ones are a ValueError that lists the names there are."""
+        """Return a part given by itself or by its name; ValueError that lists the names for an unknown one."""
         check_choice(kind, tuple(PART_CLASSES), "part: kind")
         parts = getattr(self, kind)
         if isinstance(key, Body | Joint | ForceElement) and key in parts:

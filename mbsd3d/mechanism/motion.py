@@ -12,10 +12,10 @@ class Motion(Protocol):
     """Where points and axes of bodies are over time, world axes."""
 
     def body_point(self, body: Body | Ground, point: ArrayLike) -> np.ndarray:
-        """(samples, 3) position of a point fixed in a body, given at the reference pose [m]."""
+        """Return (samples, 3) position of a point fixed in a body, given at the reference pose [m]."""
 
     def body_axis(self, body: Body | Ground, axis: np.ndarray) -> np.ndarray:
-        """(samples, 3) direction of an axis fixed in a body, given at the reference pose."""
+        """Return (samples, 3) direction of an axis fixed in a body, given at the reference pose."""
 
 
 class LoadedMotion(Motion, Protocol):
@@ -23,14 +23,14 @@ class LoadedMotion(Motion, Protocol):
 
     @property
     def t(self) -> np.ndarray:
-        """(samples,) times [s]."""
+        """Return (samples,) times [s]."""
 
     @property
     def system(self) -> Any:
-        """The system that moves."""
+        """Return the system that moves."""
 
     def slide(self, joint: Any) -> np.ndarray:
-        """(samples,) displacement of b along the axis or the curve of a joint [m]."""
+        """Return (samples,) displacement of b along the axis or the curve of a joint [m]."""
 
     def reaction(self, *joints: Any) -> Any:
         """Force and moment of joints; see `Solution.reaction`."""

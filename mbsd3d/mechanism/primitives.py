@@ -23,7 +23,7 @@ MEASURE_REMEDY = "build what it measures with a function of mbsd3d.measures"
 
 
 def check_kind(kind: str, known: Mapping[str, int], what: str) -> None:
-    """One of the kinds there are, or a ValueError that lists them."""
+    """Return one of the kinds there are, or a ValueError that lists them."""
     if kind not in known:
         raise InputError(f"{what}: kind {kind!r} is unknown; give one of {', '.join(map(repr, known))}")
 
@@ -51,7 +51,7 @@ class Coordinate:
     numbers: np.ndarray = field(default_factory=lambda: ZERO[:0])
 
     def __post_init__(self) -> None:
-        """Also a file may describe a coordinate, and kernels do not check."""
+        """Check the coordinate: a file may describe one, and kernels do not check."""
         check_kind(self.kind, COORDINATES, "Coordinate")
         for name in (*AXIS_FIELDS, "point_a", "point_b"):
             x = getattr(self, name)
@@ -68,7 +68,7 @@ class Coordinate:
 
 
 def is_curve(x: np.ndarray) -> bool:
-    """Whether numbers are as many as `kernels.surfaces` reads of a curve."""
+    """Return whether numbers are as many as `kernels.surfaces` reads of a curve."""
     n, k = x[[0, 2]].tolist() if x.ndim == 1 and x.size > GROUP_NUMBERS_COUNT else (0.0, 0.0)
     return n >= 1.0 and k >= 1.0 and n % 1.0 == k % 1.0 == 0.0 and x.size == 4 + n + GROUP_NUMBERS_COUNT * n * k
 
@@ -94,19 +94,19 @@ class Primitive:
 
     @property
     def holonomic(self) -> tuple[bool, ...]:
-        """Which rows have a residual c(q, t)."""
+        """Return which rows have a residual c(q, t)."""
         if self.kind == kinds.ROLL:
             return (True, False, False)
         return (self.kind not in (kinds.TURN_RATE, kinds.NO_SIDESLIP),) * self.n_rows
 
 
 def coincide(a: Body | Ground, b: Body | Ground, at: np.ndarray, at_b: np.ndarray) -> Primitive:
-    """p_b - p_a = 0 (3 rows)."""
+    """Return p_b - p_a = 0 (3 rows)."""
     return Primitive(kinds.COINCIDE, (a, b), points=(at, at_b))
 
 
 def perpendicular(a: Body | Ground, b: Body | Ground, axis_a: np.ndarray, axis_b: np.ndarray) -> Primitive:
-    """x_a . y_b = 0 (1 row)."""
+    """Return x_a . y_b = 0 (1 row)."""
     return Primitive(kinds.DOT, (a, b), axes=(axis_a, axis_b), in_metres=False)
 
 
@@ -118,7 +118,7 @@ def in_plane(
     at_b: np.ndarray,
     signal: Signal | None = None,
 ) -> Primitive:
-    """n_a . (p_b - p_a) = 0, or = f(t) (1 row)."""
+    """Return n_a . (p_b - p_a) = 0, or = f(t) (1 row)."""
     return Primitive(kinds.IN_PLANE, (a, b), points=(at, at_b), axes=(normal, ZERO), signal=signal)
 
 

@@ -25,7 +25,7 @@ PARALLEL_SINE_MAX = 1e-6  # [1] sine of the angle below which two directions spa
 def protractor(
     a: Body | Ground, b: Body | Ground, axis: np.ndarray, zero: np.ndarray, direction: np.ndarray, what: str
 ) -> Coordinate:
-    """The angle about ``axis`` of a from ``zero``, fixed in a, to ``direction``, fixed in b."""
+    """Return the angle about ``axis`` of a from ``zero``, fixed in a, to ``direction``, fixed in b."""
     for x in (zero, direction):
         if np.linalg.norm(cross(axis, x)) < PARALLEL_SINE_MAX:
             raise InputError(
@@ -37,7 +37,7 @@ def protractor(
 
 @explaining
 def heading(body: Body, *, forward: ArrayLike = (1.0, 0.0, 0.0)) -> Measure:
-    """Heading of a body [rad]: angle about z from the world x axis to its forward axis, > 0 to the left (z up).
+    """Return the angle of a body about z [rad] from the world x axis to its forward axis, > 0 to the left (z up).
 
     ``forward`` is given in world axes at the reference pose.
     """
@@ -46,7 +46,7 @@ def heading(body: Body, *, forward: ArrayLike = (1.0, 0.0, 0.0)) -> Measure:
 
 @explaining
 def heading_rate(body: Body, *, forward: ArrayLike = (1.0, 0.0, 0.0)) -> Measure:
-    """Rate of `heading` [rad/s]."""
+    """Return the rate of `heading` [rad/s]."""
     return of_coordinate(_heading(body, forward, "measures.heading_rate"), f"heading rate of {label(body)}", rate=True)
 
 
@@ -57,7 +57,7 @@ def _heading(body: Body, forward: ArrayLike, what: str) -> Coordinate:
 
 @explaining
 def camber(wheel: Body, *, axle: ArrayLike = (0.0, 1.0, 0.0)) -> Measure:
-    """Camber of a wheel [rad]: elevation of its axle above the horizontal, > 0 where it leans to the right (y left).
+    """Return the elevation of a wheel's axle above the horizontal [rad], > 0 where the wheel leans right (y left).
 
     ``axle`` is given in world axes at the reference pose; the spin of the wheel does not matter.
     """
@@ -69,7 +69,7 @@ def camber(wheel: Body, *, axle: ArrayLike = (0.0, 1.0, 0.0)) -> Measure:
 def angle_between(
     a: Body | Ground, b: Body | Ground, *, axis_a: ArrayLike, axis_b: ArrayLike, about: ArrayLike | None = None
 ) -> Measure:
-    """Angle from an axis of a to an axis of b [rad], about an axis fixed in a.
+    """Return the angle from an axis of a to an axis of b [rad], about an axis fixed in a.
 
     Parameters
     ----------
@@ -99,13 +99,13 @@ def angle_between(
 
 @explaining
 def turn(a: Body | Ground, b: Body | Ground, *, about: ArrayLike) -> Measure:
-    """Angle of b relative to a about an axis fixed in a [rad], zero at the reference pose; no hinge is needed."""
+    """Return the angle of b relative to a about an axis fixed in a [rad], zero at the reference pose."""
     return of_coordinate(_turn(a, b, about, "measures.turn"), f"turn of {label(b)} from {label(a)}")
 
 
 @explaining
 def turn_rate(a: Body | Ground, b: Body | Ground, *, about: ArrayLike) -> Measure:
-    """Rate of `turn` [rad/s]."""
+    """Return the rate of `turn` [rad/s]."""
     x = _turn(a, b, about, "measures.turn_rate")
     return of_coordinate(x, f"turn rate of {label(b)} from {label(a)}", rate=True)
 
@@ -127,7 +127,7 @@ def offset(
     at_a: ArrayLike | None = None,
     at_b: ArrayLike | None = None,
 ) -> Measure:
-    """Distance along an axis fixed in a from a point of a to a point of b [m]; None = centre of mass."""
+    """Return the distance along an axis fixed in a from a point of a to a point of b [m]; None = centre of mass."""
     return of_coordinate(_offset(a, b, along, at_a, at_b, "measures.offset"), f"offset of {label(b)} from {label(a)}")
 
 
@@ -140,7 +140,7 @@ def offset_rate(
     at_a: ArrayLike | None = None,
     at_b: ArrayLike | None = None,
 ) -> Measure:
-    """Rate of `offset` [m/s]."""
+    """Return the rate of `offset` [m/s]."""
     x = _offset(a, b, along, at_a, at_b, "measures.offset_rate")
     return of_coordinate(x, f"offset rate of {label(b)} from {label(a)}", rate=True)
 
@@ -158,7 +158,7 @@ def _offset(
 def between(
     a: Body | Ground, b: Body | Ground, *, at_a: ArrayLike | None = None, at_b: ArrayLike | None = None
 ) -> dict[str, Measure]:
-    """The pose of b relative to a: "x", "y", "z" [m] by `offset` and "turn_x", "turn_y", "turn_z" [rad] by `turn`.
+    """Return the pose of b relative to a: "x", "y", "z" [m] by `offset`; "turn_x", "turn_y", "turn_z" [rad] by `turn`.
 
     Along and about the axes of a that are world axes at the reference pose.
     """
@@ -173,7 +173,7 @@ def between(
 
 @explaining
 def length(spring: SpringDamper) -> Measure:
-    """Length of a spring [m]."""
+    """Return the length of a spring [m]."""
     if not isinstance(spring, SpringDamper):
         raise InputError(f"measures.length: {shown(spring)} is not a SpringDamper; use measures.distance(a, b)")
     measure = distance(spring.a, spring.b, at_a=spring.at_a, at_b=spring.at_b)

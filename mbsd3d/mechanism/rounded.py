@@ -32,28 +32,28 @@ class Rounded:
 
     @property
     def size(self) -> float:
-        """Farthest point from the centre [m]."""
+        """Return the distance of the farthest point from the centre [m]."""
         return float(self.radii.max()) + self.tube
 
     def lowest(self, centre: np.ndarray, axes: np.ndarray, normal: np.ndarray) -> np.ndarray:
-        """(..., 3) points that are lowest over planes of these normals, for the surface at (centre, axes), world."""
+        """Return the lowest points (..., 3) over planes of these normals, of the surface at (centre, axes), world."""
         along = np.einsum("...ji,...j->...i", axes, normal)
         spread = np.einsum("...ij,...j->...i", axes, self.radii**2 * along)
         height = np.sqrt(np.sum(normal * spread, axis=-1, keepdims=True))
         return centre - spread / np.maximum(height, 1e-12 * self.size) - self.tube * normal
 
     def moving(self, motion: Motion, a: Body | Ground, b: Body, normal: np.ndarray) -> np.ndarray:
-        """(samples, 3) lowest points of the surface of b over a plane of a with this normal, given at the start."""
+        """Return the lowest points (samples, 3) of the surface of b over a plane of a with this initial normal."""
         axes = np.stack([motion.body_axis(b, axis) for axis in self.axes.T], axis=-1)
         return self.lowest(motion.body_point(b, self.centre), axes, motion.body_axis(a, normal))
 
     def lies_flat(self, normal: np.ndarray) -> bool:
-        """True for a torus with its axis along the normal: it touches in a circle."""
+        """Return whether a torus has its axis along the normal: it touches in a circle."""
         return bool(np.linalg.norm(self.radii * (self.axes.T @ normal)) < 1e-9 * self.size)
 
 
 def rounded(surface: Any, body: Body, what: str) -> Rounded:
-    """The surface of a body, or an InputError."""
+    """Return the surface of a body, or raise an InputError."""
     if not isinstance(surface, Smooth):
         raise InputError(
             f"{what}: surface {shown(surface)} has no rule; give shapes.Sphere, shapes.Ellipsoid or shapes.Torus"
@@ -71,7 +71,7 @@ def rounded(surface: Any, body: Body, what: str) -> Rounded:
 
 
 def circle(centre: np.ndarray, axis: np.ndarray, radius: float, tube: float) -> Rounded:
-    """A circle of this radius about an axis, thickened; a ball where the radius is 0."""
+    """Return a thickened circle of this radius about an axis; a ball where the radius is 0."""
     axes = np.column_stack([*perpendiculars(axis), axis])
     ball = radius == 0.0
     return Rounded(centre, axes, np.full(3, tube) if ball else np.array([radius, radius, 0.0]), 0.0 if ball else tube)

@@ -14,7 +14,7 @@ from ..base.style import html_table
 
 
 def as_entries(value: Any, what: str, part: Any) -> np.ndarray:
-    """An own array of finite numbers."""
+    """Convert to a new array of finite numbers."""
     array = numbers(value, what).copy()
     if not np.isfinite(array).all():
         raise InputError(f"{what} has an entry that is not finite; give finite numbers")

@@ -26,19 +26,19 @@ class Axle:
     axis: np.ndarray
 
     def arm(self, at: np.ndarray) -> np.ndarray:
-        """The perpendicular from the axis to a point, (3,) [m]."""
+        """Return the perpendicular from the axis to a point, (3,) [m]."""
         reach = at - self.point
         return reach - (reach @ self.axis) * self.axis
 
 
 def apex(a: Axle, b: Axle) -> np.ndarray:
-    """The point where two axes in one plane meet, (3,)."""
+    """Return the point where two axes in one plane meet, (3,)."""
     along = np.linalg.lstsq(np.column_stack([a.axis, -b.axis]), b.point - a.point, rcond=None)[0][0]
     return a.point + along * a.axis
 
 
 def pitch_frame(a: Axle, b: Axle, at: np.ndarray, what: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(t, e, g) of gear a at the pitch point: along its velocity, away from its axis, along the tooth of a spur gear.
+    """Return (t, e, g) of gear a at the pitch point: along its velocity, away from its axis, along a spur tooth.
 
     ValueError where the point cannot be the pitch point of two pitch surfaces that touch.
     """
@@ -62,7 +62,7 @@ def pitch_frame(a: Axle, b: Axle, at: np.ndarray, what: str) -> tuple[np.ndarray
 
 
 def common_normal(a: Axle, b: Axle, t_a: np.ndarray, t_b: np.ndarray, at: np.ndarray, what: str) -> np.ndarray:
-    """e = t_a x t_b / |t_a x t_b|: the normal of the pitch plane of hypoid gears.
+    """Return e = t_a x t_b / |t_a x t_b|: the normal of the pitch plane of hypoid gears.
 
     ValueError for axes that are parallel or meet, and where the velocities are too nearly parallel to say which plane.
     """
@@ -86,7 +86,7 @@ def common_normal(a: Axle, b: Axle, t_a: np.ndarray, t_b: np.ndarray, at: np.nda
 def line_of_action(
     a: Axle, b: Axle, at: np.ndarray, pressure: float, helix: float, flank: int, what: str
 ) -> np.ndarray:
-    """Unit direction n of the force on gear b through the pitch point, world at the reference pose (3,).
+    """Return the unit direction n of the force on gear b through the pitch point, world at the reference pose (3,).
 
     n = +-(t cos(helix) - g sin(helix)) cos(pressure) +- e sin(pressure): normal to the tooth trace of gear a; the first
     sign turns gear b forwards (flank 1) or backwards (-1), the second presses every external gear towards its axis.

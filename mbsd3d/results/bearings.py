@@ -52,7 +52,7 @@ class BearingLoad(Sampled):
     unique_moment: np.ndarray = field(default_factory=lambda: np.ones(3, bool), repr=False)  # (3,)
 
     def check(self, what: str, determined: bool) -> None:
-        """ValueError for a part of the load that redundant constraints leave open."""
+        """Refuse a part of the load that redundant constraints leave open."""
         if not determined:
             raise InputError(
                 f"bearing load of '{self.name}': redundant constraints leave its {what} open; cure them, see "
@@ -61,18 +61,18 @@ class BearingLoad(Sampled):
 
     @property
     def radial(self) -> np.ndarray:
-        """(samples,) F_r >= 0 [N]."""
+        """Return F_r >= 0 (samples,) [N]."""
         return np.hypot(self.force[:, 0], self.force[:, 1])
 
     @property
     def axial(self) -> np.ndarray:
-        """(samples,) F_a along the axis, with sign [N]; ValueError where the constraints leave it open."""
+        """Return F_a (samples,) along the axis, with sign [N]; ValueError where the constraints leave it open."""
         self.check("axial force", bool(self.unique_force[2]))
         return self.force[:, 2]
 
     @property
     def tilting(self) -> np.ndarray:
-        """(samples,) moment across the axis >= 0 [N m]; a single bearing carries none, a pair does: `bearing_pair`.
+        """Return the moment across the axis >= 0 (samples,) [N m]; one bearing carries none, a `bearing_pair` does.
 
         ValueError where the constraints leave it open.
         """
@@ -84,7 +84,7 @@ class BearingLoad(Sampled):
 def bearing_load(
     solution: RunResult, joint: Joint | str, axis: ArrayLike | None = None, *, frame: str = "a"
 ) -> BearingLoad:
-    """The reaction of a joint as radial force, axial force and tilting moment.
+    """Return the reaction of a joint as radial force, axial force and tilting moment.
 
     ``joint``: one at a point that lets b turn: Revolute, Cylindrical, Screw, Spherical, ... ``axis``: of the bearing
     (3,), world at the reference pose; None = the joint's own. ``frame``: the body, "a" or "b", in which the axis and
@@ -131,7 +131,7 @@ def bearing_load(
 
 
 def relative_spin(solution: RunResult, part: Joint) -> np.ndarray:
-    """(samples, 3) w_b - w_a, world [rad/s]."""
+    """Return w_b - w_a (samples, 3), world [rad/s]."""
     rates = [solution.omega(body) if body in solution.system.bodies else np.zeros(3) for body in (part.a, part.b)]
     return rates[1] - rates[0]
 
@@ -140,8 +140,9 @@ def relative_spin(solution: RunResult, part: Joint) -> np.ndarray:
 def bearing_pair(
     solution: RunResult, joint: Joint | str, *, fixed: ArrayLike, floating: ArrayLike
 ) -> tuple[BearingLoad, BearingLoad]:
-    """Loads of two bearings on one shaft that together are the hinge, (fixed, floating); the fixed one takes the axial
-    force.
+    """Return the loads of the (fixed, floating) bearings of one shaft that together are the hinge.
+
+    The fixed one takes the axial force.
 
     From force F and moment M at the fixed bearing A, with the floating one at B = A + L u: ``F_B = M x u / L``, ``F_A =
     F - F_B``; no tilting moments are left. The radial loads need the radial force and the tilting moment of the hinge.
@@ -207,17 +208,17 @@ class Rating(Frozen):
     tilting: Number = kept(default=0.0, minimum=0.0)
 
     def factors(self, axial: np.ndarray) -> tuple[np.ndarray | float, np.ndarray | float, np.ndarray | float]:
-        """(X, Y, e) under axial forces >= 0 [N]."""
+        """Return (X, Y, e) under axial forces >= 0 [N]."""
         raise NotImplementedError
 
     def equivalent(self, radial: ArrayLike, axial: ArrayLike) -> np.ndarray:
-        """Equivalent dynamic load P [N] of radial and axial forces [N]."""
+        """Return the equivalent dynamic load P [N] of radial and axial forces [N]."""
         Fr, Fa = np.abs(np.asarray(radial, float)), np.abs(np.asarray(axial, float))
         X, Y, e = self.factors(Fa)
         return np.where(Fa <= e * Fr, Fr, X * Fr + Y * Fa)
 
     def life(self, load: BearingLoad) -> RatingLife:
-        """L10 and L10h under the loads and speeds of a run.
+        """Return L10 and L10h under the loads and speeds of a run.
 
         ValueError if the bearing does not turn, is never loaded, or cannot carry the axial forces (Y = 0) or tilting
         moments.
@@ -234,7 +235,7 @@ class Rating(Frozen):
         return self.life_of(load.t, self.equivalent(load.radial, load.axial), load.speed, what)
 
     def life_of(self, t: ArrayLike, load: ArrayLike, speed: ArrayLike, what: str = "life_of") -> RatingLife:
-        """L10 of equivalent loads P [N] and speeds [rad/s] over times [s] (trapezoidal rule)."""
+        """Return L10 of equivalent loads P [N] and speeds [rad/s] over times [s] (trapezoidal rule)."""
         t, load, speed = (np.asarray(x, float) for x in (t, load, np.abs(speed)))
         angle = np.trapezoid(speed, t)
         if not angle > 0.0:
@@ -298,7 +299,7 @@ class DeepGrooveBallBearing(Rating):
 
 @explaining
 def reliability_factor(reliability: float) -> float:
-    """a1 of L_n = a1 L10: Weibull's ``(ln(1/R) / ln(1/0.9))^(1/1.5)``, which gives the table of ISO 281:1990.
+    """Return a1 of L_n = a1 L10: Weibull's ``(ln(1/R) / ln(1/0.9))^(1/1.5)``, the table of ISO 281:1990.
 
     0.9 <= R < 1. (The table of the 2007 edition allows somewhat more: this is on the safe side.)
 

@@ -53,17 +53,17 @@ class Certificate(HasOptions):
 
     @property
     def method(self) -> str:
-        """Method of integration with its settings."""
+        """Return the method of integration with its settings."""
         return str(self.options.method)
 
     @property
     def passed(self) -> bool:
-        """True if no check fails and the run was not interrupted."""
+        """Return whether no check fails and the run was not interrupted."""
         return not self.failures
 
     @property
     def failures(self) -> tuple[str, ...]:
-        """One sentence per check that failed."""
+        """Return one sentence per check that failed."""
         found = [f"{c.name} {c.error:.2e} exceeds {c.limit:.0e}: {c.meaning}" for c in self.checks if not c.passed]
         if self.error is not None and not self.error <= DRIFT_LIMIT_MAX:
             remedy = "tighten rtol or shorten the step" if self.doubling is None else "shorten the run"
@@ -77,11 +77,11 @@ class Certificate(HasOptions):
 
     @property
     def growth(self) -> str:
-        """What errors do in an unstable motion, in words; empty for one that is not, or not known to be."""
+        """Describe what errors do in an unstable motion; empty for one that is not, or not known to be."""
         return "" if self.doubling is None else f"the motion is unstable, errors double every {self.doubling:.3g} s"
 
     def __getitem__(self, name: str) -> Check:
-        """A check by its name."""
+        """Return a check by its name."""
         for check in self.checks:
             if isinstance(name, str) and check.name == name:
                 return check
@@ -106,7 +106,7 @@ class Certificate(HasOptions):
 
     @property
     def global_error(self) -> str:
-        """What is known of the distance from the true motion."""
+        """Describe what is known of the distance from the true motion."""
         if self.error is None:
             return f"unknown{self.turned}; solution.estimate() finds it"
         order = "" if self.order is None else f", observed order {self.order:.2f}"
@@ -156,7 +156,7 @@ def certify(solution: RunResult) -> Certificate:
 
 
 def far_turn(record: Record) -> str:
-    """What the global error may be where steps that no error estimate of high order holds turned a body far."""
+    """Describe what the global error may be where steps without an error estimate of high order turned a body far."""
     coarse = record.method.dt is not None or 0 < record.method.order <= COARSE_ORDER
     if not coarse or record.farthest <= FAR_TURN:
         return ""
@@ -164,13 +164,13 @@ def far_turn(record: Record) -> str:
 
 
 def start_notes(solution: RunResult) -> list[str]:
-    """Why a run fails that starts in a pose whose mobility is infinitesimal."""
+    """Say why a run fails that starts in a pose whose mobility is infinitesimal."""
     what = describe_singularity(solution.compiled, solution.start)
     return [f"the mobility at the start is {what}"] if what.startswith(INFINITESIMAL) else []
 
 
 def notes(solution: RunResult) -> list[str]:
-    """Choices in the start, singular positions, rank events, bodies that nothing acts on, checks not made."""
+    """Return choices in the start, singular positions, rank events, bodies that nothing acts on, checks not made."""
     found = [f"start: {text}" for text in solution.start.notes]
     events = solution.record.rank_events
     found += [f"rank event at t = {t:.6g} s: {rank} rows kept ({why})" for t, rank, why, _ in events]

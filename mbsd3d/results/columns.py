@@ -86,7 +86,7 @@ class Column(NamedTuple):
 
 
 def columns(solution: RunResult) -> list[Column]:
-    """All quantities of all parts; kind is "body", "joint", "driver", "force_element", "own_state"
+    """Return all quantities of all parts; kind is "body", "joint", "driver", "force_element", "own_state"
     or "" for the whole system."""
     system, found = solution.system, []
 
@@ -120,7 +120,7 @@ def columns(solution: RunResult) -> list[Column]:
 
 
 def columns_of_effort(solution: RunResult, driver: Driver) -> list[Column]:
-    """One column per row of a driver; a driver of several rows is named with the axis or the number of the row."""
+    """Return one column per row of a driver; several rows are named with the axis or the number of the row."""
     effort = solution.effort(driver).reshape(solution.t.size, -1)
     units = [unit for row in driver.rows() for unit in ["N" if row.in_metres else "N m"] * row.n_rows]
     if isinstance(driver, PositionDriver):
@@ -132,7 +132,7 @@ def columns_of_effort(solution: RunResult, driver: Driver) -> list[Column]:
 
 
 def loads_of(solution: RunResult, force: ForceElement) -> dict[str, Load]:
-    """Loads of a force by name: on body b, or on every body of a custom force; none where its function is lost."""
+    """Return loads of a force by name: on body b, or on every body of a custom force; none where it is lost."""
     if isinstance(force, SavedForce):
         return {}
     name = solution.system.name(force)
@@ -143,7 +143,7 @@ def loads_of(solution: RunResult, force: ForceElement) -> dict[str, Load]:
 
 
 def columns_of_force(solution: RunResult, force: ForceElement) -> list[Column]:
-    """Wrench, power, energy and stretch of a force."""
+    """Return wrench, power, energy and stretch of a force."""
     found = []
     for k, (name, load) in enumerate(loads_of(solution, force).items()):
         shown: dict[str, np.ndarray | None] = {
@@ -160,13 +160,13 @@ def columns_of_force(solution: RunResult, force: ForceElement) -> list[Column]:
 
 
 def columns_of_states(solution: RunResult, force: ForceElement) -> list[Column]:
-    """One column per own state of a force, by its name or number."""
+    """Return one column per internal state of a force, by its name or number."""
     name, values = solution.system.name(force), zip(force.state_names(), solution.state_of(force).T, strict=True)
     return [Column("own_state", f"{name}.{own}", "state", state(force, k).unit, z) for k, (own, z) in enumerate(values)]
 
 
 def components(values: np.ndarray) -> tuple[str, tuple[str, ...]]:
-    """Dimension and labels of the components of a column."""
+    """Return the dimension and labels of the components of a column."""
     if values.ndim == 0 or (values.ndim == 1 and values.dtype != bool):
         return "", ()
     return ("axis", ("x", "y", "z")) if values.shape[-1] == 3 else ("quaternion", ("e0", "e1", "e2", "e3"))

@@ -66,19 +66,21 @@ class TyreLoad(Load):
 
     @property
     def slip_angle(self) -> np.ndarray:
-        """Angle from the way the wheel rolls to the way it points [rad], > 0 where the force is to the left."""
+        """Return the angle from the way the wheel rolls to the way it points [rad], > 0 for a force to the left."""
         return -np.arctan2(self.slip_y, self.speed)
 
     @property
     def slip_ratio(self) -> np.ndarray:
-        """Slip over the speed of the hub, > 0 where the force is ahead (driven, or braked on the way back); infinite or
-        NaN at rest."""
+        """Return slip over the speed of the hub, > 0 where the force is ahead; infinite or NaN at rest.
+
+        The force is ahead on a driven wheel, and on one that is braked on the way back.
+        """
         with np.errstate(divide="ignore", invalid="ignore"):
             return -self.slip_x / self.speed
 
 
 def load_of(solution: RunResult, force: ForceElement | str, on: Body | Ground | str | None = None) -> Load:
-    """See `Solution.force`."""
+    """Return the load of a force element; see `Solution.force`."""
     system = solution.system
     part = system.part(force, "forces")
     if isinstance(part, SavedForce):
@@ -103,7 +105,7 @@ def load_of(solution: RunResult, force: ForceElement | str, on: Body | Ground | 
 
 
 def acted_body(solution: RunResult, part: ForceElement, on: Body | Ground | str | None) -> Body | Ground:
-    """The body meant: None = body b of two, the last one of a `CustomForce`."""
+    """Return the body meant: None = body b of two, the last one of a `CustomForce`."""
     bodies = list({id(body): body for body in part.record().bodies}.values())
     if on is None:
         return bodies[-1]
@@ -116,7 +118,7 @@ def acted_body(solution: RunResult, part: ForceElement, on: Body | Ground | str 
 
 
 def acting_points(solution: RunResult, part: ForceElement, body: Body | Ground) -> np.ndarray:
-    """(samples, 3) points of `ForceElement.acts_at`; along a hinge coordinate, where the joint gives its reaction."""
+    """Return the points (samples, 3) of `ForceElement.acts_at`, or where the joint gives its reaction."""
     if part.record().coordinate is not None:
         return part.partners()[0].reaction_points(solution)
     if isinstance(part, Contact):
@@ -127,7 +129,9 @@ def acting_points(solution: RunResult, part: ForceElement, body: Body | Ground) 
 def wrenches_about_O(
     solution: RunResult, part: ForceElement, body: Body | Ground
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """(force and moment about O on the body (samples, 6), power given to all bodies (samples,), rates of the own states
+    """Return the wrench of a force element about O on a body, its power and its rates.
+
+    The tuple is (force and moment (samples, 6), power given to all bodies (samples,), rates of the internal states
     (samples, k), what the law shows (samples, 12)).
     """
     compiled, arrays, samples = solution.compiled, solution.arrays, solution.t.size
@@ -149,7 +153,7 @@ def wrenches_about_O(
 
 
 def stretch(solution: RunResult, part: ForceElement) -> dict[str, np.ndarray]:
-    """Length or angle along which an element acts, and its rate."""
+    """Return the length or angle along which an element acts, and its rate."""
     x = part.record().coordinate
     if x is not None:
         values = solution.arrays["coordinate"][:, solution.compiled.coordinate(x)]

@@ -28,12 +28,12 @@ class Motion:
 
     @property
     def t(self) -> np.ndarray:
-        """(samples,) times [s]."""
+        """Return the times [s] (samples,)."""
         return self.arrays["t"]
 
     @property
     def system(self) -> Mechanism:
-        """The system that moves."""
+        """Return the system that moves."""
         return self.compiled.system
 
     def _body(self, body: Body | str) -> int:
@@ -41,33 +41,33 @@ class Motion:
         return index if index < self.compiled.model.body.size else self.compiled.body_index[id(self.system.part(body))]
 
     def position(self, body: Body | str) -> np.ndarray:
-        """Reference point of a body [m]."""
+        """Return the reference point of a body [m]."""
         return self.arrays["q"][:, self._body(body), :3]
 
     def orientation(self, body: Body | str) -> np.ndarray:
-        """(samples, 4) unit quaternion of a body, scalar first, body -> world."""
+        """Return the unit quaternion of a body (samples, 4), scalar first, body -> world."""
         return self.arrays["q"][:, self._body(body), 3:]
 
     def rotation(self, body: Body | str) -> np.ndarray:
-        """(samples, 3, 3) rotation matrix of a body, body -> world."""
+        """Return the rotation matrix of a body (samples, 3, 3), body -> world."""
         return matrix(self.orientation(body))
 
     def com(self, body: Body | str) -> np.ndarray:
-        """Centre of mass [m]."""
+        """Return the centre of mass [m]."""
         return self.point(body, self.system.part(body).com)
 
     def point(self, body: Body | str, local: ArrayLike) -> np.ndarray:
-        """World position of a point given in body axes from the reference point [m]."""
+        """Return the world position of a point given in body axes from the reference point [m]."""
         return self.position(body) + self.rotation(body) @ vector(local, "point: local")
 
     def body_axis(self, body: Body | Ground | str, axis: ArrayLike) -> np.ndarray:
-        """(samples, 3) world direction of an axis fixed in a body (or GROUND), given at the reference pose."""
+        """Return the world direction (samples, 3) of an axis fixed in a body or GROUND, given at the reference pose."""
         if isinstance(body, Ground):
             return np.broadcast_to(vector(axis, "body_axis: axis"), (self.t.size, 3))
         return self.rotation(body) @ self.system.part(body).local_axis(axis)
 
     def body_point(self, body: Body | Ground | str, point: ArrayLike) -> np.ndarray:
-        """(samples, 3) world position of a point fixed in a body (or GROUND), given at the reference pose [m]."""
+        """Return the world position (samples, 3) [m] of a point of a body or GROUND, given at the reference pose."""
         if isinstance(body, Ground):
             return np.broadcast_to(vector(point, "body_point: point"), (self.t.size, 3))
         return self.point(body, self.system.part(body).local_point(point))

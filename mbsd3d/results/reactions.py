@@ -112,7 +112,7 @@ class Open(NamedTuple):
 
 
 def open_shares(rows: BlockRows, tolerance: float) -> list[Open]:
-    """What scaled rows leave open, island by island: a null space of all rows would grow with the cube of a system."""
+    """Return what scaled rows leave open, island by island: one null space would grow with the cube of a system."""
     if surely_independent(rows, tolerance):
         return []
     found = []

@@ -57,12 +57,12 @@ class HasOptions:
 
     @property
     def rtol(self) -> float:
-        """Relative tolerance of the run."""
+        """Return the relative tolerance of the run."""
         return self.options.rtol
 
     @property
     def switches(self) -> Switches:
-        """Teaching switches of the run."""
+        """Return the teaching switches of the run."""
         return self.options.switches
 
 
@@ -95,12 +95,12 @@ class Record(HasOptions):
 
     @property
     def method(self) -> Method:
-        """Method of integration."""
+        """Return the method of integration."""
         return self.options.method
 
     @property
     def kinematic(self) -> bool:
-        """True where nothing is integrated: the poses follow from the drivers."""
+        """Return whether nothing is integrated: the poses follow from the drivers."""
         return self.method.order == 0
 
     def note_turning(self, now: np.record, bodies: list[str]) -> None:
@@ -116,7 +116,7 @@ QUANTITIES = ("t", "y", "acceleration", "lam", "coordinate", "potential", "power
 
 
 def buffer_size(wanted: int, width: int) -> int:
-    """Samples the buffer holds: those wanted, if there is room."""
+    """Return how many samples the buffer holds: those wanted, if there is room."""
     return min(wanted, max(FEWEST, BUFFER // width))
 
 
@@ -143,7 +143,7 @@ class Samples:
         self.count = count
 
     def finished(self) -> dict[str, np.ndarray]:
-        """The arrays without spare room; no samples can be taken after this."""
+        """Return the arrays without spare room; no samples can be taken after this."""
         for array in self.arrays.values():
             array.resize((self.count, array.shape[1]), refcheck=False)
         return dict(self.arrays)

@@ -100,23 +100,23 @@ class RunResult(Motion):
         return cls(compiled, arrays, record, start, end)
 
     def velocity(self, body: Body | str) -> np.ndarray:
-        """Velocity of the reference point [m/s]."""
+        """Return the velocity of the reference point [m/s]."""
         return self.arrays["v"][:, self._body(body), :3]
 
     def omega(self, body: Body | str) -> np.ndarray:
-        """Angular velocity [rad/s], world axes."""
+        """Return the angular velocity [rad/s], world axes."""
         return self.arrays["v"][:, self._body(body), 3:]
 
     def omega_body(self, body: Body | str) -> np.ndarray:
-        """Angular velocity [rad/s], body axes."""
+        """Return the angular velocity [rad/s], body axes."""
         return np.einsum("tji,tj->ti", self.rotation(body), self.omega(body))
 
     def acceleration(self, body: Body | str) -> np.ndarray:
-        """Acceleration of the reference point [m/s^2]."""
+        """Return the acceleration of the reference point [m/s^2]."""
         return self.arrays["acceleration"][:, self._body(body), :3]
 
     def alpha(self, body: Body | str) -> np.ndarray:
-        """Angular acceleration [rad/s^2], world axes."""
+        """Return the angular acceleration [rad/s^2], world axes."""
         return self.arrays["acceleration"][:, self._body(body), 3:]
 
     def _coordinate(self, joint: Joint | str, kind: str) -> int:
@@ -124,15 +124,15 @@ class RunResult(Motion):
         return self.compiled.coordinate(coordinate_of(part, kind, f"solution.{kind}"))
 
     def angle(self, joint: Joint | str) -> np.ndarray:
-        """(samples,) angle of a hinge [rad], unwrapped, zero at the reference pose."""
+        """Return (samples,) angle of a hinge [rad], unwrapped, zero at the reference pose."""
         return self.arrays["coordinate"][:, self._coordinate(joint, "angle")]
 
     def slide(self, joint: Joint | str) -> np.ndarray:
-        """(samples,) displacement of a sliding joint [m]."""
+        """Return (samples,) displacement of a sliding joint [m]."""
         return self.arrays["coordinate"][:, self._coordinate(joint, "slide")]
 
     def rate(self, joint: Joint | str) -> np.ndarray:
-        """(samples,) rate of a hinge's angle [rad/s], or of a slide [m/s] where there is no angle."""
+        """Return (samples,) rate of a hinge's angle [rad/s], or of a slide [m/s] where there is no angle."""
         part = self.system.part(joint, "joints")
         x = part.angle() or part.slide()
         if x is None:
@@ -140,7 +140,7 @@ class RunResult(Motion):
         return self._coordinate_rate(x)
 
     def _coordinate_rate(self, x: Coordinate) -> np.ndarray:
-        """(samples,) rate of a hinge coordinate [rad/s or m/s]."""
+        """Return (samples,) rate of a hinge coordinate [rad/s or m/s]."""
         if x.kind not in ("angle", "slide"):
             return self.measure(Measure("coordinate rate", f"rate of a {x.kind}", "m/s", x.a, x.b, coordinate=x))
         axis = self.body_axis(x.a, x.axis)
@@ -152,18 +152,18 @@ class RunResult(Motion):
         return np.einsum("ti,ti->t", axis, v_b - v_a_there)
 
     def _point_motion(self, body: Body | Ground, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """World position and velocity of a body point given at the reference pose."""
+        """Return world position and velocity of a body point given at the reference pose."""
         if isinstance(body, Ground):
             return np.broadcast_to(point, (self.t.size, 3)), np.zeros((self.t.size, 3))
         return self._carried(body, body.local_point(point))
 
     def _carried(self, body: Body, local: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """World position and velocity of a point given in body axes from the reference point."""
+        """Return world position and velocity of a point given in body axes from the reference point."""
         arm = self.rotation(body) @ local
         return self.position(body) + arm, self.velocity(body) + crosses(self.omega(body), arm)
 
     def measure(self, measures: Measure | Sequence[Measure]) -> np.ndarray:
-        """(samples,) values of one of `mbsd3d.measures`, (samples, k) of k of them.
+        """Return the values (samples,) of one of `mbsd3d.measures`, (samples, k) of k of them.
 
         Angles of hinges are those of the run. Other angles, e.g. headings, are followed from sample to sample: between
         two of them the mean of both rates must tell the turn to within half a turn.
@@ -189,40 +189,40 @@ class RunResult(Motion):
         return values[:, 0] if isinstance(measures, Measure) else values
 
     def state_of(self, force: ForceElement | str) -> np.ndarray:
-        """(samples, k) own states of a force element, e.g. of a filter or a `CustomForce`."""
+        """Return the internal states (samples, k) of a force element, e.g. of a filter or a `CustomForce`."""
         part = self.system.part(force, "forces")
         entry = self.compiled.model.force[self.system.forces.index(part)]
         return self.arrays["z"][:, entry["state"] : entry["state"] + entry["states"]]
 
     @property
     def _rows(self) -> RunRows:
-        """What the rows of the run are taken from."""
+        """Return what the rows of the run are taken from."""
         return RunRows(self.compiled, self.t, self.arrays["state"], self.arrays["coordinate"], self.record)
 
     @cached_property
     def _probes(self) -> list[Probe]:
-        """What the constraints leave open at a few samples."""
+        """Return what the constraints leave open at a few samples."""
         return self._rows.probes()
 
     def _shares_of(self, groups: list[list[Joint]]) -> Shares:
-        """Least-norm shares, and what is determined of the net wrenches of joints."""
+        """Return least-norm shares, and what is determined of the net wrenches of joints."""
         origins = [0.0 if parts[0].b is GROUND else self.position(parts[0].b) for parts in groups]
         arms = [parts[0].reaction_points(self) - O for parts, O in zip(groups, origins, strict=True)]
         return self._rows.share_out(self.arrays["lam"], [group_of(self.compiled, parts) for parts in groups], arms)
 
     @cached_property
     def _shares(self) -> tuple[np.ndarray, dict[int, Determined]]:
-        """Multipliers (samples, rows) of least norm, and what is determined of each joint that is not at all probes."""
+        """Return multipliers (samples, rows) of least norm, and what is determined of each joint."""
         joints = [joint for joint in self.system.joints if not self._is_unique([joint])]
         lam, determined = self._shares_of([[joint] for joint in joints])
         return lam, dict(zip(map(id, joints), determined, strict=True))
 
     def _is_unique(self, parts: list[Joint]) -> bool:
-        """Whether all of the net wrench of joints is determined wherever the run was looked at first."""
+        """Return whether all of the net wrench of joints is determined wherever the run was looked at first."""
         return not self._probes or is_unique(self.compiled, self._probes, group_of(self.compiled, parts))
 
     def _determined(self, parts: list[Joint]) -> Determined:
-        """Directions in which the constraints determine the net wrench of joints of one body b."""
+        """Return directions in which the constraints determine the net wrench of joints of one body b."""
         if self._is_unique(parts):
             return all_determined(self.t.size)
         return self._shares[1][id(parts[0])] if len(parts) == 1 else self._shares_of([parts]).determined[0]
@@ -261,7 +261,7 @@ class RunResult(Motion):
         return self._determined(parts).reaction(force, moment, point, slice(None))
 
     def effort(self, driver: Driver | str) -> np.ndarray:
-        """(samples,) torque [N m] or force [N] a driver applies to b along its motion; (samples, k) for k rows."""
+        """Return torque [N m] or force [N] of a driver on b along its motion (samples,); (samples, k) for k rows."""
         part = self.system.part(driver, "joints")
         if not isinstance(part, Driver):
             raise InputError(f"'{self.system.name(part)}' ({type(part).__name__}) is not a driver; use reaction")
@@ -283,11 +283,11 @@ class RunResult(Motion):
         return Energy(kinetic, potential, kinetic + potential, work)
 
     def energy(self) -> Energy:
-        """Kinetic, potential (gravity and springs), total energy and the work done by drivers and other forces [J]."""
+        """Return kinetic, potential (gravity, springs) and total energy, and work of drivers and other forces [J]."""
         return self._energy
 
     def work(self, part: Driver | ForceElement | str) -> np.ndarray:
-        """(samples,) work [J] done since the start by a driver, or by the part of a force that stores no energy."""
+        """Return the work [J] since the start of a driver, or of the part of a force that stores no energy."""
         model, system = self.compiled.model, self.system
         if any(part is force or (isinstance(part, str) and part == system.name(force)) for force in system.forces):
             first = model.z_work + system.forces.index(system.part(part, "forces"))
@@ -297,7 +297,7 @@ class RunResult(Motion):
         return self.arrays["z"][:, model.z_drive + numbers[numbers >= 0]].sum(axis=1)
 
     def momentum(self) -> Momentum:
-        """Momentum and angular momentum about the world origin."""
+        """Return momentum and angular momentum about the world origin."""
         linear, angular = np.zeros((self.t.size, 3)), np.zeros((self.t.size, 3))
         for body in self.system.bodies:
             centre, v_com = self._carried(body, body.com)
@@ -309,7 +309,7 @@ class RunResult(Motion):
 
     @cached_property
     def about_centre(self) -> AboutCentre:
-        """The motion about the centre of mass of the whole, the same for every observer.
+        """Return the motion about the centre of mass of the whole, the same for every observer.
 
         Summed about the middle of the bodies and relative to their mean velocity, then moved to the centre of mass: at
         1e5 m/s the energy of the whole would leave no digits of what goes on in it.
@@ -334,12 +334,12 @@ class RunResult(Motion):
         return AboutCentre(middle + place, mean + velocity, kinetic, angular, fastest, farthest)
 
     def drift(self) -> Drift:
-        """Constraint residuals at the samples."""
+        """Return the constraint residuals at the samples."""
         residual = self.arrays["residual"]
         return Drift(residual[:, 0], residual[:, 1])
 
     def state(self, sample: int = -1) -> State:
-        """The state at a sample, to start another run from."""
+        """Return the state at a sample, to start another run from."""
         count = self.t.size
         if not count:
             raise InputError("solution.state: the solution has no samples; run it to a later time")
@@ -353,14 +353,14 @@ class RunResult(Motion):
 
 
 def unit_quaternions(q: np.ndarray) -> np.ndarray:
-    """q with |e| = 1 for every body: without stabilisation the norms drift, which R(e) does not see."""
+    """Return q with |e| = 1 for every body: without stabilisation the norms drift, which R(e) does not see."""
     poses = q.reshape(-1, 7).copy()
     poses[:, 3:] /= np.linalg.norm(poses[:, 3:], axis=1, keepdims=True)
     return poses.ravel()
 
 
 def world_velocities(states: np.ndarray, n: int) -> np.ndarray:
-    """(samples, n, 6) world velocities (r_dot, w) from states y with u = (r_dot, R'w)."""
+    """Return world velocities (r_dot, w) (samples, n, 6) from states y with u = (r_dot, R'w)."""
     v = np.empty((states.shape[0], n, 6))
     some = max(1, 2**14 // n)  # samples at a time: their rotation matrices take 1 MB
     for k in range(0, states.shape[0], some):

@@ -31,7 +31,7 @@ class Rates:
         set_input(self.compiled, name, value)
 
     def __call__(self, state: State) -> tuple[np.ndarray, np.ndarray]:
-        """((n, 6) acceleration of the reference points and angular acceleration, world axes; (k,) rates of z).
+        """Return accelerations (n, 6) of reference points and angles, world axes, and rates (k,) of z.
 
         AssemblyError where the equations have no solution.
         """

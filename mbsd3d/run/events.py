@@ -23,7 +23,7 @@ TINY = 1e-40  # of a complex step: its square vanishes
 
 
 def turns_of_signals(model: Model, t_start: float) -> np.ndarray:
-    """(k, 2) times [s], sorted, at which a table or a pulse turns: the end of a step, and the start of the next one.
+    """Return times (k, 2) [s], sorted, at which a table or a pulse turns: the end of a step, and the start of the next.
 
     Where a second derivative jumps, as that of a pulse does, the step ends before by a rounding: a driver would read
     the acceleration behind the jump there.
@@ -38,7 +38,7 @@ def turns_of_signals(model: Model, t_start: float) -> np.ndarray:
 def armed_at_start(
     compiled: Compiled, data: Data, tree: Tree, run: Run, stop_when: Condition
 ) -> tuple[int, float, float]:
-    """(1 if the condition is false at the start or becomes so at once, else 0; slack of the value; time of a hop).
+    """Return (1 if the condition is false at the start or becomes so at once, else 0; slack of the value; hop time).
 
     A run may start where the measure has the value already, as one does that goes on after an event: then the sign of
     its rate says whether the condition becomes false or true there. Where it becomes true, or where nothing moves, the
@@ -73,7 +73,7 @@ def armed_at_start(
 
 
 def rate_of_measure(compiled: Compiled, data: Data, t: float, y: np.ndarray, dy: np.ndarray) -> float:
-    """Rate of the measure at a state with its rate, exact to rounding: by a complex step along the motion."""
+    """Return the rate of the measure at a state with its rate, exact to rounding: a complex step along the motion."""
     varied = compiled.data(complex)
     varied.coordinate[:], varied.unwrap_time[:] = data.coordinate, data.unwrap_time
     kinematics(compiled.model, varied, y + 1j * TINY * dy)
@@ -81,7 +81,7 @@ def rate_of_measure(compiled: Compiled, data: Data, t: float, y: np.ndarray, dy:
 
 
 def rate_of_motion(v: np.ndarray, a: np.ndarray, length: float) -> float:
-    """[1/s] how fast a motion changes, by velocities and accelerations (n, 6) of its bodies; 1 where unknown."""
+    """Return how fast a motion changes [1/s], by velocities and accelerations (n, 6) of its bodies; 1 where unknown."""
     spin = np.abs(v[:, 3:]).max(initial=0.0) + np.sqrt(np.abs(a[:, 3:]).max(initial=0.0))
     relative = np.abs(v[:, :3] - v[:, :3].mean(axis=0)).max(initial=0.0) / length
     rate = spin + relative + np.sqrt(np.abs(a[:, :3]).max(initial=0.0) / length)
@@ -89,7 +89,7 @@ def rate_of_motion(v: np.ndarray, a: np.ndarray, length: float) -> float:
 
 
 def check_digits(t_end: float, rate: float) -> None:
-    """InputError for an end so late that times have no digits left for a motion."""
+    """Raise an InputError for an end so late that times have no digits left for a motion."""
     apart = float(np.spacing(abs(t_end)))  # NaN for a run without end
     if rate * apart > START_UNCERTAINTY_MAX:
         raise InputError(

@@ -55,7 +55,7 @@ WATCHED_STEPS_RATIO = 1.01  # [1] of the steps at the last entry kept: a run may
 
 
 def driven_to(compiled: Compiled, t: float) -> str:
-    """The drivers, with the positions that they prescribe at t."""
+    """Return the drivers, with the positions that they prescribe at t."""
     drivers = list({id(driver): driver for driver, _ in compiled.drives}.values())
     return " and ".join(
         f"driver '{compiled.system.name(x)}' ({type(x).__name__}){prescribed_positions(x, t)}" for x in drivers
@@ -63,7 +63,7 @@ def driven_to(compiled: Compiled, t: float) -> str:
 
 
 def prescribed_positions(driver: Driver, t: float) -> str:
-    """The position that a driver prescribes; nothing for one that prescribes a speed."""
+    """Return the position that a driver prescribes; nothing for one that prescribes a speed."""
     unit = UNITS.get(type(driver))
     values = [float(row.signal(t)) for row in driver.primitives if row.signal is not None]
     return f" at {', '.join(f'{value:.6g}' for value in values)} {unit}" if unit and values else ""
@@ -83,7 +83,7 @@ def at_end_of_curve(compiled: Compiled, data: Data, h: float) -> str | None:
 def singular_start(
     compiled: Compiled, start: State, t: float = -np.inf, t_end: float = np.inf
 ) -> tuple[str, str] | None:  # fmt: skip
-    """(what is wrong with the pose at the start of a run that has ended at t, advice), if the run has not left it.
+    """Return (what is wrong with the pose at the start of a run that ended at t, advice), if the run has not left it.
 
     What moves infinitesimally there is the reason also for a run that ends later.
     """
@@ -95,17 +95,17 @@ def singular_start(
 
 
 def singular_there(compiled: Compiled, start: State, y: np.ndarray, t: float) -> str:
-    """What is singular about the pose that a run has come to; "" for a regular one."""
+    """Describe what is singular about the pose that a run has come to; "" for a regular one."""
     return describe_singularity(compiled, replace(start, t=t, q=y[: start.q.size]))
 
 
 def probe_times(t: float, h: float) -> tuple[float, ...]:
-    """Times at which what ends a run shows: t, where it ended, and after a step h or a small share of t."""
+    """Return times at which what ends a run shows: t, where it ended, and after a step h or a small share of t."""
     return (t, t + 1e-9 * max(abs(t), 1.0), t + max(h, 0.0), t + 1e-3 * max(abs(t), 1.0))
 
 
 def contradiction(compiled: Compiled, data: Data, y: np.ndarray, t: float, h: float) -> Contradiction | None:
-    """Drivers that prescribe two motions for one freedom from t on, if any: their signals part long after the start."""
+    """Return drivers whose signals part from t on, long after the start: two motions for one degree of freedom."""
     for later in probe_times(t, h) if len(compiled.drives) > 1 else ():
         load_rows(compiled, data, y, later)
         if not np.isfinite(data.row["J"]).all():
@@ -126,7 +126,7 @@ class Blamed(NamedTuple):
 def find_nonfinite_part(
     compiled: Compiled, data: Data, y: np.ndarray, t: float, h: float, dy: np.ndarray
 ) -> Blamed | None:
-    """The joint or force whose numbers are not finite at t, or just after it along the rates dy, if any."""
+    """Return the joint or force whose numbers are not finite at t, or just after it along the rates dy, if any."""
     for later in probe_times(t, h):
         moved = y + (later - t) * dy if np.isfinite(dy).all() else y
         load_rows(compiled, data, moved, later)
@@ -145,7 +145,7 @@ def find_nonfinite_part(
 
 
 def what_fails(compiled: Compiled, k: int, y: np.ndarray, t: float, rates: np.ndarray) -> str:
-    """The exception that the function of a force raises, or which of its numbers are not finite."""
+    """Return the exception that the function of a force raises, or which of its numbers are not finite."""
     force = compiled.system.forces[k]
     if isinstance(force, FunctionForce) and (error := exception_of(compiled, k, y, t)):
         return f"its function raises {type(error).__name__}{f': {error}' if str(error) else ''}"
@@ -173,7 +173,7 @@ class DivergenceWatch:
         self.seen: list[tuple[int, float, float]] = []  # steps, time, greatest speed
 
     def diverges(self, y: np.ndarray, steps: int, t: float, speed: float) -> bool:
-        """True for a motion that grows without end, given the state, the steps so far and the greatest speed so far.
+        """Return whether a motion grows without end, given the state, the steps so far and the greatest speed so far.
 
         Asked of systems with an active force only.
         """
@@ -190,13 +190,13 @@ class DivergenceWatch:
         return steps > STEPS_BEFORE_CHECK and lately and speed > 1.8 * speed_half
 
     def check(self, run: Run, data: Data, solution: Callable[[], RunResult]) -> None:
-        """IntegrationError for a motion that grows without end."""
+        """Raise an IntegrationError for a motion that grows without end."""
         now = run.now
         if self.active and self.diverges(run.y, int(now.steps), float(now.t), float(now.speed)):
             raise self.error(data, float(now.t), solution())
 
     def error(self, data: Data, t: float, solution: RunResult) -> IntegrationError:
-        """The error that names the active force of greatest power."""
+        """Return the error that names the active force of greatest power."""
         forces, power = self.compiled.system.forces, np.abs(data.force["power"][self.active])
         worst = self.active[int(np.argmax(np.where(np.isfinite(power), power, np.inf)))]
         return IntegrationError(

@@ -20,7 +20,7 @@ SEEN, ROUNDING = 10.0, 1e-9  # times the error otherwise found, and the least, w
 
 
 def estimate(solution: RunResult) -> Certificate:
-    """The certificate with a global error estimate: the same run at tighter settings, compared at the samples.
+    """Return the certificate with a global error estimate: the same run at tighter settings, compared at the samples.
 
     Adaptive: rtol/32 and rtol/1024 (rtol/4 and rtol/16 where these cannot be reached); fixed steps: dt/2 and dt/4;
     driven poses: half and a quarter apart. The error is the largest difference of positions (model lengths) and angles
@@ -90,7 +90,7 @@ def probed(solution: RunResult) -> RunResult:
 
 
 def distances(one: RunResult, other: RunResult) -> np.ndarray:
-    """(samples,) largest difference of poses over the bodies: positions in model lengths, rotations in radians."""
+    """Return the largest difference of poses over the bodies (samples,): in model lengths and in radians."""
     a, b = one.arrays["q"], other.arrays["q"]
     shift = np.linalg.norm(a[..., :3] - b[..., :3], axis=-1) / one.compiled.model.length
     turn = 2.0 * np.minimum(
@@ -100,7 +100,7 @@ def distances(one: RunResult, other: RunResult) -> np.ndarray:
 
 
 def doubling_time(t: np.ndarray, apart: np.ndarray) -> float | None:
-    """Time [s] in which the distance of two runs doubles, if it grows like exp(k t) and not like a power of t.
+    """Return the time [s] in which the distance of two runs doubles, if it grows like exp(k t), not like a power of t.
 
     Read where it is neither rounding nor as large as the motion itself, and only where it grows a thousandfold.
     """

@@ -42,7 +42,7 @@ MEMORY_ADVICE = "keep what it remembers in states=, with its rate in z_dot, and 
 
 
 def check_initial_penetration(compiled: Compiled, y: np.ndarray) -> None:
-    """ValueError for a wheel or surface that starts in the plane up to its centre: any `Tyre`, a `Contact` as built.
+    """Refuse a wheel or surface that starts in the plane up to its centre: any `Tyre`, a `Contact` as built.
 
     Elsewhere a `Contact` may start deep, but not far deeper than its surface is large.
     """
@@ -147,7 +147,7 @@ def exception_of(compiled: Compiled, k: int, y: np.ndarray, t: float) -> Excepti
 
 
 def check_balance(compiled: Compiled, y: np.ndarray, t: float) -> None:
-    """ValueError for a `CustomForce` on several moving bodies whose loads leave a resultant, unless it is external.
+    """Refuse a `CustomForce` on several moving bodies whose loads leave a resultant, unless it is external.
 
     Sum F = 0 and sum (M + r x F) = 0 over its bodies, r the reference points, at the state and time given.
     """

@@ -278,7 +278,7 @@ class Job:
         return RunResult.from_run(self.compiled, arrays, record, self.start, run.y.copy(), float(now["t"]), self.data)
 
     def fail(self, status: int) -> None:
-        """IntegrationError with time, part, advice and what was computed."""
+        """Raise an IntegrationError with time, part, advice and what was computed."""
         t = float(self.memory.now.t)
         solution = self.solution()
         dt = self.options.method.dt

@@ -79,20 +79,20 @@ class Playable(Protocol):
 
     @property
     def controls(self) -> Sequence[Control]:
-        """Numbers that change while it moves."""
+        """Return the numbers that change while the model moves."""
 
     @property
     def panels(self) -> Sequence[Panel]:
-        """Curves beside the scene."""
+        """Return the curves beside the scene."""
 
     def built(self, values: Mapping[str, float], state: State | None) -> Built:
-        """The model, at its start, or as it goes on from a state of the one before."""
+        """Return the model, at its start, or as it goes on from a state of the one before."""
 
     def inputs(self, values: Mapping[str, float], measured: Sequence[float] | np.ndarray) -> Mapping[str, float]:
-        """Values of the `Input` signals for the next segment."""
+        """Return the values of the `Input` signals for the next segment."""
 
     def seen(self, values: Mapping[str, float], measured: Sequence[float] | np.ndarray) -> Seen:
-        """What is shown beside the scene."""
+        """Return what is shown beside the scene."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,7 +132,7 @@ def plain(
     ranges: Mapping[Input | str, Sequence[float]] | None = None,
     curves: Sequence[Measure] | None = None,
 ) -> Plain:
-    """A system with a control for each input that a range (low, high) is given for, and curves of measures.
+    """Return a system with a control for each input that a range (low, high) is given for, and curves of measures.
 
     Raises
     ------
@@ -151,7 +151,7 @@ def plain(
 
 
 def controls_of(system: Mechanism, ranges: Mapping[Input | str, Sequence[float]]) -> list[Control]:
-    """A control for each range given, in their order."""
+    """Return a control for each range given, in their order."""
     if not isinstance(ranges, Mapping):
         raise InputError(f"play: inputs = {shown(ranges)}; give a dict, e.g. {{'motor': (-5, 5)}}")
     have, made = starts(compile_system(system)), []
@@ -185,7 +185,7 @@ def controls_of(system: Mechanism, ranges: Mapping[Input | str, Sequence[float]]
 
 
 def usual_curves(system: Mechanism) -> list[Measure]:
-    """Angles and slides of the first joints that have one; without any, the velocity of the heaviest body."""
+    """Return angles and slides of the first joints that have one; without any, the velocity of the heaviest body."""
     found = []
     for kind, of in (("angle", angle), ("slide", slide)):
         joints = [joint for joint in system.joints if getattr(joint, kind)() is not None][:LINES]

@@ -44,7 +44,7 @@ class Patience(Progress):
         self.over = threading.Event()
 
     def update(self, now: float) -> None:
-        """GivenUpError if it is over."""
+        """Raise a GivenUpError if the time is over."""
         if self.over.is_set():
             raise GivenUpError
 

@@ -12,7 +12,7 @@ from ..mechanism.mechanism import Mechanism
 
 
 def compile_loop() -> None:
-    """The loop of the default method, by the types of what it is called with."""
+    """Compile the loop of the default method, by the types of what it is called with."""
     compiled, method = compile_system(Mechanism([Body("body", 1.0, (0.1, 0.2, 0.25))])), DOP853()
     model, data = compiled.model, compiled.data()
     memory = allocate_run(np.zeros(13), 1, np.zeros(0), 1, 1, method.dense_terms)

@@ -50,14 +50,14 @@ def check_end(t_end: Any, t_start: float, what: str) -> float:
 
 
 def check_steps(method: Method, span: float, what: str) -> None:
-    """ValueError for steps [s] so short that a time span [s] takes days."""
+    """Refuse steps [s] so short that a time span [s] takes days."""
     name, longest = ("max_step", method.max_step) if method.dt is None else ("dt", method.dt)
     if (steps := span / longest) > MOST_STEPS:
         raise InputError(f"{what}: {name} = {longest:g} s needs {steps:.2g} steps; give a longer one")
 
 
 def check_own_steps(system: Mechanism, span: float) -> None:
-    """ValueError for a custom force that asks for steps so short that a time span [s] takes days."""
+    """Refuse a custom force that asks for steps so short that a time span [s] takes days."""
     for _, force in own_forces(system):
         if (steps := span / force.max_step) > MOST_STEPS:
             raise InputError(
@@ -67,7 +67,7 @@ def check_own_steps(system: Mechanism, span: float) -> None:
 
 
 def check_system(system: Any, what: str) -> None:
-    """ValueError for anything but a System."""
+    """Refuse anything but a System."""
     if not isinstance(system, Mechanism):
         raise InputError(f"{what}: {shown(system)} is not a System; give System(bodies=[...], joints=[...])")
 
@@ -81,13 +81,13 @@ def check_state(state: Any, what: str, needed: bool = False) -> None:
 
 
 def check_signals(compiled: Compiled, t_start: float, t_end: float) -> None:
-    """Tables must cover the run."""
+    """Check that tables cover the run."""
     for part, signal in signals_of(compiled.system):
         check_interval(signal, t_start, t_end, f"'{compiled.system.name(part)}'")
 
 
 def check_room(samples: int, width: int, what: str = "simulate: output") -> None:
-    """ValueError for more samples than memory has room for."""
+    """Refuse more samples than memory has room for."""
     if samples * width > MOST_NUMBERS:
         raise InputError(
             f"{what}: {shown(samples)} samples of {width} numbers are more than memory holds; give at most "
@@ -120,6 +120,6 @@ def output_times(output: Any, t_start: float, t_end: float, method: Method, widt
 
 
 def accelerations_at(system: Mechanism, start: State, options: RunOptions) -> RunResult:
-    """Accelerations and reactions at one state, as a result with a single sample."""
+    """Return accelerations and reactions at one state, as a result with a single sample."""
     compiled = compile_system(system, (), options.switches)
     return Job(compiled, start, start.t, np.array([start.t]), options).evaluate()

@@ -22,7 +22,7 @@ STEP = 1e-7  # of central differences, in model lengths and radians; a rate need
 
 
 def check_forces(compiled: Compiled, y: np.ndarray, t: float, h: float, solution: Callable[[], RunResult]) -> None:
-    """IntegrationError naming the force whose own rate [1/s] explains why steps h [s] cannot be longer, if one does.
+    """Raise an IntegrationError that names the force whose own rate [1/s] explains why steps h [s] cannot be longer.
 
     ``solution()`` returns the result so far.
     """
@@ -42,7 +42,7 @@ def check_forces(compiled: Compiled, y: np.ndarray, t: float, h: float, solution
 
 
 def force_rate(compiled: Compiled, data: Data, y: np.ndarray, t: float, k: int) -> float:
-    """Largest |eigenvalue| of M x_ddot = K x + D x_dot: element k alone, linearised, its bodies free."""
+    """Return the largest |eigenvalue| of M x_ddot = K x + D x_dot: element k alone, linearised, its bodies free."""
     model = compiled.model._replace(force=compiled.model.force[k : k + 1], gravity=np.zeros(3))
     bodies = [b for b in element_bodies(model) if 0 <= b < model.body.size]
     if not bodies or (model.body["mass"][bodies] == 0.0).any():
@@ -68,20 +68,20 @@ def force_rate(compiled: Compiled, data: Data, y: np.ndarray, t: float, k: int) 
 
 
 def element_bodies(model: Model) -> list[int]:
-    """Bodies of the only force element of a model, the ground included."""
+    """Return the bodies of the only force element of a model, the ground included."""
     coordinate = int(model.force["coordinate"][0])
     bodies = model.force["body"][0] if coordinate < 0 else model.coordinate["body"][coordinate]
     return sorted({int(b) for b in bodies})
 
 
 def mass_block(model: Model, y: np.ndarray, b: int) -> np.ndarray:
-    """(6, 6) mass matrix of one body about its reference point."""
+    """Return the mass matrix (6, 6) of one body about its reference point."""
     body = model.body[b]
     return inertia_about_origin(y[7 * b + 3 : 7 * b + 7], body["com"], body["mass"], body["inertia"].reshape(3, 3))
 
 
 def hastened(n: int, y: np.ndarray, b: int, j: int, h: float) -> np.ndarray:
-    """The state of n bodies with a world component of the velocity or angular velocity of body b changed by h."""
+    """Return the state of n bodies with a world component of velocity or angular velocity of body b changed by h."""
     dv, moved, u = np.zeros(6), y.copy(), 7 * n + 6 * b
     dv[j] = h
     moved[u : u + 3] += dv[:3]

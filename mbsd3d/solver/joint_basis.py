@@ -36,7 +36,7 @@ def row_of_link(d, joint, j):
 
 @fused_kernel
 def orthogonalise(m, d, s, link):
-    """basis := orthogonal directions of the rows of a link; False where a row has become dependent on the others.
+    """Set basis to orthogonal directions of the rows of a link; False where a row has become dependent on the others.
 
     Row j is basis_j + sum_i R[j, i] basis_i, i < j; no direction is brought to unit length, R[j, j] is 1 / basis_j^2.
     """

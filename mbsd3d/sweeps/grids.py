@@ -17,12 +17,12 @@ POINTS_MAX = 10_000_000  # [1] points of a sample
 
 
 def as_names(value: Any, what: str, part: Any) -> tuple[str, ...]:
-    """Names of parameters."""
+    """Convert to names of parameters."""
     return listed(value, what, "a tuple of names")
 
 
 def as_points(value: Any, what: str, part: Any) -> np.ndarray:
-    """An own array of numbers."""
+    """Convert to a new array of numbers."""
     return locked(numbers(value, what).copy())
 
 

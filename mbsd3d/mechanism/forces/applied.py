@@ -63,7 +63,7 @@ class Force(ForceElement):
 
 @inner_kernel
 def torque(m, d, p, out, t):
-    """Torque with given components."""
+    """Apply a torque with given components."""
     body, load = d.body[p.body[1]], given(m, d, p, t)
     add_moment(body, load)
     out.power = dot(load, vec(body.w))
@@ -101,7 +101,7 @@ drag_parameters = DRAG.reader()
 
 @inner_kernel
 def drag(m, d, p, out, t):
-    """Aerodynamic drag -rho/2 (c_d A) |v| v at a point, v relative to the wind."""
+    """Apply the aerodynamic drag -rho/2 (c_d A) |v| v at a point, v relative to the wind."""
     own = drag_parameters(m.number, p.number)
     body = d.body[p.body[1]]
     s = arm(body, p.point[1])

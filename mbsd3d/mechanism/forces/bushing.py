@@ -20,19 +20,19 @@ from ..force_element import ForceElement, ForceRecord, check_pair
 
 @inner_kernel
 def into(F, a):
-    """F'a for axes F given as three columns."""
+    """Return F'a for axes F given as three columns."""
     return dot(F[0], a), dot(F[1], a), dot(F[2], a)
 
 
 @inner_kernel
 def out_of(F, a):
-    """F a for axes F given as three columns."""
+    """Return F a for axes F given as three columns."""
     return add(add(scale(a[0], F[0]), scale(a[1], F[1])), scale(a[2], F[2]))
 
 
 @inner_kernel
 def relative_turn(A, B):
-    """Products of the relative quaternion (p0, p) of A'B: 4 p0 p, 4 (p2 p3, p3 p1, p1 p2) and 4 (p1^2, p2^2, p3^2).
+    """Return 4 p0 p, 4 (p2 p3, p3 p1, p1 p2) and 4 (p1^2, p2^2, p3^2) of the relative quaternion (p0, p) of A'B.
 
     They are linear in A'B and have neither the sign of the quaternion nor a singularity at half a turn.
     """
@@ -62,7 +62,7 @@ bushing_parameters = BUSHING.reader()
 
 @inner_kernel
 def bushing(m, d, p, out, t):
-    """Linear bushing in the axes F of a: force -(K d + C d_dot), moment from U = 2 p'K_r p and -C_r w.
+    """Apply a linear bushing in the axes F of a: force -(K d + C d_dot), moment from U = 2 p'K_r p and -C_r w.
 
     d is the displacement of the point of b in F; p the vector part of the relative quaternion, so that
     p_dot = (p0 w + w x p)/2 and the elastic moment on b is -2 (p0 K_r p + p x K_r p) in F; the first component of
@@ -92,7 +92,7 @@ def bushing(m, d, p, out, t):
 
 
 def as_three(value: Any, what: str, part: Any) -> np.ndarray:
-    """Three numbers >= 0, or one that counts for all."""
+    """Convert to three numbers >= 0; one number counts for all."""
     several = isinstance(value, list | tuple) or np.ndim(value)
     three = vector(value if several else (value,) * 3, what)
     if min(three.tolist()) < 0.0:

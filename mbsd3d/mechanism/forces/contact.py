@@ -24,7 +24,7 @@ STANDARD_GRAVITY = 9.81  # [m/s^2] of the load under which the default grip is a
 
 @inner_kernel
 def gripped(k, c, x, y, u, v, most):
-    """(f, x_dot) of two components: f = k x + c u, but no more than ``most``, and x_dot = (f - k x) / c."""
+    """Return (f, x_dot) of two components: f = k x + c u, but no more than ``most``, and x_dot = (f - k x) / c."""
     f, g = k * x + c * u, k * y + c * v
     square = f * f + g * g
     if most.real <= 0.0:  # nothing rubs, also in derivatives
@@ -37,14 +37,14 @@ def gripped(k, c, x, y, u, v, most):
 
 @inner_kernel
 def smooth(most, u, v, still):
-    """f = most (u, v) / sqrt(u^2 + v^2 + still^2)."""
+    """Return f = most (u, v) / sqrt(u^2 + v^2 + still^2)."""
     share = most / np.sqrt(u * u + v * v + still * still)
     return share * u, share * v
 
 
 @inner_kernel
 def rub(own, d, p, out, normal, slip, turn):
-    """(friction, moment) in the axes of the plane, against the slip and the relative rotation; fills rates and energy.
+    """Return (friction, moment) in the axes of the plane, against the slip and the relative rotation.
 
     Own states: deflection (2) [m]; with rolling or spinning friction those of the rotation too (3) [rad].
     """
@@ -75,7 +75,7 @@ def rub(own, d, p, out, normal, slip, turn):
 
 @inner_kernel
 def contact(m, d, p, out, t):
-    """Normal force, friction, and moments against rolling and spinning, at the lowest point."""
+    """Apply normal force, friction, and moments against rolling and spinning, at the lowest point."""
     own = contact_parameters(m.number, p.number)
     a, b = d.body[p.body[0]], d.body[p.body[1]]
     plane, on_a, on_b, gap, velocity = meeting(own, p, a, b)
@@ -181,7 +181,7 @@ class Contact(ForceElement):
 
     @cached_property
     def bristles(self) -> tuple[float, float]:
-        """Stiffness [N/m] and damping [N s/m] of the deflection, given or by default; ones where nothing rubs."""
+        """Return stiffness [N/m] and damping [N s/m] of the deflection, given or by default; 1 where nothing rubs."""
         if not self.states():
             return 1.0, 1.0
         grip, damping = self.grip, self.grip_damping
@@ -198,7 +198,7 @@ class Contact(ForceElement):
 
     @cached_property
     def outline(self) -> Rounded:
-        """The surface, world at the reference pose."""
+        """Return the surface, world at the reference pose."""
         return rounded(self.surface, self.b, "surface")
 
     def record(self) -> ForceRecord:
@@ -217,7 +217,7 @@ class Contact(ForceElement):
         return ("deflection x", "deflection y", "turn x", "turn y", "turn z")[: self.states()]
 
     def acting_points(self, motion: Motion) -> np.ndarray:
-        """(samples, 3) lowest points, where the force acts on both bodies."""
+        """Return (samples, 3) lowest points, where the force acts on both bodies."""
         return self.outline.moving(motion, self.a, self.b, self.plane[1])
 
     def acts_at(self, body: Body | Ground) -> tuple[Body | Ground, np.ndarray]:

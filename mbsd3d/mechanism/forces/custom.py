@@ -47,7 +47,7 @@ def place(body, pose, s):
 
 @inner_kernel
 def custom(m, d, p, out, t):
-    """Loads of a custom force at its points; a function that is missing or does not return leaves the power NaN."""
+    """Apply the loads of a custom force at its points; the power is NaN where the function is missing or fails."""
     for i in range(p.bodies):
         place(d.body[p.body[i]], d.pose[i], arm(d.body[p.body[i]], p.point[i]))
     clear(d.wrench)
@@ -67,7 +67,7 @@ def custom(m, d, p, out, t):
 
 
 def as_bodies(value: Any, what: str, part: Any) -> tuple[Body | Ground, ...]:
-    """One body or up to as many as a function can act on."""
+    """Convert to one body or up to as many as a function can act on."""
     if not isinstance(value, Body | Ground | list | tuple):
         raise InputError(f"{what} {shown(value)}; give a Body, GROUND or a tuple of them")
     on = (value,) if isinstance(value, Body | Ground) else tuple(value)
@@ -77,40 +77,40 @@ def as_bodies(value: Any, what: str, part: Any) -> tuple[Body | Ground, ...]:
 
 
 def as_points(value: Any, what: str, part: Any) -> tuple[np.ndarray, ...]:
-    """World points at the reference pose."""
+    """Convert to world points at the reference pose."""
     given = listed(value, what, "one per body")
     return tuple(vector(point, f"{what.removesuffix('s')} no. {k + 1}") for k, point in enumerate(given))
 
 
 def reference_points(force: Any) -> tuple[np.ndarray, ...]:
-    """The reference point of each body."""
+    """Return the reference point of each body."""
     return tuple(body.position for body in force.on)
 
 
 def as_labels(value: Any, what: str, part: Any) -> tuple[str, ...]:
-    """Names of own states: those of a mapping of states, else as given."""
+    """Convert the names of internal states: those of a mapping of states, else as given."""
     return listed(part.states if isinstance(part.states, Mapping) else value, what, "names")
 
 
 def names_of_states(force: Any) -> tuple[str, ...]:
-    """Names of a mapping of states, else numbers."""
+    """Return the names of a mapping of states, else numbers."""
     if isinstance(force.states, Mapping):
         return tuple(force.states)
     return tuple(map(str, range(len(sequence(force.states, f"{force.what()}: states")))))
 
 
 def as_states(value: Any, what: str, part: Any) -> tuple[float, ...]:
-    """Initial values of own states, with or without names."""
+    """Convert the initial values of internal states, with or without names."""
     return sequence(value.values() if isinstance(value, Mapping) else value, what)
 
 
 def as_times(value: Any, what: str, part: Any) -> tuple[float, ...]:
-    """Times in their order, each once."""
+    """Sort the times, each once."""
     return tuple(sorted(set(sequence(value, what))))
 
 
 def as_longest_step(value: Any, what: str, part: Any) -> float:
-    """A number > 0, or infinity."""
+    """Accept a number > 0, or infinity."""
     return value if isinstance(value, float) and value == np.inf else number(value, what, positive=True)
 
 
@@ -178,7 +178,7 @@ class FunctionForce(ForceElement):
         return self.labels
 
     def address(self, dtype: type) -> int | Callable:
-        """Address of the function for real or complex numbers; 0 = none."""
+        """Return the address of the function for real or complex numbers; 0 = none."""
         raise NotImplementedError
 
 
@@ -291,11 +291,11 @@ class CustomForce(FunctionForce):
         return self.callbacks[dtype].address
 
     def __getstate__(self) -> dict:
-        """Copies and pickles compile the function again: addresses are those of one process."""
+        """Leave the addresses out: copies and pickles compile the function again."""
         return {**vars(self), "callbacks": {}}
 
     def uncompilable(self, dtype: type, why: str) -> str:
-        """What to say of a function that numba refuses."""
+        """Return what to say of a function that numba refuses."""
         force = f"force '{self.name}' (CustomForce)" if self.name else "CustomForce without a name"
         kind, remedy = "", "use what numba supports"
         if dtype is complex:
@@ -304,7 +304,7 @@ class CustomForce(FunctionForce):
         return f"{force}: function '{self.function.__name__}' does not compile{kind}: {why}; {remedy}"
 
     def saved(self) -> "SavedForce":
-        """What of it a file can hold: all but the function."""
+        """Return what a file can hold: all but the function."""
         return SavedForce(
             on=self.on, points=self.points, parameters=self.parameters, states=self.states, scales=self.scales,
             labels=self.labels, external=self.external, times=self.times, max_step=self.max_step, name=self.name,
@@ -312,7 +312,7 @@ class CustomForce(FunctionForce):
 
 
 def check_runnable(system: Mechanism) -> None:
-    """ValueError for a system whose custom forces have lost their functions."""
+    """Raise a ValueError for a system whose custom forces have lost their functions."""
     for force in system.forces:
         if isinstance(force, SavedForce):
             raise InputError(

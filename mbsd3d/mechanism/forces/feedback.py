@@ -35,7 +35,7 @@ def feedback(m, d, p, out, t):
 
 
 def as_measures(value: Any, what: str, part: Any) -> tuple[Measure, ...]:
-    """Measures, at least one."""
+    """Convert to measures, at least one."""
     what = what.removesuffix(": measures")
     seen = tuple(value) if isinstance(value, Sequence) else (value,)
     if not seen:

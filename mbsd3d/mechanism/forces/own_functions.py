@@ -18,7 +18,7 @@ RETURN_FLAG_INDEX = 6 * CUSTOM_FORCE_BODIES_MAX
 
 
 def wrapped(function: Callable) -> Callable:
-    """The function behind pointers and counts; an exception leaves the mark of RETURNED as it is."""
+    """Return the function behind pointers and counts; an exception leaves the mark of `RETURN_FLAG_INDEX` as it is."""
     array = numba.carray
 
     def called(t, poses, k, z, states, numbers, n, wrench, z_dot):
@@ -36,7 +36,7 @@ def wrapped(function: Callable) -> Callable:
 
 
 def uncompiled(function: Callable) -> Callable:
-    """The same for a process without the compiler, where the arrays arrive as they are and exceptions go up."""
+    """Return the function for a process without the compiler: arrays arrive as they are, and exceptions go up."""
     plain = getattr(function, "py_func", function)
 
     def called(t, poses, k, z, states, numbers, n, wrench, z_dot):
@@ -48,7 +48,7 @@ def uncompiled(function: Callable) -> Callable:
 
 @functools.lru_cache(maxsize=256)
 def callback(function: Callable, dtype: type) -> CFunc:
-    """The C function for real or complex numbers; ``.address`` is where it is."""
+    """Return the C function for real or complex numbers; ``.address`` is where it is."""
     real = types.complex128 if dtype is complex else types.float64
     pose = numba.from_dtype(np.dtype(data_records(dtype)["pose"]))
     compiled = function if is_jitted(function) else numba.njit(error_model="numpy", boundscheck=True)(function)
@@ -65,7 +65,7 @@ def callback(function: Callable, dtype: type) -> CFunc:
 
 
 def reason(error: Exception) -> str:
-    """First line of numba's message that says something."""
+    """Return the first line of numba's message that says something."""
     if isinstance(error, KeyError):  # all that numba says of a field that a record does not have
         return f"bodies have no {error}, they have r, R, velocity, w"
     lines = [re.sub(r"\x1b\[[0-9;]*m", "", line).strip() for line in str(error).splitlines()]

@@ -49,7 +49,7 @@ def spring(m, d, p, out, t):
 
 
 def without_direction(what: str, length: float | None) -> str:
-    """What to say of end points that coincide."""
+    """Return what to say of end points that coincide."""
     return (
         f"{what}: at_a and at_b coincide, so a force of length={length} has no direction; "
         f"give length=0 for a pull of stiffness times distance, or move one of them"
@@ -57,7 +57,7 @@ def without_direction(what: str, length: float | None) -> str:
 
 
 def free_length(part: Any) -> float:
-    """Distance between the end points of a spring [m]."""
+    """Return the distance between the end points of a spring [m]."""
     length = span(part)
     if length < 1e-12:
         raise InputError(without_direction(part.what(), None))

@@ -10,7 +10,7 @@ FULL_SLIDING_DEFLECTION = 1.5
 
 @inner_kernel
 def at_least(x, least):
-    """x, or a number that it is not below."""
+    """Return x, but no less than a number."""
     return x if x.real > least else least + 0.0 * x
 
 
@@ -22,7 +22,7 @@ def sensitive(k, load):
 
 @inner_kernel
 def brush(q):
-    """(force over that of the linear tyre, trail over that at rest) at a linear force of q times the grip.
+    """Return (force over that of the linear tyre, trail over that at rest) at a linear force of q times the grip.
 
     With the theoretical slip s = q/(1 - q/3) the force is mu N (1 - (1 - s/3)^3): the steady deflection under s is q.
     """

@@ -49,7 +49,7 @@ tyre_parameters = TYRE.reader()
 
 @inner_kernel
 def tyre(m, d, p, out, t):
-    """Forces of a tyre at its contact point and its rates of deflection; option 1: the camber force has no lag."""
+    """Apply the forces of a tyre at its contact point and set its rates of deflection; option 1: camber without lag."""
     own = tyre_parameters(m.number, p.number)
     ground, wheel, z = d.body[p.body[0]], d.body[p.body[1]], d.z[p.state : p.state + 2]
     n = rotate(mat(ground.R), (p.frame[0, 2], p.frame[0, 5], p.frame[0, 8]))
@@ -118,14 +118,14 @@ def tyre(m, d, p, out, t):
 
 
 def as_wheel(value: Any, what: str, part: Any) -> Body:
-    """A body, not the ground."""
+    """Accept a body, not the ground."""
     if value is GROUND:
         raise InputError(f"{what.removesuffix(': b')}: the ground has no tyre; give (ground, wheel)")
     return as_body(value, what, part)
 
 
 def as_grip(value: Any, what: str, part: Any) -> Signal | None:
-    """A signal, a number above 0, or None."""
+    """Convert to a signal above 0, or None."""
     if value is not None and not isinstance(value, Signal):
         number(value, what, positive=True)
     return None if value is None else as_signal(value, what)
@@ -235,7 +235,7 @@ class Tyre(ForceElement):
 
     @cached_property
     def ahead(self) -> tuple[float, float]:
-        """C_x [1/rad] and s_x [m], given or those of the lateral direction."""
+        """Return c_x [1/rad] and s_x [m], given or those of the lateral direction."""
         return (
             self.cornering if self.longitudinal is None else self.longitudinal,
             self.relaxation if self.relaxation_x is None else self.relaxation_x,
@@ -243,7 +243,7 @@ class Tyre(ForceElement):
 
     @cached_property
     def outline(self) -> Rounded:
-        """The torus without load, world at the reference pose."""
+        """Return the unloaded torus, world at the reference pose."""
         return circle(self.centre, self.axis, self.radius - self.crown, self.crown)
 
     def record(self) -> ForceRecord:

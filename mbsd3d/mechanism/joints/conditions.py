@@ -53,7 +53,7 @@ ENDS_GAP_MIN = 1e-12  # [m] between end points, so that their line has a directi
 
 
 def span(part: Any) -> float:
-    """Distance between the end points ``at_a`` and ``at_b`` of a part [m]."""
+    """Return the distance between the end points ``at_a`` and ``at_b`` of a part [m]."""
     d = part.at_b - part.at_a
     return math.sqrt(d.dot(d))
 
@@ -116,7 +116,7 @@ class Parallel(Joint):
 
 
 def square_to_axis_a(value: Any, what: str, part: Any) -> np.ndarray:
-    """The second axis, squared to the first one."""
+    """Return the second axis, made perpendicular to the first one."""
     x, y = part.axis_a, unit(value, what)
     if abs(x @ y) > PERPENDICULAR_TOLERANCE:
         angle = np.degrees(np.arccos(x @ y))

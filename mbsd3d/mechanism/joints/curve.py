@@ -55,7 +55,7 @@ class Curve:
         self.check_corners(chords / long[:, None])
 
     def check_corners(self, along: np.ndarray) -> None:
-        """ValueError for a curve that turns sharply; ``along``: directions of its chords."""
+        """Raise a ValueError for a curve that turns sharply; ``along``: directions of its chords."""
         before, after = (np.roll(along, 1, axis=0), along) if self.closed else (along[:-1], along[1:])
         turns = np.arctan2(np.linalg.norm(np.cross(before, after), axis=1), (before * after).sum(axis=1))
         if turns.max() > TURN_PER_POINT_MAX:
@@ -67,12 +67,12 @@ class Curve:
 
     @property
     def ring(self) -> np.ndarray:
-        """(n + 1, 3) points with the first one at the end of a closed curve; else the points."""
+        """Return the points (n + 1, 3), of a closed curve with the first one again at the end."""
         return np.concatenate([self.points, self.points[:1]]) if self.closed else self.points
 
     @cached_property
     def lengths(self) -> np.ndarray:
-        """s of `ring` from the first point on [m]."""
+        """Return s of `ring` from the first point on [m]."""
         long = np.linalg.norm(np.diff(self.ring, axis=0), axis=1)
         places, weights = np.polynomial.legendre.leggauss(8)
         for _ in range(4):  # the length of the spline over the length before: what is left falls by h^4 each time
@@ -83,21 +83,21 @@ class Curve:
 
     @property
     def length(self) -> float:
-        """Length of the curve [m]."""
+        """Return the length of the curve [m]."""
         return float(self.lengths[-1])
 
     @cached_property
     def x(self) -> PPoly:
-        """Point over s, world at the reference pose."""
+        """Return the point over s, world at the reference pose."""
         return spline(self.lengths, self.ring, self.closed)
 
     @cached_property
     def tangents(self) -> np.ndarray:
-        """(n, 3) unit tangents at the points."""
+        """Return (n, 3) unit tangents at the points."""
         return self.along(self.lengths[: len(self.points)])
 
     def along(self, s: ArrayLike) -> np.ndarray:
-        """(..., 3) unit tangents."""
+        """Return (..., 3) unit tangents."""
         tangent = self.x(s, 1)
         return tangent / np.linalg.norm(tangent, axis=-1, keepdims=True)
 
@@ -106,12 +106,12 @@ class Curve:
         return int(np.abs(self.lengths[: len(self.points)] - s).argmin())
 
     def directions(self, values: np.ndarray) -> PPoly:
-        """A direction over s from one per point (n, 3)."""
+        """Return a direction over s from one per point (n, 3)."""
         return spline(self.lengths, np.concatenate([values, values[:1]]) if self.closed else values, self.closed)
 
     @cached_property
     def frame(self) -> tuple[np.ndarray, np.ndarray]:
-        """Two directions across the curve at every point, (n, 3) each: they turn about it as little as they can.
+        """Return two directions across the curve at every point, (n, 3) each: they turn about it as little as they can.
 
         By double reflection; what the last one has turned against the first is spread over a closed curve.
         """
@@ -131,7 +131,7 @@ class Curve:
 
     @cached_property
     def normal(self) -> np.ndarray | None:
-        """Unit normal of the plane that holds the curve, about which a closed one turns forwards, or None."""
+        """Return the unit normal of the curve's plane, about which a closed one turns forwards; None off a plane."""
         centred = self.points - self.points.mean(axis=0)
         _, sizes, axes = np.linalg.svd(centred, full_matrices=False)
         if sizes[2] > 1e-9 * sizes[0]:
@@ -141,21 +141,21 @@ class Curve:
 
     @cached_property
     def fine(self) -> np.ndarray:
-        """s at `STARTS` even places of every piece."""
+        """Return s at `STARTS` even places of every piece."""
         low, width = self.x.x[:-1, None], np.diff(self.x.x)[:, None]
         return (low + width * np.arange(NEAREST_POINT_STARTS) / NEAREST_POINT_STARTS).ravel()
 
     def nearest(self, point: np.ndarray) -> float:
-        """s where the curve is nearest to a point."""
+        """Return s where the curve is nearest to a point."""
         away = np.linalg.norm(self.x(self.fine) - point, axis=1)
         return self.refined(float(self.fine[away.argmin()]), point, 1.0)
 
     def highest(self, normal: np.ndarray) -> float:
-        """s where the curve is highest along a direction."""
+        """Return s where the curve is highest along a direction."""
         return self.refined(float(self.fine[(self.x(self.fine) @ normal).argmax()]), normal, 0.0)
 
     def refined(self, s: float, e: np.ndarray, weight: float) -> float:
-        """Newton's method for x' . (e - weight x) = 0."""
+        """Refine s by Newton's method for x' . (e - weight x) = 0."""
         for _ in range(20):
             x, t, bend = self.x(s), self.x(s, 1), self.x(s, 2)
             off = e - weight * x
@@ -164,12 +164,13 @@ class Curve:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Least and largest s; infinite for a closed curve."""
+        """Return the least and largest s; infinite for a closed curve."""
         return (-np.inf, np.inf) if self.closed else (0.0, self.length)
 
     def numbers(self, start: float, axes: np.ndarray, origin: np.ndarray, groups: list[PPoly]) -> np.ndarray:
-        """What the kernels read (see `kernels.surfaces`): s from ``start`` on, x and directions in axes, the columns of
-        ``axes`` (3, 3), about ``origin``, world at the reference pose.
+        """Return what the kernels read (see `kernels.surfaces`): s from ``start`` on, x and directions.
+
+        They are given in axes, the columns of ``axes`` (3, 3), about ``origin``, world at the reference pose.
         """
         own = self.x.c @ axes
         own[-1] -= origin @ axes
@@ -179,7 +180,7 @@ class Curve:
 
 
 def spline(s: np.ndarray, values: np.ndarray, closed: bool) -> PPoly:
-    """Pieces of fifth degree through values (n, 3) at s; four derivatives are continuous."""
+    """Return the pieces of fifth degree through values (n, 3) at s; four derivatives are continuous."""
     made = make_interp_spline(s, values, SPLINE_DEGREE, bc_type="periodic" if closed else None)
     breaks = np.unique(made.t[SPLINE_DEGREE:-SPLINE_DEGREE])
     powers = [made(breaks[:-1], k) / factorial(k) for k in range(SPLINE_DEGREE, -1, -1)]
@@ -187,6 +188,6 @@ def spline(s: np.ndarray, values: np.ndarray, closed: bool) -> PPoly:
 
 
 def mirrored(across: np.ndarray, *vectors: np.ndarray) -> list[np.ndarray]:
-    """Vectors reflected at the plane with this normal of any length."""
+    """Return the vectors reflected at the plane with this normal of any length."""
     size = across @ across
     return [x - 2.0 * (across @ x) / size * across if size > 0.0 else x for x in vectors]

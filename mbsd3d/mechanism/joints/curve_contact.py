@@ -24,13 +24,13 @@ TENSION_ROUNDING = 1e-9  # [1] of the largest force
 
 
 def as_curve(value: Any, what: str, part: Any) -> np.ndarray:
-    """The points of a curve that has no corners and no gaps."""
+    """Convert the points of a curve that has no corners and no gaps."""
     check_choice(part.closed, (True, False), f"{part.what()}: closed")
     return locked(Curve(value, part.closed, what).points)
 
 
 def as_pin(value: Any, what: str, part: Any) -> np.ndarray:
-    """A unit vector, or one for each point of the curve."""
+    """Convert to a unit vector, or one for each point of the curve."""
     pin = floats(value, what, "a direction, or one for each point")
     if pin.shape not in ((3,), part.curve.shape):
         raise InputError(f"{what} has shape {pin.shape}; give (3,), or {part.curve.shape} as the curve has")
@@ -122,7 +122,7 @@ class CurveContact(Joint):
             raise InputError(f"{what}: a radius without pin=; give the direction of the axis of the roller")
 
     def check_face(self, what: str) -> None:
-        """A face lies on a convex curve in a plane across it."""
+        """Check that a face lies on a convex curve in a plane across it."""
         if self.pin is not None or self.radius is not None:
             raise InputError(f"{what}: both face and pin or radius; give face= for a flat one, pin= for a roller")
         plane = self.line.normal
@@ -139,7 +139,7 @@ class CurveContact(Joint):
             )
 
     def check_pin(self, what: str, pin: np.ndarray) -> None:
-        """A pin stands across its curve, and a roller is smaller than what it rolls in."""
+        """Check that a pin stands across its curve, and that a roller is smaller than what it rolls in."""
         sine = np.linalg.norm(np.cross(self.line.tangents, pin), axis=1)
         if sine.min() < PIN_CURVE_SINE_MIN:
             raise InputError(f"{what}: the pin lies along the curve at point {sine.argmin()}; turn it across")
@@ -156,17 +156,17 @@ class CurveContact(Joint):
 
     @cached_property
     def line(self) -> Curve:
-        """The curve, world at the reference pose."""
+        """Return the curve, world at the reference pose."""
         return Curve(self.curve, self.closed, "curve")
 
     @cached_property
     def start(self) -> float:
-        """Length along the curve at the reference pose, from its first point on [m]."""
+        """Return the length along the curve at the reference pose, from its first point on [m]."""
         return self.line.nearest(self.at) if self.face is None else self.line.highest(self.face)
 
     @cached_property
     def across(self) -> list[PPoly]:
-        """Directions n of the rows over the length, world at the reference pose; none of a face."""
+        """Return the directions n of the rows over the length, world at the reference pose; none of a face."""
         if self.face is not None:
             return []
         if self.pin is None:
@@ -176,7 +176,7 @@ class CurveContact(Joint):
         return [self.line.directions(n if self.radius is None else self.side(n) * n)]
 
     def side(self, n: np.ndarray) -> float:
-        """1 or -1: that of the directions n (points, 3) on which the roller is, or which is outside."""
+        """Return 1 or -1: the side of the directions n (points, 3) on which the roller is, or which is outside."""
         here, there = self.line.x(self.start), self.line.directions(n)(self.start)
         out = (self.at - here) @ there
         if abs(out) <= 1e-9 * self.line.length:
@@ -185,25 +185,25 @@ class CurveContact(Joint):
 
     @cached_property
     def axes_of_a(self) -> np.ndarray:
-        """(3, 3) axes of body a at the reference pose as columns, world."""
+        """Return (3, 3) axes of body a at the reference pose as columns, world."""
         return np.array([self.a.local_axis(x) for x in np.eye(3)])
 
     @cached_property
     def way(self) -> Coordinate:
-        """Length along the curve, from 0 at the reference pose."""
+        """Return the arc length along the curve, from 0 at the reference pose."""
         kind, axis = ("path", self.line.along(self.start)) if self.face is None else ("touch", self.face)
         numbers = self.line.numbers(self.start, self.axes_of_a, self.a.position, self.across)
         return Coordinate(kind, self.a, self.b, axis, axis, self.at, self.at, numbers=numbers)
 
     @property
     def outline(self) -> np.ndarray:
-        """(k, 3) points of the curve in axes of a, from O [m]: four a piece, to be drawn."""
+        """Return (k, 3) points of the curve in axes of a, from O [m]: four a piece, to be drawn."""
         line = self.line.x(np.append(self.line.fine[:: NEAREST_POINT_STARTS // 4], self.line.x.x[-1]))
         return (line - self.a.position) @ self.axes_of_a
 
     @property
     def pin_here(self) -> np.ndarray:
-        """Axis of the roller at the reference pose, world."""
+        """Return the axis of the roller at the reference pose, world."""
         pin: np.ndarray = np.asarray(self.pin)
         return pin if pin.ndim == 1 else pin[self.line.point_at(self.start)]
 
@@ -221,7 +221,7 @@ class CurveContact(Joint):
         return [Primitive(kinds.ON_CURVE, both, points, values=v, coordinates=(self.way,)) for v in values]
 
     def contact_normal(self, solution: LoadedMotion) -> np.ndarray:
-        """(samples, 3) unit directions in which a pushes b, world; ValueError for a point on a curve in space.
+        """Return (samples, 3) unit directions in which a pushes b, world; ValueError for a point on a curve in space.
 
         Its angle with the way that b can go is the pressure angle.
         """
@@ -234,11 +234,11 @@ class CurveContact(Joint):
         return np.einsum("tk,tki->ti", n / np.linalg.norm(n, axis=1, keepdims=True), axes)
 
     def normal_force(self, solution: LoadedMotion) -> np.ndarray:
-        """(samples,) force of a on b along `contact_normal` [N]; negative where the row pulls."""
+        """Return (samples,) force of a on b along `contact_normal` [N]; negative where the row pulls."""
         return np.einsum("ti,ti->t", solution.reaction(self).force, self.contact_normal(solution))
 
     def lifts_off(self, solution: LoadedMotion) -> float | None:
-        """Time from which a roller or a face would have to be pulled [s], between two samples; None: never."""
+        """Return the time [s] from which a roller or a face would have to be pulled; None: never."""
         if self.face is None and self.radius is None:
             return None
         force, t = self.normal_force(solution), solution.t

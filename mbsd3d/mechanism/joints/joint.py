@@ -38,11 +38,11 @@ class Joint(Part):
 
         @property
         def a(self) -> Body | Ground:
-            """The body that comes first."""
+            """Return the body that comes first."""
 
         @property
         def b(self) -> Body | Ground:
-            """The body that carries the reaction."""
+            """Return the body that carries the reaction."""
 
     def check(self, what: str) -> None:
         as_body_or_ground(self.a, f"{what}: a", self)
@@ -51,40 +51,40 @@ class Joint(Part):
             raise InputError(f"{what}: joins '{self.a.name}' to itself; give two different bodies")
 
     def bodies(self) -> list[Body | Ground]:
-        """All bodies the joint acts on."""
+        """Return all bodies the joint acts on."""
         return list({id(body): body for row in self.primitives for body in row.bodies}.values())
 
     def rows(self) -> list[Primitive]:
-        """The primitives of the joint."""
+        """Return the primitives of the joint."""
         raise NotImplementedError
 
     @cached_property
     def primitives(self) -> tuple[Primitive, ...]:
-        """`rows`, made once: whoever asks a joint that is part of a system reads these."""
+        """Return `rows`, made once."""
         return tuple(self.rows())
 
     def angle(self) -> Coordinate | None:
-        """The angle of b relative to a about the joint's axis, if it has one."""
+        """Return the angle of b relative to a about the joint's axis, if it has one."""
         return None
 
     def slide(self) -> Coordinate | None:
-        """The displacement of b relative to a along the joint's axis, if it has one."""
+        """Return the displacement of b relative to a along the joint's axis, if it has one."""
         return None
 
     def point(self) -> np.ndarray:
-        """Point of body b at which the reaction is given (world, reference pose)."""
+        """Return the point of body b at which the reaction is given (world, reference pose)."""
         return self.b.position
 
     def reaction_points(self, solution: Motion) -> np.ndarray:
-        """(samples, 3) world points at which the reaction is given: `point`, carried by body b."""
+        """Return (samples, 3) world points at which the reaction is given: `point`, carried by body b."""
         return solution.body_point(self.b, self.point())
 
     def notes(self, solution: LoadedMotion) -> list[str]:
-        """What the certificate says of the joint besides."""
+        """Return the notes that the certificate adds for this joint."""
         return []
 
     def partners(self) -> list["Joint"]:
-        """Other joints that this one acts through; they must be in the system too."""
+        """Return the other joints that this one acts through; they must be in the system too."""
         return []
 
 
@@ -118,26 +118,26 @@ class AxisJoint(PointJoint):
 
     @cached_property
     def across(self) -> tuple[np.ndarray, np.ndarray]:
-        """Two directions in a across the axis."""
+        """Return the two directions in a across the axis."""
         return perpendiculars(self.axis)
 
     def parallel_rows(self) -> list[Primitive]:
-        """axis_b stays along axis_a (2 rows)."""
+        """Keep axis_b along axis_a (2 rows)."""
         return [perpendicular(self.a, self.b, x, self.axis_b) for x in self.across]
 
     def line_rows(self) -> list[Primitive]:
-        """The point of b stays on the axis in a (2 rows)."""
+        """Keep the point of b on the axis in a (2 rows)."""
         return [in_plane(self.a, self.b, x, self.at, self.at_b) for x in self.across]
 
     def no_turn_row(self) -> Primitive:
-        """No rotation of b about the axis relative to a (1 row)."""
+        """Keep b from turning about the axis relative to a (1 row)."""
         x, _ = self.across
         _, y_b = matched_perpendiculars(self.axis, self.axis_b)
         return perpendicular(self.a, self.b, x, y_b)
 
 
 def coordinate_of(part: Any, kind: str, what: str) -> Coordinate:
-    """The angle or slide of a joint, or a ValueError that names both."""
+    """Return the angle or slide of a joint, or raise a ValueError that names both."""
     if not isinstance(part, Joint):
         raise InputError(f"{what}: {shown(part)} is not a joint; give the part itself")
     found: Coordinate | None = getattr(part, kind)()
@@ -148,10 +148,10 @@ def coordinate_of(part: Any, kind: str, what: str) -> Coordinate:
 
 
 def angle_of(joint: Joint) -> Coordinate:
-    """The angle of a joint that has one."""
+    """Return the angle of a joint that has one."""
     return coordinate_of(joint, "angle", "angle_of")
 
 
 def slide_of(joint: Joint) -> Coordinate:
-    """The slide of a joint that has one."""
+    """Return the slide of a joint that has one."""
     return coordinate_of(joint, "slide", "slide_of")

@@ -42,7 +42,7 @@ class Revolute(AxisJoint):
 
 
 def square_to_axis_a(value: Any, what: str, part: Any) -> np.ndarray:
-    """The second axis of a cross, squared to the first one."""
+    """Return the second axis of a cross, made perpendicular to the first one."""
     what, x, y = what.removesuffix(": axis_b"), part.axis_a, unit(value, what)
     off = cross(x, y)
     if off @ off < 1e-12:

@@ -29,7 +29,7 @@ class Shaped(Protocol):
 
 
 def hex_colour(colour: Any, what: str, part: Any) -> str | None:
-    """The colour as "#rrggbb"."""
+    """Return the colour as "#rrggbb"."""
     if colour is None or (isinstance(colour, str) and HEX_COLOUR_PATTERN.fullmatch(colour)):
         return colour
     from matplotlib.colors import is_color_like, to_hex, to_rgba
@@ -56,7 +56,7 @@ class Shape(Checked):
     colour: str | None = kept(default=None, by=hex_colour)
 
     def origin(self, body: Shaped) -> np.ndarray:
-        """Centre of the shape from O, body axes [m]."""
+        """Return the centre of the shape from O, body axes [m]."""
         if self.at is not None:
             return self.at
         return body.com if self.centred else np.zeros(3)
@@ -66,16 +66,16 @@ class Solid(Shape):
     """A shape with a surface."""
 
     def surface(self) -> Mesh:
-        """Triangles in the axes of the shape from its centre."""
+        """Return the triangles in the axes of the shape from its centre."""
         raise NotImplementedError
 
     def mesh(self, body: Shaped) -> Mesh:
-        """Triangles in the axes of the body from O [m]."""
+        """Return the triangles in the axes of the body from O [m]."""
         return moved(self.surface(), matrix(self.orientation), self.origin(body))
 
 
 def as_axis(value: Any, what: str, part: Any) -> str | np.ndarray:
-    """A letter, or a vector that is not zero."""
+    """Accept a letter, or a vector that is not zero."""
     axis = value if isinstance(value, str) else vector(value, what)
     if (axis not in AXES) if isinstance(axis, str) else not axis.any():
         raise InputError(f"{what} is {shown(value)}; give 'x', 'y', 'z' or a vector that is not zero")
@@ -90,7 +90,7 @@ class AxisOrLetter(Stored[str | ArrayLike, str | np.ndarray]):
 
 
 def along(axis: str | np.ndarray) -> np.ndarray:
-    """(3,) vector along an axis that may be a letter."""
+    """Return the vector (3,) along an axis that may be a letter."""
     return np.array(AXES[axis]) if isinstance(axis, str) else axis
 
 
@@ -100,7 +100,7 @@ class Round(Solid):
     axis: AxisOrLetter
 
     def about_z(self) -> Mesh:
-        """Triangles about z."""
+        """Return the triangles about z."""
         raise NotImplementedError
 
     def surface(self) -> Mesh:
@@ -110,7 +110,7 @@ class Round(Solid):
 
 
 def as_sizes(value: Any, what: str, part: Any) -> np.ndarray:
-    """(3,) finite numbers > 0."""
+    """Convert to (3,) finite numbers > 0."""
     found = vector(value, what)
     if found.min() <= 0.0:
         raise InputError(f"{what}: {found.tolist()} are not all positive; give three numbers > 0 [m]")

@@ -22,7 +22,7 @@ DRAWN_THICKNESS_MIN = 0.02  # [1] of the largest extent of rods and plates, so t
 
 
 def as_shape(shape: Any, what: str, body: Shaped) -> str | Shape | tuple[Shape, ...] | None:
-    """The shape of a body as it is kept: None, one of the texts, a shape, or a tuple of shapes.
+    """Convert the shape of a body: None, one of the texts, a shape, or a tuple of shapes.
 
     ValueError, naming the body, for an unknown shape or a solid that cannot have the inertia of this body.
     """
@@ -47,7 +47,7 @@ class ShapeOfBody(Stored[Shape | Sequence[Shape] | str | ArrayLike | None, Shape
 
 
 def shapes_of(body: Shaped) -> tuple[Shape, ...]:
-    """The shapes of a body; none for one without inertia and shape."""
+    """Return the shapes of a body; none for one without inertia and shape."""
     shape = body.shape
     if shape is None and not body.inertia.any():
         return ()
@@ -57,7 +57,7 @@ def shapes_of(body: Shaped) -> tuple[Shape, ...]:
 
 
 def homogeneous(body: Shaped, kind: str) -> Shape:
-    """The homogeneous solid with the mass and inertia of a body, about its centre of mass in its principal axes.
+    """Return the homogeneous solid with the mass and inertia of a body, about its centre of mass in its principal axes.
 
     With moments per mass j and s = (j1 + j2 + j3) - 2 j: half axes sqrt(5 s / 2) of an ellipsoid, edges sqrt(6 s) of a
     box; radius sqrt(2 j_along) and length sqrt(12 j_across - 6 j_along) of a cylinder. At least a fiftieth as thick as
@@ -78,7 +78,7 @@ def homogeneous(body: Shaped, kind: str) -> Shape:
 
 
 def round_solid(body: Shaped, moments: np.ndarray, place: dict[str, Any]) -> Cylinder:
-    """The homogeneous cylinder with these principal moments per mass [m^2]."""
+    """Return the homogeneous cylinder with these principal moments per mass [m^2]."""
     apart = np.abs(np.roll(moments, -1) - np.roll(moments, 1))  # entry k: of the two moments across axis k
     k = 2 - int(np.argmin(apart[::-1]))  # the last of equals: z for a body whose moments all agree
     if apart[k] > EQUAL_MOMENT_TOLERANCE * moments.max():
@@ -93,7 +93,7 @@ def round_solid(body: Shaped, moments: np.ndarray, place: dict[str, Any]) -> Cyl
 
 
 def principal(inertia: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Principal moments and, as columns, their right-handed axes: the body axes where those are principal."""
+    """Return principal moments and, as columns, their right-handed axes: the body axes where those are principal."""
     if np.abs(inertia - np.diag(np.diag(inertia))).max() <= 1e-12 * np.abs(inertia).max():
         return np.diag(inertia), np.eye(3)
     moments, axes = np.linalg.eigh(inertia)
@@ -102,5 +102,5 @@ def principal(inertia: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def thick(sizes: np.ndarray) -> np.ndarray:
-    """Sizes of which none is below a fiftieth of the largest."""
+    """Return sizes of which none is below a fiftieth of the largest."""
     return np.maximum(sizes, DRAWN_THICKNESS_MIN * sizes.max())

@@ -134,7 +134,7 @@ class Capsule(Round):
 
 
 def rows_of_three(points: ArrayLike, what: str, remedy: str) -> np.ndarray:
-    """An own array (k, 3), or an InputError with the remedy."""
+    """Return a new array (k, 3), or raise an InputError with the remedy."""
     try:
         found = np.array(points, dtype=float)
     except (TypeError, ValueError, OverflowError):
@@ -145,7 +145,7 @@ def rows_of_three(points: ArrayLike, what: str, remedy: str) -> np.ndarray:
 
 
 def as_corners(value: Any, what: str, part: Any) -> np.ndarray:
-    """(k, 3) corners of a convex body that do not lie in a plane."""
+    """Convert to (k, 3) corners of a convex body that do not lie in a plane."""
     what = what.removesuffix(": points")
     remedy = f"give 4 to {HULL_CORNERS_MAX} corners (k, 3) [m] that do not lie in a plane"
     points = rows_of_three(value, what, remedy)
@@ -159,7 +159,7 @@ def as_corners(value: Any, what: str, part: Any) -> np.ndarray:
 
 
 def as_polyline(value: Any, what: str, part: Any) -> np.ndarray:
-    """(k, 3) points, with rows of NaN between strokes."""
+    """Convert to (k, 3) points, with rows of NaN between strokes."""
     what = what.removesuffix(": points")
     remedy = "give (k, 3) numbers [m], at least two points, with rows of NaN between strokes"
     points = rows_of_three(value, what, remedy)
@@ -170,7 +170,7 @@ def as_polyline(value: Any, what: str, part: Any) -> np.ndarray:
 
 
 def as_path(value: Any, what: str, part: Any) -> str:
-    """The name of a mesh file."""
+    """Accept the name of a mesh file."""
     try:
         path = os.fspath(value)
     except TypeError:
@@ -233,5 +233,5 @@ class Lines(Shape):
     points: Array = kept(by=as_polyline)
 
     def line(self, body: Shaped) -> np.ndarray:
-        """(k, 3) points in body axes from O [m]."""
+        """Return (k, 3) points in body axes from O [m]."""
         return self.points @ matrix(self.orientation).T + self.origin(body)

@@ -33,7 +33,7 @@ class Mesh(NamedTuple):
 
 
 def normals(mesh: Mesh) -> np.ndarray:
-    """(k, 3) unit normals of the vertices: means over their faces, weighted with the angles there."""
+    """Return (k, 3) unit normals of the vertices: means over their faces, weighted with the angles there."""
     corners = mesh.vertices[mesh.faces]  # (m, 3, 3)
     following, previous = (np.roll(corners, shift, axis=1) - corners for shift in (-1, 1))
     across = np.cross(following, previous)
@@ -47,12 +47,12 @@ def normals(mesh: Mesh) -> np.ndarray:
 
 
 def moved(mesh: Mesh, R: np.ndarray, r: np.ndarray) -> Mesh:
-    """The mesh turned by R (3, 3), its columns possibly of other lengths, and shifted by r [m]."""
+    """Return the mesh turned by R (3, 3), its columns possibly of other lengths, and shifted by r [m]."""
     return mesh._replace(vertices=mesh.vertices @ R.T + r)
 
 
 def joined(*meshes: Mesh) -> Mesh:
-    """Several meshes as one."""
+    """Join several meshes to one."""
     starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
     faces = [mesh.faces + start for mesh, start in zip(meshes, starts, strict=True)]
     vertices, shade = ([mesh[k] for mesh in meshes] for k in (0, 2))
@@ -60,7 +60,7 @@ def joined(*meshes: Mesh) -> Mesh:
 
 
 def revolved(profile: np.ndarray, sections: int) -> Mesh:
-    """What a smooth profile (k, 2) of radius and height [m] sweeps out about z; quarters alternate in shade.
+    """Return what a smooth profile (k, 2) of radius and height [m] sweeps out about z; quarters alternate in shade.
 
     The outside lies to the right of the profile; a profile that ends where it starts is closed.
     """
@@ -84,7 +84,7 @@ def revolved(profile: np.ndarray, sections: int) -> Mesh:
 
 @cache
 def ball() -> Mesh:
-    """The unit ball; octants alternate in shade."""
+    """Return the unit ball; octants alternate in shade."""
     polar = np.linspace(0.0, np.pi, SPHERE_BANDS + 1)
     radius = np.where((polar > 0.0) & (polar < np.pi), np.sin(polar), 0.0)
     mesh = revolved(np.column_stack([radius, -np.cos(polar)]), SPHERE_SECTIONS)
@@ -94,14 +94,14 @@ def ball() -> Mesh:
 
 @cache
 def cylinder(sections: int = CYLINDER_SECTIONS) -> Mesh:
-    """Cylinder of radius 1 and length 1 about z, with sharp rims."""
+    """Return the cylinder of radius 1 and length 1 about z, with sharp rims."""
     profiles = [(0, -0.5), (1, -0.5)], [(1, -0.5), (1, 0.5)], [(1, 0.5), (0, 0.5)]
     return joined(*(revolved(np.array(profile, float), sections) for profile in profiles))
 
 
 @cache
 def block() -> Mesh:
-    """Cube with edges 1; every side has its own corners."""
+    """Return the cube with edges 1; every side has its own corners."""
     vertices = np.empty((6, 4, 3))
     around = 0.5 * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
     for axis in range(3):
@@ -113,7 +113,7 @@ def block() -> Mesh:
 
 
 def hull(points: np.ndarray) -> Mesh:
-    """Convex hull of points (k, 3); every triangle has its own corners, so that edges are sharp. QhullError if flat."""
+    """Return the convex hull of points (k, 3); every triangle has its own corners. QhullError if flat."""
     found = ConvexHull(points)
     corners = points[found.simplices]  # (m, 3, 3)
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -124,7 +124,7 @@ def hull(points: np.ndarray) -> Mesh:
 
 
 def torus(radius: float, tube: float, sections: int = 36, around: int = 6) -> Mesh:
-    """Ring about z: a circle of radius ``tube`` whose centre runs along one of ``radius`` [m]."""
+    """Return the ring about z: a circle of radius ``tube`` whose centre runs along one of ``radius`` [m]."""
     turn = 2.0 * np.pi * np.arange(around + 1) / around
     profile = np.column_stack([radius + tube * np.cos(turn), tube * np.sin(turn)])
     profile[-1] = profile[0]
@@ -132,14 +132,14 @@ def torus(radius: float, tube: float, sections: int = 36, around: int = 6) -> Me
 
 
 def capsule(radius: float, length: float) -> Mesh:
-    """Cylinder about z with half balls on its ends, both beyond ``length`` [m]."""
+    """Return the cylinder about z with half balls on its ends, both beyond ``length`` [m]."""
     polar = np.linspace(0.0, 0.5 * np.pi, 5)
     end = radius * np.column_stack([np.where(polar > 0.0, np.sin(polar), 0.0), np.cos(polar)]) + (0.0, 0.5 * length)
     return revolved(np.concatenate([end * (1, -1), end[::-1]]), SPHERE_SECTIONS)
 
 
 def read_mesh(path: str, what: str) -> Mesh:
-    """Triangles of a file, with separate vertices at edges sharper than 30 degrees.
+    """Return the triangles of a file, with separate vertices at edges sharper than 30 degrees.
 
     ValueError for a file that is missing, too large, not a mesh, or has too many triangles, none, or some not finite.
     """
@@ -166,7 +166,7 @@ def read_mesh(path: str, what: str) -> Mesh:
 
 
 def checked(found: Any, what: str) -> Mesh:
-    """Vertices and faces of a mesh of trimesh."""
+    """Check the vertices and faces of a mesh of trimesh, and return them."""
     import trimesh
 
     count = len(getattr(found, "faces", ()))

@@ -30,7 +30,7 @@ class Ramp(Signal):
     offset: FiniteNumber = kept(default=0.0)
 
     def terms(self) -> list[Term]:
-        """The polynomial (offset, rate)."""
+        """Return the polynomial (offset, rate)."""
         return [Term(POLYNOMIAL, np.array([self.offset, self.rate]))]
 
 
@@ -50,13 +50,13 @@ class Sine(Signal):
     offset: FiniteNumber = kept(default=0.0)
 
     def terms(self) -> list[Term]:
-        """The sine, and the polynomial (offset) if there is one."""
+        """Return the sine, and the polynomial (offset) if there is one."""
         sine = Term(SINE, np.array([self.amplitude, 2.0 * np.pi * self.frequency, self.phase]))
         return [sine, Term(POLYNOMIAL, np.array([self.offset]))] if self.offset else [sine]
 
 
 def as_coefficients(value: Any, what: str, part: Any) -> tuple[float, ...]:
-    """Coefficients, at least one."""
+    """Convert to coefficients, at least one."""
     row = as_row(value, what, part)
     if row.size == 0:
         raise InputError(f"{what} is empty; give at least the constant c0")
@@ -83,7 +83,7 @@ class Polynomial(Signal):
     coefficients: Coefficients = kept()
 
     def terms(self) -> list[Term]:
-        """The polynomial itself."""
+        """Return the polynomial itself."""
         return [Term(POLYNOMIAL, np.array(self.coefficients))]
 
 
@@ -124,11 +124,11 @@ class Table(Signal):
 
     @property
     def interval(self) -> tuple[float, float]:
-        """First and last time of the table [s]."""
+        """Return the first and last time of the table [s]."""
         return float(self.times[0]), float(self.times[-1])
 
     def terms(self) -> list[Term]:
-        """The spline."""
+        """Return the spline."""
         return [self._term]
 
     @cached_property
@@ -164,7 +164,7 @@ class Pulse(Signal):
             raise InputError(f"Pulse: duration is {self.duration:g} s; give at least two edges, {2.0 * self.edge:g} s")
 
     def terms(self) -> list[Term]:
-        """Zero, rise, height, fall and zero as cubic pieces; a step ends with its height."""
+        """Return zero, rise, height, fall and zero as cubic pieces; a step ends with its height."""
         a, b, h = self.start, self.edge, self.height
         rise, level, zero = (-2.0 * h / b**3, 3.0 * h / b**2, 0.0, 0.0), (0.0, 0.0, 0.0, h), (0.0,) * 4
         pieces = {a - b: zero, a: rise, a + b: level}  # those next to the ends go on for ever

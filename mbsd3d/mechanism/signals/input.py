@@ -41,5 +41,5 @@ class Input(Signal):
         check_name(self.name, "Input:")
 
     def terms(self) -> list[Term]:
-        """The polynomial (value)."""
+        """Return the polynomial (value)."""
         return [Term(POLYNOMIAL, np.array([self.value]), (self.name, self.value))]

@@ -36,23 +36,23 @@ class Signal(Checked, ABC):
 
     @abstractmethod
     def terms(self) -> list[Term]:
-        """Summands of f: what the kernels evaluate."""
+        """Return the summands of f: what the kernels evaluate."""
 
     @property
     def interval(self) -> tuple[float, float]:
-        """First and last time at which f is defined [s]."""
+        """Return the first and last time at which f is defined [s]."""
         return ALL_TIMES
 
     def __call__(self, t: ArrayLike) -> np.ndarray:
-        """f(t) at times of any shape [s]; ValueError outside `interval`."""
+        """Return f(t) at times of any shape [s]; ValueError outside `interval`."""
         return self._at(t, 0)
 
     def derivative(self, t: ArrayLike) -> np.ndarray:
-        """df/dt at times of any shape [s]; ValueError outside `interval`."""
+        """Return df/dt at times of any shape [s]; ValueError outside `interval`."""
         return self._at(t, 1)
 
     def second_derivative(self, t: ArrayLike) -> np.ndarray:
-        """d2f/dt2 at times of any shape [s]; ValueError outside `interval`."""
+        """Return d2f/dt2 at times of any shape [s]; ValueError outside `interval`."""
         return self._at(t, 2)
 
     def _at(self, t: ArrayLike, order: int) -> np.ndarray:
@@ -86,7 +86,7 @@ class Signal(Checked, ABC):
 
 
 def finite(value: Any, what: str, part: Any) -> float:
-    """A finite real number, of a size that can be computed with."""
+    """Return a finite real number whose square is finite."""
     real: Any = value if isinstance(value, float | Real) else np.nan
     if real != real or abs(real) == np.inf:
         raise InputError(f"{what} is {shown(value)}; give a finite number")
@@ -120,12 +120,12 @@ class Constant(Signal):
     value: FiniteNumber = kept()
 
     def terms(self) -> list[Term]:
-        """The polynomial (value)."""
+        """Return the polynomial (value)."""
         return [Term(POLYNOMIAL, np.array([self.value]))]
 
 
 def as_summands(value: Any, what: str, part: Any) -> tuple[Signal, ...]:
-    """The signals of a sum, none of which is a sum itself."""
+    """Return the signals of a sum, none of which is a sum itself."""
     signals = listed(value, what, "a tuple of signals")
     if not signals or not all(isinstance(signal, Signal) for signal in signals):
         raise InputError(f"{what} {shown(value)}; give a tuple of signals")
@@ -162,12 +162,12 @@ class Sum(Signal):
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Where all of them are defined [s]."""
+        """Return the time interval [s] on which all summands are defined."""
         starts, ends = zip(*(signal.interval for signal in self.signals), strict=True)
         return max(starts), min(ends)
 
     def terms(self) -> list[Term]:
-        """The terms of all."""
+        """Return the terms of all summands, one after the other."""
         return [term for signal in self.signals for term in signal.terms()]
 
 
@@ -192,11 +192,11 @@ class Scaled(Signal):
 
     @property
     def interval(self) -> tuple[float, float]:
-        """That of the signal [s]."""
+        """Return the time interval [s] on which the signal is defined."""
         return self.signal.interval
 
     def terms(self) -> list[Term]:
-        """The terms of the signal with the numbers that are linear in f multiplied."""
+        """Return the terms of the signal with the numbers that are linear in f multiplied."""
         return [scaled(term, self.factor) for term in self.signal.terms()]
 
 
@@ -210,7 +210,7 @@ def _summands(signal: Signal) -> Sequence[Signal]:
 
 
 def as_signal(value: "Signal | float", what: str) -> Signal:
-    """A signal as it is, a finite number as a `Constant`; anything else is a ValueError that starts with ``what``."""
+    """Return a signal as it is, a finite number as a `Constant`; else raise a ValueError that starts with ``what``."""
     remedy = "give a finite number or a signal (Constant, Ramp, Sine, Polynomial, Pulse, Table, Input or a sum of them)"
     if isinstance(value, Signal):
         return value
@@ -224,17 +224,17 @@ def as_signal(value: "Signal | float", what: str) -> Signal:
 
 
 def signal_of(value: Any, what: str, part: Any) -> Signal:
-    """A signal."""
+    """Accept a signal."""
     return as_signal(value, what)
 
 
 def three_signals_of(value: Any, what: str, part: Any) -> tuple[Signal | None, ...]:
-    """Three signals."""
+    """Accept three signals."""
     return three_signals(value, what)
 
 
 def three_or_free(value: Any, what: str, part: Any) -> tuple[Signal | None, ...]:
-    """Three signals, or None for free directions, but not for all of them."""
+    """Accept three signals, or None for free directions, but not for all of them."""
     signals = three_signals(value, what, free=True)
     if not any(signals):
         raise InputError(f"{what.removesuffix(': signal')}: all three directions are free; give at least one signal")
@@ -242,7 +242,7 @@ def three_or_free(value: Any, what: str, part: Any) -> tuple[Signal | None, ...]
 
 
 def three_signals(value: Any, what: str, free: bool = False) -> tuple[Signal | None, ...]:
-    """Three components, each a number or a signal, or None where ``free`` allows it."""
+    """Convert three components, each a number or a signal, or None where ``free`` allows it."""
     try:
         x, y, z = value
     except (TypeError, ValueError):
@@ -281,7 +281,7 @@ class ThreeSignalsOrFree(Stored[Sequence[Signal | float | None], tuple[Signal | 
 
 
 def check_interval(signal: Signal, start: float, end: float, what: str) -> None:
-    """ValueError for a run from ``start`` to ``end`` [s] that leaves the interval on which a signal is defined.
+    """Raise a ValueError for a run from ``start`` to ``end`` [s] that leaves the interval on which a signal is defined.
 
     1e-9 of the interval may be missing, the rounding of a last step; ``what`` names the part, "driver 'motor'".
     """
@@ -295,7 +295,7 @@ def check_interval(signal: Signal, start: float, end: float, what: str) -> None:
 
 
 def as_row(values: Any, what: str, part: Any) -> np.ndarray:
-    """Own copy of a row of finite floats."""
+    """Return a new row of finite floats."""
     row = floats(values, what, "a row of finite numbers")
     if row.ndim != 1:
         raise InputError(f"{what} has shape {row.shape}; give a row of finite numbers")

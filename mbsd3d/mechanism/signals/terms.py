@@ -48,19 +48,19 @@ def evaluate(terms: list[Term], t: ArrayLike, order: int = 0) -> np.ndarray:
 
 
 def _polynomial(data: np.ndarray, t: np.ndarray, order: int) -> np.ndarray:
-    """Derivative of c0 + c1 t + ..."""
+    """Return the derivative of c0 + c1 t + ..."""
     return polynomial.polyval(t, polynomial.polyder(data, order))
 
 
 def _sine(data: np.ndarray, t: np.ndarray, order: int) -> np.ndarray:
-    """Derivative of A sin(omega t + phase)."""
+    """Return the derivative of A sin(omega t + phase)."""
     amplitude, omega, phase = data
     wave = np.cos if order == 1 else np.sin
     return (amplitude, amplitude * omega, -amplitude * omega**2)[order] * wave(omega * t + phase)
 
 
 def _spline(data: np.ndarray, t: np.ndarray, order: int) -> np.ndarray:
-    """Derivative of the cubic piece that holds t, the first or last one outside."""
+    """Return the derivative of the cubic piece that holds t, the first or last one outside."""
     n = int(data[0])
     breaks, pieces = data[1 : n + 2], data[n + 2 :].reshape(n, 4)
     i = np.clip(np.searchsorted(breaks, t, side="right") - 1, 0, n - 1)
@@ -71,7 +71,7 @@ def _spline(data: np.ndarray, t: np.ndarray, order: int) -> np.ndarray:
 
 
 def turning_times(data: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(k,) times [s] where a spline turns back, or begins or ends to be flat, and whether its second derivative jumps.
+    """Return times (k,) [s] where a spline turns back or becomes or ceases to be flat, and whether f'' jumps there.
 
     Read at its breaks and between them, where it swings after a sharp corner. Steps of an integrator that end there see
     every pulse, however short it is and however long they are.
@@ -95,7 +95,7 @@ def turning_times(data: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _reversals(values: list[float], least: float) -> list[int]:
-    """Places behind the first one from which the values go back by more than ``least``."""
+    """Return the places behind the first one from which the values go back by more than ``least``."""
     found, low, high, rising, falling = [], 0, 0, True, True
     for k, value in enumerate(values):
         if rising:
@@ -115,7 +115,7 @@ _EVALUATE = {POLYNOMIAL: _polynomial, SINE: _sine, SPLINE: _spline}
 
 
 def scaled(term: Term, factor: float) -> Term:
-    """Factor times a term; frequency, phase and breaks stay."""
+    """Multiply a term by a factor; frequency, phase and breaks stay."""
     first, last = {POLYNOMIAL: (0, None), SINE: (0, 1), SPLINE: (int(term.data[0]) + 2, None)}[term.kind]
     data = term.data.copy()
     data[first:last] *= factor

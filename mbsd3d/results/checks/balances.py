@@ -20,7 +20,7 @@ WORK_ROUNDING = 1e-6  # [1] of the energy: less work is rounding, also of poses 
 
 
 def since_start(solution: RunResult) -> RunResult:
-    """The motion at the samples, and at the start before them if it is not one of them."""
+    """Return the motion at the samples, and at the start before them if it is not one of them."""
     compiled, start, model = solution.compiled, solution.start, solution.compiled.model
     if solution.t[0] <= start.t:
         return solution
@@ -44,7 +44,7 @@ class Balance(NamedTuple):
 
 
 def balances(whole: RunResult, scale: Scales) -> tuple[Balance, Balance, Balance]:
-    """Energy, momentum, angular momentum about the centre of mass.
+    """Return energy, momentum, and angular momentum about the centre of mass.
 
     With P the momentum, I the impulse of the external forces since the start: P less I; L' less the angular impulse
     about the centre of mass; T + U less W. Where no joint holds a body to the ground the energy is that of the motion
@@ -69,7 +69,7 @@ def balances(whole: RunResult, scale: Scales) -> tuple[Balance, Balance, Balance
 
 
 def balance_checks(solution: RunResult, limit: float, equations_met: bool) -> list[Check]:
-    """Energy against work, momentum against impulse, held to what rounding and quadratures leave known of them.
+    """Compare energy with work and momentum with impulse, to what rounding and quadratures leave known of them.
 
     Nothing bounds the error of work and impulse over fixed steps: two quadratures say how far they are open. A motion
     that joints and drivers determine is right wherever the joints are closed, and its balances show nothing but their
@@ -95,7 +95,7 @@ def balance_checks(solution: RunResult, limit: float, equations_met: bool) -> li
 
 
 def determined(solution: RunResult) -> bool:
-    """True if joints and drivers leave no freedom, and steps are projected onto them."""
+    """Return whether joints and drivers leave no degree of freedom, and steps are projected onto them."""
     compiled, model, rows = solution.compiled, solution.compiled.model, solution.compiled.model.row
     if not compiled.drives or model.stabilisation != PROJECTION or rows["holonomic"].sum() < 6 * model.body.size:
         return False
@@ -105,7 +105,7 @@ def determined(solution: RunResult) -> bool:
 
 
 def work_note(solution: RunResult) -> list[str]:
-    """What the energy balance says of the work of a driven run, where that is not known to a hundredth."""
+    """Say what the energy balance tells of the work of a driven run, where that is not known to a hundredth."""
     if not solution.record.kinematic:
         return []
     energy = since_start(solution).energy()
@@ -116,7 +116,7 @@ def work_note(solution: RunResult) -> list[str]:
 
 
 def energy_meaning(method: Method) -> str:
-    """The likely cause of an energy defect."""
+    """Return the likely cause of an energy defect."""
     if method.rho < 1.0:
         return f"energy vanishes, by numerical damping of rho = {method.rho:g} if by nothing else: shorten the step"
     return "energy appears or vanishes"

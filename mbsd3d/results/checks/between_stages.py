@@ -60,7 +60,7 @@ def unseen_parts(solution: RunResult) -> list[str]:
 
 
 def stage_notes(solution: RunResult) -> list[str]:
-    """Which forces and signals were not looked for between stages, and what to do about it."""
+    """Say which forces and signals were not looked for between stages, and what to do about it."""
     return [
         f"force '{solution.system.name(force)}' was not looked for between the stages of steps"
         f"{', but at its times' if force.times else ''}: what it does for a shorter time is stepped over; give it "

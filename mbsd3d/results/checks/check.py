@@ -31,12 +31,12 @@ class Check:
 
     @property
     def passed(self) -> bool:
-        """True if the error is within its limit."""
+        """Return whether the error is within its limit."""
         return bool(self.error <= self.limit)
 
 
 def drift_limit(record: Record) -> float:
-    """What errors of the steps may add up to, in the scales of the run: never more than they explain or is useful."""
+    """Return what errors of the steps may add up to, in the scales of the run: at most what explains or is useful."""
     explained = LOCAL * record.rtol * record.steps if record.method.dt is None and record.method.order else np.inf
     if record.nearest < NEAR_SINGULAR_SHARE:  # forces grow there, and with them what a step may err of their work
         explained = np.inf
@@ -45,12 +45,12 @@ def drift_limit(record: Record) -> float:
 
 
 def rounding_of(record: Record) -> float:
-    """What rounding leaves of a difference of numbers that steps add up, over these numbers: it walks at random."""
+    """Return what rounding leaves of a difference of sums over steps, over these numbers: it walks at random."""
     return UNITS * np.finfo(float).eps * np.sqrt(max(record.steps, 1))
 
 
 def gaping(record: Record) -> float:
-    """How far joints may gape that the integration holds, by Baumgarte's terms; 0 where projection closes them."""
+    """Return how far joints may gape that Baumgarte's terms hold; 0 where projection closes them."""
     return drift_limit(record) if record.switches.stabilisation == "baumgarte" else 0.0
 
 
@@ -75,7 +75,7 @@ class Scales:
 
 
 def scales_of(solution: RunResult) -> Scales:
-    """Sizes from the run itself, with floors from gravity, so that a mechanism at rest has scales too."""
+    """Return sizes from the run itself, with floors from gravity, so that a mechanism at rest has scales too."""
     arrays, system, length = solution.arrays, solution.system, solution.compiled.model.length
     about, spin, g = solution.about_centre, longest(arrays["v"][..., 3:]), float(np.linalg.norm(system.gravity))
     speed = max(about.fastest, length * spin, solution.record.speed)  # samples may all be of a machine at rest
@@ -105,5 +105,5 @@ def largest(values: np.ndarray) -> float:
 
 
 def longest(vectors: np.ndarray) -> float:
-    """Largest length of vectors (..., 3), 0 for none."""
+    """Return the largest length of vectors (..., 3), 0 for none."""
     return float(np.sqrt((vectors**2).sum(axis=-1).max(initial=0.0)))

@@ -18,7 +18,7 @@ class Residuals(NamedTuple):
 
 
 def residuals(solution: RunResult) -> Residuals:
-    """Of all equations at the samples, with the true terms."""
+    """Return the residuals of all equations at the samples, with the true terms."""
     compiled, arrays, t = solution.compiled, solution.arrays, solution.t
     model = compiled.model._replace(gamma=1.0, stabilisation=0)
     known = arrays["state"], np.ascontiguousarray(arrays["coordinate"]), arrays["acceleration"], arrays["lam"]
@@ -28,7 +28,7 @@ def residuals(solution: RunResult) -> Residuals:
 
 
 def joint_checks(solution: RunResult, found: Residuals) -> list[Check]:
-    """Joints that stay closed, in position and velocity."""
+    """Check that joints stay closed, in position and velocity."""
     record, length, scale = solution.record, solution.compiled.model.length, scales_of(solution)
     floor = max(record.tolerance, 1e-12 * scale.reach / length, gaping(record))
     slip = max(floor, rounding_of(record) * scale.speed / (scale.rate * length))
@@ -43,7 +43,7 @@ def joint_checks(solution: RunResult, found: Residuals) -> list[Check]:
 
 
 def equation_checks(solution: RunResult, found: Residuals, singular: np.ndarray) -> list[Check]:
-    """Newton-Euler residual per body, and rows against the accelerations.
+    """Check the Newton-Euler residual per body, and rows against the accelerations.
 
     ``singular``: samples whose joints determine no reactions; Newton and Euler are not asked there.
     """
@@ -64,7 +64,7 @@ def equation_checks(solution: RunResult, found: Residuals, singular: np.ndarray)
 
 
 def rounding_of_turning(solution: RunResult, scale: Scales) -> float:
-    """Rounding of the moments of the run as an acceleration of the body that turns most easily, relative.
+    """Return the rounding of the moments of the run as an acceleration of the body that turns most easily, relative.
 
     Joint forces F at an arm L cancel in the moment about the centre of mass of a small body to eps F L, which turns it
     by eps F L / I.
@@ -75,6 +75,6 @@ def rounding_of_turning(solution: RunResult, scale: Scales) -> float:
 
 
 def lost(solution: RunResult) -> list[str]:
-    """Names of the forces whose functions were not saved."""
+    """Return the names of the forces whose functions were not saved."""
     system = solution.system
     return [f"force '{system.name(force)}'" for force in system.forces if isinstance(force, SavedForce)]

@@ -32,7 +32,7 @@ class Rounding(NamedTuple):
 
 
 def rounding(solution: RunResult) -> Rounding:
-    """What a step of refinement changes at the samples of a run."""
+    """Return what a step of refinement changes at the samples of a run."""
     compiled, arrays, t = solution.compiled, solution.arrays, solution.t
     model, data = compiled.model, compiled.data()
     known = arrays["state"], np.ascontiguousarray(arrays["coordinate"]), arrays["acceleration"], arrays["lam"]
@@ -46,7 +46,7 @@ def rounding(solution: RunResult) -> Rounding:
 
 
 def units_of(solution: RunResult) -> np.ndarray:
-    """Largest a_O and alpha of the run, and of each row the largest force or moment of all rows of its kind.
+    """Return the largest a_O and alpha of the run, and of each row the largest force or moment of all rows of its kind.
 
     Those are at least the weight of the whole; without gravity the pull of the spin stands for it, and the force that
     accelerates a body: not accelerations, which of light bodies may be rounding.
@@ -64,7 +64,7 @@ def units_of(solution: RunResult) -> np.ndarray:
 
 
 def rounding_checks(solution: RunResult, found: Rounding) -> list[Check]:
-    """Accelerations and reactions at regular poses; at singular ones they have no limit to meet."""
+    """Check accelerations and reactions at regular poses; at singular ones they have no limit to meet."""
     system, joint_of = solution.system, solution.compiled.row_joint
     motion, forces = (np.where(found.singular, 0.0, x) for x in (found.motion, found.forces))
     body = system.name(system.bodies[found.body[np.argmax(motion)]])
@@ -79,7 +79,7 @@ def rounding_checks(solution: RunResult, found: Rounding) -> list[Check]:
 
 
 def singular_notes(solution: RunResult, found: Rounding) -> list[str]:
-    """Which samples are at singular poses."""
+    """Say which samples are at singular poses."""
     times = solution.t[found.singular]
     if not times.size:
         return []

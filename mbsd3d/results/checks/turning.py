@@ -6,7 +6,7 @@ from .check import DRIFT_LIMIT_MAX, Check
 
 
 def turning_checks(solution: RunResult) -> list[Check]:
-    """Whether bodies turned as their angular velocities say, and hinges counted their turns; none of older files."""
+    """Check that bodies turned as their angular velocities say, and that hinges counted their turns."""
     record = solution.record
     if record.miscount is None or not record.steps:
         return []

@@ -122,7 +122,7 @@ class Server:
         return response
 
     async def _converse(self, connection: "ServerConnection") -> None:
-        """With one browser, until it leaves."""
+        """Exchange messages with one browser until it leaves."""
         from websockets.exceptions import ConnectionClosed
 
         await connection.send(self.greet())

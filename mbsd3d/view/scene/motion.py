@@ -222,7 +222,7 @@ def curve(samples: np.ndarray, t: np.ndarray, panel: Panel) -> Curve:
 
 
 def every_reaction(solution: RunResult, samples: np.ndarray) -> list[Reaction]:
-    """`Solution.reaction` of every joint at the given samples, by one pass over them instead of one per joint."""
+    """Return `Solution.reaction` of every joint at the given samples, by one pass over them, not one per joint."""
     compiled, joints = solution.compiled, solution.system.joints
     lam = solution.arrays["lam"][samples]
     for joint in (joint for joint in joints if not solution._is_unique([joint])):
@@ -243,7 +243,7 @@ def every_reaction(solution: RunResult, samples: np.ndarray) -> list[Reaction]:
 def wrenches_about_O(
     compiled: Compiled, t: np.ndarray, states: np.ndarray, coordinates: np.ndarray, lam: np.ndarray
 ) -> np.ndarray:
-    """(samples, joints, 6) force and moment of every joint on its body b about O: minus the sum of J' lam."""
+    """Return force and moment (samples, joints, 6) of every joint on its body b about O: minus the sum of J' lam."""
     data, joints, pairs = compiled.data(), compiled.system.joints, []
     for k, joint in enumerate(joints):
         rows = compiled.rows[id(joint)]
