@@ -102,7 +102,7 @@ class Linearization(modes.ModalAnalysis):
 
     def plot(self) -> "Figure":
         """Draw the eigenvalues in the complex plane with matplotlib."""
-        from ..plotting.eigenvalues import plot_eigenvalues
+        from ..plotting.panels import plot_eigenvalues
 
         return plot_eigenvalues(self)
 

@@ -9,7 +9,7 @@ from ..base.errors import Explained, IntegrationError, explaining_methods
 from ..integrators.dop853 import DOP853
 from ..integrators.method import Method
 from ..mechanism.measures import Measure
-from ..mechanism.signals.input import Input
+from ..mechanism.signals.signal import Input
 from ..mechanism.state import State
 from ..results.record import RunOptions
 from ..run.segments import Segments

@@ -27,10 +27,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .checks import listed, number, sequence, shown, vector
-from .directions import unit
 from .errors import Explained, InputError
 from .mass_properties import check_inertia
-from .rotations import as_quaternion
+from .rotations import as_quaternion, unit
 
 Accepted = TypeVar("Accepted")  # by the constructor
 Kept = TypeVar("Kept")  # by the part

@@ -1,4 +1,4 @@
-"""The house style: colours that are told apart with any colour vision, on light and on dark paper.
+"""Style of figures and pages: colours that are told apart with any colour vision, on light and on dark paper.
 
 A figure gets its colours explicitly (`dress`), and what matplotlib looks up by itself from its own defaults (`house`):
 settings of the user or the machine do not change a figure, nor does a figure change them.

@@ -19,9 +19,9 @@ from ..mechanism.measures import POSE_MEASURES, Measure, check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .conflicting_drivers import find_contradiction, rivals
+from .elimination import loop_weights
 from .poses.closing import Found, ambiguities, close_pose
 from .poses.pose_equations import CLOSED_GAP_MAX, displacements, gap_size, newton
-from .spanning_tree import loop_weights
 from .velocities import with_velocities
 
 

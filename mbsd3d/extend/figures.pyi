@@ -14,4 +14,4 @@ from ..view.scene.camera import VIEW_AXES as VIEW_AXES
 from ..base.templates import HtmlPage as HtmlPage
 from ..base.templates import page_template as page_template
 from ..report.exhibits import inline_svg as inline_svg
-from ..report.wording import digits as digits
+from ..report.facts import digits as digits

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import shown, vector
-from ..base.directions import perpendiculars, unit
 from ..base.errors import InputError
 from ..base.fields import (
     FILE_VECTOR,
@@ -22,6 +21,7 @@ from ..base.fields import (
     kept,
     part_class,
 )
+from ..base.rotations import perpendiculars, unit
 from ..kernels import kinds
 from .bodies import GROUND, Body, Ground, as_body
 from .joints import Joint, PointJoint

@@ -6,9 +6,8 @@ from typing import Any
 import numpy as np
 
 from ..base.checks import shown
-from ..base.directions import perpendiculars
 from ..base.errors import InputError
-from ..base.rotations import matrix
+from ..base.rotations import matrix, perpendiculars
 from .bodies import Body, Ground
 from .motion import Motion
 from .shapes.base import along

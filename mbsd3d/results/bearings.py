@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import check_choice, number, shown, vector
-from ..base.directions import perpendiculars, unit
 from ..base.errors import InputError, explaining
 from ..base.fields import Frozen, Number, kept, part_class
+from ..base.rotations import perpendiculars, unit
 from ..base.style import Sampled
 from ..mechanism.joints import Joint, PointJoint
 from ..mechanism.joints.pairs import Fixed, Prismatic

@@ -8,9 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..base.checks import shown
-from ..base.directions import crosses
 from ..base.errors import InputError
-from ..base.rotations import matrix
+from ..base.rotations import crosses, matrix
 from ..base.style import Sampled
 from ..dynamics.batch import wrenches
 from ..equations.compiled import Compiled, compile_system, new_data, tables_of

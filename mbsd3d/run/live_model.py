@@ -12,7 +12,7 @@ from ..base.errors import InputError, similar
 from ..equations.compiled import compile_system, starts
 from ..mechanism.measures import Measure, angle, check_members, slide, velocity
 from ..mechanism.mechanism import Mechanism
-from ..mechanism.signals.input import Input
+from ..mechanism.signals.signal import Input
 from ..mechanism.state import State
 from .segments import driver_of
 

@@ -17,7 +17,7 @@ from ..integrators.step_control import STEP_TIME_RATIO_MIN
 from ..kernels.coordinates import measure
 from ..mechanism.measures import Measure, check_members
 from ..mechanism.mechanism import Mechanism
-from ..mechanism.signals.input import Input
+from ..mechanism.signals.signal import Input
 from ..mechanism.state import State
 from ..results.record import RunOptions
 from ..results.result import RunResult, unit_quaternions

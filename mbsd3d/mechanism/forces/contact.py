@@ -5,9 +5,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ...base.directions import perpendiculars
 from ...base.errors import InputError
 from ...base.fields import Number, NumberOrNone, kept, part_class
+from ...base.rotations import perpendiculars
 from ...compiler.decorators import inner_kernel
 from ...kernels.force_laws import add_force, add_moment
 from ...kernels.surfaces import CONTACT, contact_parameters, meeting, pressure

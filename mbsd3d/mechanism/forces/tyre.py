@@ -7,7 +7,6 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ...base import directions
 from ...base.checks import number
 from ...base.errors import InputError
 from ...base.fields import (
@@ -19,6 +18,7 @@ from ...base.fields import (
     part_class,
     true_or_false,
 )
+from ...base.rotations import cross as cross_product
 from ...compiler.decorators import inner_kernel
 from ...compiler.records import Parameters
 from ...kernels.force_laws import add_force, add_moment, tanh
@@ -29,7 +29,40 @@ from ..contacts import Plane, level_plane
 from ..force_element import ForceElement, ForceRecord, check_pair
 from ..rounded import Rounded, circle
 from ..signals import Signal, SignalOrNone, as_signal
-from .tread import at_least, brush, sensitive
+
+LOAD_FACTOR_MIN = 0.1
+"""Share of grip and stiffness that no load takes away."""
+FULL_SLIDING_DEFLECTION = 1.5
+"""Deflection, in units of that of full grip, from which all of the contact patch slides."""
+
+
+@inner_kernel
+def at_least(x, least):
+    """Return x, but no less than a number."""
+    return x if x.real > least else least + 0.0 * x
+
+
+@inner_kernel
+def sensitive(k, load):
+    """Share 1 - k (N/N0 - 1) of a coefficient that is left at a load, given as N/N0."""
+    return at_least(1.0 - k * (load - 1.0), LOAD_FACTOR_MIN)
+
+
+@inner_kernel
+def brush(q):
+    """Return (force over that of the linear tyre, trail over that at rest) at a linear force of q times the grip.
+
+    With the theoretical slip s = q/(1 - q/3) the force is mu N (1 - (1 - s/3)^3): the steady deflection under s is q.
+    """
+    force, trail = 1.0 + 0.0 * q, 1.0 + 0.0 * q
+    if q.real < FULL_SLIDING_DEFLECTION:
+        s = q / (1.0 - q / 3.0)
+        rest, adhesion = 1.0 - s / 3.0, 1.0 - s / 3.0 + s * s / 27.0
+        force, trail = adhesion / (1.0 - q / 3.0), rest * rest * rest / adhesion
+    else:
+        force, trail = 1.0 / q, 0.0 * q
+    return force, trail
+
 
 ROLLING_RESISTANCE_SPEED, ALIGNING_MOMENT_SPEED = 0.05, 0.01
 """Speeds [m/s] of the tread and of the hub at which rolling resistance and moment about the normal reach 76 %."""
@@ -230,7 +263,7 @@ class Tyre(ForceElement):
             raise InputError(f"{what}: crown {self.crown} exceeds the outer radius {self.radius}; give crown <= radius")
         if self.nominal_load is None and (self.grip_sensitivity or self.stiffness_sensitivity):
             raise InputError(f"{what}: sensitive to the load, but without nominal_load; give it in N")
-        if abs(directions.cross(self.axis, self.plane[1])).max() < 1e-9:
+        if abs(cross_product(self.axis, self.plane[1])).max() < 1e-9:
             raise InputError(f"{what}: the wheel lies flat on the plane, so it has no contact point; tilt its axis")
 
     @cached_property

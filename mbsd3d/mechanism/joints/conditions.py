@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ...base.directions import PERPENDICULAR_TOLERANCE, perpendiculars, squared, unit
 from ...base.errors import InputError
 from ...base.fields import Direction, DirectionOrDerived, NumberOrDerived, Vector, kept, locked, part_class
+from ...base.rotations import PERPENDICULAR_TOLERANCE, perpendiculars, squared, unit
 from ...kernels import kinds
 from ..bodies import Body, Ground
 from ..primitives import Coordinate, Primitive, coincide, in_plane, perpendicular

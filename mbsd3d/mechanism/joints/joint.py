@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...base.checks import shown
-from ...base.directions import matched_perpendiculars, perpendiculars
 from ...base.errors import InputError
 from ...base.fields import Direction, DirectionOrDerived, Vector, VectorOrDerived, kept, part_class
+from ...base.rotations import matched_perpendiculars, perpendiculars
 from ..bodies import Body, Ground, Part, as_body_or_ground, called
 from ..motion import LoadedMotion, Motion
 from ..primitives import Coordinate, Primitive, in_plane, perpendicular

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from ...base.directions import PERPENDICULAR_TOLERANCE, cross, perpendiculars, squared, unit
 from ...base.errors import InputError
 from ...base.fields import Direction, Number, kept, locked, part_class
+from ...base.rotations import PERPENDICULAR_TOLERANCE, cross, perpendiculars, squared, unit
 from ..primitives import Coordinate, Primitive, coincide, in_plane, perpendicular, ratio
 from .joint import AxisJoint, PointJoint, angle_of, slide_of
 

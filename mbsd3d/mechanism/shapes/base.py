@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...base.checks import shown, vector
-from ...base.directions import perpendiculars
 from ...base.errors import InputError
 from ...base.fields import FILE_VECTOR, Checked, Orientation, Stored, VectorOrNone, kept, part_class
-from ...base.rotations import AXES, matrix
+from ...base.rotations import AXES, matrix, perpendiculars
 from .surfaces import Mesh, moved
 
 HEX_COLOUR_PATTERN = re.compile(r"#[0-9a-fA-F]{6}")

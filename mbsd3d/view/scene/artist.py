@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from ...base.directions import perpendiculars
 from ...base.errors import InputError
-from ...base.rotations import quaternion_from_matrix
+from ...base.rotations import perpendiculars, quaternion_from_matrix
 from ...base.style import COM_COLOUR, GREY, JOINT_COLOUR, colour
 from ...mechanism.bodies import GROUND, Body
 from ...mechanism.contacts import Rolling, RollingDisc

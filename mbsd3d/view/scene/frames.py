@@ -15,7 +15,7 @@ import numpy as np
 
 from ...base.checks import shown
 from ...base.errors import InputError
-from ...base.quaternions import H
+from ...base.rotations import H
 from ...results.motion import Motion
 from ...results.result import RunResult
 
