@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base.checks import number
-from ..base.errors import InputError, IntegrationError, explained, explaining_methods
+from ..base.errors import InputError, IntegrationError, argument_error, checks_method_arguments
 from ..base.style import html_text
 from ..equations.compiled import Switches
 from ..integrators.dop853 import DOP853
@@ -43,7 +43,7 @@ CHANGEABLE_ARGUMENTS = Signature(
 """Arguments of `simulate` that `Solution.again` takes."""
 
 
-@explaining_methods
+@checks_method_arguments
 @dataclass(frozen=True, eq=False, repr=False)
 class Solution(RunResult, Viewable):
     """Samples of a run. Parts are given as objects or by name; vectors are (samples, 3) in world axes.
@@ -98,7 +98,7 @@ class Solution(RunResult, Viewable):
 
     def again(self, t_end: float | None = None, **changes: Any) -> "Solution":
         """Run the same system again with the same options, except for the given ones (see `simulate`)."""
-        if wrong := explained("Solution.again", CHANGEABLE_ARGUMENTS, (), changes):
+        if wrong := argument_error("Solution.again", CHANGEABLE_ARGUMENTS, (), changes):
             raise wrong
         start = changes.pop("state", self.start)
         options = changed(options_to_repeat(self), changes)

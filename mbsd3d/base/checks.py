@@ -15,7 +15,7 @@ PYTHON_LOOP_MAX = 16  # [numbers] that Python looks through in less time than nu
 PLAIN_NUMBER_TYPES = frozenset((float, int, np.float64))  # need no closer look than at their size
 
 
-def shown(value: Any) -> str:
+def short_repr(value: Any) -> str:
     """Return what was given as it prints, cut where it is long; numbers of arrays as plain ones."""
     try:
         with np.printoptions(legacy="1.25"):
@@ -28,9 +28,9 @@ def shown(value: Any) -> str:
 def check_name(name: Any, what: str) -> None:
     """Refuse a name that is no text, is empty, would command a terminal, or reads as something else than it is."""
     if not isinstance(name, str) or not name:
-        raise InputError(f"{what} name {shown(name)}: give a non-empty text")
+        raise InputError(f"{what} name {short_repr(name)}: give a non-empty text")
     if CONTROL_CHARACTERS.search(name):
-        raise InputError(f"{what} name {shown(name)} holds control characters; give a text of one line")
+        raise InputError(f"{what} name {short_repr(name)} holds control characters; give a text of one line")
 
 
 def all_within(array: np.ndarray, most: float) -> bool:
@@ -58,7 +58,7 @@ def floats(values: Any, what: str, remedy: str) -> np.ndarray:
         array = None
     texts = array is not None and raw.dtype.kind == "O" and any(isinstance(x, str | bytes | None) for x in raw.flat)
     if array is None or texts or holds_truth(values):
-        raise InputError(f"{what}: {shown(values)} is not numeric; give {remedy}")
+        raise InputError(f"{what}: {short_repr(values)} is not numeric; give {remedy}")
     if not all_within(array, sys.float_info.max):
         text = np.array2string(array, separator=", ", precision=9, threshold=20).replace("\n", "")
         place = f" in entry {np.flatnonzero(~np.isfinite(array))[0]}" if array.size > 4 else ""
@@ -71,21 +71,21 @@ def numbers(values: Any, what: str) -> np.ndarray:
     try:
         return np.asarray(values, dtype=float)
     except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{what}: {shown(values)} is not numeric; give numbers") from None
+        raise InputError(f"{what}: {short_repr(values)} is not numeric; give numbers") from None
 
 
 def check_choice(value: Any, choices: Sequence[Any], what: str) -> None:
     """Refuse anything but one of the choices."""
     if not isinstance(value, Hashable) or value not in choices:
-        raise InputError(f"{what} {shown(value)} is unknown; give {' or '.join(map(repr, choices))}")
+        raise InputError(f"{what} {short_repr(value)} is unknown; give {' or '.join(map(repr, choices))}")
 
 
-def listed(values: Any, what: str, remedy: str) -> tuple[Any, ...]:
+def as_tuple(values: Any, what: str, remedy: str) -> tuple[Any, ...]:
     """Return the members of a sequence as a tuple, or raise an InputError that names ``what``."""
     try:
         return tuple(values)
     except TypeError:
-        raise InputError(f"{what}: {shown(values)} is not a sequence; give {remedy}") from None
+        raise InputError(f"{what}: {short_repr(values)} is not a sequence; give {remedy}") from None
 
 
 def check_size(array: np.ndarray, what: str) -> None:
@@ -119,7 +119,7 @@ def vector(value: ArrayLike, what: str) -> np.ndarray:
     if array is None:
         array = floats(value, what, "three numbers")
         if array.shape != (3,):
-            raise InputError(f"{what}: expected three numbers, got {shown(value)}")
+            raise InputError(f"{what}: expected three numbers, got {short_repr(value)}")
         check_size(array, what)
     array.setflags(write=False)
     return array
@@ -135,7 +135,7 @@ def number(value: float, what: str, *, minimum: float | None = None, positive: b
     except (TypeError, ValueError, OverflowError):
         x = None
     if x is None:
-        raise InputError(f"{what}: expected a number, got {shown(value)}")
+        raise InputError(f"{what}: expected a number, got {short_repr(value)}")
     if not np.isfinite(x):
         raise InputError(f"{what}: not finite ({x}); give a finite number")
     if positive and x <= 0.0:
@@ -153,23 +153,23 @@ def whole(value: int, what: str, least: int, most: float = np.inf) -> int:
     """Return a whole number within its range, or raise a ValueError that names ``what``."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= most:
         wanted = f">= {least}" if most == np.inf else f"from {least} to {most}"
-        raise InputError(f"{what} = {shown(value)}; give a whole number {wanted}")
+        raise InputError(f"{what} = {short_repr(value)}; give a whole number {wanted}")
     return int(value)
 
 
 def sequence(values: Any, what: str) -> tuple[float, ...]:
     """Return finite numbers as a tuple, or raise a ValueError that names ``what``."""
     if isinstance(values, str | bytes):
-        raise InputError(f"{what}: {shown(values)} is not a sequence of numbers; give a tuple")
+        raise InputError(f"{what}: {short_repr(values)} is not a sequence of numbers; give a tuple")
     try:
         given = tuple(values)
     except TypeError:
-        raise InputError(f"{what}: {shown(values)} is not a sequence of numbers; give a tuple") from None
+        raise InputError(f"{what}: {short_repr(values)} is not a sequence of numbers; give a tuple") from None
     return tuple(number(value, f"{what} no. {k + 1}") for k, value in enumerate(given))
 
 
 @contextmanager
-def solvable(what: str) -> Iterator[None]:
+def reporting_linalg_errors(what: str) -> Iterator[None]:
     """Turn what the linear algebra inside cannot solve into an error of this package."""
     try:
         yield

@@ -137,7 +137,7 @@ def similar(name: object, known: Iterable[str]) -> list[str]:
     return [lower[text] for text in get_close_matches(str(name).lower(), lower)]
 
 
-def explained(
+def argument_error(
     name: str, signature: inspect.Signature, args: tuple[Any, ...], given: Mapping[str, Any]
 ) -> ArgumentError | None:
     """Describe what is wrong with a call, by the public name of what was called; return None if it fits."""
@@ -173,7 +173,7 @@ class Written:
         return self.text
 
 
-class Explained(ABCMeta):
+class ChecksArguments(ABCMeta):
     """Classes whose wrong calls are answered by their public names, with the argument that was meant."""
 
     @property
@@ -189,19 +189,19 @@ class Explained(ABCMeta):
             try:
                 return super().__call__(*args, **given)
             except TypeError as error:
-                wrong = explained(cls.__name__, cls.__signature__, args, given)
+                wrong = argument_error(cls.__name__, cls.__signature__, args, given)
                 raise wrong or error from None
 
 
-def explaining(function: Callable[P, T], name: str | None = None) -> Callable[P, T]:
-    """Describe wrong calls of a function by its public ``name``, as `Explained` does for a class."""
+def checks_arguments(function: Callable[P, T], name: str | None = None) -> Callable[P, T]:
+    """Describe wrong calls of a function by its public ``name``, as `ChecksArguments` does for a class."""
 
     @functools.wraps(function)
     def call(*args: P.args, **given: P.kwargs) -> T:
         try:
             return function(*args, **given)
         except TypeError:
-            wrong = explained(name or function.__name__, inspect.signature(function), args, given)
+            wrong = argument_error(name or function.__name__, inspect.signature(function), args, given)
             if wrong is None:
                 raise
             raise wrong from None
@@ -209,14 +209,14 @@ def explaining(function: Callable[P, T], name: str | None = None) -> Callable[P,
     return call
 
 
-def explaining_methods(cls: type[T]) -> type[T]:
+def checks_method_arguments(cls: type[T]) -> type[T]:
     """Describe wrong calls of the public methods of a class, inherited ones included."""
     for name in dir(cls):
         method = inspect.getattr_static(cls, name)
         if name.startswith("_"):
             continue
         if inspect.isfunction(method):
-            setattr(cls, name, explaining(method, f"{cls.__name__}.{name}"))
+            setattr(cls, name, checks_arguments(method, f"{cls.__name__}.{name}"))
         elif isinstance(method, classmethod):
-            setattr(cls, name, classmethod(explaining(method.__func__, f"{cls.__name__}.{name}")))
+            setattr(cls, name, classmethod(checks_arguments(method.__func__, f"{cls.__name__}.{name}")))
     return cls

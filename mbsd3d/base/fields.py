@@ -26,8 +26,8 @@ import msgspec
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import listed, number, sequence, shown, vector
-from .errors import Explained, InputError
+from .checks import as_tuple, number, sequence, short_repr, vector
+from .errors import ChecksArguments, InputError
 from .mass_properties import check_inertia
 from .rotations import as_quaternion, unit
 
@@ -112,7 +112,7 @@ def conversions(cls: type) -> tuple[Conversion, ...]:
     return tuple(found)
 
 
-class Frozen(metaclass=Explained):
+class Frozen(metaclass=ChecksArguments):
     """Base of frozen dataclasses that convert their fields when they are made."""
 
     if TYPE_CHECKING:
@@ -202,13 +202,13 @@ def as_numbers(value: Any, what: str, part: Any) -> tuple[float, ...]:
 
 def as_members(value: Any, what: str, part: Any) -> tuple[Any, ...]:
     """Convert a sequence to a tuple of its members."""
-    return listed(value, what, "a list")
+    return as_tuple(value, what, "a list")
 
 
 def true_or_false(value: Any, what: str, part: Any) -> bool:
     """Accept True or False, nothing that counts as one of them."""
     if not isinstance(value, bool):
-        raise InputError(f"{what} = {shown(value)}; give True or False")
+        raise InputError(f"{what} = {short_repr(value)}; give True or False")
     return value
 
 

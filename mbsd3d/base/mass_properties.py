@@ -11,14 +11,14 @@ from .checks import (
     MAGNITUDE_MAX,
     MAGNITUDE_MIN,
     PLAIN_NUMBER_TYPES,
+    as_tuple,
     check_size,
     floats,
-    listed,
     number,
     plain_three,
     vector,
 )
-from .errors import Explained, InputError, explaining
+from .errors import ChecksArguments, InputError, checks_arguments
 from .rotations import _text, as_quaternion, matrix
 
 # [1] of the largest moment; a flat body lies on the limit, where rounding falls on either side
@@ -26,7 +26,7 @@ TRIANGLE_RULE_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class MassProperties(metaclass=Explained):
+class MassProperties(metaclass=ChecksArguments):
     """Mass, centre of mass and inertia of a rigid body; ``Body(name, **vars(properties))`` takes them as they are.
 
     >>> from mbsd3d.inertia import box, rod
@@ -40,7 +40,7 @@ class MassProperties(metaclass=Explained):
     inertia: np.ndarray  # (3, 3) about ``com``, in the same axes [kg m^2]
 
 
-@explaining
+@checks_arguments
 def combine(parts: Iterable[tuple[Any, ...] | MassProperties]) -> MassProperties:
     """Combine parts to one rigid body: ``m = sum m_i``, ``c = sum m_i c_i / m``, Steiner's rule for the inertia.
 
@@ -56,7 +56,7 @@ def combine(parts: Iterable[tuple[Any, ...] | MassProperties]) -> MassProperties
     >>> barbell.mass, barbell.inertia.diagonal().round(3)
     (4.0, array([1.016, 1.016, 0.016]))
     """
-    given = listed(parts, "combine: parts", "a list of (mass, com, inertia)")
+    given = as_tuple(parts, "combine: parts", "a list of (mass, com, inertia)")
     checked = [_part(i, part) for i, part in enumerate(given)]
     mass = sum(m for m, _, _ in checked)
     if mass == 0.0:
@@ -66,7 +66,7 @@ def combine(parts: Iterable[tuple[Any, ...] | MassProperties]) -> MassProperties
     return MassProperties(mass, com, total)
 
 
-@explaining
+@checks_arguments
 def steiner(mass: float, offset: ArrayLike) -> np.ndarray:
     """Return what a mass [kg] adds to the inertia at ``d = offset`` (3,) [m]: ``m (d'd 1 - d d')`` [kg m^2]."""
     d = vector(offset, "steiner: offset")
@@ -155,7 +155,7 @@ def _part(number: int, part: tuple[Any, ...] | MassProperties) -> tuple[float, n
     what = f"combine: part {number}"
     if isinstance(part, MassProperties):
         part = (part.mass, part.com, part.inertia)
-    part = listed(part, what, "(mass, com, inertia)")
+    part = as_tuple(part, what, "(mass, com, inertia)")
     if len(part) not in (3, 4):
         raise InputError(f"{what} has {len(part)} entries; give (mass, com, inertia) and possibly an orientation")
     I = check_inertia(part[2], part[0], what)

@@ -57,7 +57,7 @@ def write_atomically(path: Path, content: bytes, *, replace: bool = True) -> Pat
     """
     if not replace and path.exists():
         raise InputError(f"'{path}' exists; give replace=True to replace it, or another name")
-    with in_its_place(path) as part, part.open("xb") as handle:
+    with atomic_write(path) as part, part.open("xb") as handle:
         handle.write(content)
         handle.flush()
         os.fsync(handle.fileno())
@@ -121,7 +121,7 @@ def _is_alive(process: int) -> bool:
 
 
 @contextmanager
-def in_its_place(path: Path) -> Iterator[Path]:
+def atomic_write(path: Path) -> Iterator[Path]:
     """Yield a name to write a file under; it takes the place of ``path`` once it is whole, and goes if that fails."""
     part = path.with_name(f".{uuid.uuid4().hex}-{_machine()}-{os.getpid()}.part")  # no longer than any name
     _UNFINISHED_FILES.add(part)

@@ -9,8 +9,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import floats, numbers, shown, vector
-from .errors import InputError, explaining
+from .checks import floats, numbers, short_repr, vector
+from .errors import InputError, checks_arguments
 
 WORLD_AXES = np.eye(3)
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
@@ -20,7 +20,7 @@ NORM_TOLERANCE = 1e-6  # [1] of the length 1: numbers typed with seven digits pa
 PERPENDICULAR_TOLERANCE = 1e-6  # [1] cosine of an angle that is meant to be right
 
 
-@explaining
+@checks_arguments
 def rotation(axis: str | ArrayLike, angle: ArrayLike, degrees: bool = False) -> np.ndarray:
     """Return the quaternion, body -> world, of a rotation about ``axis``: ``(cos(angle/2), sin(angle/2) axis/|axis|)``.
 
@@ -100,7 +100,7 @@ def _unit_axis(axis: str | ArrayLike) -> np.ndarray:
     remedy = "'x', 'y', 'z' or a vector of three numbers"
     if isinstance(axis, str):
         if axis not in AXES:
-            raise InputError(f"rotation: axis is {shown(axis)}; give {remedy}")
+            raise InputError(f"rotation: axis is {short_repr(axis)}; give {remedy}")
         return np.array(AXES[axis])
     vector = floats(axis, "rotation: axis", remedy)
     if vector.shape != (3,):
@@ -254,7 +254,7 @@ def crosses(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return out
 
 
-def squared(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+def make_perpendicular(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Return the unit vector y, perpendicular to x where it is so to 1e-6, as typed digits are; y itself elsewhere."""
     off = float(x @ y)
     if not NORM_ROUNDING < abs(off) <= PERPENDICULAR_TOLERANCE:

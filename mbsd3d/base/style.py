@@ -1,7 +1,7 @@
 """Style of figures and pages: colours that are told apart with any colour vision, on light and on dark paper.
 
-A figure gets its colours explicitly (`dress`), and what matplotlib looks up by itself from its own defaults (`house`):
-settings of the user or the machine do not change a figure, nor does a figure change them.
+A figure gets its colours explicitly (`style_axes`), and what matplotlib looks up by itself from its own defaults
+(`figure_style`): settings of the user or the machine do not change a figure, nor does a figure change them.
 """
 
 import html
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FONT = "DejaVu Sans"  # comes with matplotlib, so it is the same on every machine
-LINE, THIN = 1.5, 0.6  # [pt] of data, and of grid and frame
+LINE_WIDTH_POINTS, GRID_WIDTH_POINTS = 1.5, 0.6  # [pt] of data, and of grid and frame
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ COM_COLOUR = "#e0e0e0"  # is seen inside bodies
 GROUND_GRID_GREYS = {"light": (190, 150), "dark": (52, 84)}  # [0 to 255] of thin and thick lines
 SECTOR_BRIGHTNESS = 0.72  # [1] of the darker sectors of round bodies, by which one sees them turn
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-PALE, FADED = "#bebebe", 0.55  # grey that uncertain and auxiliary things are mixed with, and its share
+MUTED_COLOUR, MUTED_SHARE = "#bebebe", 0.55  # grey that uncertain and auxiliary things are mixed with, and its share
 
 
 def theme(dark: bool) -> Theme:
@@ -91,9 +91,14 @@ def rgb(colour: str, brightness: float = 1.0) -> tuple[int, int, int]:
     return red, green, blue
 
 
-def paler(colour: str) -> str:
+def muted_colour(colour: str) -> str:
     """Return the paler colour of uncertain or auxiliary things."""
-    return "#" + bytes(np.rint((1.0 - FADED) * channels(colour) + FADED * channels(PALE)).astype(np.uint8)).hex()
+    return (
+        "#"
+        + bytes(
+            np.rint((1.0 - MUTED_SHARE) * channels(colour) + MUTED_SHARE * channels(MUTED_COLOUR)).astype(np.uint8)
+        ).hex()
+    )
 
 
 def linear(shares: np.ndarray) -> np.ndarray:
@@ -103,8 +108,8 @@ def linear(shares: np.ndarray) -> np.ndarray:
 
 
 @contextmanager
-def house(look: Theme = LIGHT) -> Iterator[None]:
-    """Make figures within it from matplotlib's defaults and the house style, whatever is set outside."""
+def figure_style(look: Theme = LIGHT) -> Iterator[None]:
+    """Make figures within it from matplotlib's defaults and the style of figures, whatever is set outside."""
     from matplotlib import style
 
     settings = {
@@ -122,7 +127,7 @@ def house(look: Theme = LIGHT) -> Iterator[None]:
         yield
 
 
-def dress(axes: "Axes", look: Theme = LIGHT) -> None:
+def style_axes(axes: "Axes", look: Theme = LIGHT) -> None:
     """Set the colours of axes, a light grid below the data and no frame at the top and the right."""
     axes.set_facecolor(look.paper)
     axes.title.set_color(look.ink)
@@ -131,13 +136,13 @@ def dress(axes: "Axes", look: Theme = LIGHT) -> None:
     for axis in (axes.xaxis, axes.yaxis):
         axis.label.set_color(look.ink)
         axis.get_offset_text().set_color(look.ink)
-    axes.grid(True, color=look.grid, linewidth=THIN)
+    axes.grid(True, color=look.grid, linewidth=GRID_WIDTH_POINTS)
     axes.set_axisbelow(True)
     axes.spines[:].set_color(look.ink)
     axes.spines[["top", "right"]].set_visible(False)
 
 
-def raised(text: str) -> str:
+def with_superscripts(text: str) -> str:
     """Write ``m/s²`` for ``m/s^2``, where text is set for reading."""
     return re.sub(r"\^(-?\d+)", lambda power: power[1].translate(SUPERSCRIPTS), text)
 
@@ -183,7 +188,7 @@ def new_figure(width: float, height: float, dark: bool = False) -> Iterator[tupl
     from matplotlib.figure import Figure  # takes half a second to load: only who draws waits for it
 
     look = theme(dark)
-    with house(look):
+    with figure_style(look):
         yield Figure(figsize=(width, height), layout="constrained"), look
 
 

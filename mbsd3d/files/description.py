@@ -31,7 +31,7 @@ NESTED_CLASSES = MappingProxyType({"signal": Signal, "shape": Shape})
 CONSTRUCTOR_ERRORS = (TypeError, AttributeError, OverflowError, IndexError, KeyError)
 
 
-def same(first: Any, second: Any) -> bool:
+def identical(first: Any, second: Any) -> bool:
     """Return whether two values are equal to the last bit: types, shapes and bytes of arrays, fields of parts."""
     if first is second:
         return True
@@ -40,13 +40,13 @@ def same(first: Any, second: Any) -> bool:
     if isinstance(first, np.ndarray):
         return first.shape == second.shape and first.dtype == second.dtype and first.tobytes() == second.tobytes()
     if isinstance(first, list | tuple):
-        return len(first) == len(second) and all(map(same, first, second))
+        return len(first) == len(second) and all(map(identical, first, second))
     if type(first).__name__ in types():
-        return all(same(getattr(first, x.name), getattr(second, x.name)) for x in fields(first))
+        return all(identical(getattr(first, x.name), getattr(second, x.name)) for x in fields(first))
     return repr(first) == repr(second) if isinstance(first, float) else first == second
 
 
-def needed(part: Any) -> dict[str, Any]:
+def constructor_arguments(part: Any) -> dict[str, Any]:
     """Return the fields from which the constructor makes the same part, without those it derives itself."""
     values = {x.name: getattr(part, x.name) for x in fields(part) if x.init and getattr(part, x.name) is not x.default}
     optional = [x.name for x in fields(part) if x.default is not MISSING or x.default_factory is not MISSING]
@@ -56,7 +56,7 @@ def needed(part: Any) -> dict[str, Any]:
             built = type(part)(**rest)
         except (ValueError, *CONSTRUCTOR_ERRORS):
             continue
-        if all(same(getattr(built, x.name), getattr(part, x.name)) for x in fields(part) if x.init):
+        if all(identical(getattr(built, x.name), getattr(part, x.name)) for x in fields(part) if x.init):
             values = rest
     return values
 
@@ -98,7 +98,10 @@ class Writer:
                 "mbsd3d can, no functions and no classes of your own"
             )
         role = roles(kind)
-        data = {name: self.value(x, f"{what}: {name}", role.get(name, "")) for name, x in needed(part).items()}
+        data = {
+            name: self.value(x, f"{what}: {name}", role.get(name, ""))
+            for name, x in constructor_arguments(part).items()
+        }
         data = {"type": kind.__name__} | ({"name": data.pop("name")} if "name" in data else {}) | data
         check(data, struct(kind), (), what)
         return data

@@ -109,7 +109,7 @@ def write_model(system: Mechanism, path: str | Path, *, replace: bool) -> Path:
         raise InputError(f"'{path}': {text[error.start]!r} in a name cannot be written; rename the part") from error
     if len(content) > form.limit:
         raise InputError(f"'{path}': the model has {len(content)} bytes, {form.limit} can be read; shorten its tables")
-    with named(path):
+    with naming_file(path):
         again = form.read(text)
     if again != data:
         raise InputError(f"'{path}': {path.suffix} cannot hold this model without loss; use the other format")
@@ -117,7 +117,7 @@ def write_model(system: Mechanism, path: str | Path, *, replace: bool) -> Path:
 
 
 @contextmanager
-def named(path: Path) -> Iterator[None]:
+def naming_file(path: Path) -> Iterator[None]:
     """Name the file in errors inside the block."""
     try:
         yield
@@ -132,5 +132,5 @@ def read_model(path: str | Path) -> Mechanism:
     path = as_path(path, "model.json")
     form = form_of(path)
     text = read_text(path, form.limit)
-    with named(path):
+    with naming_file(path):
         return read_system(form.read(text))[0]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import shown, vector
+from ..base.checks import short_repr, vector
 from ..base.errors import InputError
 from ..base.fields import (
     FILE_VECTOR,
@@ -89,7 +89,7 @@ def checked_plane(plane: Sequence[ArrayLike] | None, what: str) -> tuple[np.ndar
     """Return (point, unit normal) of a plane, world at the reference pose; None = z = 0."""
     given = ((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)) if plane is None else plane
     if not isinstance(given, Sequence) or isinstance(given, str) or len(given) != 2:
-        raise InputError(f"{what}: plane {shown(given)}; give a point and a normal")
+        raise InputError(f"{what}: plane {short_repr(given)}; give a point and a normal")
     at, normal = given
     return vector(at, f"{what}: plane point"), unit(normal, f"{what}: plane normal")
 

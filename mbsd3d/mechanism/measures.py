@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import number, shown, vector
-from ..base.errors import InputError, explaining
+from ..base.checks import number, short_repr, vector
+from ..base.errors import InputError, checks_arguments
 from ..base.rotations import cross, perpendiculars, unit
 from ..kernels import kinds
 from .bodies import GROUND, Body, Ground, Part
@@ -138,25 +138,25 @@ def of_coordinate(x: Coordinate, what: str, rate: bool = False) -> Measure:
     return Measure("coordinate rate" if rate else "coordinate", what, unit_of, x.a, x.b, coordinate=x)
 
 
-@explaining
+@checks_arguments
 def angle(hinge: Joint) -> Measure:
     """Return the angle of a hinge [rad], unwrapped, zero at the reference pose."""
     return of_coordinate(coordinate_of(hinge, "angle", "measures.angle"), f"angle of {label(hinge)}")
 
 
-@explaining
+@checks_arguments
 def rate(hinge: Joint) -> Measure:
     """Return the rate of the angle of a hinge [rad/s]."""
     return of_coordinate(coordinate_of(hinge, "angle", "measures.rate"), f"rate of {label(hinge)}", rate=True)
 
 
-@explaining
+@checks_arguments
 def slide(slider: Joint) -> Measure:
     """Return the displacement of a sliding joint [m]."""
     return of_coordinate(coordinate_of(slider, "slide", "measures.slide"), f"slide of {label(slider)}")
 
 
-@explaining
+@checks_arguments
 def slide_rate(slider: Joint) -> Measure:
     """Return the speed of a sliding joint [m/s]."""
     x = coordinate_of(slider, "slide", "measures.slide_rate")
@@ -166,7 +166,7 @@ def slide_rate(slider: Joint) -> Measure:
 def body_or_error(body: Any, what: str) -> None:
     """Accept a body or the ground."""
     if not isinstance(body, Body | Ground):
-        raise InputError(f"{what}: {shown(body)} is not a body; give a Body")
+        raise InputError(f"{what}: {short_repr(body)} is not a body; give a Body")
 
 
 def point_of(body: Body | Ground, at: ArrayLike | None, what: str) -> np.ndarray:
@@ -176,7 +176,7 @@ def point_of(body: Body | Ground, at: ArrayLike | None, what: str) -> np.ndarray
     return body.centre
 
 
-@explaining
+@checks_arguments
 def position(body: Body, *, axis: ArrayLike, at: ArrayLike | None = None) -> Measure:
     """Return the world coordinate of a point of a body along ``axis`` [m]; ``at`` None = centre of mass."""
     body_or_error(body, "measures.position")
@@ -184,7 +184,7 @@ def position(body: Body, *, axis: ArrayLike, at: ArrayLike | None = None) -> Mea
     return Measure("position", f"position of {label(body)}", "m", GROUND, body, ZERO, point, axis)
 
 
-@explaining
+@checks_arguments
 def velocity(body: Body, *, axis: ArrayLike, at: ArrayLike | None = None) -> Measure:
     """Return the velocity of a point of a body along the world direction ``axis`` [m/s]."""
     body_or_error(body, "measures.velocity")
@@ -192,14 +192,14 @@ def velocity(body: Body, *, axis: ArrayLike, at: ArrayLike | None = None) -> Mea
     return Measure("velocity", f"velocity of {label(body)}", "m/s", GROUND, body, ZERO, point, axis)
 
 
-@explaining
+@checks_arguments
 def omega(body: Body, *, axis: ArrayLike) -> Measure:
     """Return the angular velocity of a body along the world direction ``axis`` [rad/s]."""
     body_or_error(body, "measures.omega")
     return Measure("omega", f"omega of {label(body)}", "rad/s", GROUND, body, axis=unit(axis, "measures.omega: axis"))
 
 
-@explaining
+@checks_arguments
 def lean(body: Body, *, lateral: ArrayLike = (0.0, 1.0, 0.0)) -> Measure:
     """Return the elevation of a body's lateral axis above the horizontal [rad] (y left, z up: > 0 to the right).
 
@@ -210,7 +210,7 @@ def lean(body: Body, *, lateral: ArrayLike = (0.0, 1.0, 0.0)) -> Measure:
     return Measure("lean", f"lean of {label(body)}", "rad", GROUND, body, axis=axis)
 
 
-@explaining
+@checks_arguments
 def lean_rate(body: Body, *, lateral: ArrayLike = (0.0, 1.0, 0.0)) -> Measure:
     """Return the rate of `lean` [rad/s]."""
     body_or_error(body, "measures.lean_rate")
@@ -218,7 +218,7 @@ def lean_rate(body: Body, *, lateral: ArrayLike = (0.0, 1.0, 0.0)) -> Measure:
     return Measure("lean rate", f"lean rate of {label(body)}", "rad/s", GROUND, body, axis=axis)
 
 
-@explaining
+@checks_arguments
 def distance(
     a: Body | Ground, b: Body | Ground, *, at_a: ArrayLike | None = None, at_b: ArrayLike | None = None
 ) -> Measure:
@@ -229,7 +229,7 @@ def distance(
     return Measure("distance", f"distance {label(a)} to {label(b)}", "m", a, b, point_a, point_b)
 
 
-@explaining
+@checks_arguments
 def state(force: ForceElement, index: int | str = 0) -> Measure:
     """Return the internal state of a force element, by its number from 0 or its name, e.g. of a `CustomForce`.
 
@@ -242,7 +242,7 @@ def state(force: ForceElement, index: int | str = 0) -> Measure:
         index = names.index(index)
     if type(index) is not int or not 0 <= index < len(states):
         remedy = f"give one of {', '.join(names)}, or its number" if names else "give a force with own states"
-        raise InputError(f"measures.state: {label(force)} has no own state {shown(index)}; {remedy}")
+        raise InputError(f"measures.state: {label(force)} has no own state {short_repr(index)}; {remedy}")
     what = record.measures[index].unit if record.measures else "-"  # a filter has the unit of what it sees
     return Measure("state", f"state {names[index]} of {label(force)}", what, part=force, index=index)
 
@@ -251,29 +251,29 @@ def of_contact(contact: ForceElement, kind: str, unit_of: str, what: str = "") -
     """Return a measure of a `Contact`, or raise a ValueError of the function ``what``."""
     if not isinstance(contact, Contact):
         what = what or kind.replace(" ", "_")
-        raise InputError(f"measures.{what}: {shown(contact)} is not a contact; give a Contact")
+        raise InputError(f"measures.{what}: {short_repr(contact)} is not a contact; give a Contact")
     return Measure(kind, f"{kind} of {label(contact)}", unit_of, contact.a, contact.b, part=contact)
 
 
-@explaining
+@checks_arguments
 def clearance(contact: ForceElement) -> Measure:
     """Return the height of the surface of a `Contact` over its plane [m]; < 0 where it presses."""
     return of_contact(contact, "clearance", "m")
 
 
-@explaining
+@checks_arguments
 def normal_force(contact: ForceElement) -> Measure:
     """Force [N] with which a `Contact` presses, >= 0."""
     return of_contact(contact, "normal force", "N")
 
 
-@explaining
+@checks_arguments
 def touches(contact: ForceElement) -> Condition:
     """Return whether the surface of a `Contact` comes down to its plane; for ``stop_when``."""
     return of_contact(contact, "clearance", "m", "touches") < 0.0
 
 
-@explaining
+@checks_arguments
 def leaves(contact: ForceElement) -> Condition:
     """Return whether a `Contact` no longer presses; for ``stop_when``. A damper lets go before the plane is back."""
     return of_contact(contact, "normal force", "N", "leaves") < 0.0
@@ -292,7 +292,7 @@ def protractor(
     return Coordinate("angle", a, b, axis, axis, zero_a=zero, zero_b=direction)
 
 
-@explaining
+@checks_arguments
 def heading(body: Body, *, forward: ArrayLike = (1.0, 0.0, 0.0)) -> Measure:
     """Return the angle of a body about z [rad] from the world x axis to its forward axis, > 0 to the left (z up).
 
@@ -301,7 +301,7 @@ def heading(body: Body, *, forward: ArrayLike = (1.0, 0.0, 0.0)) -> Measure:
     return of_coordinate(_heading(body, forward, "measures.heading"), f"heading of {label(body)}")
 
 
-@explaining
+@checks_arguments
 def heading_rate(body: Body, *, forward: ArrayLike = (1.0, 0.0, 0.0)) -> Measure:
     """Return the rate of `heading` [rad/s]."""
     return of_coordinate(_heading(body, forward, "measures.heading_rate"), f"heading rate of {label(body)}", rate=True)
@@ -312,7 +312,7 @@ def _heading(body: Body, forward: ArrayLike, what: str) -> Coordinate:
     return protractor(GROUND, body, COORDINATE_AXES[2], COORDINATE_AXES[0], unit(forward, f"{what}: forward"), what)
 
 
-@explaining
+@checks_arguments
 def camber(wheel: Body, *, axle: ArrayLike = (0.0, 1.0, 0.0)) -> Measure:
     """Return the elevation of a wheel's axle above the horizontal [rad], > 0 where the wheel leans right (y left).
 
@@ -322,7 +322,7 @@ def camber(wheel: Body, *, axle: ArrayLike = (0.0, 1.0, 0.0)) -> Measure:
     return replace(lean(wheel, lateral=unit(axle, "measures.camber: axle")), label=f"camber of {label(wheel)}")
 
 
-@explaining
+@checks_arguments
 def angle_between(
     a: Body | Ground, b: Body | Ground, *, axis_a: ArrayLike, axis_b: ArrayLike, about: ArrayLike | None = None
 ) -> Measure:
@@ -354,13 +354,13 @@ def angle_between(
     return of_coordinate(x, f"angle {label(a)} to {label(b)}")
 
 
-@explaining
+@checks_arguments
 def turn(a: Body | Ground, b: Body | Ground, *, about: ArrayLike) -> Measure:
     """Return the angle of b relative to a about an axis fixed in a [rad], zero at the reference pose."""
     return of_coordinate(_turn(a, b, about, "measures.turn"), f"turn of {label(b)} from {label(a)}")
 
 
-@explaining
+@checks_arguments
 def turn_rate(a: Body | Ground, b: Body | Ground, *, about: ArrayLike) -> Measure:
     """Return the rate of `turn` [rad/s]."""
     x = _turn(a, b, about, "measures.turn_rate")
@@ -375,7 +375,7 @@ def _turn(a: Body | Ground, b: Body | Ground, about: ArrayLike, what: str) -> Co
     return protractor(a, b, axis, zero, zero, what)
 
 
-@explaining
+@checks_arguments
 def offset(
     a: Body | Ground,
     b: Body | Ground,
@@ -388,7 +388,7 @@ def offset(
     return of_coordinate(_offset(a, b, along, at_a, at_b, "measures.offset"), f"offset of {label(b)} from {label(a)}")
 
 
-@explaining
+@checks_arguments
 def offset_rate(
     a: Body | Ground,
     b: Body | Ground,
@@ -411,7 +411,7 @@ def _offset(
     return Coordinate("slide", a, b, axis, axis, point_of(a, at_a, what), point_of(b, at_b, what))
 
 
-@explaining
+@checks_arguments
 def between(
     a: Body | Ground, b: Body | Ground, *, at_a: ArrayLike | None = None, at_b: ArrayLike | None = None
 ) -> dict[str, Measure]:
@@ -428,10 +428,10 @@ def between(
     return found
 
 
-@explaining
+@checks_arguments
 def length(spring: SpringDamper) -> Measure:
     """Return the length of a spring [m]."""
     if not isinstance(spring, SpringDamper):
-        raise InputError(f"measures.length: {shown(spring)} is not a SpringDamper; use measures.distance(a, b)")
+        raise InputError(f"measures.length: {short_repr(spring)} is not a SpringDamper; use measures.distance(a, b)")
     measure = distance(spring.a, spring.b, at_a=spring.at_a, at_b=spring.at_b)
     return replace(measure, label=f"length of {label(spring)}")

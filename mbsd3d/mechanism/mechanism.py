@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from ..base.checks import check_choice, check_name, shown
+from ..base.checks import check_choice, check_name, short_repr
 from ..base.errors import InputError
 from ..base.fields import Frozen, Members, Vector, derive, kept, part_class
-from .bodies import GROUND, Body, Part, called
+from .bodies import GROUND, Body, Part, describe_part
 from .force_element import ForceElement
 from .joints import Joint
 
@@ -45,8 +45,8 @@ def misplaced(part: Any, key: str) -> str:
 def short(part: Any) -> str:
     """Return a part by its type and name, anything else as it prints, cut."""
     if isinstance(part, Body | Joint | ForceElement):
-        return called(part)
-    return shown(part)
+        return describe_part(part)
+    return short_repr(part)
 
 
 def made_of(cls: type["Mechanism"], parts: tuple[Any, ...], gravity: np.ndarray, title: str | None) -> "Mechanism":
@@ -146,7 +146,7 @@ class Mechanism(Frozen):
         if isinstance(key, Body | Joint | ForceElement) and key.name in [self.name(part) for part in parts]:
             raise InputError(f"the '{key.name}' given is a part of another system; give its name instead")
         key = getattr(key, "name", None) or key
-        raise InputError(f"{shown(key)} is not one of the {kind} of this system; there are {have}")
+        raise InputError(f"{short_repr(key)} is not one of the {kind} of this system; there are {have}")
 
     def total_mass(self) -> float:
         """Sum of the masses of all bodies [kg]."""

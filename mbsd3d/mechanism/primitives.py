@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.checks import shown
+from ..base.checks import short_repr
 from ..base.errors import InputError
 from ..kernels import kinds
 from ..kernels.surfaces import GROUP_NUMBERS_COUNT
@@ -60,7 +60,7 @@ class Coordinate:
                 or (name in AXIS_FIELDS and not abs(math.hypot(*x.tolist()) - 1.0) < UNIT_LENGTH_TOLERANCE)
             ):
                 what = "a direction of length 1" if name in AXIS_FIELDS else "three numbers"
-                raise InputError(f"Coordinate: {name} = {shown(x.tolist())} is not {what}; {MEASURE_REMEDY}")
+                raise InputError(f"Coordinate: {name} = {short_repr(x.tolist())} is not {what}; {MEASURE_REMEDY}")
         if (self.zero_a is None) != (self.zero_b is None):
             raise InputError(f"Coordinate: zero_a and zero_b belong together; {MEASURE_REMEDY}")
         if self.kind in CURVE_COORDINATES and not is_curve(self.numbers):

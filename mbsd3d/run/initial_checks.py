@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..base.checks import shown
+from ..base.checks import short_repr
 from ..base.errors import InputError, IntegrationError
 from ..dynamics.applied_forces import loads
 from ..equations.compiled import Compiled, new_data
@@ -194,10 +194,8 @@ class MemoryWatch:
             first = self.first.setdefault(name, found)
             if not np.array_equal(first, found, equal_nan=True):
                 at = int(np.argmax(first != found))
-                return (
-                    name,
-                    f"at one and the same state it gives {shown(float(first[at]))} and {shown(float(found[at]))}",
-                )
+                both = " and ".join(short_repr(float(values[at])) for values in (first, found))
+                return name, f"at one and the same state it gives {both}"
         return None
 
     def check_start(self) -> None:

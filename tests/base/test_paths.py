@@ -9,15 +9,15 @@ import time
 import pytest
 
 from mbsd3d.base import paths
-from mbsd3d.base.paths import UNFINISHED_FILE_PATTERN, UNFINISHED_FILE_SECONDS_MAX, in_its_place, write_atomically
+from mbsd3d.base.paths import UNFINISHED_FILE_PATTERN, UNFINISHED_FILE_SECONDS_MAX, atomic_write, write_atomically
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="asks for processes")
 
 BEGINS = """
 import sys, time
 from pathlib import Path
-from mbsd3d.base.paths import in_its_place
-with in_its_place(Path(sys.argv[1])) as part:
+from mbsd3d.base.paths import atomic_write
+with atomic_write(Path(sys.argv[1])) as part:
     part.write_bytes(b"half of ")
     print("begun", flush=True)
     time.sleep(60.0)
@@ -57,7 +57,7 @@ def test_a_living_process_keeps_its_file_however_old(tmp_path, other):
 
 
 def test_two_files_of_one_process_do_not_disturb_each_other(tmp_path):
-    with in_its_place(tmp_path / "a.csv") as part:
+    with atomic_write(tmp_path / "a.csv") as part:
         part.write_bytes(b"first")
         write_atomically(tmp_path / "b.csv", b"second")
         assert part.exists()

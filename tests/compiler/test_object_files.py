@@ -91,7 +91,7 @@ def test_without_room_it_is_said_once_and_used_all_the_same(tmp_path, monkeypatc
     def full(path):
         raise InputError(f"'{path}' cannot be written") from OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(object_files, "in_its_place", full)
+    monkeypatch.setattr(object_files, "atomic_write", full)
     function = fresh(tmp_path)
     assert function(3.0, 4.0) == 6.0 and function(3, 4) == 6.0
     said = capsys.readouterr().err

@@ -43,7 +43,7 @@ def smooth(most, u, v, still):
 
 
 @inner_kernel
-def rub(own, d, p, out, normal, slip, turn):
+def contact_friction(own, d, p, out, normal, slip, turn):
     """Return (friction, moment) in the axes of the plane, against the slip and the relative rotation.
 
     Own states: deflection (2) [m]; with rolling or spinning friction those of the rotation too (3) [rad].
@@ -85,7 +85,7 @@ def contact(m, d, p, out, t):
     normal, elastic, depth = pressure(own, gap, slip[2])
     out.potential = elastic * depth / (own.exponent + 1.0)
     out.power = (elastic - normal) * slip[2]
-    friction, moment = rub(own, d, p, out, normal, slip, turn)
+    friction, moment = contact_friction(own, d, p, out, normal, slip, turn)
     out.power -= friction[0] * slip[0] + friction[1] * slip[1]
     out.power -= moment[0] * turn[0] + moment[1] * turn[1] + moment[2] * turn[2]
     force = sub(scale(normal, plane[2]), add(scale(friction[0], plane[0]), scale(friction[1], plane[1])))

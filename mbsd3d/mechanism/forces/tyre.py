@@ -37,19 +37,19 @@ FULL_SLIDING_DEFLECTION = 1.5
 
 
 @inner_kernel
-def at_least(x, least):
+def clamp_below(x, least):
     """Return x, but no less than a number."""
     return x if x.real > least else least + 0.0 * x
 
 
 @inner_kernel
-def sensitive(k, load):
+def load_factor(k, load):
     """Share 1 - k (N/N0 - 1) of a coefficient that is left at a load, given as N/N0."""
-    return at_least(1.0 - k * (load - 1.0), LOAD_FACTOR_MIN)
+    return clamp_below(1.0 - k * (load - 1.0), LOAD_FACTOR_MIN)
 
 
 @inner_kernel
-def brush(q):
+def brush_force_and_trail(q):
     """Return (force over that of the linear tyre, trail over that at rest) at a linear force of q times the grip.
 
     With the theoretical slip s = q/(1 - q/3) the force is mu N (1 - (1 - s/3)^3): the steady deflection under s is q.
@@ -108,7 +108,7 @@ def tyre(m, d, p, out, t):
     if sink.real <= 0.0 or N.real <= 0.0:
         N = 0.0 * N  # neither tension nor a pull on release
     load = N / own.nominal_load
-    share = sensitive(own.stiffness_sensitivity, load)
+    share = load_factor(own.stiffness_sensitivity, load)
     C_x, C_y, C_g = share * own.longitudinal, share * own.cornering, share * own.camber
     instant = float(p.option)
 
@@ -116,7 +116,7 @@ def tyre(m, d, p, out, t):
     grip = speed * 0.0 + np.inf
     limit = 0.0 * V
     if p.signal[0] >= 0:
-        grip = at_least(signal(m, p.signal[0], t)[0], FRICTION_MIN) * sensitive(own.grip_sensitivity, load)
+        grip = clamp_below(signal(m, p.signal[0], t)[0], FRICTION_MIN) * load_factor(own.grip_sensitivity, load)
         limit = np.sqrt(C_x * C_x * slip_x * slip_x + C_y * C_y * slip_y * slip_y) / (3.0 * grip)
     d.state_rate[p.state] = (-slip_x - (V + limit) * z[0]) / own.relaxation_x
     lag = (1.0 - instant) * V * C_g / C_y * lean
@@ -128,7 +128,7 @@ def tyre(m, d, p, out, t):
     q, force, trail = 0.0 * V, 1.0 + 0.0 * V, 1.0 + 0.0 * V
     if p.signal[0] >= 0:
         q = np.sqrt(pull_x * pull_x + pull_y * pull_y) / grip
-        force, trail = brush(q)
+        force, trail = brush_force_and_trail(q)
     F_x, F_y = N * force * pull_x, N * (force * pull_y - instant * C_g * lean)
     by_slip = N * force * (pull_y + (1.0 - instant) * C_g * lean)
     M_z = tanh(speed / ALIGNING_MOMENT_SPEED) * (N * own.twisting * lean - own.trail * trail * by_slip)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...base.errors import InputError
 from ...base.fields import Direction, DirectionOrDerived, NumberOrDerived, Vector, kept, locked, part_class
-from ...base.rotations import PERPENDICULAR_TOLERANCE, perpendiculars, squared, unit
+from ...base.rotations import PERPENDICULAR_TOLERANCE, make_perpendicular, perpendiculars, unit
 from ...kernels import kinds
 from ..bodies import Body, Ground
 from ..primitives import Coordinate, Primitive, coincide, in_plane, perpendicular
@@ -121,7 +121,7 @@ def square_to_axis_a(value: Any, what: str, part: Any) -> np.ndarray:
     if abs(x @ y) > PERPENDICULAR_TOLERANCE:
         angle = np.degrees(np.arccos(x @ y))
         raise InputError(f"{what.removesuffix(': axis_b')}: the axes enclose {angle:.6g} degrees; give 90 degrees")
-    return locked(squared(x, y))
+    return locked(make_perpendicular(x, y))
 
 
 @part_class()

@@ -7,7 +7,7 @@ import numpy as np
 
 from ...base.errors import InputError
 from ...base.fields import Direction, Number, kept, locked, part_class
-from ...base.rotations import PERPENDICULAR_TOLERANCE, cross, perpendiculars, squared, unit
+from ...base.rotations import PERPENDICULAR_TOLERANCE, cross, make_perpendicular, perpendiculars, unit
 from ..primitives import Coordinate, Primitive, coincide, in_plane, perpendicular, ratio
 from .joint import AxisJoint, PointJoint, angle_of, slide_of
 
@@ -50,7 +50,7 @@ def square_to_axis_a(value: Any, what: str, part: Any) -> np.ndarray:
     if abs(x @ y) > PERPENDICULAR_TOLERANCE:
         angle = np.degrees(np.arccos(x @ y))
         raise InputError(f"{what}: axis_a and axis_b enclose {angle:.6g} degrees; give perpendicular axes")
-    return locked(squared(x, y))
+    return locked(make_perpendicular(x, y))
 
 
 @part_class()

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...base.checks import shown, vector
+from ...base.checks import short_repr, vector
 from ...base.errors import InputError
 from ...base.fields import FILE_VECTOR, Checked, Orientation, Stored, VectorOrNone, kept, part_class
 from ...base.rotations import AXES, matrix, perpendiculars
@@ -35,7 +35,7 @@ def hex_colour(colour: Any, what: str, part: Any) -> str | None:
 
     known = isinstance(colour, str) and not CYCLE_COLOUR_PATTERN.fullmatch(colour) and is_color_like(colour)
     if not known or to_rgba(colour)[3] < 1.0:
-        raise InputError(f"{what} {shown(colour)} is unknown; give '#rrggbb' or a name such as 'steelblue'")
+        raise InputError(f"{what} {short_repr(colour)} is unknown; give '#rrggbb' or a name such as 'steelblue'")
     return to_hex(colour)
 
 
@@ -77,7 +77,7 @@ def as_axis(value: Any, what: str, part: Any) -> str | np.ndarray:
     """Accept a letter, or a vector that is not zero."""
     axis = value if isinstance(value, str) else vector(value, what)
     if (axis not in AXES) if isinstance(axis, str) else not axis.any():
-        raise InputError(f"{what} is {shown(value)}; give 'x', 'y', 'z' or a vector that is not zero")
+        raise InputError(f"{what} is {short_repr(value)}; give 'x', 'y', 'z' or a vector that is not zero")
     return axis
 
 

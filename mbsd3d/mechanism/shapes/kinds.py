@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...base.checks import shown
+from ...base.checks import short_repr
 from ...base.errors import InputError
 from ...base.fields import Array, Number, NumberOrDerived, Stored, kept, locked, part_class
 from ...base.rotations import matrix
@@ -174,9 +174,9 @@ def as_path(value: Any, what: str, part: Any) -> str:
     try:
         path = os.fspath(value)
     except TypeError:
-        raise InputError(f"{what} is {shown(value)}; give the name of a file") from None
+        raise InputError(f"{what} is {short_repr(value)}; give the name of a file") from None
     if not isinstance(path, str) or not path.lower().endswith(MESH_SUFFIXES):
-        raise InputError(f"{what} {shown(path)} is not a mesh; give one that ends in {', '.join(MESH_SUFFIXES)}")
+        raise InputError(f"{what} {short_repr(path)} is not a mesh; give one that ends in {', '.join(MESH_SUFFIXES)}")
     return path
 
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...base.checks import MAGNITUDE_MAX, check_name, floats, listed, number, shown
+from ...base.checks import MAGNITUDE_MAX, as_tuple, check_name, floats, number, short_repr
 from ...base.errors import InputError
 from ...base.fields import Checked, Stored, derive, kept, locked, or_none, part_class
 from .terms import POLYNOMIAL, Term, evaluate, scaled
@@ -89,7 +89,7 @@ def finite(value: Any, what: str, part: Any) -> float:
     """Return a finite real number whose square is finite."""
     real: Any = value if isinstance(value, float | Real) else np.nan
     if real != real or abs(real) == np.inf:
-        raise InputError(f"{what} is {shown(value)}; give a finite number")
+        raise InputError(f"{what} is {short_repr(value)}; give a finite number")
     return number(real, what)
 
 
@@ -126,9 +126,9 @@ class Constant(Signal):
 
 def as_summands(value: Any, what: str, part: Any) -> tuple[Signal, ...]:
     """Return the signals of a sum, none of which is a sum itself."""
-    signals = listed(value, what, "a tuple of signals")
+    signals = as_tuple(value, what, "a tuple of signals")
     if not signals or not all(isinstance(signal, Signal) for signal in signals):
-        raise InputError(f"{what} {shown(value)}; give a tuple of signals")
+        raise InputError(f"{what} {short_repr(value)}; give a tuple of signals")
     return tuple(chain.from_iterable(map(_summands, signals)))
 
 
@@ -217,7 +217,7 @@ def as_signal(value: "Signal | float", what: str) -> Signal:
     if type(value) is float and abs(value) <= MAGNITUDE_MAX:
         return Constant(value)
     if not isinstance(value, Real):
-        raise InputError(f"{what} is {shown(value)}; {remedy}; any other function can be sampled into a Table")
+        raise InputError(f"{what} is {short_repr(value)}; {remedy}; any other function can be sampled into a Table")
     if value != value or abs(value) == np.inf:
         raise InputError(f"{what} is {value}; {remedy}")
     return Constant(number(value, what))

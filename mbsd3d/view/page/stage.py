@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...base.rotations import matrix
-from ...base.style import GREY, GROUND_GRID_GREYS, SECTOR_BRIGHTNESS, channels, linear, paler, rgb
+from ...base.style import GREY, GROUND_GRID_GREYS, SECTOR_BRIGHTNESS, channels, linear, muted_colour, rgb
 from ...mechanism.shapes import Mesh
 from ...mechanism.shapes.surfaces import joined
 from ..scene.camera import directions, frame_camera, round_up, sight
@@ -235,7 +235,7 @@ class Stage:
         """Add the whole path, pale, and the part that was passed, strong."""
         segments = np.stack([trace.points[:-1], trace.points[1:]], axis=1)
         if len(segments):
-            self.add_segments(f"/traces/{i}/path", "traces", segments, paler(trace.colour), 1.5)
+            self.add_segments(f"/traces/{i}/path", "traces", segments, muted_colour(trace.colour), 1.5)
             self.traces.append(self.add_segments(f"/traces/{i}/passed", "traces", segments, trace.colour, 3.0))
 
     def add_grid(self, low: np.ndarray, high: np.ndarray, floor: float, endless: bool) -> None:
