@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from mbsd3d.extend import Progress, Theme, dress, new_figure, with_suffix, write_atomically
+from mbsd3d.extend import Progress, Theme, new_figure, style_axes, with_suffix, write_atomically
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -52,7 +52,7 @@ def modes_figure(title: str, dark: bool = False) -> Iterator[tuple["Figure", "Ax
     with new_figure(9.2, 6.2, dark) as (sheet, look):
         growth, frequency = sheet.subplots(2, 1, sharex=True, height_ratios=(1.7, 1.0))
         for axes in (growth, frequency):
-            dress(axes, look)
+            style_axes(axes, look)
             axes.margins(x=0.0)
         yield sheet, growth, frequency, look
         growth.set_ylabel("growth, Re(s) [1/s]")

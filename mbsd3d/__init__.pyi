@@ -79,8 +79,8 @@ from .mechanism.signals.curves import Pulse as Pulse
 from .mechanism.signals.curves import Ramp as Ramp
 from .mechanism.signals.curves import Sine as Sine
 from .mechanism.signals.curves import Table as Table
-from .mechanism.signals.input import Input as Input
 from .mechanism.signals.signal import Constant as Constant
+from .mechanism.signals.signal import Input as Input
 from .mechanism.signals.signal import Signal as Signal
 from .mechanism.state import State as State
 from .plotting.plots import save_figure as save_figure

@@ -37,8 +37,7 @@ from mbsd3d import (
     Universal,
     shapes,
 )
-from mbsd3d.base.quaternions import multiply
-from mbsd3d.base.rotations import matrix
+from mbsd3d.base.rotations import matrix, multiply
 from mbsd3d.constraints.assembly import reference_pose
 from mbsd3d.equations.at_state import load_state
 from mbsd3d.equations.compiled import compile_system

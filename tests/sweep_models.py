@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from mbsd3d import GROUND, Body, Force, Revolute, System
-from mbsd3d.base.paths import in_its_place
+from mbsd3d.base.paths import atomic_write
 from mbsd3d.demos.shafts.cardan import mechanism
 
 RUN = {"t_end": 0.4, "rtol": 1e-6, "output": 33}
@@ -85,7 +85,7 @@ def counted(torque, inertia):
 
 def half_written(folder):
     """Holds a file that is not whole."""
-    with in_its_place(folder / "table.csv") as part, part.open("xb") as handle:
+    with atomic_write(folder / "table.csv") as part, part.open("xb") as handle:
         handle.write(b"t [s],")
         handle.flush()
         (folder / "begun").touch()

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from mbsd3d import System, Torque, accelerations, linearize
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, RAISED, THIN, Measure, Theme, dress, new_figure
+from mbsd3d.extend import GRID_WIDTH_POINTS, LINE_WIDTH_POINTS, SUPERSCRIPTS, Measure, Theme, new_figure, style_axes
 
 from ..model.mechanism import outputs, whipple
 from ..model.tyres import Tyres
@@ -155,7 +155,7 @@ def plot_response(found: Response, *, beside: Response | None = None, dark: bool
         for out, given in np.ndindex(2, 2):
             size, phase = panels[2 * out : 2 * out + 2, given]
             for axes in (size, phase):
-                dress(axes, look)
+                style_axes(axes, look)
             if beside is not None:
                 draw_lines(size, phase, beside, beside.H[:, :, out, given], look, thin=True)
             draw_lines(size, phase, found, found.H[:, :, out, given], look)
@@ -178,7 +178,11 @@ def draw_lines(size: "Axes", phase: "Axes", found: Response, H: np.ndarray, look
     """Draw magnitude and phase of one output to one input, (speeds, frequencies)."""
     for k, (v, growth) in enumerate(zip(found.speeds, found.growth, strict=True)):
         falls = growth > 0.0
-        style = {"color": look.colour(k), "linestyle": "--" if falls else "-", "linewidth": THIN if thin else LINE}
+        style = {
+            "color": look.colour(k),
+            "linestyle": "--" if falls else "-",
+            "linewidth": GRID_WIDTH_POINTS if thin else LINE_WIDTH_POINTS,
+        }
         label = f"{v:g} m/s{', falls' if falls else ''}"
         size.loglog(found.frequencies, np.abs(H[k]), label="_" if thin else label, **style)
         degrees = np.degrees(np.unwrap(np.angle(H[k])))
@@ -193,5 +197,5 @@ def draw_lines(size: "Axes", phase: "Axes", found: Response, H: np.ndarray, look
 def decades(axis: "Axis") -> None:
     """Label every decade like 10⁻²: the figure style writes texts as they are, without mathematics."""
     axis.get_major_locator().set_params(numticks=20)
-    axis.set_major_formatter(lambda x, _: f"10{str(round(np.log10(x))).translate(RAISED)}")
+    axis.set_major_formatter(lambda x, _: f"10{str(round(np.log10(x))).translate(SUPERSCRIPTS)}")
     axis.set_minor_formatter("")

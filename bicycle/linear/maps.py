@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import Theme, dress, new_figure
+from mbsd3d.extend import Theme, new_figure, style_axes
 
 from ..output import collected, write_table
 from ..parameters import MEANING, SYMBOL, TYRES, UNIT, Parameters, check_set
@@ -115,7 +115,7 @@ def plot_map(found: StableMap, *, dark: bool = False) -> "Figure":
         for axes, values, title in zip(
             panels, (found.low, width), ("lowest self-stable speed", "width of the self-stable range"), strict=True
         ):
-            dress(axes, look)
+            style_axes(axes, look)
             axes.set_title(title)
             draw(figure, axes, found, values, look)
         panels[0].set_ylabel(label(found.names[1]))

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from mbsd3d import Mode, linearize
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, THIN
+from mbsd3d.extend import GRID_WIDTH_POINTS, LINE_WIDTH_POINTS
 
 from ..output import modes_figure, write_modes
 from ..parameters import Parameters, machines
@@ -167,16 +167,16 @@ def figure(found: TyreStability, *, dark: bool = False) -> "Figure":
                 axes.axvspan(*part, color=look.good, linewidth=0.0, zorder=0)
         shown = [k for k, name in enumerate(found.names) if not name.endswith(CONJUGATE_SUFFIX)]
         for number, k in enumerate(shown):
-            style: dict[str, Any] = {"color": look.colour(number), "linewidth": LINE}
+            style: dict[str, Any] = {"color": look.colour(number), "linewidth": LINE_WIDTH_POINTS}
             growth.plot(found.speeds, found.values[:, k].real, label=found.names[k], **style)
             frequency.plot(found.speeds, np.abs(found.values[:, k].imag), **style)
             other = found.names[k] + CONJUGATE_SUFFIX
             if other in found.names:  # where an oscillation has split into two decays
                 growth.plot(found.speeds, found.values[:, found.names.index(other)].real, **style)
         published(found, (growth, frequency), look.ink)
-        growth.axhline(0.0, color=look.ink, linewidth=THIN)
+        growth.axhline(0.0, color=look.ink, linewidth=GRID_WIDTH_POINTS)
         for at in found.limits:
-            growth.axvline(at.speed, color=look.muted, linewidth=THIN, linestyle="--")
+            growth.axvline(at.speed, color=look.muted, linewidth=GRID_WIDTH_POINTS, linestyle="--")
             growth.annotate(
                 f"{at.speed:.4g} m/s", (at.speed, 0.99), xycoords=("data", "axes fraction"), rotation=90.0, ha="right",
                 va="top", fontsize=8.5, color=look.muted,

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import dress, new_figure
+from mbsd3d.extend import new_figure, style_axes
 
 from ..output import write_table
 from ..parameters import MEANING, SYMBOL, SYMBOLS, TYRES, UNIT, Parameters, check_set
@@ -180,7 +180,7 @@ def plot_derivatives(found: Derivatives, *, dark: bool = False) -> "Figure":
     with new_figure(9.0, 1.5 + 0.28 * len(keys), dark) as (figure, look):
         panels = figure.subplots(1, len(changes), sharey=True, sharex=True, squeeze=False)[0]
         for k, (axes, (name, change)) in enumerate(zip(panels, changes.items(), strict=True)):
-            dress(axes, look)
+            style_axes(axes, look)
             axes.barh(range(len(keys)), [change[key] for key in keys], height=0.65, color=look.colour(k))
             axes.axvline(0.0, color=look.ink, linewidth=0.8)
             axes.set_title(f"{name}, {found.speeds[name]:.4f} m/s", loc="left")

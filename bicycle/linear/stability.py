@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from mbsd3d import Mode
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, THIN, Theme, explaining, number
+from mbsd3d.extend import GRID_WIDTH_POINTS, LINE_WIDTH_POINTS, Theme, checks_arguments, number
 
 from ..model.mechanism import whipple
 from ..model.tyres import Tyres
@@ -88,7 +88,7 @@ def study(parameters: Parameters, speeds: ArrayLike | None = ..., build: Build =
 def study(
     parameters: Parameters, speeds: ArrayLike | None = ..., build: Build = ..., *, tyres: Tyres, **fittings: float
 ) -> on_tyres.TyreStability: ...
-@explaining
+@checks_arguments
 def study(
     parameters: Parameters,
     speeds: ArrayLike | None = None,
@@ -137,7 +137,7 @@ def figure(found: Stability, *, dark: bool = False) -> "Figure":
             shade(axes, found, look)
         lines(growth, found, look, np.real)
         lines(frequency, found, look, lambda s: np.abs(np.imag(s)))
-        growth.axhline(0.0, color=look.ink, linewidth=THIN)
+        growth.axhline(0.0, color=look.ink, linewidth=GRID_WIDTH_POINTS)
         mark(growth, found, look)
         growth.set_ylim(*window(found))
     return sheet
@@ -171,9 +171,9 @@ def lines(axes: "Axes", found: Stability, look: Theme, part: Callable[[np.ndarra
         speeds, values = found.speeds[side], found.values[side]
         for place, k in enumerate(FIGURE_MODES):
             label = found.names[k] if side[np.argmax(found.speeds)] else None
-            axes.plot(speeds, part(values[:, k]), label=label, color=look.colour(place), linewidth=LINE)
+            axes.plot(speeds, part(values[:, k]), label=label, color=look.colour(place), linewidth=LINE_WIDTH_POINTS)
         rest = np.where(split[side], part(values[:, 1]), np.nan)  # the second of two real modes that become the weave
-        axes.plot(speeds, rest, color=look.colour(0), linewidth=LINE)
+        axes.plot(speeds, rest, color=look.colour(0), linewidth=LINE_WIDTH_POINTS)
     if found.closed is not None:
         every = max(1, found.speeds.size // DOT_COUNT)
         dots = part(found.closed[::every])
@@ -188,7 +188,7 @@ def mark(axes: "Axes", found: Stability, look: Theme) -> None:
     for name, speed in speeds.items():
         if found.speeds.min() < speed < found.speeds.max():
             side = -1 if speed == np.nanmin([*speeds.values()]) else 1
-            axes.axvline(speed, color=look.muted, linewidth=THIN, linestyle="--")
+            axes.axvline(speed, color=look.muted, linewidth=GRID_WIDTH_POINTS, linestyle="--")
             axes.annotate(
                 f"{name} {speed:.4g} m/s", (speed, 0.99), xycoords=("data", "axes fraction"), rotation=90.0,
                 ha="right" if side < 0 else "left", va="top", fontsize=8.5, color=look.muted, xytext=(2 * side, 0),

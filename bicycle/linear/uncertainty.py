@@ -15,7 +15,7 @@ import numpy as np
 import scipy
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, dress, new_figure, number, whole
+from mbsd3d.extend import LINE_WIDTH_POINTS, new_figure, number, style_axes, whole
 
 from .. import parameters as published
 from ..output import write_table
@@ -210,7 +210,7 @@ def plot_uncertainty(found: MonteCarlo, indices: Sobol, *, dark: bool = False) -
             right.barh(place, total[name][order], height=0.34, color=look.colour(k), label=name)
             right.plot(indices.first[name][order], place, "|", color=look.ink, markersize=7)
         for axes in (left, right):
-            dress(axes, look)
+            style_axes(axes, look)
         left.set_xlabel("speed [m/s]")
         left.set_ylabel("probability density [s/m]")
         title = f"{found.parameters.name}: {len(found.inputs)} samples, and which parameters spread them"
@@ -228,4 +228,4 @@ def draw_samples(axes: "Axes", values: np.ndarray, name: str, colour: str) -> No
     """Draw the outline of a histogram; nothing where no sample has this speed."""
     values = values[np.isfinite(values)]
     if values.size and np.ptp(values) > 0.0:
-        axes.hist(values, bins=60, density=True, histtype="step", linewidth=LINE, color=colour, label=name)
+        axes.hist(values, bins=60, density=True, histtype="step", linewidth=LINE_WIDTH_POINTS, color=colour, label=name)

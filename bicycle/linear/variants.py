@@ -10,7 +10,7 @@ import numpy as np
 
 from mbsd3d import AngleDriver, Constant, System
 from mbsd3d.errors import InputError
-from mbsd3d.extend import Theme, dress, new_figure
+from mbsd3d.extend import Theme, new_figure, style_axes
 
 from ..output import write_table
 from ..parameters import Parameters
@@ -138,7 +138,7 @@ def plot_ranges(
     top, room = AXIS_RATIO * max(near, default=8.0), 0.42 if beside else 0.3
     with new_figure(8.0, 1.0 + room * len(rows), dark) as (figure, look):
         axes = figure.subplots()
-        dress(axes, look)
+        style_axes(axes, look)
         axes.grid(False, axis="y")
         for k, (_, found) in enumerate(rows):
             draw_row(axes, k, found, top, look, height=0.44 if beside else 0.62)

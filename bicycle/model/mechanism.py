@@ -25,7 +25,7 @@ from mbsd3d import (
     shapes,
 )
 from mbsd3d.errors import InputError
-from mbsd3d.extend import Measure, as_signal, explaining
+from mbsd3d.extend import Measure, as_signal, checks_arguments
 
 from ..parameters import Parameters, check_set
 from .head import head_of, head_state
@@ -51,7 +51,7 @@ class Bicycle(System):
         return self.start or super().state(as_built=as_built)
 
 
-@explaining
+@checks_arguments
 def whipple(
     parameters: Parameters,
     speed: float = 0.0,

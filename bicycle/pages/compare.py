@@ -17,7 +17,17 @@ import numpy as np
 from markupsafe import Markup
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, THIN, Progress, digits, dress, inline_svg, new_figure, page_template, write_atomically
+from mbsd3d.extend import (
+    GRID_WIDTH_POINTS,
+    LINE_WIDTH_POINTS,
+    Progress,
+    digits,
+    inline_svg,
+    new_figure,
+    page_template,
+    style_axes,
+    write_atomically,
+)
 
 from ..linear import critical, stability
 from ..linear.critical import CriticalSpeeds, Range, critical_speeds
@@ -225,14 +235,16 @@ def growth_svg(x: Entry, prefix: str) -> Markup:
     stable = x.critical.stable if x.gripping is None else x.gripping
     with new_figure(3.4, 2.1) as (figure, look):
         axes = figure.subplots()
-        dress(axes, look)
+        style_axes(axes, look)
         for part in stable:
             axes.axvspan(part.low, min(part.high, FIGURE_SPEED_MAX), color=look.lines[4], alpha=0.35, linewidth=0.0)
-        axes.axhline(0.0, color=look.ink, linewidth=THIN)
-        axes.plot(speeds, growth, color=look.muted if x.fittings or x.problem else look.lines[0], linewidth=LINE)
+        axes.axhline(0.0, color=look.ink, linewidth=GRID_WIDTH_POINTS)
+        axes.plot(
+            speeds, growth, color=look.muted if x.fittings or x.problem else look.lines[0], linewidth=LINE_WIDTH_POINTS
+        )
         if x.on_tyres is not None:
             values = [np.sort(np.linalg.eigvals(x.on_tyres.A(v)).real) for v in speeds[1:]]
-            axes.plot(speeds[1:], values, color=look.lines[0], linewidth=LINE)
+            axes.plot(speeds[1:], values, color=look.lines[0], linewidth=LINE_WIDTH_POINTS)
         axes.set_xlim(0.0, FIGURE_SPEED_MAX)
         axes.set_ylim(FIGURE_GROWTH_MIN, FIGURE_GROWTH_MAX)
         axes.set_xlabel("speed [m/s]", fontsize=8)

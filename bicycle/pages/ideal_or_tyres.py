@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, THIN, Theme, dress, new_figure, number
+from mbsd3d.extend import GRID_WIDTH_POINTS, LINE_WIDTH_POINTS, Theme, new_figure, number, style_axes
 
 from ..linear import frequency
 from ..linear.frequency import decades
@@ -57,7 +57,7 @@ def figure(parameters: Parameters, fittings: Mapping[str, Any], *, speed: float 
     with new_figure(10.0, 7.6, dark) as (sheet, look):
         (growth, shaken), (torque, grip) = sheet.subplots(2, 2)
         for axes in (growth, shaken, torque, grip):
-            dress(axes, look)
+            style_axes(axes, look)
         draw_growth(growth, parameters, linear, look)
         draw_steering(shaken, parameters, fittings, speed, look)
         draw_turns((torque, grip), parameters, fittings, speed, look)
@@ -74,8 +74,8 @@ def draw_growth(axes: "Axes", parameters: Parameters, linear: Affine | SpeedBySp
     style: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 3.0}
     for values, colour, label in ((ideal, look.muted, "on ideal wheels"), (np.array(found), look.lines[0], "on tyres")):
         axes.plot(SPEEDS, values, color=colour, **style)
-        axes.plot([], [], color=colour, linewidth=LINE, label=label)
-    axes.axhline(0.0, color=look.ink, linewidth=THIN)
+        axes.plot([], [], color=colour, linewidth=LINE_WIDTH_POINTS, label=label)
+    axes.axhline(0.0, color=look.ink, linewidth=GRID_WIDTH_POINTS)
     axes.set_xlim(0.0, SPEEDS[-1])
     axes.set_ylim(*GROWTH_RANGE)
     axes.set_xlabel("speed [m/s]")
@@ -89,7 +89,7 @@ def draw_steering(axes: "Axes", parameters: Parameters, fittings: Mapping[str, A
         (look.muted, frequency.response(parameters, speed, FREQUENCIES, ideal).H),
         (look.lines[0], frequency.response(parameters, speed, FREQUENCIES, **fittings).H),
     ):
-        axes.loglog(FREQUENCIES, np.abs(H[0, :, 1, 1]), color=colour, linewidth=LINE)
+        axes.loglog(FREQUENCIES, np.abs(H[0, :, 1, 1]), color=colour, linewidth=LINE_WIDTH_POINTS)
     for axis in (axes.xaxis, axes.yaxis):
         decades(axis)
     axes.set_xlabel("frequency ω [rad/s]")
@@ -110,7 +110,7 @@ def draw_turns(
     for colour, turns in lines:
         lean, *values = np.transpose(turns) if turns else np.zeros((3, 0))
         for axes, value in zip(panels, values, strict=True):
-            axes.plot(np.degrees(lean), value, color=colour, linewidth=LINE)
+            axes.plot(np.degrees(lean), value, color=colour, linewidth=LINE_WIDTH_POINTS)
     for axes in panels:
         axes.plot(*[[x[-1]] for x in axes.lines[-1].get_data()], "o", color=look.lines[0], markersize=5)
         axes.set_xlabel("lean in a steady turn [°]")

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import Explained, check_inertia, number
+from mbsd3d.extend import ChecksArguments, check_inertia, number
 
 from .files import read_values
 
@@ -21,7 +21,7 @@ def quantity(symbol: str, unit: str, meaning: str, **more: Any) -> Any:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Parameters(metaclass=Explained):
+class Parameters(metaclass=ChecksArguments):
     """Bicycle of four rigid bodies: rear wheel R, frame with rider B, fork with handlebar H, front wheel F.
 
     Axes of the paper: origin at the rear contact, x forward, y right, z down, so that centres of mass have z < 0. SI

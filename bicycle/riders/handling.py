@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import minimize_scalar
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, THIN, dress, new_figure
+from mbsd3d.extend import GRID_WIDTH_POINTS, LINE_WIDTH_POINTS, new_figure, style_axes
 
 from ..linear.equations import checked_speeds
 from ..output import collected, write_table
@@ -171,22 +171,22 @@ def figure(found: Handling, *, dark: bool = False) -> "Figure":
     known = np.flatnonzero(~np.isnan(found.values))
     with new_figure(9.2, 4.4, dark) as (sheet, look):
         over, spectra = sheet.subplots(1, 2)
-        over.plot(found.speeds, found.values, color=look.colour(0), linewidth=LINE)
+        over.plot(found.speeds, found.values, color=look.colour(0), linewidth=LINE_WIDTH_POINTS)
         over.set_xlabel("speed [m/s]")
         over.set_ylabel("peak of the handling quality metric")
         for k, at in enumerate(known[np.linspace(0, len(known) - 1, min(4, len(known))).astype(int)]):
             line = metric(found.parameters, found.speeds[at], Gains(*found.gains[at]), FREQUENCIES)
             label = f"{found.speeds[at]:.3g} m/s"
-            spectra.plot(FREQUENCIES, line, color=look.colour(k), linewidth=LINE, label=label)
+            spectra.plot(FREQUENCIES, line, color=look.colour(k), linewidth=LINE_WIDTH_POINTS, label=label)
         spectra.set_xlim(0.0, 40.0)
         spectra.set_xlabel("frequency ω [rad/s]")
         spectra.set_ylabel("handling quality metric")
         top = 1.05 * np.max(found.values[known], initial=LEVELS[1])
         for axes in (over, spectra):
-            dress(axes, look)
+            style_axes(axes, look)
             axes.set_ylim(0.0, min(20.0, top))
             for level in LEVELS:
-                axes.axhline(level, color=look.muted, linewidth=THIN, linestyle="--")
+                axes.axhline(level, color=look.muted, linewidth=GRID_WIDTH_POINTS, linestyle="--")
         if known.size:
             spectra.legend(frameon=False, labelcolor=look.ink)
         sheet.suptitle(f"{found.parameters.name}: handling quality, good below {LEVELS[0]:g}, bad above {LEVELS[1]:g}")

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import explaining, number
+from mbsd3d.extend import checks_arguments, number
 
 from ..linear.equations import canonical
 from ..parameters import Parameters, check_set
@@ -97,7 +97,7 @@ def eigenvalues(parameters: Parameters, speed: float, gains: Gains, count: int =
     return np.sort_complex(np.linalg.eigvals(closed_loops(parameters, speed, gains, count).A))
 
 
-@explaining
+@checks_arguments
 def gains_of(
     parameters: Parameters, speed: float, *, steer: float | None = None, roll_rate: float | None = None
 ) -> Gains:  # fmt: skip

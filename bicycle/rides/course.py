@@ -8,7 +8,7 @@ import numpy as np
 
 from mbsd3d import CustomForce
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, dress, new_figure, number
+from mbsd3d.extend import LINE_WIDTH_POINTS, new_figure, number, style_axes
 
 from ..model.kinematics import steer_axis
 from ..model.mechanism import Bicycle, whipple
@@ -198,7 +198,7 @@ def figure(found: RiddenCourse, title: str | None = None, *, dark: bool = False)
             [["angles", "torque"], ["roll", "heading"], ["way", "way"]], height_ratios=(1.0, 1.0, 1.2)
         )
         for one in axes.values():
-            dress(one, look)
+            style_axes(one, look)
             one.set_xlabel("time [s]")
         lines(axes["angles"], ride.t, {"lean": np.degrees(ride.lean), "steer": np.degrees(ride.steer)}, look)
         lines(axes["torque"], ride.t, {"torque": found.torque}, look)
@@ -208,10 +208,17 @@ def figure(found: RiddenCourse, title: str | None = None, *, dark: bool = False)
             lines(axes[name], ride.t, wanted, look)
         course = found.course(ride.t)
         axes["way"].plot(
-            ride.speed[0] * ride.t, course, color=look.muted, linestyle="--", linewidth=LINE, label="course"
+            ride.speed[0] * ride.t,
+            course,
+            color=look.muted,
+            linestyle="--",
+            linewidth=LINE_WIDTH_POINTS,
+            label="course",
         )
         front = ride.contacts["front"].point
-        axes["way"].plot(front[:, 0] - front[0, 0], found.deviation, color=look.colour(0), linewidth=LINE, label="path")
+        axes["way"].plot(
+            front[:, 0] - front[0, 0], found.deviation, color=look.colour(0), linewidth=LINE_WIDTH_POINTS, label="path"
+        )
         axes["way"].invert_yaxis()
         axes["way"].set_xlabel("distance along the first heading [m]")
         legend_above(axes["way"], look)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from mbsd3d import Solution, System
-from mbsd3d.extend import LINE, Theme, dress, new_figure
+from mbsd3d.extend import LINE_WIDTH_POINTS, Theme, new_figure, style_axes
 
 from ..model.kinematics import X, Y, Z
 from ..output import write_table
@@ -223,7 +223,7 @@ def plot_ride(ride: Ride, title: str | None = None, *, dark: bool = False) -> "F
             [["angles", "loads"], ["rates", "friction"], ["way", "way"]], height_ratios=(1.0, 1.0, 1.3)
         )
         for one in axes.values():
-            dress(one, look)
+            style_axes(one, look)
         lines(axes["angles"], ride.t, {"lean": np.degrees(ride.lean), "steer": np.degrees(ride.steer)}, look)
         hubs, label = {wheel: ride.rolling(wheel) for wheel in WHEELS}, LABELS["rates"]
         if max(np.ptp(speed) for speed in hubs.values()) > SPEED_CHANGE_SHARE * abs(ride.speed[0]):
@@ -246,7 +246,7 @@ def plot_ride(ride: Ride, title: str | None = None, *, dark: bool = False) -> "F
 def lines(axes: "Axes", t: np.ndarray, values: dict[str, np.ndarray], look: Theme) -> None:
     """Draw curves over time, named beside the axes if there are several."""
     for k, (name, line) in enumerate(values.items()):
-        axes.plot(t, line, color=look.colour(k), linewidth=LINE, label=name)
+        axes.plot(t, line, color=look.colour(k), linewidth=LINE_WIDTH_POINTS, label=name)
     if len(values) > 1:
         legend_above(axes, look)
 
@@ -260,7 +260,7 @@ def way(axes: "Axes", ride: Ride, look: Theme) -> None:
     """Draw tracks of both wheels from above, to scale unless the path is slender; the end is marked."""
     points = {wheel: contact.point for wheel, contact in ride.contacts.items()}
     for k, (wheel, point) in enumerate(points.items()):
-        axes.plot(point[:, 0], -point[:, 1], color=look.colour(k), linewidth=LINE, label=f"{wheel} wheel")
+        axes.plot(point[:, 0], -point[:, 1], color=look.colour(k), linewidth=LINE_WIDTH_POINTS, label=f"{wheel} wheel")
         axes.plot(point[-1, 0], -point[-1, 1], "o", color=look.colour(k), markersize=5)
     size = np.ptp(np.concatenate([*points.values()]), axis=0)
     axes.set_xlabel("way along the first heading [m]")

@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from mbsd3d import AeroDrag, Brake, Force, IntegrationError, Signal, Solution, Torque, accelerations, measures, simulate
 from mbsd3d.errors import InputError
-from mbsd3d.extend import Measure, as_signal, explaining, number
+from mbsd3d.extend import Measure, as_signal, checks_arguments, number
 
 from ..model.mechanism import Bicycle, steer_torque, whipple
 from ..model.tyres import Tyres
@@ -22,7 +22,7 @@ LINING = {"stiffness": 2e4, "damping": 500.0}
 """Of the brake [N m/rad, N m s/rad]: 100 N m turn a wheel that it holds by 0.3 degrees."""
 
 
-@explaining
+@checks_arguments
 def run(
     parameters: Parameters,
     t_end: float = 10.0,

@@ -9,7 +9,7 @@ from scipy.interpolate import Akima1DInterpolator
 from scipy.optimize import brentq
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, Progress, Theme, dress, new_figure, number
+from mbsd3d.extend import LINE_WIDTH_POINTS, Progress, Theme, new_figure, number, style_axes
 
 from ..linear.equations import checked_list
 from ..output import write_table
@@ -221,7 +221,7 @@ def plot_circles(
         figure.set_layout_engine("constrained", w_pad=0.1, h_pad=0.1)
         axes = figure.subplots(2, 2)
         for one in axes.flat:
-            dress(one, look)
+            style_axes(one, look)
         draw_families(axes[0, 0], found, "steer", "lean", look)
         draw_families(axes[0, 1], found, "lean", "speed", look)
         draw_families(axes[1, 0], found, "speed", "radius", look)
@@ -244,8 +244,8 @@ def draw_families(axes: "Axes", found: Sequence[Family], x: str, y: str, look: T
     for k, family in enumerate(found):
         across, up = (shown(family.values(name), name) for name in (x, y))
         stable = np.where(family.values("stable"), up, np.nan)
-        axes.plot(across, up, color=look.colour(k), linewidth=LINE)
-        axes.plot(across, stable, color=look.colour(k), linewidth=3.5 * LINE, solid_capstyle="butt")
+        axes.plot(across, up, color=look.colour(k), linewidth=LINE_WIDTH_POINTS)
+        axes.plot(across, stable, color=look.colour(k), linewidth=3.5 * LINE_WIDTH_POINTS, solid_capstyle="butt")
         for name, turn in family.special:
             place = [shown(np.array([getattr(turn, q)]), q) for q in (x, y)]
             axes.plot(*place, MARKS[name], color=look.colour(k), markersize=5, markeredgecolor=look.ink)
@@ -258,7 +258,9 @@ def draw_torques(axes: "Axes", held: Sequence[Sequence[Turn]], look: Theme) -> N
     for k, turns in enumerate(turn for turn in held if turn):
         points = np.array([(np.degrees(turn.lean), turn.torque) for turn in turns])
         axes.plot(*points.T, "o", color=look.colour(k), markersize=3)
-        axes.plot(*smooth(points).T, color=look.colour(k), linewidth=LINE, label=f"{turns[0].speed:.3g} m/s")
+        axes.plot(
+            *smooth(points).T, color=look.colour(k), linewidth=LINE_WIDTH_POINTS, label=f"{turns[0].speed:.3g} m/s"
+        )
     axes.set_xlabel("lean [°]")
     axes.set_ylabel("steer torque that holds it, right > 0 [N m]")
     if axes.get_legend_handles_labels()[0]:
@@ -277,8 +279,10 @@ def legend(figure: "Figure", count: int, look: Theme) -> None:
     """Draw families, marks and line widths below all panels."""
     from matplotlib.lines import Line2D  # only who draws waits for it
 
-    entries = [Line2D([], [], color=look.colour(k), linewidth=LINE, label=f"family {k + 1}") for k in range(count)]
-    entries.append(Line2D([], [], color=look.muted, linewidth=3.5 * LINE, label="stable"))
+    entries = [
+        Line2D([], [], color=look.colour(k), linewidth=LINE_WIDTH_POINTS, label=f"family {k + 1}") for k in range(count)
+    ]
+    entries.append(Line2D([], [], color=look.muted, linewidth=3.5 * LINE_WIDTH_POINTS, label="stable"))
     for name, mark in MARKS.items():
         entries.append(Line2D([], [], color=look.muted, marker=mark, linestyle="none", markersize=5, label=name))
     figure.legend(handles=entries, frameon=False, labelcolor=look.ink, loc="outside lower center", ncols=4)

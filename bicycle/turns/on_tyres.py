@@ -11,7 +11,7 @@ from scipy.optimize import root
 
 from mbsd3d import AssemblyError, Input, Signal, Solution, State, accelerations
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, Rates, as_signal, cross, dress, new_figure, number
+from mbsd3d.extend import LINE_WIDTH_POINTS, Rates, as_signal, cross, new_figure, number, style_axes
 
 from ..model.kinematics import Pose, Y, Z, placed, steer_axis
 from ..model.mechanism import Bicycle, steer_torque, whipple
@@ -247,15 +247,21 @@ def figure(
         axes = sheet.subplots(2, 2, sharex=True)
         labels = ("steer [°]", "steer torque that holds it [N m]", "drive torque that keeps the speed [N m]")
         for one, label in zip(axes.flat, (*labels, "grip used [-]"), strict=True):
-            dress(one, look)
+            style_axes(one, look)
             one.set_ylabel(label)
         for k, group in enumerate(found):
-            lean, style = np.degrees([one.lean for one in group]), {"color": look.colour(k), "linewidth": LINE}
+            lean, style = (
+                np.degrees([one.lean for one in group]),
+                {"color": look.colour(k), "linewidth": LINE_WIDTH_POINTS},
+            )
             values = [[np.degrees(x.steer), x.steer_torque, x.drive_torque, x.saturation] for x in group]
             for one, line in zip(axes.flat, np.transpose(values), strict=True):
                 one.plot(lean, line, label=f"{group[0].speed:g} m/s", **style)
         for k, group in enumerate(ideal):
-            lean, style = np.degrees([one.lean for one in group]), {"color": look.colour(k), "linewidth": LINE}
+            lean, style = (
+                np.degrees([one.lean for one in group]),
+                {"color": look.colour(k), "linewidth": LINE_WIDTH_POINTS},
+            )
             for one, line in zip(
                 axes.flat, ([np.degrees(x.steer) for x in group], [x.torque for x in group]), strict=False
             ):

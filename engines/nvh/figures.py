@@ -7,7 +7,7 @@ import numpy as np
 from engines.balance.pages.portrait import upright
 from engines.nvh.mounts.response import Map
 from engines.nvh.study import Study, Sweep
-from mbsd3d.extend import LINE, THIN, dress, new_figure
+from mbsd3d.extend import GRID_WIDTH_POINTS, LINE_WIDTH_POINTS, new_figure, style_axes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -41,14 +41,14 @@ def waterfall(study: Study, size: np.ndarray, unit: str) -> "Figure":
     end = orders[chosen[-1]] * rpm[-1] / 60
     with new_figure(7.5, 5.2) as (made, look):
         axes = made.add_subplot()
-        dress(axes, look)
+        style_axes(axes, look)
         axes.grid(visible=False)
-        axes.hlines(rpm[stacked], 0.0, 1.02 * end, color=look.grid, linewidth=THIN)
+        axes.hlines(rpm[stacked], 0.0, 1.02 * end, color=look.grid, linewidth=GRID_WIDTH_POINTS)
         for line, k in enumerate(chosen):
             at, colour = orders[k] * rpm / 60, look.colour(line)
             tips, name = rpm + height[:, k], f"{orders[k]:g}x"
-            axes.vlines(at[stacked], rpm[stacked], tips[stacked], color=colour, linewidth=LINE, label=name)
-            axes.plot(at, tips, color=colour, linewidth=THIN)
+            axes.vlines(at[stacked], rpm[stacked], tips[stacked], color=colour, linewidth=LINE_WIDTH_POINTS, label=name)
+            axes.plot(at, tips, color=colour, linewidth=GRID_WIDTH_POINTS)
         axes.set(xlabel="frequency [Hz]", ylabel="speed [1/min]", xlim=(0.0, 1.05 * end))
         axes.set_title(
             f"peaks: {PEAK_DECADES} decades up to {f'{most:.0f}' if most >= 100 else f'{most:.3g}'} {unit}", loc="left"
@@ -74,10 +74,12 @@ def order_lines(study: Study, swept: Sweep | None = None) -> "Figure":
     speeds, full = (study.rpm, study.run_force[None]) if swept is None else (swept.map.rpm, swept.full)
     with new_figure(7.5, 3.4) as (made, look):
         axes = made.add_subplot()
-        dress(axes, look)
+        style_axes(axes, look)
         for line, k in enumerate(chosen):
             colour = look.colour(line)
-            axes.semilogy(study.map.rpm, size[:, k], color=colour, linewidth=LINE, label=f"{study.map.orders[k]:g}x")
+            axes.semilogy(
+                study.map.rpm, size[:, k], color=colour, linewidth=LINE_WIDTH_POINTS, label=f"{study.map.orders[k]:g}x"
+            )
             axes.semilogy(speeds, handed(full)[:, k], "o", color=colour, markersize=6 if swept is None else 3)
         axes.set(xlabel="speed [1/min]", ylabel="force [N]", ylim=(1e-4 * size.max(), 2 * size.max()))
         axes.yaxis.set_major_formatter(lambda x, _: f"{x:g}")
@@ -118,10 +120,10 @@ def transmissibility(study: Study, swept: Sweep | None = None) -> "Figure":
     with new_figure(7.5, 3.2) as (made, look):
         panels = made.subplots(1, len(there), sharey=True, squeeze=False)[0]
         for axes, (title, line, dot) in zip(panels, there, strict=True):
-            dress(axes, look)
+            style_axes(axes, look)
             for number, k in enumerate(chosen):
                 colour, name = look.colour(number), f"{study.map.orders[k]:g}x"
-                axes.semilogy(study.map.rpm, line[:, k], color=colour, linewidth=LINE, label=name)
+                axes.semilogy(study.map.rpm, line[:, k], color=colour, linewidth=LINE_WIDTH_POINTS, label=name)
                 axes.semilogy(speeds, dot[:, k], "o", color=colour, markersize=size)
             axes.set(xlabel="speed [1/min]")
             axes.set_title(f"{title}: car over engine", loc="left")
@@ -140,12 +142,14 @@ def seat_lines(study: Study) -> "Figure":
     chosen, rpm = largest(seat), fine[0][1].rpm
     with new_figure(7.5, 3.4) as (made, look):
         axes = made.add_subplot()
-        dress(axes, look)
-        axes.plot(rpm, np.linalg.norm(seat, axis=1), color=look.ink, linewidth=LINE, label="all")
-        axes.plot(rpm, np.linalg.norm(idle, axis=1), "--", color=look.ink, linewidth=THIN, label="all, idle load")
+        style_axes(axes, look)
+        axes.plot(rpm, np.linalg.norm(seat, axis=1), color=look.ink, linewidth=LINE_WIDTH_POINTS, label="all")
+        axes.plot(
+            rpm, np.linalg.norm(idle, axis=1), "--", color=look.ink, linewidth=GRID_WIDTH_POINTS, label="all, idle load"
+        )
         for line, k in enumerate(chosen):
             label = f"{study.map.orders[k]:g}x"
-            axes.plot(rpm, seat[:, k], color=look.colour(line), linewidth=LINE, label=label)
+            axes.plot(rpm, seat[:, k], color=look.colour(line), linewidth=LINE_WIDTH_POINTS, label=label)
         axes.set(xlabel="speed [1/min]", ylabel="seat rail, rms [m/s²]", ylim=(0.0, None))
         made.legend(frameon=False, labelcolor=look.ink, ncols=FIGURE_ORDERS + 2, fontsize=8, loc="outside lower right")
     return made
@@ -159,16 +163,22 @@ def working_cycle(study: Study) -> "Figure":
     with new_figure(7.5, 5.0 if cycle else 2.6) as (made, look):
         axes = made.subplot_mosaic([["volume", "pressure"], ["torque", "torque"]] if cycle else [["torque"]])
         for part in axes.values():
-            dress(part, look)
+            style_axes(part, look)
         if cycle:
             psi, p = cycle.samples
-            axes["volume"].plot(1e3 * cycle.volume(psi), p / 1e5, color=look.colour(0), linewidth=LINE)
+            axes["volume"].plot(1e3 * cycle.volume(psi), p / 1e5, color=look.colour(0), linewidth=LINE_WIDTH_POINTS)
             axes["volume"].set(xlabel="volume of a cylinder [l]", ylabel="pressure [bar]")
-            axes["pressure"].plot(np.degrees(psi), p / 1e5, color=look.colour(0), linewidth=LINE)
+            axes["pressure"].plot(np.degrees(psi), p / 1e5, color=look.colour(0), linewidth=LINE_WIDTH_POINTS)
             axes["pressure"].set(xlabel="crank angle from firing [degrees]", xticks=range(-180, 541, 180))
-            axes["torque"].plot(np.degrees(angle), gases, color=look.colour(1), linewidth=LINE, label="gas")
-            axes["torque"].plot(np.degrees(angle), gases + turning, color=look.ink, linewidth=LINE, label="both")
-        axes["torque"].plot(np.degrees(angle), turning, color=look.colour(0), linewidth=LINE, label="inertia")
+            axes["torque"].plot(
+                np.degrees(angle), gases, color=look.colour(1), linewidth=LINE_WIDTH_POINTS, label="gas"
+            )
+            axes["torque"].plot(
+                np.degrees(angle), gases + turning, color=look.ink, linewidth=LINE_WIDTH_POINTS, label="both"
+            )
+        axes["torque"].plot(
+            np.degrees(angle), turning, color=look.colour(0), linewidth=LINE_WIDTH_POINTS, label="inertia"
+        )
         axes["torque"].set(xlabel="crank angle [degrees]", ylabel="torque on the crank [N m]", xticks=range(0, 721, 90))
         made.legend(frameon=False, labelcolor=look.ink, ncols=3, loc="outside lower right")
     return made
@@ -181,13 +191,15 @@ def bearing_loads(study: Study) -> "Figure":
     R = upright(study.preset.layout)
     with new_figure(7.5, 3.6) as (made, look):
         over, path = made.subplots(1, 2, width_ratios=(2.0, 1.0))
-        dress(over, look)
-        dress(path, look)
+        style_axes(over, look)
+        style_axes(path, look)
         for k, bearing in enumerate(study.bearings):
             colour = look.colour(k)
-            over.plot(bearing.angle, bearing.radial / 1e3, color=colour, linewidth=LINE, label=bearing.name)
+            over.plot(
+                bearing.angle, bearing.radial / 1e3, color=colour, linewidth=LINE_WIDTH_POINTS, label=bearing.name
+            )
             across, up = -(bearing.force @ R[1:, :2].T).T / 1e3
-            path.plot(-across, up, color=colour, linewidth=THIN)
+            path.plot(-across, up, color=colour, linewidth=GRID_WIDTH_POINTS)
         over.set(xlabel="crank angle [degrees]", ylabel="radial load [kN]", xticks=range(0, 721, 180))
         made.legend(frameon=False, labelcolor=look.ink, fontsize=8, ncols=len(study.bearings), loc="outside upper left")
         path.set_aspect("equal", adjustable="datalim")

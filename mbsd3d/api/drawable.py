@@ -8,7 +8,7 @@ from ..integrators.method import Method
 from ..mechanism.bodies import Body
 from ..mechanism.measures import Measure
 from ..mechanism.mechanism import Mechanism
-from ..mechanism.signals.input import Input
+from ..mechanism.signals.signal import Input
 from ..mechanism.state import State
 from .viewable import LayerNames
 

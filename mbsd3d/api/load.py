@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from ..base.errors import explaining
+from ..base.errors import checks_arguments
 from ..files.importing.builder import Imported
 from ..files.importing.importers import read_xml
 from ..files.solutions import read_run
@@ -12,7 +12,7 @@ from .solution import Solution
 from .system import System
 
 
-@explaining
+@checks_arguments
 def load(path: str | Path) -> Solution:
     """Read a file written by ``solution.save``; the result is a full `Solution`.
 
@@ -33,7 +33,7 @@ def load(path: str | Path) -> Solution:
     return Solution.of(replace(found, compiled=replace(found.compiled, system=system)))
 
 
-@explaining
+@checks_arguments
 def read_mjcf(path: str | Path, *, drop: Sequence[str] = (), timeout: float = 4.0) -> Imported:
     """The mechanism of an MJCF file (MuJoCo's XML) at its reference pose qpos0.
 
@@ -62,7 +62,7 @@ def read_mjcf(path: str | Path, *, drop: Sequence[str] = (), timeout: float = 4.
     return with_system(read_xml(path, "mujoco", drop, timeout))
 
 
-@explaining
+@checks_arguments
 def read_urdf(path: str | Path, *, drop: Sequence[str] = (), timeout: float = 4.0) -> Imported:
     """The mechanism of a URDF file; its root link is part of the ground. See `read_mjcf`.
 

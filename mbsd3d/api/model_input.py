@@ -107,7 +107,7 @@ def guarded(file: str, function: Callable[[], Any]) -> Any:
         raise InputError(f"'{file}'{where}: {kind}{error}") from error
 
 
-WORDS = {"true": True, "yes": True, "on": True, "false": False, "no": False, "off": False}
+TRUTH_WORDS = {"true": True, "yes": True, "on": True, "false": False, "no": False, "off": False}
 
 
 def parameter_lines(build: Callable[..., Any]) -> list[str]:
@@ -163,7 +163,7 @@ def typed(text: str, kind: type | None, what: str) -> Any:
     """A text as a value of a type."""
     try:
         if kind is bool:
-            return WORDS[text.lower()]
+            return TRUTH_WORDS[text.lower()]
         if kind is not None:
             return kind(text)
     except (ValueError, KeyError):

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from ..base.checks import shown as shown_text
+from ..base.checks import short_repr as shown_text
 from ..base.errors import InputError
 from ..integrators.dop853 import DOP853
 from ..integrators.method import Method

@@ -2,7 +2,7 @@
 
 from numpy.typing import ArrayLike
 
-from ..base.errors import IntegrationError, explaining
+from ..base.errors import IntegrationError, checks_arguments
 from ..equations.compiled import Switches
 from ..integrators.dop853 import DOP853
 from ..integrators.method import Method
@@ -14,7 +14,7 @@ from .solution import Solution, publish_solution
 from .system import System
 
 
-@explaining
+@checks_arguments
 def simulate(
     system: System,
     t_end: float,
@@ -93,7 +93,7 @@ def simulate(
         raise
 
 
-@explaining
+@checks_arguments
 def accelerations(
     system: System,
     state: State | None = None,

@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from ..base.checks import number
-from ..base.errors import explaining, explaining_methods
+from ..base.errors import checks_arguments, checks_method_arguments
 from ..equations.compiled import Switches
 from ..linear import modes
 from ..linear.linearization import linearize_at
@@ -28,7 +28,7 @@ class Motion(Viewable):
     """Poses of a mechanism over time (no forces, no energy): read like a `Solution`."""
 
 
-@explaining_methods
+@checks_method_arguments
 @dataclass(frozen=True, eq=False, repr=False)
 class Mode(modes.Mode):
     """One mode: ``X(t) = Re(shape exp(eigenvalue t))``.
@@ -62,7 +62,7 @@ class Mode(modes.Mode):
         return moved.animate(**{"speed": float(moved.t[-1]) / seconds, "title": title, **options})
 
 
-@explaining_methods
+@checks_method_arguments
 @dataclass(frozen=True, eq=False, repr=False)
 class Linearization(modes.ModalAnalysis):
     """``x_dot = A x`` for small deviations from a motion; parts are given as objects or by name.
@@ -102,12 +102,12 @@ class Linearization(modes.ModalAnalysis):
 
     def plot(self) -> "Figure":
         """Matplotlib figure of the eigenvalues in the complex plane."""
-        from ..plotting.eigenvalues import plot_eigenvalues
+        from ..plotting.panels import plot_eigenvalues
 
         return plot_eigenvalues(self)
 
 
-@explaining
+@checks_arguments
 def linearize(
     system: System,
     state: State | None = None,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base.checks import number
-from ..base.errors import InputError, IntegrationError, explained, explaining_methods
+from ..base.errors import InputError, IntegrationError, argument_error, checks_method_arguments
 from ..base.style import html_text
 from ..equations.compiled import Switches
 from ..integrators.dop853 import DOP853
@@ -35,15 +35,15 @@ if TYPE_CHECKING:
     from ..report.page import Report
 
 
-SWITCHES = tuple(x.name for x in fields(Switches))
-OPTIONS = tuple(x.name for x in fields(RunOptions) if x.name != "switches")
-CHANGES = Signature(
-    [Parameter(name, Parameter.KEYWORD_ONLY, default=None) for name in ("t_end", "state", *OPTIONS, *SWITCHES)]
+SWITCH_NAMES = tuple(x.name for x in fields(Switches))
+OPTION_NAMES = tuple(x.name for x in fields(RunOptions) if x.name != "switches")
+CHANGEABLE_ARGUMENTS = Signature(
+    [Parameter(name, Parameter.KEYWORD_ONLY, default=None) for name in ("t_end", "state", *OPTION_NAMES, *SWITCH_NAMES)]
 )
 """Arguments of `simulate` that `Solution.again` takes."""
 
 
-@explaining_methods
+@checks_method_arguments
 @dataclass(frozen=True, eq=False, repr=False)
 class Solution(RunResult, Viewable):
     """Samples of a run. Parts are given as objects or by name; vectors are (samples, 3) in world axes.
@@ -98,7 +98,7 @@ class Solution(RunResult, Viewable):
 
     def again(self, t_end: float | None = None, **changes: Any) -> "Solution":
         """Run the same system again with the same options, except for the given ones (see `simulate`)."""
-        if wrong := explained("Solution.again", CHANGES, (), changes):
+        if wrong := argument_error("Solution.again", CHANGEABLE_ARGUMENTS, (), changes):
             raise wrong
         start = changes.pop("state", self.start)
         options = changed(options_to_repeat(self), changes)
@@ -243,10 +243,10 @@ class Solution(RunResult, Viewable):
 
 def changed(options: RunOptions, changes: Mapping[str, Any]) -> RunOptions:
     """Return options with some arguments of `simulate` instead of their own."""
-    given = {name: value for name, value in changes.items() if name in OPTIONS}
+    given = {name: value for name, value in changes.items() if name in OPTION_NAMES}
     if "method" in given and given["method"] is None:
         given["method"] = DOP853()
-    switches = replace(options.switches, **{name: value for name, value in changes.items() if name in SWITCHES})
+    switches = replace(options.switches, **{name: value for name, value in changes.items() if name in SWITCH_NAMES})
     return replace(options, switches=switches, **given)
 
 

@@ -5,11 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..base.checks import check_choice
-from ..base.errors import Explained, IntegrationError, explaining_methods
+from ..base.errors import ChecksArguments, IntegrationError, checks_method_arguments
 from ..integrators.dop853 import DOP853
 from ..integrators.method import Method
 from ..mechanism.measures import Measure
-from ..mechanism.signals.input import Input
+from ..mechanism.signals.signal import Input
 from ..mechanism.state import State
 from ..results.record import RunOptions
 from ..run.segments import Segments
@@ -18,8 +18,8 @@ from .solution import Solution, publish_solution
 from .system import System
 
 
-@explaining_methods
-class Stepper(metaclass=Explained):
+@checks_method_arguments
+class Stepper(metaclass=ChecksArguments):
     """A mechanism that is integrated segment by segment: for controllers, co-simulation, live runs and learning.
 
     Everything a run has prepared stays as it is between two segments, so that each costs little more than its steps; a

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from numpy.typing import ArrayLike
 
 from ..base.checks import number
-from ..base.errors import explaining_methods
+from ..base.errors import checks_method_arguments
 from ..base.fields import part_class
 from ..base.style import counted, html_table
 from ..mechanism.bodies import Body
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from ..linear.equilibrium import Equilibrium
 
 
-@explaining_methods
+@checks_method_arguments
 @part_class(init=False, repr=False)
 class System(Drawable):
     """A mechanism.

@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .errors import CONTROL, InputError, MbsError
+from .errors import CONTROL_CHARACTERS, InputError, MbsError
 
-LARGEST, SMALLEST = 1e60, 1e-60  # sizes of numbers in SI units whose squares and ratios can be computed with
+MAGNITUDE_MAX, MAGNITUDE_MIN = 1e60, 1e-60  # sizes of numbers in SI units whose squares and ratios can be computed with
 PYTHON_LOOP_MAX = 16  # [numbers] that Python looks through in less time than numpy
-PLAIN = frozenset((float, int, np.float64))  # types of numbers that need no closer look than at their size
+PLAIN_NUMBER_TYPES = frozenset((float, int, np.float64))  # need no closer look than at their size
 
 
-def shown(value: Any) -> str:
+def short_repr(value: Any) -> str:
     """What was given, as it prints, cut where it is long; numbers of arrays as plain ones."""
     try:
         with np.printoptions(legacy="1.25"):
@@ -28,9 +28,9 @@ def shown(value: Any) -> str:
 def check_name(name: Any, what: str) -> None:
     """ValueError for what is no text, is empty, would command a terminal, or reads as something else than it is."""
     if not isinstance(name, str) or not name:
-        raise InputError(f"{what} name {shown(name)}: give a non-empty text")
-    if CONTROL.search(name):
-        raise InputError(f"{what} name {shown(name)} holds control characters; give a text of one line")
+        raise InputError(f"{what} name {short_repr(name)}: give a non-empty text")
+    if CONTROL_CHARACTERS.search(name):
+        raise InputError(f"{what} name {short_repr(name)} holds control characters; give a text of one line")
 
 
 def all_within(array: np.ndarray, most: float) -> bool:
@@ -58,7 +58,7 @@ def floats(values: Any, what: str, remedy: str) -> np.ndarray:
         array = None
     texts = array is not None and raw.dtype.kind == "O" and any(isinstance(x, str | bytes | None) for x in raw.flat)
     if array is None or texts or holds_truth(values):
-        raise InputError(f"{what}: {shown(values)} is not numeric; give {remedy}")
+        raise InputError(f"{what}: {short_repr(values)} is not numeric; give {remedy}")
     if not all_within(array, sys.float_info.max):
         text = np.array2string(array, separator=", ", precision=9, threshold=20).replace("\n", "")
         place = f" in entry {np.flatnonzero(~np.isfinite(array))[0]}" if array.size > 4 else ""
@@ -71,28 +71,28 @@ def numbers(values: Any, what: str) -> np.ndarray:
     try:
         return np.asarray(values, dtype=float)
     except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{what}: {shown(values)} is not numeric; give numbers") from None
+        raise InputError(f"{what}: {short_repr(values)} is not numeric; give numbers") from None
 
 
 def check_choice(value: Any, choices: Sequence[Any], what: str) -> None:
     """InputError for anything but one of the choices."""
     if not isinstance(value, Hashable) or value not in choices:
-        raise InputError(f"{what} {shown(value)} is unknown; give {' or '.join(map(repr, choices))}")
+        raise InputError(f"{what} {short_repr(value)} is unknown; give {' or '.join(map(repr, choices))}")
 
 
-def listed(values: Any, what: str, remedy: str) -> tuple[Any, ...]:
+def as_tuple(values: Any, what: str, remedy: str) -> tuple[Any, ...]:
     """The members of a sequence, or an InputError that names ``what``."""
     try:
         return tuple(values)
     except TypeError:
-        raise InputError(f"{what}: {shown(values)} is not a sequence; give {remedy}") from None
+        raise InputError(f"{what}: {short_repr(values)} is not a sequence; give {remedy}") from None
 
 
 def check_size(array: np.ndarray, what: str) -> None:
     """ValueError for numbers whose squares and ratios are beyond what a computer holds."""
-    if not all_within(array, LARGEST):
+    if not all_within(array, MAGNITUDE_MAX):
         raise InputError(
-            f"{what}: {np.abs(array).max():.3g} is beyond {LARGEST:.0e}, what can be computed with; check the units"
+            f"{what}: {np.abs(array).max():.3g} is beyond {MAGNITUDE_MAX:.0e}, what can be computed with; check the units"
         )
 
 
@@ -103,9 +103,13 @@ def plain_three(value: Any) -> np.ndarray | None:
     if type(value) not in (tuple, list) or len(value) != 3:
         return None
     x, y, z = value
-    if not (type(x) in PLAIN and type(y) in PLAIN and type(z) in PLAIN):
+    if not (type(x) in PLAIN_NUMBER_TYPES and type(y) in PLAIN_NUMBER_TYPES and type(z) in PLAIN_NUMBER_TYPES):
         return None
-    usual = -LARGEST <= x <= LARGEST and -LARGEST <= y <= LARGEST and -LARGEST <= z <= LARGEST
+    usual = (
+        -MAGNITUDE_MAX <= x <= MAGNITUDE_MAX
+        and -MAGNITUDE_MAX <= y <= MAGNITUDE_MAX
+        and -MAGNITUDE_MAX <= z <= MAGNITUDE_MAX
+    )
     return np.array((x, y, z), float) if usual else None
 
 
@@ -115,7 +119,7 @@ def vector(value: ArrayLike, what: str) -> np.ndarray:
     if array is None:
         array = floats(value, what, "three numbers")
         if array.shape != (3,):
-            raise InputError(f"{what}: expected three numbers, got {shown(value)}")
+            raise InputError(f"{what}: expected three numbers, got {short_repr(value)}")
         check_size(array, what)
     array.setflags(write=False)
     return array
@@ -123,24 +127,24 @@ def vector(value: ArrayLike, what: str) -> np.ndarray:
 
 def number(value: float, what: str, *, minimum: float | None = None, positive: bool = False) -> float:
     """A finite float within its range, or a ValueError that names ``what``."""
-    if type(value) in PLAIN and -LARGEST <= value <= LARGEST:
-        if not (positive and value < SMALLEST) and (minimum is None or value >= minimum):
+    if type(value) in PLAIN_NUMBER_TYPES and -MAGNITUDE_MAX <= value <= MAGNITUDE_MAX:
+        if not (positive and value < MAGNITUDE_MIN) and (minimum is None or value >= minimum):
             return float(value)
     try:
         x = None if isinstance(value, str | bytes) or holds_truth(value) else float(value)
     except (TypeError, ValueError, OverflowError):
         x = None
     if x is None:
-        raise InputError(f"{what}: expected a number, got {shown(value)}")
+        raise InputError(f"{what}: expected a number, got {short_repr(value)}")
     if not np.isfinite(x):
         raise InputError(f"{what}: not finite ({x}); give a finite number")
     if positive and x <= 0.0:
         raise InputError(f"{what}: {x} is not positive; give a number > 0")
     if minimum is not None and x < minimum:
         raise InputError(f"{what}: {x} is below {minimum}; give a number >= {minimum}")
-    if abs(x) > LARGEST or (positive and x < SMALLEST):
+    if abs(x) > MAGNITUDE_MAX or (positive and x < MAGNITUDE_MIN):
         raise InputError(
-            f"{what}: {x} is outside {SMALLEST:.0e} ... {LARGEST:.0e}, what can be computed with; check the units"
+            f"{what}: {x} is outside {MAGNITUDE_MIN:.0e} ... {MAGNITUDE_MAX:.0e}, what can be computed with; check the units"
         )
     return x
 
@@ -149,23 +153,23 @@ def whole(value: int, what: str, least: int, most: float = np.inf) -> int:
     """A whole number in a range."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= most:
         wanted = f">= {least}" if most == np.inf else f"from {least} to {most}"
-        raise InputError(f"{what} = {shown(value)}; give a whole number {wanted}")
+        raise InputError(f"{what} = {short_repr(value)}; give a whole number {wanted}")
     return int(value)
 
 
 def sequence(values: Any, what: str) -> tuple[float, ...]:
     """Finite numbers."""
     if isinstance(values, str | bytes):
-        raise InputError(f"{what}: {shown(values)} is not a sequence of numbers; give a tuple")
+        raise InputError(f"{what}: {short_repr(values)} is not a sequence of numbers; give a tuple")
     try:
         given = tuple(values)
     except TypeError:
-        raise InputError(f"{what}: {shown(values)} is not a sequence of numbers; give a tuple") from None
+        raise InputError(f"{what}: {short_repr(values)} is not a sequence of numbers; give a tuple") from None
     return tuple(number(value, f"{what} no. {k + 1}") for k, value in enumerate(given))
 
 
 @contextmanager
-def solvable(what: str) -> Iterator[None]:
+def reporting_linalg_errors(what: str) -> Iterator[None]:
     """Turn what the linear algebra inside cannot solve into an error of this package."""
     try:
         yield

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 P = ParamSpec("P")
 T = TypeVar("T")
-CONTROL = re.compile(  # what no name may hold, and no line on a terminal
+CONTROL_CHARACTERS = re.compile(  # what no name may hold, and no line on a terminal
     "[\x00-\x1f\x7f-\x9f\u2028\u2029"  # ends of lines and paragraphs, and all that moves a cursor, paints or rings
     "\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069"  # what turns the order of signs: a name would read as another one
     "\u200b\u2060-\u2064\ufeff\U000e0000-\U000e007f]"  # what nobody sees; joiners within words, U+200C and D, stay
@@ -137,7 +137,7 @@ def similar(name: object, known: Iterable[str]) -> list[str]:
     return [lower[text] for text in get_close_matches(str(name).lower(), lower)]
 
 
-def explained(
+def argument_error(
     name: str, signature: inspect.Signature, args: tuple[Any, ...], given: Mapping[str, Any]
 ) -> ArgumentError | None:
     """What is wrong with a call, by the public name of what was called; None if it fits."""
@@ -173,7 +173,7 @@ class Written:
         return self.text
 
 
-class Explained(ABCMeta):
+class ChecksArguments(ABCMeta):
     """Classes whose wrong calls are answered by their public names, with the argument that was meant."""
 
     @property
@@ -189,11 +189,11 @@ class Explained(ABCMeta):
             try:
                 return super().__call__(*args, **given)
             except TypeError as error:
-                wrong = explained(cls.__name__, cls.__signature__, args, given)
+                wrong = argument_error(cls.__name__, cls.__signature__, args, given)
                 raise wrong or error from None
 
 
-def explaining(function: Callable[P, T], name: str | None = None) -> Callable[P, T]:
+def checks_arguments(function: Callable[P, T], name: str | None = None) -> Callable[P, T]:
     """The same for a function; ``name``: its public one."""
 
     @functools.wraps(function)
@@ -201,7 +201,7 @@ def explaining(function: Callable[P, T], name: str | None = None) -> Callable[P,
         try:
             return function(*args, **given)
         except TypeError:
-            wrong = explained(name or function.__name__, inspect.signature(function), args, given)
+            wrong = argument_error(name or function.__name__, inspect.signature(function), args, given)
             if wrong is None:
                 raise
             raise wrong from None
@@ -209,14 +209,14 @@ def explaining(function: Callable[P, T], name: str | None = None) -> Callable[P,
     return call
 
 
-def explaining_methods(cls: type[T]) -> type[T]:
+def checks_method_arguments(cls: type[T]) -> type[T]:
     """The same for the public methods of a class, those that it inherits too."""
     for name in dir(cls):
         method = inspect.getattr_static(cls, name)
         if name.startswith("_"):
             continue
         if inspect.isfunction(method):
-            setattr(cls, name, explaining(method, f"{cls.__name__}.{name}"))
+            setattr(cls, name, checks_arguments(method, f"{cls.__name__}.{name}"))
         elif isinstance(method, classmethod):
-            setattr(cls, name, classmethod(explaining(method.__func__, f"{cls.__name__}.{name}")))
+            setattr(cls, name, classmethod(checks_arguments(method.__func__, f"{cls.__name__}.{name}")))
     return cls

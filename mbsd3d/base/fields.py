@@ -26,17 +26,18 @@ import msgspec
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import listed, number, sequence, shown, vector
-from .directions import unit
-from .errors import Explained, InputError
+from .checks import as_tuple, number, sequence, short_repr, vector
+from .errors import ChecksArguments, InputError
 from .mass_properties import check_inertia
-from .rotations import as_quaternion
+from .rotations import as_quaternion, unit
 
 Accepted = TypeVar("Accepted")  # by the constructor
 Kept = TypeVar("Kept")  # by the part
 P = TypeVar("P")
-VECTOR = Annotated[list[float], msgspec.Meta(min_length=3, max_length=3)]  # in files
-ROWS = Annotated[list[float | VECTOR], msgspec.Meta(min_length=3, max_length=4)]  # (3,), (4,) or (3, 3)
+FILE_VECTOR = Annotated[list[float], msgspec.Meta(min_length=3, max_length=3)]  # in files
+FILE_ROWS = Annotated[
+    list[float | FILE_VECTOR], msgspec.Meta(min_length=3, max_length=4)
+]  # (3,), (4,) or (3, 3) in files
 
 
 def kept(
@@ -112,7 +113,7 @@ def conversions(cls: type) -> tuple[Conversion, ...]:
     return tuple(found)
 
 
-class Frozen(metaclass=Explained):
+class Frozen(metaclass=ChecksArguments):
     """Base of frozen dataclasses that convert their fields when they are made."""
 
     if TYPE_CHECKING:
@@ -202,69 +203,69 @@ def as_numbers(value: Any, what: str, part: Any) -> tuple[float, ...]:
 
 def as_members(value: Any, what: str, part: Any) -> tuple[Any, ...]:
     """The members of a sequence."""
-    return listed(value, what, "a list")
+    return as_tuple(value, what, "a list")
 
 
 def true_or_false(value: Any, what: str, part: Any) -> bool:
     """True or False, nothing that counts as one of them."""
     if not isinstance(value, bool):
-        raise InputError(f"{what} = {shown(value)}; give True or False")
+        raise InputError(f"{what} = {short_repr(value)}; give True or False")
     return value
 
 
 class Vector(Stored[ArrayLike, np.ndarray]):
     """Three finite numbers [m, m/s or rad/s], world or body axes as its part says."""
 
-    accepts, file_type = "array_like", VECTOR
+    accepts, file_type = "array_like", FILE_VECTOR
     convert = staticmethod(as_vector)
 
 
 class VectorOrNone(Stored[ArrayLike | None, np.ndarray | None]):
     """Three finite numbers, or None."""
 
-    accepts, file_type = "array_like | None", VECTOR
+    accepts, file_type = "array_like | None", FILE_VECTOR
     convert = staticmethod(or_none(as_vector))
 
 
 class VectorOrDerived(Stored[ArrayLike | None, np.ndarray]):
     """Three finite numbers; None = what follows from other fields."""
 
-    accepts, file_type = "array_like | None", VECTOR
+    accepts, file_type = "array_like | None", FILE_VECTOR
     convert = staticmethod(as_vector)
 
 
 class Direction(Stored[ArrayLike, np.ndarray]):
     """A direction in world axes at the reference pose, kept as a unit vector."""
 
-    accepts, file_type = "array_like", VECTOR
+    accepts, file_type = "array_like", FILE_VECTOR
     convert = staticmethod(as_direction)
 
 
 class DirectionOrNone(Stored[ArrayLike | None, np.ndarray | None]):
     """A direction, or None."""
 
-    accepts, file_type = "array_like | None", VECTOR
+    accepts, file_type = "array_like | None", FILE_VECTOR
     convert = staticmethod(or_none(as_direction))
 
 
 class DirectionOrDerived(Stored[ArrayLike | None, np.ndarray]):
     """A direction; None = what follows from other fields."""
 
-    accepts, file_type = "array_like | None", VECTOR
+    accepts, file_type = "array_like | None", FILE_VECTOR
     convert = staticmethod(as_direction)
 
 
 class Orientation(Stored[ArrayLike, np.ndarray]):
     """A unit quaternion, scalar first, or a rotation matrix; kept as a quaternion."""
 
-    accepts, file_type = "array_like", ROWS
+    accepts, file_type = "array_like", FILE_ROWS
     convert = staticmethod(as_orientation)
 
 
 class Inertia(Stored[ArrayLike, np.ndarray]):
     """(3,) or (3, 3) inertia about the centre of mass [kg m^2], after the mass; kept as a matrix."""
 
-    accepts, file_type = "array_like", ROWS
+    accepts, file_type = "array_like", FILE_ROWS
     convert = staticmethod(as_inertia)
 
 

@@ -7,27 +7,27 @@ return the principal moments (3,) about the centre of mass, body axes [kg m^2].
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import listed, shown
-from .errors import InputError, explaining
+from .checks import as_tuple, short_repr
+from .errors import InputError, checks_arguments
 from .mass_properties import _size
 from .rotations import AXES
 
 
-@explaining
+@checks_arguments
 def box(mass: float, lengths: ArrayLike) -> np.ndarray:
     """Box with edges ``lengths`` (lx, ly, lz) along the axes: ``Ixx = m (ly^2 + lz^2) / 12`` and cyclic.
 
     >>> box(12.0, (1.0, 2.0, 3.0))
     array([13., 10.,  5.])
     """
-    edges = listed(lengths, "box: lengths", "three lengths (lx, ly, lz)")
+    edges = as_tuple(lengths, "box: lengths", "three lengths (lx, ly, lz)")
     if len(edges) != 3:
         raise InputError(f"box: {len(edges)} edges given; give three lengths (lx, ly, lz)")
     squares = np.array([_size(edge, "box", name) for edge, name in zip(edges, ("lx", "ly", "lz"), strict=True)]) ** 2
     return _size(mass, "box", "mass") * (squares.sum() - squares) / 12.0
 
 
-@explaining
+@checks_arguments
 def cylinder(mass: float, radius: float, length: float, axis: str = "z") -> np.ndarray:
     """Solid circular cylinder: ``m r^2 / 2`` along its axis, ``m (3 r^2 + l^2) / 12`` across; length zero: a disc.
 
@@ -38,7 +38,7 @@ def cylinder(mass: float, radius: float, length: float, axis: str = "z") -> np.n
     return _axial(0.5 * m * r**2, m * (3.0 * r**2 + l**2) / 12.0, axis, "cylinder")
 
 
-@explaining
+@checks_arguments
 def sphere(mass: float, radius: float) -> np.ndarray:
     """Solid sphere: ``2 m r^2 / 5`` about every axis.
 
@@ -48,7 +48,7 @@ def sphere(mass: float, radius: float) -> np.ndarray:
     return np.full(3, 0.4 * _size(mass, "sphere", "mass") * _size(radius, "sphere", "radius") ** 2)
 
 
-@explaining
+@checks_arguments
 def rod(mass: float, length: float, axis: str = "z", radius: float = 0.0) -> np.ndarray:
     """Rod: a `cylinder` named by its length first, thin (``m l^2 / 12`` across, nothing along) unless it has a radius.
 
@@ -59,7 +59,7 @@ def rod(mass: float, length: float, axis: str = "z", radius: float = 0.0) -> np.
     return cylinder(m, r, l, _letter(axis, "rod"))
 
 
-@explaining
+@checks_arguments
 def cone(mass: float, radius: float, height: float, axis: str = "z") -> np.ndarray:
     """Solid circular cone: ``3 m r^2 / 10`` along its axis, ``3 m (4 r^2 + h^2) / 80`` across.
 
@@ -80,5 +80,5 @@ def _axial(along: float, across: float, axis: str, what: str) -> np.ndarray:
 def _letter(axis: str, what: str) -> str:
     """The axis, if it is one of the three letters."""
     if not isinstance(axis, str) or axis not in AXES:
-        raise InputError(f"{what}: axis is {shown(axis)}; give 'x', 'y' or 'z' (others: orientation in combine)")
+        raise InputError(f"{what}: axis is {short_repr(axis)}; give 'x', 'y' or 'z' (others: orientation in combine)")
     return axis

@@ -7,15 +7,27 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import LARGEST, PLAIN, SMALLEST, check_size, floats, listed, number, plain_three, vector
-from .errors import Explained, InputError, explaining
+from .checks import (
+    MAGNITUDE_MAX,
+    MAGNITUDE_MIN,
+    PLAIN_NUMBER_TYPES,
+    as_tuple,
+    check_size,
+    floats,
+    number,
+    plain_three,
+    vector,
+)
+from .errors import ChecksArguments, InputError, checks_arguments
 from .rotations import _text, as_quaternion, matrix
 
-TOLERANCE = 1e-9  # relative; a flat body lies on the triangle limit, where rounding falls on either side
+TRIANGLE_RULE_TOLERANCE = (
+    1e-9  # [1] of the largest moment; a flat body lies on the limit, where rounding falls on either side
+)
 
 
 @dataclass(frozen=True, eq=False)
-class MassProperties(metaclass=Explained):
+class MassProperties(metaclass=ChecksArguments):
     """Mass, centre of mass and inertia of a rigid body; ``Body(name, **vars(properties))`` takes them as they are.
 
     >>> from mbsd3d.inertia import box, rod
@@ -29,7 +41,7 @@ class MassProperties(metaclass=Explained):
     inertia: np.ndarray  # (3, 3) about ``com``, in the same axes [kg m^2]
 
 
-@explaining
+@checks_arguments
 def combine(parts: Iterable[tuple[Any, ...] | MassProperties]) -> MassProperties:
     """Rigid body made of parts: ``m = sum m_i``, ``c = sum m_i c_i / m``, Steiner's rule as a tensor for the inertia.
 
@@ -45,7 +57,7 @@ def combine(parts: Iterable[tuple[Any, ...] | MassProperties]) -> MassProperties
     >>> barbell.mass, barbell.inertia.diagonal().round(3)
     (4.0, array([1.016, 1.016, 0.016]))
     """
-    given = listed(parts, "combine: parts", "a list of (mass, com, inertia)")
+    given = as_tuple(parts, "combine: parts", "a list of (mass, com, inertia)")
     checked = [_part(i, part) for i, part in enumerate(given)]
     mass = sum(m for m, _, _ in checked)
     if mass == 0.0:
@@ -55,7 +67,7 @@ def combine(parts: Iterable[tuple[Any, ...] | MassProperties]) -> MassProperties
     return MassProperties(mass, com, total)
 
 
-@explaining
+@checks_arguments
 def steiner(mass: float, offset: ArrayLike) -> np.ndarray:
     """What a mass [kg] adds to the inertia at a distance ``d = offset`` (3,) [m]: ``m (d'd 1 - d d')`` [kg m^2]."""
     d = vector(offset, "steiner: offset")
@@ -77,12 +89,12 @@ def check_inertia(inertia: ArrayLike, mass: float, what: str) -> np.ndarray:
     if largest > 0.0 and m == 0.0:
         raise InputError(f"{what}: mass is 0 but inertia is not; give a mass, or inertia (0, 0, 0) for a massless body")
     if I.ndim == 1:
-        _check_moments(np.sort(I), TOLERANCE * largest, what)
+        _check_moments(np.sort(I), TRIANGLE_RULE_TOLERANCE * largest, what)
         return np.diag(I)
-    if np.max(np.abs(I - I.T)) > TOLERANCE * largest:
+    if np.max(np.abs(I - I.T)) > TRIANGLE_RULE_TOLERANCE * largest:
         raise InputError(f"{what}: inertia is not symmetric, {_text(I)}; make Iij and Iji equal")
     I = 0.5 * (I + I.T)
-    _check_moments(np.linalg.eigvalsh(I), TOLERANCE * largest, what)
+    _check_moments(np.linalg.eigvalsh(I), TRIANGLE_RULE_TOLERANCE * largest, what)
     return I
 
 
@@ -92,13 +104,13 @@ def _plain_inertia(inertia: ArrayLike, mass: float) -> np.ndarray | None:
     Beyond doubt: moments within the triangle rule, or a matrix that is symmetric to the last bit and has a positive
     definite ``tr(I) 1 - 2 I``.
     """
-    if type(mass) not in PLAIN or not SMALLEST <= mass <= LARGEST:
+    if type(mass) not in PLAIN_NUMBER_TYPES or not MAGNITUDE_MIN <= mass <= MAGNITUDE_MAX:
         return None
     moments = plain_three(inertia)
     if moments is not None:
         a, b, c = moments.tolist()
         total = a + b + c
-        if not (b + c >= a and a + c >= b and a + b >= c and (total == 0.0 or total > 3.0 * SMALLEST)):
+        if not (b + c >= a and a + c >= b and a + b >= c and (total == 0.0 or total > 3.0 * MAGNITUDE_MIN)):
             return None
         I = np.zeros((3, 3))
         I[0, 0], I[1, 1], I[2, 2] = a, b, c
@@ -107,7 +119,7 @@ def _plain_inertia(inertia: ArrayLike, mass: float) -> np.ndarray | None:
         return None
     (a, d, e), (d_T, b, f), (e_T, f_T, c) = inertia.tolist()
     x, y, z = b + c - a, a + c - b, a + b - c
-    if not (d == d_T and e == e_T and f == f_T and x > 0.0 and SMALLEST < a + b + c < LARGEST):
+    if not (d == d_T and e == e_T and f == f_T and x > 0.0 and MAGNITUDE_MIN < a + b + c < MAGNITUDE_MAX):
         return None
     y, z, w = y - 4.0 * d * d / x, z - 4.0 * e * e / x, 2.0 * f + 4.0 * d * e / x  # Cholesky
     return inertia.copy() if y > 0.0 and z - w * w / y > 0.0 else None
@@ -134,8 +146,8 @@ def _finite_inertia(inertia: ArrayLike, what: str) -> tuple[np.ndarray, float]:
         raise InputError(f"{what}: inertia has shape {I.shape}; give {remedy}")
     check_size(I, f"{what}: inertia")
     largest = max(map(abs, I.ravel().tolist()))
-    if 0.0 < largest < SMALLEST:
-        raise InputError(f"{what}: inertia {_text(I)} is below {SMALLEST:.0e}; check the units, or give zeros")
+    if 0.0 < largest < MAGNITUDE_MIN:
+        raise InputError(f"{what}: inertia {_text(I)} is below {MAGNITUDE_MIN:.0e}; check the units, or give zeros")
     return I, largest
 
 
@@ -144,7 +156,7 @@ def _part(number: int, part: tuple[Any, ...] | MassProperties) -> tuple[float, n
     what = f"combine: part {number}"
     if isinstance(part, MassProperties):
         part = (part.mass, part.com, part.inertia)
-    part = listed(part, what, "(mass, com, inertia)")
+    part = as_tuple(part, what, "(mass, com, inertia)")
     if len(part) not in (3, 4):
         raise InputError(f"{what} has {len(part)} entries; give (mass, com, inertia) and possibly an orientation")
     I = check_inertia(part[2], part[0], what)
@@ -158,6 +170,6 @@ def _part(number: int, part: tuple[Any, ...] | MassProperties) -> tuple[float, n
 def _size(value: float, what: str, name: str) -> float:
     """A finite number that is not negative."""
     x = number(value, f"{what}: {name}", minimum=0.0)
-    if 0.0 < x < SMALLEST:
-        raise InputError(f"{what}: {name} {x} is below {SMALLEST:.0e}; check the units, or give 0")
+    if 0.0 < x < MAGNITUDE_MIN:
+        raise InputError(f"{what}: {name} {x} is below {MAGNITUDE_MIN:.0e}; check the units, or give 0")
     return x

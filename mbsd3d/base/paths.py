@@ -15,9 +15,11 @@ from pathlib import Path
 from .errors import InputError
 from .version import __version__
 
-LONGEST = 255  # bytes of a file's name
-PIECE = re.compile(r"\.[0-9a-f]{32}(?:-([0-9a-f]{16})-(\d+))?\.part")  # a file that is not whole: machine, process
-PIECE_SECONDS_MAX = 86400.0  # [s] since it was last written, for one whose process cannot be asked for
+FILE_NAME_BYTES_MAX = 255  # [bytes] of the name of a file; more is refused by most file systems
+UNFINISHED_FILE_PATTERN = re.compile(
+    r"\.[0-9a-f]{32}(?:-([0-9a-f]{16})-(\d+))?\.part"
+)  # name of a file that is not whole yet: machine, process
+UNFINISHED_FILE_SECONDS_MAX = 86400.0  # [s] since it was last written, for one whose process cannot be asked for
 
 
 def as_path(path: str | Path, example: str) -> Path:
@@ -26,8 +28,10 @@ def as_path(path: str | Path, example: str) -> Path:
         found = Path(path)
         with suppress(UnicodeEncodeError):
             size = len(os.fsencode(found.name))
-            if size > LONGEST:
-                raise InputError(f"path = {path!r:.80}: a name of {size} bytes; give one of at most {LONGEST}")
+            if size > FILE_NAME_BYTES_MAX:
+                raise InputError(
+                    f"path = {path!r:.80}: a name of {size} bytes; give one of at most {FILE_NAME_BYTES_MAX}"
+                )
             if found.name and "\0" not in str(found):
                 return found
     raise InputError(f"path = {path!r:.80} names no file; give a name such as '{example}'")
@@ -54,19 +58,19 @@ def write_atomically(path: Path, content: bytes, *, replace: bool = True) -> Pat
     """
     if not replace and path.exists():
         raise InputError(f"'{path}' exists; give replace=True to replace it, or another name")
-    with in_its_place(path) as part, part.open("xb") as handle:
+    with atomic_write(path) as part, part.open("xb") as handle:
         handle.write(content)
         handle.flush()
         os.fsync(handle.fileno())
     return path
 
 
-_PIECES: set[Path] = set()  # files that this process has begun
+_UNFINISHED_FILES: set[Path] = set()  # files that this process has begun
 
 
 def drop_pieces() -> None:
     """Remove files that are not whole: for a process that ends without taking its calls back."""
-    for piece in tuple(_PIECES):
+    for piece in tuple(_UNFINISHED_FILES):
         piece.unlink(missing_ok=True)
 
 
@@ -87,7 +91,9 @@ def drop_orphans(folder: Path) -> None:
     """
     with suppress(OSError), os.scandir(folder) as entries:
         for entry in entries:
-            begun = PIECE.fullmatch(entry.name) if entry.name.endswith(".part") else None  # few of many files are
+            begun = (
+                UNFINISHED_FILE_PATTERN.fullmatch(entry.name) if entry.name.endswith(".part") else None
+            )  # few of many files are
             if begun:
                 with suppress(OSError):  # another process removes it just now
                     if not _may_be_written(entry, *begun.groups()):
@@ -101,7 +107,7 @@ def _may_be_written(entry: os.DirEntry[str], machine: str, process: str) -> bool
         return True
     if machine == _machine() and os.name == "posix":  # elsewhere to ask for a process may end it
         return _is_alive(int(process))
-    return time.time() - state.st_mtime < PIECE_SECONDS_MAX
+    return time.time() - state.st_mtime < UNFINISHED_FILE_SECONDS_MAX
 
 
 def _is_alive(process: int) -> bool:
@@ -116,10 +122,10 @@ def _is_alive(process: int) -> bool:
 
 
 @contextmanager
-def in_its_place(path: Path) -> Iterator[Path]:
+def atomic_write(path: Path) -> Iterator[Path]:
     """A name to write a file under: it takes the place of ``path`` once it is whole, and goes if that fails."""
     part = path.with_name(f".{uuid.uuid4().hex}-{_machine()}-{os.getpid()}.part")  # no longer than any name
-    _PIECES.add(part)
+    _UNFINISHED_FILES.add(part)
     drop_orphans(path.parent)
     try:
         try:
@@ -127,7 +133,7 @@ def in_its_place(path: Path) -> Iterator[Path]:
             os.replace(part, path)
         finally:
             part.unlink(missing_ok=True)
-            _PIECES.discard(part)
+            _UNFINISHED_FILES.discard(part)
     except OSError as error:
         raise InputError(
             f"'{path}' cannot be written: {error.strerror}; give a file in a folder that exists, is yours and has space"

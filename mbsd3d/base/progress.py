@@ -8,7 +8,7 @@ from typing import Any
 
 from .errors import InputError
 
-DELAY, LINES = 2.0, 5.0  # s before a bar appears, and between lines
+BAR_DELAY_SECONDS, LINE_INTERVAL_SECONDS = 2.0, 5.0  # s before a bar appears, and between lines
 
 
 class Heartbeat:
@@ -38,9 +38,9 @@ class Heartbeat:
 
     def beat(self) -> None:
         """Until the end."""
-        while not self.ended.wait(0.1 * LINES):
+        while not self.ended.wait(0.1 * LINE_INTERVAL_SECONDS):
             now = time.perf_counter()
-            if now - self.last >= (LINES if self.last > self.began else DELAY):
+            if now - self.last >= (LINE_INTERVAL_SECONDS if self.last > self.began else BAR_DELAY_SECONDS):
                 say(f"{self.title()}: at work for {now - self.began:.0f} s")
 
 
@@ -89,7 +89,7 @@ class Progress:
         if self.show == "lines":
             self.say(value)
             return
-        if self.bar is None and time.perf_counter() - self.began > DELAY:
+        if self.bar is None and time.perf_counter() - self.began > BAR_DELAY_SECONDS:
             from rich.console import Console
             from rich.progress import Progress as Bar
 
@@ -103,7 +103,7 @@ class Progress:
     def say(self, value: float) -> None:
         """A line with the share that is done, the first one after `DELAY`."""
         now = time.perf_counter() - self.began
-        if now - self.said >= (LINES if self.said else DELAY):
+        if now - self.said >= (LINE_INTERVAL_SECONDS if self.said else BAR_DELAY_SECONDS):
             self.said = now
             share = (value - self.start) / (self.end - self.start) if self.end > self.start else 1.0
             say(f"{self.title}: {100.0 * share:.0f} % after {now:.0f} s")

@@ -9,23 +9,22 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import floats, shown
-from .errors import InputError, explaining
-from .quaternions import _check_nonzero, _stack
+from .checks import floats, numbers, short_repr, vector
+from .errors import InputError, checks_arguments
 
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
-ORIENTATION = "a unit quaternion (e0, e1, e2, e3), a 3x3 rotation matrix or rotation(axis, angle)"
+ORIENTATION_FORMS = "a unit quaternion (e0, e1, e2, e3), a 3x3 rotation matrix or rotation(axis, angle)"
 
 
-UNIT = 1e-15  # what normalising leaves of a length; smaller differences stay, so that doing it twice changes nothing
+NORM_ROUNDING = 1e-15  # [1] of a length after it was normalised; what is closer to 1 is kept, so that doing it twice changes nothing
 
 
-TOLERANCE = 1e-6  # numbers typed with seven digits pass, a forgotten normalisation does not
+NORM_TOLERANCE = 1e-6  # [1] of the length 1: numbers typed with seven digits pass, a forgotten normalisation does not
 
 
-@explaining
+@checks_arguments
 def rotation(axis: str | ArrayLike, angle: ArrayLike, degrees: bool = False) -> np.ndarray:
     """Unit quaternion, body -> world, of a rotation about ``axis``: ``e = (cos(angle/2), sin(angle/2) axis/|axis|)``.
 
@@ -47,19 +46,19 @@ def as_quaternion(orientation: ArrayLike, what: str = "orientation") -> np.ndarr
     the rest is normalised away. ValueError for another shape, a number that is not finite, a length other than 1, or a
     matrix that is not orthonormal or is left-handed.
     """
-    values = floats(orientation, what, ORIENTATION)
+    values = floats(orientation, what, ORIENTATION_FORMS)
     if values.shape == (3, 3):
         _check_rotation(values, what)
         return _largest_column(values)
     if values.shape != (4,):
-        raise InputError(f"{what}: shape {values.shape} is not an orientation; give {ORIENTATION}")
+        raise InputError(f"{what}: shape {values.shape} is not an orientation; give {ORIENTATION_FORMS}")
     norm = math.sqrt(values @ values)
-    if abs(norm - 1.0) > TOLERANCE:
+    if abs(norm - 1.0) > NORM_TOLERANCE:
         raise InputError(
             f"{what}: the quaternion {_text(values)} has norm {norm:.9g} instead of 1; "
             f"divide it by its norm, or give rotation(axis, angle)"
         )
-    return values if abs(norm - 1.0) < UNIT else values / norm
+    return values if abs(norm - 1.0) < NORM_ROUNDING else values / norm
 
 
 def matrix(e: ArrayLike) -> np.ndarray:
@@ -105,7 +104,7 @@ def _unit_axis(axis: str | ArrayLike) -> np.ndarray:
     remedy = "'x', 'y', 'z' or a vector of three numbers"
     if isinstance(axis, str):
         if axis not in AXES:
-            raise InputError(f"rotation: axis is {shown(axis)}; give {remedy}")
+            raise InputError(f"rotation: axis is {short_repr(axis)}; give {remedy}")
         return np.array(AXES[axis])
     vector = floats(axis, "rotation: axis", remedy)
     if vector.shape != (3,):
@@ -120,7 +119,7 @@ def _unit_axis(axis: str | ArrayLike) -> np.ndarray:
 def _check_rotation(R: np.ndarray, what: str) -> None:
     """Refuse a matrix that is not orthonormal, and by name one that is left-handed."""
     error = np.max(np.abs(np.swapaxes(R, -1, -2) @ R - np.eye(3)), initial=0.0)
-    if error > TOLERANCE:
+    if error > NORM_TOLERANCE:
         raise InputError(
             f"{what}: the matrix is not orthonormal, R'R differs from 1 by {error:.3g}; "
             f"its columns must be the body's axes as perpendicular unit vectors"
@@ -151,3 +150,138 @@ def _largest_column(R: np.ndarray) -> np.ndarray:
 def _text(values: np.ndarray) -> str:
     """Numbers as a user would type them."""
     return np.array2string(values, separator=", ", precision=9).replace("\n", "")
+
+
+def multiply(p: ArrayLike, q: ArrayLike) -> np.ndarray:
+    """p q (..., 4), first q, then p: ``matrix(multiply(p, q)) = matrix(p) matrix(q)``.
+
+    ``p q = (p0 q0 - p_v'q_v, p0 q_v + q0 p_v + p_v x q_v)``
+    """
+    p, q = _stack(p, 4, "quaternion"), _stack(q, 4, "quaternion")
+    p0, p_v, q0, q_v = p[..., :1], p[..., 1:], q[..., :1], q[..., 1:]
+    scalar = p0 * q0 - np.sum(p_v * q_v, axis=-1, keepdims=True)
+    (p1, p2, p3), (q1, q2, q3) = ((x[..., 1], x[..., 2], x[..., 3]) for x in (p, q))
+    across = np.stack([p2 * q3 - p3 * q2, p3 * q1 - p1 * q3, p1 * q2 - p2 * q1], axis=-1)  # faster than np.cross
+    return np.concatenate([scalar, p0 * q_v + q0 * p_v + across], axis=-1)
+
+
+def conjugate(e: ArrayLike) -> np.ndarray:
+    """Conjugate ``(e0, -e_v)`` (..., 4): the inverse rotation, world -> body."""
+    return _stack(e, 4, "quaternion") * np.array([1.0, -1.0, -1.0, -1.0])
+
+
+def exponential(theta: ArrayLike) -> np.ndarray:
+    """Unit quaternion (..., 4) of a rotation vector [rad]: ``e = (cos(|theta|/2), sin(|theta|/2) theta/|theta|)``.
+
+    Exact for the smallest angles and for zero.
+    """
+    theta = _stack(theta, 3, "rotation vector")
+    half = 0.5 * np.linalg.norm(theta, axis=-1, keepdims=True)
+    # numpy's sinc(x) is sin(pi x)/(pi x), and 1 at x = 0
+    return np.concatenate([np.cos(half), 0.5 * np.sinc(half / np.pi) * theta], axis=-1)
+
+
+def logarithm(e: ArrayLike) -> np.ndarray:
+    """Shortest rotation vector (..., 3) [rad] of a quaternion of any length: the inverse of `exponential`.
+
+    ``theta = 2 atan2(|e_v|, e0) e_v/|e_v|`` with the sign of e chosen such that e0 >= 0; zero is a ValueError.
+    """
+    e = _stack(e, 4, "quaternion")
+    _check_nonzero(np.sum(e * e, axis=-1))
+    e = np.where(e[..., :1] < 0.0, -e, e)
+    scalar, vector = e[..., :1], e[..., 1:]
+    norm = np.linalg.norm(vector, axis=-1, keepdims=True)
+    # below the smallest normal number the norm is rounded to zero; there atan2(n, e0)/n is 1/e0
+    small = norm < np.finfo(float).tiny
+    factor = np.where(small, 1.0 / np.where(small, scalar, 1.0), np.arctan2(norm, scalar) / np.where(small, 1.0, norm))
+    return 2.0 * factor * vector
+
+
+def H(e: ArrayLike) -> np.ndarray:
+    """H (..., 4, 3) of ``e_dot = H(e) omega / 2`` with omega in world axes: ``H = [-e_v' ; e0 1 - [e_v]x]``.
+
+    Linear in e, so ``H_dot = H(e_dot)``; ``H'H = 1`` for unit quaternions.
+    """
+    e = _stack(e, 4, "quaternion")
+    lower = e[..., :1, None] * np.eye(3) - skew(e[..., 1:])
+    return np.concatenate([-e[..., None, 1:], lower], axis=-2)
+
+
+def skew(a: ArrayLike) -> np.ndarray:
+    """``[a]x`` (..., 3, 3), the matrix of the cross product: ``skew(a) b = a x b``."""
+    a = _stack(a, 3, "vector")
+    x, y, z = a[..., 0], a[..., 1], a[..., 2]
+    out = np.zeros((*a.shape, 3))
+    out[..., 0, 1], out[..., 0, 2], out[..., 1, 2] = -z, y, -x
+    out[..., 1, 0], out[..., 2, 0], out[..., 2, 1] = z, -y, x
+    return out
+
+
+def _check_nonzero(square: float | np.ndarray) -> None:
+    """Refuse quaternions whose squares are zero or not finite."""
+    if not np.all((square > 0.0) & (square < np.inf)):
+        raise InputError("quaternion: one is zero or not finite, not an orientation; give unit quaternions")
+
+
+def _stack(values: ArrayLike, length: int, what: str) -> np.ndarray:
+    """Float array whose last dimension has the given length."""
+    array = numbers(values, what)
+    if array.ndim == 0 or array.shape[-1] != length:
+        raise InputError(f"{what}: shape {array.shape} is wrong; give (..., {length})")
+    return array
+
+
+WORLD_AXES = np.eye(3)
+PERPENDICULAR_TOLERANCE = 1e-6  # [1] cosine of an angle that is meant to be right
+
+
+def unit(value: ArrayLike, what: str) -> np.ndarray:
+    """A (3,) unit vector along ``value``, which is kept if it is one; zero length is a ValueError."""
+    axis = vector(value, what)
+    length = math.sqrt(axis @ axis)
+    if length < 1e-12:
+        raise InputError(f"{what} has zero length; give a direction")
+    if abs(length - 1.0) < NORM_ROUNDING:
+        return axis
+    axis = axis / length
+    axis.setflags(write=False)
+    return axis
+
+
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """a x b of two (3,) vectors; np.cross spends twenty times as long on finding out that they are."""
+    (x, y, z), (u, v, w) = a.tolist(), b.tolist()
+    return np.array([y * w - z * v, z * u - x * w, x * v - y * u])
+
+
+def crosses(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """a x b of stacks (..., 3)."""
+    out = np.empty(np.broadcast_shapes(a.shape, b.shape))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        out[..., i] = a[..., j] * b[..., k] - a[..., k] * b[..., j]
+    return out
+
+
+def make_perpendicular(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """The unit vector y, made perpendicular to x where it is so to 1e-6, as typed digits are; y itself elsewhere."""
+    off = float(x @ y)
+    if not NORM_ROUNDING < abs(off) <= PERPENDICULAR_TOLERANCE:
+        return y
+    y = y - off * x
+    return y / np.sqrt(y @ y)
+
+
+def perpendiculars(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """x, y with (x, y, axis) right-handed and orthonormal; axis is a unit vector."""
+    size = [abs(a) for a in axis.tolist()]
+    x = cross(axis, WORLD_AXES[size.index(min(size))])
+    x /= np.sqrt(x @ x)
+    return x, cross(axis, x)
+
+
+def matched_perpendiculars(axis: np.ndarray, axis_b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Perpendiculars of axis_b nearest to those of axis."""
+    x, _ = perpendiculars(axis)
+    x_b = x - axis_b * (x @ axis_b)
+    x_b /= np.sqrt(x_b @ x_b)
+    return x_b, cross(axis_b, x_b)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FONT = "DejaVu Sans"  # comes with matplotlib, so it is the same on every machine
-LINE, THIN = 1.5, 0.6  # [pt] of data, and of grid and frame
+LINE_WIDTH_POINTS, GRID_WIDTH_POINTS = 1.5, 0.6  # [pt] of data, and of grid and frame
 
 
 @dataclass(frozen=True)
@@ -61,11 +61,14 @@ DARK = Theme(
     bad="#5c3016",
 )
 COLOURS, GREY = LIGHT.lines, LIGHT.muted
-MARK, INNER = "#6b6b6b", "#e0e0e0"  # of joints: seen on white and on dark paper; of centres of mass: seen inside bodies
-CELLS = {"light": (190, 150), "dark": (52, 84)}  # grey of the lines of a ground grid in space, thin and thick ones
-SHADED = 0.72  # brightness of the darker sectors of round bodies, by which one sees them turn
-RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-PALE, FADED = "#bebebe", 0.55  # grey that uncertain and auxiliary things are mixed with, and its share
+JOINT_COLOUR, COM_COLOUR = (
+    "#6b6b6b",
+    "#e0e0e0",
+)  # of joints: seen on white and on dark paper; of centres of mass: seen inside bodies
+GROUND_GRID_GREYS = {"light": (190, 150), "dark": (52, 84)}  # [0 to 255] of thin and thick lines
+SECTOR_BRIGHTNESS = 0.72  # [1] of the darker sectors of round bodies, by which one sees them turn
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+MUTED_COLOUR, MUTED_SHARE = "#bebebe", 0.55  # grey that uncertain and auxiliary things are mixed with, and its share
 
 
 def theme(dark: bool) -> Theme:
@@ -90,9 +93,14 @@ def rgb(colour: str, brightness: float = 1.0) -> tuple[int, int, int]:
     return red, green, blue
 
 
-def paler(colour: str) -> str:
+def muted_colour(colour: str) -> str:
     """The paler colour of uncertain or auxiliary things."""
-    return "#" + bytes(np.rint((1.0 - FADED) * channels(colour) + FADED * channels(PALE)).astype(np.uint8)).hex()
+    return (
+        "#"
+        + bytes(
+            np.rint((1.0 - MUTED_SHARE) * channels(colour) + MUTED_SHARE * channels(MUTED_COLOUR)).astype(np.uint8)
+        ).hex()
+    )
 
 
 def linear(shares: np.ndarray) -> np.ndarray:
@@ -102,7 +110,7 @@ def linear(shares: np.ndarray) -> np.ndarray:
 
 
 @contextmanager
-def house(look: Theme = LIGHT) -> Iterator[None]:
+def figure_style(look: Theme = LIGHT) -> Iterator[None]:
     """Make figures within it from matplotlib's defaults and the house style, whatever is set outside."""
     from matplotlib import style
 
@@ -121,7 +129,7 @@ def house(look: Theme = LIGHT) -> Iterator[None]:
         yield
 
 
-def dress(axes: "Axes", look: Theme = LIGHT) -> None:
+def style_axes(axes: "Axes", look: Theme = LIGHT) -> None:
     """Colours of axes, a light grid below the data and no frame at the top and the right."""
     axes.set_facecolor(look.paper)
     axes.title.set_color(look.ink)
@@ -130,15 +138,15 @@ def dress(axes: "Axes", look: Theme = LIGHT) -> None:
     for axis in (axes.xaxis, axes.yaxis):
         axis.label.set_color(look.ink)
         axis.get_offset_text().set_color(look.ink)
-    axes.grid(True, color=look.grid, linewidth=THIN)
+    axes.grid(True, color=look.grid, linewidth=GRID_WIDTH_POINTS)
     axes.set_axisbelow(True)
     axes.spines[:].set_color(look.ink)
     axes.spines[["top", "right"]].set_visible(False)
 
 
-def raised(text: str) -> str:
+def with_superscripts(text: str) -> str:
     """``m/s²`` for ``m/s^2``, where text is set for reading."""
-    return re.sub(r"\^(-?\d+)", lambda power: power[1].translate(RAISED), text)
+    return re.sub(r"\^(-?\d+)", lambda power: power[1].translate(SUPERSCRIPTS), text)
 
 
 def counted(number: int, word: str) -> str:
@@ -182,7 +190,7 @@ def new_figure(width: float, height: float, dark: bool = False) -> Iterator[tupl
     from matplotlib.figure import Figure  # takes half a second to load: only who draws waits for it
 
     look = theme(dark)
-    with house(look):
+    with figure_style(look):
         yield Figure(figsize=(width, height), layout="constrained"), look
 
 

@@ -9,7 +9,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
 from .paths import package_version, with_suffix, write_atomically
 from .style import DARK, LIGHT
 
-FOLDER = Path(__file__).parent.parent / "templates"
+TEMPLATE_FOLDER = Path(__file__).parent.parent / "templates"
 
 
 class HtmlPage:
@@ -33,7 +33,7 @@ def page_template(name: str, *folders: Path) -> Template:
 
     It knows the themes ``light`` and ``dark`` and the ``version`` of this package.
     """
-    loader = FileSystemLoader([*folders, FOLDER])
+    loader = FileSystemLoader([*folders, TEMPLATE_FOLDER])
     found = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     found.globals |= {"light": LIGHT, "dark": DARK, "version": package_version()}
     return found.get_template(name)

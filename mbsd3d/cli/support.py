@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..base.errors import CONTROL
+from ..base.errors import CONTROL_CHARACTERS
 from ..base.progress import Heartbeat
 from ..base.version import load_entry
 from .interruption import INTERRUPT_MESSAGE, INTERRUPTED, answered_at_once, end_now
@@ -38,7 +38,7 @@ class Failure(click.ClickException):
 
     def show(self, file: Any = None) -> None:
         """Print one line; a "?" replaces each control character that a file or a path may bring in."""
-        line = CONTROL.sub("?", " ".join(self.message.split()))
+        line = CONTROL_CHARACTERS.sub("?", " ".join(self.message.split()))
         click.echo(f"mbsd3d: {line}", err=True)
 
 

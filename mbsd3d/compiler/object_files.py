@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from ..base.errors import InputError
-from ..base.paths import in_its_place
+from ..base.paths import atomic_write
 from .cache_folder import conditions, make_private, weak_folders, weakness
 from .late import LATE, Late
 from .numba_private import (
@@ -155,7 +155,7 @@ class CodeFiles(NullCache):
         try:
             make_private(*self.folders)
             if self.trusted():
-                with in_its_place(path) as part, open(part, "xb", opener=for_this_user) as file:
+                with atomic_write(path) as part, open(part, "xb", opener=for_this_user) as file:
                     file.write(content)
         except (OSError, InputError) as error:
             reason = getattr(error.__cause__ or error, "strerror", None) or error

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..base.checks import number, shown
+from ..base.checks import number, short_repr
 from ..base.concurrency import on_one_thread
 from ..base.errors import AssemblyError, InputError
 from ..equations.at_state import coordinate_row, driven_coordinates, load_state, worst_joint
@@ -15,13 +15,13 @@ from ..mechanism.bodies import Body
 from ..mechanism.couplings import GearMesh
 from ..mechanism.joints import coordinate_of
 from ..mechanism.joints.pairs import Cylindrical
-from ..mechanism.measures import OF_POSES, Measure, check_members
+from ..mechanism.measures import POSE_MEASURES, Measure, check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .conflicting_drivers import find_contradiction, rivals
+from .elimination import loop_weights
 from .poses.closing import Found, ambiguities, close_pose
 from .poses.pose_equations import CLOSED_GAP_MAX, displacements, gap_size, newton
-from .spanning_tree import loop_weights
 from .velocities import with_velocities
 
 
@@ -92,7 +92,7 @@ def assemble(
     targets = [(i, value) for _, i, value in asked]
     goals = [number(value, f"assemble: {probe.label}") for probe, value in measures.items()]
     if not isinstance(pinned, Sequence) or isinstance(pinned, str):
-        raise InputError(f"assemble: pinned = {shown(pinned)} is not a sequence; give a list of bodies")
+        raise InputError(f"assemble: pinned = {short_repr(pinned)} is not a sequence; give a list of bodies")
     fixed = {compiled.body_index[id(system.part(body))] for body in pinned}
     pose = near or reference_pose(system, t)
     start = State(t, pose.q, pose.v, pose.z, pose.coordinates)
@@ -115,8 +115,8 @@ def probes_of_poses(system: Mechanism, measures: Mapping) -> tuple[Measure, ...]
     """Return the measures asked for, or raise an InputError for one that does not follow from a pose."""
     for probe in measures:
         if not isinstance(probe, Measure):
-            raise InputError(f"assemble: {shown(probe)} is not a measure; build one with mbsd3d.measures")
-        if probe.kind not in OF_POSES:
+            raise InputError(f"assemble: {short_repr(probe)} is not a measure; build one with mbsd3d.measures")
+        if probe.kind not in POSE_MEASURES:
             raise InputError(f"assemble: {probe.label} does not follow from a pose; give speeds as rates=")
         check_members(system, probe, "assemble")
     return tuple(measures)
@@ -149,7 +149,7 @@ def resting_slides(compiled: Compiled, start: State, targets: list[tuple[int, fl
 def mapping(given: Mapping | None, what: str) -> Mapping:
     """Return what is asked for as a dict; None = nothing."""
     if not isinstance(given, Mapping | None):
-        raise InputError(f"assemble: {what} = {shown(given)} is not a mapping; give e.g. {{hinge: 0.3}}")
+        raise InputError(f"assemble: {what} = {short_repr(given)} is not a mapping; give e.g. {{hinge: 0.3}}")
     return given or {}
 
 

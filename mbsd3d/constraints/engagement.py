@@ -16,8 +16,7 @@ from scipy.sparse import csr_array, eye_array
 
 from ..base.concurrency import one_thread
 from ..base.errors import AssemblyError, InputError
-from ..base.quaternions import conjugate, multiply
-from ..base.rotations import matrix
+from ..base.rotations import conjugate, matrix, multiply
 from ..base.style import html_table
 from ..equations.at_state import joint_point, load_state, worst_joint
 from ..equations.compiled import Compiled, compile_system

@@ -16,7 +16,7 @@ from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .assembly import reference_pose
 from .conflicting_drivers import TOLERANCE, find_contradiction
-from .elimination import PIVOT_SHARE_MIN, Core
+from .elimination import PIVOT_SHARE_MIN, Core, loop_weights
 from .idle_rotations import find_idle_rotations
 from .neighbourhood import Beside, neighbourhood
 from .poses.closing import close_pose
@@ -24,7 +24,6 @@ from .poses.pose_equations import gap_size, newton
 from .rank import OPEN_TOLERANCE, Analysis, orthonormal, projector
 from .remedies import Cure, direction_text, find_cures
 from .singularity import singularities
-from .spanning_tree import loop_weights
 
 FIT_TOLERANCE_DEFAULT = 1e-5  # [m] by which parts as built may fail to fit; a usual tolerance of manufacture
 FIT_TOLERANCE_RATIO = 1e-4  # [1] of the model length: the limit of mechanisms smaller than a hand

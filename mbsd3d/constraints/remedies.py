@@ -11,7 +11,7 @@ from itertools import combinations
 import numpy as np
 import scipy.linalg
 
-from ..base.directions import perpendiculars
+from ..base.rotations import perpendiculars
 from ..equations.at_state import load_state
 from ..equations.compiled import Compiled, compile_system
 from ..equations.jacobian import BlockRows, block_rows

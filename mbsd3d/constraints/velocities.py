@@ -9,7 +9,7 @@ import numpy as np
 import scipy.linalg
 from scipy.sparse import csr_array, vstack
 
-from ..base.checks import number, solvable
+from ..base.checks import number, reporting_linalg_errors
 from ..base.concurrency import one_thread
 from ..base.errors import AssemblyError, InputError
 from ..equations.at_state import coordinate_row, load_state
@@ -83,7 +83,7 @@ def with_velocities(
     if near is not None:
         kept = np.repeat((given == near.v).reshape(-1, 3).all(axis=1), 3)
         given, start = np.where(kept, given, np.nan), carried_velocities(compiled, near, pose)
-    with one_thread(), solvable("velocities at the start"):
+    with one_thread(), reporting_linalg_errors("velocities at the start"):
         try:
             v = least_energy(compiled, pose, J[0], b, given, start, asked, tolerance)
         except AssemblyError as error:

@@ -10,7 +10,7 @@ from matplotlib.ticker import NullFormatter
 from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import ArrayLike
 
-from ..base.style import COLOURS, LIGHT, dress, house
+from ..base.style import COLOURS, LIGHT, figure_style, style_axes
 
 GLOBE_VIEW = (25.0, 55.0)  # [deg] elevation and azimuth from which a sphere is seen
 
@@ -20,7 +20,7 @@ def new_figure(title: str, panels: Sequence[str], widths: Sequence[float] | None
     space.
     """
     count = len(panels)
-    with house():
+    with figure_style():
         figure = Figure(figsize=(4.6 * count + 0.4, 4.4), layout="constrained")
         figure.set_layout_engine("constrained", w_pad=0.1, h_pad=0.08, wspace=0.03)
         grid = figure.add_gridspec(1, count, width_ratios=widths or [1.0] * count)
@@ -29,7 +29,7 @@ def new_figure(title: str, panels: Sequence[str], widths: Sequence[float] | None
             in_space = text.startswith("3d:")
             axes.append(figure.add_subplot(grid[0, k], projection="3d" if in_space else None))
             axes[-1].set_title(text.removeprefix("3d:").strip(), fontsize=10.5)
-            (dress_space if in_space else dress)(axes[-1])
+            (dress_space if in_space else style_axes)(axes[-1])
         if title:
             figure.suptitle(title, fontsize=13, fontweight="bold")
     return figure, axes

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import ArrayLike
 
-from ..base.style import COLOURS, GREY, LIGHT, raised
+from ..base.style import COLOURS, GREY, LIGHT, with_superscripts
 from .drawing import (
     GLOBE_VIEW,
     every,
@@ -202,7 +202,7 @@ def figure_of(title: str, panels: Sequence[Panel]) -> Figure:
     )
     for place, panel in zip(axes, panels, strict=True):
         panel.drawn.draw(place, panel.other, panel.ablated)
-        place.set(xlabel=raised(place.get_xlabel()), ylabel=raised(place.get_ylabel()))
+        place.set(xlabel=with_superscripts(place.get_xlabel()), ylabel=with_superscripts(place.get_ylabel()))
     return figure
 
 

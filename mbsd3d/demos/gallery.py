@@ -15,8 +15,8 @@ import numpy as np
 from PIL import Image
 
 from ..base.paths import write_atomically
-from ..base.style import DARK, LIGHT, house, raised
-from ..base.templates import FOLDER, page_template
+from ..base.style import DARK, LIGHT, figure_style, with_superscripts
+from ..base.templates import TEMPLATE_FOLDER, page_template
 from ..report.exhibits import inline_svg
 from ..report.mathml import mathml
 from ..view.page.recorder import client_head
@@ -144,7 +144,7 @@ def player(outcome: Outcome, title: str, path: Path, beside: Outcome | None = No
     quiet: dict[str, Any] = {"curves": (), "hidden": sorted(hidden)}  # the curves stand below
     html = solution.animate(**{**options, **quiet, "title": title}).html
     html = html.replace(client_head(), f'<script src="{VIEWER_FILE}"></script>')
-    script = (FOLDER / "in_step.js").read_text(encoding="utf-8")
+    script = (TEMPLATE_FOLDER / "in_step.js").read_text(encoding="utf-8")
     html = html.replace("</body>", f"<script>\n{script}</script>\n</body>")
     write_atomically(path, html.encode("utf-8"))
     return path.name
@@ -157,7 +157,7 @@ def first_view(outcome: Outcome) -> Show:
 
 def picture(outcome: Outcome, path: Path) -> None:
     """Write a small picture of the mechanism, or of the figure where there is none."""
-    with house():
+    with figure_style():
         if outcome.views:
             solution, options = first_view(outcome)
             known, hidden = picture_options(options)
@@ -194,7 +194,7 @@ def picture_options(options: Mapping[str, object]) -> tuple[dict[str, object], l
 
 def cells(row: Row) -> Sequence[str]:
     """Format a row of the table; a value that the tolerance does not tell from zero is 0."""
-    unit = f" [{raised(row.unit)}]" if row.unit else ""
+    unit = f" [{with_superscripts(row.unit)}]" if row.unit else ""
     numbers = (0.0 if abs(value) < 0.1 * row.tolerance else value for value in (row.computed, row.theory))
     return prose(row.quantity) + unit, *(f"{value:.10g}" for value in numbers), f"{row.error:.1e}"
 
@@ -203,7 +203,7 @@ def prose(text: str) -> str:
     """Replace keyboard characters of a text by typographic ones."""
     for typed, printed in TYPOGRAPHY:
         text = re.sub(typed, printed, text)
-    return raised(text)
+    return with_superscripts(text)
 
 
 def command(demo: Demo) -> str:

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from ..base.checks import number, shown
+from ..base.checks import number, short_repr
 from ..base.errors import InputError, MbsError, similar
 
 OMITTABLE_TERMS = ("gyroscopic", "centripetal", "gamma")  # terms that runs can leave out
@@ -130,7 +130,7 @@ def refusing(demo: str, defaults: Mapping[str, object], values: Mapping[str, obj
         named = text.startswith(f"demo '{demo}'") and any(f"{name} = " in text for name in changed)
         if not changed or (isinstance(error, InputError) and named):
             raise
-        given = f"demo '{demo}' with " + ", ".join(f"{name} = {shown(value)}" for name, value in changed.items())
+        given = f"demo '{demo}' with " + ", ".join(f"{name} = {short_repr(value)}" for name, value in changed.items())
         if isinstance(error, InputError):
             raise InputError(f"{given}: {text.removeprefix(own)}") from error
         why = error if isinstance(error, MbsError) else "its equations have no finite solution"

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.checks import floats, shown
+from ..base.checks import floats, short_repr
 from ..base.errors import InputError
 from ..compiler.first_run import announce_compilation
 from ..kernels import kinds
@@ -48,15 +48,15 @@ class Switches:
     def __post_init__(self) -> None:
         if not isinstance(self.stabilisation, str) or self.stabilisation not in STABILISATIONS:
             names = ", ".join(f"'{name}'" for name in STABILISATIONS)
-            raise InputError(f"stabilisation {shown(self.stabilisation)} is unknown; give one of {names}")
+            raise InputError(f"stabilisation {short_repr(self.stabilisation)} is unknown; give one of {names}")
         remedy = "two factors a [1/s] >= 0 and b [1/s^2] >= 0"
         factors = floats(self.baumgarte, "baumgarte", remedy)
         if factors.shape != (2,) or (factors < 0.0).any():
-            raise InputError(f"baumgarte {shown(self.baumgarte)}: give {remedy}")
+            raise InputError(f"baumgarte {short_repr(self.baumgarte)}: give {remedy}")
         object.__setattr__(self, "baumgarte", tuple(factors.tolist()))
         for name in ("gyroscopic", "centripetal", "gamma"):
             if not isinstance(getattr(self, name), bool | np.bool_):
-                raise InputError(f"{name} = {shown(getattr(self, name))}; give True or False")
+                raise InputError(f"{name} = {short_repr(getattr(self, name))}; give True or False")
 
 
 STABILISATIONS = {"none": kinds.NONE, "baumgarte": kinds.BAUMGARTE, "projection": kinds.PROJECTION}

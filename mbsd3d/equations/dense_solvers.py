@@ -12,8 +12,7 @@ import numpy as np
 import scipy.linalg
 from scipy.sparse import bsr_array, csr_array
 
-from ..base.quaternions import skew
-from ..base.rotations import matrix
+from ..base.rotations import matrix, skew
 from ..dynamics.applied_forces import loads
 from ..kernels.layout import Model
 from ..mechanism.mechanism import Mechanism

@@ -4,8 +4,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..base.directions import cross, matched_perpendiculars, perpendiculars
 from ..base.errors import InputError
+from ..base.rotations import cross, matched_perpendiculars, perpendiculars
 from ..dynamics.applied_forces import number_of_law
 from ..kernels.layout import BODY, COORDINATE, FORCE, MEASURE, SIGNAL, STATE, TERM, table
 from ..mechanism.bodies import GROUND

@@ -1,11 +1,11 @@
 # figures
-from ..base.style import LINE as LINE
-from ..base.style import RAISED as RAISED
-from ..base.style import THIN as THIN
+from ..base.style import LINE_WIDTH_POINTS as LINE_WIDTH_POINTS
+from ..base.style import SUPERSCRIPTS as SUPERSCRIPTS
+from ..base.style import GRID_WIDTH_POINTS as GRID_WIDTH_POINTS
 from ..base.style import Theme as Theme
 from ..base.style import aligned as aligned
-from ..base.style import dress as dress
-from ..base.style import house as house
+from ..base.style import style_axes as style_axes
+from ..base.style import figure_style as figure_style
 from ..base.style import new_figure as new_figure
 from ..base.style import theme as theme
 from ..view.scene.camera import VIEW_AXES as VIEW_AXES
@@ -14,4 +14,4 @@ from ..view.scene.camera import VIEW_AXES as VIEW_AXES
 from ..base.templates import HtmlPage as HtmlPage
 from ..base.templates import page_template as page_template
 from ..report.exhibits import inline_svg as inline_svg
-from ..report.wording import digits as digits
+from ..report.facts import digits as digits

@@ -22,15 +22,21 @@ from ..mechanism.shapes import Shape
 from ..mechanism.signals import Signal
 from .schema import Document, check, place_of, roles, struct, types
 
-FORMAT = 2  # rises when a description or a file of the old form cannot be read any more
-SYSTEM = "mbsd3d system"
-MOST_PARTS = 20_000  # of a file: some seconds
-REFERENCES = MappingProxyType({"body": Body, "joint": Joint, "force": ForceElement})
-CLASSES = MappingProxyType({"signal": Signal, "shape": Shape})
-UNREADABLE = (TypeError, AttributeError, OverflowError, IndexError, KeyError)  # a value no constructor was made for
+MODEL_FORMAT_VERSION = 2  # [1] rises when a description or a file of the old form cannot be read any more
+SYSTEM_KIND = "mbsd3d system"
+PARTS_MAX = 20_000  # [parts] of a file: some seconds
+REFERENCED_CLASSES = MappingProxyType({"body": Body, "joint": Joint, "force": ForceElement})
+NESTED_CLASSES = MappingProxyType({"signal": Signal, "shape": Shape})
+CONSTRUCTOR_ERRORS = (
+    TypeError,
+    AttributeError,
+    OverflowError,
+    IndexError,
+    KeyError,
+)  # a value no constructor was made for
 
 
-def same(first: Any, second: Any) -> bool:
+def identical(first: Any, second: Any) -> bool:
     """Equal to the last bit: types, shapes and bytes of arrays, fields of parts."""
     if first is second:
         return True
@@ -39,13 +45,13 @@ def same(first: Any, second: Any) -> bool:
     if isinstance(first, np.ndarray):
         return first.shape == second.shape and first.dtype == second.dtype and first.tobytes() == second.tobytes()
     if isinstance(first, list | tuple):
-        return len(first) == len(second) and all(map(same, first, second))
+        return len(first) == len(second) and all(map(identical, first, second))
     if type(first).__name__ in types():
-        return all(same(getattr(first, x.name), getattr(second, x.name)) for x in fields(first))
+        return all(identical(getattr(first, x.name), getattr(second, x.name)) for x in fields(first))
     return repr(first) == repr(second) if isinstance(first, float) else first == second
 
 
-def needed(part: Any) -> dict[str, Any]:
+def constructor_arguments(part: Any) -> dict[str, Any]:
     """The fields from which the constructor makes the same part, without those it derives itself."""
     values = {x.name: getattr(part, x.name) for x in fields(part) if x.init and getattr(part, x.name) is not x.default}
     optional = [x.name for x in fields(part) if x.default is not MISSING or x.default_factory is not MISSING]
@@ -53,9 +59,9 @@ def needed(part: Any) -> dict[str, Any]:
         rest = {key: value for key, value in values.items() if key != name}
         try:
             built = type(part)(**rest)
-        except (ValueError, *UNREADABLE):
+        except (ValueError, *CONSTRUCTOR_ERRORS):
             continue
-        if all(same(getattr(built, x.name), getattr(part, x.name)) for x in fields(part) if x.init):
+        if all(identical(getattr(built, x.name), getattr(part, x.name)) for x in fields(part) if x.init):
             values = rest
     return values
 
@@ -97,7 +103,10 @@ class Writer:
                 "mbsd3d can, no functions and no classes of your own"
             )
         role = roles(kind)
-        data = {name: self.value(x, f"{what}: {name}", role.get(name, "")) for name, x in needed(part).items()}
+        data = {
+            name: self.value(x, f"{what}: {name}", role.get(name, ""))
+            for name, x in constructor_arguments(part).items()
+        }
         data = {"type": kind.__name__} | ({"name": data.pop("name")} if "name" in data else {}) | data
         check(data, struct(kind), (), what)
         return data
@@ -129,10 +138,10 @@ class Reader:
         if isinstance(value, float) and not math.isfinite(value):
             raise InputError(f"{value} is not finite - at `{place_of(path)}`; give a finite number")
         if isinstance(value, dict):
-            return self.part(value, path, CLASSES[role]) if role in CLASSES else self.tagged(value, path)
+            return self.part(value, path, NESTED_CLASSES[role]) if role in NESTED_CLASSES else self.tagged(value, path)
         if not (value is None or isinstance(value, bool | int | float | str)):  # TOML knows dates
             raise InputError(f"{value} is not understood - at `{place_of(path)}`; give numbers, texts and lists")
-        if isinstance(value, str) and role in REFERENCES:
+        if isinstance(value, str) and role in REFERENCED_CLASSES:
             return self.referred(role, value, path)
         return value
 
@@ -141,7 +150,7 @@ class Reader:
         if "type" in value:
             return self.part(value, path)
         key, inner = next(iter(value.items())) if len(value) == 1 else ("", None)
-        if key in REFERENCES and isinstance(inner, str):
+        if key in REFERENCED_CLASSES and isinstance(inner, str):
             return self.referred(key, inner, path)
         if key == "map" and isinstance(inner, dict):
             return {name: self.value(item, (*path, key, name)) for name, item in inner.items()}
@@ -162,7 +171,7 @@ class Reader:
         if (kind, name) not in self.made:
             self.made[kind, name] = None
             i, entry = self.places[kind][name]
-            self.made[kind, name] = self.part(entry, (f"{kind}s", i), REFERENCES[kind])
+            self.made[kind, name] = self.part(entry, (f"{kind}s", i), REFERENCED_CLASSES[kind])
         if self.made[kind, name] is None:
             raise InputError(f"{kind} '{name}' refers to itself - at `{place_of(path)}`; refer to another {kind}")
         return self.made[kind, name]
@@ -187,7 +196,7 @@ class Reader:
                 if role.get(key) == "array" and x is not None
             }
             return kind(**values | arrays)
-        except (ValueError, *UNREADABLE) as error:
+        except (ValueError, *CONSTRUCTOR_ERRORS) as error:
             raise InputError(f"{error} - at `{place_of(path)}`") from error
 
 
@@ -222,7 +231,7 @@ def describe(system: Mechanism, *, without_functions: bool = False) -> dict[str,
                 entries[-1]["name"] = system.name(part)
     for body in lists["bodies"]:
         del body["type"]
-    head = {"format": SYSTEM, "version": FORMAT} | ({"name": system.title} if system.title else {})
+    head = {"format": SYSTEM_KIND, "version": MODEL_FORMAT_VERSION} | ({"name": system.title} if system.title else {})
     return {**head, "gravity": system.gravity.tolist(), **lists}
 
 
@@ -232,7 +241,7 @@ def read_system(data: Any) -> tuple[Mechanism, Reader]:
     ValueError with the place, e.g. "at `$.bodies[3].mass`", for another format or version, an unknown type or field, a
     reference to a missing part, or values that the constructor of a part refuses.
     """
-    check_format(data, SYSTEM, "system description")
+    check_format(data, SYSTEM_KIND, "system description")
     check(data, Document, (), "system description")
     check_count(data)
     reader = Reader(data)
@@ -244,16 +253,16 @@ def read_system(data: Any) -> tuple[Mechanism, Reader]:
 def check_count(data: Mapping[str, Any]) -> None:
     """Refuse a description that would take minutes to build."""
     count = sum(len(data.get(kind, ())) for kind in ("bodies", "joints", "forces"))
-    if count > MOST_PARTS:
-        raise InputError(f"system description: {count} parts, a file may have {MOST_PARTS}; build it in Python")
+    if count > PARTS_MAX:
+        raise InputError(f"system description: {count} parts, a file may have {PARTS_MAX}; build it in Python")
 
 
 def check_format(data: Any, expected: str, what: str) -> None:
     """Refuse other formats and versions."""
     if not isinstance(data, Mapping) or data.get("format") != expected:
         raise InputError(f'{what}: is no {expected}; its first entry must be format: "{expected}"')
-    if data.get("version") != FORMAT:
+    if data.get("version") != MODEL_FORMAT_VERSION:
         raise InputError(
-            f"{what}: has version {data.get('version')!r} of the format - at `$.version`, this mbsd3d reads {FORMAT}; "
+            f"{what}: has version {data.get('version')!r} of the format - at `$.version`, this mbsd3d reads {MODEL_FORMAT_VERSION}; "
             "use the mbsd3d that wrote it, or make it again with this one"
         )

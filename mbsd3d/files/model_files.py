@@ -19,11 +19,11 @@ from ..base.paths import as_path, read_text, write_atomically
 from ..mechanism.mechanism import Mechanism
 from .description import check_count, describe, read_system
 
-NONE = {"type": "None"}  # TOML has no null
-DEPTH = 32  # levels of a dotted key in TOML; the parser's time grows with the square of it
+TOML_NONE = {"type": "None"}  # TOML has no null
+TOML_NESTING_MAX = 32  # [levels] of a dotted key in TOML; the parser's time grows with the square of it
 # A key with its dots, possessive, so that the time is linear; a quote without end goes to the end of its line.
-KEY = r"""(?>[\w-]++|"(?:[^"\\\n]|\\.)*+"?|'[^'\n]*+'?)"""
-DOTTED = re.compile(rf"{KEY}(?>[ \t]*+\.[ \t]*+{KEY})*+")
+TOML_KEY = r"""(?>[\w-]++|"(?:[^"\\\n]|\\.)*+"?|'[^'\n]*+'?)"""
+TOML_DOTTED_KEY = re.compile(rf"{TOML_KEY}(?>[ \t]*+\.[ \t]*+{TOML_KEY})*+")
 
 
 def to_json(data: dict[str, Any]) -> str:
@@ -50,18 +50,20 @@ def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 def to_toml(data: dict[str, Any]) -> str:
     """TOML with a table per part."""
-    return tomlkit.dumps({key: exchanged(value, None, NONE) for key, value in data.items()})
+    return tomlkit.dumps({key: exchanged(value, None, TOML_NONE) for key, value in data.items()})
 
 
 def from_toml(text: str) -> Any:
     """The data of a TOML text."""
     if '"""' in text or "'''" in text:
         raise InputError("texts of several lines are not used in model files; write each text in one line")
-    for key in DOTTED.finditer(text):
-        if key[0].count(".") > DEPTH:
+    for key in TOML_DOTTED_KEY.finditer(text):
+        if key[0].count(".") > TOML_NESTING_MAX:
             line = text.count("\n", 0, key.start()) + 1
-            raise InputError(f"line {line} has more than {DEPTH} dots in one name; a model nests a few levels only")
-    return exchanged(tomllib.loads(text), NONE, None)
+            raise InputError(
+                f"line {line} has more than {TOML_NESTING_MAX} dots in one name; a model nests a few levels only"
+            )
+    return exchanged(tomllib.loads(text), TOML_NONE, None)
 
 
 def exchanged(value: Any, old: Any, new: Any) -> Any:
@@ -81,7 +83,7 @@ class Form(NamedTuple):
     limit: int
 
 
-FORMS = {
+FILE_FORMATS = {
     ".json": Form(to_json, partial(json.loads, object_pairs_hook=unique), 16_000_000),
     ".toml": Form(to_toml, from_toml, 1_000_000),
 }
@@ -89,9 +91,9 @@ FORMS = {
 
 def form_of(path: Path) -> Form:
     """Form of a file by its suffix."""
-    if path.suffix.lower() not in FORMS:
+    if path.suffix.lower() not in FILE_FORMATS:
         raise InputError(f"'{path}': a model file ends in {' or '.join(FORMS)}; give such a name")
-    return FORMS[path.suffix.lower()]
+    return FILE_FORMATS[path.suffix.lower()]
 
 
 def write_model(system: Mechanism, path: str | Path, *, replace: bool) -> Path:
@@ -107,7 +109,7 @@ def write_model(system: Mechanism, path: str | Path, *, replace: bool) -> Path:
         raise InputError(f"'{path}': {text[error.start]!r} in a name cannot be written; rename the part") from error
     if len(content) > form.limit:
         raise InputError(f"'{path}': the model has {len(content)} bytes, {form.limit} can be read; shorten its tables")
-    with named(path):
+    with naming_file(path):
         again = form.read(text)
     if again != data:
         raise InputError(f"'{path}': {path.suffix} cannot hold this model without loss; use the other format")
@@ -115,7 +117,7 @@ def write_model(system: Mechanism, path: str | Path, *, replace: bool) -> Path:
 
 
 @contextmanager
-def named(path: Path) -> Iterator[None]:
+def naming_file(path: Path) -> Iterator[None]:
     """Errors inside name the file."""
     try:
         yield
@@ -130,5 +132,5 @@ def read_model(path: str | Path) -> Mechanism:
     path = as_path(path, "model.json")
     form = form_of(path)
     text = read_text(path, form.limit)
-    with named(path):
+    with naming_file(path):
         return read_system(form.read(text))[0]

@@ -17,7 +17,7 @@ import numpy as np
 
 from .. import integrators, mechanism
 from ..base.errors import InputError
-from ..base.fields import VECTOR, kind_of
+from ..base.fields import FILE_VECTOR, kind_of
 from ..equations.compiled import Switches
 from ..integrators.method import Method
 from ..mechanism.bodies import Body, Ground
@@ -30,15 +30,15 @@ from ..mechanism.signals import Signal
 from ..mechanism.state import State
 from ..results.record import Record, RunOptions
 
-BASES: tuple[type, ...] = (Joint, ForceElement, Signal, Shape, Method)
-ROLES: tuple[tuple[str, Any], ...] = (
+TAGGED_CLASSES: tuple[type, ...] = (Joint, ForceElement, Signal, Shape, Method)
+ROLE_TYPES: tuple[tuple[str, Any], ...] = (
     ("body", Body | Ground),
     ("joint", Joint),
     ("signal", Signal),
     ("shape", Shape),
     ("array", np.ndarray),
 )
-PLAIN = (float, int, str, bool, NoneType)
+PLAIN_TYPES = (float, int, str, bool, NoneType)
 
 
 @cache
@@ -47,7 +47,7 @@ def types() -> Mapping[str, type]:
     for package in (mechanism, integrators):  # so that all classes are known
         for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
             import_module(module.name)
-    found: dict[str, type] = {kind.__name__: kind for base in BASES for kind in below(base) if not below(kind)}
+    found: dict[str, type] = {kind.__name__: kind for base in TAGGED_CLASSES for kind in below(base) if not below(kind)}
     others: tuple[type, ...] = (Body, Measure, Condition, Coordinate, State, Switches, RunOptions, Record)
     return MappingProxyType(found | {kind.__name__: kind for kind in others})
 
@@ -76,7 +76,7 @@ def roles(kind: Any) -> Mapping[str, str]:
             found |= {field.name: stored.role} if stored.role else {}
             continue
         classes = [x for x in members(field.type) if isinstance(x, type)]
-        for role, base in ROLES:
+        for role, base in ROLE_TYPES:
             if any(issubclass(x, base) for x in classes):
                 found[field.name] = role
     return MappingProxyType(found)
@@ -86,7 +86,7 @@ def json_type(annotation: Any) -> Any:
     """The type of the JSON value for an annotation."""
     if stored := kind_of(annotation):
         return stored.file_type
-    if annotation in PLAIN:
+    if annotation in PLAIN_TYPES:
         return annotation
     origin = typing.get_origin(annotation)
     if origin in (UnionType, typing.Union):
@@ -129,7 +129,7 @@ class Document(msgspec.Struct, forbid_unknown_fields=True):
 
     format: str
     version: int
-    gravity: VECTOR
+    gravity: FILE_VECTOR
     bodies: list[dict[str, Any]]
     joints: list[dict[str, Any]] = []
     forces: list[dict[str, Any]] = []

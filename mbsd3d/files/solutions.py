@@ -16,13 +16,13 @@ from ..equations.compiled import Compiled, compile_system, with_history
 from ..mechanism.state import State
 from ..results.record import Record, RunOptions
 from ..results.result import RunResult
-from .description import FORMAT, Writer, check_format, describe, read_system
+from .description import MODEL_FORMAT_VERSION, Writer, check_format, describe, read_system
 
-SOLUTION = "mbsd3d solution"
-OPTIONS = ("method", "rtol", "switches")  # of `RunOptions`, which a file keeps
-DERIVED = ("q", "z")  # slices of the array "state"
-ARRAYS = ("t", "state", "v", "acceleration", "lam", "coordinate", "potential", "power", "residual")
-BROKEN = (
+SOLUTION_KIND = "mbsd3d solution"
+STORED_OPTIONS = ("method", "rtol", "switches")  # of `RunOptions`, which a file keeps
+STATE_SLICES = ("q", "z")  # slices of the array "state"
+STORED_ARRAYS = ("t", "state", "v", "acceleration", "lam", "coordinate", "potential", "power", "residual")
+DAMAGED_FILE_ERRORS = (
     OSError, ValueError, KeyError, TypeError, EOFError, MemoryError, NotImplementedError, RecursionError,
     zipfile.BadZipFile, zlib.error,
 )  # fmt: skip
@@ -38,8 +38,8 @@ def save(solution: RunResult, path: str | Path) -> Path:
         for x in (solution.start, solution.final)
     )
     document = {
-        "format": SOLUTION,
-        "version": FORMAT,
+        "format": SOLUTION_KIND,
+        "version": MODEL_FORMAT_VERSION,
         "written_by": package_version(),
         "system": describe(system, without_functions=True),
         "record": record_entry(write, record),
@@ -47,7 +47,7 @@ def save(solution: RunResult, path: str | Path) -> Path:
         "final": write.part(final, "final state"),
         "estimate": {"error": error, "order": order, "doubling": doubling},
     }
-    arrays = {name: np.asarray(array, float) for name, array in solution.arrays.items() if name not in DERIVED}
+    arrays = {name: np.asarray(array, float) for name, array in solution.arrays.items() if name not in STATE_SLICES}
     arrays["coordinate"] = arrays["coordinate"][:, :count]
     text = np.frombuffer(json.dumps(document, allow_nan=False).encode(), np.uint8)
     buffer = io.BytesIO()
@@ -59,7 +59,7 @@ def record_entry(write: Writer, record: Record) -> dict[str, Any]:
     """Return the JSON object of a record; method, tolerance and switches stand beside the statistics of the run."""
     own = write.part(replace(record, options=RunOptions()), "record")
     del own["options"]
-    options = {name: write.value(getattr(record.options, name), f"record: {name}") for name in OPTIONS}
+    options = {name: write.value(getattr(record.options, name), f"record: {name}") for name in STORED_OPTIONS}
     return {"type": own.pop("type")} | options | ({"kinematic": True} if record.kinematic else {}) | own
 
 
@@ -67,8 +67,8 @@ def nested_options(entry: Any) -> Any:
     """Return the JSON object of a record with its options as an object of their own, as `Record` has them."""
     if not isinstance(entry, dict):
         return entry
-    own = {name: value for name, value in entry.items() if name not in (*OPTIONS, "kinematic")}
-    return own | {"options": {"type": "RunOptions"} | {name: entry.get(name) for name in OPTIONS}}
+    own = {name: value for name, value in entry.items() if name not in (*STORED_OPTIONS, "kinematic")}
+    return own | {"options": {"type": "RunOptions"} | {name: entry.get(name) for name in STORED_OPTIONS}}
 
 
 def read_run(path: str | Path) -> RunResult:
@@ -80,7 +80,7 @@ def read_run(path: str | Path) -> RunResult:
     try:
         with source.open("rb") as handle:
             return read_solution(handle)
-    except BROKEN as error:
+    except DAMAGED_FILE_ERRORS as error:
         reason = str(error) or type(error).__name__
         raise InputError(
             f"'{source}' cannot be read as a solution, it is of another kind, truncated or changed ({reason}); "
@@ -97,7 +97,7 @@ def read_solution(handle: Any) -> RunResult:
     with np.load(handle, allow_pickle=False) as stored:
         arrays = {name: stored[name] for name in stored.files}
     document = json.loads(bytes(arrays.pop("json")))
-    check_format(document, SOLUTION, "its text")
+    check_format(document, SOLUTION_KIND, "its text")
     system, reader = read_system(document["system"])
     record = reader.part(nested_options(document["record"]), ("record",), Record)
     final = reader.part(document["final"], ("final",), State)
@@ -122,8 +122,8 @@ def check_entries(handle: Any) -> None:
     with zipfile.ZipFile(handle) as archive:
         entries = archive.infolist()
     names = {entry.filename for entry in entries}
-    if len(names) < len(entries) or not names <= {f"{name}.npy" for name in (*ARRAYS, "json")}:
-        odd = sorted(names - {f"{name}.npy" for name in (*ARRAYS, "json")})[:1] or ["one twice"]
+    if len(names) < len(entries) or not names <= {f"{name}.npy" for name in (*STORED_ARRAYS, "json")}:
+        odd = sorted(names - {f"{name}.npy" for name in (*STORED_ARRAYS, "json")})[:1] or ["one twice"]
         raise InputError(f"it holds '{odd[0]}', which no solution has")
     for entry in entries:
         if entry.compress_type != zipfile.ZIP_STORED:

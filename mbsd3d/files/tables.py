@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
     from xarray import Dataset
 
-FORMULA = ("=", "+", "-", "@", "\t", "\r")  # first characters by which a spreadsheet knows one
+FORMULA_CHARACTERS = ("=", "+", "-", "@", "\t", "\r")  # first characters by which a spreadsheet knows a formula
 
 
 def to_csv(solution: RunResult, path: str | Path) -> Path:
@@ -53,7 +53,7 @@ def wide(solution: RunResult) -> tuple[list[str], list[np.ndarray]]:
 
 def harmless(name: str) -> str:
     """A text that no spreadsheet takes for a formula: names may come from files of other people."""
-    return f"'{name}" if name[:1] in FORMULA else name
+    return f"'{name}" if name[:1] in FORMULA_CHARACTERS else name
 
 
 def to_xarray(solution: RunResult) -> "Dataset":

@@ -6,7 +6,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from ..base.checks import number
-from ..base.errors import Explained
+from ..base.errors import ChecksArguments
 from ..kernels.layout import Data, Model
 
 
@@ -16,7 +16,7 @@ def check_max_step(step: float, method: str) -> None:
         number(step, f"{method}: max_step", positive=True)
 
 
-class ExplainedProtocol(Explained, type(Protocol)):  # type: ignore[misc]  # its name is private
+class ExplainedProtocol(ChecksArguments, type(Protocol)):  # type: ignore[misc]  # its name is private
     """Protocol whose wrong calls are answered by the public names of its methods."""
 
 

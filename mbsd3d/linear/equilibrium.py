@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 
-from ..base.checks import solvable
+from ..base.checks import reporting_linalg_errors
 from ..base.concurrency import on_one_thread
 from ..base.errors import AssemblyError, EquilibriumError, InputError
 from ..base.rotations import matrix
@@ -127,7 +127,7 @@ def check_rest(system: Mechanism) -> None:
             raise InputError(f"equilibrium: the signal of '{system.name(part)}' varies with time; give a constant")
 
 
-@solvable("equilibrium")
+@reporting_linalg_errors("equilibrium")
 @on_one_thread
 def find_equilibrium(system: Mechanism, start: State) -> Equilibrium:
     """Find the equilibrium that the mechanism comes to from a pose; errors as `mbsd3d.System.equilibrium`."""

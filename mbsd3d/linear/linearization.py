@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 import scipy.linalg
 
-from ..base.checks import number, shown, solvable
+from ..base.checks import number, reporting_linalg_errors, short_repr
 from ..base.concurrency import on_one_thread
 from ..base.errors import InputError
 from ..compiler.cache_folder import mark_warm
@@ -120,7 +120,7 @@ class Linearization:
         return self.space.E @ (x * seen)
 
 
-@solvable("linearize")
+@reporting_linalg_errors("linearize")
 @on_one_thread  # small dense algebra: more threads only wait for each other
 def linearize_at(
     system: Mechanism,
@@ -160,10 +160,12 @@ def checked_outputs(system: Mechanism, outputs: Sequence[Measure] | None) -> tup
     if isinstance(outputs, Measure):
         outputs = (outputs,)
     if not isinstance(outputs, Sequence | None) or isinstance(outputs, str):
-        raise InputError(f"linearize: outputs = {shown(outputs)} is not a sequence; give a list of mbsd3d.measures")
+        raise InputError(
+            f"linearize: outputs = {short_repr(outputs)} is not a sequence; give a list of mbsd3d.measures"
+        )
     for x in outputs or ():
         if not isinstance(x, Measure):
-            raise InputError(f"linearize: outputs: {shown(x)} is not a measure; build one with mbsd3d.measures")
+            raise InputError(f"linearize: outputs: {short_repr(x)} is not a measure; build one with mbsd3d.measures")
         check_members(system, x, "linearize: outputs")
     return tuple(outputs or ())
 

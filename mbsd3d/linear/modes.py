@@ -6,7 +6,7 @@ from typing import Self
 
 import numpy as np
 
-from ..base.checks import number, shown, whole
+from ..base.checks import number, short_repr, whole
 from ..base.concurrency import on_one_thread
 from ..base.errors import AssemblyError, InputError
 from ..constraints.poses.pose_equations import closed
@@ -160,7 +160,7 @@ class ModalAnalysis(Linearization):
         """Return mode number k, counted from zero."""
         if not isinstance(k, int | np.integer) or not -len(self.modes) <= k < len(self.modes):
             raise InputError(
-                f"linearization.mode: {shown(k)} is not one of the {len(self.modes)} modes 0 ... {len(self.modes) - 1}"
+                f"linearization.mode: {short_repr(k)} is not one of the {len(self.modes)} modes 0 ... {len(self.modes) - 1}"
             )
         return self.modes[k]
 

@@ -16,8 +16,7 @@ import numpy as np
 import scipy.linalg
 
 from ..base.errors import InputError
-from ..base.quaternions import exponential, multiply, skew
-from ..base.rotations import matrix
+from ..base.rotations import exponential, matrix, multiply, skew
 from ..equations.at_state import worst_joint
 from ..equations.jacobian import displacement_units
 from ..kernels import kinds

@@ -18,8 +18,7 @@ import numpy as np
 import scipy.linalg
 
 from ..base.errors import AssemblyError, InputError
-from ..base.quaternions import H, skew
-from ..base.rotations import matrix
+from ..base.rotations import H, matrix, skew
 from ..constraints.rank import choose_rows
 from ..dynamics.state_rates import accelerate
 from ..equations.at_state import load_rows, load_state, worst_joint

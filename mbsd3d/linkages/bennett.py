@@ -5,14 +5,14 @@ from numpy.typing import ArrayLike
 
 from ..api.system import System
 from ..base.checks import number
-from ..base.errors import InputError, explaining
+from ..base.errors import InputError, checks_arguments
 from .dh import built
 from .links import Links
 
 PROPORTION_TOLERANCE = 1e-9  # [1] relative misfit of Bennett's condition that rounding of typed parameters may leave
 
 
-@explaining
+@checks_arguments
 def bennett(
     a: float, alpha: float, b: float, beta: float, angle: float, *, links: Links = None,
     position: ArrayLike = (0, 0, 0), orientation: ArrayLike = (1, 0, 0, 0), gravity: ArrayLike = (0, 0, -9.81),
@@ -46,7 +46,7 @@ def bennett(
     return built("bennett", numbers, angles, links, position, orientation, gravity)
 
 
-@explaining
+@checks_arguments
 def goldberg(
     a: float, alpha: float, b: float, beta: float, c: float, gamma: float, angle: float, *, links: Links = None,
     position: ArrayLike = (0, 0, 0), orientation: ArrayLike = (1, 0, 0, 0), gravity: ArrayLike = (0, 0, -9.81),
@@ -79,7 +79,7 @@ def goldberg(
     return built("goldberg", np.c_[numbers, np.zeros(5)], angles, links, position, orientation, gravity)
 
 
-@explaining
+@checks_arguments
 def myard(
     a: float, alpha: float, b: float, angle: float, *, links: Links = None, position: ArrayLike = (0, 0, 0),
     orientation: ArrayLike = (1, 0, 0, 0), gravity: ArrayLike = (0, 0, -9.81),

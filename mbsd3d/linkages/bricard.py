@@ -5,14 +5,14 @@ from numpy.typing import ArrayLike
 
 from ..api.system import System
 from ..base.checks import number, sequence
-from ..base.errors import InputError, explaining
+from ..base.errors import InputError, checks_arguments
 from .dh import built, closed_angles, table
 from .links import Links
 
 RIGHT_ANGLE = 0.5 * np.pi
 
 
-@explaining
+@checks_arguments
 def bricard_line(
     lengths: ArrayLike, twists: ArrayLike, offsets: ArrayLike, angle: float, *,
     near: ArrayLike | None = None, links: Links = None, position: ArrayLike = (0, 0, 0),
@@ -46,7 +46,7 @@ def bricard_line(
     return built("bricard_line", numbers, angles, links, position, orientation, gravity)
 
 
-@explaining
+@checks_arguments
 def bricard_plane(
     lengths: ArrayLike, twists: ArrayLike, offsets: ArrayLike, angle: float, *,
     near: ArrayLike | None = None, links: Links = None, position: ArrayLike = (0, 0, 0),
@@ -85,7 +85,7 @@ def bricard_plane(
     return built("bricard_plane", numbers, angles, links, position, orientation, gravity)
 
 
-@explaining
+@checks_arguments
 def bricard(
     length: float, angle: float, *, links: Links = None, position: ArrayLike = (0, 0, 0),
     orientation: ArrayLike = (1, 0, 0, 0), gravity: ArrayLike = (0, 0, -9.81),
@@ -119,7 +119,7 @@ def bricard(
     return built("bricard", numbers, np.array([angle, phi] * 3), links, position, orientation, gravity)
 
 
-@explaining
+@checks_arguments
 def schatz(
     length: float, angle: float, *, offset: float = 0.0, links: Links = None, position: ArrayLike = (0, 0, 0),
     orientation: ArrayLike = (1, 0, 0, 0), gravity: ArrayLike = (0, 0, -9.81),

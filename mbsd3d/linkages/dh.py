@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from ..api.system import System
 from ..base.checks import sequence
-from ..base.errors import InputError, explaining
+from ..base.errors import InputError, checks_arguments
 from ..mechanism.bodies import GROUND, Body, Ground
 from ..mechanism.joints.pairs import Revolute
 from .links import Links, base_frame, link_body
@@ -18,7 +18,7 @@ START_COUNTS = {2: 8, 3: 5}  # [1] of each free angle in the search for a closed
 NEWTON_ITERATIONS_MAX = 30  # [1] of Newton; it doubles its digits in each where it converges at all
 
 
-@explaining
+@checks_arguments
 def hinge_loop(
     lengths: ArrayLike, twists: ArrayLike, offsets: ArrayLike, angles: ArrayLike, *,
     links: Links = None, position: ArrayLike = (0, 0, 0), orientation: ArrayLike = (1, 0, 0, 0),

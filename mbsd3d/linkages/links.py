@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import listed, shown, vector
+from ..base.checks import as_tuple, short_repr, vector
 from ..base.errors import InputError
 from ..base.inertia import cylinder
 from ..base.mass_properties import MassProperties
@@ -40,9 +40,9 @@ def link_body(
     """Return link k at its frame (4, 4); `line` leads from its far to its near hinge, in the axes that `axes` turns
     from.
     """
-    given = () if links is None else listed(links, f"{what}: links", "a list of inertia.MassProperties")
+    given = () if links is None else as_tuple(links, f"{what}: links", "a list of inertia.MassProperties")
     if not all(isinstance(link, MassProperties) for link in given):
-        raise InputError(f"{what}: links {shown(links)}; give a list of inertia.MassProperties")
+        raise InputError(f"{what}: links {short_repr(links)}; give a list of inertia.MassProperties")
     if links is not None and len(given) != count:
         raise InputError(f"{what}: {len(given)} links given; it has {count} that move, the ground is the last one")
     own = bar(axes.T @ line, radius) if links is None else given[k - 1]

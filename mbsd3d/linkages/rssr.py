@@ -4,15 +4,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..api.system import System
-from ..base.checks import check_choice, number, sequence, shown
-from ..base.errors import InputError, explaining
+from ..base.checks import check_choice, number, sequence, short_repr
+from ..base.errors import InputError, checks_arguments
 from ..mechanism.bodies import GROUND
 from ..mechanism.joints.pairs import Revolute, Spherical, Universal
 from .dh import step
 from .links import Links, base_frame, link_body
 
 
-@explaining
+@checks_arguments
 def rssr(
     crank: float, rod: float, rocker: float, distance: float, twist: float, angle: float, *,
     offsets: ArrayLike = (0, 0), branch: int = 1, spin: bool = False, links: Links = None,
@@ -58,7 +58,7 @@ def rssr(
     check_choice(branch, (1, -1), "rssr: branch")
     check_choice(spin, (True, False), "rssr: spin")
     if len(offset) != 2:
-        raise InputError(f"rssr: offsets {shown(offset)}; give two")
+        raise InputError(f"rssr: offsets {short_repr(offset)}; give two")
     shaft = step(0.0, number(distance, "rssr: distance"), number(twist, "rssr: twist"), 0.0)
     hub = np.array([0.0, 0.0, offset[0]])
     pin = hub + crank * np.array([np.cos(angle), np.sin(angle), 0.0])

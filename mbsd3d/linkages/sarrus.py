@@ -5,7 +5,7 @@ from numpy.typing import ArrayLike
 
 from ..api.system import System
 from ..base.checks import number, sequence
-from ..base.errors import InputError, explaining
+from ..base.errors import InputError, checks_arguments
 from ..mechanism.bodies import GROUND, Body, Ground
 from ..mechanism.joints.pairs import Revolute
 from .links import Links, base_frame, link_body
@@ -14,7 +14,7 @@ STRAIGHT_LEG_ANGLE = 1e-6  # [rad] a leg whose links lie on one line within this
 Z = np.array([0.0, 0.0, 1.0])
 
 
-@explaining
+@checks_arguments
 def sarrus(
     first: ArrayLike, second: ArrayLike, between: float, angle: float, *, reach: float = 0.0,
     links: Links = None, position: ArrayLike = (0, 0, 0), orientation: ArrayLike = (1, 0, 0, 0),

@@ -7,8 +7,8 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import check_name, shown, vector
-from ..base.errors import InputError, explaining_methods
+from ..base.checks import check_name, short_repr, vector
+from ..base.errors import InputError, checks_method_arguments
 from ..base.fields import Checked, Frozen, Inertia, Number, Orientation, Vector, VectorOrNone, kept, part_class
 from ..base.rotations import matrix
 from .shapes.homogeneous import ShapeOfBody
@@ -41,7 +41,7 @@ class Ground:
 GROUND = Ground()
 
 
-@explaining_methods
+@checks_method_arguments
 @part_class(repr=False)
 class Body(Frozen):
     """A rigid body at the reference pose.
@@ -140,17 +140,17 @@ class Part(Checked):
 def as_body(value: Any, what: str, part: Any) -> Body:
     """A body."""
     if not isinstance(value, Body):
-        raise InputError(f"{what} = {shown(value)} is not a body; give a Body")
+        raise InputError(f"{what} = {short_repr(value)} is not a body; give a Body")
     return value
 
 
 def as_body_or_ground(value: Any, what: str, part: Any) -> Body | Ground:
     """A body or the ground."""
     if not isinstance(value, (Body, Ground)):
-        raise InputError(f"{what} = {shown(value)} is not a body; give a Body or GROUND")
+        raise InputError(f"{what} = {short_repr(value)} is not a body; give a Body or GROUND")
     return value
 
 
-def called(part: Body | Part) -> str:
+def describe_part(part: Body | Part) -> str:
     """A part by its type and name, for messages."""
     return f"{type(part).__name__} '{part.name}'" if part.name else f"a {type(part).__name__} without a name"

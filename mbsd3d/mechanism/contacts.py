@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import shown, vector
-from ..base.directions import perpendiculars, unit
+from ..base.checks import short_repr, vector
 from ..base.errors import InputError
 from ..base.fields import (
-    VECTOR,
+    FILE_VECTOR,
     Direction,
     DirectionOrDerived,
     Number,
@@ -22,6 +21,7 @@ from ..base.fields import (
     kept,
     part_class,
 )
+from ..base.rotations import perpendiculars, unit
 from ..kernels import kinds
 from .bodies import GROUND, Body, Ground, as_body
 from .joints import Joint, PointJoint
@@ -30,13 +30,13 @@ from .primitives import ZERO, Primitive
 from .rounded import Rounded, circle, rounded
 from .shapes import Shape
 
-ONE_OF = "give the direction it cannot move along, or the one it points"
+NORMAL_REMEDY = "give the direction it cannot move along, or the one it points"
 
 
 def as_lateral(value: Any, what: str, part: Any) -> np.ndarray:
     """The direction that a knife edge cannot move along."""
     if part.heading is not None:
-        raise InputError(f"{part.what()}: both lateral and heading; {ONE_OF}")
+        raise InputError(f"{part.what()}: both lateral and heading; {NORMAL_REMEDY}")
     return unit(value, what)
 
 
@@ -44,7 +44,7 @@ def level_across(part: Any) -> np.ndarray:
     """The level direction across the heading of a knife edge."""
     what = part.what()
     if part.heading is None:
-        raise InputError(f"{what}: neither lateral nor heading; {ONE_OF}")
+        raise InputError(f"{what}: neither lateral nor heading; {NORMAL_REMEDY}")
     ahead = unit(part.heading, f"{what}: heading")
     return unit(np.cross((0.0, 0.0, 1.0), ahead), f"{what}: heading seen from above")
 
@@ -52,7 +52,7 @@ def level_across(part: Any) -> np.ndarray:
 class Heading(Stored[ArrayLike | None, None]):
     """The way a horizontal blade points; what is kept of it is ``lateral``."""
 
-    accepts, file_type = "array_like | None", VECTOR
+    accepts, file_type = "array_like | None", FILE_VECTOR
     convert = staticmethod(lambda value, what, part: None)
 
 
@@ -89,7 +89,7 @@ def checked_plane(plane: Sequence[ArrayLike] | None, what: str) -> tuple[np.ndar
     """(point, unit normal) of a plane, world at the reference pose; None = z = 0."""
     given = ((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)) if plane is None else plane
     if not isinstance(given, Sequence) or isinstance(given, str) or len(given) != 2:
-        raise InputError(f"{what}: plane {shown(given)}; give a point and a normal")
+        raise InputError(f"{what}: plane {short_repr(given)}; give a point and a normal")
     at, normal = given
     return vector(at, f"{what}: plane point"), unit(normal, f"{what}: plane normal")
 

@@ -4,7 +4,7 @@ from dataclasses import KW_ONLY
 
 import numpy as np
 
-from ..base.checks import check_choice, shown
+from ..base.checks import check_choice, short_repr
 from ..base.errors import InputError
 from ..base.fields import Number, Vector, kept, part_class
 from ..kernels import kinds
@@ -188,7 +188,7 @@ class GearMesh(Coupling):
             if not isinstance(hinge, AxisJoint):
                 raise InputError(f"{what}: '{hinge.name}' is a {type(hinge).__name__}; give a Revolute or Cylindrical")
         if self.carrier is not None and not isinstance(self.carrier, Body | Ground):
-            raise InputError(f"{what}: carrier = {shown(self.carrier)} is not a body; give a Body or GROUND")
+            raise InputError(f"{what}: carrier = {short_repr(self.carrier)} is not a body; give a Body or GROUND")
         if not 0.0 <= self.pressure_angle < np.pi / 2 or abs(self.helix_angle) >= np.pi / 2:
             raise InputError(
                 f"{what}: pressure_angle {self.pressure_angle:g} rad and helix_angle {self.helix_angle:g} rad: "

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.checks import shown
+from ..base.checks import short_repr
 from ..base.errors import InputError
 from ..base.fields import DirectionOrNone, Stored, Vector, VectorOrNone, derive, kept, or_none, part_class
 from ..kernels import kinds
@@ -200,7 +200,7 @@ class BodyOrSpeed(Stored[Body | Ground | Signal | float | None, Body | Ground]):
 def as_speed(value: Any, what: str, part: Any) -> Signal:
     """A signal, where no other one is given."""
     if isinstance(part.a, Joint) and part.b is not None:
-        raise InputError(f"{part.what()}: two speeds, {shown(part.b)} and {shown(value)}; give one")
+        raise InputError(f"{part.what()}: two speeds, {short_repr(part.b)} and {short_repr(value)}; give one")
     return as_signal(value, what)
 
 
@@ -274,7 +274,7 @@ class SpeedDriver(Driver):
         """Bodies and axis of the joint that is driven."""
         turn, slide = (joint.angle(), joint.slide()) if isinstance(joint, Joint) else (None, None)
         if (turn is None) == (slide is None):
-            name = f"'{joint.name}' ({type(joint).__name__})" if isinstance(joint, Joint) else shown(joint)
+            name = f"'{joint.name}' ({type(joint).__name__})" if isinstance(joint, Joint) else short_repr(joint)
             has = "neither angle nor slide" if turn is None else "an angle and a slide"
             raise InputError(
                 f"{what}: {name} has {has}; give SpeedDriver(a, b, axis=..., speed=) in rad/s or "
@@ -293,7 +293,9 @@ class SpeedDriver(Driver):
         for name, value in own.items():
             given = getattr(self, name)
             if given is not None and not np.array_equal(given, value):
-                raise InputError(f"{what}: {name} = {shown(given)}, but '{joint.name}' says what moves; leave it out")
+                raise InputError(
+                    f"{what}: {name} = {short_repr(given)}, but '{joint.name}' says what moves; leave it out"
+                )
         derive(self, **own)
 
     def point(self) -> np.ndarray:

@@ -4,9 +4,8 @@ from dataclasses import KW_ONLY, replace
 
 import numpy as np
 
-from ..base.directions import matched_perpendiculars, perpendiculars
 from ..base.fields import Number, NumberOrNone, Orientation, Vector, kept, part_class
-from ..base.rotations import matrix
+from ..base.rotations import matched_perpendiculars, matrix, perpendiculars
 from ..kernels import kinds
 from .bodies import Body, Ground
 from .couplings import Coupling

@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..base.checks import check_choice, shown
+from ..base.checks import check_choice, short_repr
 from ..base.errors import InputError
 from ..base.fields import part_class
 from ..compiler.records import Parameters
@@ -79,14 +79,14 @@ class ForceElement(Part):
 def check_body(body: Any, what: str) -> None:
     """A Body, or a ValueError."""
     if not isinstance(body, Body):
-        raise InputError(f"{what}: {shown(body)} is not a body; give a Body")
+        raise InputError(f"{what}: {short_repr(body)} is not a body; give a Body")
 
 
 def check_pair(a: Any, b: Any, what: str) -> None:
     """Two different bodies, one of which may be the ground."""
     for body in (a, b):
         if not isinstance(body, Body | Ground):
-            raise InputError(f"{what}: {shown(body)} is not a body; give a Body or GROUND")
+            raise InputError(f"{what}: {short_repr(body)} is not a body; give a Body or GROUND")
     if a is b:
         raise InputError(f"{what}: acts between '{a.name}' and itself; give two different bodies")
 
@@ -101,5 +101,7 @@ def hinge_coordinate(hinge: Any, what: str) -> Coordinate:
     """The angle of a joint, else its slide."""
     found = (hinge.angle() or hinge.slide()) if isinstance(hinge, Joint) else None
     if found is None:
-        raise InputError(f"{what}: {shown(hinge)} has no angle and no slide; give a Revolute, Cylindrical or Prismatic")
+        raise InputError(
+            f"{what}: {short_repr(hinge)} has no angle and no slide; give a Revolute, Cylindrical or Prismatic"
+        )
     return found

@@ -1,18 +1,19 @@
 """Measures: scalar functions of the state, named by part. ``measure > value`` is a condition for ``stop_when``."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import number, shown, vector
-from ..base.directions import unit
-from ..base.errors import InputError, explaining
+from ..base.checks import number, short_repr, vector
+from ..base.errors import InputError, checks_arguments
+from ..base.rotations import cross, perpendiculars, unit
 from ..kernels import kinds
 from .bodies import GROUND, Body, Ground, Part
 from .force_element import ForceElement
 from .forces.contact import Contact
+from .forces.springs import SpringDamper
 from .joints import Joint, coordinate_of
 from .mechanism import Mechanism
 from .primitives import ZERO, Coordinate, check_kind
@@ -30,13 +31,20 @@ MEASURES = {
     "clearance": kinds.CLEARANCE,
     "normal force": kinds.PRESS,
 }
-OF_CONTACTS = ("clearance", "normal force")
-OF_JOINTS = ("coordinate", "coordinate rate")
-OF_POSES = ("coordinate", "position", "lean", "distance", "clearance")
-UNITS = {"rad": (0.0, 0.0), "m": (1.0, 0.0), "rad/s": (-1.0, 1.0), "m/s": (0.0, 1.0), "-": (0.0, 0.0), "N": (0.0, 0.0)}
-UNITS_OF = {
+CONTACT_MEASURES = ("clearance", "normal force")
+JOINT_MEASURES = ("coordinate", "coordinate rate")
+POSE_MEASURES = ("coordinate", "position", "lean", "distance", "clearance")
+UNIT_EXPONENTS = {
+    "rad": (0.0, 0.0),
+    "m": (1.0, 0.0),
+    "rad/s": (-1.0, 1.0),
+    "m/s": (0.0, 1.0),
+    "-": (0.0, 0.0),
+    "N": (0.0, 0.0),
+}
+MEASURE_UNITS = {
     "coordinate": ("rad", "m"), "coordinate rate": ("rad/s", "m/s"), "position": ("m",), "velocity": ("m/s",),
-    "omega": ("rad/s",), "lean": ("rad",), "lean rate": ("rad/s",), "distance": ("m",), "state": tuple(UNITS),
+    "omega": ("rad/s",), "lean": ("rad",), "lean rate": ("rad/s",), "distance": ("m",), "state": tuple(UNIT_EXPONENTS),
     "clearance": ("m",), "normal force": ("N",),
 }  # fmt: skip
 
@@ -61,11 +69,11 @@ class Measure:
         """Also a file may describe a measure, and kernels do not check."""
         check_kind(self.kind, MEASURES, "Measure")
         states = 0 if self.part is None else len(self.part.record().states)
-        fits = (self.coordinate is not None) == (self.kind in OF_JOINTS)
+        fits = (self.coordinate is not None) == (self.kind in JOINT_MEASURES)
         own = 0 <= self.index < states if self.kind == "state" else self.part is None
-        own = isinstance(self.part, Contact) if self.kind in OF_CONTACTS else own
+        own = isinstance(self.part, Contact) if self.kind in CONTACT_MEASURES else own
         own &= all(np.shape(x) == (3,) for x in (self.point_a, self.point_b, self.axis))
-        if self.unit not in UNITS_OF[self.kind] or not fits or not own:
+        if self.unit not in MEASURE_UNITS[self.kind] or not fits or not own:
             raise InputError(
                 f"measure '{self.label}': kind '{self.kind}' in {self.unit!r} does not fit its parts; build it with a "
                 "function of mbsd3d.measures"
@@ -114,7 +122,7 @@ def check_members(system: Mechanism, measure: Measure, what: str) -> None:
 
 def unit_powers(measure: Measure) -> tuple[float, float, float]:
     """(1, k, j) such that errors of a measure are judged against length^k speed^j."""
-    return (1.0, *UNITS[measure.unit])
+    return (1.0, *UNIT_EXPONENTS[measure.unit])
 
 
 def label(part: Body | Ground | Part) -> str:
@@ -128,25 +136,25 @@ def of_coordinate(x: Coordinate, what: str, rate: bool = False) -> Measure:
     return Measure("coordinate rate" if rate else "coordinate", what, unit_of, x.a, x.b, coordinate=x)
 
 
-@explaining
+@checks_arguments
 def angle(hinge: Joint) -> Measure:
     """Angle of a hinge [rad], unwrapped, zero at the reference pose."""
     return of_coordinate(coordinate_of(hinge, "angle", "measures.angle"), f"angle of {label(hinge)}")
 
 
-@explaining
+@checks_arguments
 def rate(hinge: Joint) -> Measure:
     """Rate of the angle of a hinge [rad/s]."""
     return of_coordinate(coordinate_of(hinge, "angle", "measures.rate"), f"rate of {label(hinge)}", rate=True)
 
 
-@explaining
+@checks_arguments
 def slide(slider: Joint) -> Measure:
     """Displacement of a sliding joint [m]."""
     return of_coordinate(coordinate_of(slider, "slide", "measures.slide"), f"slide of {label(slider)}")
 
 
-@explaining
+@checks_arguments
 def slide_rate(slider: Joint) -> Measure:
     """Speed of a sliding joint [m/s]."""
     x = coordinate_of(slider, "slide", "measures.slide_rate")
@@ -156,7 +164,7 @@ def slide_rate(slider: Joint) -> Measure:
 def body_or_error(body: Any, what: str) -> None:
     """A body or the ground, or a ValueError."""
     if not isinstance(body, Body | Ground):
-        raise InputError(f"{what}: {shown(body)} is not a body; give a Body")
+        raise InputError(f"{what}: {short_repr(body)} is not a body; give a Body")
 
 
 def point_of(body: Body | Ground, at: ArrayLike | None, what: str) -> np.ndarray:
@@ -166,7 +174,7 @@ def point_of(body: Body | Ground, at: ArrayLike | None, what: str) -> np.ndarray
     return body.centre
 
 
-@explaining
+@checks_arguments
 def position(body: Body, *, axis: ArrayLike, at: ArrayLike | None = None) -> Measure:
     """World coordinate of a point of a body along ``axis`` [m]; ``at`` None = centre of mass."""
     body_or_error(body, "measures.position")
@@ -174,7 +182,7 @@ def position(body: Body, *, axis: ArrayLike, at: ArrayLike | None = None) -> Mea
     return Measure("position", f"position of {label(body)}", "m", GROUND, body, ZERO, point, axis)
 
 
-@explaining
+@checks_arguments
 def velocity(body: Body, *, axis: ArrayLike, at: ArrayLike | None = None) -> Measure:
     """Velocity of a point of a body along the world direction ``axis`` [m/s]."""
     body_or_error(body, "measures.velocity")
@@ -182,14 +190,14 @@ def velocity(body: Body, *, axis: ArrayLike, at: ArrayLike | None = None) -> Mea
     return Measure("velocity", f"velocity of {label(body)}", "m/s", GROUND, body, ZERO, point, axis)
 
 
-@explaining
+@checks_arguments
 def omega(body: Body, *, axis: ArrayLike) -> Measure:
     """Angular velocity of a body along the world direction ``axis`` [rad/s]."""
     body_or_error(body, "measures.omega")
     return Measure("omega", f"omega of {label(body)}", "rad/s", GROUND, body, axis=unit(axis, "measures.omega: axis"))
 
 
-@explaining
+@checks_arguments
 def lean(body: Body, *, lateral: ArrayLike = (0.0, 1.0, 0.0)) -> Measure:
     """Elevation of the body's lateral axis above the horizontal [rad] (y left, z up: lean to the right is > 0).
 
@@ -200,7 +208,7 @@ def lean(body: Body, *, lateral: ArrayLike = (0.0, 1.0, 0.0)) -> Measure:
     return Measure("lean", f"lean of {label(body)}", "rad", GROUND, body, axis=axis)
 
 
-@explaining
+@checks_arguments
 def lean_rate(body: Body, *, lateral: ArrayLike = (0.0, 1.0, 0.0)) -> Measure:
     """Rate of `lean` [rad/s]."""
     body_or_error(body, "measures.lean_rate")
@@ -208,7 +216,7 @@ def lean_rate(body: Body, *, lateral: ArrayLike = (0.0, 1.0, 0.0)) -> Measure:
     return Measure("lean rate", f"lean rate of {label(body)}", "rad/s", GROUND, body, axis=axis)
 
 
-@explaining
+@checks_arguments
 def distance(
     a: Body | Ground, b: Body | Ground, *, at_a: ArrayLike | None = None, at_b: ArrayLike | None = None
 ) -> Measure:
@@ -219,7 +227,7 @@ def distance(
     return Measure("distance", f"distance {label(a)} to {label(b)}", "m", a, b, point_a, point_b)
 
 
-@explaining
+@checks_arguments
 def state(force: ForceElement, index: int | str = 0) -> Measure:
     """Own state of a force element, e.g. of a filter or of a `CustomForce`, by its number from 0 or its name.
 
@@ -232,7 +240,7 @@ def state(force: ForceElement, index: int | str = 0) -> Measure:
         index = names.index(index)
     if type(index) is not int or not 0 <= index < len(states):
         remedy = f"give one of {', '.join(names)}, or its number" if names else "give a force with own states"
-        raise InputError(f"measures.state: {label(force)} has no own state {shown(index)}; {remedy}")
+        raise InputError(f"measures.state: {label(force)} has no own state {short_repr(index)}; {remedy}")
     what = record.measures[index].unit if record.measures else "-"  # a filter has the unit of what it sees
     return Measure("state", f"state {names[index]} of {label(force)}", what, part=force, index=index)
 
@@ -241,29 +249,191 @@ def of_contact(contact: ForceElement, kind: str, unit_of: str, what: str = "") -
     """A measure of a `Contact`, or a ValueError of the function ``what``."""
     if not isinstance(contact, Contact):
         what = what or kind.replace(" ", "_")
-        raise InputError(f"measures.{what}: {shown(contact)} is not a contact; give a Contact")
+        raise InputError(f"measures.{what}: {short_repr(contact)} is not a contact; give a Contact")
     return Measure(kind, f"{kind} of {label(contact)}", unit_of, contact.a, contact.b, part=contact)
 
 
-@explaining
+@checks_arguments
 def clearance(contact: ForceElement) -> Measure:
     """Height of the surface of a `Contact` over its plane [m]; < 0 where it presses."""
     return of_contact(contact, "clearance", "m")
 
 
-@explaining
+@checks_arguments
 def normal_force(contact: ForceElement) -> Measure:
     """Force [N] with which a `Contact` presses, >= 0."""
     return of_contact(contact, "normal force", "N")
 
 
-@explaining
+@checks_arguments
 def touches(contact: ForceElement) -> Condition:
     """The surface of a `Contact` comes down to its plane; for ``stop_when``."""
     return of_contact(contact, "clearance", "m", "touches") < 0.0
 
 
-@explaining
+@checks_arguments
 def leaves(contact: ForceElement) -> Condition:
     """A `Contact` does not press any more; for ``stop_when``. A damper lets go before the plane has come back."""
     return of_contact(contact, "normal force", "N", "leaves") < 0.0
+
+
+COORDINATE_AXES = np.eye(3)
+PARALLEL_SINE_MAX = 1e-6  # [1] sine of the angle below which two directions span no plane
+
+
+def protractor(
+    a: Body | Ground, b: Body | Ground, axis: np.ndarray, zero: np.ndarray, direction: np.ndarray, what: str
+) -> Coordinate:
+    """The angle about ``axis`` of a from ``zero``, fixed in a, to ``direction``, fixed in b."""
+    for x in (zero, direction):
+        if np.linalg.norm(cross(axis, x)) < PARALLEL_SINE_MAX:
+            raise InputError(
+                f"{what}: {x.tolist()} lies along the axis {axis.tolist()} it is turned about; give another"
+            )
+    zero = unit(zero - axis * (axis @ zero), f"{what}: zero")
+    return Coordinate("angle", a, b, axis, axis, zero_a=zero, zero_b=direction)
+
+
+@checks_arguments
+def heading(body: Body, *, forward: ArrayLike = (1.0, 0.0, 0.0)) -> Measure:
+    """Heading of a body [rad]: angle about z from the world x axis to its forward axis, > 0 to the left (z up).
+
+    ``forward`` is given in world axes at the reference pose.
+    """
+    return of_coordinate(_heading(body, forward, "measures.heading"), f"heading of {label(body)}")
+
+
+@checks_arguments
+def heading_rate(body: Body, *, forward: ArrayLike = (1.0, 0.0, 0.0)) -> Measure:
+    """Rate of `heading` [rad/s]."""
+    return of_coordinate(_heading(body, forward, "measures.heading_rate"), f"heading rate of {label(body)}", rate=True)
+
+
+def _heading(body: Body, forward: ArrayLike, what: str) -> Coordinate:
+    body_or_error(body, what)
+    return protractor(GROUND, body, COORDINATE_AXES[2], COORDINATE_AXES[0], unit(forward, f"{what}: forward"), what)
+
+
+@checks_arguments
+def camber(wheel: Body, *, axle: ArrayLike = (0.0, 1.0, 0.0)) -> Measure:
+    """Camber of a wheel [rad]: elevation of its axle above the horizontal, > 0 where it leans to the right (y left).
+
+    ``axle`` is given in world axes at the reference pose; the spin of the wheel does not matter.
+    """
+    body_or_error(wheel, "measures.camber")
+    return replace(lean(wheel, lateral=unit(axle, "measures.camber: axle")), label=f"camber of {label(wheel)}")
+
+
+@checks_arguments
+def angle_between(
+    a: Body | Ground, b: Body | Ground, *, axis_a: ArrayLike, axis_b: ArrayLike, about: ArrayLike | None = None
+) -> Measure:
+    """Angle from an axis of a to an axis of b [rad], about an axis fixed in a.
+
+    Parameters
+    ----------
+    a, b : Body or GROUND
+    axis_a, axis_b : (3,) array_like
+        World at the reference pose.
+    about : (3,) array_like or None
+        World at the reference pose; None = ``axis_a x axis_b``, so that the angle starts between 0 and pi and is that
+        between the axes as long as they turn in this plane.
+
+    Raises
+    ------
+    ValueError
+        If the axes are parallel at the reference pose and ``about`` is not given.
+    """
+    what = "measures.angle_between"
+    for body in (a, b):
+        body_or_error(body, what)
+    first, second = unit(axis_a, f"{what}: axis_a"), unit(axis_b, f"{what}: axis_b")
+    if about is None:
+        about = cross(first, second)
+        if np.linalg.norm(about) < PARALLEL_SINE_MAX:
+            raise InputError(f"{what}: the axes are parallel at the reference pose; say about which axis with about=")
+    x = protractor(a, b, unit(about, f"{what}: about"), first, second, what)
+    return of_coordinate(x, f"angle {label(a)} to {label(b)}")
+
+
+@checks_arguments
+def turn(a: Body | Ground, b: Body | Ground, *, about: ArrayLike) -> Measure:
+    """Angle of b relative to a about an axis fixed in a [rad], zero at the reference pose; no hinge is needed."""
+    return of_coordinate(_turn(a, b, about, "measures.turn"), f"turn of {label(b)} from {label(a)}")
+
+
+@checks_arguments
+def turn_rate(a: Body | Ground, b: Body | Ground, *, about: ArrayLike) -> Measure:
+    """Rate of `turn` [rad/s]."""
+    x = _turn(a, b, about, "measures.turn_rate")
+    return of_coordinate(x, f"turn rate of {label(b)} from {label(a)}", rate=True)
+
+
+def _turn(a: Body | Ground, b: Body | Ground, about: ArrayLike, what: str) -> Coordinate:
+    for body in (a, b):
+        body_or_error(body, what)
+    axis = unit(about, f"{what}: about")
+    zero = perpendiculars(axis)[0]
+    return protractor(a, b, axis, zero, zero, what)
+
+
+@checks_arguments
+def offset(
+    a: Body | Ground,
+    b: Body | Ground,
+    *,
+    along: ArrayLike,
+    at_a: ArrayLike | None = None,
+    at_b: ArrayLike | None = None,
+) -> Measure:
+    """Distance along an axis fixed in a from a point of a to a point of b [m]; None = centre of mass."""
+    return of_coordinate(_offset(a, b, along, at_a, at_b, "measures.offset"), f"offset of {label(b)} from {label(a)}")
+
+
+@checks_arguments
+def offset_rate(
+    a: Body | Ground,
+    b: Body | Ground,
+    *,
+    along: ArrayLike,
+    at_a: ArrayLike | None = None,
+    at_b: ArrayLike | None = None,
+) -> Measure:
+    """Rate of `offset` [m/s]."""
+    x = _offset(a, b, along, at_a, at_b, "measures.offset_rate")
+    return of_coordinate(x, f"offset rate of {label(b)} from {label(a)}", rate=True)
+
+
+def _offset(
+    a: Body | Ground, b: Body | Ground, along: ArrayLike, at_a: ArrayLike | None, at_b: ArrayLike | None, what: str
+) -> Coordinate:
+    for body in (a, b):
+        body_or_error(body, what)
+    axis = unit(along, f"{what}: along")
+    return Coordinate("slide", a, b, axis, axis, point_of(a, at_a, what), point_of(b, at_b, what))
+
+
+@checks_arguments
+def between(
+    a: Body | Ground, b: Body | Ground, *, at_a: ArrayLike | None = None, at_b: ArrayLike | None = None
+) -> dict[str, Measure]:
+    """The pose of b relative to a: "x", "y", "z" [m] by `offset` and "turn_x", "turn_y", "turn_z" [rad] by `turn`.
+
+    Along and about the axes of a that are world axes at the reference pose.
+    """
+    names = f"{label(b)} from {label(a)}"
+    found = {}
+    for name, axis in zip("xyz", COORDINATE_AXES, strict=True):
+        found[name] = replace(offset(a, b, along=axis, at_a=at_a, at_b=at_b), label=f"{name} of {names}")
+    for name, axis in zip("xyz", COORDINATE_AXES, strict=True):
+        found[f"turn_{name}"] = replace(turn(a, b, about=axis), label=f"turn about {name} of {names}")
+    return found
+
+
+@checks_arguments
+def length(spring: SpringDamper) -> Measure:
+    """Length of a spring [m]."""
+    if not isinstance(spring, SpringDamper):
+        raise InputError(f"measures.length: {short_repr(spring)} is not a SpringDamper; use measures.distance(a, b)")
+    measure = distance(spring.a, spring.b, at_a=spring.at_a, at_b=spring.at_b)
+    return replace(measure, label=f"length of {label(spring)}")

@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from ..base.checks import check_choice, check_name, shown
+from ..base.checks import check_choice, check_name, short_repr
 from ..base.errors import InputError
 from ..base.fields import Frozen, Members, Vector, derive, kept, part_class
-from .bodies import GROUND, Body, Part, called
+from .bodies import GROUND, Body, Part, describe_part
 from .force_element import ForceElement
 from .joints import Joint
 
-KINDS = MappingProxyType({"bodies": Body, "joints": Joint, "forces": ForceElement})
+PART_CLASSES = MappingProxyType({"bodies": Body, "joints": Joint, "forces": ForceElement})
 
 
 def as_parts(value: Any, what: str, part: Any) -> tuple[Any, ...]:
@@ -25,7 +25,7 @@ def as_parts(value: Any, what: str, part: Any) -> tuple[Any, ...]:
     except TypeError:
         raise InputError(f"{what} = {short(value)} is not a sequence; give a list, {key}=[...]") from None
     for each in parts:
-        if not isinstance(each, KINDS[key]):
+        if not isinstance(each, PART_CLASSES[key]):
             raise InputError(misplaced(each, key))
     if len({id(each) for each in parts}) < len(parts):
         raise InputError(f"System: a part appears twice in {key}; list every part once")
@@ -34,19 +34,19 @@ def as_parts(value: Any, what: str, part: Any) -> tuple[Any, ...]:
 
 def misplaced(part: Any, key: str) -> str:
     """What to say of something that stands among parts of another kind."""
-    for other, kind in KINDS.items():
+    for other, kind in PART_CLASSES.items():
         if isinstance(part, kind):
             return f"System: {short(part)} is in {key}; it belongs in {other}=[...]"
-    if isinstance(part, type) and issubclass(part, tuple(KINDS.values())):
+    if isinstance(part, type) and issubclass(part, tuple(PART_CLASSES.values())):
         return f"System: {part.__name__} in {key} is a class; make a part of it, {part.__name__}(...)"
-    return f"System: {short(part)} in {key} is not a {KINDS[key].__name__}"
+    return f"System: {short(part)} in {key} is not a {PART_CLASSES[key].__name__}"
 
 
 def short(part: Any) -> str:
     """A part by its type and name, anything else by what it prints, cut."""
     if isinstance(part, Body | Joint | ForceElement):
-        return called(part)
-    return shown(part)
+        return describe_part(part)
+    return short_repr(part)
 
 
 def made_of(cls: type["Mechanism"], parts: tuple[Any, ...], gravity: np.ndarray, title: str | None) -> "Mechanism":
@@ -134,7 +134,7 @@ class Mechanism(Frozen):
 
     def part(self, key: Any, kind: str = "bodies") -> Any:
         """A part given by itself or by its name; unknown ones are a ValueError that lists the names there are."""
-        check_choice(kind, tuple(KINDS), "part: kind")
+        check_choice(kind, tuple(PART_CLASSES), "part: kind")
         parts = getattr(self, kind)
         if isinstance(key, Body | Joint | ForceElement) and key in parts:
             return key
@@ -146,7 +146,7 @@ class Mechanism(Frozen):
         if isinstance(key, Body | Joint | ForceElement) and key.name in [self.name(part) for part in parts]:
             raise InputError(f"the '{key.name}' given is a part of another system; give its name instead")
         key = getattr(key, "name", None) or key
-        raise InputError(f"{shown(key)} is not one of the {kind} of this system; there are {have}")
+        raise InputError(f"{short_repr(key)} is not one of the {kind} of this system; there are {have}")
 
     def total_mass(self) -> float:
         """Sum of the masses of all bodies [kg]."""

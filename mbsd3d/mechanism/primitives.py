@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.checks import shown
+from ..base.checks import short_repr
 from ..base.errors import InputError
 from ..kernels import kinds
 from ..kernels.surfaces import GROUP_NUMBERS_COUNT
@@ -16,10 +16,10 @@ from .signals import Signal
 
 ZERO = np.zeros(3)
 COORDINATES = {"angle": kinds.ANGLE, "slide": kinds.SLIDE, "path": kinds.PATH, "touch": kinds.FACE_CONTACT}
-OF_CURVES = ("path", "touch")
-AXES = ("axis", "axis_b", "zero_a", "zero_b")
-UNIT = 1e-6  # more than rounding, less than anybody means
-BUILD = "build what it measures with a function of mbsd3d.measures"
+CURVE_COORDINATES = ("path", "touch")
+AXIS_FIELDS = ("axis", "axis_b", "zero_a", "zero_b")
+UNIT_LENGTH_TOLERANCE = 1e-6  # [1] more than rounding, less than any intended length
+MEASURE_REMEDY = "build what it measures with a function of mbsd3d.measures"
 
 
 def check_kind(kind: str, known: Mapping[str, int], what: str) -> None:
@@ -53,15 +53,18 @@ class Coordinate:
     def __post_init__(self) -> None:
         """Also a file may describe a coordinate, and kernels do not check."""
         check_kind(self.kind, COORDINATES, "Coordinate")
-        for name in (*AXES, "point_a", "point_b"):
+        for name in (*AXIS_FIELDS, "point_a", "point_b"):
             x = getattr(self, name)
-            if x is not None and (x.shape != (3,) or (name in AXES and not abs(math.hypot(*x.tolist()) - 1.0) < UNIT)):
-                what = "a direction of length 1" if name in AXES else "three numbers"
-                raise InputError(f"Coordinate: {name} = {shown(x.tolist())} is not {what}; {BUILD}")
+            if x is not None and (
+                x.shape != (3,)
+                or (name in AXIS_FIELDS and not abs(math.hypot(*x.tolist()) - 1.0) < UNIT_LENGTH_TOLERANCE)
+            ):
+                what = "a direction of length 1" if name in AXIS_FIELDS else "three numbers"
+                raise InputError(f"Coordinate: {name} = {short_repr(x.tolist())} is not {what}; {MEASURE_REMEDY}")
         if (self.zero_a is None) != (self.zero_b is None):
-            raise InputError(f"Coordinate: zero_a and zero_b belong together; {BUILD}")
-        if self.kind in OF_CURVES and not is_curve(self.numbers):
-            raise InputError(f"Coordinate: {self.numbers.size} numbers are not those of a curve; {BUILD}")
+            raise InputError(f"Coordinate: zero_a and zero_b belong together; {MEASURE_REMEDY}")
+        if self.kind in CURVE_COORDINATES and not is_curve(self.numbers):
+            raise InputError(f"Coordinate: {self.numbers.size} numbers are not those of a curve; {MEASURE_REMEDY}")
 
 
 def is_curve(x: np.ndarray) -> bool:

@@ -5,10 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from ..base.checks import shown
-from ..base.directions import perpendiculars
+from ..base.checks import short_repr
 from ..base.errors import InputError
-from ..base.rotations import matrix
+from ..base.rotations import matrix, perpendiculars
 from .bodies import Body, Ground
 from .motion import Motion
 from .shapes.base import along
@@ -56,7 +55,7 @@ def rounded(surface: Any, body: Body, what: str) -> Rounded:
     """The surface of a body, or an InputError."""
     if not isinstance(surface, Smooth):
         raise InputError(
-            f"{what}: surface {shown(surface)} has no rule; give shapes.Sphere, shapes.Ellipsoid or shapes.Torus"
+            f"{what}: surface {short_repr(surface)} has no rule; give shapes.Sphere, shapes.Ellipsoid or shapes.Torus"
         )
     centre = body.position + body.axes @ surface.origin(body)
     axes, tube = body.axes @ matrix(surface.orientation), 0.0

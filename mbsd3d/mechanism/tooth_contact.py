@@ -12,9 +12,9 @@ import numpy as np
 
 from ..base.errors import InputError
 
-ALIGNED = 1e-6
+COLLINEAR_TOLERANCE = 1e-6
 """Sine of the angle below which given directions count as one, and part of a length below which it counts as zero."""
-SKEW = 1e-2
+PITCH_SINE_MIN = 1e-2
 """Least sine of the angle between the velocities of hypoid gears in the pitch plane, which they must determine."""
 
 
@@ -44,17 +44,17 @@ def pitch_frame(a: Axle, b: Axle, at: np.ndarray, what: str) -> tuple[np.ndarray
     """
     arms = [axle.arm(at) for axle in (a, b)]
     radii = [float(np.linalg.norm(arm)) for arm in arms]
-    if min(radii) < ALIGNED * max(1.0, *radii):
+    if min(radii) < COLLINEAR_TOLERANCE * max(1.0, *radii):
         raise InputError(f"{what}: at = {at.tolist()} lies on an axis; give the point where the pitch circles touch")
     t, t_b = (np.cross(axle.axis, arm) / r for axle, arm, r in zip((a, b), arms, radii, strict=True))
-    if np.linalg.norm(np.cross(arms[0], arms[1])) < ALIGNED * radii[0] * radii[1]:
+    if np.linalg.norm(np.cross(arms[0], arms[1])) < COLLINEAR_TOLERANCE * radii[0] * radii[1]:
         g = a.axis  # parallel axes, or crossed ones with P on their common perpendicular
-    elif np.linalg.norm(np.cross(t, t_b)) < ALIGNED:
+    elif np.linalg.norm(np.cross(t, t_b)) < COLLINEAR_TOLERANCE:
         g = at - apex(a, b)  # bevel gears: all in one plane
         g /= np.linalg.norm(g)
     else:
         g = np.cross(common_normal(a, b, t, t_b, at, what), t)
-    if abs(g @ a.axis) < ALIGNED:
+    if abs(g @ a.axis) < COLLINEAR_TOLERANCE:
         raise InputError(f"{what}: gear a is a flat crown wheel; give the hinge of the pinion as hinge_a")
     g = g * np.sign(g @ a.axis)
     e = np.cross(t, g)
@@ -68,14 +68,14 @@ def common_normal(a: Axle, b: Axle, t_a: np.ndarray, t_b: np.ndarray, at: np.nda
     """
     across, normal = np.cross(a.axis, b.axis), np.cross(t_a, t_b)
     sine = np.linalg.norm(across)
-    apart = abs((b.point - a.point) @ across) / sine if sine > ALIGNED else 0.0
-    if apart < ALIGNED * np.linalg.norm(a.arm(at)):
+    apart = abs((b.point - a.point) @ across) / sine if sine > COLLINEAR_TOLERANCE else 0.0
+    if apart < COLLINEAR_TOLERANCE * np.linalg.norm(a.arm(at)):
         raise InputError(
             f"{what}: at = {at.tolist()} is not a pitch point of these axes: they "
             f"{'meet' if sine > ALIGNED else 'are parallel'}, so it must lie in their common plane; only axes that "
             "cross may have it elsewhere"
         )
-    if np.linalg.norm(normal) < SKEW:
+    if np.linalg.norm(normal) < PITCH_SINE_MIN:
         raise InputError(
             f"{what}: at = {at.tolist()}: both gears move there in nearly one direction, so the pitch plane of these "
             "hypoid gears is not certain; move it, or let the axes meet"
@@ -94,7 +94,7 @@ def line_of_action(
     t, e, g = pitch_frame(a, b, at, what)
     arm, other = a.arm(at), b.arm(at)
     inside = e @ other > 0.0  # internal mesh: both axes on one side, the gear of the smaller radius is the external one
-    if inside and abs(np.linalg.norm(arm) - np.linalg.norm(other)) < ALIGNED * np.linalg.norm(arm):
+    if inside and abs(np.linalg.norm(arm) - np.linalg.norm(other)) < COLLINEAR_TOLERANCE * np.linalg.norm(arm):
         raise InputError(f"{what}: the gears of this internal mesh have one pitch circle; give a pitch point off it")
     side = -1.0 if inside and np.linalg.norm(arm) > np.linalg.norm(other) else 1.0
     trace_normal = t * np.cos(helix) - g * np.sin(helix)

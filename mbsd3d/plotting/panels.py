@@ -5,10 +5,12 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from matplotlib.figure import Figure
 
-from ..base.checks import shown
+from ..base.checks import short_repr
 from ..base.errors import InputError
-from ..base.style import raised
+from ..base.style import LIGHT, figure_style, style_axes, with_superscripts
+from ..linear.modes import ModalAnalysis
 from ..mechanism.bodies import Body
 from ..mechanism.force_element import ForceElement
 from ..mechanism.forces.custom import SavedForce
@@ -49,7 +51,7 @@ class Panel(NamedTuple):
 def unit_of(quantity: str) -> str:
     """Return the unit as it is printed on an axis."""
     unit = QUANTITIES[quantity].unit
-    return "[-]" if unit == "1" else f"[{raised(unit)}]"
+    return "[-]" if unit == "1" else f"[{with_superscripts(unit)}]"
 
 
 def vector_panels(label: str, unit: str, names: Sequence[str], parts: dict[str, np.ndarray]) -> list[Panel]:
@@ -245,7 +247,7 @@ def measure_panels(solution: RunResult, measures: Sequence[Measure]) -> list[Pan
     """Return panels of measures over time: those of one unit share a panel."""
     groups: dict[str, list] = {}
     for measure, values in zip(measures, solution.measure(measures).T, strict=True):
-        groups.setdefault(raised(measure.unit), []).append((measure.label, values))
+        groups.setdefault(with_superscripts(measure.unit), []).append((measure.label, values))
     return [Panel(lines[0][0] if len(lines) == 1 else "measures", f"[{unit}]", lines) for unit, lines in groups.items()]
 
 
@@ -258,7 +260,7 @@ def panels_of(solution: RunResult, quantity: str | Measure | Wanted, parts: tupl
     if not isinstance(quantity, str):
         return panels_of_several(solution, quantity, parts)
     if quantity not in PANELS:
-        raise InputError(f"quantity {shown(quantity)} is unknown; give one of {', '.join(PANELS)}")
+        raise InputError(f"quantity {short_repr(quantity)} is unknown; give one of {', '.join(PANELS)}")
     if parts and quantity in SYSTEM_QUANTITIES:
         raise InputError(f"{quantity} belongs to the whole system; give no parts")
     return PANELS[quantity](solution, quantity, parts)
@@ -268,7 +270,7 @@ def measures_only(entries: tuple) -> tuple[Measure, ...]:
     """Return measures that share axes; raise an error for anything else among them."""
     for entry in entries:
         if not isinstance(entry, Measure):
-            raise InputError(f"{shown(entry)} is not a measure, as others in the list are; give measures alone")
+            raise InputError(f"{short_repr(entry)} is not a measure, as others in the list are; give measures alone")
     return entries
 
 
@@ -284,5 +286,39 @@ def panels_of_several(solution: RunResult, wanted: Wanted, parts: tuple[Part, ..
     except TypeError:
         entries = []
     if not entries or not all(entry and isinstance(entry[0], str | Measure) for entry in entries):
-        raise InputError(f"{shown(wanted)} is not a quantity; give a name, or a list of names and tuples, {example}")
+        raise InputError(
+            f"{short_repr(wanted)} is not a quantity; give a name, or a list of names and tuples, {example}"
+        )
     return [panel for name, *own in entries for panel in panels_of(solution, name, tuple(own))]
+
+
+MARKERS = "osD^v<>pP*X"
+
+
+def plot_eigenvalues(linearization: ModalAnalysis) -> Figure:
+    """Plot eigenvalues in the complex plane, one mark per mode and one for all zeros; the growing half is tinted."""
+    look = LIGHT
+    with figure_style(look):
+        figure = Figure(figsize=(7.5, 4.6), layout="constrained")
+        axes, values = figure.subplots(), linearization.eigenvalues
+        marks = [(mode.label, mode.eigenvalue) for mode in linearization.modes if mode.eigenvalue]
+        zeros = int((values == 0.0).sum())
+        for k, (label, s) in enumerate([*marks, *([(f"{zeros} zero" + "s" * (zeros > 1), 0j)] if zeros else [])]):
+            points = np.array([s, s.conjugate()] if s.imag else [s])
+            style: dict[str, Any] = {
+                "color": look.colour(k) if s else look.ink,
+                "marker": MARKERS[k % len(MARKERS)] if s else "x",
+            }
+            axes.plot(points.real, points.imag, linestyle="none", markerfacecolor="none", label=label, **style)
+        axes.axhline(0.0, color=look.muted, linewidth=0.8)
+        axes.axvline(0.0, color=look.muted, linewidth=0.8)
+        size = float(np.abs(values).max(initial=0.0)) or 1.0
+        low, high = min(values.real.min(), 0.0) - 0.1 * size, max(values.real.max(), 0.0) + 0.1 * size
+        axes.set_xlim(low, high)
+        axes.axvspan(0.0, high, color=look.lines[1], alpha=0.06, linewidth=0.0)
+        axes.set_ylim(*np.array([-1.1, 1.1]) * max(np.abs(values.imag).max(), 0.1 * size))
+        style_axes(axes, look)
+        axes.set_xlabel("real part (growth) [1/s]")
+        axes.set_ylabel("imaginary part [rad/s]")
+        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=9, labelcolor=look.ink)
+    return figure

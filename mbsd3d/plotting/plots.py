@@ -16,10 +16,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullFormatter
 
-from ..base.checks import check_choice, shown
-from ..base.errors import InputError, explaining
+from ..base.checks import check_choice, short_repr
+from ..base.errors import InputError, checks_arguments
 from ..base.paths import as_path, write_atomically
-from ..base.style import LINE, Theme, dress, house, theme
+from ..base.style import LINE_WIDTH_POINTS, Theme, figure_style, style_axes, theme
 from ..results.result import RunResult
 from .default_curves import default_curves, seen_panels
 from .panels import Panel, Part, Wanted, panels_of
@@ -50,14 +50,14 @@ def plot_quantity(
         panels = [panel.in_degrees() for panel in panels]
     across = None if against is None else panel_across(solution, against, quantity, parts, degrees)
     look = theme(dark)
-    with house(look):
+    with figure_style(look):
         targets = new_axes(len(panels)) if axes is None else np.ravel(np.asarray(axes, dtype=object))
         if len(targets) != len(panels):
             raise InputError(
                 f"plot: {quantity} of these parts needs {len(panels)} axes, not {len(targets)}; give as many"
             )
         if not all(isinstance(target, Axes) for target in targets):
-            raise InputError(f"plot: axes = {shown(axes)}; give matplotlib axes, one per panel, or None")
+            raise InputError(f"plot: axes = {short_repr(axes)}; give matplotlib axes, one per panel, or None")
         before: tuple | None = None
         for target, panel in zip(targets, panels, strict=True):
             legend = ([name for name, _ in panel.lines], panel.note)
@@ -92,7 +92,7 @@ def panel_across(
         found = panels_of(solution, [against])
     if len(found) != 1:
         example = "against=('angle', 'hinge')"
-        raise InputError(f"plot: against {shown(against)} is not a single axis; give a scalar, e.g. {example}")
+        raise InputError(f"plot: against {short_repr(against)} is not a single axis; give a scalar, e.g. {example}")
     return found[0].in_degrees() if degrees else found[0]
 
 
@@ -112,7 +112,7 @@ def lines_across(panel: Panel, across: Panel) -> list[np.ndarray]:
 
 def draw_panel(axes: Axes, t: np.ndarray, panel: Panel, across: Panel | None, look: Theme, legend: bool) -> None:
     """Draw lines, grid, label and legend of a panel."""
-    dress(axes, look)
+    style_axes(axes, look)
     axes.set_prop_cycle(cycler(linestyle=LINE_STYLES) * cycler(color=look.lines))
     marks: dict[str, Any] = {"marker": "o", "markersize": 3} if t.size <= MARKED_SAMPLES_MAX else {}
     if across is not None and not marks:
@@ -121,7 +121,7 @@ def draw_panel(axes: Axes, t: np.ndarray, panel: Panel, across: Panel | None, lo
     drawn = []
     for x, (name, values) in zip(horizontal, panel.lines, strict=True):
         shown = np.where(values > 0.0, values, np.nan) if panel.log else values
-        drawn += axes.plot(x, shown, label=name, linewidth=LINE, **marks)
+        drawn += axes.plot(x, shown, label=name, linewidth=LINE_WIDTH_POINTS, **marks)
     if t.size > 1 and across is None:
         margin = 0.01 * (t[-1] - t[0])
         axes.set_xlim(t[0] - margin, t[-1] + margin)
@@ -170,7 +170,7 @@ def set_range(axes: Axes, panel: Panel, size: float) -> None:
         axes.set_ylim(low - 0.05 * size, high + 0.05 * size)
 
 
-@explaining
+@checks_arguments
 def save_figure(figure: Figure, path: str | Path, *, pdf: bool = False) -> list[Path]:
     """Write a figure as PNG (150 dpi), SVG and, if ``pdf``, PDF; the same figure gives the same bytes.
 
@@ -179,7 +179,7 @@ def save_figure(figure: Figure, path: str | Path, *, pdf: bool = False) -> list[
     """
     if not isinstance(figure, Figure):
         raise InputError(
-            f"save_figure: {shown(figure)} is not a figure; give one of matplotlib, e.g. of solution.plot()"
+            f"save_figure: {short_repr(figure)} is not a figure; give one of matplotlib, e.g. of solution.plot()"
         )
     path, written = as_path(path, "figure"), []
     if (given := path.suffix.lower()) in (".png", ".svg", ".pdf"):
@@ -190,7 +190,7 @@ def save_figure(figure: Figure, path: str | Path, *, pdf: bool = False) -> list[
     }
     if pdf:
         options[".pdf"] = {"dpi": 300, "metadata": {"CreationDate": None}}
-    with house():
+    with figure_style():
         for suffix, settings in options.items():
             buffer = io.BytesIO()
             figure.savefig(buffer, format=suffix[1:], facecolor=figure.get_facecolor(), **settings)

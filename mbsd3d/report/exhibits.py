@@ -10,9 +10,9 @@ import numpy as np
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from ..base.checks import listed
+from ..base.checks import as_tuple
 from ..base.errors import InputError
-from ..base.style import LIGHT, house
+from ..base.style import LIGHT, figure_style
 from ..mechanism.drivers import Driver
 from ..plotting.panels import Wanted
 from ..plotting.plots import plot_quantity
@@ -33,7 +33,7 @@ def wanted_curves(
     if curves is not None:
         if isinstance(curves, str):
             raise InputError(f"report: curves '{curves:.80}' is a single text; give a list, e.g. ['energy']")
-        return [(solution, entry, "") for entry in listed(curves, "report: curves", "a list, e.g. ['energy']")]
+        return [(solution, entry, "") for entry in as_tuple(curves, "report: curves", "a list, e.g. ['energy']")]
     if solution.t.size == 1:
         return []
     energies = "Energies, and the work of drivers and of forces that store none."
@@ -81,7 +81,7 @@ def inline_svg(figure: Figure, prefix: str) -> str:
     """Return a figure as an SVG element for a page, with unique ids and the page's colour variables (see
     report.html)."""
     buffer = io.StringIO()
-    with house():
+    with figure_style():
         figure.savefig(buffer, format="svg", metadata=dict.fromkeys(("Creator", "Date", "Format", "Type")))
     text = buffer.getvalue()
     text = re.sub(r"<!--.*?-->|<metadata>.*?</metadata>", "", text[text.index("<svg") :], flags=re.S)
@@ -109,7 +109,7 @@ def picture_of(solution: RunResult, dark: bool | None) -> list[dict[str, str]]:
         else:
             figure = picture_of_system(solution.system, solution.state(0), size=PICTURE_SIZE, dark=sheet)
         buffer = io.BytesIO()
-        with house():
+        with figure_style():
             figure.savefig(buffer, format="webp", dpi=150, pil_kwargs={"quality": 80})
         source = f"data:image/webp;base64,{base64.b64encode(buffer.getvalue()).decode()}"
         images.append({"paper": "dark" if sheet else "light", "source": source})

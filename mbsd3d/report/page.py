@@ -21,7 +21,7 @@ from ..results.result import RunResult
 from ..view.scene.drawing import title_of
 from . import facts
 from .exhibits import figure_of, picture_of, wanted_curves
-from .wording import digits, relative
+from .facts import digits, relative
 
 FIT_TOLERANCE_DEFAULT = 1e-5  # [m] play of real parts, as `System.check` takes it
 BAR_DECADES = 16.0  # [1] decades of the certificate's bars, from 1e-16 to 1

@@ -11,10 +11,10 @@ from dataclasses import KW_ONLY, dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import check_choice, number, shown, vector
-from ..base.directions import perpendiculars, unit
-from ..base.errors import InputError, explaining
+from ..base.checks import check_choice, number, short_repr, vector
+from ..base.errors import InputError, checks_arguments
 from ..base.fields import Frozen, Number, kept, part_class
+from ..base.rotations import perpendiculars, unit
 from ..base.style import Sampled
 from ..mechanism.joints import Joint, PointJoint
 from ..mechanism.joints.pairs import Fixed, Prismatic
@@ -80,7 +80,7 @@ class BearingLoad(Sampled):
         return np.hypot(self.moment[:, 0], self.moment[:, 1])
 
 
-@explaining
+@checks_arguments
 def bearing_load(
     solution: RunResult, joint: Joint | str, axis: ArrayLike | None = None, *, frame: str = "a"
 ) -> BearingLoad:
@@ -100,7 +100,7 @@ def bearing_load(
     (58.86, 78.48)
     """
     if not isinstance(solution, RunResult):
-        raise InputError(f"bearing_load: {shown(solution)} is not a solution; give one of simulate(...)")
+        raise InputError(f"bearing_load: {short_repr(solution)} is not a solution; give one of simulate(...)")
     part = solution.system.part(joint, "joints")
     what = f"bearing_load: '{solution.system.name(part)}' ({type(part).__name__})"
     if not isinstance(part, PointJoint) or isinstance(part, Prismatic | Fixed):
@@ -136,7 +136,7 @@ def relative_spin(solution: RunResult, part: Joint) -> np.ndarray:
     return rates[1] - rates[0]
 
 
-@explaining
+@checks_arguments
 def bearing_pair(
     solution: RunResult, joint: Joint | str, *, fixed: ArrayLike, floating: ArrayLike
 ) -> tuple[BearingLoad, BearingLoad]:
@@ -296,7 +296,7 @@ class DeepGrooveBallBearing(Rating):
         return 0.56, np.interp(ratio, AXIAL_LOAD_RATIO, AXIAL_FACTOR), np.interp(ratio, AXIAL_LOAD_RATIO, LIMIT_RATIO)
 
 
-@explaining
+@checks_arguments
 def reliability_factor(reliability: float) -> float:
     """a1 of L_n = a1 L10: Weibull's ``(ln(1/R) / ln(1/0.9))^(1/1.5)``, which gives the table of ISO 281:1990.
 

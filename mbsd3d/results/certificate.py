@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..base.checks import shown
+from ..base.checks import short_repr
 from ..base.errors import NameMissingError
 from ..base.style import html_text
 from ..constraints.singularity import INFINITESIMAL, describe_singularity
@@ -85,7 +85,7 @@ class Certificate(HasOptions):
         for check in self.checks:
             if isinstance(name, str) and check.name == name:
                 return check
-        raise NameMissingError(f"no check {shown(name)}; there are {', '.join(repr(c.name) for c in self.checks)}")
+        raise NameMissingError(f"no check {short_repr(name)}; there are {', '.join(repr(c.name) for c in self.checks)}")
 
     def __str__(self) -> str:
         dropped = [k for k in ("gyroscopic", "centripetal", "gamma") if not getattr(self.switches, k)]

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.checks import shown
+from ..base.checks import short_repr
 from ..base.errors import InputError
 from ..base.style import Sampled
 from ..dynamics.applied_forces import loads
@@ -112,7 +112,7 @@ def acted_body(solution: RunResult, part: ForceElement, on: Body | Ground | str 
             return body
     names = ", ".join(f"'{body.name}'" for body in bodies)
     what = f"solution.force: '{solution.system.name(part)}'"
-    raise InputError(f"{what} does not act on {shown(getattr(on, 'name', on))}; it acts on {names}")
+    raise InputError(f"{what} does not act on {short_repr(getattr(on, 'name', on))}; it acts on {names}")
 
 
 def acting_points(solution: RunResult, part: ForceElement, body: Body | Ground) -> np.ndarray:

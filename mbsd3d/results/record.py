@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import number, shown
+from ..base.checks import number, short_repr
 from ..base.errors import InputError
 from ..equations.compiled import Switches
 from ..integrators.dop853 import DOP853
@@ -36,7 +36,7 @@ class RunOptions:
             raise InputError(f"simulate: rtol {self.rtol:g} is outside 1e-13 ... 0.1; give a number in this range")
         if self.stop_when is not None and not isinstance(self.stop_when, Condition):
             raise InputError(
-                f"simulate: stop_when {shown(self.stop_when)} is not a condition; "
+                f"simulate: stop_when {short_repr(self.stop_when)} is not a condition; "
                 "write e.g. measures.angle(hinge) > 1.2"
             )
         if self.as_built is not None:
@@ -47,7 +47,7 @@ def check_method(method: Any) -> None:
     """Raise a ValueError for anything but a method of integration."""
     if Method not in type(method).__mro__ and (isinstance(method, type) or not isinstance(method, Method)):
         names = "DOP853, RK4, GeneralizedAlpha, RadauIIA, Kinematic"
-        raise InputError(f"simulate: method {shown(method)} is unknown; give one of {names}, e.g. DOP853()")
+        raise InputError(f"simulate: method {short_repr(method)} is unknown; give one of {names}, e.g. DOP853()")
 
 
 class HasOptions:

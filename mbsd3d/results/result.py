@@ -7,10 +7,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..base.checks import shown
-from ..base.directions import crosses
+from ..base.checks import short_repr
 from ..base.errors import InputError
-from ..base.rotations import matrix
+from ..base.rotations import crosses, matrix
 from ..base.style import Sampled
 from ..dynamics.batch import wrenches
 from ..equations.compiled import Compiled, compile_system, new_data, tables_of
@@ -171,7 +170,9 @@ class RunResult(Motion):
         wanted = tuple(measures) if isinstance(measures, list | tuple) else (measures,)
         for one in wanted:
             if not isinstance(one, Measure):
-                raise InputError(f"solution.measure: {shown(one)} is not a measure; build one with mbsd3d.measures")
+                raise InputError(
+                    f"solution.measure: {short_repr(one)} is not a measure; build one with mbsd3d.measures"
+                )
             check_members(self.system, one, "solution.measure")
         model = compile_system(self.system, wanted).model
         data, known = new_data(model), len(tables_of(self.system).coordinate_index)
@@ -345,7 +346,9 @@ class RunResult(Motion):
             raise InputError("solution.state: the solution has no samples; run it to a later time")
         whole = isinstance(sample, int | np.integer) and not isinstance(sample, bool)
         if not whole or not -count <= sample < count:
-            raise InputError(f"solution.state: sample {shown(sample)} is not one of {count}; give 0 ... {count - 1}")
+            raise InputError(
+                f"solution.state: sample {short_repr(sample)} is not one of {count}; give 0 ... {count - 1}"
+            )
         a = self.arrays
         own, q = a["z"][sample, : self.compiled.model.z_work], unit_quaternions(a["q"][sample].ravel())
         coordinates = a["coordinate"][sample, : self.compiled.own_coordinates]

@@ -11,7 +11,7 @@ from ..kernels.coordinates import measure
 from ..kernels.kinds import SPLINE
 from ..kernels.kinematics import kinematics
 from ..kernels.layout import Data, Model, Tree
-from ..mechanism.measures import UNITS, Condition
+from ..mechanism.measures import UNIT_EXPONENTS, Condition
 from ..mechanism.signals.terms import turning_times
 
 EVENT_TIME_ROUNDING = 1e-15  # [1] of the time: a stage at the end of a step that ends nearer may fall behind a jump
@@ -50,7 +50,7 @@ def armed_at_start(
     ValueError
         If the condition holds already, by more than the slack.
     """
-    length, speed = UNITS[stop_when.measure.unit]
+    length, speed = UNIT_EXPONENTS[stop_when.measure.unit]
     model, t = compiled.model, float(run.now.t)
     slack = EVENT_VALUE_TOLERANCE * max(abs(stop_when.value), model.length**length * float(run.now.speed) ** speed)
     kinematics(model, data, run.y)

@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..base.checks import shown
+from ..base.checks import short_repr
 from ..base.errors import InputError, IntegrationError
 from ..dynamics.applied_forces import loads
 from ..equations.compiled import Compiled, new_data
@@ -20,9 +20,9 @@ from ..integrators.method import Method
 from ..kernels.kinematics import kinematics
 from ..kernels.layout import Data, Model
 from ..mechanism.bodies import GROUND
-from ..mechanism.forces.contact import WEIGHT, Contact
+from ..mechanism.forces.contact import STANDARD_GRAVITY, Contact
 from ..mechanism.forces.custom import FunctionForce
-from ..mechanism.forces.own_functions import RETURNED, uncompiled
+from ..mechanism.forces.own_functions import RETURN_FLAG_INDEX, uncompiled
 from ..mechanism.forces.tyre import Tyre
 from ..mechanism.mechanism import Mechanism
 from ..results.motion import Motion
@@ -74,7 +74,7 @@ def check_initial_penetration(compiled: Compiled, y: np.ndarray) -> None:
 
 def is_supported(contact: Contact, depth: float) -> bool:
     """Return whether the contact is so soft that its force at a depth [m] is some weights of its body at most."""
-    return contact.stiffness * depth**contact.exponent <= CONTACT_LOAD_MAX * WEIGHT * contact.b.mass
+    return contact.stiffness * depth**contact.exponent <= CONTACT_LOAD_MAX * STANDARD_GRAVITY * contact.b.mass
 
 
 def is_as_built(contact: Contact, centre: np.ndarray, depth: float) -> bool:
@@ -130,7 +130,7 @@ def exception_of(compiled: Compiled, k: int, y: np.ndarray, t: float) -> Excepti
     """Return what the function of force k raises at a state, if it does; it is run once more as Python to tell."""
     model, data = alone(compiled, k)
     ask(model, data, y, t)
-    if data.wrench[RETURNED] == 0.0:
+    if data.wrench[RETURN_FLAG_INDEX] == 0.0:
         return None
     force = compiled.system.forces[k]
     if not isinstance(force, FunctionForce):
@@ -196,7 +196,7 @@ class MemoryWatch:
                 at = int(np.argmax(first != found))
                 return (
                     name,
-                    f"at one and the same state it gives {shown(float(first[at]))} and {shown(float(found[at]))}",
+                    f"at one and the same state it gives {short_repr(float(first[at]))} and {short_repr(float(found[at]))}",
                 )
         return None
 

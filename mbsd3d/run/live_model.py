@@ -7,12 +7,12 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from ..base.checks import listed, number, shown
+from ..base.checks import as_tuple, number, short_repr
 from ..base.errors import InputError, similar
 from ..equations.compiled import compile_system, starts
 from ..mechanism.measures import Measure, angle, check_members, slide, velocity
 from ..mechanism.mechanism import Mechanism
-from ..mechanism.signals.input import Input
+from ..mechanism.signals.signal import Input
 from ..mechanism.state import State
 from .segments import driver_of
 
@@ -142,10 +142,10 @@ def plain(
     """
     if curves is None:
         curves = usual_curves(system)
-    curves = listed(curves, "play: curves", "a list of mbsd3d.measures")
+    curves = as_tuple(curves, "play: curves", "a list of mbsd3d.measures")
     for x in curves:
         if not isinstance(x, Measure):
-            raise InputError(f"play: curves: {shown(x)} is not a measure; build one with mbsd3d.measures")
+            raise InputError(f"play: curves: {short_repr(x)} is not a measure; build one with mbsd3d.measures")
         check_members(system, x, "play: curves")
     return Plain(system, start, controls_of(system, {} if ranges is None else ranges), curves)
 
@@ -153,7 +153,7 @@ def plain(
 def controls_of(system: Mechanism, ranges: Mapping[Input | str, Sequence[float]]) -> list[Control]:
     """A control for each range given, in their order."""
     if not isinstance(ranges, Mapping):
-        raise InputError(f"play: inputs = {shown(ranges)}; give a dict, e.g. {{'motor': (-5, 5)}}")
+        raise InputError(f"play: inputs = {short_repr(ranges)}; give a dict, e.g. {{'motor': (-5, 5)}}")
     have, made = starts(compile_system(system)), []
     named = {key.name if isinstance(key, Input) else key: given for key, given in ranges.items()}
     for (name, given), (keys, pad) in zip(named.items(), chain(HANDS, repeat(((), ""))), strict=False):
@@ -163,11 +163,11 @@ def controls_of(system: Mechanism, ranges: Mapping[Input | str, Sequence[float]]
             there = (
                 ", ".join(f"'{x}'" for x in have) or "none: a force takes one, e.g. Force(body, (Input('push'), 0, 0))"
             )
-            raise InputError(f"play: {shown(name)} is not an input of this system{hint} are {there}")
+            raise InputError(f"play: {short_repr(name)} is not an input of this system{hint} are {there}")
         what = f"play: input '{name}'"
-        pair = listed(given, what, "a range (low, high)")
+        pair = as_tuple(given, what, "a range (low, high)")
         if len(pair) != 2:
-            raise InputError(f"{what}: {shown(given)} is not a range; give (low, high)")
+            raise InputError(f"{what}: {short_repr(given)} is not a range; give (low, high)")
         low, high = (number(x, what) for x in pair)
         if not low < high:
             raise InputError(f"{what}: the range {low:g} ... {high:g} is empty or the wrong way round; give low < high")

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..base.checks import SMALLEST, listed, number, shown
+from ..base.checks import MAGNITUDE_MIN, as_tuple, number, short_repr
 from ..base.errors import InputError
 from ..base.progress import Progress
 from ..base.rotations import matrix
@@ -17,7 +17,7 @@ from ..integrators.step_control import STEP_TIME_RATIO_MIN
 from ..kernels.coordinates import measure
 from ..mechanism.measures import Measure, check_members
 from ..mechanism.mechanism import Mechanism
-from ..mechanism.signals.input import Input
+from ..mechanism.signals.signal import Input
 from ..mechanism.state import State
 from ..results.record import RunOptions
 from ..results.result import RunResult, unit_quaternions
@@ -35,10 +35,10 @@ class Segments(Job):
     """
 
     def __init__(self, system: Mechanism, start: State, options: RunOptions, measures: Sequence[Measure] = ()) -> None:
-        measures = listed(measures, "Stepper: measures", "a list of mbsd3d.measures")
+        measures = as_tuple(measures, "Stepper: measures", "a list of mbsd3d.measures")
         for x in measures:
             if not isinstance(x, Measure):
-                raise InputError(f"Stepper: measures: {shown(x)} is not a measure; build one with mbsd3d.measures")
+                raise InputError(f"Stepper: measures: {short_repr(x)} is not a measure; build one with mbsd3d.measures")
             check_members(system, x, "Stepper: measures")
         compiled = with_own_inputs(compile_system(system, tuple(measures), options.switches))
         self.inputs, self.keep, self.progress = starts(compiled), True, SILENT
@@ -66,7 +66,7 @@ class Segments(Job):
         name = key.name if isinstance(key, Input) else key
         if not isinstance(name, str) or name not in self.inputs:
             have = ", ".join(f"'{x}'" for x in self.inputs) or "none"
-            raise InputError(f"Stepper: {shown(key)} is not one of the inputs of this system; there are {have}")
+            raise InputError(f"Stepper: {short_repr(key)} is not one of the inputs of this system; there are {have}")
         value = number(value, f"Stepper: input '{name}'")
         if value == self.inputs[name]:
             return
@@ -88,7 +88,7 @@ class Segments(Job):
         t, run = number(t, "Stepper: t"), self.memory
         now, task = run.now, run.task  # their fields by name: as attributes each takes a microsecond more
         begin, step, rejected, first = float(now["t"]), now["step"], now["rejected"], now["evaluations"] == 0
-        if not t - begin > max(STEP_TIME_RATIO_MIN * abs(t), SMALLEST):  # what rounding adds is no segment
+        if not t - begin > max(STEP_TIME_RATIO_MIN * abs(t), MAGNITUDE_MIN):  # what rounding adds is no segment
             raise InputError(f"Stepper: t = {t:.9g} s does not lie after {begin:.9g} s; give a later time")
         check_steps(self.options.method, t - begin, "Stepper")
         if t > self.last_signal:

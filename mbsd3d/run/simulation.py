@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.checks import SMALLEST, floats, number, shown
+from ..base.checks import MAGNITUDE_MIN, floats, number, short_repr
 from ..base.errors import InputError
 from ..base.progress import Progress
 from ..equations.compiled import Compiled, compile_system
@@ -42,7 +42,7 @@ def run_to(system: Mechanism, start: State, t_end: float, options: RunOptions) -
 def check_end(t_end: Any, t_start: float, what: str) -> float:
     """Return the end of a run [s]; ValueError for an end that leaves no room for a step."""
     t_end = number(t_end, f"{what}: t_end")
-    if not t_end - t_start > max(RUN_SHARE_MIN * abs(t_end), SMALLEST):
+    if not t_end - t_start > max(RUN_SHARE_MIN * abs(t_end), MAGNITUDE_MIN):
         raise InputError(
             f"{what}: t_end = {t_end:g} s is not later than the start time {t_start:g} s; give a later time"
         )
@@ -69,7 +69,7 @@ def check_own_steps(system: Mechanism, span: float) -> None:
 def check_system(system: Any, what: str) -> None:
     """ValueError for anything but a System."""
     if not isinstance(system, Mechanism):
-        raise InputError(f"{what}: {shown(system)} is not a System; give System(bodies=[...], joints=[...])")
+        raise InputError(f"{what}: {short_repr(system)} is not a System; give System(bodies=[...], joints=[...])")
 
 
 def check_state(state: Any, what: str, needed: bool = False) -> None:
@@ -77,7 +77,7 @@ def check_state(state: Any, what: str, needed: bool = False) -> None:
     if (needed or state is not None) and not isinstance(state, State):
         held = isinstance(getattr(state, "state", None), State)  # by an equilibrium
         remedy = "its .state" if held else "one of system.assemble() or solution.final"
-        raise InputError(f"{what}: state {shown(state)} is not a State; give {remedy}")
+        raise InputError(f"{what}: state {short_repr(state)} is not a State; give {remedy}")
 
 
 def check_signals(compiled: Compiled, t_start: float, t_end: float) -> None:
@@ -90,7 +90,7 @@ def check_room(samples: int, width: int, what: str = "simulate: output") -> None
     """ValueError for more samples than memory has room for."""
     if samples * width > MOST_NUMBERS:
         raise InputError(
-            f"{what}: {shown(samples)} samples of {width} numbers are more than memory holds; give at most "
+            f"{what}: {short_repr(samples)} samples of {width} numbers are more than memory holds; give at most "
             f"{MOST_NUMBERS // width}"
         )
 
@@ -101,7 +101,7 @@ def output_times(output: Any, t_start: float, t_end: float, method: Method, widt
         return None if method.order else np.linspace(t_start, t_end, 201)  # no steps of its own
     if isinstance(output, int | np.integer) and not isinstance(output, bool):
         if output < 2:
-            raise InputError(f"simulate: output = {shown(output)} samples; give at least 2, or an array of times")
+            raise InputError(f"simulate: output = {short_repr(output)} samples; give at least 2, or an array of times")
         check_room(int(output), width)
         return np.linspace(t_start, t_end, int(output))
     if isinstance(output, float):

@@ -18,7 +18,7 @@ from multiprocessing.connection import wait as wait_for_end
 from threading import Thread
 from typing import Any
 
-from ..base.checks import shown
+from ..base.checks import short_repr
 from ..base.concurrency import Turns, taking_turns
 from ..base.errors import InputError, SweepError
 from ..base.paths import drop_pieces
@@ -77,7 +77,7 @@ def check_executor(executor: Any, functions: list[Callable]) -> None:
     elif executor is not None and not isinstance(executor, Executor):
         if not hasattr(executor, "get_executor") and not (isinstance(executor, str) and executor == "threads"):
             raise InputError(
-                f"sweep: executor {shown(executor)}; give None, 'threads', 'processes', a concurrent.futures.Executor "
+                f"sweep: executor {short_repr(executor)}; give None, 'threads', 'processes', a concurrent.futures.Executor "
                 "or a distributed.Client"
             )
 

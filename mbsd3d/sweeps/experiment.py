@@ -11,7 +11,7 @@ import numpy as np
 from ..api.simulation import simulate
 from ..api.solution import Solution
 from ..api.system import System
-from ..base.checks import shown
+from ..base.checks import short_repr
 from ..base.concurrency import one_thread
 from ..base.errors import InputError
 
@@ -114,7 +114,7 @@ def settings_of_simulate() -> tuple[str, ...]:
 def check_parameters(function: Callable, what: str, parameters: Mapping[str, Any]) -> None:
     """Raise ValueError where the function does not take exactly these parameters."""
     if not callable(function):
-        raise InputError(f"sweep: {what} {shown(function)} is not a function; give one")
+        raise InputError(f"sweep: {what} {short_repr(function)} is not a function; give one")
     try:
         signature = inspect.signature(function)
     except (TypeError, ValueError):

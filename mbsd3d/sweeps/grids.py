@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import check_choice, listed, number, numbers, shown
-from ..base.errors import InputError, explaining
+from ..base.checks import as_tuple, check_choice, number, numbers, short_repr
+from ..base.errors import InputError, checks_arguments
 from ..base.fields import Array, Checked, Stored, kept, locked, part_class
 
 SAMPLING_METHODS = ("sobol", "latin hypercube", "random")
@@ -18,7 +18,7 @@ POINTS_MAX = 10_000_000  # [1] points of a sample
 
 def as_names(value: Any, what: str, part: Any) -> tuple[str, ...]:
     """Names of parameters."""
-    return listed(value, what, "a tuple of names")
+    return as_tuple(value, what, "a tuple of names")
 
 
 def as_points(value: Any, what: str, part: Any) -> np.ndarray:
@@ -50,7 +50,7 @@ class Samples(Checked):
         names, points = self.names, self.points
         if points.ndim != 2 or points.shape[1] != len(names) or not points.size:
             raise InputError(
-                f"Samples: points have shape {points.shape}; give (count, {len(names)}), names {shown(names)}"
+                f"Samples: points have shape {points.shape}; give (count, {len(names)}), names {short_repr(names)}"
             )
         check_names(names)
         bad = np.argwhere(~np.isfinite(points))
@@ -58,7 +58,7 @@ class Samples(Checked):
             raise InputError(f"Samples: '{names[bad[0, 1]]}' of point {bad[0, 0]} is not finite; give finite numbers")
 
 
-@explaining
+@checks_arguments
 def samples(ranges: Mapping[str, tuple[float, float]], count: int, *, method: str = "sobol", seed: int = 0) -> Samples:
     """Sample points over named ranges for `sweep`, the same for the same seed; its dataset has the dimension "sample".
 
@@ -73,14 +73,14 @@ def samples(ranges: Mapping[str, tuple[float, float]], count: int, *, method: st
     from scipy.stats import qmc
 
     if not isinstance(ranges, Mapping):
-        raise InputError(f"samples: ranges {shown(ranges)}; give a mapping of names to (least, greatest)")
+        raise InputError(f"samples: ranges {short_repr(ranges)}; give a mapping of names to (least, greatest)")
     check_choice(method, SAMPLING_METHODS, "samples: method")
     if not isinstance(count, int | np.integer) or isinstance(count, bool) or not 1 <= count <= POINTS_MAX:
-        raise InputError(f"samples: count {shown(count)}; give a whole number of points, 1 ... {POINTS_MAX}")
+        raise InputError(f"samples: count {short_repr(count)}; give a whole number of points, 1 ... {POINTS_MAX}")
     if method == "sobol" and count & (count - 1):
         raise InputError(f"samples: count {count} is not a power of two, which Sobol points need; give 2, 4, 8, ...")
     if not isinstance(seed, int | np.integer) or isinstance(seed, bool) or seed < 0:
-        raise InputError(f"samples: seed {shown(seed)}; give a whole number >= 0")
+        raise InputError(f"samples: seed {short_repr(seed)}; give a whole number >= 0")
     check_names(tuple(ranges))
     limits = np.array([check_range(name, values) for name, values in ranges.items()])
     if method == "random":
@@ -96,7 +96,7 @@ def check_range(name: str, values: Any) -> tuple[float, float]:
     try:
         low, high = values
     except (TypeError, ValueError):
-        raise InputError(f"samples: range {shown(values)} of '{name}'; give (least, greatest)") from None
+        raise InputError(f"samples: range {short_repr(values)} of '{name}'; give (least, greatest)") from None
     low, high = number(low, f"samples: least '{name}'"), number(high, f"samples: greatest '{name}'")
     if not low < high:
         raise InputError(f"samples: range of '{name}' is empty, {low:g} ... {high:g}; give (least, greatest)")
@@ -109,7 +109,7 @@ def check_names(names: tuple) -> None:
         raise InputError("sweep: the grid is empty; give at least one parameter with its values")
     for name in names:
         if not isinstance(name, str) or not name.isidentifier():
-            raise InputError(f"sweep: parameter {shown(name)}; give the name of a parameter of build")
+            raise InputError(f"sweep: parameter {short_repr(name)}; give the name of a parameter of build")
         if name in ("error", "sample") or names.count(name) > 1:
             raise InputError(f"sweep: parameter '{name}' is taken; give every parameter a unique name")
 
@@ -135,7 +135,9 @@ def make_grid(grid: Mapping[str, ArrayLike] | Samples) -> Grid:
         cells = [dict(zip(grid.names, point, strict=True)) for point in grid.points.tolist()]
         return Grid(("sample",), (len(cells),), columns, cells)
     if not isinstance(grid, Mapping):
-        raise InputError(f"sweep: grid {shown(grid)}; give a mapping of parameter names to values, or samples(...)")
+        raise InputError(
+            f"sweep: grid {short_repr(grid)}; give a mapping of parameter names to values, or samples(...)"
+        )
     check_names(tuple(grid))
     values = {name: check_values(name, given) for name, given in grid.items()}
     lists = [array.tolist() for array in values.values()]
@@ -148,7 +150,7 @@ def check_values(name: str, given: Any) -> np.ndarray:
     """Return numbers or texts, none twice, shape (k,)."""
     array = np.array(given)
     if array.ndim != 1 or array.dtype.kind not in "fiubU":
-        raise InputError(f"sweep: '{name}': {shown(given)}; give a list of numbers or texts")
+        raise InputError(f"sweep: '{name}': {short_repr(given)}; give a list of numbers or texts")
     if not array.size:
         raise InputError(f"sweep: '{name}' has no values; give at least one")
     if array.dtype.kind == "f" and not np.isfinite(array).all():
@@ -156,7 +158,7 @@ def check_values(name: str, given: Any) -> np.ndarray:
         raise InputError(f"sweep: '{name}': value {where} is {array[where]}; give finite numbers")
     for value, stored in zip(given, array.tolist(), strict=True):
         if value != stored:
-            raise InputError(f"sweep: '{name}': {shown(value)} would become {stored!r}; give one kind of values")
+            raise InputError(f"sweep: '{name}': {short_repr(value)} would become {stored!r}; give one kind of values")
     if np.unique(array).size < array.size:
         raise InputError(f"sweep: '{name}': a value appears twice in {array.tolist()}; list every value once")
     return array

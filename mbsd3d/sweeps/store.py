@@ -12,7 +12,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from ..base.checks import shown
+from ..base.checks import short_repr
 from ..base.errors import InputError
 from ..base.paths import as_path, package_version
 from .experiment import Experiment, Outcome
@@ -38,7 +38,7 @@ class Stored(msgspec.Struct, forbid_unknown_fields=True):
 
 def reason(error: Exception) -> str:
     """Return the fault of the contents in a few words."""
-    return "nested too deep" if isinstance(error, RecursionError) else shown(str(error)).strip("'\"")
+    return "nested too deep" if isinstance(error, RecursionError) else short_repr(str(error)).strip("'\"")
 
 
 class LedgerError(InputError):

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base.checks import shown
+from ..base.checks import short_repr
 from ..base.concurrency import one_thread
-from ..base.errors import InputError, SweepError, explaining
+from ..base.errors import InputError, SweepError, checks_arguments
 from ..base.paths import package_version
 from ..base.progress import Progress
 from .executors import check_executor, outcomes
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
-@explaining
+@checks_arguments
 def sweep(
     build: Callable[..., Any],
     grid: Mapping[str, Any] | Samples,
@@ -132,13 +132,13 @@ def check(experiment: Experiment, grid: Grid, executor: Any, units: Mapping[str,
         except MisuseError as error:
             raise InputError(f"sweep: {error}") from None
     else:
-        raise InputError(f"sweep: run {shown(run)}; give a mapping of arguments of simulate, or a function")
+        raise InputError(f"sweep: run {short_repr(run)}; give a mapping of arguments of simulate, or a function")
     if not callable(experiment.measure):
-        raise InputError(f"sweep: measure {shown(experiment.measure)} is not a function; give one of a solution")
+        raise InputError(f"sweep: measure {short_repr(experiment.measure)} is not a function; give one of a solution")
     if not isinstance(tag, str):
-        raise InputError(f"sweep: tag {shown(tag)}; give a text")
+        raise InputError(f"sweep: tag {short_repr(tag)}; give a text")
     if units is not None and not isinstance(units, Mapping):
-        raise InputError(f"sweep: units {shown(units)}; give a mapping of names to units")
+        raise InputError(f"sweep: units {short_repr(units)}; give a mapping of names to units")
     functions = [experiment.build, experiment.measure, *([run] if callable(run) else [])]
     check_executor(executor, functions)
 

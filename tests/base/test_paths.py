@@ -9,7 +9,7 @@ import time
 import pytest
 
 from mbsd3d.base import paths
-from mbsd3d.base.paths import PIECE, PIECE_SECONDS_MAX, in_its_place, write_atomically
+from mbsd3d.base.paths import UNFINISHED_FILE_PATTERN, UNFINISHED_FILE_SECONDS_MAX, atomic_write, write_atomically
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="asks for processes")
 
@@ -39,7 +39,7 @@ def pieces(folder):
 
 
 def test_what_a_killed_process_left_goes_at_the_next_write(tmp_path, other):
-    assert len(pieces(tmp_path)) == 1 and PIECE.fullmatch(pieces(tmp_path)[0].name)
+    assert len(pieces(tmp_path)) == 1 and UNFINISHED_FILE_PATTERN.fullmatch(pieces(tmp_path)[0].name)
     write_atomically(tmp_path / "b.csv", b"whole")
     assert len(pieces(tmp_path)) == 1  # it lives, and may still finish
     other.send_signal(signal.SIGKILL)
@@ -51,13 +51,13 @@ def test_what_a_killed_process_left_goes_at_the_next_write(tmp_path, other):
 
 def test_a_living_process_keeps_its_file_however_old(tmp_path, other):
     (piece,) = pieces(tmp_path)
-    os.utime(piece, (0, time.time() - 30.0 * PIECE_SECONDS_MAX))
+    os.utime(piece, (0, time.time() - 30.0 * UNFINISHED_FILE_SECONDS_MAX))
     write_atomically(tmp_path / "b.csv", b"whole")
     assert piece.exists()
 
 
 def test_two_files_of_one_process_do_not_disturb_each_other(tmp_path):
-    with in_its_place(tmp_path / "a.csv") as part:
+    with atomic_write(tmp_path / "a.csv") as part:
         part.write_bytes(b"first")
         write_atomically(tmp_path / "b.csv", b"second")
         assert part.exists()

@@ -11,7 +11,7 @@ from matplotlib import style
 
 import mbsd3d
 from mbsd3d import Body, System, simulate
-from mbsd3d.base.style import COLOURS, DARK, GREY, LIGHT, Theme, colour, house, theme
+from mbsd3d.base.style import COLOURS, DARK, GREY, LIGHT, Theme, colour, figure_style, theme
 from mbsd3d.plotting.plots import save_figure
 
 # Machado, Oliveira and Fernandes 2009, severity 1, for linear RGB
@@ -104,7 +104,7 @@ def test_settings_of_the_user_change_nothing_and_are_kept(tmp_path):
 
 def test_the_house_is_left_after_an_error():
     before = dict(matplotlib.rcParams)
-    with pytest.raises(ValueError, match="unknown"), house(DARK):
+    with pytest.raises(ValueError, match="unknown"), figure_style(DARK):
         assert matplotlib.rcParams["figure.facecolor"] == DARK.paper
         raise ValueError("unknown")
     assert dict(matplotlib.rcParams) == before

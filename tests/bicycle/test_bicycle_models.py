@@ -15,8 +15,7 @@ from bicycle.linear.equations import canonical
 from bicycle.model.mechanism import Bicycle, PublishedBody
 from bicycle.parameters import deviations, library, read_values
 from mbsd3d import State, System, accelerations, simulate
-from mbsd3d.base.quaternions import exponential, multiply
-from mbsd3d.base.rotations import matrix
+from mbsd3d.base.rotations import exponential, matrix, multiply
 from mbsd3d.errors import ArgumentError
 from validation.theory import whipple_lagrange
 

@@ -19,8 +19,7 @@ from numpy.linalg import matrix_rank
 from scipy.sparse import csr_array
 
 from mbsd3d import GROUND, Body, Distance, Fixed, Gear, Revolute, Spherical, State, System, Universal, rotation
-from mbsd3d.base.quaternions import multiply
-from mbsd3d.base.rotations import matrix
+from mbsd3d.base.rotations import matrix, multiply
 from mbsd3d.constraints.assembly import reference_pose
 from mbsd3d.constraints.least_squares import least
 from mbsd3d.constraints.rank import Analysis, redundant_combinations, surely_independent

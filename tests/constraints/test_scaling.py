@@ -10,7 +10,7 @@ import pytest
 from models import at_reference, dense_rows, revolute_chain
 
 from mbsd3d import RK4, PointOnLine, Revolute, System, simulate
-from mbsd3d.base.quaternions import conjugate, logarithm, multiply
+from mbsd3d.base.rotations import conjugate, logarithm, multiply
 from mbsd3d.constraints.elimination import Elimination
 from mbsd3d.constraints.rank import choose_rows
 from mbsd3d.equations.compiled import compile_system

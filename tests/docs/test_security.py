@@ -14,9 +14,9 @@ from bicycle.parameters.files import FILE_BYTES_MAX
 from engines.balance.layouts import CYLINDERS_MAX
 from engines.nvh.records import RECORD_BYTES_MAX, TABLE_BYTES_MAX
 from engines.nvh.road.measured import LENGTH_MAX, POINTS_MAX
-from mbsd3d.files.description import MOST_PARTS
+from mbsd3d.files.description import PARTS_MAX
 from mbsd3d.files.importing import worker, xml_scan
-from mbsd3d.files.model_files import FORMS
+from mbsd3d.files.model_files import FILE_FORMATS
 from mbsd3d.mechanism.shapes import surfaces
 
 ROOT = Path(__file__).parents[2]
@@ -32,8 +32,8 @@ def number(count):
 
 def test_sizes_are_those_of_the_code():
     rows = {row.split("|")[1].split(" (")[0].strip(): row for row in SECURITY.splitlines() if row.startswith("|")}
-    json, toml = (FORMS[suffix].limit // 10**6 for suffix in (".json", ".toml"))
-    assert f"| {json} MB, {toml} MB; {number(MOST_PARTS)} parts;" in rows["model files"]
+    json, toml = (FILE_FORMATS[suffix].limit // 10**6 for suffix in (".json", ".toml"))
+    assert f"| {json} MB, {toml} MB; {number(PARTS_MAX)} parts;" in rows["model files"]
     xml = f"{xml_scan.LIMIT // 10**6} MB and {number(xml_scan.COPIES)} elements"
     assert xml in rows["MJCF, URDF"] and f"{worker.MEMORY >> 30} GB" in rows["MJCF, URDF"]
     assert f"| {surfaces.BYTES // 10**6} MB, {number(surfaces.TRIANGLES)} triangles;" in rows["meshes"]

@@ -15,8 +15,7 @@ from models import (
 )
 
 from mbsd3d import GROUND, Body, Revolute, State, System, Universal, accelerations, simulate
-from mbsd3d.base.quaternions import exponential, multiply
-from mbsd3d.base.rotations import matrix
+from mbsd3d.base.rotations import exponential, matrix, multiply
 from mbsd3d.equations.dense_solvers import inertia_about_origin
 from validation import theory
 

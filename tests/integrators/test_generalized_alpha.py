@@ -21,8 +21,7 @@ from mbsd3d import (
     simulate,
 )
 from mbsd3d.base.progress import Progress
-from mbsd3d.base.quaternions import conjugate, exponential, logarithm, multiply
-from mbsd3d.base.rotations import as_quaternion, matrix
+from mbsd3d.base.rotations import as_quaternion, conjugate, exponential, logarithm, matrix, multiply
 from mbsd3d.equations.compiled import compile_system
 from mbsd3d.integrators.alpha_step import trial_state
 from mbsd3d.integrators.generalized_alpha import GeneralizedAlpha, weights

@@ -22,8 +22,7 @@ from mbsd3d import (
     rotation,
     simulate,
 )
-from mbsd3d.base.quaternions import skew
-from mbsd3d.base.rotations import matrix
+from mbsd3d.base.rotations import matrix, skew
 from mbsd3d.equations.at_state import pack
 from mbsd3d.equations.compiled import compile_system
 from mbsd3d.integrators import dop853

@@ -41,8 +41,7 @@ from mbsd3d import (
     rotation,
     shapes,
 )
-from mbsd3d.base.quaternions import exponential, multiply
-from mbsd3d.base.rotations import matrix
+from mbsd3d.base.rotations import exponential, matrix, multiply
 from mbsd3d.dynamics.applied_forces import loads
 from mbsd3d.equations.compiled import compile_system
 from mbsd3d.kernels.coordinates import coordinate, coordinate_rate

@@ -15,9 +15,7 @@ from models import (
 )
 
 from mbsd3d import AngleDriver, Joint, SlideDriver, System, rotation
-from mbsd3d.base.directions import perpendiculars
-from mbsd3d.base.quaternions import multiply
-from mbsd3d.base.rotations import matrix
+from mbsd3d.base.rotations import matrix, multiply, perpendiculars
 from mbsd3d.equations.compiled import Switches
 
 TOLERANCE = 1e-8

@@ -41,8 +41,7 @@ from mbsd3d import (
     rotation,
 )
 from mbsd3d.base.errors import InputError
-from mbsd3d.base.quaternions import exponential
-from mbsd3d.base.rotations import matrix
+from mbsd3d.base.rotations import exponential, matrix
 from mbsd3d.equations.compiled import compile_system
 from mbsd3d.equations.dense_solvers import mass_matrix
 from mbsd3d.linear.variations import Field

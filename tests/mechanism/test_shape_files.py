@@ -8,7 +8,7 @@ from test_shapes import PLAIN, SOLIDS, solid
 
 from mbsd3d import Body, System, load, rotation, simulate
 from mbsd3d.base.rotations import matrix
-from mbsd3d.files.description import same
+from mbsd3d.files.description import identical
 from mbsd3d.mechanism.shapes.kinds import Disc, Lines, MeshFile
 
 
@@ -63,13 +63,13 @@ def test_shapes_come_back_from_model_files(tmp_path, form):
     shapes = [ALL, "cylinder", None, *ALL]
     bodies = [Body(f"body {k}", 1.0, (1, 1, 1), shape=shape) for k, shape in enumerate(shapes)]
     again = System.from_file(System(bodies).to_file(tmp_path / f"model{form}"))
-    assert all(same(a.shape, b.shape) for a, b in zip(bodies, again.bodies, strict=True))
+    assert all(identical(a.shape, b.shape) for a, b in zip(bodies, again.bodies, strict=True))
     assert (again.bodies[-2].shape.path, len(again.bodies[0].shape)) == ("../none.stl", len(ALL))
 
 
 def test_shapes_come_back_from_result_files(tmp_path):
     run = simulate(System([Body("stone", 1.0, (1, 1, 1), omega=(0, 0, 1), shape=ALL)]), 0.1, output=3)
-    assert same(load(run.save(tmp_path / "run")).system.bodies[0].shape, run.system.bodies[0].shape)
+    assert identical(load(run.save(tmp_path / "run")).system.bodies[0].shape, run.system.bodies[0].shape)
 
 
 @pytest.mark.parametrize(

@@ -12,8 +12,7 @@ from mbsd3d.kernels import signals as kernels
 from mbsd3d.mechanism.signals import Constant, Sum, as_signal, check_interval, curves
 from mbsd3d.mechanism.signals import signal as bases
 from mbsd3d.mechanism.signals.curves import Polynomial, Pulse, Ramp, Sine, Table
-from mbsd3d.mechanism.signals.input import Input
-from mbsd3d.mechanism.signals.signal import Scaled
+from mbsd3d.mechanism.signals.signal import Input, Scaled
 from mbsd3d.mechanism.signals.terms import POLYNOMIAL, SINE, SPLINE, evaluate, turning_times
 
 TIMES = np.array([0.0, 0.4, 0.7, 1.3, 1.9, 2.2])

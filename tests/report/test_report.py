@@ -30,8 +30,7 @@ from mbsd3d import (
 from mbsd3d.base.style import counted
 from mbsd3d.mechanism import measures  # fmt: skip
 from mbsd3d.report import exhibits, facts
-from mbsd3d.report.facts import TABLE_ROWS_MAX
-from mbsd3d.report.wording import digits, triple
+from mbsd3d.report.facts import TABLE_ROWS_MAX, digits, triple
 
 HOSTILE = (
     "<script>alert('1')</script>",

@@ -5,8 +5,7 @@ import pytest
 from models import across, direction, random_body
 
 from mbsd3d import GROUND, Prismatic, Revolute, SpeedDriver, Spherical, System, accelerations, simulate
-from mbsd3d.base.quaternions import exponential
-from mbsd3d.base.rotations import matrix
+from mbsd3d.base.rotations import exponential, matrix
 from mbsd3d.results.bearings import (
     ROLLER_LIFE_EXPONENT,
     BearingLoad,

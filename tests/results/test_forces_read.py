@@ -31,7 +31,7 @@ from mbsd3d import (
     shapes,
     simulate,
 )
-from mbsd3d.base.directions import perpendiculars
+from mbsd3d.base.rotations import perpendiculars
 from validation.cases.examples import moving
 
 ROUNDING = 1e-10  # sums of some ten products of numbers up to 1e2, with the slack of hinges that are closed to 1e-15

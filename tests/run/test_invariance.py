@@ -37,8 +37,7 @@ from mbsd3d import (
     Universal,
     simulate,
 )
-from mbsd3d.base.quaternions import multiply
-from mbsd3d.base.rotations import matrix
+from mbsd3d.base.rotations import matrix, multiply
 
 RTOL = 1e-12
 

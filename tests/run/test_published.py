@@ -29,8 +29,7 @@ from mbsd3d import (
     simulate,
 )
 from mbsd3d import Polynomial as Powers
-from mbsd3d.base.quaternions import exponential
-from mbsd3d.base.rotations import matrix
+from mbsd3d.base.rotations import exponential, matrix
 from validation import theory
 from validation.cases import read
 from validation.cases.robot import hinge_accelerations, robot_poses

@@ -32,8 +32,7 @@ from mbsd3d import (
     accelerations,
     rotation,
 )
-from mbsd3d.base.quaternions import multiply
-from mbsd3d.base.rotations import matrix
+from mbsd3d.base.rotations import matrix, multiply
 from validation.twins.base import EngineFailed, EngineMissing, Load, Motion, NotExpressible, finite
 from validation.twins.definitions.rows import law_of
 from validation.twins.mujoco import EXPRESSES, REFUSED, twin

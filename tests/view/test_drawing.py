@@ -5,8 +5,7 @@ import pytest
 from models import EXAMPLES, all_joints_mechanism, example_system, random_body, random_orientation, revolute_chain
 
 from mbsd3d import GROUND, Body, Revolute, Rolling, RollingDisc, SpringDamper, System, rotation
-from mbsd3d.base.quaternions import multiply
-from mbsd3d.base.rotations import matrix
+from mbsd3d.base.rotations import matrix, multiply
 from mbsd3d.mechanism.couplings import GearMesh
 from mbsd3d.mechanism.joints import Joint
 from mbsd3d.mechanism.shapes.kinds import Box, Cylinder, Disc, MeshFile

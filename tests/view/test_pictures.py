@@ -15,7 +15,7 @@ from test_files import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 from mbsd3d import GROUND, AngleDriver, Body, Ramp, Revolute, System, simulate
 from mbsd3d.base import inertia
 from mbsd3d.base.rotations import matrix
-from mbsd3d.base.style import DARK, LIGHT, paler
+from mbsd3d.base.style import DARK, LIGHT, muted_colour
 from mbsd3d.mechanism.shapes.kinds import Box, Sphere
 from mbsd3d.plotting.plots import save_figure
 from mbsd3d.view.picture.painter import Mosaic, Painter, new_sheet
@@ -223,7 +223,7 @@ def test_arrows_are_to_scale_and_say_how_long_they_are():
     longest = np.linalg.norm(np.stack([run.reaction(j).force for j in hinges]), axis=-1).max()
     assert forces.longest == pytest.approx(longest)
     assert pointers.legend == f"reaction force, longest {longest:.3g} N, pale: not unique"
-    assert pointers.pieces[0].colour == paler(forces.colour) != forces.colour
+    assert pointers.pieces[0].colour == muted_colour(forces.colour) != forces.colour
     tip = run.reaction("low").point[3] + 0.8 / longest * run.reaction("low").force[3]
     reached = np.linalg.norm(pointers.pieces[0].mesh.vertices - tip, axis=1).min()
     assert reached < 1e-9  # the frames are the samples

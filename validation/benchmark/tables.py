@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, THIN, dress, house, theme
+from mbsd3d.extend import GRID_WIDTH_POINTS, LINE_WIDTH_POINTS, figure_style, style_axes, theme
 from validation.benchmark.candidates import CONSTRAINTS_LABEL, ENGINES, PEERS
 from validation.benchmark.precision import TARGET_ERRORS, Point, Reached, Row, time_to
 
@@ -199,7 +199,7 @@ def work_precision(rows: Sequence[Row], dark: bool = False) -> Figure:
     look = theme(dark)
     count = -(-len(shown) // FIGURE_COLUMNS)
     columns = min(FIGURE_COLUMNS, len(shown))
-    with house(look):
+    with figure_style(look):
         figure = Figure(figsize=(2.9 * columns + 0.4, 2.6 * count + 0.5), layout="constrained", facecolor=look.paper)
         grid, lines = figure.subplots(count, columns, sharey=True, squeeze=False).ravel(), dict[str, Any]()
         for k, (axes, row) in enumerate(zip(grid, shown, strict=False)):
@@ -231,10 +231,10 @@ def panel(axes: Any, row: Row, look: Any) -> None:
         if points:
             seconds, errors = [p.seconds for p in points], [max(p.error, ERROR_RANGE[0]) for p in points]
             axes.plot(
-                seconds, errors, color=look.colour(k), linewidth=LINE, marker=MARKS[engine], markersize=3.5,
+                seconds, errors, color=look.colour(k), linewidth=LINE_WIDTH_POINTS, marker=MARKS[engine], markersize=3.5,
                 label=engine,
             )  # fmt: skip
-    axes.axhline(MIDDLE_ERROR, color=look.muted, linewidth=THIN, linestyle="--")
+    axes.axhline(MIDDLE_ERROR, color=look.muted, linewidth=GRID_WIDTH_POINTS, linestyle="--")
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_ylim(*ERROR_RANGE)
@@ -246,4 +246,4 @@ def panel(axes: Any, row: Row, look: Any) -> None:
         axis.set_minor_formatter("")
     axes.tick_params(labelsize="small")
     axes.set_title(row.name)
-    dress(axes, look)
+    style_axes(axes, look)

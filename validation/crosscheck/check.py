@@ -9,7 +9,7 @@ import numpy as np
 
 from mbsd3d import State, System
 from mbsd3d.errors import InputError
-from mbsd3d.extend import Progress, check_state, check_system, explaining, number
+from mbsd3d.extend import Progress, check_state, check_system, checks_arguments, number
 from validation.crosscheck.formulation import ENGINE as DEFINITIONS
 from validation.crosscheck.formulation import compare_definitions, skipped
 from validation.crosscheck.judge import Runs, curves, explained, judge_motion, judge_start, own_error
@@ -41,7 +41,7 @@ class Interrupted(KeyboardInterrupt):
         self.found = found
 
 
-@explaining
+@checks_arguments
 def cross_check(
     system: System,
     t_end: float | None,

@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from mbsd3d.extend import LINE, THIN, Theme, dress, house, theme
+from mbsd3d.extend import GRID_WIDTH_POINTS, LINE_WIDTH_POINTS, Theme, figure_style, style_axes, theme
 
 Curves = Sequence[tuple[str, Sequence[float], Sequence[float]]]
 """Quantity, steps and differences of each."""
@@ -19,7 +19,7 @@ def convergence_figure(engines: Sequence[tuple[str, float | None, Curves]], dark
     of that order.
     """
     look = theme(dark)
-    with house(look):
+    with figure_style(look):
         figure = Figure(figsize=(7.5, 3.6), layout="constrained", facecolor=look.paper)
         panels = figure.subplots(1, max(len(engines), 1), squeeze=False, sharey=True)[0]
         for axes, engine in zip(panels, engines, strict=False):
@@ -27,18 +27,18 @@ def convergence_figure(engines: Sequence[tuple[str, float | None, Curves]], dark
         panels[0].set_ylabel("difference from mbsd3d, relative [-]")
         if not engines:
             panels[0].set_title("no engine ran")
-            dress(panels[0], look)
+            style_axes(panels[0], look)
     return figure
 
 
 def draw(axes: Axes, name: str, order: float | None, curves: Curves, look: Theme) -> None:
     """Draw the curves of an engine."""
-    dress(axes, look)
+    style_axes(axes, look)
     shown = [curve for curve in curves if curve[0] in FIGURE_QUANTITIES]
     for i, (quantity, steps, differences) in enumerate(shown):
         kept = [(h, e) for h, e in zip(steps, differences, strict=True) if e > 0.0]
         if kept:
-            axes.loglog(*zip(*kept, strict=True), "o-", color=look.colour(i), linewidth=LINE, markersize=4,
+            axes.loglog(*zip(*kept, strict=True), "o-", color=look.colour(i), linewidth=LINE_WIDTH_POINTS, markersize=4,
                         label=quantity)  # fmt: skip
     if shown and order:
         _, steps, _ = shown[0]
@@ -46,7 +46,9 @@ def draw(axes: Axes, name: str, order: float | None, curves: Curves, look: Theme
         least = min((e for *_, differences in shown for e in differences if e > 0.0), default=0.0)
         slope = [(h, 2.0 * first * (h / steps[0]) ** order) for h in steps]
         slope = slope[:2] + [(h, e) for h, e in slope[2:] if e >= 0.1 * least]  # below, all is rounding
-        axes.loglog(*zip(*slope, strict=True), "--", color=look.muted, linewidth=2 * THIN, label=f"order {order:g}")
+        axes.loglog(
+            *zip(*slope, strict=True), "--", color=look.muted, linewidth=2 * GRID_WIDTH_POINTS, label=f"order {order:g}"
+        )
     for axis in (axes.xaxis, axes.yaxis):  # mathtext is off in house style: names may have dollars in them
         axis.set_major_locator(LogLocator(numticks=6))
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.0e}"))

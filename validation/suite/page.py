@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import Any
 
 from engines.balance.pages.drawings import stroke, svg, text
-from mbsd3d.extend import digits, house, package_version, page_template
+from mbsd3d.extend import digits, figure_style, package_version, page_template
 from validation.crosscheck import Compared, CrossCheck, Curve
 from validation.machine import machine
 from validation.suite.findings import (
@@ -179,7 +179,7 @@ def picture(made: Run) -> str:
         return ""
     pose = None if made.solution is None else made.solution.state(made.solution.t.size - 1)
     figure, buffer = made.system.picture(pose, size=PICTURE_SIZE), io.BytesIO()
-    with house():
+    with figure_style():
         figure.savefig(buffer, format="webp", dpi=DOTS_PER_INCH, pil_kwargs={"quality": 70})
     return f"data:image/webp;base64,{base64.b64encode(buffer.getvalue()).decode()}"
 

@@ -29,7 +29,7 @@ from engines.balance.planes.shaft_loads import carried_loads, heavy, moved
 from engines.balance.planes.units import Unit, find_units, out_of_plane, planar_joint, unlike
 from mbsd3d import Body, System
 from mbsd3d.errors import InputError
-from mbsd3d.extend import check_system, explaining
+from mbsd3d.extend import check_system, checks_arguments
 
 __all__ = ["BlockLoad", "Failure", "Plane", "Reduction", "reduce_to_planes"]
 
@@ -96,7 +96,7 @@ class Reduction:
         return BlockLoad(force, moment)
 
 
-@explaining
+@checks_arguments
 def reduce_to_planes(system: System) -> Reduction:
     """Decide whether a spatial system is the sum of planar ones, and form them.
 

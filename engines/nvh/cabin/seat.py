@@ -20,7 +20,7 @@ from engines.nvh.mounts.mounts import Car
 from engines.nvh.mounts.response import Map, OnMounts
 from mbsd3d import rotation
 from mbsd3d.errors import InputError
-from mbsd3d.extend import matrix, solvable
+from mbsd3d.extend import matrix, reporting_linalg_errors
 
 KINDS = BEAM, PLATE = "beam", "plate"
 BEAM_FIELDS = ("mass", "roll_inertia", "length", "bending", "lateral", "torsion", "damping")
@@ -95,7 +95,7 @@ class Cabin:
             D = turn @ self.held.feet(rate, W) @ turn.T
             blocked = (found.force[s, 1:] @ self.axes.T).reshape(W.size, -1)
             moved = np.eye(3 * count) + D @ self.shell.receptance(W, self.at_feet, self.at_feet)
-            with solvable("nvh: the shell on its mounts"):
+            with reporting_linalg_errors("nvh: the shell on its mounts"):
                 force = np.linalg.solve(moved, blocked[..., None])[..., 0]
             to_seat = -(W[:, None, None] ** 2) * self.shell.receptance(W, self.at_seat, self.at_feet)
             felt[s, 1:] = np.swapaxes(to_seat * force[:, None, :], 1, 2).reshape(W.size, count, 3, 3)

@@ -13,7 +13,7 @@ from engines.nvh.mounts.rigid_modes import mass_matrix
 from engines.nvh.study import Study
 from mbsd3d import Body, Mode, System, linearize
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, dress, new_figure
+from mbsd3d.extend import LINE_WIDTH_POINTS, new_figure, style_axes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -104,8 +104,10 @@ def figure(found: ActiveMount) -> "Figure":
     t = 1e3 * np.arange(found.force.size) / SAMPLE_RATE
     with new_figure(7.5, 2.8) as (made, look):
         for axes, part, title in zip(made.subplots(1, 2), ends, ("first", "last"), strict=True):
-            dress(axes, look)
-            axes.plot(t[part], found.known[part], color=look.colour(0), linewidth=LINE, label="linear loop")
+            style_axes(axes, look)
+            axes.plot(
+                t[part], found.known[part], color=look.colour(0), linewidth=LINE_WIDTH_POINTS, label="linear loop"
+            )
             axes.plot(t[part], found.force[part], ".", color=look.ink, markersize=3, label="general model")
             axes.set(xlabel="time [ms]", ylabel="force at the car [N]" if title == "first" else "")
             axes.set_title(f"{title} {1e3 * FIGURE_SAMPLES / SAMPLE_RATE:g} ms", loc="left")

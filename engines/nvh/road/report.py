@@ -17,7 +17,16 @@ from engines.nvh.road.ride import Ride, rms
 from engines.nvh.road.vehicle import GRAVITY, KINDS, Vehicle
 from mbsd3d import linearize, simulate
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, digits, dress, inline_svg, new_figure, number, page_template, write_atomically
+from mbsd3d.extend import (
+    LINE_WIDTH_POINTS,
+    digits,
+    inline_svg,
+    new_figure,
+    number,
+    page_template,
+    style_axes,
+    write_atomically,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -141,10 +150,10 @@ def guide_figure(vehicle: Vehicle) -> "Figure":
     shown = ("toe", "toe-in [min]", 60 * degree), ("camber", "camber [°]", degree), ("ratio", "motion ratio", -1.0)
     with new_figure(7.5, 2.8) as (made, look):
         for axes, (name, label, scale) in zip(made.subplots(1, 3), shown, strict=True):
-            dress(axes, look)
+            style_axes(axes, look)
             for k, (axle, held) in enumerate(zip(("front", "rear"), vehicle.guides, strict=True)):
                 values, line = scale * getattr(held.curves, name), f"{axle}, {held.kind}"
-                axes.plot(values, 1e3 * held.curves.z, color=look.colour(k), linewidth=LINE, label=line)
+                axes.plot(values, 1e3 * held.curves.z, color=look.colour(k), linewidth=LINE_WIDTH_POINTS, label=line)
             axes.set(xlabel=label, ylabel="up [mm]" if name == "toe" else "")
         made.legend(
             *axes.get_legend_handles_labels(), frameon=False, labelcolor=look.ink, ncols=2, loc="outside lower right"
@@ -158,12 +167,12 @@ def figure(ride: Ride) -> "Figure":
     with new_figure(7.5, 5.4) as (made, look):
         upper, lower = made.subplots(2, 1)
         for axes in (upper, lower):
-            dress(axes, look)
+            style_axes(axes, look)
         width = f[1] - f[0]
         band = np.abs(ride.seat) / np.sqrt(2 * width)
         upper.loglog(f, np.abs(ride.run_seat) / np.sqrt(2 * width), ".", color=look.colour(1), markersize=3)
-        upper.loglog(f, band, color=look.colour(0), linewidth=LINE)
-        upper.loglog(f, band * np.abs(weight(f)), color=look.ink, linewidth=LINE)
+        upper.loglog(f, band, color=look.colour(0), linewidth=LINE_WIDTH_POINTS)
+        upper.loglog(f, band * np.abs(weight(f)), color=look.ink, linewidth=LINE_WIDTH_POINTS)
         upper.set(xlabel="frequency [Hz]", ylabel="m/s² per √Hz")
         upper.set_title("lines: small motions, below weighted by W_k; dots: full motion", loc="left")
         for axis in (upper.xaxis, upper.yaxis):
@@ -171,7 +180,7 @@ def figure(ride: Ride) -> "Figure":
         rolling = [replace(ride.vehicle, speed=float(speed)) for speed in SPEEDS]
         for k, kind in enumerate(FIGURE_CLASSES):
             over = [Ride(vehicle, Road(kind), vehicle.speed).weighted for vehicle in rolling]
-            lower.plot(SPEEDS, over, color=look.colour(k), linewidth=LINE, label=f"class {kind}")
+            lower.plot(SPEEDS, over, color=look.colour(k), linewidth=LINE_WIDTH_POINTS, label=f"class {kind}")
         lower.plot([ride.speed], [ride.weighted], "o", color=look.ink)
         lower.set(xlabel="speed [m/s]", ylabel="weighted [m/s²]", ylim=(0.0, None))
         made.legend(frameon=False, labelcolor=look.ink, ncols=len(FIGURE_CLASSES), loc="outside lower right")
@@ -184,10 +193,10 @@ def response_figure(rides: list[Ride]) -> "Figure":
     f = slid.rates / (2 * np.pi)
     with new_figure(7.5, 2.8) as (made, look):
         axes = made.add_subplot()
-        dress(axes, look)
+        style_axes(axes, look)
         for k, (ride, label) in enumerate(((slid, "wheel on a slide"), (linked, "wheel on its links"))):
             gain = np.abs(ride.seat / (ride.rates**2 * ride.under(ride.vehicle.corners[0])))
-            axes.loglog(f, gain, color=look.colour(k), linewidth=LINE, label=label)
+            axes.loglog(f, gain, color=look.colour(k), linewidth=LINE_WIDTH_POINTS, label=label)
         few = np.unique(np.geomspace(1, f.size, 25).astype(int) - 1)
         known = np.abs(quarter_car(slid) / (slid.rates**2 * slid.under(slid.vehicle.corners[0])))
         axes.loglog(f[few], known[few], "o", color=look.ink, markersize=3, label="closed form")

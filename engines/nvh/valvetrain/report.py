@@ -13,7 +13,16 @@ from engines.nvh.valvetrain.cam import RollerCam, cam
 from engines.nvh.valvetrain.train import Train
 from mbsd3d import Solution
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, digits, dress, inline_svg, new_figure, number, page_template, write_atomically
+from mbsd3d.extend import (
+    LINE_WIDTH_POINTS,
+    digits,
+    inline_svg,
+    new_figure,
+    number,
+    page_template,
+    style_axes,
+    write_atomically,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -138,14 +147,18 @@ def figure(valve: Valve) -> "Figure":
     with new_figure(7.5, 5.0) as (made, look):
         force, lift = made.subplots(2, 1, sharex=True)
         for axes in (force, lift):
-            dress(axes, look)
+            style_axes(axes, look)
         angle = 360 * np.arange(valve.run.t.size) / (valve.run.t.size - 1) - 180
-        force.plot(angle, train.pushed(), color=look.ink, linewidth=LINE, label="constraint")
-        lift.plot(angle, 1e3 * train.cam.spline(np.radians(angle) % (2 * np.pi)), color=look.ink, linewidth=LINE)
+        force.plot(angle, train.pushed(), color=look.ink, linewidth=LINE_WIDTH_POINTS, label="constraint")
+        lift.plot(
+            angle, 1e3 * train.cam.spline(np.radians(angle) % (2 * np.pi)), color=look.ink, linewidth=LINE_WIDTH_POINTS
+        )
         for k, (run, words) in enumerate(((valve.run, "contact"), (valve.surging, "contact, spring surges"))):
-            force.plot(angle, run.force("contact").force[:, 2], color=look.colour(k), linewidth=LINE, label=words)
+            force.plot(
+                angle, run.force("contact").force[:, 2], color=look.colour(k), linewidth=LINE_WIDTH_POINTS, label=words
+            )
             height = run.position("valve")[:, 2] - train.cam.height
-            lift.plot(angle, 1e3 * height, color=look.colour(k), linewidth=LINE)
+            lift.plot(angle, 1e3 * height, color=look.colour(k), linewidth=LINE_WIDTH_POINTS)
         force.set(ylabel="force of the cam [N]")
         lift.set(xlabel="cam angle from the nose [degrees]", ylabel="lift [mm]", xticks=range(-180, 181, 60))
         made.legend(frameon=False, labelcolor=look.ink, ncols=3, loc="outside lower right")

@@ -6,8 +6,7 @@ from functools import cached_property
 import numpy as np
 from scipy.cluster.hierarchy import DisjointSet
 
-from ...base.directions import crosses
-from ...base.quaternions import exponential, multiply, skew
+from ...base.rotations import crosses, exponential, multiply, skew
 from ...equations.compiled import Compiled
 from ...equations.jacobian import BlockRows
 from ...kernels.layout import Data

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from ...base.quaternions import conjugate, logarithm, multiply
-from ...base.rotations import matrix
+from ...base.rotations import conjugate, logarithm, matrix, multiply
 from ...dynamics.state_rates import FACTOR_FROM_OTHER_POSE, PROJECTED, project_positions
 from ...equations.at_state import coordinate_row, load_state
 from ...equations.compiled import Compiled

@@ -11,8 +11,7 @@ from scipy.optimize import approx_fprime, root
 from mbsd3d import Ramp, Solution, State, accelerations
 
 from ...base.errors import InputError
-from ...base.quaternions import multiply
-from ...base.rotations import matrix
+from ...base.rotations import matrix, multiply
 from ...equations.compiled import Switches
 from ...run.accelerations import Rates
 from .car import UP, WHEELS, Car, car

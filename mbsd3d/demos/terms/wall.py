@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import GROUND, Body, Revolute, Spherical, State, System, shapes, simulate
-from mbsd3d.base.quaternions import H
 
+from ...base.rotations import H
 from ..base import Show
 from ..figure import Line, Table
 from ..form import Ablation, Builder, Curve, Demo, Measured, Quantity, require

@@ -7,8 +7,7 @@ import numpy as np
 
 from ...base.errors import InputError
 from ...base.mass_properties import MassProperties, combine
-from ...base.quaternions import conjugate, multiply
-from ...base.rotations import matrix
+from ...base.rotations import conjugate, matrix, multiply
 from ...mechanism.bodies import GROUND, Body
 from ...mechanism.couplings import Gear, RackPinion
 from ...mechanism.drivers import AngleDriver, SlideDriver

@@ -14,7 +14,7 @@ from math import ceil
 from pathlib import Path
 from typing import Any
 
-from ...base.checks import listed, number, shown
+from ...base.checks import as_tuple, number, short_repr
 from ...base.errors import InputError
 from ...base.paths import as_path
 from .builder import KINDS, Builder, Imported
@@ -31,9 +31,11 @@ def read_xml(path: str | Path, kind: str, drop: Sequence[str], timeout: float) -
     path, timeout = as_path(path, f"model.{SUFFIXES[kind]}"), number(timeout, "timeout", positive=True)
     if timeout > LONGEST:
         raise InputError(f"timeout: {timeout:g} s is more than a day; give at most {LONGEST:g}")
-    drop = (drop,) if isinstance(drop, str) else listed(drop, "drop", "kinds of parts")
+    drop = (drop,) if isinstance(drop, str) else as_tuple(drop, "drop", "kinds of parts")
     if unknown := [x for x in drop if not isinstance(x, str) or x not in KINDS]:
-        raise InputError(f"'{path}': drop: {shown(unknown[0])} is not a kind of part; give some of {', '.join(KINDS)}")
+        raise InputError(
+            f"'{path}': drop: {short_repr(unknown[0])} is not a kind of part; give some of {', '.join(KINDS)}"
+        )
     scan = Scan(path)
     scan.read(path)
     scan.check_named()

@@ -11,7 +11,7 @@ from ..force_element import ForceElement, ForceRecord, hinge_coordinate
 from ..joints import Joint
 from ..signals import Constant, SignalField
 
-SMALL = 1e-3
+BRAKE_ELASTIC_SLIP = 1e-3
 """rad or m: about what a brake yields before it slips."""
 
 
@@ -82,7 +82,7 @@ class Brake(ForceElement):
         x = hinge_coordinate(self.hinge, "")
         return ForceRecord(
             (x.a, x.b), parameters=self.read_by_law(), signals=(self.torque, None, None), coordinate=x,
-            states=(0.0,), scales=((SMALL, 0.0, 0.0),),
+            states=(0.0,), scales=((BRAKE_ELASTIC_SLIP, 0.0, 0.0),),
         )  # fmt: skip
 
     def partners(self) -> tuple:

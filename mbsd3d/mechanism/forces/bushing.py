@@ -19,13 +19,13 @@ from ..force_element import ForceElement, ForceRecord, check_pair
 
 
 @inner_kernel
-def into(F, a):
+def into_axes(F, a):
     """F'a for axes F given as three columns."""
     return dot(F[0], a), dot(F[1], a), dot(F[2], a)
 
 
 @inner_kernel
-def out_of(F, a):
+def out_of_axes(F, a):
     """F a for axes F given as three columns."""
     return add(add(scale(a[0], F[0]), scale(a[1], F[1])), scale(a[2], F[2]))
 
@@ -73,16 +73,16 @@ def bushing(m, d, p, out, t):
     A, B = columns(a, p.frame[0]), columns(b, p.frame[1])
     sb = arm(b, p.point[1])
     reach = sub(point(b, sb), vec(a.r))  # the force on a acts where the point of b is
-    x = into(A, sub(reach, arm(a, p.point[0])))
-    x_dot = into(A, sub(point_velocity(b, sb), point_velocity(a, reach)))
-    w = into(A, sub(vec(b.w), vec(a.w)))
+    x = into_axes(A, sub(reach, arm(a, p.point[0])))
+    x_dot = into_axes(A, sub(point_velocity(b, sb), point_velocity(a, reach)))
+    w = into_axes(A, sub(vec(b.w), vec(a.w)))
     away, mixed, squares = relative_turn(A, B)
     Kx, Cx = scaled(own.stiffness, x), scaled(own.damping, x_dot)
     Ka, Cw = scaled(own.turning_stiffness, away), scaled(own.turning_damping, w)
     k1, k2, k3 = vec(own.turning_stiffness)
     across = ((k3 - k2) * mixed[0], (k1 - k3) * mixed[1], (k2 - k1) * mixed[2])
-    force = out_of(A, scale(-1.0, add(Kx, Cx)))
-    moment = out_of(A, sub(scale(-0.5, add(Ka, across)), Cw))
+    force = out_of_axes(A, scale(-1.0, add(Kx, Cx)))
+    moment = out_of_axes(A, sub(scale(-0.5, add(Ka, across)), Cw))
     add_force(b, force, sb)
     add_force(a, scale(-1.0, force), reach)
     add_moment(b, moment)

@@ -5,9 +5,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ...base.directions import perpendiculars
 from ...base.errors import InputError
 from ...base.fields import Number, NumberOrNone, kept, part_class
+from ...base.rotations import perpendiculars
 from ...compiler.decorators import inner_kernel
 from ...kernels.force_laws import add_force, add_moment
 from ...kernels.surfaces import CONTACT, contact_parameters, meeting, pressure
@@ -19,7 +19,7 @@ from ..motion import Motion
 from ..rounded import Rounded, rounded
 from ..shapes import Shape
 
-WEIGHT = 9.81  # m/s^2, of the load under which a default of the grip is as stiff as the contact itself
+STANDARD_GRAVITY = 9.81  # [m/s^2] of the load under which the default grip is as stiff as the contact itself
 
 
 @inner_kernel
@@ -43,7 +43,7 @@ def smooth(most, u, v, still):
 
 
 @inner_kernel
-def rub(own, d, p, out, normal, slip, turn):
+def contact_friction(own, d, p, out, normal, slip, turn):
     """(friction, moment) in the axes of the plane, against the slip and the relative rotation; fills rates and energy.
 
     Own states: deflection (2) [m]; with rolling or spinning friction those of the rotation too (3) [rad].
@@ -85,7 +85,7 @@ def contact(m, d, p, out, t):
     normal, elastic, depth = pressure(own, gap, slip[2])
     out.potential = elastic * depth / (own.exponent + 1.0)
     out.power = (elastic - normal) * slip[2]
-    friction, moment = rub(own, d, p, out, normal, slip, turn)
+    friction, moment = contact_friction(own, d, p, out, normal, slip, turn)
     out.power -= friction[0] * slip[0] + friction[1] * slip[1]
     out.power -= moment[0] * turn[0] + moment[1] * turn[1] + moment[2] * turn[2]
     force = sub(scale(normal, plane[2]), add(scale(friction[0], plane[0]), scale(friction[1], plane[1])))
@@ -186,7 +186,7 @@ class Contact(ForceElement):
             return 1.0, 1.0
         grip, damping = self.grip, self.grip_damping
         if grip is None:
-            depth = (self.b.mass * WEIGHT / self.stiffness) ** (1.0 / self.exponent)
+            depth = (self.b.mass * STANDARD_GRAVITY / self.stiffness) ** (1.0 / self.exponent)
             grip = self.exponent * self.stiffness * depth ** (self.exponent - 1.0)
         return grip, float(np.sqrt(grip * self.b.mass)) if damping is None else damping
 

@@ -9,7 +9,7 @@ import numba
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...base.checks import listed, number, sequence, shown, vector
+from ...base.checks import as_tuple, number, sequence, short_repr, vector
 from ...base.errors import InputError
 from ...base.fields import (
     Number,
@@ -28,9 +28,9 @@ from ...kernels.vectors import add, add6, arm, clear, cross, dot, mat, pair, poi
 from ..bodies import Body, Ground, as_body_or_ground
 from ..force_element import ForceElement, ForceRecord
 from ..mechanism import Mechanism
-from .own_functions import RETURNED, callback, reason, uncompiled
+from .own_functions import RETURN_FLAG_INDEX, callback, reason, uncompiled
 
-ARGUMENTS = ("t", "bodies", "z", "parameters", "loads", "z_dot")
+CUSTOM_ARGUMENTS = ("t", "bodies", "z", "parameters", "loads", "z_dot")
 
 
 @inner_kernel
@@ -51,14 +51,14 @@ def custom(m, d, p, out, t):
     for i in range(p.bodies):
         place(d.body[p.body[i]], d.pose[i], arm(d.body[p.body[i]], p.point[i]))
     clear(d.wrench)
-    d.wrench[RETURNED] = np.nan
+    d.wrench[RETURN_FLAG_INDEX] = np.nan
     z, z_dot = d.z[p.state : p.state + p.states], d.state_rate[p.state : p.state + p.states]
     clear(z_dot)
     address = p.address[1] if np.iscomplexobj(d.wrench) else p.address[0]
     if address != 0:
         numbers = series(m, p, 0, p.numbers)
         call(address, t, d.pose, p.bodies, z, p.states, numbers, p.numbers, d.wrench, z_dot)
-    out.power = d.wrench[RETURNED]
+    out.power = d.wrench[RETURN_FLAG_INDEX]
     for i in range(p.bodies):
         body, pose = d.body[p.body[i]], d.pose[i]
         force, moment = pair(d.wrench[6 * i : 6 * i + 6])
@@ -69,7 +69,7 @@ def custom(m, d, p, out, t):
 def as_bodies(value: Any, what: str, part: Any) -> tuple[Body | Ground, ...]:
     """One body or up to as many as a function can act on."""
     if not isinstance(value, Body | Ground | list | tuple):
-        raise InputError(f"{what} {shown(value)}; give a Body, GROUND or a tuple of them")
+        raise InputError(f"{what} {short_repr(value)}; give a Body, GROUND or a tuple of them")
     on = (value,) if isinstance(value, Body | Ground) else tuple(value)
     if not 1 <= len(on) <= CUSTOM_FORCE_BODIES_MAX:
         raise InputError(f"{what.removesuffix(': on')}: acts on {len(on)} bodies; give 1 to {CUSTOM_FORCE_BODIES_MAX}")
@@ -78,7 +78,7 @@ def as_bodies(value: Any, what: str, part: Any) -> tuple[Body | Ground, ...]:
 
 def as_points(value: Any, what: str, part: Any) -> tuple[np.ndarray, ...]:
     """World points at the reference pose."""
-    given = listed(value, what, "one per body")
+    given = as_tuple(value, what, "one per body")
     return tuple(vector(point, f"{what.removesuffix('s')} no. {k + 1}") for k, point in enumerate(given))
 
 
@@ -89,7 +89,7 @@ def reference_points(force: Any) -> tuple[np.ndarray, ...]:
 
 def as_labels(value: Any, what: str, part: Any) -> tuple[str, ...]:
     """Names of own states: those of a mapping of states, else as given."""
-    return listed(part.states if isinstance(part.states, Mapping) else value, what, "names")
+    return as_tuple(part.states if isinstance(part.states, Mapping) else value, what, "names")
 
 
 def names_of_states(force: Any) -> tuple[str, ...]:
@@ -166,9 +166,11 @@ class FunctionForce(ForceElement):
         texts = all(isinstance(x, str) for x in self.labels)
         fits = texts and len(self.labels) == len(set(self.labels)) == count
         if not fits:
-            raise InputError(f"{what}: labels {shown(self.labels)} for {count} states; name each once")
+            raise InputError(f"{what}: labels {short_repr(self.labels)} for {count} states; name each once")
         if len(self.scales) != count or min(self.scales, default=1.0) <= 0.0:
-            raise InputError(f"{what}: scales {shown(self.scales)} for {count} states; give one number > 0 per state")
+            raise InputError(
+                f"{what}: scales {short_repr(self.scales)} for {count} states; give one number > 0 per state"
+            )
 
     def record(self) -> ForceRecord:
         scales = tuple((scale, 0.0, 0.0) for scale in self.scales)
@@ -273,8 +275,10 @@ class CustomForce(FunctionForce):
         super().check(what)
         plain = getattr(self.function, "py_func", self.function)
         if not inspect.isfunction(plain):
-            raise InputError(f"{what}: function {shown(self.function)} is not a function; give a plain or a jitted one")
-        if len(inspect.signature(plain).parameters) != len(ARGUMENTS):
+            raise InputError(
+                f"{what}: function {short_repr(self.function)} is not a function; give a plain or a jitted one"
+            )
+        if len(inspect.signature(plain).parameters) != len(CUSTOM_ARGUMENTS):
             raise InputError(f"{what}: function '{plain.__name__}' must take the arguments {', '.join(ARGUMENTS)}")
         self.address(float)
 

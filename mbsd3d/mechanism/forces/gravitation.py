@@ -26,7 +26,7 @@ from ...kernels.vectors import (
 )  # fmt: skip
 from ..bodies import Body, Ground
 from ..force_element import ForceElement, ForceRecord, check_body, check_pair
-from .bushing import out_of
+from .bushing import out_of_axes
 
 WEIGHT = Parameters(acceleration=("m/s^2", 3))
 weight_parameters = WEIGHT.reader()
@@ -37,7 +37,7 @@ def weight(m, d, p, out, t):
     """Force mass g at the centre of mass of b, g resting in a."""
     a, b = d.body[p.body[0]], d.body[p.body[1]]
     s = vec(b.s)
-    g = out_of(columns(a, p.frame[0]), vec(weight_parameters(m.number, p.number).acceleration))
+    g = out_of_axes(columns(a, p.frame[0]), vec(weight_parameters(m.number, p.number).acceleration))
     pull = scale(m.body[p.body[1]].mass, g)
     add_force(b, pull, s)
     out.power = dot(pull, point_velocity(b, s))

@@ -13,7 +13,9 @@ from ...base.errors import InputError
 from ...compiler.numba_private import CFunc
 from ...kernels.layout import CUSTOM_FORCE_BODIES_MAX, data_records
 
-RETURNED = 6 * CUSTOM_FORCE_BODIES_MAX  # place in Data.wrench that the wrapper sets to 0 when the function has returned
+RETURN_FLAG_INDEX = (
+    6 * CUSTOM_FORCE_BODIES_MAX
+)  # [1] place in Data.wrench that the wrapper sets to 0 when the function has returned
 
 
 def wrapped(function: Callable) -> Callable:
@@ -21,15 +23,15 @@ def wrapped(function: Callable) -> Callable:
     array = numba.carray
 
     def called(t, poses, k, z, states, numbers, n, wrench, z_dot):
-        loads = array(wrench, (RETURNED + 1,))
+        loads = array(wrench, (RETURN_FLAG_INDEX + 1,))
         try:
             function(
                 t, array(poses, (k,)), array(z, (states,)), array(numbers, (n,)), loads[: 6 * k].reshape((k, 6)),
                 array(z_dot, (states,)),
             )  # fmt: skip
-            loads[RETURNED] = 0.0
+            loads[RETURN_FLAG_INDEX] = 0.0
         except Exception:  # numba knows no narrower one
-            loads[RETURNED] = np.nan
+            loads[RETURN_FLAG_INDEX] = np.nan
 
     return called
 
@@ -40,7 +42,7 @@ def uncompiled(function: Callable) -> Callable:
 
     def called(t, poses, k, z, states, numbers, n, wrench, z_dot):
         plain(t, poses[:k], z, numbers, wrench[: 6 * k].reshape(k, 6), z_dot)
-        wrench[RETURNED] = 0.0
+        wrench[RETURN_FLAG_INDEX] = 0.0
 
     return called
 

@@ -7,7 +7,6 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ...base import directions
 from ...base.checks import number
 from ...base.errors import InputError
 from ...base.fields import (
@@ -19,6 +18,7 @@ from ...base.fields import (
     part_class,
     true_or_false,
 )
+from ...base.rotations import cross as cross_product
 from ...compiler.decorators import inner_kernel
 from ...compiler.records import Parameters
 from ...kernels.force_laws import add_force, add_moment, tanh
@@ -29,13 +29,46 @@ from ..contacts import Plane, level_plane
 from ..force_element import ForceElement, ForceRecord, check_pair
 from ..rounded import Rounded, circle
 from ..signals import Signal, SignalOrNone, as_signal
-from .tread import at_least, brush, sensitive
 
-CREEP, TURNING = 0.05, 0.01
+LOAD_FACTOR_MIN = 0.1
+"""Share of grip and stiffness that no load takes away."""
+FULL_SLIDING_DEFLECTION = 1.5
+"""Deflection, in units of that of full grip, from which all of the contact patch slides."""
+
+
+@inner_kernel
+def clamp_below(x, least):
+    """x, or a number that it is not below."""
+    return x if x.real > least else least + 0.0 * x
+
+
+@inner_kernel
+def load_factor(k, load):
+    """Share 1 - k (N/N0 - 1) of a coefficient that is left at a load, given as N/N0."""
+    return clamp_below(1.0 - k * (load - 1.0), LOAD_FACTOR_MIN)
+
+
+@inner_kernel
+def brush_force_and_trail(q):
+    """(force over that of the linear tyre, trail over that at rest) at a linear force of q times the grip.
+
+    With the theoretical slip s = q/(1 - q/3) the force is mu N (1 - (1 - s/3)^3): the steady deflection under s is q.
+    """
+    force, trail = 1.0 + 0.0 * q, 1.0 + 0.0 * q
+    if q.real < FULL_SLIDING_DEFLECTION:
+        s = q / (1.0 - q / 3.0)
+        rest, adhesion = 1.0 - s / 3.0, 1.0 - s / 3.0 + s * s / 27.0
+        force, trail = adhesion / (1.0 - q / 3.0), rest * rest * rest / adhesion
+    else:
+        force, trail = 1.0 / q, 0.0 * q
+    return force, trail
+
+
+ROLLING_RESISTANCE_SPEED, ALIGNING_MOMENT_SPEED = 0.05, 0.01
 """Speeds [m/s] of the tread and of the hub at which rolling resistance and moment about the normal reach 76 %."""
-SLIPPERY = 0.01
+FRICTION_MIN = 0.01
 """Least grip: with less, deflections of a sliding wheel come and go in microseconds; wet ice has 0.05."""
-FULL = 0.1
+DEFLECTION_SCALE = 0.1
 """Size of the deflections at full grip."""
 
 
@@ -75,7 +108,7 @@ def tyre(m, d, p, out, t):
     if sink.real <= 0.0 or N.real <= 0.0:
         N = 0.0 * N  # neither tension nor a pull on release
     load = N / own.nominal_load
-    share = sensitive(own.stiffness_sensitivity, load)
+    share = load_factor(own.stiffness_sensitivity, load)
     C_x, C_y, C_g = share * own.longitudinal, share * own.cornering, share * own.camber
     instant = float(p.option)
 
@@ -83,7 +116,7 @@ def tyre(m, d, p, out, t):
     grip = speed * 0.0 + np.inf
     limit = 0.0 * V
     if p.signal[0] >= 0:
-        grip = at_least(signal(m, p.signal[0], t)[0], SLIPPERY) * sensitive(own.grip_sensitivity, load)
+        grip = clamp_below(signal(m, p.signal[0], t)[0], FRICTION_MIN) * load_factor(own.grip_sensitivity, load)
         limit = np.sqrt(C_x * C_x * slip_x * slip_x + C_y * C_y * slip_y * slip_y) / (3.0 * grip)
     d.state_rate[p.state] = (-slip_x - (V + limit) * z[0]) / own.relaxation_x
     lag = (1.0 - instant) * V * C_g / C_y * lean
@@ -95,13 +128,13 @@ def tyre(m, d, p, out, t):
     q, force, trail = 0.0 * V, 1.0 + 0.0 * V, 1.0 + 0.0 * V
     if p.signal[0] >= 0:
         q = np.sqrt(pull_x * pull_x + pull_y * pull_y) / grip
-        force, trail = brush(q)
+        force, trail = brush_force_and_trail(q)
     F_x, F_y = N * force * pull_x, N * (force * pull_y - instant * C_g * lean)
     by_slip = N * force * (pull_y + (1.0 - instant) * C_g * lean)
-    M_z = tanh(speed / TURNING) * (N * own.twisting * lean - own.trail * trail * by_slip)
+    M_z = tanh(speed / ALIGNING_MOMENT_SPEED) * (N * own.twisting * lean - own.trail * trail * by_slip)
     reach = sub(s, hub)
     radius = np.sqrt(dot(reach, reach))
-    M_y = -own.rolling_resistance * N * radius * tanh(dot(w, axle) * radius / CREEP)
+    M_y = -own.rolling_resistance * N * radius * tanh(dot(w, axle) * radius / ROLLING_RESISTANCE_SPEED)
 
     F = add(scale(N, n), add(scale(F_x, ahead), scale(F_y, left)))
     M = add(scale(M_y, left), scale(M_z, n))
@@ -230,7 +263,7 @@ class Tyre(ForceElement):
             raise InputError(f"{what}: crown {self.crown} exceeds the outer radius {self.radius}; give crown <= radius")
         if self.nominal_load is None and (self.grip_sensitivity or self.stiffness_sensitivity):
             raise InputError(f"{what}: sensitive to the load, but without nominal_load; give it in N")
-        if abs(directions.cross(self.axis, self.plane[1])).max() < 1e-9:
+        if abs(cross_product(self.axis, self.plane[1])).max() < 1e-9:
             raise InputError(f"{what}: the wheel lies flat on the plane, so it has no contact point; tilt its axis")
 
     @cached_property
@@ -254,7 +287,7 @@ class Tyre(ForceElement):
             parameters=self.read_by_law(
                 ring=self.radius - self.crown, longitudinal=C_x, relaxation_x=s_x, nominal_load=self.nominal_load or 1.0
             ),
-            states=(0.0, 0.0), scales=((FULL, 0.0, 0.0), (FULL, 0.0, 0.0)),
+            states=(0.0, 0.0), scales=((DEFLECTION_SCALE, 0.0, 0.0), (DEFLECTION_SCALE, 0.0, 0.0)),
         )  # fmt: skip
 
     def state_names(self) -> tuple[str, ...]:

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ...base.directions import NEARLY_SQUARE, perpendiculars, squared, unit
 from ...base.errors import InputError
 from ...base.fields import Direction, DirectionOrDerived, NumberOrDerived, Vector, kept, locked, part_class
+from ...base.rotations import PERPENDICULAR_TOLERANCE, make_perpendicular, perpendiculars, unit
 from ...kernels import kinds
 from ..bodies import Body, Ground
 from ..primitives import Coordinate, Primitive, coincide, in_plane, perpendicular
@@ -118,10 +118,10 @@ class Parallel(Joint):
 def square_to_axis_a(value: Any, what: str, part: Any) -> np.ndarray:
     """The second axis, squared to the first one."""
     x, y = part.axis_a, unit(value, what)
-    if abs(x @ y) > NEARLY_SQUARE:
+    if abs(x @ y) > PERPENDICULAR_TOLERANCE:
         angle = np.degrees(np.arccos(x @ y))
         raise InputError(f"{what.removesuffix(': axis_b')}: the axes enclose {angle:.6g} degrees; give 90 degrees")
-    return locked(squared(x, y))
+    return locked(make_perpendicular(x, y))
 
 
 @part_class()

@@ -11,12 +11,12 @@ from scipy.interpolate import PPoly, make_interp_spline
 from ...base.checks import check_size, floats
 from ...base.errors import InputError
 
-DEGREE = 5  # forces of cams follow the second derivative, which then is smooth too
-FEWEST = {True: 8, False: 6}  # points of a closed and of an open curve
-MOST = 20_000  # points: all of them are searched for where the curve is met
-SHARPEST = np.radians(60.0)  # that a curve may turn from point to point
-WIDEST = 4.0  # times the next longest chord may the one be that closes a curve
-STARTS = 8  # places of a piece from which the nearest point is searched
+SPLINE_DEGREE = 5  # [1] forces of cams follow the second derivative, which then is smooth too
+CURVE_POINTS_MIN = {True: 8, False: 6}  # [points] of a closed and of an open curve
+CURVE_POINTS_MAX = 20_000  # [points] all of them are searched for where the curve is met
+TURN_PER_POINT_MAX = np.radians(60.0)  # [rad] between two points of a curve
+CLOSING_CHORD_RATIO_MAX = 4.0  # [1] of the next longest chord, for the one that closes a curve
+NEAREST_POINT_STARTS = 8  # [1] places of a piece from which the nearest point is searched
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,10 +32,10 @@ class Curve:
 
     def __post_init__(self) -> None:
         points = floats(self.points, self.what, "points (n, 3) in metres")
-        least, kind = FEWEST[self.closed], "a closed" if self.closed else "an open"
-        if points.ndim != 2 or points.shape[1] != 3 or not least <= len(points) <= MOST:
+        least, kind = CURVE_POINTS_MIN[self.closed], "a closed" if self.closed else "an open"
+        if points.ndim != 2 or points.shape[1] != 3 or not least <= len(points) <= CURVE_POINTS_MAX:
             raise InputError(
-                f"{self.what} has shape {points.shape}; give {least} to {MOST} points (n, 3) of {kind} curve"
+                f"{self.what} has shape {points.shape}; give {least} to {CURVE_POINTS_MAX} points (n, 3) of {kind} curve"
             )
         check_size(points, self.what)
         object.__setattr__(self, "points", points)
@@ -46,7 +46,7 @@ class Curve:
             last = self.closed and k == len(points) - 1
             remedy = "a closed curve ends at its first point: leave the last one out" if last else "leave one out"
             raise InputError(f"{self.what}: points {k} and {(k + 1) % len(points)} coincide; {remedy}")
-        if self.closed and long[-1] > WIDEST * np.delete(long, -1).max():
+        if self.closed and long[-1] > CLOSING_CHORD_RATIO_MAX * np.delete(long, -1).max():
             raise InputError(
                 f"{self.what}: a gap of {long[-1]:.3g} m between the last point and the first, where neighbours are at "
                 f"most {np.delete(long, -1).max():.3g} m apart; give the points between, or closed=False"
@@ -57,7 +57,7 @@ class Curve:
         """ValueError for a curve that turns sharply; ``along``: directions of its chords."""
         before, after = (np.roll(along, 1, axis=0), along) if self.closed else (along[:-1], along[1:])
         turns = np.arctan2(np.linalg.norm(np.cross(before, after), axis=1), (before * after).sum(axis=1))
-        if turns.max() > SHARPEST:
+        if turns.max() > TURN_PER_POINT_MAX:
             k = int(turns.argmax()) + (not self.closed)
             raise InputError(
                 f"{self.what}: a corner or a cusp at point {k}, a turn of {np.degrees(turns.max()):.0f} degrees; "
@@ -142,7 +142,7 @@ class Curve:
     def fine(self) -> np.ndarray:
         """s at `STARTS` even places of every piece."""
         low, width = self.x.x[:-1, None], np.diff(self.x.x)[:, None]
-        return (low + width * np.arange(STARTS) / STARTS).ravel()
+        return (low + width * np.arange(NEAREST_POINT_STARTS) / NEAREST_POINT_STARTS).ravel()
 
     def nearest(self, point: np.ndarray) -> float:
         """s where the curve is nearest to a point."""
@@ -179,9 +179,9 @@ class Curve:
 
 def spline(s: np.ndarray, values: np.ndarray, closed: bool) -> PPoly:
     """Pieces of fifth degree through values (n, 3) at s; four derivatives are continuous."""
-    made = make_interp_spline(s, values, DEGREE, bc_type="periodic" if closed else None)
-    breaks = np.unique(made.t[DEGREE:-DEGREE])
-    powers = [made(breaks[:-1], k) / factorial(k) for k in range(DEGREE, -1, -1)]
+    made = make_interp_spline(s, values, SPLINE_DEGREE, bc_type="periodic" if closed else None)
+    breaks = np.unique(made.t[SPLINE_DEGREE:-SPLINE_DEGREE])
+    powers = [made(breaks[:-1], k) / factorial(k) for k in range(SPLINE_DEGREE, -1, -1)]
     return PPoly(np.array(powers), breaks, extrapolate="periodic" if closed else True)
 
 

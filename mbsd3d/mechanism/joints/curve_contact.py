@@ -11,16 +11,16 @@ from scipy.interpolate import PPoly
 from ...base.checks import check_choice, floats
 from ...base.errors import InputError
 from ...base.fields import Array, DirectionOrNone, NumberOrNone, Stored, Vector, kept, locked, or_none, part_class
-from ...base.rotations import UNIT
+from ...base.rotations import NORM_ROUNDING
 from ...kernels import kinds
 from ..bodies import Body, Ground
 from ..motion import LoadedMotion
 from ..primitives import ZERO, Coordinate, Primitive
-from .curve import STARTS, Curve
+from .curve import NEAREST_POINT_STARTS, Curve
 from .joint import Joint
 
-ALONG = 0.05  # sine of the least angle between a pin and its curve
-PULLED = 1e-9  # of the largest force: rounding
+PIN_CURVE_SINE_MIN = 0.05  # [1] sine of the angle between a pin and its curve
+TENSION_ROUNDING = 1e-9  # [1] of the largest force
 
 
 def as_curve(value: Any, what: str, part: Any) -> np.ndarray:
@@ -37,7 +37,7 @@ def as_pin(value: Any, what: str, part: Any) -> np.ndarray:
     size = np.linalg.norm(pin, axis=-1, keepdims=True)
     if size.min() < 1e-12:
         raise InputError(f"{what} has zero length; give a direction")
-    return locked(np.where(np.abs(size - 1.0) < UNIT, pin, pin / size))
+    return locked(np.where(np.abs(size - 1.0) < NORM_ROUNDING, pin, pin / size))
 
 
 class Pin(Stored[ArrayLike | None, np.ndarray | None]):
@@ -141,7 +141,7 @@ class CurveContact(Joint):
     def check_pin(self, what: str, pin: np.ndarray) -> None:
         """A pin stands across its curve, and a roller is smaller than what it rolls in."""
         sine = np.linalg.norm(np.cross(self.line.tangents, pin), axis=1)
-        if sine.min() < ALONG:
+        if sine.min() < PIN_CURVE_SINE_MIN:
             raise InputError(f"{what}: the pin lies along the curve at point {sine.argmin()}; turn it across")
         if self.radius is None:
             return
@@ -198,7 +198,7 @@ class CurveContact(Joint):
     @property
     def outline(self) -> np.ndarray:
         """(k, 3) points of the curve in axes of a, from O [m]: four a piece, to be drawn."""
-        line = self.line.x(np.append(self.line.fine[:: STARTS // 4], self.line.x.x[-1]))
+        line = self.line.x(np.append(self.line.fine[:: NEAREST_POINT_STARTS // 4], self.line.x.x[-1]))
         return (line - self.a.position) @ self.axes_of_a
 
     @property
@@ -242,7 +242,7 @@ class CurveContact(Joint):
         if self.face is None and self.radius is None:
             return None
         force, t = self.normal_force(solution), solution.t
-        pulled = np.flatnonzero(force < -PULLED * np.abs(force).max(initial=0.0))
+        pulled = np.flatnonzero(force < -TENSION_ROUNDING * np.abs(force).max(initial=0.0))
         if not pulled.size:
             return None
         k = pulled[0]

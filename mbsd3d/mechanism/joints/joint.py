@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...base.checks import shown
-from ...base.directions import matched_perpendiculars, perpendiculars
+from ...base.checks import short_repr
 from ...base.errors import InputError
 from ...base.fields import Direction, DirectionOrDerived, Vector, VectorOrDerived, kept, part_class
-from ..bodies import Body, Ground, Part, as_body_or_ground, called
+from ...base.rotations import matched_perpendiculars, perpendiculars
+from ..bodies import Body, Ground, Part, as_body_or_ground, describe_part
 from ..motion import LoadedMotion, Motion
 from ..primitives import Coordinate, Primitive, in_plane, perpendicular
 
@@ -139,11 +139,11 @@ class AxisJoint(PointJoint):
 def coordinate_of(part: Any, kind: str, what: str) -> Coordinate:
     """The angle or slide of a joint, or a ValueError that names both."""
     if not isinstance(part, Joint):
-        raise InputError(f"{what}: {shown(part)} is not a joint; give the part itself")
+        raise InputError(f"{what}: {short_repr(part)} is not a joint; give the part itself")
     found: Coordinate | None = getattr(part, kind)()
     if found is None:
         example = "Revolute or Cylindrical" if kind == "angle" else "Prismatic or Cylindrical"
-        raise InputError(f"{what}: {called(part)} has no {kind}; give a joint that has one, e.g. a {example}")
+        raise InputError(f"{what}: {describe_part(part)} has no {kind}; give a joint that has one, e.g. a {example}")
     return found
 
 

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from ...base.directions import NEARLY_SQUARE, cross, perpendiculars, squared, unit
 from ...base.errors import InputError
 from ...base.fields import Direction, Number, kept, locked, part_class
+from ...base.rotations import PERPENDICULAR_TOLERANCE, cross, make_perpendicular, perpendiculars, unit
 from ..primitives import Coordinate, Primitive, coincide, in_plane, perpendicular, ratio
 from .joint import AxisJoint, PointJoint, angle_of, slide_of
 
@@ -47,10 +47,10 @@ def square_to_axis_a(value: Any, what: str, part: Any) -> np.ndarray:
     off = cross(x, y)
     if off @ off < 1e-12:
         raise InputError(f"{what}: axis_a and axis_b are parallel; a cross needs two perpendicular axes")
-    if abs(x @ y) > NEARLY_SQUARE:
+    if abs(x @ y) > PERPENDICULAR_TOLERANCE:
         angle = np.degrees(np.arccos(x @ y))
         raise InputError(f"{what}: axis_a and axis_b enclose {angle:.6g} degrees; give perpendicular axes")
-    return locked(squared(x, y))
+    return locked(make_perpendicular(x, y))
 
 
 @part_class()

@@ -7,15 +7,14 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...base.checks import shown, vector
-from ...base.directions import perpendiculars
+from ...base.checks import short_repr, vector
 from ...base.errors import InputError
-from ...base.fields import VECTOR, Checked, Orientation, Stored, VectorOrNone, kept, part_class
-from ...base.rotations import AXES, matrix
+from ...base.fields import FILE_VECTOR, Checked, Orientation, Stored, VectorOrNone, kept, part_class
+from ...base.rotations import AXES, matrix, perpendiculars
 from .surfaces import Mesh, moved
 
-HEX = re.compile(r"#[0-9a-fA-F]{6}")
-CYCLE = re.compile(r"C\d+")  # colours of matplotlib that depend on its settings
+HEX_COLOUR_PATTERN = re.compile(r"#[0-9a-fA-F]{6}")
+CYCLE_COLOUR_PATTERN = re.compile(r"C\d+")  # colours of matplotlib that depend on its settings
 
 
 class Shaped(Protocol):
@@ -30,13 +29,13 @@ class Shaped(Protocol):
 
 def hex_colour(colour: Any, what: str, part: Any) -> str | None:
     """The colour as "#rrggbb"."""
-    if colour is None or (isinstance(colour, str) and HEX.fullmatch(colour)):
+    if colour is None or (isinstance(colour, str) and HEX_COLOUR_PATTERN.fullmatch(colour)):
         return colour
     from matplotlib.colors import is_color_like, to_hex, to_rgba
 
-    known = isinstance(colour, str) and not CYCLE.fullmatch(colour) and is_color_like(colour)
+    known = isinstance(colour, str) and not CYCLE_COLOUR_PATTERN.fullmatch(colour) and is_color_like(colour)
     if not known or to_rgba(colour)[3] < 1.0:
-        raise InputError(f"{what} {shown(colour)} is unknown; give '#rrggbb' or a name such as 'steelblue'")
+        raise InputError(f"{what} {short_repr(colour)} is unknown; give '#rrggbb' or a name such as 'steelblue'")
     return to_hex(colour)
 
 
@@ -78,7 +77,7 @@ def as_axis(value: Any, what: str, part: Any) -> str | np.ndarray:
     """A letter, or a vector that is not zero."""
     axis = value if isinstance(value, str) else vector(value, what)
     if (axis not in AXES) if isinstance(axis, str) else not axis.any():
-        raise InputError(f"{what} is {shown(value)}; give 'x', 'y', 'z' or a vector that is not zero")
+        raise InputError(f"{what} is {short_repr(value)}; give 'x', 'y', 'z' or a vector that is not zero")
     return axis
 
 
@@ -120,5 +119,5 @@ def as_sizes(value: Any, what: str, part: Any) -> np.ndarray:
 class Sizes(Stored[ArrayLike, np.ndarray]):
     """Three lengths > 0 [m]."""
 
-    accepts, file_type = "array_like", VECTOR
+    accepts, file_type = "array_like", FILE_VECTOR
     convert = staticmethod(as_sizes)

@@ -12,13 +12,13 @@ from ...base.rotations import quaternion_from_matrix
 from .base import Shape, Shaped
 from .kinds import Box, Cylinder, Ellipsoid, Lines
 
-HOMOGENEOUS = ("ellipsoid", "box", "cylinder")
-SHAPES = (
+HOMOGENEOUS_SHAPES = ("ellipsoid", "box", "cylinder")
+SHAPE_CHOICES = (
     "give 'ellipsoid', 'box', 'cylinder', a shape such as shapes.Box((0.2, 0.1, 0.3)), a list of shapes, or a (k, 3) "
     "polyline in body axes [m]"
 )
-EQUAL = 1e-6  # relative difference of principal moments that counts as none
-THIN = 0.02  # thickness in parts of the largest extent that rods and plates have at least, so that one sees them
+EQUAL_MOMENT_TOLERANCE = 1e-6  # [1] relative difference of principal moments that count as equal
+DRAWN_THICKNESS_MIN = 0.02  # [1] of the largest extent of rods and plates, so that one sees them
 
 
 def as_shape(shape: Any, what: str, body: Shaped) -> str | Shape | tuple[Shape, ...] | None:
@@ -30,13 +30,13 @@ def as_shape(shape: Any, what: str, body: Shaped) -> str | Shape | tuple[Shape, 
         return shape
     if isinstance(shape, list | tuple) and shape and all(isinstance(item, Shape) for item in shape):
         return tuple(shape)
-    if isinstance(shape, str) and shape in HOMOGENEOUS:
+    if isinstance(shape, str) and shape in HOMOGENEOUS_SHAPES:
         homogeneous(body, shape)
         return shape
     try:
         return Lines(shape)
     except ValueError:
-        raise InputError(f"body '{body.name}': shape {repr(shape)[:80]} is unknown; {SHAPES}") from None
+        raise InputError(f"body '{body.name}': shape {repr(shape)[:80]} is unknown; {SHAPE_CHOICES}") from None
 
 
 class ShapeOfBody(Stored[Shape | Sequence[Shape] | str | ArrayLike | None, Shape | tuple[Shape, ...] | str | None]):
@@ -81,7 +81,7 @@ def round_solid(body: Shaped, moments: np.ndarray, place: dict[str, Any]) -> Cyl
     """The homogeneous cylinder with these principal moments per mass [m^2]."""
     apart = np.abs(np.roll(moments, -1) - np.roll(moments, 1))  # entry k: of the two moments across axis k
     k = 2 - int(np.argmin(apart[::-1]))  # the last of equals: z for a body whose moments all agree
-    if apart[k] > EQUAL * moments.max():
+    if apart[k] > EQUAL_MOMENT_TOLERANCE * moments.max():
         raise InputError(
             f"body '{body.name}': shape 'cylinder' needs two equal principal moments, "
             f"not {np.sort(moments * body.mass).tolist()} kg m^2; give 'box' or 'ellipsoid'"
@@ -103,4 +103,4 @@ def principal(inertia: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def thick(sizes: np.ndarray) -> np.ndarray:
     """Sizes of which none is below a fiftieth of the largest."""
-    return np.maximum(sizes, THIN * sizes.max())
+    return np.maximum(sizes, DRAWN_THICKNESS_MIN * sizes.max())

@@ -6,15 +6,15 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...base.checks import shown
+from ...base.checks import short_repr
 from ...base.errors import InputError
 from ...base.fields import Array, Number, NumberOrDerived, Stored, kept, locked, part_class
 from ...base.rotations import matrix
 from .base import AxisOrLetter, Round, Shape, Shaped, Sizes, Solid
-from .surfaces import SUFFIXES, Mesh, ball, block, capsule, cylinder, hull, moved, read_mesh, torus
+from .surfaces import MESH_SUFFIXES, Mesh, ball, block, capsule, cylinder, hull, moved, read_mesh, torus
 
-MOST = 1000  # corners of a hull
-FLAT = 1e-6  # depth over width of points that lie in a plane
+HULL_CORNERS_MAX = 1000  # [corners] of a hull
+FLAT_DEPTH_RATIO = 1e-6  # [1] depth over width of points that lie in a plane
 
 
 @part_class()
@@ -147,13 +147,13 @@ def rows_of_three(points: ArrayLike, what: str, remedy: str) -> np.ndarray:
 def as_corners(value: Any, what: str, part: Any) -> np.ndarray:
     """(k, 3) corners of a convex body that do not lie in a plane."""
     what = what.removesuffix(": points")
-    remedy = f"give 4 to {MOST} corners (k, 3) [m] that do not lie in a plane"
+    remedy = f"give 4 to {HULL_CORNERS_MAX} corners (k, 3) [m] that do not lie in a plane"
     points = rows_of_three(value, what, remedy)
-    if not 4 <= len(points) <= MOST or not np.isfinite(points).all():
+    if not 4 <= len(points) <= HULL_CORNERS_MAX or not np.isfinite(points).all():
         raise InputError(f"{what}: points have shape {points.shape}, or some are not finite; {remedy}")
     away = points - points.mean(axis=0)
     width, _, depth = np.linalg.svd(away, compute_uv=False)
-    if depth <= FLAT * width:
+    if depth <= FLAT_DEPTH_RATIO * width:
         raise InputError(f"{what}: points lie in a plane; {remedy}")
     return locked(points)
 
@@ -174,9 +174,9 @@ def as_path(value: Any, what: str, part: Any) -> str:
     try:
         path = os.fspath(value)
     except TypeError:
-        raise InputError(f"{what} is {shown(value)}; give the name of a file") from None
-    if not isinstance(path, str) or not path.lower().endswith(SUFFIXES):
-        raise InputError(f"{what} {shown(path)} is not a mesh; give one that ends in {', '.join(SUFFIXES)}")
+        raise InputError(f"{what} is {short_repr(value)}; give the name of a file") from None
+    if not isinstance(path, str) or not path.lower().endswith(MESH_SUFFIXES):
+        raise InputError(f"{what} {short_repr(path)} is not a mesh; give one that ends in {', '.join(SUFFIXES)}")
     return path
 
 

@@ -16,12 +16,12 @@ from scipy.spatial import ConvexHull
 from ...base.errors import InputError
 from ...base.version import loading
 
-SUFFIXES = (".stl", ".obj", ".ply", ".glb")
-TRIANGLES = 20_000  # of a mesh file: more make pages that open slowly
-BYTES = 100_000_000  # of a mesh file: more is not even read
-SHARP = np.radians(30)  # edges of mesh files bent by more stay sharp
-ROUND, BANDS = 24, 12  # sections about the axis and from pole to pole of a ball: 528 triangles
-TURNS = 48  # sections of cylinders; all are multiples of 4, so that sectors end at edges
+MESH_SUFFIXES = (".stl", ".obj", ".ply", ".glb")
+MESH_TRIANGLES_MAX = 20_000  # [triangles] of a mesh file: more make pages that open slowly
+MESH_BYTES_MAX = 100_000_000  # [bytes] of a mesh file: a larger one is not read
+SHARP_EDGE_ANGLE = np.radians(30)  # [rad] edges of mesh files that bend by more stay sharp
+SPHERE_SECTIONS, SPHERE_BANDS = 24, 12  # sections about the axis and from pole to pole of a ball: 528 triangles
+CYLINDER_SECTIONS = 48  # [1] multiples of 4, so that sectors end at edges
 
 
 class Mesh(NamedTuple):
@@ -85,15 +85,15 @@ def revolved(profile: np.ndarray, sections: int) -> Mesh:
 @cache
 def ball() -> Mesh:
     """The unit ball; octants alternate in shade."""
-    polar = np.linspace(0.0, np.pi, BANDS + 1)
+    polar = np.linspace(0.0, np.pi, SPHERE_BANDS + 1)
     radius = np.where((polar > 0.0) & (polar < np.pi), np.sin(polar), 0.0)
-    mesh = revolved(np.column_stack([radius, -np.cos(polar)]), ROUND)
+    mesh = revolved(np.column_stack([radius, -np.cos(polar)]), SPHERE_SECTIONS)
     upper = mesh.vertices[mesh.faces, 2].sum(axis=1) > 0.0
     return mesh._replace(shade=(mesh.shade + upper) % 2)
 
 
 @cache
-def cylinder(sections: int = TURNS) -> Mesh:
+def cylinder(sections: int = CYLINDER_SECTIONS) -> Mesh:
     """Cylinder of radius 1 and length 1 about z, with sharp rims."""
     profiles = [(0, -0.5), (1, -0.5)], [(1, -0.5), (1, 0.5)], [(1, 0.5), (0, 0.5)]
     return joined(*(revolved(np.array(profile, float), sections) for profile in profiles))
@@ -135,7 +135,7 @@ def capsule(radius: float, length: float) -> Mesh:
     """Cylinder about z with half balls on its ends, both beyond ``length`` [m]."""
     polar = np.linspace(0.0, 0.5 * np.pi, 5)
     end = radius * np.column_stack([np.where(polar > 0.0, np.sin(polar), 0.0), np.cos(polar)]) + (0.0, 0.5 * length)
-    return revolved(np.concatenate([end * (1, -1), end[::-1]]), ROUND)
+    return revolved(np.concatenate([end * (1, -1), end[::-1]]), SPHERE_SECTIONS)
 
 
 def read_mesh(path: str, what: str) -> Mesh:
@@ -149,11 +149,11 @@ def read_mesh(path: str, what: str) -> Mesh:
     file, kind = Path(path), Path(path).suffix.lower()[1:]
     try:
         state = file.stat()
-        content = b"" if not stat.S_ISREG(state.st_mode) or state.st_size > BYTES else file.read_bytes()
+        content = b"" if not stat.S_ISREG(state.st_mode) or state.st_size > MESH_BYTES_MAX else file.read_bytes()
     except OSError as error:
         raise InputError(f"{what}: cannot be read: {error.strerror}; give a file that exists") from error
     if not content:
-        raise InputError(f"{what}: is not a file, is empty or has more than {BYTES} bytes; give a mesh")
+        raise InputError(f"{what}: is not a file, is empty or has more than {MESH_BYTES_MAX} bytes; give a mesh")
     options = {"skip_materials": True} if kind in ("obj", "glb") else {}
     logging.getLogger("trimesh").disabled = True  # it prints tracebacks of what it can do without
     try:  # from memory, so that a mesh cannot name further files
@@ -172,14 +172,14 @@ def checked(found: Any, what: str) -> Mesh:
     count = len(getattr(found, "faces", ()))
     if count == 0:
         raise InputError(f"{what}: has no triangles; give a mesh of a surface")
-    if count > TRIANGLES:
-        raise InputError(f"{what}: has {count} triangles, at most {TRIANGLES} are drawn; decimate it")
+    if count > MESH_TRIANGLES_MAX:
+        raise InputError(f"{what}: has {count} triangles, at most {MESH_TRIANGLES_MAX} are drawn; decimate it")
     corners, faces = np.asarray(found.vertices), np.asarray(found.faces)
     if corners.ndim != 2 or corners.shape[1] != 3 or faces.ndim != 2 or faces.shape[1] != 3:
         raise InputError(f"{what}: has corners of {corners.shape[1:]} numbers; give triangles in space")
     if not np.isfinite(corners).all() or faces.min() < 0 or faces.max() >= len(corners):
         raise InputError(f"{what}: has corners that are not finite or not there; repair it")
     found.merge_vertices(merge_tex=True, merge_norm=True)
-    smooth = trimesh.graph.smooth_shade(found, angle=SHARP)
+    smooth = trimesh.graph.smooth_shade(found, angle=SHARP_EDGE_ANGLE)
     faces = np.array(smooth.faces, int)
     return Mesh(np.array(smooth.vertices, float), faces, np.zeros(len(faces), int))

@@ -13,7 +13,7 @@ from ...base.fields import Stored, kept, part_class
 from .signal import FiniteNumber, FiniteNumberOrNone, Row, Signal, as_row
 from .terms import POLYNOMIAL, SINE, SPLINE, Term
 
-STEEPEST = 1e90  # coefficients of splines, whose squares can be computed with
+SPLINE_COEFFICIENT_MAX = 1e90  # [1] coefficients whose squares can be computed with
 
 
 @part_class(eq=True)
@@ -116,7 +116,7 @@ class Table(Signal):
                 f"sort the points and keep one per time"
             )
         check_size(times, "Table: times")
-        if np.abs(values).max() >= STEEPEST * min(np.diff(times).min(), 1.0) ** 3:
+        if np.abs(values).max() >= SPLINE_COEFFICIENT_MAX * min(np.diff(times).min(), 1.0) ** 3:
             raise InputError(
                 f"Table: times as near as {np.diff(times).min():.3g} s with values up to {np.abs(values).max():.3g} "
                 "make a spline too steep to compute with; check the units, or leave points out"
@@ -158,7 +158,7 @@ class Pulse(Signal):
     def check(self, what: str) -> None:
         if not self.edge > 0.0:
             raise InputError(f"Pulse: edge is {self.edge:g} s; give a positive time")
-        if abs(self.height) >= STEEPEST * min(self.edge, 1.0) ** 3:
+        if abs(self.height) >= SPLINE_COEFFICIENT_MAX * min(self.edge, 1.0) ** 3:
             raise InputError(f"Pulse: an edge of {self.edge:g} s is too steep to compute with; give a longer one")
         if self.duration is not None and not self.duration >= 2.0 * self.edge:
             raise InputError(f"Pulse: duration is {self.duration:g} s; give at least two edges, {2.0 * self.edge:g} s")

@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...base.checks import LARGEST, floats, listed, number, shown
+from ...base.checks import MAGNITUDE_MAX, as_tuple, check_name, floats, number, short_repr
 from ...base.errors import InputError
 from ...base.fields import Checked, Stored, derive, kept, locked, or_none, part_class
 from .terms import POLYNOMIAL, Term, evaluate, scaled
 
-EVERYWHERE = (-np.inf, np.inf)
+ALL_TIMES = (-np.inf, np.inf)
 
 
 class Signal(Checked, ABC):
@@ -41,7 +41,7 @@ class Signal(Checked, ABC):
     @property
     def interval(self) -> tuple[float, float]:
         """First and last time at which f is defined [s]."""
-        return EVERYWHERE
+        return ALL_TIMES
 
     def __call__(self, t: ArrayLike) -> np.ndarray:
         """f(t) at times of any shape [s]; ValueError outside `interval`."""
@@ -89,7 +89,7 @@ def finite(value: Any, what: str, part: Any) -> float:
     """A finite real number, of a size that can be computed with."""
     real: Any = value if isinstance(value, float | Real) else np.nan
     if real != real or abs(real) == np.inf:
-        raise InputError(f"{what} is {shown(value)}; give a finite number")
+        raise InputError(f"{what} is {short_repr(value)}; give a finite number")
     return number(real, what)
 
 
@@ -126,9 +126,9 @@ class Constant(Signal):
 
 def as_summands(value: Any, what: str, part: Any) -> tuple[Signal, ...]:
     """The signals of a sum, none of which is a sum itself."""
-    signals = listed(value, what, "a tuple of signals")
+    signals = as_tuple(value, what, "a tuple of signals")
     if not signals or not all(isinstance(signal, Signal) for signal in signals):
-        raise InputError(f"{what} {shown(value)}; give a tuple of signals")
+        raise InputError(f"{what} {short_repr(value)}; give a tuple of signals")
     return tuple(chain.from_iterable(map(_summands, signals)))
 
 
@@ -214,10 +214,10 @@ def as_signal(value: "Signal | float", what: str) -> Signal:
     remedy = "give a finite number or a signal (Constant, Ramp, Sine, Polynomial, Pulse, Table, Input or a sum of them)"
     if isinstance(value, Signal):
         return value
-    if type(value) is float and abs(value) <= LARGEST:
+    if type(value) is float and abs(value) <= MAGNITUDE_MAX:
         return Constant(value)
     if not isinstance(value, Real):
-        raise InputError(f"{what} is {shown(value)}; {remedy}; any other function can be sampled into a Table")
+        raise InputError(f"{what} is {short_repr(value)}; {remedy}; any other function can be sampled into a Table")
     if value != value or abs(value) == np.inf:
         raise InputError(f"{what} is {value}; {remedy}")
     return Constant(number(value, what))
@@ -307,3 +307,39 @@ class Row(Stored[ArrayLike, np.ndarray]):
 
     accepts = "array_like"
     convert = staticmethod(as_row)
+
+
+@part_class(eq=True)
+class Input(Signal):
+    """``f = value`` until `Stepper.set` gives another number, which holds until the next one.
+
+    Parameters
+    ----------
+    name : str
+        Name to set it by; signals of one name are one input.
+    value : float
+        At the start, in the unit of what it drives; `simulate` keeps it.
+
+    Raises
+    ------
+    ValueError
+        If there is no name, or the value is not a finite number.
+
+    Examples
+    --------
+    >>> throttle = Input("throttle", 0.5)
+    >>> float((2.0 * throttle + 1.0)(3.0))
+    2.0
+    """
+
+    name: str
+    value: FiniteNumber = kept(default=0.0)
+
+    def check(self, what: str) -> None:
+        if not isinstance(self.name, str) or not self.name:
+            raise InputError(f"Input: name {self.name!r}; give a text, e.g. Input('throttle')")
+        check_name(self.name, "Input:")
+
+    def terms(self) -> list[Term]:
+        """The polynomial (value)."""
+        return [Term(POLYNOMIAL, np.array([self.value]), (self.name, self.value))]

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from ...base.errors import InputError
 
 POLYNOMIAL, SINE, SPLINE = 0, 1, 2
-SMALL = 1e-3  # of the range of a table: what does not turn back by more is no pulse
+PULSE_SHARE_MIN = 1e-3  # [1] of the range of a table: what turns back by less is no pulse
 
 
 class Term(NamedTuple):
@@ -80,14 +80,16 @@ def turning_times(data: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     breaks, second = data[1 : n + 2], 2.0 * data[n + 2 :].reshape(n, 4)[:, 1]
     times = np.append(np.column_stack([breaks[:-1], 0.5 * (breaks[:-1] + breaks[1:])]).ravel(), breaks[-1])
     values = _spline(data, times, 0)
-    rise, least = np.diff(values), SMALL * np.ptp(values)
-    flat = np.abs(rise) <= SMALL * least
+    rise, least = np.diff(values), PULSE_SHARE_MIN * np.ptp(values)
+    flat = np.abs(rise) <= PULSE_SHARE_MIN * least
     edges = 1 + np.flatnonzero(flat[1:] != flat[:-1])
     places = np.union1d(edges, 1 + np.flatnonzero(rise[1:] * rise[:-1] < 0.0)).tolist()
     places = [0, *places, 2 * n]
     turns = [places[k] for k in _reversals(values[places].tolist(), least)]
     before = np.nextafter(breaks[1:-1], -np.inf)
-    jumps = 2 + 2 * np.flatnonzero(np.abs(second[1:] - _spline(data, before, 2)) > SMALL * np.abs(second).max())
+    jumps = 2 + 2 * np.flatnonzero(
+        np.abs(second[1:] - _spline(data, before, 2)) > PULSE_SHARE_MIN * np.abs(second).max()
+    )
     found = np.unique(np.concatenate([edges, turns, jumps])).astype(int)
     return times[found], np.isin(found, jumps)
 

@@ -12,7 +12,7 @@ from PIL import Image
 
 from ...base.checks import number
 from ...base.errors import InputError
-from ...base.paths import in_its_place, ready_path, write_atomically
+from ...base.paths import atomic_write, ready_path, write_atomically
 from ...base.progress import Progress
 from ...base.style import channels
 from ...base.version import loading
@@ -65,7 +65,7 @@ def export_mp4(motion: Motion, path: str | Path, **options: object) -> Path:
     raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{film.width}x{film.height}", "-r", f"{film.fps:g}", "-i", "-"]
     coded = ["-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "18", "-movflags", "+faststart"]
     exact = ["-fflags", "+bitexact", "-flags:v", "+bitexact", "-f", "mp4"]
-    with in_its_place(path) as part:
+    with atomic_write(path) as part:
         pour([command, "-loglevel", "error", "-y", *raw, *coded, *exact, str(part)], film, path)
     return path
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from ...base.checks import number, whole
 from ...base.errors import InputError
-from ...base.style import Theme, dress, house, theme
+from ...base.style import Theme, figure_style, style_axes, theme
 from ...plotting.panels import Wanted
 from ...results.motion import Motion
 from ..picture.painter import new_sheet
@@ -98,7 +98,7 @@ class FilmFrames:
 
     def frame(self, k: int) -> np.ndarray:
         """Return frame k as an image (height, width, 3)."""
-        with house(self.sheet):
+        with figure_style(self.sheet):
             figure, axes = new_sheet(self.painter.inches, self.sheet)
             figure.set_dpi(self.dpi)
             self.painter.paint(
@@ -125,12 +125,12 @@ class Strip:
     def __init__(self, curves: Sequence[Curve], t: np.ndarray, width: int, dpi: float, sheet: Theme) -> None:
         self.height = round(PLOT_HEIGHT_SHARE * width * len(curves) / 2) * 2
         self.sheet, self.pen = sheet, max(1, round(dpi / 100))
-        with house(sheet):
+        with figure_style(sheet):
             figure = Figure(figsize=(width / dpi, self.height / dpi), dpi=dpi, layout="constrained")
             figure.set_facecolor(sheet.paper)
             panels = figure.subplots(len(curves), 1, sharex=True, squeeze=False)[:, 0]
             for axes, curve in zip(panels, curves, strict=True):
-                dress(axes, sheet)
+                style_axes(axes, sheet)
                 for i, (name, values) in enumerate(curve.lines):
                     axes.plot(t, values, color=sheet.colour(i), linewidth=1.2, label=name)
                 axes.set_ylabel("\n".join([*textwrap.wrap(curve.label, 18), f"[{curve.unit}]"]), fontsize=7)

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...base.paths import package_version, with_suffix, write_atomically
 from ...base.rotations import matrix, rotation
-from ...base.style import GREY, SHADED
+from ...base.style import GREY, SECTOR_BRIGHTNESS
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes import Mesh
 from ...results.motion import Motion
@@ -109,7 +109,7 @@ def primitives_of(asset: Asset, item: Piece | Wire) -> Iterator[tuple]:
 def solid(asset: Asset, mesh: Mesh, colour: str) -> Iterator[tuple]:
     """Return one set of triangles for each shade; they share their corners."""
     skin = asset.skin(mesh)
-    for shade, brightness in ((0, 1.0), (1, SHADED)):
+    for shade, brightness in ((0, 1.0), (1, SECTOR_BRIGHTNESS)):
         faces = skin.faces[skin.shade == shade]
         if faces.size:
             paint = asset.material(colour, brightness, double_sided=not skin.closed)

@@ -12,7 +12,7 @@ from typing import NamedTuple, TypedDict
 
 import numpy as np
 
-from ...base.style import CELLS, DARK, LIGHT, raised
+from ...base.style import DARK, GROUND_GRID_GREYS, LIGHT, with_superscripts
 from ..scene.camera import length_text
 from ..scene.drawing import DEFAULT_LAYERS, MARKS, Drawing
 from ..scene.frames import Frames
@@ -94,7 +94,7 @@ def player_data(content: Content, stage: Stage) -> dict[str, object]:
         "layers": layers_data(content, stage),
         "curves": [curve_data(curve) for curve in content.curves],
         "grid": length_text(stage.cell),
-        "darkCells": [[grey] * 3 for grey in CELLS["dark"]],
+        "darkCells": [[grey] * 3 for grey in GROUND_GRID_GREYS["dark"]],
         "colours": {"light": LIGHT.lines, "dark": DARK.lines},
     }
 
@@ -109,7 +109,7 @@ def arrows_data(kind: Arrows, i: int, stage: Stage, size: float) -> dict[str, ob
     """Return the points, sizes and legend of the arrows of one kind."""
     return {
         "kind": kind.kind,
-        "unit": raised(kind.unit),
+        "unit": with_superscripts(kind.unit),
         "heads": kind.heads,
         "colour": kind.colour,
         "uncertain": any(kind.uncertain),
@@ -146,7 +146,7 @@ def curve_data(curve: Curve) -> dict[str, object]:
         finite = values[np.isfinite(values)]
         span, largest = (float(np.ptp(finite)), float(np.abs(finite).max())) if finite.size else (0.0, 0.0)
         lines.append({"name": name, "values": pack(values, max(CURVE_RESOLUTION * span, 1e-9 * largest))})
-    return {"label": curve.label, "unit": raised(curve.unit), "lines": lines}
+    return {"label": curve.label, "unit": with_superscripts(curve.unit), "lines": lines}
 
 
 def pack(values: np.ndarray, step: float) -> Packed:

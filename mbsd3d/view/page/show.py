@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from ...base.checks import number
-from ...base.checks import shown as shown_text
+from ...base.checks import short_repr as shown_text
 from ...base.errors import InputError
 from ...base.paths import ready_path
 from ...base.progress import Progress

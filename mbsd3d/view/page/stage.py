@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...base.rotations import matrix
-from ...base.style import CELLS, GREY, SHADED, channels, linear, paler, rgb
+from ...base.style import GREY, GROUND_GRID_GREYS, SECTOR_BRIGHTNESS, channels, linear, muted_colour, rgb
 from ...mechanism.shapes import Mesh
 from ...mechanism.shapes.surfaces import joined
 from ..scene.camera import directions, frame_camera, round_up, sight
@@ -193,7 +193,7 @@ class Stage:
                     key = piece.body, piece.layer, piece.colour, shade
                     groups.setdefault(key, []).append(with_shade(piece.mesh, shade))
         for k, ((body, layer, colour, shade), parts) in enumerate(groups.items()):
-            mesh, tint = joined(*parts), rgb(colour, SHADED if shade else 1.0)
+            mesh, tint = joined(*parts), rgb(colour, SECTOR_BRIGHTNESS if shade else 1.0)
             place = f"/bodies/{body}/mesh{k}"
             node = self.scene.add_mesh_simple(place, mesh.vertices * self.scale, mesh.faces, color=tint, side="double")
             self.layers[layer].append(node)
@@ -235,12 +235,12 @@ class Stage:
         """Add the whole path, pale, and the part that was passed, strong."""
         segments = np.stack([trace.points[:-1], trace.points[1:]], axis=1)
         if len(segments):
-            self.add_segments(f"/traces/{i}/path", "traces", segments, paler(trace.colour), 1.5)
+            self.add_segments(f"/traces/{i}/path", "traces", segments, muted_colour(trace.colour), 1.5)
             self.traces.append(self.add_segments(f"/traces/{i}/passed", "traces", segments, trace.colour, 3.0))
 
     def add_grid(self, low: np.ndarray, high: np.ndarray, floor: float, endless: bool) -> None:
         """Add a ground grid whose lines are at round coordinates."""
-        thin, thick = CELLS["light"]
+        thin, thick = GROUND_GRID_GREYS["light"]
         distance = frame_camera(low, high, FIELD_OF_VIEW).distance * self.scale
         cell, span = self.cell, float((high - low)[:2].max())
         side = 2.0 * np.ceil(0.75 * span / cell + 1.0) * cell * self.scale

@@ -7,9 +7,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
-from ...base.checks import number, shown
+from ...base.checks import number, short_repr
 from ...base.errors import InputError
-from ...base.style import house, theme
+from ...base.style import figure_style, theme
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.state import State
 from ...results.motion import Motion
@@ -91,7 +91,7 @@ def picture_of_system(
     visible, inches = picture_layers(system, layers, moving=False), paper_size(size)
     r, e = poses_of(system, state)
     painter, _ = painter_of(system, r[None], e[None], inches, layers=visible, view=view, dark=dark)
-    with house(painter.sheet):
+    with figure_style(painter.sheet):
         figure, axes = new_sheet(painter.inches, painter.sheet)
         painter.paint(axes, [(r, e)])
     return figure
@@ -119,7 +119,7 @@ def picture_of_solution(
         motion.system, now.r, now.e, inches, paths=paths, vectors=vectors, layers=visible, view=view, dark=dark,
         drawn=slice(run.t.size, None),
     )  # fmt: skip
-    with house(painter.sheet):
+    with figure_style(painter.sheet):
         figure, axes = new_sheet(inches, painter.sheet)
         pointers = [pointers_of(x, k, reach, painter.lens) for x in vectors for k in range(run.t.size, both.t.size)]
         painter.paint(axes, list(zip(now.r, now.e, strict=True)), traces=paths, arrows=pointers)
@@ -139,12 +139,12 @@ def moments(motion: Motion, run: Frames, t: ArrayLike | None) -> Frames:
     except (TypeError, ValueError, OverflowError):
         times = np.empty(0)
     if times.ndim != 1 or not times.size:
-        raise InputError(f"picture: t = {shown(t)}; give a time or a sequence of times [s]")
+        raise InputError(f"picture: t = {short_repr(t)}; give a time or a sequence of times [s]")
     if isinstance(motion, Continuous):
         poses = [poses_of(motion.system, motion.at(float(time))) for time in times]
         return Frames(times, *(np.array(x) for x in zip(*poses, strict=True)))
     if not (run.t[0] <= times.min() and times.max() <= run.t[-1]):
-        raise InputError(f"picture: t = {shown(t)} is outside the motion {run.t[0]:g} ... {run.t[-1]:g} s")
+        raise InputError(f"picture: t = {short_repr(t)} is outside the motion {run.t[0]:g} ... {run.t[-1]:g} s")
     return frames_at(motion, times)
 
 

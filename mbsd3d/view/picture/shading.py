@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...base.rotations import matrix
-from ...base.style import SHADED, channels, raised
+from ...base.style import SECTOR_BRIGHTNESS, channels, with_superscripts
 from ...mechanism.shapes import Mesh
 from ...mechanism.shapes.surfaces import moved
 from ...mechanism.shapes.surfaces import normals as vertex_normals
@@ -108,7 +108,7 @@ def prepare(piece: Piece, longest: float) -> Prepared:
         np.concatenate([whole, corners], axis=2), np.where(bent & (thickness > longest), finest, limit)
     )
     tint = channels(piece.colour) / 255.0
-    brightness = np.where(piece.mesh.shade[:, None] == 1, SHADED, 1.0)
+    brightness = np.where(piece.mesh.shade[:, None] == 1, SECTOR_BRIGHTNESS, 1.0)
     edges, sides = edges_of(faces, vertices, normals)
     short, of = split_strokes(edges, limit)
     lift = min(0.6 * limit, 0.15 * float(np.ptp(vertices, axis=0).max()))
@@ -235,4 +235,6 @@ def pointers_of(arrows: Arrows, frame: int, reach: float, lens: Lens) -> Pointer
             mesh = arrow_along(arrows.points[frame, k], vector, reach, arrows.heads)
             pieces.append(Piece(name, arrows.kind, 0, mesh, arrows.tints[k]))
     unsure = ", pale: not unique" if any(arrows.uncertain) else ""
-    return Pointers(pieces, f"{arrows.kind}, longest {longest:.3g} {raised(arrows.unit)}{unsure}", arrows.colour, lens)
+    return Pointers(
+        pieces, f"{arrows.kind}, longest {longest:.3g} {with_superscripts(arrows.unit)}{unsure}", arrows.colour, lens
+    )

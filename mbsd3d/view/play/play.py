@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from ...base.checks import number
-from ...base.checks import shown as shown_text
+from ...base.checks import short_repr as shown_text
 from ...base.errors import InputError, MbsError
 from ...mechanism.mechanism import Mechanism
 from ...plotting.panels import Wanted

@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from ...base.directions import perpendiculars
 from ...base.errors import InputError
-from ...base.rotations import quaternion_from_matrix
-from ...base.style import GREY, INNER, MARK, colour
+from ...base.rotations import perpendiculars, quaternion_from_matrix
+from ...base.style import COM_COLOUR, GREY, JOINT_COLOUR, colour
 from ...mechanism.bodies import GROUND, Body
 from ...mechanism.contacts import Rolling, RollingDisc
 from ...mechanism.forces.contact import Contact
@@ -98,7 +97,9 @@ class Artist:
         """Draw rolling and pitch circles."""
         for joint in self.system.joints:
             for body, mesh in circles(joint):
-                self.drawing.pieces.append(Piece(self.system.name(joint), "joints", self.place[id(body)], mesh, MARK))
+                self.drawing.pieces.append(
+                    Piece(self.system.name(joint), "joints", self.place[id(body)], mesh, JOINT_COLOUR)
+                )
 
     def names(self) -> None:
         """Write names of bodies at their centres of mass, of joints at their points."""
@@ -107,7 +108,9 @@ class Artist:
             add(Tag(body.name, "body names", i, body.com, colour(i)))
         for joint in self.system.joints:
             body, point = anchor(joint)
-            add(Tag(self.system.name(joint), "joint names", self.place[id(body)], body.local_point(point), MARK))
+            add(
+                Tag(self.system.name(joint), "joint names", self.place[id(body)], body.local_point(point), JOINT_COLOUR)
+            )
 
     def grain(self, size: float) -> float:
         """Return the size of joints: a twenty-fifth of the mechanism's, but no more than a part of a typical body's."""
@@ -125,7 +128,7 @@ class Artist:
             centre = dot._replace(vertices=dot.vertices + body.com)
             if not shapes_of(body):
                 add(Piece(body.name, "bodies", i, moved(ball(), 0.5 * size * np.eye(3), body.com), colour(i)))
-            add(Piece(body.name, "centre of mass", i, centre, INNER))
+            add(Piece(body.name, "centre of mass", i, centre, COM_COLOUR))
             add(Piece(body.name, "reference point", i, cross, GREY))
 
     def joints(self, size: float) -> None:
@@ -133,9 +136,9 @@ class Artist:
         for joint in self.system.joints:
             name = self.system.name(joint)
             for body, mesh in solids(joint, size):
-                self.drawing.pieces.append(Piece(name, "joints", self.place[id(body)], mesh, MARK))
+                self.drawing.pieces.append(Piece(name, "joints", self.place[id(body)], mesh, JOINT_COLOUR))
             for body, ends in spokes(joint, 3.0 * size):
-                self.drawing.wires.append(Wire(name, "joints", self.place[id(body)], ends, MARK))
+                self.drawing.wires.append(Wire(name, "joints", self.place[id(body)], ends, JOINT_COLOUR))
 
     def draw(self) -> Drawing:
         """Return the whole drawing: first everything to scale, which gives the size of the marks."""

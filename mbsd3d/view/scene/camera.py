@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...base.checks import number, shown
+from ...base.checks import number, short_repr
 from ...base.errors import InputError
 
 FRAMING_FACTOR = 1.12  # [1] of the box that is seen: margin around it
@@ -124,7 +124,7 @@ def checked_view(view: Sequence[float]) -> tuple[float, float]:
 def pair(value: Sequence[float], what: str) -> tuple[float, float]:
     """Return two numbers."""
     if np.shape(value) != (2,):
-        raise InputError(f"{what}: {shown(value)} is not a pair; give two numbers")
+        raise InputError(f"{what}: {short_repr(value)} is not a pair; give two numbers")
     return number(value[0], what), number(value[1], what)
 
 

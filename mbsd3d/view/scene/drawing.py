@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...base.checks import listed, shown
+from ...base.checks import as_tuple, short_repr
 from ...base.errors import InputError
 from ...base.rotations import matrix
 from ...mechanism.bodies import GROUND
@@ -111,10 +111,10 @@ class Layers:
 
 def known_layers(wanted: Collection[str], option: str) -> tuple[str, ...]:
     """Return names of layers as a tuple; ValueError for an unknown one."""
-    wanted = (wanted,) if isinstance(wanted, str) else listed(wanted, option, "a list, e.g. ['angular velocity']")
+    wanted = (wanted,) if isinstance(wanted, str) else as_tuple(wanted, option, "a list, e.g. ['angular velocity']")
     for layer in wanted:
         if not isinstance(layer, str) or layer not in LAYERS:
-            raise InputError(f"{option}: layer {shown(layer)} is unknown; give some of {', '.join(LAYERS)}")
+            raise InputError(f"{option}: layer {short_repr(layer)} is unknown; give some of {', '.join(LAYERS)}")
     return wanted
 
 

@@ -13,9 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...base.checks import shown
+from ...base.checks import short_repr
 from ...base.errors import InputError
-from ...base.quaternions import H
+from ...base.rotations import H
 from ...results.motion import Motion
 from ...results.result import RunResult
 
@@ -52,7 +52,7 @@ def frames_of(motion: Motion, count: int | None = None) -> Frames:
         raise InputError("the solution has no samples, so nothing can be shown; run it to a later time")
     whole = isinstance(count, int | np.integer) and not isinstance(count, bool)
     if count is not None and not (whole and 2 <= count <= REQUESTED_FRAMES_MAX):
-        raise InputError(f"frames = {shown(count)}; give a whole number from 2 to {REQUESTED_FRAMES_MAX}, or None")
+        raise InputError(f"frames = {short_repr(count)}; give a whole number from 2 to {REQUESTED_FRAMES_MAX}, or None")
     times = np.linspace(t[0], t[-1], (count or enough_frames(motion)) if t[-1] > t[0] else 1)
     return frames_at(motion, times)
 

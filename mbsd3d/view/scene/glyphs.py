@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...base.directions import perpendiculars
+from ...base.rotations import perpendiculars
 from ...mechanism.bodies import Body, Ground
 from ...mechanism.contacts import RollingContact, RollingDisc
 from ...mechanism.couplings import GearMesh

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...base.quaternions import multiply
+from ...base.rotations import multiply
 from ...mechanism.shapes import Mesh
 from ...mechanism.shapes.surfaces import joined, normals, revolved
 

@@ -6,10 +6,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import Akima1DInterpolator
 
-from ...base.checks import listed, shown, vector
+from ...base.checks import as_tuple, short_repr, vector
 from ...base.errors import InputError
 from ...base.rotations import matrix
-from ...base.style import COLOURS, colour, paler
+from ...base.style import COLOURS, colour, muted_colour
 from ...equations.at_state import load_rows
 from ...equations.compiled import Compiled
 from ...mechanism.bodies import GROUND, Body
@@ -52,7 +52,7 @@ class Arrows(NamedTuple):
     @property
     def tints(self) -> list[str]:
         """Return the colours of the arrows; uncertain ones are pale."""
-        return [paler(self.colour) if unsure else self.colour for unsure in self.uncertain]
+        return [muted_colour(self.colour) if unsure else self.colour for unsure in self.uncertain]
 
 
 class Vectors(NamedTuple):
@@ -169,7 +169,7 @@ def traces_of(motion: Motion, frames: Frames, points: Points | None = None) -> l
     if points is not None:
         if isinstance(points, str):
             raise InputError(f"traces = {points!r:.80}; give a list of (body, (x, y, z))")
-        found = [trace_point(system, entry) for entry in listed(points, "traces", "a list of (body, (x, y, z))")]
+        found = [trace_point(system, entry) for entry in as_tuple(points, "traces", "a list of (body, (x, y, z))")]
         return [Trace(body.name, colour(index[id(body)]), moved(frames, index[id(body)], x)) for body, x in found]
     paths = [moved(frames, i, body.com) for i, body in enumerate(system.bodies)]
     ways = np.array([float(np.ptp(path, axis=0).max()) for path in paths])
@@ -184,7 +184,7 @@ def trace_point(system: Mechanism, entry: tuple[Body | str, Iterable[float]]) ->
         body = system.part(entry)
         return body, body.com
     if not isinstance(entry, tuple | list) or len(entry) != 2:
-        raise InputError(f"trace {shown(entry)} is neither a body nor a pair; give a body, or (body, (x, y, z))")
+        raise InputError(f"trace {short_repr(entry)} is neither a body nor a pair; give a body, or (body, (x, y, z))")
     part, point = entry
     body = system.part(part)
     return body, body.local_point(vector(point, f"trace of body '{body.name}'"))
@@ -200,7 +200,7 @@ def curves_of(motion: Motion, frames: Frames, wanted: Wanted | None = None) -> l
     if not isinstance(motion, RunResult):
         return []
     if isinstance(wanted, str) or not (wanted is None or isinstance(wanted, Iterable)):
-        raise InputError(f"curves = {shown(wanted)}; give a list of quantities or (quantity, part, ...)")
+        raise InputError(f"curves = {short_repr(wanted)}; give a list of quantities or (quantity, part, ...)")
     panels = seen_panels(motion, default_curves(motion) if wanted is None else wanted)
     return [curve(motion.t, frames.t, panel) for panel in panels]
 
