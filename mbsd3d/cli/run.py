@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 import click
 
 from ..base.errors import InputError
+from .interruption import INTERRUPTED
 from .support import (
-    INTERRUPTED,
     can_view,
     drop_option,
     keep,

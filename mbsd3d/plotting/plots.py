@@ -58,7 +58,7 @@ def plot_quantity(
             )
         if not all(isinstance(target, Axes) for target in targets):
             raise InputError(f"plot: axes = {shown(axes)}; give matplotlib axes, one per panel, or None")
-        before: tuple | None = None
+        before: tuple[list[str], str] | None = None
         for target, panel in zip(targets, panels, strict=True):
             legend = ([name for name, _ in panel.lines], panel.note)
             draw_panel(target, solution.t, panel, across, look, legend=legend != before)

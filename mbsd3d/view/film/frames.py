@@ -181,5 +181,5 @@ class Strip:
 def pixels(figure: Figure) -> np.ndarray:
     """Return the pixels (height, width, 3) uint8 of a figure at its own resolution."""
     canvas = FigureCanvasAgg(figure)
-    canvas.draw()
-    return np.array(canvas.buffer_rgba())[..., :3]
+    canvas.draw()  # type: ignore[no-untyped-call]  # of matplotlib
+    return np.array(canvas.buffer_rgba())[..., :3]  # type: ignore[no-untyped-call]

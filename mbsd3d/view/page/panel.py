@@ -63,7 +63,7 @@ class Panel:
             button.icon = Icon.PLAYER_PAUSE if player.playing else Icon.PLAYER_PLAY
 
         @slider.on_update
-        def _(event: "GuiEvent") -> None:
+        def _(event: "GuiEvent[GuiSliderHandle[float]]") -> None:
             if event.client_id is not None:  # moved by a reader, not by the player
                 player.time = float(slider.value)
 

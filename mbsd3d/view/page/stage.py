@@ -186,7 +186,7 @@ class Stage:
 
     def add_pieces(self, drawing: Drawing) -> None:
         """Add one mesh for all pieces of a body that share layer, colour and shade."""
-        groups: dict[tuple, list[Mesh]] = {}
+        groups: dict[tuple[int, str, str, int], list[Mesh]] = {}
         for piece in drawing.pieces:
             for shade in (0, 1):
                 if (piece.mesh.shade == shade).any():
@@ -200,7 +200,7 @@ class Stage:
 
     def add_wires(self, drawing: Drawing) -> None:
         """Add one set of segments for all wires of a body that share layer and colour."""
-        groups: dict[tuple, list[np.ndarray]] = {}
+        groups: dict[tuple[int, str, str], list[np.ndarray]] = {}
         for wire in drawing.wires:
             segments = np.stack([wire.points[:-1], wire.points[1:]], axis=1)
             segments = segments[np.isfinite(segments).all(axis=(1, 2))]

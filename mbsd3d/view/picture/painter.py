@@ -59,7 +59,7 @@ class Mosaic(Artist):
         self.colours[..., :3] = np.repeat(fill, 1 + bars, axis=0)[:, None]
         self.set_rasterized(True)
 
-    @allow_rasterization
+    @allow_rasterization  # type: ignore[untyped-decorator]  # of matplotlib
     def draw(self, renderer: RendererBase) -> None:
         """Draw all polygons and bars by one call."""
         gc = renderer.new_gc()
@@ -175,12 +175,8 @@ class Painter:
             return
         drawn = PolyCollection(
             polygons,  # type: ignore[arg-type]  # matplotlib takes arrays too
-            facecolors=fill,
-            edgecolors=fill,
-            linewidths=SEAM_WIDTH,
-            joinstyle="round",
-            zorder=3,
-        )
+            facecolors=fill, edgecolors=fill, linewidths=SEAM_WIDTH, joinstyle="round", zorder=3,
+        )  # fmt: skip
         drawn.set_antialiased(pen.tolist())  # the paper must not shine through between triangles
         axes.add_collection(drawn, autolim=False)
 

@@ -8,6 +8,7 @@ from ...base.rotations import quaternion_from_matrix
 from ...base.style import GREY, INNER, MARK, colour
 from ...mechanism.bodies import GROUND, Body, Part
 from ...mechanism.contacts import Rolling, RollingDisc
+from ...mechanism.force_element import ForceElement
 from ...mechanism.forces.contact import Contact
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes import Shape
@@ -92,7 +93,7 @@ class Artist:
                     strokes.setdefault(self.place[id(body)], []).extend([body.com, body.local_point(point), PEN_LIFT])
             if isinstance(part, Spanning):
                 first, second = ((self.place[id(body)], body.local_point(point)) for body, point in places)
-                self.drawing.links.append(Link(self.system.name(part), (first, second), part in self.system.forces))
+                self.drawing.links.append(Link(self.system.name(part), (first, second), isinstance(part, ForceElement)))
         for i, points in strokes.items():
             self.drawing.wires.append(Wire(self.system.bodies[i].name, "bodies", i, np.array(points[:-1]), colour(i)))
 
