@@ -132,7 +132,7 @@ class Solution(RunResult, Viewable):
         *parts : Body, Joint, ForceElement or str
             Whose; none = all that have it. Components of one part share a panel; several parts are compared component
             by component (reactions: by magnitude).
-        against : str or (str, part), optional
+        against : str, measure or (str, part), optional
             What is on the horizontal axis instead of time, e.g. ``plot("rate", hinge, against="angle")``; a name alone
             is taken of the same parts. The start is marked.
         degrees : bool
