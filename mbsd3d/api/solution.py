@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
     from xarray import Dataset
 
-    from ..plotting.panels import Part, Wanted
+    from ..plotting.panels import Part, PlotQuantity, Wanted
     from ..report.page import Report
 
 
@@ -115,7 +115,7 @@ class Solution(RunResult, Viewable):
         self,
         quantity: "str | Wanted | None" = None,
         *parts: "Part",
-        against: str | tuple | None = None,
+        against: "PlotQuantity | None" = None,
         degrees: bool = False,
         dark: bool = False,
         axes: "Axes | Sequence[Axes] | None" = None,
@@ -132,7 +132,7 @@ class Solution(RunResult, Viewable):
         *parts : Body, Joint, ForceElement or str
             Whose; none = all that have it. Components of one part share a panel; several parts are compared component
             by component (reactions: by magnitude).
-        against : str or (str, part), optional
+        against : str, measure or (str, part), optional
             What is on the horizontal axis instead of time, e.g. ``plot("rate", hinge, against="angle")``; a name alone
             is taken of the same parts. The start is marked.
         degrees : bool

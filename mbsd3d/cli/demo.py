@@ -72,7 +72,7 @@ def demo(
 
 
 def run_one(
-    shown: "Demo", without: str | None, values: dict, out: str | None, as_json: bool, watched: bool
+    shown: "Demo", without: str | None, values: dict[str, object], out: str | None, as_json: bool, watched: bool
 ) -> "Outcome":
     """Run a demo, print its table (or object), and write its files if there is a folder for them."""
     from ..demos.report import listing, report, to_json, write

@@ -3,8 +3,12 @@
 import math
 import os
 import time
+from typing import TYPE_CHECKING
 
 import click
+
+if TYPE_CHECKING:
+    from mbsd3d import AngleDriver, Revolute, System
 
 
 def compile_all() -> None:
@@ -31,7 +35,7 @@ def fill_cells(last_first: bool = False) -> None:
         late.fill(passed, number)
 
 
-def pendulum() -> tuple:
+def pendulum() -> "tuple[System, System, Revolute, AngleDriver]":
     """Return (free pendulum, driven pendulum, hinge, driver)."""
     import mbsd3d as m
 

@@ -22,7 +22,9 @@ from ..results.reactions import Reaction
 from ..results.result import RunResult
 
 Part = Body | Joint | ForceElement | str
-Wanted = Iterable[str | Measure | tuple[str | Measure | Part, ...]]  # quantities with or without parts, and measures
+PlotQuantity = str | Measure | tuple[str | Measure | Part, ...]  # with or without parts
+Wanted = Iterable[PlotQuantity]
+Line = tuple[str, np.ndarray]  # name, values (samples,)
 QUANTITY_LABELS = {
     "omega": "angular velocity", "omega_body": "angular velocity, body axes", "alpha": "angular acceleration",
     "com": "centre of mass", "orientation": "quaternion",
@@ -35,7 +37,7 @@ class Panel(NamedTuple):
 
     label: str
     unit: str
-    lines: list[tuple[str, np.ndarray]]
+    lines: list[Line]
     note: str = ""
     log: bool = False
 
@@ -81,7 +83,7 @@ def joint_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) ->
     if not joints:
         kinds = {"rate": ("angle", "slide")}.get(quantity, (quantity,))
         joints = [joint for joint in system.joints if any(getattr(joint, kind)() is not None for kind in kinds)]
-    groups: dict[str, list] = {}
+    groups: dict[str, list[Line]] = {}
     for joint in joints:
         name = "slide_rate" if quantity == "rate" and joint.angle() is None else quantity
         groups.setdefault(name, []).append((system.name(joint), getattr(solution, quantity)(joint)))
@@ -90,7 +92,7 @@ def joint_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) ->
     return [scalar_panel(name.replace("_", " "), unit_of(name), lines) for name, lines in groups.items()]
 
 
-def scalar_panel(label: str, unit: str, lines: list[tuple[str, np.ndarray]]) -> Panel:
+def scalar_panel(label: str, unit: str, lines: list[Line]) -> Panel:
     """Return a panel of lines of one unit; a single one is named by the axis."""
     return Panel(f"{label} of {lines[0][0]}" if len(lines) == 1 else label, unit, lines)
 
@@ -115,7 +117,7 @@ def state_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) ->
 
 def panels_by_unit(label: str, found: Sequence[Column]) -> list[Panel]:
     """Return one panel per unit."""
-    groups: dict[str, list] = {}
+    groups: dict[str, list[Line]] = {}
     for column in found:
         groups.setdefault(column.unit, []).append((column.part, column.values))
     return [scalar_panel(label, f"[{unit}]", lines) for unit, lines in groups.items()]
@@ -227,7 +229,7 @@ def drift_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) ->
     ]
 
 
-PANELS: dict[str, Callable[[RunResult, str, tuple], list[Panel]]] = {
+PANELS: dict[str, Callable[[RunResult, str, tuple[Part, ...]], list[Panel]]] = {
     "energy": energy_panels,
     **dict.fromkeys(BODY_QUANTITIES, body_panels),
     **dict.fromkeys(("angle", "slide", "rate"), joint_panels),
@@ -245,7 +247,7 @@ SYSTEM_QUANTITIES = ("energy", "momentum", "drift")
 
 def measure_panels(solution: RunResult, measures: Sequence[Measure]) -> list[Panel]:
     """Return panels of measures over time: those of one unit share a panel."""
-    groups: dict[str, list] = {}
+    groups: dict[str, list[Line]] = {}
     for measure, values in zip(measures, solution.measure(measures).T, strict=True):
         groups.setdefault(with_superscripts(measure.unit), []).append((measure.label, values))
     return [Panel(lines[0][0] if len(lines) == 1 else "measures", f"[{unit}]", lines) for unit, lines in groups.items()]
@@ -266,7 +268,7 @@ def panels_of(solution: RunResult, quantity: str | Measure | Wanted, parts: tupl
     return PANELS[quantity](solution, quantity, parts)
 
 
-def measures_only(entries: tuple) -> tuple[Measure, ...]:
+def measures_only(entries: tuple[Any, ...]) -> tuple[Measure, ...]:
     """Return measures that share axes; raise an error for anything else among them."""
     for entry in entries:
         if not isinstance(entry, Measure):

@@ -4,7 +4,6 @@ import base64
 import io
 import re
 import textwrap
-from typing import Any
 
 import numpy as np
 from markupsafe import Markup
@@ -14,7 +13,8 @@ from ..base.checks import as_tuple
 from ..base.errors import InputError
 from ..base.style import LIGHT, figure_style
 from ..mechanism.drivers import Driver
-from ..plotting.panels import Wanted
+from ..mechanism.joints import Joint
+from ..plotting.panels import PlotQuantity, Wanted
 from ..plotting.plots import plot_quantity
 from ..results.result import RunResult
 from ..view.picture.picture import picture_of_solution, picture_of_system
@@ -28,7 +28,7 @@ PICTURE_SIZE = (7.2, 3.8)  # [inch] width and height of a picture
 
 def wanted_curves(
     solution: RunResult, few: RunResult, curves: Wanted | None
-) -> list[tuple[RunResult, str | tuple, str]]:
+) -> list[tuple[RunResult, PlotQuantity, str]]:
     """Return (what to plot, entry for `plot`, caption) of every figure; ``few`` has the samples with reactions."""
     if curves is not None:
         if isinstance(curves, str):
@@ -38,7 +38,7 @@ def wanted_curves(
         return []
     energies = "Energies, and the work of drivers and of forces that store none."
     system = solution.system
-    found: list[tuple[RunResult, str | tuple[Any, ...], str]] = [(solution, "energy", energies)]
+    found: list[tuple[RunResult, PlotQuantity, str]] = [(solution, "energy", energies)]
     for kind, name in (("angle", "Angles"), ("slide", "Displacements")):
         joints = [joint for joint in system.joints if getattr(joint, kind)() is not None]
         moved = {id(joint): float(np.ptp(getattr(solution, kind)(joint))) for joint in joints}
@@ -61,13 +61,13 @@ def wanted_curves(
     return found
 
 
-def most(parts: list, sizes: dict[int, float]) -> list:
-    """Return the parts with the largest sizes, in the order of the model."""
-    kept = sorted(parts, key=lambda part: -sizes[id(part)])[:CHOSEN_LINES_MAX]
-    return [part for part in parts if part in kept]
+def most(joints: list[Joint], sizes: dict[int, float]) -> list[Joint]:
+    """Return the joints with the largest sizes, in the order of the model."""
+    kept = sorted(joints, key=lambda joint: -sizes[id(joint)])[:CHOSEN_LINES_MAX]
+    return [joint for joint in joints if joint in kept]
 
 
-def figure_of(number: int, solution: RunResult, entry: str | tuple, caption: str) -> dict[str, str]:
+def figure_of(number: int, solution: RunResult, entry: PlotQuantity, caption: str) -> dict[str, str]:
     """Return a figure as inline SVG, with a caption and an alternative text."""
     figure = plot_quantity(solution, [entry])
     figure.set_size_inches(7.5, 0.7 + 1.55 * len(figure.axes))  # four panels go on an A4 page

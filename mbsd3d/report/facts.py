@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -18,6 +18,7 @@ TABLE_ROWS_MAX = 40  # [1] rows of a table
 ROW_ANALYSIS_COST_MAX = 1e7  # [1] bodies cubed times samples whose redundant rows are decomposed: some seconds
 LOAD_COST_MAX = 3e5  # [1] samples times forces whose loads are computed: some seconds
 UNIQUENESS_WORDS = {"all": "determined", "part": "determined in part", "none": "indeterminate"}
+Listed = TypeVar("Listed")
 REACTION_COST_MAX = 1e7  # [1] bodies times samples times joints whose reactions are computed: some seconds
 
 
@@ -32,14 +33,12 @@ class Table:
     note: str = ""
 
 
-def shortened(parts: Iterable, what: str) -> tuple[list, str]:
+def shortened(parts: Iterable[Listed], what: str) -> tuple[list[Listed], str]:
     """Return the first parts of a long list, and a sentence on its length."""
     parts = list(parts)
-    if len(parts) <= TABLE_ROWS_MAX:
-        return parts, ""
-    return parts[
-        :TABLE_ROWS_MAX
-    ], f"The first {TABLE_ROWS_MAX} of {len(parts)} {what}, and {len(parts) - TABLE_ROWS_MAX} more."
+    more = len(parts) - TABLE_ROWS_MAX
+    note = f"The first {TABLE_ROWS_MAX} of {len(parts)} {what}, and {more} more." if more > 0 else ""
+    return parts[:TABLE_ROWS_MAX], note
 
 
 def run_facts(solution: RunResult) -> list[tuple[str, str]]:

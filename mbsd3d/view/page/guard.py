@@ -11,9 +11,16 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from http import HTTPStatus
 from http.cookies import CookieError, SimpleCookie
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from urllib.parse import parse_qs
 from weakref import WeakSet
+
+if TYPE_CHECKING:
+    from websockets.asyncio.server import ServerConnection
+    from websockets.datastructures import Headers
+    from websockets.http11 import Request, Response
+
+    Answer = Callable[[ServerConnection, Request], Response | None]
 
 LOCAL_HOST_NAMES = ("127.0.0.1", "localhost")
 GOODBYE_SECONDS = 0.2  # [s] a browser has to close its connection when the server stops
@@ -28,13 +35,13 @@ def new_token() -> str:
 SINGLE_HEADERS = ("Host", "Origin", "Cookie")  # headers that a request may have once; two of them are ambiguous
 
 
-def doubled(headers: Any) -> str | None:
+def doubled(headers: "Headers") -> str | None:
     """Return why a request is refused if a header that decides on access stands in it more than once; else None."""
     names = [name for name in SINGLE_HEADERS if len(headers.get_all(name)) > 1]
     return f"a request has one header {names[0]}" if names else None
 
 
-def refusal(headers: Any, path: str, port: int, token: str) -> str | None:
+def refusal(headers: "Headers", path: str, port: int, token: str) -> str | None:
     """Return why a request is refused; None = it is not."""
     if headers.get("Host") not in [f"{name}:{port}" for name in LOCAL_HOST_NAMES]:
         return "this address belongs to another machine"
@@ -46,7 +53,7 @@ def refusal(headers: Any, path: str, port: int, token: str) -> str | None:
     return None
 
 
-def given_token(headers: Any, path: str, port: int) -> str:
+def given_token(headers: "Headers", path: str, port: int) -> str:
     """Return the token of the query, else that of the cookie."""
     query = parse_qs(path.partition("?")[2]).get("token", [""])[0]
     cookie = SimpleCookie()
@@ -56,10 +63,10 @@ def given_token(headers: Any, path: str, port: int) -> str:
     return query or (found.value if found else "")
 
 
-def guarded(process: Callable | None, token: str) -> Callable:
+def guarded(process: "Answer | None", token: str) -> "Answer":
     """Return the function that answers requests behind the guard."""
 
-    def answer(connection: Any, request: Any) -> Any:
+    def answer(connection: "ServerConnection", request: "Request") -> "Response | None":
         port, why = connection.local_address[1], doubled(request.headers)
         if why is not None:
             return connection.respond(HTTPStatus.BAD_REQUEST, f"{why}\n")
@@ -79,9 +86,9 @@ class Visitors:
     """Connections of a server, which must not wait at its end for incomplete requests of browsers."""
 
     def __init__(self) -> None:
-        self.came: WeakSet[Any] = WeakSet()
+        self.came: WeakSet[ServerConnection] = WeakSet()
 
-    def connection(self, *arguments: Any, **options: Any) -> Any:
+    def connection(self, *arguments: Any, **options: Any) -> "ServerConnection":
         """Return a new connection, for ``create_connection`` of websockets."""
         from websockets.asyncio.server import ServerConnection
 
@@ -101,17 +108,17 @@ def guarded_serving(token: str, visitors: Visitors) -> Iterator[None]:
     """Guard servers of websockets that start inside, and let them stop soon."""
     from websockets.asyncio import server
 
-    serve = server.serve
+    serve, names = server.serve, vars(server)
 
     @functools.wraps(serve)
-    def behind_guard(*arguments: Any, process_request: Callable | None = None, **options: Any) -> Any:
+    def behind_guard(*arguments: Any, process_request: "Answer | None" = None, **options: Any) -> Any:
         options.setdefault("close_timeout", GOODBYE_SECONDS)
         options.setdefault("create_connection", visitors.connection)
         return serve(*arguments, process_request=guarded(process_request, token), **options)
 
     with SERVER_LOCK:
-        server.serve = behind_guard
+        names["serve"] = behind_guard
         try:
             yield
         finally:
-            server.serve = serve
+            names["serve"] = serve

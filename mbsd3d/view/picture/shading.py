@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...base.rotations import matrix
 from ...base.style import SECTOR_BRIGHTNESS, channels, with_superscripts
@@ -164,7 +165,7 @@ class Solids:
         return corners
 
 
-def strokes_as_items(strokes: np.ndarray, ink: np.ndarray | tuple, pen: float, lift: np.ndarray | float) -> Items:
+def strokes_as_items(strokes: np.ndarray, ink: ArrayLike, pen: float, lift: np.ndarray | float) -> Items:
     """Return strokes (k, 2, 3) as items."""
     k = len(strokes)
     corners = strokes[:, [0, 1, 1]]
