@@ -1,6 +1,6 @@
 """Small motions of a bicycle on tyres about a straight run: eigenvalues over the speed, critical speeds, a figure.
 
-Nine freedoms and four deflections have 22 eigenvalues; those of what happens sideways are kept, see
+Nine degrees of freedom and four deflections have 22 eigenvalues; those of what happens sideways are kept, see
 `bicycle.linear.tyre_equations`.
 """
 

@@ -69,7 +69,7 @@ def whipple(
 
     Bodies "rear wheel", "frame", "fork", "front wheel"; joints "rear hub", "steer", "front hub", "rear contact",
     "front contact". The rear contact starts at the origin, heading along x. With ``tyres`` the forces "rear tyre" and
-    "front tyre" stand in for the two contacts: nine freedoms, and the start is that of ideal wheels, without slip.
+    "front tyre" stand in for the two contacts: nine degrees of freedom; the start is that of ideal wheels.
 
     Parameters
     ----------

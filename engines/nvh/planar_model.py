@@ -5,7 +5,7 @@ shell moves in the same plane. With heads T_j = [1 0 -z; 0 1 y] of the mounts
 
     (K + i W C - W^2 M) q = F,   f_j = (k_j + i W c_j) T_j q,   D = Z - Z Y Z,   f = (1 + D H)^-1 f_b
 
-as in space (`OnMounts`, `Cabin`), with three freedoms instead of six. None of it uses the solver in space.
+as in space (`OnMounts`, `Cabin`), with three degrees of freedom instead of six. None of it uses the solver in space.
 """
 
 from dataclasses import dataclass

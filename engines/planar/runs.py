@@ -186,7 +186,7 @@ def kinematics(system: System, times: ArrayLike, *, centripetal: bool = True) ->
     lowered = system.lowered if centripetal else lower(system, centripetal=False)
     left = 3 * len(system.bodies) - lowered.model.kind.size
     if left:
-        raise InputError(f"kinematics: {left} freedoms are not driven; add as many drivers, or use simulate")
+        raise InputError(f"kinematics: {left} degrees of freedom are not driven; add as many drivers, or use simulate")
     work, q, out = lowered.work(), lowered.q.copy(), storage(lowered, times.size + 1)
     began = time.perf_counter()
     status, row, t = in_pieces(trace, (lowered.model, work, q, np.concatenate([[0.0], times]), out), times.size + 1)

@@ -121,8 +121,8 @@ def linearize(
     """Return the linear equations of small motions about an equilibrium or a relative equilibrium.
 
     States x are displacements on the constraint manifold (J of the holonomic rows), velocities that meet
-    ``J delta v + d(J v - b)/dq delta q = 0`` (all rows, nonholonomic ones too), and own states of force elements, all
-    in world axes. About a steady motion that turns as a whole (precession of a top, a turn of a vehicle) they are
+    ``J delta v + d(J v - b)/dq delta q = 0`` (all rows, nonholonomic ones too), and internal states of force elements,
+    all in world axes. About a steady motion that turns as a whole (precession of a top, a turn of a vehicle) they are
     carried along: ``x_dot = A x`` with the generator of the turn subtracted. A is exact to rounding: derivatives are
     complex steps, the row set is frozen.
 

@@ -78,7 +78,8 @@ class Solution(RunResult, Viewable):
         return certificate_of(self)
 
     def force(self, force: ForceElement | str, on: Body | Ground | str | None = None) -> Load:
-        """Force [N] and moment [N m] of a force element on a body at its point, with power, stretch and own states.
+        """Force [N] and moment [N m] of a force element on a body at its point, with power, stretch and internal
+        states.
 
         ``on`` None = body b of two, the last one of a `CustomForce`. ValueError for a body it does not act on, and
         where the function of a `CustomForce` was not saved.
@@ -127,7 +128,7 @@ class Solution(RunResult, Viewable):
         quantity : str, sequence of str and (str, part, ...), or None
             "energy", "momentum", "drift"; of bodies "position", "orientation", "velocity", "omega", "omega_body",
             "acceleration", "alpha", "com"; of joints "angle", "slide", "rate", "reaction"; of drivers "effort"; of
-            forces "state" (own states). Several, e.g. ``["energy", ("angle", hinge)]``, are drawn one below the
+            forces "state" (internal states). Several, e.g. ``["energy", ("angle", hinge)]``, are drawn one below the
             other; None = the most telling ones, as on a page: what moves, energies, efforts of drivers, reactions.
         *parts : Body, Joint, ForceElement or str
             Whose; none = all that have it. Components of one part share a panel; several parts are compared component

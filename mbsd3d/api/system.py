@@ -225,8 +225,8 @@ class System(Drawable):
     def equilibrium(self, state: State | None = None) -> "Equilibrium":
         """Find the equilibrium that the mechanism reaches from a pose, moving downhill as if through honey.
 
-        Preloaded springs, gravity, own states of forces and nonholonomic rows are taken as they are. A start that is
-        an equilibrium is returned as it is, also an unstable one.
+        Preloaded springs, gravity, internal states of forces and nonholonomic rows are taken as they are. A start that
+        is an equilibrium is returned as it is, also an unstable one.
 
         Parameters
         ----------

@@ -7,7 +7,7 @@ Rows F = [F_b F_o] act on body b and on others. Of the rows, those with well ind
 so rank F = |p| + rank of the rest, with real rows p. A body at the end of a chain takes its joint along: rows of a
 tree of joints are independent by construction. A body between two joints leaves the joint they amount to in series,
 and a closed loop leaves rows without bodies: redundant ones. A part on b that is neither large nor zero decides
-nothing here: its rows and freedoms stay in the core, for the singular values. Fewest neighbours first, so the cost is
+nothing here: its rows and columns stay in the core, for the singular values. Fewest neighbours first, so the cost is
 proportional to the number of bodies for chains, trees and ladders of loops.
 """
 

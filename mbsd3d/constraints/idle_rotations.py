@@ -27,7 +27,7 @@ class Spin:
     own: bool  # whether the centre of mass stays where it is
     inertia: float  # about the axis [kg m^2]
     massless: bool  # that is nothing, compared with the body's other moments
-    cure: str
+    remedy: str
 
     @property
     def about(self) -> str:
@@ -41,7 +41,7 @@ class Spin:
     def text(self) -> str:
         """Return the rotation in words and, where it stops a run, the remedy."""
         if self.massless:
-            return f"'{self.body}' spins freely about {self.about} and has no inertia about it; {self.cure}"
+            return f"'{self.body}' spins freely about {self.about} and has no inertia about it; {self.remedy}"
         return f"'{self.body}' spins freely about {self.about}, and nothing else moves with it"
 
 
@@ -92,13 +92,12 @@ def spin_of(compiled: Compiled, data: Data, body: Body, joints: list[Joint], twi
     balls = [joint for joint in through if isinstance(joint, Spherical)]
     name = compiled.system.name
     massless = inertia <= ZERO_INERTIA_RATIO * largest
-    cures = [f"make Spherical '{name(ball)}' a Universal with both axes across it" for ball in balls[:1]] + massless * [
-        "give the body a radius"
-    ]
+    universal = [f"make Spherical '{name(ball)}' a Universal with both axes across it" for ball in balls[:1]]
+    remedies = universal + massless * ["give the body a radius"]
     return Spin(
         body=name(body), axis=axis, joints=tuple(name(joint) for joint in through),
         own=centre <= AXIS_POINT_TOLERANCE * length, inertia=inertia, massless=massless,
-        cure=", or ".join(cures) or "hold or drive it",
+        remedy=", or ".join(remedies) or "hold or drive it",
     )  # fmt: skip
 
 
@@ -127,7 +126,7 @@ def check_spins(compiled: Compiled, data: Data) -> None:
             raise AssemblyError(
                 f"the velocity of body '{spin.body}' is not determined: it spins freely about {spin.about} and has no "
                 "inertia about it",
-                part=f"body '{spin.body}'", advice=spin.cure,
+                part=f"body '{spin.body}'", advice=spin.remedy,
             )  # fmt: skip
 
 

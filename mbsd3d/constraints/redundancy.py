@@ -62,7 +62,7 @@ class Share:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """Coordinates, rows and freedoms of a mechanism, and a verdict.
+    """Coordinates, rows and degrees of freedom of a mechanism, and an assessment.
 
     ``mobility`` counts the velocities left free by all rows, ``configuration_freedom`` those left by the holonomic rows
     alone (both at the reference pose); ``gruebler`` is velocities - rows, what counting without geometry says.
@@ -102,7 +102,7 @@ class Diagnosis:
         lines = [
             self.verdict,
             f"  {self.coordinates} coordinates, {self.velocities} velocities, {self.rows} rows of rank {self.rank}",
-            f"  mobility {self.mobility} (configuration freedoms {self.configuration_freedom}), "
+            f"  mobility {self.mobility} (configuration degrees of freedom {self.configuration_freedom}), "
             f"Gruebler count {self.gruebler}",
         ]
         lines += [f"  {share}" for share in self.shares]
@@ -164,7 +164,7 @@ def diagnose(system: Mechanism, as_built: float | None) -> Diagnosis:
 def cures_of(
     compiled: Compiled, pose: State, rows: BlockRows, found: Analysis, general: Beside | None
 ) -> list[Cure]:  # fmt: skip
-    """Return cures of the redundancies at the pose; of a singular one, of those that are left beside it."""
+    """Return remedies of the redundancies at the pose; of a singular one, of those that are left beside it."""
     if general is not None:
         pose, rows, found = general.pose, general.rows, general.found
     N = found.redundant()
@@ -216,7 +216,7 @@ def core_violation(found: Analysis, core: Core, tolerance: float) -> float:
 
 
 def misfit_of_lock(found: Analysis, length: float) -> float:
-    """Return the misfit [m] that takes the last freedom of a mechanism without mobility, 0 for a structure."""
+    """Return the misfit [m] that takes the last degree of freedom of a mechanism, 0 for a structure."""
     if found.rank < 6 * found.n or not found.least < 1e-2 * found.largest:
         return 0.0
     return violation(found, 10.0 * found.least) * length
@@ -285,8 +285,8 @@ def verdict_text(
     if misfit > 0.0:
         return f"redundant within the as-built tolerance ({as_built:g} m): misfit {misfit:.3g} m"
     if rank == n and not driven:
-        cause = f"; parts that miss each other by {offset:.6g} m take the last freedom" if offset else ""
-        return f"locked: the joints leave no freedom{cause}"
+        cause = f"; parts that miss each other by {offset:.6g} m take the last degree of freedom" if offset else ""
+        return f"locked: the joints leave no degree of freedom{cause}"
     if rows > rank:
         return f"redundant, consistent: {rows - rank} of {rows} rows repeat others"
     return "regular: all rows are independent" + (", the drivers determine the motion" if rank == n else "")

@@ -2,7 +2,7 @@
 
 A weaker joint's rows are combinations T J_i of the rows of the joint it replaces. With N the left null space of J, the
 redundancy left after a replacement is the dimension of {n in span N: n_i in range T'}: small matrices, no new SVD of J.
-Every cure that is reported has then been verified by rebuilding the rows and taking their rank.
+Every remedy that is reported has then been verified by rebuilding the rows and taking their rank.
 """
 
 from dataclasses import dataclass
@@ -184,13 +184,13 @@ def find_cures(compiled: Compiled, pose: State, rows: BlockRows, N: np.ndarray, 
     if not sets:
         greedy = search.greedy(involved)
         sets = [greedy] if greedy else []
-    cures = []
+    remedies = []
     for chosen in sorted(sets, key=lambda s: (len(s), sum(JOINT_COST.get(type(option), 0) for _, option in s))):
-        if len(cures) == REMEDIES_REPORTED_MAX:
+        if len(remedies) == REMEDIES_REPORTED_MAX:
             break
         if verified(compiled, pose, rows, chosen, mobility):
-            cures.append(describe(compiled, chosen, search.lost(chosen)))
-    return cures
+            remedies.append(describe(compiled, chosen, search.lost(chosen)))
+    return remedies
 
 
 def verified(compiled: Compiled, pose: State, rows: BlockRows, chosen: list, mobility: int) -> bool:

@@ -1,4 +1,4 @@
-"""Singular poses, where the rows leave one freedom more than beside them, and poses that are nearly singular."""
+"""Singular poses, where the rows leave one degree of freedom more than beside them, and poses near to them."""
 
 from collections.abc import Collection
 

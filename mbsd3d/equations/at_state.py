@@ -27,7 +27,8 @@ def pack(compiled: Compiled, state: State) -> np.ndarray:
     own = state.z if state.z.size else initial_states(compiled.system)
     if own.size != compiled.model.z_work:
         raise InputError(
-            f"state: z has {own.size} own states, the forces of the system have {compiled.model.z_work}; give a state "
+            f"state: z has {own.size} internal states, the forces of the system have {compiled.model.z_work}; "
+            "give a state "
             "of this system, or none"
         )
     z[: own.size] = own

@@ -56,7 +56,7 @@ class Extrapolated(NamedTuple):
 class Kinematic(Method):
     """No ODE: for systems whose drivers determine the whole motion (rank of the rows = 6 per body).
 
-    Work, impulse and own states of forces are integrated over the poses by the trapezoidal rule, of order 2: more
+    Work, impulse and internal states of forces are integrated over the poses by the trapezoidal rule, of order 2: more
     samples or a smaller ``max_step`` make them as exact as needed. All else does not depend on the distance of poses.
     ``max_step`` [s] bounds the distance between poses, so that Newton stays on its branch. A condition to stop is
     watched between the poses too, on cubics through them.
@@ -106,7 +106,7 @@ def predict(m, run, h):
 def advance_to(m, d, s, own, run, t, x, h):
     """Set the trial pose at t, x after the last one, on c = 0, with its velocities and accelerations.
 
-    Work and own states, predicted by the rate at the last pose, are corrected by the mean of both rates.
+    Work and internal states, predicted by the rate at the last pose, are corrected by the mean of both rates.
     """
     predict(m, run, x)
     status, result = project_and_evaluate(m, d, s, t, run.trial, run.trial_rate, FACTOR_FROM_OTHER_POSE)

@@ -33,7 +33,7 @@ class Newton(NamedTuple):
     rate: np.ndarray  # (ny,) v_dot (angular part in body axes) and z_dot at the end of the step
     lam: np.ndarray  # (m,) multipliers at the end of the step, zero in skipped rows
     move: np.ndarray  # (n, 3) rotation vector of the step, body axes
-    x: np.ndarray  # (6 n + own states + m,) residual, then correction
+    x: np.ndarray  # (6 n + internal states + m,) residual, then correction
     A: np.ndarray  # its matrix dr/dx, then its factors L and U
     pivot: np.ndarray  # row exchanges
     data: Data  # complex work space

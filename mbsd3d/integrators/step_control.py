@@ -164,7 +164,7 @@ def state_error(m, run):
     for j in range(m.state.shape[0]):
         least = (
             1.0 if j < m.z_work else INTEGRAL_ROUNDING / (LOCAL_ERROR_SHARE * run.task.rtol)
-        )  # own states come in any size
+        )  # internal states come in any size
         error = (x[13 * n + j] / max(run.unit[j], least * abs(run.y[13 * n + j]))) ** 2
         worst = max(worst, error)
         total += error

@@ -60,7 +60,7 @@ FORCE = [
     ("frame", float, (2, 9)),  # axes of the element in a and b (columns), body axes
     ("signal", int, 3),  # signals of the components, -1 = none
     ("coordinate", int),  # hinge coordinate it acts along, -1 = none
-    ("state", int),  # where the element's own states start in z
+    ("state", int),  # where the element's internal states start in z
     ("states", int),  # their number
     ("measure", int),  # first of the measures it reads
     ("measures", int),  # their number
@@ -172,7 +172,7 @@ class Data(NamedTuple):
     force: np.ndarray
     coordinate: np.ndarray
     unwrap_time: np.ndarray  # (1,) s, time of the last accepted state
-    z: np.ndarray  # (z_work,) own states of the force elements, computed by kinematics
+    z: np.ndarray  # (z_work,) internal states of the force elements, computed by kinematics
     state_rate: np.ndarray  # (z_work,) their rates, computed by loads
     pose: np.ndarray  # (MOST_BODIES,) scratch of custom forces: what their function reads,
     wrench: np.ndarray  # (6 MOST_BODIES + 1,) the loads it fills, and 0 when it has returned
@@ -225,7 +225,7 @@ def tree_records(dtype: type) -> dict[str, list]:
             ("point", int),  # 1: the first three make two points coincide
             ("d", dtype, 3),  # m, from the parent's O to its own
             ("A", dtype, 9),  # articulated inertia [A B; B' C]: of the body and of all beyond it,
-            ("B", dtype, 9),  # after the factorisation without what its own freedoms take up
+            ("B", dtype, 9),  # after the factorisation without what its own degrees of freedom take up
             ("C", dtype, 9),
             ("basis", dtype, (6, 6)),  # r directions that move one row each, then 6 - r that move none
             ("u", dtype, (6, 6)),  # inertia times each free direction; before that, scratch of `joint_basis`

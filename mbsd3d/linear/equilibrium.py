@@ -1,7 +1,8 @@
 """Static equilibrium: the pose at which a mechanism at rest stays at rest, and its stability.
 
-At rest (v = 0) the constrained accelerations a and the rates of the own states z are functions of the pose alone. With
-xi the freedoms of velocity (v = N xi) the pose follows the flow ``xi' = a``, downhill in the metric of M, by steps
+At rest (v = 0) the constrained accelerations a and the rates of the internal states z are functions of the pose alone.
+With xi the degrees of freedom of velocity (v = N xi) the pose follows the flow ``xi' = a``, downhill in the metric of
+M, by steps
 
     [ 1/d - A_qq   -A_qz ] [ d xi ]   [ a     ]
     [    -A_zq     -A_zz ] [ d z  ] = [ z_dot ]        A: exact derivatives by complex steps
@@ -58,7 +59,7 @@ class Equilibrium:
     moved from where the search began (distance [m], angle [rad]).
 
     ``stability`` is "stable" (deviations die out), "stable, undamped" (they go on swinging), "neutral" (some go on
-    without a force), "unstable", "held" (joints and drivers leave no freedom), or "unknown", with ``reason``.
+    without a force), "unstable", "held" (joints and drivers leave no degree of freedom), or "unknown", with ``reason``.
     """
 
     system: Mechanism
@@ -82,7 +83,7 @@ class Equilibrium:
     def _kind(self) -> tuple[str, str]:
         found = self.linearization
         if found is None:
-            return "held", "joints and drivers leave no freedom"
+            return "held", "joints and drivers leave no degree of freedom"
         if isinstance(found, ValueError):
             return "unknown", str(found)
         values, calm = found.eigenvalues, GROWTH_RATE_ROUNDING * found.units.rate

@@ -144,7 +144,7 @@ def linearize_at(
     at = field.at(field.t, field.y)
     space = tangent_space(compiled, at)
     if not space.E.shape[1]:
-        raise InputError("linearize: joints and drivers leave no freedom, nothing can deviate; free a joint")
+        raise InputError("linearize: joints and drivers leave no degree of freedom, nothing can deviate; free a joint")
     check_regular(field, space)
     units = natural_units(compiled.model, at, space)
     generator, later, Q = find_generator(field, at, space, units, tolerance)

@@ -132,7 +132,7 @@ def make_modes(linearization: "ModalAnalysis") -> tuple[Mode, ...]:
             continue
         X = linearization.deviation(value, vector)
         moves = np.abs(X / size)[: 6 * n]
-        if moves.max() <= 1e-9 * np.abs(X / size).max():  # only velocities or own states take part
+        if moves.max() <= 1e-9 * np.abs(X / size).max():  # only velocities or internal states take part
             moves = np.abs(X / size)
         k = int(np.argmax(moves > moves.max() * (1.0 - 1e-6)))  # of equal ones the first, whatever rounding does
         factor = size[k] / X[k]

@@ -47,7 +47,7 @@ def natural_units(model: Model, at: Variations, space: Tangent, damped: bool = T
     fall = np.linalg.norm(model.gravity) / model.length
     rate = max(np.sqrt(stiffness), damping if damped else 0.0, np.abs(at.velocity[:, 3:]).max(), np.sqrt(fall)) or 1.0
     x = np.r_[one[:n], rate * one[:n], np.ones(model.z_work)]
-    for j in range(2 * n, x.size):  # own states: what causes a unit acceleration, or what a unit motion causes
+    for j in range(2 * n, x.size):  # internal states: what causes a unit acceleration, or what a unit motion causes
         cause, effect = np.abs(at.F[n : 2 * n, j] / x[n : 2 * n]).max(), np.abs(at.F[j, : 2 * n] * x[: 2 * n]).max()
         x[j] = rate / cause if cause else effect / rate or 1.0
     balance(at.F, x, 2 * n)
@@ -233,7 +233,7 @@ def motion_message(
     """Return why the state is not a relative equilibrium, by body."""
     if max(slip.max(), drift.max()) <= rest_of_states(at, units, model):
         k = int(np.argmax(np.abs(at.z_rate)))
-        return f"own state z{k} of a force element changes at {at.z_rate[k]:.3g} per s; start from its steady value"
+        return f"internal state z{k} of a force element changes at {at.z_rate[k]:.3g}/s; start from its steady value"
     i, residual = int(np.argmax(np.maximum(slip, drift))), max(slip.max(), drift.max())
     body, remedy = f"body '{system.name(system.bodies[i])}'", "linearise about an equilibrium or a steady motion"
     a = np.linalg.norm(at.acceleration[i, :3]), np.linalg.norm(at.acceleration[i, 3:])
@@ -279,7 +279,7 @@ def change_along(
         return float(row.max()), worst_joint(compiled, row / scale)[0]
     k = int(np.argmax(both))
     if k >= 2 * n:
-        return float(both[k]), f"own state z{k - 2 * n} of a force element"
+        return float(both[k]), f"internal state z{k - 2 * n} of a force element"
     return float(both[k]), f"body '{compiled.system.name(compiled.system.bodies[k % n // 6])}'"
 
 

@@ -50,7 +50,7 @@ class Variations:
     centre: np.ndarray  # (n, 3) r_G [m]
     velocity: np.ndarray  # (n, 6) v_G, w
     acceleration: np.ndarray  # (n, 6) their rates
-    z_rate: np.ndarray  # own states
+    z_rate: np.ndarray  # internal states
     c: np.ndarray  # (rows,) residuals
     slip: np.ndarray  # (rows,) J v - b
 

@@ -21,7 +21,7 @@ def bennett(
 
     Its angles obey ``theta_3 = -theta_1``, ``theta_4 = -theta_2`` and ``tan(theta_1 / 2) tan(theta_2 / 2) =
     sin((beta + alpha) / 2) / sin((beta - alpha) / 2)``. Links are a, b, a, b; the last one is the ground. Kutzbach's
-    count gives -2 freedoms; it has one.
+    count gives -2 degrees of freedom; it has one.
 
     Parameters
     ----------

@@ -127,7 +127,8 @@ def closed_angles(
 ) -> np.ndarray:  # fmt: skip
     """Return all angles of a closed pose by Newton on the free ones, ``angles = spread(free)``, spread affine.
 
-    From `near`, or from the first start of a lattice that ends in a pose with one freedom. ValueError if there is none.
+    From `near`, or from the first start of a lattice that ends in a pose with one degree of freedom. ValueError if
+    there is none.
     """
     if near is not None:
         starts = [np.array(sequence(near, f"{what}: near"))]

@@ -37,8 +37,8 @@ def rssr(
     branch : 1 or -1
         Which of the two poses: psi is the greater or the smaller one seen from ``atan2(F, E)``.
     spin : bool
-        True: both pins are Spherical, and the rod is free to spin about its own line, a second freedom. False: the
-        rocker pin is Universal, with its cross along the rocker's shaft.
+        True: both pins are Spherical, and the rod is free to spin about its own line, a second degree of freedom.
+        False: the rocker pin is Universal, with its cross along the rocker's shaft.
     links : (3,) sequence of MassProperties, optional
         Of crank, rod, rocker, in frames with the origin in the pin farther from the crank's shaft, for the rocker in
         its pin; axes of frame 0. None = as in `hinge_loop`.

@@ -53,7 +53,9 @@ def sarrus(
     reach = number(reach, "sarrus: reach")
     lower, upper = (_leg(leg, name) for leg, name in ((first, "first"), (second, "second")))
     if abs(np.sin(number(between, "sarrus: between"))) < STRAIGHT_LEG_ANGLE:
-        raise InputError(f"sarrus: between {between:g} rad: both legs in one plane leave the platform two freedoms")
+        raise InputError(
+            f"sarrus: between {between:g} rad: legs in one plane leave the platform two degrees of freedom"
+        )
     rest = lower[1] ** 2 - (lower[0] * np.cos(number(angle, "sarrus: angle"))) ** 2
     if rest < 0.0:
         raise InputError(f"sarrus: at angle {angle:g} rad the first leg of {lower[0]:g} m and {lower[1]:g} m cannot "

@@ -29,7 +29,7 @@ class ForceRecord:
     coordinate: Coordinate | None = None
     measures: tuple = ()  # it reads
     series: tuple = ()  # sequences of numbers, as many as its law asks for: gains and references
-    states: tuple = ()  # initial values of its own states
+    states: tuple = ()  # initial values of its internal states
     scales: tuple = ()  # of their errors: (unit, k, j) is unit length^k speed^j
 
 

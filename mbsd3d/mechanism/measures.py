@@ -65,7 +65,7 @@ class Measure:
     axis: np.ndarray = field(default_factory=lambda: ZERO)
     coordinate: Coordinate | None = None
     part: ForceElement | None = None  # force element it speaks of,
-    index: int = 0  # and which of its own states
+    index: int = 0  # and which of its internal states
 
     def __post_init__(self) -> None:
         """Check the measure: a file may describe one, and kernels do not check."""
@@ -241,8 +241,8 @@ def state(force: ForceElement, index: int | str = 0) -> Measure:
     if index in names:
         index = names.index(index)
     if type(index) is not int or not 0 <= index < len(states):
-        remedy = f"give one of {', '.join(names)}, or its number" if names else "give a force with own states"
-        raise InputError(f"measures.state: {label(force)} has no own state {short_repr(index)}; {remedy}")
+        remedy = f"give one of {', '.join(names)}, or its number" if names else "give a force with internal states"
+        raise InputError(f"measures.state: {label(force)} has no internal state {short_repr(index)}; {remedy}")
     what = record.measures[index].unit if record.measures else "-"  # a filter has the unit of what it sees
     return Measure("state", f"state {names[index]} of {label(force)}", what, part=force, index=index)
 

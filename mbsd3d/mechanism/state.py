@@ -30,7 +30,8 @@ class Entries(Stored[ArrayLike, np.ndarray]):
 
 @part_class()
 class State(Checked):
-    """Coordinates, velocities and own states of the force elements at one time; not what `Input` signals are set to.
+    """Coordinates, velocities and internal states of the force elements at one time; not what `Input` signals are set
+    to.
 
     Parameters
     ----------
@@ -87,5 +88,5 @@ class State(Checked):
             cells = (" ".join(f"{x:.4g}" for x in part) for part in (q[:3], q[3:], v[:3], v[3:]))
             rows.append((str(i + 1), *cells))
         head = ("body no.", "position [m]", "quaternion", "velocity [m/s]", "angular velocity [rad/s]")
-        own = f", own states {' '.join(f'{x:.4g}' for x in self.z)}" if self.z.size else ""
+        own = f", internal states {' '.join(f'{x:.4g}' for x in self.z)}" if self.z.size else ""
         return html_table(f"state at t = {self.t:g} s{own}", head, rows)

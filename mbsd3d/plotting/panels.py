@@ -111,7 +111,7 @@ def state_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) ->
     forces = [solution.system.part(part, "forces") for part in parts] or solution.system.forces
     found = [column for force in forces for column in columns_of_states(solution, force)]
     if not found:
-        raise InputError("these forces have no own states; give another quantity")
+        raise InputError("these forces have no internal states; give another quantity")
     return panels_by_unit("state", found)
 
 

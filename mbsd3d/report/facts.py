@@ -226,7 +226,7 @@ def freedom_facts(diagnosis: Diagnosis) -> list[tuple[str, str]]:
         ("verdict", d.verdict),
         ("velocities", f"{d.velocities} of {counted(d.coordinates // 7, 'body')}"),
         ("constraint rows", f"{d.rows}, of rank {d.rank}: {d.redundant} redundant"),
-        ("mobility", f"{counted(d.mobility, 'freedom')} of velocity, {d.configuration_freedom} of position"),
+        ("mobility", f"degrees of freedom: {d.mobility} of velocity, {d.configuration_freedom} of position"),
         ("Gruebler count", f"{d.gruebler}".replace("-", "−") + (" (does not see geometry)" if d.redundant else "")),
     ]
     facts += [("cure", cure.text) for cure in d.cures[:3]]

@@ -55,7 +55,7 @@ class BearingLoad(Sampled):
         """Refuse a part of the load that redundant constraints leave open."""
         if not determined:
             raise InputError(
-                f"bearing load of '{self.name}': redundant constraints leave its {what} open; cure them, see "
+                f"bearing load of '{self.name}': redundant constraints leave its {what} open; remove them, see "
                 "system.check()"
             )
 
@@ -119,7 +119,7 @@ def bearing_load(
     known = solution._determined([part]).along(R)
     if not known[0][:2].all():
         raise InputError(
-            f"{what}: redundant constraints leave its reaction open across the axis; cure them, see system.check()"
+            f"{what}: redundant constraints leave its reaction open across the axis; remove them, see system.check()"
         )
     components = (np.einsum("tij,tj->ti", R, x) for x in (reaction.force, reaction.moment))
     force, moment = (np.where(is_known, x, np.nan) for is_known, x in zip(known, components, strict=True))

@@ -58,7 +58,7 @@ QUANTITIES = {
     "force_angle": Quantity("rad", "none", "angle of the hinge the element acts about, unwrapped; NaN: has none"),
     "force_length_rate": Quantity("m/s", "none", "rate of force_length; NaN: has none"),
     "force_angle_rate": Quantity("rad/s", "none", "rate of force_angle; NaN: has none"),
-    "state": Quantity("see state_unit", "none", "own state of a force, e.g. of a filter; -: as the user defined it"),
+    "state": Quantity("see state_unit", "none", "internal state of a force, e.g. a filter; -: as the user defined it"),
     "kinetic": Quantity("J", "world", "kinetic energy"),
     "potential": Quantity("J", "world", "potential energy of gravity and springs"),
     "total": Quantity("J", "world", "kinetic and potential energy"),

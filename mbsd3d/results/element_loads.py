@@ -30,7 +30,7 @@ class Load(Sampled):
 
     ``power`` [W] is what the element gives to all its bodies, ``stored`` [J] the energy in it. ``length`` [m] or
     ``angle`` [rad] is the distance or the hinge coordinate along which it acts and ``rate`` how fast that changes;
-    None where there is none. ``states``, ``state_rates``: own states by name and their rates, (samples,) each.
+    None where there is none. ``states``, ``state_rates``: internal states by name and their rates, (samples,) each.
     """
 
     force: np.ndarray

@@ -90,7 +90,7 @@ class RunResult(Motion):
         t: float,
         data: Data,
     ) -> "RunResult":
-        """Split the raw samples ``y`` into q, world velocities and own states."""
+        """Split the raw samples ``y`` into q, world velocities and internal states."""
         n = len(compiled.system.bodies)
         states = arrays.pop("y")
         arrays["state"] = states

@@ -14,7 +14,8 @@ from ..solver.saddle_point import SOLVED
 
 
 class Rates:
-    """What `accelerations` gives of bodies and own states, at a twentieth of its cost, for states near the first one.
+    """What `accelerations` gives of bodies and internal states, at a twentieth of its cost, for states near the first
+    one.
 
     The state is taken as it is: it must meet the joints, and their rows must stay as independent as there. Inputs keep
     the value they start with until they are set.

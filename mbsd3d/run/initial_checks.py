@@ -121,7 +121,7 @@ def ask(model: Model, data: Data, y: np.ndarray, t: float) -> None:
 
 
 def places(model: Model) -> tuple[slice, slice]:
-    """Return where the own states and the parameters of the only force stand."""
+    """Return where the internal states and the parameters of the only force stand."""
     (x,) = model.force
     return slice(x["state"], x["state"] + x["states"]), slice(x["number"], x["number"] + x["numbers"])
 

@@ -204,9 +204,10 @@ class Job:
                 raise InputError(f"Kinematic: {'; '.join(singular)}")
             spins = find_idle_rotations(self.compiled, self.data, scaled_rows(self.model, self.data))
             if spins:
-                hint = f"{spins[0].text}: {spins[0].cure}"
+                hint = f"{spins[0].text}: {spins[0].remedy}"
             raise InputError(
-                f"Kinematic: {need - holonomic} of {need} freedoms are not determined by joints and drivers at "
+                f"Kinematic: {need - holonomic} of {need} degrees of freedom are not determined by joints and drivers "
+                "at "
                 f"position level; {hint}"
             )
 

@@ -322,7 +322,7 @@ def test_no_ride_replaces_the_files_of_one_on_other_tyres(name, given, wanted):
 
 
 def test_a_stiff_head_is_a_rigid_one():
-    """The difference is of first order in 1/k; a soft one adds a freedom, and with it a wobble of 4 to 10 Hz."""
+    """The difference is of first order in 1/k; a soft one adds a degree of freedom, a wobble of 4 to 10 Hz."""
     rigid = on_tyres.eigenvalues(partial(whipple, tyres=BRUSH), P, [5.0])[0]
     gaps = []
     for k in (1e6, 1e7, 1e8):

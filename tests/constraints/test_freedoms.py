@@ -108,7 +108,9 @@ def test_a_passive_spin_is_a_freedom_that_is_named():
     assert [note for note in found.notes if "freedom: 'rod' spins freely about its own axis" in note]
     with pytest.raises(
         ValueError,
-        match="1 of 18 freedoms.*" + SPIN + ".*make Spherical 'big end' a Universal with both axes across it$",
+        match="1 of 18 degrees of freedom.*"
+        + SPIN
+        + ".*make Spherical 'big end' a Universal with both axes across it$",
     ):
         simulate(rssr(rod("turned", radius=0.01), driven=True), 0.1, method=Kinematic())
 

@@ -110,7 +110,7 @@ def test_rank_of_the_mechanism_with_all_joints(seed):
 
 @pytest.mark.parametrize("lean", [0.4, 0.0])
 def test_rank_of_a_ladder_away_from_and_at_its_change_point(lean):
-    """2 n + 1 bodies in a plane: one freedom; laid flat a second one (Whittaker), so that the rank is one less."""
+    """2 n + 1 bodies in a plane: one degree of freedom; laid flat a second one (Whittaker), so the rank is one less."""
     system = ladder(30, lean=np.pi / 2 if lean == 0.0 else lean)
     found = check_against_dense(system, 64)
     freedoms = 6 * len(system.bodies) - found.rank

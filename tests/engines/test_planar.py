@@ -462,7 +462,7 @@ def test_errors_name_part_value_and_remedy():
         planar.Gear(rail, b, ratio=2.0, name="pair")
     with pytest.raises(ValueError, match="AngleDriver 'motor': 'gear' .Gear. is not a Revolute"):
         planar.AngleDriver(gear, planar.rate(1.0), name="motor")
-    with pytest.raises(ValueError, match="1 freedoms are not driven; add"):
+    with pytest.raises(ValueError, match="1 degrees of freedom are not driven; add"):
         planar.kinematics(four_bar(), [0.0, 1.0])
     with pytest.raises(ValueError, match="times of shape .2,.; give a row of finite"):
         planar.kinematics(slider_crank(), [0.0, np.nan])

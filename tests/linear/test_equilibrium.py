@@ -194,7 +194,8 @@ def test_neutral_and_held():
     assert adrift.stability == "neutral" and adrift.reason == "12 eigenvalues are zero"
     held = System([stone], [Fixed(GROUND, stone, at=(0, 0, 0))]).equilibrium()
     assert held.stability == "held" and held.linearization is None
-    assert repr(held).startswith("<equilibrium: held (joints and drivers leave no freedom); nothing moved; residual ")
+    said = "<equilibrium: held (joints and drivers leave no degree of freedom); nothing moved; residual "
+    assert repr(held).startswith(said)
     turned = AngleDriver(Revolute(GROUND, stone, at=(0, 0, 1), axis=(0, 1, 0)), 0.0)
     assert System([stone], [turned.hinge, turned]).equilibrium().stability == "held"
 

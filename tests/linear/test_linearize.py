@@ -670,7 +670,7 @@ def test_signals_that_vary_are_named():
 
 def test_nothing_free_and_inconsistent_states():
     system, hinge = pendulum()
-    with pytest.raises(ValueError, match="leave no freedom"):
+    with pytest.raises(ValueError, match="leave no degree of freedom"):
         linearize(System(system.bodies, [hinge, AngleDriver(hinge, 0.0)]))
     state = system.state()
     state.q[0] += 0.01

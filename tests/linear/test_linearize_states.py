@@ -1,4 +1,4 @@
-"""Linearisation with own states of force elements, against matrices written by hand."""
+"""Linearisation with internal states of force elements, against matrices written by hand."""
 
 import numpy as np
 import pytest
@@ -31,7 +31,7 @@ def test_filtered_feedback():
         and np.abs(np.sort_complex(full.eigenvalues) - np.sort_complex(np.linalg.eigvals(expected))).max()
         < 1e-11 * np.abs(expected).max()
     )  # two eigenvalues lie close together
-    with pytest.raises(ValueError, match="accelerates|own state"):
+    with pytest.raises(ValueError, match="accelerates|internal state"):
         linearize(system, system.assemble(angles={hinge: 0.1}))
 
 

@@ -198,7 +198,7 @@ def test_rows_that_repeat_others_cost_neither_steps_nor_digits(system, cut):
         (lambda: linkages.rssr(0.2, 3.0, 0.5, 0.6, 1.3, 0.4), "the rod is 3 m"),
         (lambda: linkages.hinge_loop((1, 1, 1), (0.1, 0, 0), (0, 0, 0), (0.1, 0.2, 0.3)), "m and .* rad apart"),
         (lambda: linkages.hinge_loop((1, 1, 1), (0, 0, 0.3), (0, 0, 0), [2 * np.pi / 3] * 3), "m and 0.299 rad apart"),
-        # folded as it is, this loop has two freedoms wherever it closes
+        # folded as it is, this loop has two degrees of freedom wherever it closes
         (
             lambda: linkages.bricard_line((1, 1, 1), (np.pi / 2, -np.pi / 2, np.pi / 2), (0, 0, 0), 0.9),
             "no closed pose",

@@ -422,7 +422,7 @@ RUNS = {
     "method as a class": (lambda: simulate(swing(), 1.0, method=DOP853), ["method", "DOP853"]),
     "Kinematic on an undriven system": (
         lambda: simulate(swing(), 1.0, method=Kinematic()),
-        ["Kinematic", "1 of 6 freedoms are not determined", "add drivers, or use DOP853"],
+        ["Kinematic", "1 of 6 degrees of freedom are not determined", "add drivers, or use DOP853"],
     ),
     "Kinematic on a system driven at velocity level": (
         lambda: simulate(

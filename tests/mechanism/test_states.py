@@ -76,7 +76,7 @@ def test_own_states_have_columns_units_and_a_figure(tmp_path):
     labels = [axes.get_ylabel().replace("\n", " ") for axes in figure.axes]
     assert labels == ["state of servo.slide of slider [m]", "state of servo.slide rate of slider [m/s]"]
     assert np.array_equal(figure.axes[1].lines[0].get_ydata(), z[:, 1])
-    with pytest.raises(ValueError, match="no own states"):
+    with pytest.raises(ValueError, match="no internal states"):
         simulate(cart(tau=None)[0], 0.1).plot("state")
 
 
@@ -96,7 +96,7 @@ def test_states_that_are_not_given_start_as_declared():
     start = system.state()
     whole, bare = (simulate(system, 0.5, state=State(0.0, start.q, start.v, z)) for z in (start.z, ()))
     assert np.array_equal(whole.final.z, bare.final.z) and np.abs(bare.final.z).max() > 0.0
-    with pytest.raises(ValueError, match="3 own states, the forces of the system have 2"):
+    with pytest.raises(ValueError, match="3 internal states, the forces of the system have 2"):
         simulate(system, 0.5, state=State(0.0, start.q, start.v, (1.0, 2.0, 3.0)))
 
 
@@ -234,8 +234,8 @@ def feedback(**changes):
         (lambda: feedback(measures=["angle", "rate"]), r"servo.*'angle' is not a measure"),
         (lambda: feedback(measures=[], gains=[]), r"servo.*no measures"),
         (lambda: feedback(on=OTHER), r"servo.*no angle and no slide"),
-        (lambda: measures.state(feedback()), r"servo has no own state 0; give a force"),
-        (lambda: measures.state(feedback(time_constant=1.0), 2), r"servo has no own state 2; give one of "),
+        (lambda: measures.state(feedback()), r"servo has no internal state 0; give a force"),
+        (lambda: measures.state(feedback(time_constant=1.0), 2), r"servo has no internal state 2; give one of "),
         (lambda: System([HINGE.b], [], [feedback()]), r"servo.*'hinge' is not in the system"),
         (
             lambda: System(

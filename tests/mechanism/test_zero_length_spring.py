@@ -90,7 +90,7 @@ def test_rounding_of_the_anchor_is_no_direction():
 
 @pytest.mark.parametrize("damping", [0.0, DAMPING])
 def test_small_motions_about_the_anchor_are_stiff_in_all_directions(damping):
-    """M x'' + c G'G x' + k G'G x = 0 of all six freedoms, G = [1, -[s]x] of the point at s from O, written out."""
+    """M x'' + c G'G x' + k G'G x = 0 of all six degrees of freedom, G = [1, -[s]x] of the point at s from O."""
     body = bob(moving=False)
     at = body.position + np.array([0.3, 0.5, -0.2])
     system = System([body], [], [anchored(body, at, damping)], gravity=(0, 0, 0))

@@ -11,7 +11,7 @@ from mbsd3d.run.accelerations import Rates
 
 
 def pendulum_and_wheel():
-    """A two-link pendulum off its centres of mass, and a wheel on a tyre, whose deflections are own states."""
+    """A two-link pendulum off its centres of mass, and a wheel on a tyre, whose deflections are internal states."""
     one = Body("one", 2.0, (0.1, 0.3, 0.25), com=(0.2, 0.05, -0.1), position=(0, 0, 3), omega=(0.3, 0.1, -0.2))
     two = Body("two", 1.0, (0.05, 0.06, 0.04), com=(0.1, 0.2, 0.0), position=(0.5, 0.1, 2.8))
     wheel = Body("wheel", 6.0, (0.2, 0.3, 0.2), position=(3, 0, 0.32), velocity=(4, 0.3, 0), omega=(0.2, 9, 0.5))

@@ -105,7 +105,7 @@ def test_driven_poses_follow_from_slice_to_slice():
 
 
 def test_driven_poses_need_drivers_for_every_freedom():
-    with pytest.raises(ValueError, match="Kinematic: 1 of 6 freedoms are not determined"):
+    with pytest.raises(ValueError, match="Kinematic: 1 of 6 degrees of freedom are not determined"):
         Stepper(rotor(0.5)[0], method=Kinematic())
 
 

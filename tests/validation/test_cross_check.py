@@ -425,7 +425,7 @@ def test_what_cannot_move_agrees_by_its_reactions():
     block = Body("block", 1.3, (0.1, 0.2, 0.25), com=(0.3, -0.1, 0.2), position=(0.1, 0.2, 0.3))
     found = cross_check(System([block], [Fixed(GROUND, block, at=(0, 0, 0), name="weld")]), 0.3)
     assert found.passed and set(found.followed) == {"MuJoCo", "Exudyn"}
-    assert found.verdict["MuJoCo", "mass matrix"] == "not compared: MuJoCo has no freedom here"
+    assert found.verdict["MuJoCo", "mass matrix"] == "not compared: MuJoCo has no degree of freedom here"
     assert found.verdict["MuJoCo", "reaction moment"] == "agrees"
 
 

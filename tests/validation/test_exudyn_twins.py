@@ -126,7 +126,7 @@ def test_reference_case(name):
 
 
 def test_a_bicycle_on_tyres():
-    """Nine freedoms and four deflections, leaning into a curve; the law of the tyres is that of bristles in a patch."""
+    """Nine degrees of freedom and four deflections, leaning into a curve; the tyres are bristles in a patch."""
     on = {**TYPICAL, "twisting": 0.004, "standing_damping": 0.3, "nominal_load": 400.0, "grip_sensitivity": 0.1}
     system = whipple(Meijaard2007(), 5.0, lean=0.1, steer=0.05, lean_rate=0.2, tyres=on)
     state = simulate(system, 0.2, state=system.state(), rtol=1e-11, output=2).final

@@ -33,7 +33,7 @@ LIMIT = 1e-11
 
 
 def loaded(name, ground):
-    """(system, state, force) of two bodies with one force element, its own states not at rest."""
+    """(system, state, force) of two bodies with one force element, its internal states not at rest."""
     rng = np.random.default_rng(13)
     bodies = [random_body(rng, "one"), random_body(rng, "two")]
     joints, force = EXAMPLES[name](rng, GROUND if ground else bodies[0], bodies[1])

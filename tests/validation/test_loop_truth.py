@@ -54,7 +54,7 @@ def test_it_refuses_what_has_not_one_freedom():
     axes[0] = axes[0] + 0.1 * np.array([1.0, 0.3, -0.2])
     stiff = HingeLoop(loop.points, axes / np.linalg.norm(axes, axis=1)[:, None], loop.masses, loop.centres,
                       loop.inertias, loop.gravity)  # fmt: skip
-    with pytest.raises(ValueError, match="rank 4; one freedom needs 3"):
+    with pytest.raises(ValueError, match="rank 4; one degree of freedom needs 3"):
         stiff.motion(1.0, [0.0, 1.0])
 
 

@@ -5,7 +5,7 @@ The crank turns about y, the bores point along z, the cylinders are side by side
     pin i = R (sin q_i, 0, cos q_i) + y_i e_y,   q_i = q + (0, 180, 180, 0) degrees,   q = rate t
 
 Each throw carries the mass ``crank_mass`` at ``crank_centre`` from the axis. A spherical crankpin and a universal
-wristpin leave the rod no freedom and no redundant row: 9 bodies, 54 coordinates, 54 rows with the driver.
+wristpin leave the rod no degree of freedom and no redundant row: 9 bodies, 54 coordinates, 54 rows with the driver.
 """
 
 import numpy as np

@@ -78,8 +78,8 @@ def four_bars(n: int) -> System:
     """Return n four-bar windows of slender rods of 1 m and 1 kg, upright at 1 rad/s: the N-four-bar of the IFToMM
     library.
 
-    Gravity along -y. One freedom; at +-90 degrees all rods lie on one line and there are n + 1. In space 3 n of the
-    rows are redundant. Names, order and start are those of ``references/iftomm_A02_fourbar_N2.json``.
+    Gravity along -y. One degree of freedom; at +-90 degrees all rods lie on one line and there are n + 1. In space 3 n
+    of the rows are redundant. Names, order and start are those of ``references/iftomm_A02_fourbar_N2.json``.
     """
     slender, upright = (1e-3, 1 / 12, 1 / 12), rotation("z", np.pi / 2)
     rods = [

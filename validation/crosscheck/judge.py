@@ -47,7 +47,7 @@ def judge_mass(system: System, state: State, twin: Twin) -> Finding:
     """
     kinetic = twin.kinetic()
     if kinetic is None or not kinetic.matrix.size:
-        why = "does not give it here" if kinetic is None else "has no freedom here"
+        why = "does not give it here" if kinetic is None else "has no degree of freedom here"
         return Finding(twin.engine, "mass matrix", SKIPPED, reason=f"{twin.engine} {why}")
     T, theirs = kinetic.map, kinetic.matrix
     ours = T.T @ mass_matrix(system, state) @ T

@@ -35,12 +35,12 @@ class HingeLoop:
         """Return the angles since the start [rad], from the rate of one hinge at the start [rad/s], shape (len(times),
         n).
 
-        ValueError if the loop has not exactly one freedom at its start.
+        ValueError if the loop has not exactly one degree of freedom at its start.
         """
         n, values = len(self.axes), np.linalg.svd(self.screws(np.zeros(len(self.axes)))[0])[1]
         rank = int((values > 1e-8 * values[0]).sum())
         if rank != n - 1:
-            raise ValueError(f"loop of {n} hinges: screws of rank {rank}; one freedom needs {n - 1}")
+            raise ValueError(f"loop of {n} hinges: screws of rank {rank}; one degree of freedom needs {n - 1}")
         heading = [self.pose(np.zeros(n), None).tangent]
         if abs(heading[0][hinge]) < 1e-6:
             raise ValueError(f"loop: hinge {hinge + 1} does not turn at the start; give the rate of another")

@@ -1,8 +1,8 @@
 """Wheel suspension of five links, as of a double wishbone or a multilink axle: its kinematics over the wheel travel.
 
 Each link holds a point of the upright at its distance from a point of the body; a wishbone is two links that end in one
-point. Five lengths leave the upright one freedom. With z the height of the wheel's centre, P its lowest point and s the
-length of the strut, the slopes of this curve in space are what designers ask for:
+point. Five lengths leave the upright one degree of freedom. With z the height of the wheel's centre, P its lowest point
+and s the length of the strut, the slopes of this curve in space are what designers ask for:
 
     motion ratio r = ds/dz    anti-dive  share dx_P/dz L / h    roll centre  y_P (dy_P/dz) / (dz_P/dz)
 

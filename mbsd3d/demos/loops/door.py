@@ -100,10 +100,10 @@ demo = Demo(
     __name__,
     title="Two-hinge door: redundant, and still certain",
     question="Why does a door turn on two hinges although counting says it cannot?",
-    why="In a plane a hinge takes two freedoms of three and a second one locks the door. In space five of six go, "
-    "and a second hinge on the same axis takes the same five again, so counting says 6 - 10 = -4 where the door turns. "
-    "Its motion is certain, and so is the force of both hinges together. What each of them carries is not: it depends "
-    "on how they were fitted. With a ball above and a point on a line below, each share is unique.",
+    why="In a plane a hinge takes two degrees of freedom of three and a second one locks the door. In space five of "
+    "six go, and a second hinge on the same axis takes the same five again, so counting says 6 - 10 = -4 where the "
+    "door turns. Its motion is certain, and so is the force of both hinges together. What each of them carries is not: "
+    "it depends on how they were fitted. With a ball above and a point on a line below, each share is unique.",
     equation="6 - 10 = -4 by counting, 6 - rank = 1; sin(a/2) = k cd(p t, k^2); F = m (a - g)",
     source="physical pendulum by elliptic functions; the net force by Newton's second law, m (a - g)",
     quantities={
@@ -111,7 +111,7 @@ demo = Demo(
         "rank": Quantity("rank: independent rows"),
         "gruebler": Quantity("Gruebler's count 6 - rows"),
         "mobility": Quantity("mobility 6 - rank"),
-        "cured_redundant": Quantity("redundant rows with the cure"),
+        "cured_redundant": Quantity("redundant rows with the remedy"),
         "angle_rad": Quantity("angle from the rest at t", "rad"),
         **{f"net_force_{axis}_N": Quantity(f"both hinges together, force {axis} at t/3", "N", absolute=1e-8)
            for axis in "xyz"},

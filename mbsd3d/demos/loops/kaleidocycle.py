@@ -69,9 +69,10 @@ demo = Demo(
     __name__,
     title="The kaleidocycle",
     question="Why can a ring of six tetrahedra be turned inside out for ever?",
-    why="Six hinges in a ring just fail to give a freedom: counting says none. But if each side is turned by a right "
-    "angle against the next, three planes of symmetry make some of the conditions repeat others, and one freedom "
-    "is left. Bricard found such rings in 1897; folded of paper tetrahedra they turn through their own centre.",
+    why="Six hinges in a ring just fail to give a degree of freedom: counting says none. But if each side is turned by "
+    "a right angle against the next, three planes of symmetry make some of the conditions repeat others, and one "
+    "degree of freedom is left. Bricard found such rings in 1897; folded of paper tetrahedra they turn through their "
+    "own centre.",
     equation="right angles: cos t + cos f + cos t cos f = 0",
     source="Chen, You, Tarnai, Int. J. Solids Struct. 42 (2005) 2287; Schattschneider, Walker, Kaleidocycles",
     quantities={"other_hinge_turn_deg": Quantity("turn of the hinges between", "deg")},

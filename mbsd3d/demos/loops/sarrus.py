@@ -85,11 +85,14 @@ demo = Demo(
     source="Sarrus, C. R. Acad. Sci. 36 (1853) 1036; Hunt, Kinematic Geometry of Mechanisms",
     quantities={
         "height_m": Quantity("height of the platform", "m"),
-        "mobility": Quantity("freedoms without the motor"),
+        "mobility": Quantity("degrees of freedom without the motor"),
         "rise_rate_m_s": Quantity("rate of rise", "m/s"),
     },
     ablation=Ablation(
-        "planes", "legs in parallel planes leave three freedoms", {"plane_deg": 180.0}, values=lambda: {"mobility": 3.0}
+        "planes",
+        "legs in parallel planes leave three degrees of freedom",
+        {"plane_deg": 180.0},
+        values=lambda: {"mobility": 3.0},
     ),  # fmt: skip
     show={"curves": [("position", "platform"), ("angle", "foot 1")], "traces": []},
     ranges={"plane_deg": None, "x": (0.35, 0.5)},

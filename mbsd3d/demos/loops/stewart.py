@@ -79,10 +79,10 @@ demo = Demo(
     __name__,
     title="The limit of a flight simulator",
     question="Why may a flight simulator never yaw by 90 degrees?",
-    why="Six legs with ball ends hold six freedoms, if their lines are independent. As the platform yaws, the legs "
-    "lean more and more like the threads of a screw, and at 90 degrees all six lines belong to one family: a "
-    "small twist changes none of their lengths. Shortly before, a small torque asks for huge forces, and at 90 "
-    "degrees the platform is loose.",
+    why="Six legs with ball ends hold six degrees of freedom, if their lines are independent. As the platform yaws, "
+    "the legs lean more and more like the threads of a screw, and at 90 degrees all six lines belong to one family: a "
+    "small twist changes none of their lengths. Shortly before, a small torque asks for huge forces, and at 90 degrees "
+    "the platform is loose.",
     equation="J^T f = load; f without limit where det J = 0: 90 degrees",
     source="Fichter, Int. J. Robotics Res. 5 (1986) 157; Ma, Angeles, Architecture singularities (1991)",
     quantities={

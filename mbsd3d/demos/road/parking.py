@@ -125,18 +125,18 @@ demo = Demo(
     __name__,
     title="Parking by brackets",
     question="How does a car get sideways into a gap although its wheels do not slip sideways?",
-    why="At every moment a car has two freedoms only, driving and steering, and yet no pose is out of its reach: "
-    "forbidden velocities are not forbidden places. Drive to and fro while the front wheels go to and fro once, and "
-    "the car has turned; let them go twice, and it stands beside where it was. These are the Lie brackets of the two "
-    "motions, and each adds a direction: two, three, four of the four coordinates (growth 2-3-4). Without the rows of "
-    "the wheels, which no coordinate feels, counting finds four freedoms; with them two.",
+    why="At every moment a car has two degrees of freedom only, driving and steering, and yet no pose is out of its "
+    "reach: forbidden velocities are not forbidden places. Drive to and fro while the front wheels go to and fro once, "
+    "and the car has turned; let them go twice, and it stands beside where it was. These are the Lie brackets of the "
+    "two motions, and each adds a direction: two, three, four of the four coordinates (growth 2-3-4). Without the rows "
+    "of the wheels, which no coordinate feels, counting finds four degrees of freedom; with them two.",
     equation="x' = v cos phi; y' = v sin phi; phi' = v tan delta / L",
     source="Murray, Sastry, IEEE Trans. Automatic Control 38 (1993) 700; Laumond, Robot Motion Planning and Control",
     quantities={
         "sideways_m": Quantity("moved sideways in a period", "m"),
         "ahead_m": Quantity("moved ahead", "m"),
         "turned_deg": Quantity("turned", "deg"),
-        "velocities": Quantity("freedoms of velocity", absolute=0.0, relative=0.0),
+        "velocities": Quantity("degrees of freedom of velocity", absolute=0.0, relative=0.0),
         "coordinates": Quantity("coordinates the wheels leave", absolute=0.0, relative=0.0),
         "reached": Quantity("of them reached with brackets", absolute=0.0, relative=0.0),
     },

@@ -55,7 +55,7 @@ demo = Demo(
     why="Rolling turns a ball about horizontal axes only; it never twists about the vertical. But turns about "
     "different axes do not add up: one after the other they make a turn about a third axis, and around a closed "
     "path something is left over. It depends only on the path. So one can bring a ball into any position by "
-    "rolling alone: two freedoms of velocity reach five of place and turn.",
+    "rolling alone: two degrees of freedom of velocity reach five of place and turn.",
     equation="net turn = 2 pi sqrt(1 + (rho/r)^2) mod 2 pi about (rho/r, 0, -1)",
     source="Montgomery, A Tour of Subriemannian Geometries; Jurdjevic (1993), The geometry of the plate-ball problem",
     quantities={

@@ -96,7 +96,7 @@ demo = Demo(
     quantities={
         "axis4_peak_rad_s": Quantity("greatest rate of axis 4", "rad/s"),
         "axis6_peak_rad_s": Quantity("greatest rate of axis 6", "rad/s"),
-        "freedoms_lost": Quantity("freedoms that check() finds lost when it is stretched"),
+        "freedoms_lost": Quantity("degrees of freedom that check() finds lost when it is stretched"),
     },
     ablation=Ablation("nearness", "a path that keeps away by 60 degrees asks for little", {"miss_deg": 60.0}),
     against=Against("miss_deg", 2.0, 88.0, "least bend of the wrist [deg]"),

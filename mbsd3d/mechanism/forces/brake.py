@@ -43,7 +43,7 @@ def brake(m, d, p, out, t):
 class Brake(ForceElement):
     """Dry friction in a hinge or slide with a torque (or force) T that may change: load -clip(k z + c x_dot, T) on b.
 
-    The yielding z is an own state, ``z_dot = (f - k z) / c`` with the f that acts. While f stays within T it is
+    The yielding z is an internal state, ``z_dot = (f - k z) / c`` with the f that acts. While f stays within T it is
     ``z_dot = x_dot``: the brake holds like a spring and a damper and does not creep. Beyond, it slips with T exactly.
     It never turns anything back by more than T/k, and it dissipates in every case. Energy ``k z^2 / 2``.
 

@@ -104,7 +104,7 @@ class Contact(ForceElement):
     `mbsd3d.kernels.surfaces`). With its penetration d and the slip velocity V of b over a there:
 
     - normal force ``N = k d^m (1 + x d_dot) + c d_dot``, never below 0: it does not pull;
-    - friction ``F = -clip(k_t z + c_t V, mu N)``, where the deflection z is an own state,
+    - friction ``F = -clip(k_t z + c_t V, mu N)``, where the deflection z is an internal state,
       ``z_dot = (|F| - k_t z) / c_t`` along F: it sticks with ``z_dot = V``, so that what stands does not creep, slips
       with ``|F| = mu N`` exactly, and forgets z in the air. It dissipates in every case;
     - moments against rolling and spinning by the same law, with ``rolling N``, ``spinning N`` in place of ``mu N``.
@@ -191,7 +191,7 @@ class Contact(ForceElement):
         return grip, float(np.sqrt(grip * self.b.mass)) if damping is None else damping
 
     def states(self) -> int:
-        """Number of own states: 2 deflections, and 3 rotations with friction against rolling or spinning."""
+        """Number of internal states: 2 deflections, and 3 rotations with friction against rolling or spinning."""
         if self.creep is not None or self.friction == self.rolling == self.spinning == 0.0:
             return 0
         return 5 if self.rolling > 0.0 or self.spinning > 0.0 else 2

@@ -206,10 +206,10 @@ class CustomForce(FunctionForce):
     t          float             time [s]
     bodies     (k,) records      per point: ``.r`` (3,) position [m], ``.R`` (3, 3) orientation body -> world,
                                  ``.velocity`` (3,) of the point [m/s], ``.w`` (3,) angular velocity [rad/s]; world
-    z          (n,)              own states
+    z          (n,)              internal states
     parameters (p,) float        the numbers given
     loads      (k, 6)            to be filled: force [N] at the point and moment about it [N m], world; zero before
-    z_dot      (n,)              to be filled: rates of the own states [1/s]; zero before
+    z_dot      (n,)              to be filled: rates of the internal states [1/s]; zero before
     ========== ================= ===================================================================================
 
     It returns nothing, and fills the same for the same arguments: a run stops where it remembers something from one
@@ -233,11 +233,11 @@ class CustomForce(FunctionForce):
         A point of each body, world at the reference pose [m]; None = their reference points.
     parameters : sequence of float
     states : sequence of float, or mapping of a name to a float
-        Initial values of the own states.
+        Initial values of the internal states.
     scales : sequence of float or None
-        Sizes against which errors of the own states are measured while they are smaller; None = 1 for each.
+        Sizes against which errors of the internal states are measured while they are smaller; None = 1 for each.
     labels : sequence of str or None
-        Names of the own states, where ``states`` does not give them; None = "0", "1", ...
+        Names of the internal states, where ``states`` does not give them; None = "0", "1", ...
     external : bool
         True for a load from outside on several bodies, or on one that depends on others: it need not balance.
     times : sequence of float

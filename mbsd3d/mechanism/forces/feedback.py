@@ -57,7 +57,7 @@ class Measures(Stored[Measure | Sequence[Measure], tuple[Measure, ...]]):
 class StateFeedback(ForceElement):
     """Load ``-sum_i g_i (x_i - r_i)`` on body b of a hinge, the opposite one on a; its work is counted.
 
-    ``x_i`` is measure i, or with a time constant its first-order filter: own states ``z_i`` with
+    ``x_i`` is measure i, or with a time constant its first-order filter: internal states ``z_i`` with
     ``z_dot_i = (y_i - z_i) / tau``. The filters start at the references, so that the load starts from zero, unless
     the start state says otherwise (``State.z``).
 

@@ -170,7 +170,7 @@ class Tyre(ForceElement):
 
     The tyre is a torus with the outer ``radius`` and the tube radius ``crown`` that the plane presses flat by ``d``.
     At P, its lowest point put onto the plane, N = k d + c d' >= 0 presses. With the slip velocities V_x (ahead) and V_y
-    (left) of the wheel at P, the speed V of the hub ahead, and the sine of the lean to the right, the own states
+    (left) of the wheel at P, the speed V of the hub ahead, and the sine of the lean to the right, the internal states
     "longitudinal" and "lateral", deflections over relaxation lengths, follow
 
         s_x z_x' = -V_x - (|V| + W) z_x

@@ -62,9 +62,9 @@ def trials(quick: bool) -> list[Trial]:
             )
         )
     for name, title, pairs in (
-        ("transmissibility", "one freedom on four mounts", partial(checks.one_freedom, FREQUENCIES)),
+        ("transmissibility", "one degree of freedom on four mounts", partial(checks.one_freedom, FREQUENCIES)),
         ("bounce_pitch", "bounce and pitch on two pairs of mounts", checks.bounce_and_pitch),
-        ("sway_roll_yaw", "three coupled freedoms on four mounts", checks.three_coupled),
+        ("sway_roll_yaw", "three coupled degrees of freedom on four mounts", checks.three_coupled),
         ("gyroscopic", "a spinning crank couples pitch and yaw", partial(checks.spinning_rotor, 400.0)),
         ("shafts", "balance shafts fitted wrongly", shafts),
         ("skyhook", "a skyhook with a slow actuator", skyhook.one_body),

@@ -129,7 +129,7 @@ def mass_matrix(twin: Any) -> Kinetic:
         pieces = [jacobian(twin, m.body(piece.name).id) for piece in layout.extra]
         mains = [jacobian(twin, m.body(layout.main[id(piece.body)].name).id) for piece in layout.extra]
         apart = np.vstack(pieces) - np.vstack(mains)
-        together = scipy.linalg.null_space(apart[:, own], rcond=1e-10)  # far above rounding, far below a freedom
+        together = scipy.linalg.null_space(apart[:, own], rcond=1e-10)  # above rounding, below a degree of freedom
     map_ = np.vstack([jacobian(twin, k) for k in twin.ids])[:, own] @ together
     return Kinetic(together.T @ M[np.ix_(own, own)] @ together, map_)
 
