@@ -44,7 +44,9 @@ def own_length(system: Mechanism, records: list[ForceRecord], frames: Frames) ->
 
 def signals_of(system: Mechanism) -> list[tuple[Part, Signal]]:
     """Return (joint or force, signal) of all signals."""
-    found: list[tuple[Part, Signal | None]] = [(joint, row.signal) for joint in system.joints for row in joint.primitives]
+    found: list[tuple[Part, Signal | None]] = [
+        (joint, row.signal) for joint in system.joints for row in joint.primitives
+    ]
     found += [(force, signal) for force in system.forces for signal in force.record().signals]
     return [(part, signal) for part, signal in found if signal is not None]
 

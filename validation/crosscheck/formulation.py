@@ -120,7 +120,7 @@ def reactions(
         if id(joint) not in there.wrench or not np.trace(D[0] + D[1]) > 0.5:
             continue
         expected, about_O = np.split(there.wrench[id(joint)], 2)
-        arm = reaction.point[k] - solution.position(joint.b)[k]
+        arm = reaction.point[k] - solution.body_point(joint.b, joint.b.position)[k]
         force.append(D[0] @ (reaction.force[k] - expected))
         moment.append(D[1] @ (reaction.moment[k] - about_O + np.cross(arm, expected)))
         names.append(solution.system.name(joint))

@@ -63,7 +63,9 @@ class Continuation:
                 return True
             if miss <= MISS_MAX:
                 ahead = self.heading(heading)
-                unexpected = np.abs(ahead.rates - heading.rates - step * bend)[6 * self.graph.parent.size + self.units.size :]
+                unexpected = np.abs(ahead.rates - heading.rates - step * bend)[
+                    6 * self.graph.parent.size + self.units.size :
+                ]
                 miss = max(miss, 0.5 * step * float(unexpected.max(initial=0.0)))
             if miss <= MISS_MAX:
                 self.gone += step

@@ -266,7 +266,7 @@ class SignalOrNone(Stored[Signal | float | None, Signal | None]):
     convert = staticmethod(or_none(signal_of))
 
 
-class ThreeSignals(Stored[Sequence[Signal | float], tuple[Signal, Signal, Signal]]):
+class ThreeSignals(Stored[Sequence[Signal | float] | np.ndarray, tuple[Signal, Signal, Signal]]):
     """Three signals or numbers."""
 
     accepts, role, file_type = "Sequence[Signal | float]", "signal", list[dict[str, Any] | float]

@@ -5,9 +5,10 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import make_interp_spline
 
-from mbsd3d import GROUND, AngleDriver, Prismatic, Ramp, Revolute, System, TorsionSpring
+from mbsd3d import GROUND, AngleDriver, Body, Prismatic, Ramp, Revolute, System, TorsionSpring
+from mbsd3d.extend import Ground
 from validation.calibration.families.rotors import direction
-from validation.calibration.problem import DRIVEN, Array, Place, Problem, angle, centre, slide
+from validation.calibration.problem import DRIVEN, Array, Place, Problem, angle, centre, column, scaled, slide
 from validation.calibration.rates import motion, turn
 from validation.theory import HingeLoop
 
@@ -34,7 +35,7 @@ def loop(place: Place, points: Array, axes: Array, rate: float, t_end: float) ->
     grid = np.linspace(0.0, t_end, SPLINE_SAMPLES)
     course = make_interp_spline(grid, truth.motion(rate, grid), k=9)
     size = np.abs(course.derivative()(grid)).max()
-    readings = [angle(h.name, h, lambda t, k=k: course(t)[:, k]) for k, h in enumerate(hinges)]
+    readings = [angle(f"hinge {k}", h, column(k, course)) for k, h in enumerate(hinges)]
     return Problem(
         system, t_end, readings, max(float(size), np.sqrt(9.81)), start=lambda: system.assemble(rates={hinges[0]: rate})
     )
@@ -139,11 +140,12 @@ def parallelogram(place: Place) -> Problem:
     tensors = [place.inertia(m, 0.1 * unit) for m in masses]
     shares = [0.4 * leg, 0.6 * leg + far, 0.5 * far + leg + 0.1 * unit * axis]
     a, b, coupler = (place.body(x, m, I, c) for x, m, I, c in zip("abc", masses, tensors, shares, strict=True))
+    names, sense = ("left", "right", "pin", "other pin"), (1.0, 1.0, -1.0, -1.0)
+    carriers: tuple[Body | Ground, ...] = (GROUND, GROUND, a, b)
+    carried, points = (a, b, coupler, coupler), (0.0 * leg, far, leg, far + leg)
     joints = [
-        Revolute(GROUND, a, at=place.point(0, 0, 0), axis=place.axis(axis), name="left"),
-        Revolute(GROUND, b, at=place.point(far), axis=place.axis(axis), name="right"),
-        Revolute(a, coupler, at=place.point(leg), axis=place.axis(axis), name="pin"),
-        Revolute(b, coupler, at=place.point(far + leg), axis=place.axis(axis), name="other pin"),
+        Revolute(one, other, at=place.point(point), axis=place.axis(axis), name=name)
+        for name, one, other, point in zip(names, carriers, carried, points, strict=True)
     ]
     J = sum(I[1, 1] + m * s**2 for I, m, s in zip(tensors, masses, (0.4 * long, 0.6 * long, 0.0), strict=True))
     J += masses[2] * long**2 - tensors[2][1, 1]  # the coupler does not turn
@@ -154,8 +156,8 @@ def parallelogram(place: Place) -> Problem:
         return y[1], (weight * np.cos(begin + y[0]) - stiff * y[0]) / J
 
     course = motion(slope, (0.0, rate), t_end)
-    sense = (1.0, 1.0, -1.0, -1.0)
-    readings = [angle(j.name, j, lambda t, s=s: s * course(t)[:, 0]) for j, s in zip(joints, sense, strict=True)]
+    turns = column(0, course)
+    readings = [angle(name, j, scaled(s, turns)) for name, j, s in zip(names, joints, sense, strict=True)]
     start = place.point(shares[2])
 
     def path(t: Array) -> Array:

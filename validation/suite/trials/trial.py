@@ -29,6 +29,13 @@ class Run:
     source: Any = None
     accuracy: float = ERROR_MAX
 
+    @property
+    def motion(self) -> Solution:
+        """Return our motion; raise ValueError for a mechanism that does not move."""
+        if self.solution is None:
+            raise ValueError("this case compares the start alone and has no motion")
+        return self.solution
+
 
 def run(
     system: System,
@@ -105,6 +112,6 @@ def stopped(judge: str, quantity: str, error: Exception) -> Finding:
 def facts_of(made: Run) -> dict[str, Any]:
     """Return the sizes of a mechanism and of its run."""
     system = made.system
-    facts = {"bodies": len(system.bodies), "joints": len(system.joints), "forces": len(system.forces)}
+    facts: dict[str, Any] = {"bodies": len(system.bodies), "joints": len(system.joints), "forces": len(system.forces)}
     facts["t_end"] = made.t_end
     return facts | ({"steps": made.solution.record.steps} if made.solution is not None else {})

@@ -57,10 +57,10 @@ def on_the_cam(made: Run) -> Iterable[Finding]:
     """Compare the float speed and the force of the contact with the law of the cam."""
     train = made.source.train
     yield speed_of_float(made.source)
-    angle = (train.turn * made.solution.t) % (2 * np.pi) - np.pi
+    angle = (train.turn * made.motion.t) % (2 * np.pi) - np.pi
     s, _, dds = closed_forms.cams.cycloidal(angle, CAM_LIFT, CAM_HALF_ANGLE)
     force = train.mass * dds * train.turn**2 + train.preload + train.rate * s
-    off = np.abs(made.solution.force("contact").force[:, 2] - force).max() / force.max()
+    off = np.abs(made.motion.force("contact").force[:, 2] - force).max() / force.max()
     yield judged(THEORY, "force of the contact", float(off), 0.03, "relative to the largest; the valve swings on it")
 
 
@@ -72,7 +72,7 @@ def held(law: str, follower: str) -> Run:
 
 def pushed(made: Run) -> Iterable[Finding]:
     """Compare the float speed, multiplier, side force and torque with the law of the cam."""
-    train, law, run = made.source.train, getattr(closed_forms.cams, made.source.law), made.solution
+    train, law, run = made.source.train, getattr(closed_forms.cams, made.source.law), made.motion
     yield speed_of_float(made.source)
     angle = (train.turn * run.t) % (2 * np.pi) - np.pi
     s, ds, dds = law(angle, CAM_LIFT, CAM_HALF_ANGLE)
@@ -98,7 +98,7 @@ def floating(law: str, follower: str) -> Run:
 
 def bounced(made: Run) -> Iterable[Finding]:
     """Compare every flight and impact of two turns with one equation of motion along the law."""
-    train, run = made.source.train, made.solution
+    train, run = made.source.train, made.motion
 
     def law(angle: np.ndarray) -> tuple:
         return getattr(closed_forms.cams, made.source.law)(angle, CAM_LIFT, CAM_HALF_ANGLE)
