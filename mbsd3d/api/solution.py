@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 
     from ..plotting.panels import Part, Wanted
     from ..report.page import Report
-    from .system import System
 
 
 SWITCHES = tuple(x.name for x in fields(Switches))
@@ -59,12 +58,6 @@ class Solution(RunResult, Viewable):
     >>> flight.energy().total.round(9)
     array([4.5, 4.5])
     """
-
-    if TYPE_CHECKING:
-
-        @property
-        def system(self) -> System:
-            """The system that moves."""
 
     def __repr__(self) -> str:
         span = f"{self.t[0]:g} ... {self.t[-1]:g} s" if self.t.size else "nothing"

@@ -16,7 +16,7 @@ from validation.crosscheck.mbsd3d_runs import LOOSE_RTOL, TIGHT_RTOL
 from validation.suite.findings import FREEDOMS, THEORY, Finding, judged
 from validation.suite.trials import closed_forms
 from validation.suite.trials.references import counts, theory_of
-from validation.suite.trials.trial import Judge, Run, Trial, run
+from validation.suite.trials.trial import Judge, Run, Trial, recorded, run
 
 QUICK_DEMOS = ("cardan", "door", "dzhanibekov", "heavy_top")
 """Demos compared with other engines in a short run too."""
@@ -36,7 +36,7 @@ def shown(demo: Demo) -> Run:
     """Return the first run of a demo with all terms; its certificate is checked."""
     done = demo.run()
     solution = next(filter(complete, done.solutions.values()))
-    return Run(solution.system, float(solution.t[-1]), solution, solution.state(0), done)
+    return recorded(solution, done, solution.state(0))
 
 
 def complete(solution: Solution) -> bool:

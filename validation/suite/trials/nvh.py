@@ -21,7 +21,7 @@ from engines.nvh.study import AGREEMENT_SHARE_MAX, Study
 from validation import theory
 from validation.suite.findings import PLANE, THEORY, Finding, judged
 from validation.suite.trials import valves
-from validation.suite.trials.trial import Judge, Run, Trial
+from validation.suite.trials.trial import Judge, Run, Trial, recorded
 
 ENGINES_IN_CARS = (("inline_4", "compact", 3000.0), ("v8_cross", "saloon", 2500.0), ("twin_270", "motorcycle", 4000.0))
 GUIDES, TRACK = ("double wishbone", "multilink"), 1.55
@@ -111,8 +111,7 @@ def controlled() -> checks.Pairs:
 def on_links(kind: str) -> Run:
     """Simulate a wheel on a plate that lifts it, by kinematics."""
     held = guide(kind, TRACK)
-    solution = held.run()
-    return Run(solution.system, float(solution.t[-1]), solution, source=held)
+    return recorded(held.run(), held)
 
 
 def by_lengths(made: Run) -> Iterable[Finding]:
@@ -131,7 +130,7 @@ def by_lengths(made: Run) -> Iterable[Finding]:
 def rough(kind: str, linked: bool) -> Run:
     """Simulate a saloon over a road of class C."""
     ride = ride_of(mounts.car("saloon"), kind, "C", 21.0, linked)
-    return Run(ride.run.system, float(ride.run.t[-1]), ride.run, source=ride)
+    return recorded(ride.run, ride)
 
 
 def over_the_road(made: Run) -> Iterable[Finding]:
@@ -153,7 +152,7 @@ def over_the_road(made: Run) -> Iterable[Finding]:
 def on_mounts(engine: str, car: str, rpm: float) -> Run:
     """Simulate the full motion of a motored engine, settled."""
     study = Study(presets.preset(engine), mounts.car(car), rpm, 0.0)
-    return Run(study.run.system, float(study.run.t[-1]), study.run, source=study)
+    return recorded(study.run, study)
 
 
 def by_order(made: Run) -> Iterable[Finding]:
@@ -165,7 +164,7 @@ def by_order(made: Run) -> Iterable[Finding]:
 def cut(engine: str) -> Run:
     """Simulate a cycle of a motored engine whose crank is cut in its bearings."""
     solution, _ = cycle_run(Source(presets.preset(engine), 0.0), RPM)
-    return Run(solution.system, float(solution.t[-1]), solution)
+    return recorded(solution)
 
 
 def throws(engine: str, made: Run) -> Iterable[Finding]:

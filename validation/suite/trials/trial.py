@@ -51,6 +51,14 @@ def run(
     return Run(system, t_end, solution, state, source, accuracy)
 
 
+def recorded(solution: Solution, source: Any = None, state: State | None = None) -> Run:
+    """Return the run of a motion that is known; raise TypeError for one of a mechanism that is no `System`."""
+    system = solution.system
+    if not isinstance(system, System):
+        raise TypeError(f"the motion is one of a {type(system).__name__}; give the solution of a System")
+    return Run(system, float(solution.t[-1]), solution, state, source)
+
+
 Judge = Callable[[Run], Iterable[Finding]]
 
 

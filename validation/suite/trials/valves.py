@@ -9,7 +9,7 @@ from engines import closed_forms
 from engines.nvh.valvetrain.report import CAM_HALF_ANGLE, CAM_LIFT, Valve
 from mbsd3d import SlideDriver, System, linearize
 from validation.suite.findings import THEORY, Finding, judged
-from validation.suite.trials.trial import Run, Trial
+from validation.suite.trials.trial import Run, Trial, recorded
 
 OWN_FORCE_REASON, CURVE_REASON = "the contact is a force of one's own", "no other engine has contacts on curves"
 CLOSED_FORM_REASON = "closed forms judge it"
@@ -42,7 +42,7 @@ def trials(quick: bool) -> list[Trial]:
 def valve() -> Run:
     """Simulate a valve in contact with its cam, well below the float speed."""
     made = Valve("cycloidal", CONTACT_RPM)
-    return Run(made.run.system, float(made.run.t[-1]), made.run, source=made)
+    return recorded(made.run, made)
 
 
 def speed_of_float(made: Valve) -> Finding:
@@ -67,7 +67,7 @@ def on_the_cam(made: Run) -> Iterable[Finding]:
 def held(law: str, follower: str) -> Run:
     """Simulate a turn with the valve held on its cam, above the float speed, by kinematics."""
     made = Valve(law, None, follower)
-    return Run(made.held.system, float(made.held.t[-1]), made.held, source=made)
+    return recorded(made.held, made)
 
 
 def pushed(made: Run) -> Iterable[Finding]:
@@ -93,7 +93,7 @@ def pushed(made: Run) -> Iterable[Finding]:
 def floating(law: str, follower: str) -> Run:
     """Simulate a valve above its float speed, in a contact that opens."""
     made = Valve(law, None, follower)
-    return Run(made.run.system, float(made.run.t[-1]), made.run, source=made)
+    return recorded(made.run, made)
 
 
 def bounced(made: Run) -> Iterable[Finding]:

@@ -51,8 +51,7 @@ def thrown() -> Run:
     frame, fork = (ridden.part(name) for name in ("frame", "fork"))
     ends = {"at_a": frame.position + (0.6, 0.05, 0.3), "at_b": fork.position + (-0.1, 0.12, 0.35)}
     strut = SpringDamper(frame, fork, **ends, stiffness=900.0, damping=40.0, name="steering strut")
-    joints = ridden.joints[:3]
-    system = replace(ridden, joints=joints, forces=[strut])
+    system = replace(ridden, joints=list(ridden.joints)[:3], forces=[strut])
     return run(system, T_END, state=system.state(), output=SAMPLES)
 
 
