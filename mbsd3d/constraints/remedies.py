@@ -26,12 +26,8 @@ from .rank import Analysis, without_rounding
 
 REMEDIES_REPORTED_MAX = 12  # [remedies] that a report lists; more are not read
 EXHAUSTIVE_JOINTS_MAX = 40  # [joints] among which all singles and pairs are tried; beyond, a set is built up greedily
-JOINT_COST: dict[type, int] = {
-    Cylindrical: 1,
-    Universal: 2,
-    Planar: 3,
-    PointOnPlane: 3,
-}  # [1] over Spherical and PointOnLine
+# [1] over Spherical and PointOnLine
+JOINT_COST: dict[type, int] = {Cylindrical: 1, Universal: 2, Planar: 3, PointOnPlane: 3}
 
 
 @dataclass(frozen=True)

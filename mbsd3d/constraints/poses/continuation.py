@@ -55,6 +55,7 @@ class Continuation:
         equations, heading, bend = self.equations, self.heading(None), 0.0
         self.rank = heading.rank
         step = min(1.0, FIRST_TURN_MAX / max(heading.turn, 1e-300))
+        twists = 6 * self.graph.parent.size + self.units.size  # place of the first one in the rates
         while True:
             before = equations.q.copy(), equations.counted()
             miss = self.advance(heading.rates + 0.5 * step * bend, step)
@@ -63,9 +64,7 @@ class Continuation:
                 return True
             if miss <= MISS_MAX:
                 ahead = self.heading(heading)
-                unexpected = np.abs(ahead.rates - heading.rates - step * bend)[
-                    6 * self.graph.parent.size + self.units.size :
-                ]
+                unexpected = np.abs(ahead.rates - heading.rates - step * bend)[twists:]
                 miss = max(miss, 0.5 * step * float(unexpected.max(initial=0.0)))
             if miss <= MISS_MAX:
                 self.gone += step

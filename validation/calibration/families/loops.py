@@ -5,8 +5,7 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import make_interp_spline
 
-from mbsd3d import GROUND, AngleDriver, Body, Prismatic, Ramp, Revolute, System, TorsionSpring
-from mbsd3d.extend import Ground
+from mbsd3d import GROUND, AngleDriver, Prismatic, Ramp, Revolute, System, TorsionSpring
 from validation.calibration.families.rotors import direction
 from validation.calibration.problem import DRIVEN, Array, Place, Problem, angle, centre, column, scaled, slide
 from validation.calibration.rates import motion, turn
@@ -140,12 +139,11 @@ def parallelogram(place: Place) -> Problem:
     tensors = [place.inertia(m, 0.1 * unit) for m in masses]
     shares = [0.4 * leg, 0.6 * leg + far, 0.5 * far + leg + 0.1 * unit * axis]
     a, b, coupler = (place.body(x, m, I, c) for x, m, I, c in zip("abc", masses, tensors, shares, strict=True))
-    names, sense = ("left", "right", "pin", "other pin"), (1.0, 1.0, -1.0, -1.0)
-    carriers: tuple[Body | Ground, ...] = (GROUND, GROUND, a, b)
-    carried, points = (a, b, coupler, coupler), (0.0 * leg, far, leg, far + leg)
     joints = [
-        Revolute(one, other, at=place.point(point), axis=place.axis(axis), name=name)
-        for name, one, other, point in zip(names, carriers, carried, points, strict=True)
+        Revolute(GROUND, a, at=place.point(0, 0, 0), axis=place.axis(axis), name="left"),
+        Revolute(GROUND, b, at=place.point(far), axis=place.axis(axis), name="right"),
+        Revolute(a, coupler, at=place.point(leg), axis=place.axis(axis), name="pin"),
+        Revolute(b, coupler, at=place.point(far + leg), axis=place.axis(axis), name="other pin"),
     ]
     J = sum(I[1, 1] + m * s**2 for I, m, s in zip(tensors, masses, (0.4 * long, 0.6 * long, 0.0), strict=True))
     J += masses[2] * long**2 - tensors[2][1, 1]  # the coupler does not turn
@@ -156,8 +154,8 @@ def parallelogram(place: Place) -> Problem:
         return y[1], (weight * np.cos(begin + y[0]) - stiff * y[0]) / J
 
     course = motion(slope, (0.0, rate), t_end)
-    turns = column(0, course)
-    readings = [angle(name, j, scaled(s, turns)) for name, j, s in zip(names, joints, sense, strict=True)]
+    turns, sense = column(0, course), {"left": 1.0, "right": 1.0, "pin": -1.0, "other pin": -1.0}
+    readings = [angle(name, j, scaled(s, turns)) for (name, s), j in zip(sense.items(), joints, strict=True)]
     start = place.point(shares[2])
 
     def path(t: Array) -> Array:

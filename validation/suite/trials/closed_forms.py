@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import Revolute, linearize
+from mbsd3d.errors import InputError
 from validation import theory
 from validation.suite.trials.trial import Run
 
@@ -80,7 +81,7 @@ def arm_and_slider(made: Run) -> Pairs:
     """Compare r = r0 cosh(w t), and the Coriolis torque of the motor."""
     arm, slider = made.system.bodies
     if arm.omega is None:
-        raise ValueError("the arm has no angular velocity; give its omega")
+        raise InputError("the arm has no angular velocity; give its omega")
     rate = arm.omega[2]
     radius, speed = theory.arm_slider(made.motion.t, rate, 0.1)
     torque = theory.arm_slider_torque(slider.mass, rate, radius, speed)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from mbsd3d import Solution, State, System, simulate
+from mbsd3d.errors import InputError
 from validation.suite.findings import CERTIFICATE, DIFFERS, Finding, Record, judged
 
 RTOL = 1e-10  # Of our runs: a hundredth of the tightest limit
@@ -31,9 +32,9 @@ class Run:
 
     @property
     def motion(self) -> Solution:
-        """Return our motion; raise ValueError for a mechanism that does not move."""
+        """Return our motion; raise InputError for a mechanism that does not move."""
         if self.solution is None:
-            raise ValueError("this case compares the start alone and has no motion")
+            raise InputError("this case compares the start alone and has no motion; ask a case with a solution")
         return self.solution
 
 
@@ -52,10 +53,10 @@ def run(
 
 
 def recorded(solution: Solution, source: Any = None, state: State | None = None) -> Run:
-    """Return the run of a motion that is known; raise TypeError for one of a mechanism that is no `System`."""
+    """Return the run of a motion that is known; raise InputError for one of a mechanism that is no `System`."""
     system = solution.system
     if not isinstance(system, System):
-        raise TypeError(f"the motion is one of a {type(system).__name__}; give the solution of a System")
+        raise InputError(f"the motion is one of a {type(system).__name__}; give the solution of a System")
     return Run(system, float(solution.t[-1]), solution, state, source)
 
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import Distance
+from mbsd3d.errors import InputError
 from mbsd3d.extend import perpendiculars
 from validation.twins.base import EngineFailed
 from validation.twins.mujoco.layout import Piece
@@ -22,7 +23,7 @@ SECOND_HINGE_COSINE_MIN = 0.1  # [1] cos q2 below which the second hinge multipl
 def rod_of(piece: Piece) -> Distance:
     """Return the joint of a piece that hangs on a rod."""
     if not isinstance(piece.joint, Distance):
-        raise TypeError(f"{piece.name} does not hang on a rod")
+        raise InputError(f"{piece.name} hangs on no rod; give one whose joint is a Distance")
     return piece.joint
 
 
