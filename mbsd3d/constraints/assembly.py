@@ -13,7 +13,7 @@ from ..equations.compiled import Compiled, compile_system, initial_states, table
 from ..kernels.layout import Data
 from ..mechanism.bodies import Body
 from ..mechanism.couplings import GearMesh
-from ..mechanism.joints import coordinate_of
+from ..mechanism.joints import coordinate_of, slide_of
 from ..mechanism.joints.pairs import Cylindrical
 from ..mechanism.measures import POSE_MEASURES, Measure, check_members
 from ..mechanism.mechanism import Mechanism
@@ -108,7 +108,7 @@ def assemble(
     moving = with_velocities(compiled, data, closed, rates, near=near)
     own = tables_of(system).model.coordinate.size  # others belong to measures that only this call knows
     moved = moved_report(system, pose, closed)
-    return replace(moving, coordinates=closed.coordinates[:own], moved=moved, notes=notes)
+    return replace(moving, coordinates=found.equations.values()[:own], moved=moved, notes=notes)
 
 
 def probes_of_poses(system: Mechanism, measures: Mapping) -> tuple[Measure, ...]:
@@ -138,7 +138,7 @@ def resting_slides(compiled: Compiled, start: State, targets: list[tuple[int, fl
     """Return the slides of gears that nobody asks for, as they are: helical gears could slide instead of turning."""
     asked = {i for i, _ in targets}
     gears = [hinge for joint in compiled.system.joints if isinstance(joint, GearMesh) for hinge in joint.partners()]
-    slides = {compiled.coordinate(hinge.slide()) for hinge in gears if isinstance(hinge, Cylindrical)} - asked
+    slides = {compiled.coordinate(slide_of(hinge)) for hinge in gears if isinstance(hinge, Cylindrical)} - asked
     if not slides:
         return []
     data = compiled.data()

@@ -87,7 +87,8 @@ def rivals(compiled: Compiled, data: Data, t: float, last: float) -> Contradicti
 
     Such rows depend on each other however the mechanism moves, so positions are compared now and rates until ``last``.
     """
-    row, pairs = compiled.model.row, {}
+    row = compiled.model.row
+    pairs: dict[frozenset[int], list[int]] = {}
     for joint, k in compiled.drives:
         if isinstance(joint, COORDINATE_DRIVERS):
             pairs.setdefault(frozenset(map(id, joint.bodies())), []).append(k)

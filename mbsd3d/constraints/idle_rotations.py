@@ -53,7 +53,8 @@ def find_idle_rotations(
     With one neighbour, a wheel or a pendulum, turning is what the joint is there for. The own columns J_b of a body
     have a null space of one dimension then, and its motion is a pure rotation.
     """
-    found, holding = [], {id(body): [] for body in compiled.system.bodies}
+    found = []
+    holding: dict[int, list[Joint]] = {id(body): [] for body in compiled.system.bodies}
     for joint in compiled.system.joints:
         for body in {id(body): body for body in joint.bodies() if body is not GROUND}.values():
             holding[id(body)].append(joint)

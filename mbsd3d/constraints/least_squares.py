@@ -9,6 +9,7 @@ with b - d p in the place of b take that away.
 """
 
 from collections.abc import Callable
+from typing import TypeAlias
 
 import numpy as np
 from scipy.linalg.lapack import dgelsy as gelsy
@@ -27,7 +28,7 @@ from ..equations.jacobian import BlockRows, scaled
 SMALL_SYSTEM_BODIES_MAX = 20  # [bodies] up to which dense matrices are faster than sparse ones
 # [1] of the largest singular value: least value that proves itself; the inverse has a rounding of 1e-15 over this
 SINGULAR_VALUE_RESOLUTION = 1e-6
-Matrix = np.ndarray | csr_array
+Matrix: TypeAlias = np.ndarray | csr_array
 # [1] of the largest entry: above rounding (1e-16 times the growth of a factorisation), below squares of small pivots
 LEAST_SQUARES_DAMPING = 1e-14
 
@@ -69,9 +70,8 @@ def proven(A: np.ndarray, tolerance: float = 0.0) -> bool:
     if not m:
         return True
     inverse, zero = trtri(geqrf(A.T)[0][:m]) if m <= n else (A, 1)
-    return zero == 0 and 1.0 > max(tolerance, SINGULAR_VALUE_RESOLUTION) * np.linalg.norm(
-        np.triu(inverse)
-    ) * np.linalg.norm(A)
+    condition = np.linalg.norm(np.triu(inverse)) * np.linalg.norm(A)
+    return bool(zero == 0 and 1.0 > max(tolerance, SINGULAR_VALUE_RESOLUTION) * condition)
 
 
 def dense_factor(D: np.ndarray, A: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:

@@ -248,7 +248,8 @@ def joint_shares(compiled: Compiled, data: Data, rows: BlockRows, N: np.ndarray,
 
     ``off``: what J'N may be off zero, in model lengths and radians.
     """
-    system, shares = compiled.system, []
+    system = compiled.system
+    shares: list[Share] = []
     if not N.shape[1]:
         return shares
     for joint in system.joints:

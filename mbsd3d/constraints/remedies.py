@@ -15,7 +15,7 @@ from ..base.rotations import perpendiculars
 from ..equations.at_state import load_state
 from ..equations.compiled import Compiled, compile_system
 from ..equations.jacobian import BlockRows, block_rows
-from ..mechanism.bodies import GROUND
+from ..mechanism.bodies import Body
 from ..mechanism.drivers import Driver
 from ..mechanism.joints import AxisJoint, Joint, PointJoint
 from ..mechanism.joints.conditions import PointOnLine, PointOnPlane
@@ -26,7 +26,8 @@ from .rank import Analysis, without_rounding
 
 REMEDIES_REPORTED_MAX = 12  # [remedies] that a report lists; more are not read
 EXHAUSTIVE_JOINTS_MAX = 40  # [joints] among which all singles and pairs are tried; beyond, a set is built up greedily
-JOINT_COST = {Cylindrical: 1, Universal: 2, Planar: 3, PointOnPlane: 3}  # [1] over Spherical and PointOnLine
+# [1] over Spherical and PointOnLine
+JOINT_COST: dict[type, int] = {Cylindrical: 1, Universal: 2, Planar: 3, PointOnPlane: 3}
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,7 @@ def serves(joint: Joint, option: Joint | None) -> bool:
 
 def rows_of(compiled: Compiled, pose: State, joint: Joint) -> BlockRows:
     """Return the scaled rows of a joint that may not be in the system, at the pose."""
-    bodies = [body for body in joint.bodies() if body is not GROUND]
+    bodies = [body for body in joint.bodies() if isinstance(body, Body)]
     index = np.array([*(compiled.body_index[id(body)] for body in bodies), compiled.model.body.size])
     alone = compile_system(Mechanism(bodies=bodies, joints=[joint]))
     data, length = alone.data(), compiled.model.length
@@ -184,7 +185,7 @@ def find_cures(compiled: Compiled, pose: State, rows: BlockRows, N: np.ndarray, 
     if not sets:
         greedy = search.greedy(involved)
         sets = [greedy] if greedy else []
-    remedies = []
+    remedies: list[Cure] = []
     for chosen in sorted(sets, key=lambda s: (len(s), sum(JOINT_COST.get(type(option), 0) for _, option in s))):
         if len(remedies) == REMEDIES_REPORTED_MAX:
             break

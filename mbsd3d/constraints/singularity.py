@@ -50,7 +50,7 @@ def singularities(
     general = beside.general(found)
     if general is None:
         if beside.stuck is not None:
-            return [what_sticks(compiled, data, found, beside)]
+            return [what_sticks(compiled, data, found, beside.poses, beside.stuck)]
         return steered_rolling(compiled, pose) or nearly_singular(compiled, data, found)
     if text := lost_rolling(compiled, data, pose, found, general):
         return [text]
@@ -58,11 +58,11 @@ def singularities(
     return [f"singular (rank {found.rank}, {general.rank} beside it): {joints} can move while the rest stands"]
 
 
-def what_sticks(compiled: Compiled, data: Data, found: Analysis, beside: Neighbourhood) -> str:
-    """Return what to say of a free motion along which the joints do not close."""
-    less = "is more than can move" if beside.poses else "in this pose alone, and nothing can move"
+def what_sticks(compiled: Compiled, data: Data, found: Analysis, poses: list[Beside], stuck: np.ndarray) -> str:
+    """Return what to say of a free motion ``stuck`` along which the joints close at none but the ``poses`` beside."""
+    less = "is more than can move" if poses else "in this pose alone, and nothing can move"
     what = f"{INFINITESIMAL}: mobility {6 * found.n - found.rank} {less}"
-    joints = movers(compiled, data, beside.stuck)
+    joints = movers(compiled, data, stuck)
     return (
         f"{what}: {joints} give way to any load, but the joints close nowhere beside this pose; change a length, or "
         "take out a joint"

@@ -53,7 +53,7 @@ def driven_coordinates(compiled: Compiled, t: float) -> np.ndarray:
     reference = np.zeros(compiled.model.coordinate.size)
     for joint, _ in compiled.drives:
         for row in joint.primitives:
-            if len(row.coordinates) == 1:
+            if len(row.coordinates) == 1 and row.signal is not None:
                 reference[compiled.coordinate(row.coordinates[0])] = float(row.signal(t)) / row.values[0]
     return reference
 

@@ -163,6 +163,7 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
     counts = [sum(row.n_rows for row in rows) for rows in rows_of_joint]
     ends = np.cumsum([0, *counts])
     row_joint = np.repeat(np.arange(len(counts)), counts)
+    signal, term, term_data = signals.arrays()
     model = Model(
         body=bodies,
         primitive=rows_table,
@@ -171,7 +172,9 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
         force=forces,
         measure=measure_table([*measures, *read], index, where, places),
         number=np.concatenate([given, *(x.numbers for x in coordinates)]),
-        **signals.arrays(),
+        signal=signal,
+        term=term,
+        term_data=term_data,
         **state_layout(system, records, int((per_row["drive"] >= 0).sum()), length),
         gravity=np.array(system.gravity, float),
         length=length,
@@ -199,7 +202,7 @@ def coordinates_of(
     """Return the angles and slides that joints have or anything reads, each once; those of measures last."""
     wanted = [x for joint in system.joints for x in (joint.angle(), joint.slide())]
     wanted += [x for row in primitives for x in row.coordinates]
-    wanted += [x.coordinate for x in (*records, *measures)]
+    wanted += [x.coordinate for x in records] + [x.coordinate for x in measures]
     return list({key_of(x): x for x in wanted if x is not None}.values())
 
 

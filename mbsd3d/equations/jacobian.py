@@ -23,7 +23,7 @@ class BlockRows(NamedTuple):
     J: np.ndarray  # (m, 4, 6)
     n: int
 
-    def take(self, rows: np.ndarray) -> "BlockRows":
+    def take(self, rows: np.ndarray | slice) -> "BlockRows":
         """Return some of the rows."""
         return BlockRows(self.body[rows], self.J[rows], self.n)
 

@@ -10,12 +10,13 @@ from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..base.checks import floats
 from ..base.rotations import matrix
 from ..kernels.kinds import ROWS_OF
 from ..kernels.layout import PRIMITIVE, ROW, table
-from ..mechanism.bodies import GROUND
+from ..mechanism.bodies import GROUND, Body, Ground
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.primitives import Primitive
 
@@ -24,18 +25,18 @@ class Frames:
     """Poses of the bodies at the reference pose; the ground is the last one."""
 
     def __init__(self, system: Mechanism) -> None:
-        bodies = (*system.bodies, GROUND)
+        bodies: list[Body | Ground] = [*system.bodies, GROUND]
         self.index = {id(body): i for i, body in enumerate(bodies)}
         self.r = np.array([body.position for body in bodies])
         self.R = matrix(np.array([body.orientation for body in bodies]))
         self.centre = self.r + turned(self.R, np.array([body.com for body in bodies]))
 
-    def points(self, on: Sequence[int], points: Sequence) -> np.ndarray:
+    def points(self, on: ArrayLike, points: Sequence) -> np.ndarray:
         """Return (k, 3) R'(p - r) of world points p (k, 3) in the bodies ``on`` (k,)."""
         given, on = floats(points, "points of rows", "finite coordinates"), np.array(on)
         return self._local(on, given, given - self.r[on])
 
-    def axes(self, on: Sequence[int], axes: Sequence) -> np.ndarray:
+    def axes(self, on: ArrayLike, axes: Sequence) -> np.ndarray:
         """Return (k, 3) R'x of world directions x (k, 3) in the bodies ``on`` (k,)."""
         given, on = floats(axes, "axes of rows", "finite numbers"), np.array(on)
         return self._local(on, given, given)

@@ -8,7 +8,7 @@ from ..base.errors import InputError
 from ..base.rotations import cross, matched_perpendiculars, perpendiculars
 from ..dynamics.applied_forces import number_of_law
 from ..kernels.layout import BODY, COORDINATE, FORCE, MEASURE, SIGNAL, STATE, TERM, table
-from ..mechanism.bodies import GROUND
+from ..mechanism.bodies import GROUND, Part
 from ..mechanism.force_element import ForceRecord
 from ..mechanism.measures import MEASURES, Measure
 from ..mechanism.mechanism import Mechanism
@@ -42,16 +42,18 @@ def own_length(system: Mechanism, records: list[ForceRecord], frames: Frames) ->
     return largest or 1.0
 
 
-def signals_of(system: Mechanism) -> list[tuple[Any, Signal]]:
+def signals_of(system: Mechanism) -> list[tuple[Part, Signal]]:
     """Return (joint or force, signal) of all signals."""
-    found = [(joint, row.signal) for joint in system.joints for row in joint.primitives]
+    found: list[tuple[Part, Signal | None]] = [
+        (joint, row.signal) for joint in system.joints for row in joint.primitives
+    ]
     found += [(force, signal) for force in system.forces for signal in force.record().signals]
     return [(part, signal) for part, signal in found if signal is not None]
 
 
 def check_inputs(system: Mechanism) -> None:
     """Raise a ValueError with the parts if inputs of one name start with different values."""
-    first: dict[str, tuple[Any, float]] = {}
+    first: dict[str, tuple[Part, float]] = {}
     for part, signal in signals_of(system):
         for name, start in (term.input for term in signal.terms() if term.input):
             other, known = first.setdefault(name, (part, start))
@@ -96,12 +98,12 @@ class Signals:
         self.spans.append((first, len(self.terms)))
         return len(self.spans) - 1
 
-    def arrays(self) -> dict[str, np.ndarray]:
-        """Return the fields of the model."""
+    def arrays(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return (signals, their terms, data of the terms) of the model."""
         signal, term = table(SIGNAL, len(self.spans)), table(TERM, len(self.terms))
         signal[:] = self.spans
         term[:] = self.terms
-        return {"signal": signal, "term": term, "term_data": np.concatenate([np.zeros(0), *self.data])}
+        return signal, term, np.concatenate([np.zeros(0), *self.data])
 
 
 def body_table(system: Mechanism) -> tuple[np.ndarray, bool]:
@@ -139,7 +141,7 @@ def symmetry(moments: np.ndarray, C: np.ndarray, arm: np.ndarray) -> tuple[int, 
 
 def zero_directions(x: Coordinate) -> tuple[np.ndarray, np.ndarray]:
     """Return the directions in a and b whose angle about the axis is the coordinate."""
-    if x.zero_a is not None:
+    if x.zero_a is not None and x.zero_b is not None:
         return x.zero_a, x.zero_b
     return perpendiculars(x.axis)[0], matched_perpendiculars(x.axis, x.axis_b)[0]
 

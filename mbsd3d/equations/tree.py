@@ -169,9 +169,9 @@ def spanning_tree(rows: bytes, light: bytes) -> tuple[np.ndarray, np.ndarray, np
                 if other < n and parent[other] < 0:
                     heapq.heappush(queue, (last, depth + 1, other, body))
     bodies = np.array(order[::-1], np.int64)
-    held = [edges.get((min(b, parent[b]), max(b, parent[b])), []) for b in bodies]
-    first = np.cumsum([0, *map(len, held)]).astype(np.int64)
-    found = np.array([k for group in held for k in group], np.int64)
+    groups = [edges.get((min(b, parent[b]), max(b, parent[b])), []) for b in bodies]
+    first = np.cumsum([0, *map(len, groups)]).astype(np.int64)
+    found = np.array([k for group in groups for k in group], np.int64)
     joint = table(tree_records(float)["joint"], found.size)
     joint["row"] = found
     joint["slot"], joint["twin"] = slots_on(on[found], np.repeat(bodies, np.diff(first)))

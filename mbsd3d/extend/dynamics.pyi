@@ -33,13 +33,15 @@ from ..base.fields import Number as Number
 
 # rows, coordinates, forces and signals
 from ..kernels import kinds as kinds
-from ..mechanism.bodies import Ground as Ground
 from ..mechanism.primitives import Primitive as Primitive
 from ..mechanism.primitives import Coordinate as Coordinate
+from ..mechanism.bodies import Ground as Ground
 from ..mechanism.couplings import Coupling as Coupling
 from ..mechanism.force_element import ForceElement as ForceElement
 from ..mechanism.force_element import hinge_coordinate as hinge_coordinate
 from ..mechanism.measures import Measure as Measure
+from ..mechanism.joints import angle_of as angle_of
+from ..mechanism.joints import slide_of as slide_of
 from ..mechanism.signals import as_signal as as_signal
 from ..mechanism.signals.terms import evaluate as evaluate
 

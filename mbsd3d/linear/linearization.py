@@ -124,7 +124,7 @@ class Linearization:
 @on_one_thread  # small dense algebra: more threads only wait for each other
 def linearize_at(
     system: Mechanism,
-    state: State | None = None,
+    state: State,
     *,
     outputs: Sequence[Measure] | None = None,
     tolerance: float = 1e-8,
@@ -135,7 +135,7 @@ def linearize_at(
     tolerance = number(tolerance, "linearize: tolerance", positive=True)
     outputs = checked_outputs(system, outputs)
     check_signals(system)
-    check_state(state, "linearize")
+    check_state(state, "linearize", needed=True)
     options = RunOptions(switches=switches or Switches())
     start = accelerations_at(system, state, options).state(0)  # refuses a state that does not meet the joints
     compiled = compile_system(system, outputs, options.switches)

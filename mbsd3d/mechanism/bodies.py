@@ -1,5 +1,6 @@
 """Bodies: frozen descriptions of rigid parts at one reference pose, in world coordinates."""
 
+from collections.abc import Sequence
 from dataclasses import KW_ONLY
 from functools import cached_property
 from typing import Any, ClassVar
@@ -128,6 +129,14 @@ class Part(Checked):
     name: str | None = None
 
     role: ClassVar[str] = "part"
+
+    def bodies(self) -> Sequence[Body | Ground]:
+        """The bodies it acts on."""
+        raise NotImplementedError
+
+    def partners(self) -> Sequence["Part"]:
+        """Joints and forces it refers to; they must be in the system too."""
+        return ()
 
     def what(self) -> str:
         kind = type(self).__name__

@@ -214,7 +214,7 @@ class RunResult(Motion):
 
     def _shares_of(self, groups: list[list[Joint]]) -> Shares:
         """Return least-norm shares, and what is determined of the net wrenches of joints."""
-        origins = [0.0 if parts[0].b is GROUND else self.position(parts[0].b) for parts in groups]
+        origins = [0.0 if isinstance(parts[0].b, Ground) else self.position(parts[0].b) for parts in groups]
         arms = [parts[0].reaction_points(self) - O for parts, O in zip(groups, origins, strict=True)]
         return self._rows.share_out(self.arrays["lam"], [group_of(self.compiled, parts) for parts in groups], arms)
 

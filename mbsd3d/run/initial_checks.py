@@ -21,7 +21,7 @@ from ..kernels.kinematics import kinematics
 from ..kernels.layout import Data, Model
 from ..mechanism.bodies import GROUND
 from ..mechanism.forces.contact import STANDARD_GRAVITY, Contact
-from ..mechanism.forces.custom import FunctionForce
+from ..mechanism.forces.custom import CustomForce, FunctionForce
 from ..mechanism.forces.own_functions import RETURN_FLAG_INDEX, uncompiled
 from ..mechanism.forces.tyre import Tyre
 from ..mechanism.mechanism import Mechanism
@@ -133,7 +133,7 @@ def exception_of(compiled: Compiled, k: int, y: np.ndarray, t: float) -> Excepti
     if data.wrench[RETURN_FLAG_INDEX] == 0.0:
         return None
     force = compiled.system.forces[k]
-    if not isinstance(force, FunctionForce):
+    if not isinstance(force, CustomForce):
         return None
     try:
         with np.errstate(all="ignore"):

@@ -2,6 +2,7 @@
 
 import numpy as np
 from numba import typeof
+from numba.core.dispatcher import Dispatcher
 
 from ..equations.compiled import compile_system
 from ..equations.tree import build_spanning_tree
@@ -17,4 +18,5 @@ def compile_loop() -> None:
     model, data = compiled.model, compiled.data()
     memory = allocate_run(np.zeros(13), 1, np.zeros(0), 1, 1, method.dense_terms)
     given = model, data, build_spanning_tree(model, data), method.start(model, compiled.data), memory, 1
-    method.loop.compile(tuple(map(typeof, given)))
+    if isinstance(method.loop, Dispatcher):  # else kernels run as plain Python
+        method.loop.compile(tuple(map(typeof, given)))

@@ -189,9 +189,8 @@ def test_compiled_meaning_is_the_same(signal):
     terms, tables = signal.terms(), Signals()
     tables.add(Constant(7.0))  # the signal is not the first one in the tables
     tables.add(signal)
-    arrays = tables.arrays()
-    model = SimpleNamespace(**{name: array.view(np.recarray) for name, array in arrays.items() if name != "term_data"})
-    model.term_data = arrays["term_data"]
+    spans, parts, data = tables.arrays()
+    model = SimpleNamespace(signal=spans.view(np.recarray), term=parts.view(np.recarray), term_data=data)
     kernel = getattr(kernels.signal, "py_func", kernels.signal)
     for t in (*INSIDE, *TIMES, -0.3, 2.9):
         expected = [evaluate(terms, t, order) for order in (0, 1, 2)]

@@ -360,10 +360,10 @@ def test_definitions_look_at_as_many_states_as_the_budget_allows(monkeypatch, se
     """A clock that a look takes ``seconds`` of, 10 in all; the start and the end are looked at whatever they cost."""
     now, seen, at_state = [0.0], [], formulation.at_state
 
-    def slow(solution, k, size):
+    def slow(system, solution, k, size):
         now[0] += seconds
         seen.append(k)
-        return at_state(solution, k, size)
+        return at_state(system, solution, k, size)
 
     monkeypatch.setattr(formulation, "at_state", slow)
     monkeypatch.setattr(formulation, "time", types.SimpleNamespace(thread_time=lambda: now[0]))

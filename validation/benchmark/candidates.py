@@ -22,7 +22,7 @@ from validation.twins import exudyn, mujoco
 from validation.twins.base import NotComparable
 
 TOLERANCES = tuple(10.0 ** -np.arange(1.5, 12.1, 0.5))
-STEPS = tuple(2 ** np.arange(4, 23))
+STEPS = tuple(2**k for k in range(4, 23))
 PEERS = ("MuJoCo", "Exudyn")
 ENGINES = ("mbsd3d", *PEERS)
 CONSTRAINTS_LABEL = "constraints"  # in the label of a form with joints as in mbsd3d

@@ -62,7 +62,8 @@ def run(parts: tuple, names: tuple, listed: bool, out: Path, fresh: bool, stored
         ready(out, pictures)
         show(load(out / DATA), out, pictures)
         return
-    sys.exudynFast = True  # its build without range checks, which is what one measures; read at its first import
+    # its build without range checks, which is what one measures; read at its first import
+    vars(sys)["exudynFast"] = True
     if "precision" in parts:
         precision(names or tuple(PROBLEMS), out, fresh, pictures)
     if "redundancy" in parts:

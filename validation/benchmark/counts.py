@@ -7,7 +7,7 @@ program of their own.
 
 import time
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from mbsd3d import System
 from validation import cases
@@ -55,7 +55,7 @@ def counted(system: System) -> Count:
 def counted_by_exudyn(system: System) -> Count | str:
     """Return the count of Exudyn, by its ``ComputeSystemDegreeOfFreedom``."""
     try:
-        found: dict[str, Any] = exudyn.twin(system).degrees_of_freedom()
+        found = exudyn.twin(system).degrees_of_freedom()
     except NotComparable as error:
         return f"not compared: {error}"
     rows, redundant = found["nAE"] - found["nPureAE"], found["redundantConstraints"]

@@ -86,12 +86,10 @@ def runner(mechanism: Mechanism, form: str, setting: float, part: float = 1.0) -
 
     def run() -> tuple[float, np.ndarray]:
         if kind == "plane":
-            solution = planar.simulate(system, t_end, dt=method.dt, output=2)
-            seconds = solution.seconds
-        else:
-            solution = simulate(system, t_end, state=start, method=method, rtol=rtol, output=2)
-            seconds = solution.record.loop_seconds
-        return seconds, np.array([solution.position(name)[-1, :2] for name in names])
+            flat = planar.simulate(system, t_end, dt=mechanism.turn / setting, output=2)
+            return flat.seconds, np.array([flat.position(name)[-1] for name in names])
+        solution = simulate(system, t_end, state=start, method=method, rtol=rtol, output=2)
+        return solution.record.loop_seconds, np.array([solution.position(name)[-1, :2] for name in names])
 
     return run
 
@@ -198,9 +196,9 @@ def lines(tax: Tax) -> list[str]:
         for row in tax.accuracies
     ]
     said += ["", "Noise floor of 1 - 1 = 0, relative", f"{'':48}{'plane':>9}{'space':>9}{'redundant':>11}"]
-    for row in tax.floors:
-        plane = f"{row.plane:9.1e}" if row.plane is not None else f"{'-':>9}"
-        said.append(f"{row.mechanism:14}{row.what:34}{plane}{row.space:9.1e}{row.redundant:11.1e}")
+    for floor in tax.floors:
+        plane = f"{floor.plane:9.1e}" if floor.plane is not None else f"{'-':>9}"
+        said.append(f"{floor.mechanism:14}{floor.what:34}{plane}{floor.space:9.1e}{floor.redundant:11.1e}")
     said += ["", "Design sweep"]
     said.append("{cells} inline fours in space: {seconds:.1f} s, {processor:.1f} s of processors".format(**tax.sweep))
     said += ["", f"{'':42}{'measured':>10}{'goal':>9}"]

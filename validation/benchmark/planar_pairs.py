@@ -18,6 +18,7 @@ import numpy as np
 import mbsd3d
 from engines import planar
 from engines.balance.spectrum import spectrum
+from mbsd3d.extend import Ground
 
 Z = (0.0, 0.0, 1.0)
 HINGE, BALL, CROSS, GUIDE = "hinge", "ball", "cross", "guide"
@@ -80,17 +81,20 @@ class Mechanism:
 
     def space(self, *, redundant: bool = False, driven: bool = False, centroidal: bool = False) -> mbsd3d.System:
         """Build the mechanism for `mbsd3d`; ``redundant`` makes every rotating joint a hinge."""
-        bodies = {None: mbsd3d.GROUND}
+        bodies: dict[str, mbsd3d.Body] = {}
         for k, link in enumerate(self.links):
             origin = np.array(link.centre if centroidal else link.origin)
             com, omega = np.array(link.centre) - origin, None if k or driven else (0.0, 0.0, self.rate)
             moments = link.inertia * np.array([0.4, 0.9, 1.0])
             bodies[link.name] = mbsd3d.Body(link.name, link.mass, moments, com=com, position=origin, omega=omega)
-        joints = [spatial_joint(c, bodies[c.a], bodies[c.b], redundant) for c in self.couplings]
+        joints = [
+            spatial_joint(c, mbsd3d.GROUND if c.a is None else bodies[c.a], bodies[c.b], redundant)
+            for c in self.couplings
+        ]
         if driven:
             joints.append(mbsd3d.AngleDriver(joints[0], mbsd3d.Ramp(self.rate), name="motor"))
         gravity = (*self.gravity, 0.0)
-        return mbsd3d.System([bodies[link.name] for link in self.links], joints, gravity=gravity)
+        return mbsd3d.System(list(bodies.values()), joints, gravity=gravity)
 
 
 def planar_joint(c: Coupling, a: planar.Body, b: planar.Body) -> planar.Joint:
@@ -100,7 +104,7 @@ def planar_joint(c: Coupling, a: planar.Body, b: planar.Body) -> planar.Joint:
     return planar.Revolute(a, b, at=c.at[:2], name=c.name)
 
 
-def spatial_joint(c: Coupling, a: mbsd3d.Body, b: mbsd3d.Body, redundant: bool) -> mbsd3d.Joint:
+def spatial_joint(c: Coupling, a: mbsd3d.Body | Ground, b: mbsd3d.Body, redundant: bool) -> mbsd3d.Joint:
     """Return the spatial joint of a coupling."""
     if c.kind == GUIDE:
         return mbsd3d.Prismatic(a, b, at=c.at, axis=c.axis, name=c.name)
@@ -233,7 +237,7 @@ def balanced(mechanism: Mechanism, solution: mbsd3d.Solution) -> tuple[float, fl
     F_single = w^2 (m_c r_c + (m_r + m_p) R), 10 kg m w^2: the 1x force of one cylinder.
     """
     single = 10.0 * mechanism.rate**2
-    block = -sum(grounded(mechanism, solution))
+    block = -np.sum(grounded(mechanism, solution), axis=0)
     along = spectrum(solution.t, block[:, 1], rate=mechanism.rate)
     return float(abs(along.at(1)) / single), float(np.abs(block[:, 0]).max() / single)
 

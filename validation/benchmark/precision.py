@@ -254,9 +254,9 @@ def in_turns(found: list[tuple[Climb, Callable[[float], Run] | None]]) -> tuple[
     began = time.perf_counter()
     for _ in range(ROUND_COUNT):
         for i, k in wanted:
-            if time.perf_counter() - began + wanted[i, k] > ROUND_SECONDS:
-                continue  # a long run needs no repetition, and there are other problems
             run = found[i][1]
+            if run is None or time.perf_counter() - began + wanted[i, k] > ROUND_SECONDS:
+                continue  # a long run needs no repetition, and there are other problems
             wanted[i, k] = min(wanted[i, k], run(climbs[i].points[k].setting).seconds)
     return tuple(
         retimed(climbed, {k: seconds for (j, k), seconds in wanted.items() if j == i})

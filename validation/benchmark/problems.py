@@ -140,7 +140,8 @@ def top(name: str, system: mbsd3d.System, t_end: float) -> Problem:
     """Return a top on a ball; as a tree: three hinges, the first along the direction from which the axis stays away
     most.
     """
-    body, pivot = system.bodies[0], system.joints[0].at
+    body = system.bodies[0]
+    pivot = next(joint.at for joint in system.joints if isinstance(joint, mbsd3d.Spherical))
     path = whole(system, t_end, output=200).com(body) - pivot
     path /= np.linalg.norm(path, axis=1, keepdims=True)
     directions = np.random.default_rng(1).normal(size=(500, 3))

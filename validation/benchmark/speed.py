@@ -11,6 +11,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -41,7 +42,7 @@ def interleaved(*runs: Callable[[], float], rounds: int = ROUND_COUNT) -> list[f
     return best
 
 
-def our_seconds(system: System, start: State, method: object, t_end: float) -> float:
+def our_seconds(system: System, start: State, method: RK4, t_end: float) -> float:
     """Return the seconds of the time loop; only both ends are stored."""
     return simulate(system, t_end, state=start, method=method, output=2).record.loop_seconds
 
@@ -68,8 +69,8 @@ def per_evaluation(lengths: tuple = CHAIN_LENGTHS) -> list[tuple[int, float, flo
         system, twin = chain(n), mujoco_chain(n, STEP_SECONDS)
         start = system.state()
         ours, theirs = interleaved(
-            lambda s=system, x=start, k=steps: our_seconds(s, x, RK4(STEP_SECONDS), k * STEP_SECONDS),
-            lambda m=twin, k=steps: mujoco_seconds(m, k),
+            partial(our_seconds, system, start, RK4(STEP_SECONDS), steps * STEP_SECONDS),
+            partial(mujoco_seconds, twin, steps),
         )
         found.append((n, 1e6 * ours / (4 * steps * n), 1e6 * theirs / (4 * steps * n)))
     return found
@@ -81,9 +82,7 @@ def growth(mechanism: Callable[[int], System], sizes: tuple, steps: int = 50) ->
     for size in sizes:
         system = mechanism(size)
         start, n = system.state(), len(system.bodies)
-        (seconds,) = interleaved(
-            lambda s=system, x=start: our_seconds(s, x, RK4(STEP_SECONDS), steps * STEP_SECONDS), rounds=3
-        )
+        (seconds,) = interleaved(partial(our_seconds, system, start, RK4(STEP_SECONDS), steps * STEP_SECONDS), rounds=3)
         found.append((n, 1e6 * seconds / (4 * steps * n)))
     return found
 

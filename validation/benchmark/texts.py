@@ -121,9 +121,13 @@ def renewed(root: Path, data: dict[str, Any]) -> dict[Path, str]:
     found = {}
     for name, problems in PROBLEMS_BY_PAGE.items():
         tables = {"times": times(data, problems), "speed": speed(data)}
-        text = (root / name).read_text(encoding="utf-8")
-        found[root / name] = TABLE_PATTERN.sub(lambda mark, tables=tables: tables[mark[1]], text)
+        found[root / name] = filled((root / name).read_text(encoding="utf-8"), tables)
     return found
+
+
+def filled(text: str, tables: dict[str, str]) -> str:
+    """Return a text with its tables replaced."""
+    return TABLE_PATTERN.sub(lambda mark: tables[mark[1]], text)
 
 
 def main(arguments: list[str]) -> None:

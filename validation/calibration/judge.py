@@ -100,8 +100,8 @@ def examine(family: str, seed: int) -> Record:
     )  # fmt: skip
     try:
         runs = march(problem, settings.method, settings.rtol, settings.output)
-    except MbsError as error:
-        return replace(what, stopped=str(error).split("\n")[0], seconds=time.perf_counter() - begun)
+    except MbsError as reason:
+        return replace(what, stopped=str(reason).split("\n")[0], seconds=time.perf_counter() - begun)
     error, relative, worst = compare(problem, runs)
     return replace(
         what, error=error, relative=relative, worst=worst, **verdict(runs), seconds=time.perf_counter() - begun
@@ -111,7 +111,7 @@ def examine(family: str, seed: int) -> Record:
 def march(problem: Problem, method: Any, rtol: float, output: Any = None) -> list[Solution]:
     """Simulate the runs from stop to stop, and on to the end."""
     state, runs, begin = problem.start(), [], 0.0
-    for condition, *_ in (*problem.stops, (None,)):
+    for condition in (*(stop[0] for stop in problem.stops), None):
         if begin >= problem.t_end:
             break
         times = output[output > begin] if isinstance(output, np.ndarray) else output
@@ -127,7 +127,7 @@ def march(problem: Problem, method: Any, rtol: float, output: Any = None) -> lis
 
 def compare(problem: Problem, runs: Sequence[Solution]) -> tuple[float, float, str]:
     """Return (error over the scale, error over scale or largest true value, worst reading)."""
-    found = [(0.0, 0.0, "")]
+    found: list[tuple[float, float, str]] = [(0.0, 0.0, "")]
     for run in runs:
         for reading in problem.readings:
             true = np.asarray(reading.truth(run.t), float)
@@ -138,9 +138,9 @@ def compare(problem: Problem, runs: Sequence[Solution]) -> tuple[float, float, s
             size = max(scale, float(np.abs(true).max(initial=0.0)))
             worst = float(np.max(off, initial=0.0)) if np.isfinite(off).all() else np.inf
             found.append((worst / scale, worst / size, reading.name))
-    for run, (_, true, rate) in zip(runs, problem.stops, strict=False):
-        late = abs(run.final.t - true)
-        found.append((late * rate, late / problem.t_end, f"stop at {true:.4g} s"))
+    for run, (_, due, rate) in zip(runs, problem.stops, strict=False):
+        late = abs(run.final.t - due)
+        found.append((late * rate, late / problem.t_end, f"stop at {due:.4g} s"))
     error, _, name = max(found, key=lambda x: x[0])
     return error, max(x[1] for x in found), name
 
@@ -173,7 +173,9 @@ def ask(run: Solution) -> tuple[str, float]:
     if run.record.steps and not run.record.kinematic and run.record.method.dt is None and run.record.rtol < 3.2e-12:
         return "none", 0.0
     try:
-        found = run.estimate()
+        error = run.estimate().error
     except MbsError:
         return "raises", 0.0
-    return ("agrees" if found.error <= WRONG_ERROR else "warns"), found.error
+    if error is None:
+        return "none", 0.0
+    return ("agrees" if error <= WRONG_ERROR else "warns"), error

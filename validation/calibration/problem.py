@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import ArrayLike
 
 from mbsd3d import Body, Solution, State, System
 from validation.cases.examples import random_orientation
@@ -75,13 +74,13 @@ class Place:
         """Return the gravity of the earth in world axes."""
         return self.axes @ (0.0, 0.0, -self.g)
 
-    def point(self, *x: ArrayLike) -> Array:
+    def point(self, *x: float | Array) -> Array:
         """Return a point of the frame in world coordinates."""
-        return self.shift + self.axes @ np.ravel(x)
+        return self.shift + self.axes @ np.hstack(x)
 
-    def axis(self, *x: ArrayLike) -> Array:
+    def axis(self, *x: float | Array) -> Array:
         """Return a direction or vector of the frame in world axes."""
-        return self.axes @ np.ravel(x)
+        return self.axes @ np.hstack(x)
 
     def length(self, low: float, high: float) -> float:
         """Draw a length [unit]."""
@@ -119,6 +118,16 @@ class Place:
             name, mass, 0.5 * (moments + moments.T), com=com, position=self.point(centre) - R @ com,
             orientation=orientation, **motion,
         )  # fmt: skip
+
+
+def column(k: int, course: Callable[[Array], Array]) -> Callable[[Array], Array]:
+    """Return one of the columns of a course (n, columns)."""
+    return lambda t: course(t)[:, k]
+
+
+def scaled(factor: float, course: Callable[[Array], Array]) -> Callable[[Array], Array]:
+    """Return a course times a factor."""
+    return lambda t: factor * course(t)
 
 
 def angle(name: str, joint: Any, truth: Callable[[Array], Array]) -> Reading:

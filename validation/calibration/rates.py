@@ -93,7 +93,7 @@ class Chain:
         n = len(self.masses)
 
         def slope(_: float, y: Array) -> Array:
-            M, right, _ = self.equations(y[:n], y[n:])
+            M, right = self.equations(y[:n], y[n:])[:2]
             return np.append(y[n:], np.linalg.solve(M, right - self.stiffness * y[:n] - self.damping * y[n:]))
 
         return motion(slope, np.concatenate([q, v]), t_end)

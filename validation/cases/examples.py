@@ -243,7 +243,7 @@ def couplings(rng: np.random.Generator, joints: Sequence[Any]) -> list[Any]:
     """Return candidates on existing hinges and sliders."""
     hinges = [j for j in joints if isinstance(j, HINGE_JOINTS)]
     sliders = [j for j in joints if isinstance(j, mbsd3d.Prismatic | mbsd3d.Cylindrical)]
-    found = []
+    found: list[mbsd3d.Joint] = []
     if len(hinges) > 1:
         found.append(mbsd3d.Gear(hinges[0], hinges[-1], ratio=rng.uniform(-2.0, -0.5)))
     if hinges and sliders and hinges[0] is not sliders[-1]:

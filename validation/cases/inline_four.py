@@ -70,7 +70,7 @@ def crankshaft(places: np.ndarray, mass: float, centre: float) -> mbsd3d.Body:
 def block_force(solution: mbsd3d.Solution) -> np.ndarray:
     """Return the force of bearing and bores on the block [N], shape (samples, 3)."""
     names = ["bearing", *(f"bore {i}" for i in range(1, 5))]
-    return -sum(solution.reaction(name).force for name in names)
+    return -np.sum([solution.reaction(name).force for name in names], axis=0)
 
 
 def amplitudes(values: np.ndarray) -> np.ndarray:

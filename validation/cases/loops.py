@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import System, linkages, rotation
+from mbsd3d import Revolute, System, linkages, rotation
 from mbsd3d.extend import matrix
 from mbsd3d.inertia import MassProperties
 from validation.theory import HingeLoop
@@ -41,7 +41,7 @@ def bennett(rng: np.random.Generator) -> System:
 def goldberg(rng: np.random.Generator) -> System:
     """Draw a Goldberg linkage."""
     alpha, beta, gamma, a = rng.uniform(0.4, 1.2), rng.uniform(1.7, 2.6), rng.uniform(0.4, 1.2), rng.uniform(0.4, 1.0)
-    b, c, angle = (*(a * np.sin([beta, gamma]) / np.sin(alpha)), rng.uniform(0.5, 2.0))
+    (b, c), angle = a * np.sin([beta, gamma]) / np.sin(alpha), rng.uniform(0.5, 2.0)
     return linkages.goldberg(a, alpha, b, beta, c, gamma, angle, links=parts(rng, 4), **place(rng))
 
 
@@ -94,7 +94,7 @@ FAMILIES = {
 
 def as_axes(system: System) -> HingeLoop:
     """Return axes, masses, centres and inertias of a loop of hinges at its reference pose, for the closed form."""
-    bodies, hinges = system.bodies, system.joints
+    bodies, hinges = system.bodies, [joint for joint in system.joints if isinstance(joint, Revolute)]
     R = [matrix(body.orientation) for body in bodies]
     return HingeLoop(
         np.array([joint.at for joint in hinges]), np.array([joint.axis for joint in hinges]),

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import GROUND, Body, Prismatic, Revolute, Spherical, SpringDamper, System, Universal, rotation
-from mbsd3d.extend import matrix
+from mbsd3d.extend import Ground, matrix
 
 LINK_LENGTH, LINK_MASS, LINK_INERTIA, LINK_COM = 0.2, 0.2, (1e-4, 8e-4, 7e-4), (0.1, 0.01, 0.005)  # m, kg, kg m^2, m
 AXES = ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
@@ -91,7 +91,7 @@ def four_bars(n: int) -> System:
         for k in range(n)
     ]
 
-    def hinge(a: Body, b: Body, x: float, y: float, name: str) -> Revolute:
+    def hinge(a: Body | Ground, b: Body, x: float, y: float, name: str) -> Revolute:
         return Revolute(a, b, at=(x, y, 0), axis=(0, 0, 1), name=name)
 
     joints = [hinge(GROUND, rods[k], k, 0, f"A{k}") for k in range(n + 1)]

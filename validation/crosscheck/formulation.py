@@ -44,7 +44,7 @@ def compare_definitions(system: System, state: State, t_end: float | None, size:
         solution = accelerations(system, state)
     else:
         solution = whole_run(system, t_end, state, TIGHT_RTOL, len(SAMPLE_ORDER))
-    found, looks = look(solution, size, left)
+    found, looks = look(system, solution, size, left)
     fewer = f"at {looks} of {solution.t.size} states: {budget:g} s are up" if looks < solution.t.size else ""
     findings = tuple(finding(name, entries, float(solution.t[-1]), fewer) for name, entries in found.items())
     states = "the start" if t_end is None else f"{looks} states"
@@ -52,7 +52,7 @@ def compare_definitions(system: System, state: State, t_end: float | None, size:
 
 
 def look(
-    solution: Solution, size: Sizes, seconds: float
+    system: System, solution: Solution, size: Sizes, seconds: float
 ) -> tuple[dict[str, list[tuple[float, str, float, float]]], int]:
     """Return (quantity -> excess, part, difference and limit at the examined states, their number)."""
     began, looks = time.thread_time(), 0
@@ -60,7 +60,7 @@ def look(
     for k in [k for k in SAMPLE_ORDER if k < solution.t.size]:
         if looks >= STATES_MIN and (time.thread_time() - began) * (looks + 1) / looks > seconds:
             break
-        for name, difference, part, limit in at_state(solution, k, size):
+        for name, difference, part, limit in at_state(system, solution, k, size):
             found.setdefault(name, []).append((difference / limit, part, difference, limit))
         looks += 1
     return found, looks
@@ -76,9 +76,8 @@ def finding(name: str, entries: list[tuple[float, str, float, float]], t_end: fl
     return Finding(ENGINE, name, status, difference=difference, tolerance=limit, until=t_end, part=part, reason=fewer)
 
 
-def at_state(solution: Solution, k: int, size: Sizes) -> list[tuple[str, float, str, float]]:
+def at_state(system: System, solution: Solution, k: int, size: Sizes) -> list[tuple[str, float, str, float]]:
     """Return (quantity, greatest relative difference, its part, limit) at sample k."""
-    system = solution.system
     there = solve(system, solution.state(k))
     limit = max(DIFFERENCE_MAX, ROUNDING * there.condition)
     a, b = solution.arrays["acceleration"][k], there.acceleration
@@ -120,7 +119,7 @@ def reactions(
         if id(joint) not in there.wrench or not np.trace(D[0] + D[1]) > 0.5:
             continue
         expected, about_O = np.split(there.wrench[id(joint)], 2)
-        arm = reaction.point[k] - solution.position(joint.b)[k]
+        arm = reaction.point[k] - solution.body_point(joint.b, joint.b.position)[k]
         force.append(D[0] @ (reaction.force[k] - expected))
         moment.append(D[1] @ (reaction.moment[k] - about_O + np.cross(arm, expected)))
         names.append(solution.system.name(joint))

@@ -273,7 +273,7 @@ def explained(
 
 def unseen(cause: Cause, finding: Finding) -> float:
     """Return how far the difference may be from what the cause leaves; where that is nothing, the rest has to agree."""
-    share = CAUSE_TOLERANCE * max(cause.stays, 0.05) * finding.difference
+    share = CAUSE_TOLERANCE * max(cause.stays, 0.05) * (finding.difference or 0.0)
     return min(share, LOOSEST_TOLERANCE if cause.stays else finding.bound)
 
 

@@ -229,12 +229,12 @@ def ours_at(system: System, state: State, times: Array) -> Ours:
     p, energy = tight.momentum(), tight.energy()
     for name, values in (("momentum", p.linear), ("angular momentum", p.angular), ("kinetic energy", energy.kinetic)):
         found[name] = found[name]._replace(values=values.reshape(found[name].values.shape))
-    less = motion_of(loose)[0]
-    less = quantities(system, less, size, tuple(name for name in joints if name in less.reactions), known)
+    looser = motion_of(loose)[0]
+    less = quantities(system, looser, size, tuple(name for name in joints if name in looser.reactions), known)
     error = {name: parted(x, less[name]) for name, x in found.items() if name in less}
     start = neighbour(system, state, size)
-    beside = whole_run(system, t_end, start, LOOSE_RTOL, times)
-    beside = quantities(system, motion_of(beside)[0], size)
+    neighbouring = whole_run(system, t_end, start, LOOSE_RTOL, times)
+    beside = quantities(system, motion_of(neighbouring)[0], size)
     away = np.max([parted(found[name], beside[name]) for name in BASIC_QUANTITIES], axis=0)
     growth = np.maximum(away / NEIGHBOUR_SPEED_RATIO, 1.0) if start is not state else np.ones(times.size)
     return Ours(motion, size, found, error, growth, rest, known)

@@ -181,11 +181,12 @@ class CrossCheck:
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain numbers (None where there is none), texts and lists for JSON."""
+        engines: list[dict[str, Any]] = []
         plain = {
             "t_end": self.t_end, "tolerance": self.tolerance, "growth": self.growth, "own_error": self.own_error,
             "passed": self.passed, "interrupted": self.interrupted, "start_only": self.start_only,
             "failures": list(self.failures),
-            "notes": list(self.notes), "engines": [],
+            "notes": list(self.notes), "engines": engines,
         }  # fmt: skip
         for engine in self.engines:
             entry = asdict(engine)
@@ -193,7 +194,7 @@ class CrossCheck:
             for shown, finding in zip(entry["findings"], engine.findings, strict=True):
                 shown["verdict"] = finding.verdict
                 shown["attributions"] = [x._asdict() for x in finding.attributions]
-            plain["engines"].append(entry)
+            engines.append(entry)
         return finite(plain)
 
 
@@ -249,7 +250,7 @@ def missing(check: CrossCheck) -> str:
 def how_far(check: CrossCheck, engine: Compared) -> str:
     """Return the engine, with its shortfall from the whole time and from the requested tolerance."""
     motion = [x for x in engine.findings if x.uncertainty is not None and x.status != SKIPPED]
-    until = min((x.until for x in motion), default=check.t_end)
+    until = min((x.until for x in motion if x.until is not None), default=check.t_end)
     bound = max((x.bound for x in motion), default=0.0)
     less = [f"until {until:.4g} s of {check.t_end:g} s"] if until < check.t_end * (1 - 1e-9) else []
     less += [f"within {bound:.0e}"] if bound > 1.5 * check.tolerance else []

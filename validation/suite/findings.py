@@ -175,8 +175,7 @@ def summary(group: str, records: Sequence[Record], judges: Sequence[str]) -> lis
     """Return the cells of many cases: of each judge the finding nearest to its limit, and how many cases it judged."""
     cells = []
     for judge in judges:
-        found = [record.worst(judge) for record in records]
-        found = [finding for finding in found if finding is not None and finding.verdict != NOT_COMPARED]
+        found = [x for record in records if (x := record.worst(judge)) is not None and x.verdict != NOT_COMPARED]
         cells.append(f"{cell(max(found, key=severity))} ({len(found)})" if found else SILENT_MARK)
     counts = Counter(record.verdict for record in records)
     verdict = ", ".join(f"{counts[word]} {word}" for word in (AGREES, EXPLAINED, DIFFERS, NOT_COMPARED) if counts[word])

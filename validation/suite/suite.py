@@ -118,7 +118,7 @@ class Suite:
     @cached_property
     def found(self) -> dict[str, Record]:
         """Return the finished cases by name."""
-        return {name: record_from(data) for name, data in self.store.all().items()}
+        return {str(name): record_from(data) for name, data in self.store.all().items()}
 
     @property
     def records(self) -> list[Record]:

@@ -103,11 +103,11 @@ def jacobi(u: ArrayLike, m1: float) -> Jacobi:
     argument.
     """
     u = np.asarray(u, dtype=EXTENDED)
-    m1 = EXTENDED(m1)
-    if m1 == 0.0:
+    complement = EXTENDED(m1)
+    if complement == 0.0:
         phi, turns, rest = 2 * np.arctan(np.tanh(u / 2)), np.zeros_like(u), u
     else:
-        ratios, mean = _mean_ratios(m1)
+        ratios, mean = _mean_ratios(complement)
         half_turn = _pi() / mean
         turns = np.round(u / half_turn)
         rest = u - half_turn * turns
@@ -116,7 +116,7 @@ def jacobi(u: ArrayLike, m1: float) -> Jacobi:
             phi = (phi + np.arcsin(np.clip(ratio * np.sin(phi), -1, 1))) / 2
     flip = np.where(turns % 2 == 0, 1, -1)
     sn, cn = flip * np.sin(phi), flip * np.cos(phi)
-    return Jacobi(phi + _pi() * turns, sn, cn, np.sqrt(m1 + (1 - m1) * cn**2), turns, rest)
+    return Jacobi(phi + _pi() * turns, sn, cn, np.sqrt(complement + (1 - complement) * cn**2), turns, rest)
 
 
 def _mean_ratios(m1: EXTENDED) -> tuple[list[EXTENDED], EXTENDED]:

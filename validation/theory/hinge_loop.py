@@ -59,7 +59,8 @@ class HingeLoop:
         """Return axes and moments ``p x u`` about the world's origin (6, n) after the turns, and displacements (4, 4)
         of the links.
         """
-        place, columns = [np.eye(4)], []
+        place: list[Array] = [np.eye(4)]
+        columns: list[Array] = []
         for u, p, angle in zip(self.axes, self.points, angles, strict=True):
             R, now = place[-1][:3, :3], place[-1][:3, :3] @ u
             columns.append(np.append(now, _skew(R @ p + place[-1][:3, 3]) @ now))

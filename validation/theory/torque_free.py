@@ -106,7 +106,7 @@ def free_body(t: ArrayLike, inertia: ArrayLike, omega: ArrayLike, orientation: A
     gain = curve.momentum * (iq - ip) / (ip * iq * curve.rate)
     angle = curve.momentum * t / iq + gain * (_third_kind(u, curve) - _third_kind(origin, curve))
     first = curve.amplitudes * np.stack([origin.cn, origin.sn, origin.dn])
-    frame = _momentum_frame(EXTENDED(0), first, curve)
+    frame = _momentum_frame(np.zeros((), EXTENDED), first, curve)
     to_world = product(start, product(curve.axes.T, frame.T))
     rotation = product(product(to_world, _momentum_frame(angle, rates, curve)), curve.axes)
     return Attitude(product(rates[:, None, :], curve.axes)[:, 0, :], rotation)

@@ -69,7 +69,7 @@ def jacobians(p: Any, c: Array) -> tuple[Array, Array, Array]:
 
 def rates(p: Any, c: Array, c_dot: Array) -> tuple[Array, Array, Array]:
     """Return d/dt of `jacobians` along c_dot."""
-    found = [0.0, 0.0, 0.0]
+    found: list[Array] = 3 * [np.zeros(())]
     for k, weight in DIFFERENCE_WEIGHTS.items():
         ahead, behind = jacobians(p, c + k * DIFFERENCE_STEP * c_dot), jacobians(p, c - k * DIFFERENCE_STEP * c_dot)
         found = [x + weight * (a - b) / DIFFERENCE_STEP for x, a, b in zip(found, ahead, behind, strict=True)]

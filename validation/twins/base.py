@@ -23,6 +23,7 @@ from mbsd3d.extend import (
     load_state,
     new_data,
     pack,
+    slide_of,
     unmet,
     worst_joint,
 )
@@ -71,7 +72,7 @@ def speed_of(driver: SpeedDriver, what: str, engine: str) -> Coordinate:
         return Coordinate("angle", driver.a, driver.b, driver.axis, driver.axis)
     if driver.joint is None:
         raise NotExpressible(f"{what}: moves a point that no slider leads; {engine} gives speeds to hinges and slides")
-    return driver.joint.slide()
+    return slide_of(driver.joint)
 
 
 def spanning(joints: Iterable[Joint]) -> list[Joint]:

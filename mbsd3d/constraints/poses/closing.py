@@ -93,15 +93,15 @@ def by_newton(
 
     Where it sticks (a stretched chain that must buckle), it starts from seeded poses nearby.
     """
-    first = None
+    tried: list[PoseEquations] = []
     for size in (0.0, *RESTART_OFFSETS):
         nearby = seeded(compiled, start, pinned, size) if size else start
         equations = PoseEquations(compiled, nearby, targets, goals, pinned, used.astype(float))
         equations.close()
         if gap_size(compiled, equations.row_residual() * used) <= CLOSED_GAP_MAX:
             return equations
-        first = first or equations
-    return first
+        tried.append(equations)
+    return tried[0]
 
 
 def seeded(compiled: Compiled, start: State, pinned: set[int], size: float) -> State:
@@ -123,15 +123,15 @@ def ambiguities(found: Found) -> tuple[str, ...]:
         return ()
     if way.gone < 1.0:
         where = f"the motion from the start ends after {100.0 * way.gone:.3g} % of the way"
-        check_turns(found, moved_hinges(found), f"{where}, which", "go there in steps with near=")
+        check_turns(found, moved_hinges(found, way), f"{where}, which", "go there in steps with near=")
         return (f"{where}; the pose was found beside it: go there in steps with near= to choose the way",)
-    notes = []
+    notes: list[str] = []
     if 0 < way.rank < np.count_nonzero(equations.free) and way.rank < way.heading(None).rank:
         notes.append(
             "the start is a singular pose, where motions part, and one of them was followed: start near= a pose beside "
             "it to choose another"
         )
-    chosen = chosen_hinges(found)
+    chosen = chosen_hinges(found, way)
     remedy = "ask for its angle or slide too, or for a hinge that turns with it, or pin a body"
     check_turns(found, chosen, "what is asked for", remedy)
     if chosen:
@@ -150,9 +150,9 @@ def check_turns(found: Found, hinges: list[MovedHinge], why: str, remedy: str) -
             )  # fmt: skip
 
 
-def moved_hinges(found: Found) -> list[MovedHinge]:
+def moved_hinges(found: Found, way: Continuation) -> list[MovedHinge]:
     """Return the angles and slides of joints that have changed though nobody asked for them, and no driver."""
-    compiled, changes, moved = found.equations.compiled, found.state.coordinates - found.way.counted, []
+    compiled, changes, moved = found.equations.compiled, found.equations.values() - way.counted, []
     driven = [x for driver, _ in compiled.drives for row in driver.primitives for x in row.coordinates]
     asked = {i for i, _ in found.equations.targets} | {compiled.coordinate(x) for x in driven}
     for joint in compiled.system.joints:
@@ -164,13 +164,13 @@ def moved_hinges(found: Found) -> list[MovedHinge]:
     return moved
 
 
-def chosen_hinges(found: Found) -> list[MovedHinge]:
+def chosen_hinges(found: Found, way: Continuation) -> list[MovedHinge]:
     """Return those of `moved_hinges` that rows and asked-for values leave free."""
     equations = found.equations
-    if found.way.rank == np.count_nonzero(equations.free):
+    if way.rank == np.count_nonzero(equations.free):
         return []
-    moved = moved_hinges(found)
-    rates = equations.rates(free_motion(equations)) if moved else []
+    moved = moved_hinges(found, way)
+    rates = equations.rates(free_motion(equations)) if moved else np.zeros(0)
     return [hinge for hinge in moved if abs(rates[hinge.number]) > FREE_RATE_MIN]
 
 

@@ -55,6 +55,7 @@ class Continuation:
         equations, heading, bend = self.equations, self.heading(None), 0.0
         self.rank = heading.rank
         step = min(1.0, FIRST_TURN_MAX / max(heading.turn, 1e-300))
+        twists = 6 * self.graph.parent.size + self.units.size  # place of the first one in the rates
         while True:
             before = equations.q.copy(), equations.counted()
             miss = self.advance(heading.rates + 0.5 * step * bend, step)
@@ -63,7 +64,7 @@ class Continuation:
                 return True
             if miss <= MISS_MAX:
                 ahead = self.heading(heading)
-                unexpected = np.abs(ahead.rates - heading.rates - step * bend)[-equations.B.body.shape[0] :]
+                unexpected = np.abs(ahead.rates - heading.rates - step * bend)[twists:]
                 miss = max(miss, 0.5 * step * float(unexpected.max(initial=0.0)))
             if miss <= MISS_MAX:
                 self.gone += step
@@ -86,14 +87,15 @@ class Continuation:
         """
         equations, length = self.equations, self.equations.model.length
         wanted = -self.start
-        motion = equations.motion(wanted, self.graph)
-        if before is not None and equations.rank < before.rank:
-            motion = before.motion + equations.motion(wanted - equations.change(before.motion), self.graph)
+        motion, rank, B = equations.joint_motion(wanted, self.graph)
+        if before is not None and rank < before.rank:
+            more, rank, B = equations.joint_motion(wanted - equations.change(before.motion), self.graph)
+            motion = before.motion + more
         rates = equations.rates(motion)
-        twists = equations.B.times(motion / displacement_units(length, equations.model.body.size))
+        twists = B.times(motion / displacement_units(length, equations.model.body.size))
         turn = max(float(np.abs(x).max(initial=0.0)) for x in (twists, rates / self.units))
         relative = self.graph.relative(equations.data, motion)
-        return Heading(motion, np.concatenate([relative, rates, twists]), turn, equations.rank)
+        return Heading(motion, np.concatenate([relative, rates, twists]), turn, rank)
 
     def advance(self, rates: np.ndarray, step: float) -> float:
         """Take a step; return the largest difference of joints and bodies from what was expected [rad, lengths].

@@ -119,7 +119,8 @@ def new_joint_graph(compiled: Compiled, pinned: set[int]) -> JointGraph:
     joints = [joint for joint in system.joints if carrying_rows(joint) >= CARRYING_ROWS_MIN]
     joints.sort(key=carrying_rows, reverse=True)
     edges = [(index[id(joint.a)], index[id(joint.b)], joint.b.local_point(joint.point())) for joint in joints]
-    groups, neighbours = DisjointSet(range(n + 1)), [[] for _ in range(n + 1)]
+    groups = DisjointSet(range(n + 1))
+    neighbours: list[list[int]] = [[] for _ in range(n + 1)]
     for i in pinned:
         groups.merge(n, i)
     for i, j, _ in edges:

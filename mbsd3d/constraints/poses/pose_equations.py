@@ -1,12 +1,14 @@
 """Joints and asked-for values as equations F(q) = 0 of a pose, with Newton's method."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ...base.rotations import conjugate, logarithm, matrix, multiply
 from ...dynamics.state_rates import FACTOR_FROM_OTHER_POSE, PROJECTED, project_positions
 from ...equations.at_state import coordinate_row, load_state
 from ...equations.compiled import Compiled
-from ...equations.jacobian import block_rows, displacement_units
+from ...equations.jacobian import BlockRows, block_rows, displacement_units
 from ...kernels.coordinates import coordinate, measure, remember
 from ...kernels.kinds import ANGLE
 from ...kernels.kinematics import displace, displace_body, kinematics
@@ -47,6 +49,14 @@ CORRECTION_MAX = 1e-6  # [1] residual from which Newton's method goes straight t
 ITERATIONS_MAX = 200  # of Newton's method; a chain that is drawn far off takes some fifty
 
 
+class JointMotion(NamedTuple):
+    """A displacement that moves the joints least."""
+
+    x: np.ndarray  # (6 n,) m, rad
+    rank: int  # of the rows, 0 = not computed
+    twists: BlockRows  # of the joints, see `JointGraph.twist_rows`
+
+
 class PoseEquations:
     """F(q): residuals of the holonomic rows, then of hinge coordinates and measures with values asked for.
 
@@ -66,7 +76,6 @@ class PoseEquations:
         self.asked_scale = np.where([*turns, *(True for _ in goals)], 1.0, 1.0 / model.length)
         self.free = np.repeat([i not in pinned for i in range(model.body.size)], 6)
         self.columns = displacement_units(model.length, model.body.size) * self.free
-        self.rank, self.B = 0, None  # of the last `motion` by a graph: rank, of few bodies, and twists of the joints
         self.y = load_state(compiled, self.data, pose)
 
     @property
@@ -111,12 +120,16 @@ class PoseEquations:
 
         With a graph it is the one that moves the joints least, so that what nobody asks for rests in its carrier.
         """
-        J, more = block_rows(self.model, self.data).take(self.holonomic), self.asked_rows()
-        if graph is None:
-            return self.columns * shortest(J, self.scale, more, self.columns, F)
-        self.B = graph.twist_rows(self.data, self.model.length)
-        x, self.rank = least_motion(J, self.scale, more, self.columns, F, self.B)
-        return self.columns * x
+        if graph is not None:
+            return self.joint_motion(F, graph).x
+        J = block_rows(self.model, self.data).take(self.holonomic)
+        return self.columns * shortest(J, self.scale, self.asked_rows(), self.columns, F)
+
+    def joint_motion(self, F: np.ndarray, graph: JointGraph) -> JointMotion:
+        """Return the `motion` by a graph with what it was found from."""
+        J, B = block_rows(self.model, self.data).take(self.holonomic), graph.twist_rows(self.data, self.model.length)
+        x, rank = least_motion(J, self.scale, self.asked_rows(), self.columns, F, B)
+        return JointMotion(self.columns * x, rank, B)
 
     def change(self, motion: np.ndarray) -> np.ndarray:
         """Return the change of F in a small motion (6 n,) [m, rad]."""
@@ -178,8 +191,12 @@ class PoseEquations:
 
     def state(self) -> State:
         """Return the pose with its hinge coordinates, velocities as at the start."""
+        return State(self.t, self.q, self.pose.v, self.pose.z, self.values())
+
+    def values(self) -> np.ndarray:
+        """Return the hinge coordinates of the pose."""
         values = [coordinate(self.model, self.data, i, self.t)[0] for i in range(self.model.coordinate.size)]
-        return State(self.t, self.q, self.pose.v, self.pose.z, np.array(values, float))
+        return np.array(values, float)
 
     def row_residual(self) -> np.ndarray:
         """Return the residual (m,) of all rows [m, rad], 0 of those without one."""

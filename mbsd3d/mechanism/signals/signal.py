@@ -266,10 +266,10 @@ class SignalOrNone(Stored[Signal | float | None, Signal | None]):
     convert = staticmethod(or_none(signal_of))
 
 
-class ThreeSignals(Stored[Sequence[Signal | float], tuple[Signal, Signal, Signal]]):
+class ThreeSignals(Stored[Sequence[Signal | float] | np.ndarray, tuple[Signal, Signal, Signal]]):
     """Three signals or numbers."""
 
-    accepts, role, file_type = "Sequence[Signal | float]", "signal", list[dict[str, Any] | float]
+    accepts, role, file_type = "Sequence[Signal | float] | array_like", "signal", list[dict[str, Any] | float]
     convert = staticmethod(three_signals_of)
 
 

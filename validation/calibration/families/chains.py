@@ -8,7 +8,7 @@ import numpy as np
 
 from mbsd3d import GROUND, Prismatic, Revolute, System, TorsionSpring
 from validation.calibration.families.rotors import direction
-from validation.calibration.problem import Array, Place, Problem, angle, centre, slide
+from validation.calibration.problem import Array, Place, Problem, angle, centre, column, slide
 from validation.calibration.rates import Chain, motion
 from validation.theory import pendulum_frequency, pendulum_motion
 
@@ -57,8 +57,7 @@ def problem(
     n = len(axes)
     course = truth(link, rates, t_end)
     readings = [
-        slide(j.name, j, lambda t, i=i: course(t)[:, i]) if slides[i]
-        else angle(j.name, j, lambda t, i=i: course(t)[:, i])
+        slide(j.name, j, column(i, course)) if slides[i] else angle(j.name, j, column(i, course))
         for i, j in enumerate(joints)
     ]  # fmt: skip
     last = link.centre(n - 1, course)

@@ -1,6 +1,7 @@
 """Ball that bounces on a spring and damper, tyre with relaxation length, cams with flat faces and rollers."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -22,7 +23,19 @@ from validation.calibration.problem import DRIVEN, Array, Place, Problem, angle,
 from validation.calibration.rates import TRUTH_RTOL, motion
 
 
-def bounces(slopes: list, ends: list, start: Array, t_end: float) -> tuple[list, list]:
+@dataclass(frozen=True)
+class End:
+    """Event of `scipy.integrate.solve_ivp` that ends a piece: ``value`` of the state passes 0, ``direction`` 1 up."""
+
+    value: Callable[[Array], float]
+    direction: float
+    terminal: bool = True
+
+    def __call__(self, _: float, y: Array) -> float:
+        return self.value(y)
+
+
+def bounces(slopes: list, ends: list[End], start: Array, t_end: float) -> tuple[list, list]:
     """Return the pieces of a motion with slopes in turn, each up to a zero of its end; (times at which they begin,
     courses).
     """
@@ -67,14 +80,9 @@ def bounce(place: Place) -> Problem:
         plane=(place.point(0, 0, 0), place.axis(0, 0, 1)),
     )
 
-    def lands(t: float, y: Array) -> float:  # or, where it has not left the floor, the damper begins to press again
-        return max(y[0], y[0] + c / k * y[1])
-
-    def leaves(t: float, y: Array) -> float:
-        return k * y[0] + c * y[1]
-
-    lands.terminal, lands.direction = True, -1.0
-    leaves.terminal, leaves.direction = True, 1.0
+    # it lands, or, where it has not left the floor, the damper begins to press again
+    lands = End(lambda y: max(y[0], y[0] + c / k * y[1]), -1.0)
+    leaves = End(lambda y: k * y[0] + c * y[1], 1.0)
     slopes = [lambda t, y: (y[1], -g), lambda t, y: (y[1], -g - (k * y[0] + c * y[1]) / mass)]
     t_end = float(rng.uniform(0.3, 1.5))
     times, courses = bounces(slopes, [lands, leaves], np.array([high, 0.0]), t_end)

@@ -7,7 +7,7 @@ from scipy.interpolate import make_interp_spline
 
 from mbsd3d import GROUND, AngleDriver, Prismatic, Ramp, Revolute, System, TorsionSpring
 from validation.calibration.families.rotors import direction
-from validation.calibration.problem import DRIVEN, Array, Place, Problem, angle, centre, slide
+from validation.calibration.problem import DRIVEN, Array, Place, Problem, angle, centre, column, scaled, slide
 from validation.calibration.rates import motion, turn
 from validation.theory import HingeLoop
 
@@ -34,7 +34,7 @@ def loop(place: Place, points: Array, axes: Array, rate: float, t_end: float) ->
     grid = np.linspace(0.0, t_end, SPLINE_SAMPLES)
     course = make_interp_spline(grid, truth.motion(rate, grid), k=9)
     size = np.abs(course.derivative()(grid)).max()
-    readings = [angle(h.name, h, lambda t, k=k: course(t)[:, k]) for k, h in enumerate(hinges)]
+    readings = [angle(f"hinge {k}", h, column(k, course)) for k, h in enumerate(hinges)]
     return Problem(
         system, t_end, readings, max(float(size), np.sqrt(9.81)), start=lambda: system.assemble(rates={hinges[0]: rate})
     )
@@ -154,8 +154,8 @@ def parallelogram(place: Place) -> Problem:
         return y[1], (weight * np.cos(begin + y[0]) - stiff * y[0]) / J
 
     course = motion(slope, (0.0, rate), t_end)
-    sense = (1.0, 1.0, -1.0, -1.0)
-    readings = [angle(j.name, j, lambda t, s=s: s * course(t)[:, 0]) for j, s in zip(joints, sense, strict=True)]
+    turns, sense = column(0, course), {"left": 1.0, "right": 1.0, "pin": -1.0, "other pin": -1.0}
+    readings = [angle(name, j, scaled(s, turns)) for (name, s), j in zip(sense.items(), joints, strict=True)]
     start = place.point(shares[2])
 
     def path(t: Array) -> Array:

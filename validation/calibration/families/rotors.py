@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbsd3d import GROUND, Gear, GearMesh, Prismatic, RackPinion, Revolute, Screw, State, System, Torque, TorsionSpring
-from validation.calibration.problem import Array, Place, Problem, angle, centre, slide
+from validation.calibration.problem import Array, Place, Problem, angle, centre, scaled, slide
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -96,7 +96,7 @@ def belt(place: Place) -> Problem:
     gears = [Gear(a, b, ratio=r) for a, b, r in zip(hinges, hinges[1:], ratios, strict=False)]
     moment = gain * sum(J * i**2 for J, i in zip(inertias, total, strict=True))
     drive = Torque(bodies[0], moment * hinges[0].axis)
-    readings = [angle(h.name, h, lambda t, i=i: i * course(t)) for h, i in zip(hinges, total, strict=True)]
+    readings = [angle(h.name, h, scaled(i, course)) for h, i in zip(hinges, total, strict=True)]
     most = turn.fastest * max(abs(i) for i in total)
     system = System(bodies, [*hinges, *gears], [drive], gravity=place.gravity)
     return Problem(system, turn.t_end, readings, most, start=turn.start(system, hinges[0]))

@@ -17,7 +17,7 @@ from validation.theory import whipple_lagrange
 
 BODIES = ("rear wheel", "frame", "fork", "front wheel")  # In the order of the paper: R, B, H, F
 PAPER_TO_MODEL = np.array([1.0, -1.0, -1.0])  # from the axes of the paper, y right and z down, to those of the model
-INITIAL_STATE = {"lean": 0.15, "steer": -0.1, "lean_rate": 0.3, "steer_rate": -0.2}
+INITIAL_STATE: dict[str, Any] = {"lean": 0.15, "steer": -0.1, "lean_rate": 0.3, "steer_rate": -0.2}
 """[rad, rad/s]; far from upright, so that the equations are not linear."""
 BENCHMARK = Meijaard2007()
 ROUND_TYRES = replace(BENCHMARK, tR=0.03, tF=0.02, rF=0.31)
@@ -55,14 +55,14 @@ def lagrange(made: Run) -> Iterable[Finding]:
     def derivative(_: float, y: np.ndarray) -> np.ndarray:
         return np.concatenate([y[8:], whipple_lagrange.accelerations(p, y[:8], y[8:])])
 
-    times, start = made.solution.t, np.concatenate([c, c_dot])
+    times, start = made.motion.t, np.concatenate([c, c_dot])
     found = solve_ivp(derivative, (0.0, T_END), start, "DOP853", times, rtol=RTOL, atol=RTOL).y[:8].T
     known = np.array([whipple_lagrange.places(p, c)[0] for c in found]) * PAPER_TO_MODEL
-    ours = np.stack([made.solution.com(body) for body in BODIES], axis=1)
+    ours = np.stack([made.motion.com(body) for body in BODIES], axis=1)
     yield judged(THEORY, "centres of mass", np.abs(ours - known).max() / np.abs(known).max(), DIFFERENCE_MAX)
-    lean = np.arcsin(made.solution.rotation("frame")[:, 2, 1])
+    lean = np.arcsin(made.motion.rotation("frame")[:, 2, 1])
     yield judged(THEORY, "lean [rad]", np.abs(lean - found[:, 3]).max(), DIFFERENCE_MAX)
-    yield judged(THEORY, "steer [rad]", np.abs(made.solution.angle("steer") - found[:, 5]).max(), DIFFERENCE_MAX)
+    yield judged(THEORY, "steer [rad]", np.abs(made.motion.angle("steer") - found[:, 5]).max(), DIFFERENCE_MAX)
 
 
 def eigenvalues(made: Run) -> Iterable[Finding]:

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import linearize
+from mbsd3d import Revolute, linearize
+from mbsd3d.errors import InputError
 from validation import theory
 from validation.suite.trials.trial import Run
 
@@ -22,16 +23,16 @@ def turned(axis: np.ndarray, angle: Any, vector: np.ndarray) -> np.ndarray:
     return along + np.cos(angle) * (vector - along) + np.sin(angle) * side
 
 
-def swing(made: Run) -> tuple[Any, float, float, float]:
+def swing(made: Run) -> tuple[Revolute, float, float, float]:
     """Return (hinge, w0, angle from the lowest position, rate) at the start of one body that swings about a fixed
     axis."""
     system = made.system
-    body, hinge = system.bodies[0], system.joints[0]
+    body, hinge = system.bodies[0], next(joint for joint in system.joints if isinstance(joint, Revolute))
     u, g, R = hinge.axis, system.gravity, body_rotation(body)
     down, arm = g - u * (u @ g), R @ body.com + body.position - hinge.at
     arm = arm - u * (u @ arm)
     inertia = u @ R @ body.inertia @ R.T @ u + body.mass * arm @ arm
-    frequency = theory.pendulum_frequency(inertia, body.mass, np.linalg.norm(arm), np.linalg.norm(down))
+    frequency = theory.pendulum_frequency(inertia, body.mass, float(np.linalg.norm(arm)), float(np.linalg.norm(down)))
     return hinge, frequency, np.arctan2(u @ np.cross(down, arm), down @ arm), float(u @ body.omega)
 
 
@@ -43,12 +44,12 @@ def body_rotation(body: Any) -> np.ndarray:
 def pendulum(made: Run) -> Pairs:
     """Compare a physical pendulum of any amplitude about any axis with elliptic functions."""
     hinge, frequency, angle, rate = swing(made)
-    phi, phi_dot = theory.pendulum_motion(made.solution.t, frequency, angle, rate)
+    phi, phi_dot = theory.pendulum_motion(made.motion.t, frequency, angle, rate)
     body = made.system.bodies[0]
     arm = body.position + body_rotation(body) @ body.com - hinge.at
     return {
-        "centre of mass": (made.solution.com(body), hinge.at + turned(hinge.axis, phi - angle, arm)),
-        "rate": (made.solution.omega(body) @ hinge.axis, phi_dot),
+        "centre of mass": (made.motion.com(body), hinge.at + turned(hinge.axis, phi - angle, arm)),
+        "rate": (made.motion.omega(body) @ hinge.axis, phi_dot),
     }
 
 
@@ -67,34 +68,36 @@ def rods_frequency(n: int) -> float:
 def four_bars(made: Run) -> Pairs:
     """Compare four-bars over the top, from upright at -1 rad/s, through the poses where all rods lie on one line."""
     n = sum(body.name.startswith("coupler") for body in made.system.bodies)
-    phi, phi_dot = theory.pendulum_motion(made.solution.t, rods_frequency(n), np.pi, -1.0)
+    phi, phi_dot = theory.pendulum_motion(made.motion.t, rods_frequency(n), np.pi, -1.0)
     half = np.stack([0.5 * np.sin(phi), -0.5 * np.cos(phi), np.zeros_like(phi)], axis=1)
     last = made.system.part(f"rod{n}")
     return {
-        "centre of mass of the last rod": (made.solution.com(last), half + (n, 0, 0)),
-        "rate of the last rod": (made.solution.omega(last)[:, 2], phi_dot),
+        "centre of mass of the last rod": (made.motion.com(last), half + (n, 0, 0)),
+        "rate of the last rod": (made.motion.omega(last)[:, 2], phi_dot),
     }
 
 
 def arm_and_slider(made: Run) -> Pairs:
     """Compare r = r0 cosh(w t), and the Coriolis torque of the motor."""
     arm, slider = made.system.bodies
+    if arm.omega is None:
+        raise InputError("the arm has no angular velocity; give its omega")
     rate = arm.omega[2]
-    radius, speed = theory.arm_slider(made.solution.t, rate, 0.1)
+    radius, speed = theory.arm_slider(made.motion.t, rate, 0.1)
     torque = theory.arm_slider_torque(slider.mass, rate, radius, speed)
     return {
-        "distance from the axis": (np.linalg.norm(made.solution.com(slider), axis=1), radius),
-        "motor torque": (made.solution.effort("M"), torque),
+        "distance from the axis": (np.linalg.norm(made.motion.com(slider), axis=1), radius),
+        "motor torque": (made.motion.effort("M"), torque),
     }
 
 
 def cardan(made: Run) -> Pairs:
     """Compare a Cardan joint at 45 degrees: uneven rate, and the torque for a constant input rate."""
     rate, bend, inertia = 10.0, np.pi / 4, 0.08  # rad/s, rad, kg m^2 of the output about its axis
-    angle, axis = rate * made.solution.t, made.system.part("R2", "joints").axis
+    angle, axis = rate * made.motion.t, made.system.part("R2", "joints").axis
     return {
-        "output rate": (made.solution.omega("out") @ axis, theory.cardan_rate(angle, bend, rate)),
-        "motor torque": (made.solution.effort("M"), theory.cardan_motor_torque(angle, bend, rate, inertia)),
+        "output rate": (made.motion.omega("out") @ axis, theory.cardan_rate(angle, bend, rate)),
+        "motor torque": (made.motion.effort("M"), theory.cardan_motor_torque(angle, bend, rate, inertia)),
     }
 
 
@@ -102,10 +105,10 @@ def free_body(made: Run) -> Pairs:
     """Compare a torque-free body with elliptic functions, attitude included."""
     body = made.system.bodies[0]
     start = body_rotation(body).T @ body.omega
-    exact = theory.free_body(made.solution.t, np.diag(body.inertia), start, body.orientation)
+    exact = theory.free_body(made.motion.t, np.diag(body.inertia), start, body.orientation)
     return {
-        "angular velocity": (made.solution.omega_body(body), exact.omega_body),
-        "rotation": (made.solution.rotation(body), exact.rotation),
+        "angular velocity": (made.motion.omega_body(body), exact.omega_body),
+        "rotation": (made.motion.rotation(body), exact.rotation),
     }
 
 
@@ -116,10 +119,10 @@ def heavy_top(made: Run) -> Pairs:
     arm = body.com + R.T @ body.position  # from the pivot, body axes
     about = body.inertia + mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
     weight = -mass * made.system.gravity[2]
-    exact = theory.spinning_body(made.solution.t, about, R.T @ body.omega, body.orientation, weight * arm)
+    exact = theory.spinning_body(made.motion.t, about, R.T @ body.omega, body.orientation, weight * arm)
     return {
-        "angular velocity": (made.solution.omega_body(body), exact.omega_body),
-        "centre of mass": (made.solution.com(body), np.asarray(exact.rotation, dtype=float) @ arm),
+        "angular velocity": (made.motion.omega_body(body), exact.omega_body),
+        "centre of mass": (made.motion.com(body), np.asarray(exact.rotation, dtype=float) @ arm),
     }
 
 
@@ -127,8 +130,8 @@ def circling(body: str, rate: float, made: Run) -> Pairs:
     """Compare the centre of mass with a circle about the vertical through the origin at a constant rate."""
     part = made.system.part(body)
     start = part.position + body_rotation(part) @ part.com
-    exact = turned(np.array([0.0, 0.0, 1.0]), rate * made.solution.t, start)
-    return {"centre of mass": (made.solution.com(body), exact)}
+    exact = turned(np.array([0.0, 0.0, 1.0]), rate * made.motion.t, start)
+    return {"centre of mass": (made.motion.com(body), exact)}
 
 
 def slow_top(made: Run) -> Pairs:

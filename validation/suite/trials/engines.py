@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from engines import planar
-from engines.balance import balance, spatial
+from engines.balance import balance, layouts, spatial
 from engines.balance.layouts import Engine, names
 from mbsd3d import GROUND, Constant, Joint, Kinematic, Prismatic, Revolute, SpeedDriver, SpringDamper, System, Torque
 from mbsd3d.errors import InputError
@@ -105,7 +105,7 @@ def add_joint(made: Flat, system: System, joint: Joint) -> None:
             raise NotPlanarError(f"the axis of {what} leaves the plane")
         made.joints.append(planar.Slider(*ends, at=made.flat(joint.at), axis=made.flat(joint.axis), name=what))
         return
-    if joint.axis is None:
+    if not isinstance(joint, Revolute | SpeedDriver) or joint.axis is None:
         raise NotPlanarError(f"{what} moves a point, not a hinge")
     sense = made.sense(joint.axis, what)
     shared = [found for found in made.joints if isinstance(found, planar.Revolute) and {found.a, found.b} == {*ends}]
@@ -115,7 +115,8 @@ def add_joint(made: Flat, system: System, joint: Joint) -> None:
         sense = sense if shared[0].b is ends[1] else -sense
         speed = sense * constant(joint.speed, what)
         made.joints.append(planar.AngleDriver(shared[0], planar.rate(speed), name=what))
-    elif not any(np.allclose(found.at, made.flat(joint.at), rtol=0.0, atol=PLANAR_TOLERANCE) for found in shared):
+        return
+    if not any(np.allclose(found.at, made.flat(joint.at), rtol=0.0, atol=PLANAR_TOLERANCE) for found in shared):
         made.joints.append(planar.Revolute(*ends, at=made.flat(joint.at), name=what))
 
 
@@ -158,8 +159,8 @@ def by_ladder(made: Run, system: planar.System, frame: np.ndarray) -> Iterable[F
     except ValueError as reason:
         yield not_compared(PLANE, str(reason))
         return
-    rtol = made.solution.record.rtol
-    ours = run(made.system, made.t_end, state=made.state, output=COMPARED_SAMPLES, rtol=rtol).solution
+    rtol = made.motion.record.rtol
+    ours = run(made.system, made.t_end, state=made.state, output=COMPARED_SAMPLES, rtol=rtol).motion
     errors = [apart(ours, frame, theirs) for theirs in runs]
     order = (
         float(np.log(errors[0] / errors[1]) / np.log(STEP_COUNTS[1] / STEP_COUNTS[0])) if errors[-1] > 0.0 else np.inf
@@ -202,12 +203,12 @@ def layout(name: str) -> Trial:
         "" if name in PEER_LAYOUTS else f"{' and '.join(PEER_LAYOUTS)} represent the layouts, which have the same parts"
     )
     judges = {THEORY: partial(balanced, "phasor", THEORY), PLANE: partial(balanced, "planar", PLANE)}
-    return Trial(f"engine_{name}", "engines", Engine(name).layout.title, partial(turning, name), judges, alone=alone)
+    return Trial(f"engine_{name}", "engines", layouts.layout(name).title, partial(turning, name), judges, alone=alone)
 
 
 def turning(name: str) -> Run:
     """Simulate one turn of the crank; the source holds the harmonics by three methods."""
-    engine = Engine(name)
+    engine = Engine(layouts.layout(name))
     system = spatial.build(engine, gravity=(*GRAVITY, 0.0))
     solution = spatial.turn(system, engine)
     return Run(system, float(solution.t[-1]), solution, source=balance.compare(engine, gravity=GRAVITY))
@@ -233,8 +234,8 @@ def four() -> Run:
 
 def block(made: Run) -> Iterable[Finding]:
     """Compare the force on the block with a sum of planes."""
-    ours = block_force(made.solution)
-    known = reduce_to_planes(made.system).block_load(made.solution.t).force
+    ours = block_force(made.motion)
+    known = reduce_to_planes(made.system).block_load(made.motion.t).force
     yield judged(
         PLANE, "force on the block", np.abs(ours - known).max() / np.abs(known).max(), balance.DISAGREEMENT_MAX
     )

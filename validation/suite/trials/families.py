@@ -7,7 +7,7 @@ closed form. Nobody knows the motion of random mechanisms, so only other formula
 from collections.abc import Iterable
 from functools import partial
 
-from mbsd3d import IntegrationError, Solution, System
+from mbsd3d import IntegrationError, Solution, State, System
 from mbsd3d.extend import Demo, discover
 from validation.benchmark.counts import Count, counted_by_exudyn
 from validation.cases.examples import mechanism, moving
@@ -16,7 +16,7 @@ from validation.crosscheck.mbsd3d_runs import LOOSE_RTOL, TIGHT_RTOL
 from validation.suite.findings import FREEDOMS, THEORY, Finding, judged
 from validation.suite.trials import closed_forms
 from validation.suite.trials.references import counts, theory_of
-from validation.suite.trials.trial import Run, Trial, run
+from validation.suite.trials.trial import Judge, Run, Trial, recorded, run
 
 QUICK_DEMOS = ("cardan", "door", "dzhanibekov", "heavy_top")
 """Demos compared with other engines in a short run too."""
@@ -36,7 +36,7 @@ def shown(demo: Demo) -> Run:
     """Return the first run of a demo with all terms; its certificate is checked."""
     done = demo.run()
     solution = next(filter(complete, done.solutions.values()))
-    return Run(solution.system, float(solution.t[-1]), solution, solution.state(0), done)
+    return recorded(solution, done, solution.state(0))
 
 
 def complete(solution: Solution) -> bool:
@@ -59,7 +59,7 @@ LARGE_LADDER_REASON = "Exudyn takes minutes for this size; see iftomm_A02_fourba
 
 def ladders(quick: bool) -> list[Trial]:
     """Return the smaller ladder, or both; 605 rows of rank 485 for N = 40."""
-    judges = {FREEDOMS: freedoms, THEORY: partial(theory_of, closed_forms.four_bars)}
+    judges: dict[str, Judge] = {FREEDOMS: freedoms, THEORY: partial(theory_of, closed_forms.four_bars)}
     return [
         Trial(
             f"four_bars_N{n}",
@@ -110,7 +110,7 @@ def started(seed: int) -> Run:
     return run_to(system, moving(system, seed), T_END)
 
 
-def run_to(system: System, state: object, t_end: float) -> Run:
+def run_to(system: System, state: State, t_end: float) -> Run:
     """Simulate a run, half as long where a driver pulls the mechanism to a dead centre before.
 
     As tight as the two of `cross_check`, which must reach the end too.

@@ -10,7 +10,7 @@ from validation.cases.loops import FAMILIES, as_axes
 from validation.suite.findings import FREEDOMS, THEORY, Finding
 from validation.suite.trials.closed_forms import Pairs
 from validation.suite.trials.references import counts, theory_of
-from validation.suite.trials.trial import Run, Trial, run
+from validation.suite.trials.trial import Judge, Run, Trial, run
 
 SEED_COUNT = 3  # [1] of each family in the whole list
 HINGE_RATE, T_END, SAMPLES = 2.0, 1.5, 31  # rad/s of the first hinge at the start, s
@@ -20,7 +20,7 @@ def trials(quick: bool) -> list[Trial]:
     """Return one of each family, or three: parameters, masses, inertias and base pose are random, the first hinge
     turns.
     """
-    judges = {FREEDOMS: freedoms, THEORY: partial(theory_of, turned)}
+    judges: dict[str, Judge] = {FREEDOMS: freedoms, THEORY: partial(theory_of, turned)}
     return [
         Trial(f"loop_{name}_{seed}", "closed loops", f"{name.replace('_', ' ')}, seed {seed}",
               partial(let_go, name, seed), judges, drawn=seed == 0)
@@ -36,8 +36,8 @@ def let_go(name: str, seed: int) -> Run:
 
 def turned(made: Run) -> Pairs:
     """Compare the angles of all hinges since the start."""
-    ours = np.array([made.solution.angle(hinge) for hinge in made.system.joints]).T
-    return {"angles": (ours - ours[0], as_axes(made.system).motion(HINGE_RATE, made.solution.t))}
+    ours = np.array([made.motion.angle(hinge) for hinge in made.system.joints]).T
+    return {"angles": (ours - ours[0], as_axes(made.system).motion(HINGE_RATE, made.motion.t))}
 
 
 def freedoms(made: Run) -> Iterable[Finding]:

@@ -21,7 +21,7 @@ from engines.nvh.study import AGREEMENT_SHARE_MAX, Study
 from validation import theory
 from validation.suite.findings import PLANE, THEORY, Finding, judged
 from validation.suite.trials import valves
-from validation.suite.trials.trial import Run, Trial
+from validation.suite.trials.trial import Judge, Run, Trial, recorded
 
 ENGINES_IN_CARS = (("inline_4", "compact", 3000.0), ("v8_cross", "saloon", 2500.0), ("twin_270", "motorcycle", 4000.0))
 GUIDES, TRACK = ("double wishbone", "multilink"), 1.55
@@ -49,7 +49,7 @@ def trials(quick: bool) -> list[Trial]:
         )
     for engine in CUT_ENGINES[: 1 if quick else None]:
         title = f"main bearings of {presets.preset(engine).title}"
-        judges = {PLANE: partial(throws, engine)}
+        judges: dict[str, Judge] = {PLANE: partial(throws, engine)}
         found.append(
             Trial(
                 f"nvh_bearings_{engine}",
@@ -111,8 +111,7 @@ def controlled() -> checks.Pairs:
 def on_links(kind: str) -> Run:
     """Simulate a wheel on a plate that lifts it, by kinematics."""
     held = guide(kind, TRACK)
-    solution = held.run()
-    return Run(solution.system, float(solution.t[-1]), solution, source=held)
+    return recorded(held.run(), held)
 
 
 def by_lengths(made: Run) -> Iterable[Finding]:
@@ -131,7 +130,7 @@ def by_lengths(made: Run) -> Iterable[Finding]:
 def rough(kind: str, linked: bool) -> Run:
     """Simulate a saloon over a road of class C."""
     ride = ride_of(mounts.car("saloon"), kind, "C", 21.0, linked)
-    return Run(ride.run.system, float(ride.run.t[-1]), ride.run, source=ride)
+    return recorded(ride.run, ride)
 
 
 def over_the_road(made: Run) -> Iterable[Finding]:
@@ -153,7 +152,7 @@ def over_the_road(made: Run) -> Iterable[Finding]:
 def on_mounts(engine: str, car: str, rpm: float) -> Run:
     """Simulate the full motion of a motored engine, settled."""
     study = Study(presets.preset(engine), mounts.car(car), rpm, 0.0)
-    return Run(study.run.system, float(study.run.t[-1]), study.run, source=study)
+    return recorded(study.run, study)
 
 
 def by_order(made: Run) -> Iterable[Finding]:
@@ -165,7 +164,7 @@ def by_order(made: Run) -> Iterable[Finding]:
 def cut(engine: str) -> Run:
     """Simulate a cycle of a motored engine whose crank is cut in its bearings."""
     solution, _ = cycle_run(Source(presets.preset(engine), 0.0), RPM)
-    return Run(solution.system, float(solution.t[-1]), solution)
+    return recorded(solution)
 
 
 def throws(engine: str, made: Run) -> Iterable[Finding]:
@@ -173,14 +172,14 @@ def throws(engine: str, made: Run) -> Iterable[Finding]:
     chosen = presets.preset(engine).engine(RPM)
     _, mains = cut_engine(Source(presets.preset(engine), 0.0), RPM)
     plane = [
-        planar.kinematics(planar_sum.build(chosen, i), made.solution.t).reaction("bearing").force
+        planar.kinematics(planar_sum.build(chosen, i), made.motion.t).reaction("bearing").force
         for i in range(len(chosen.stations))
     ]
     worst, size = 0.0, 0.0
     for k in range(mains.size - 1):
         mine = sum(force for force, z in zip(plane, chosen.stations, strict=True) if mains[k] < z < mains[k + 1])
         for end in ("front", "rear"):
-            seen = made.solution.reaction(f"{end} {k + 1}").force[:, :2]
+            seen = made.motion.reaction(f"{end} {k + 1}").force[:, :2]
             worst, size = max(worst, np.abs(seen - mine / 2).max()), max(size, np.abs(seen).max())
     yield judged(PLANE, "loads of the main bearings", worst / size, ROUNDING_MAX, "relative to the largest load")
 
@@ -194,4 +193,4 @@ def known(pairs: Callable[[], checks.Pairs], made: Run) -> Iterable[Finding]:
     """Compare with the values known from theory."""
     for quantity, (computed, exact, *limit) in pairs().items():
         error = np.abs(np.asarray(computed) - exact).max() / np.abs(exact).max()
-        yield judged(THEORY, quantity, float(error), *(limit or [1e-8]), "relative to the largest")
+        yield judged(THEORY, quantity, float(error), limit[0] if limit else 1e-8, "relative to the largest")

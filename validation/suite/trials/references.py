@@ -79,7 +79,7 @@ def allowed(case: cases.Case, rtol: float = RTOL) -> float:
 
 def reference(made: Run) -> Iterable[Finding]:
     """Compare the columns of the file; raise an error for one without a rule."""
-    found = compare(made.source, made.solution)
+    found = compare(made.source, made.motion)
     yield judged(REFERENCE, f"{len(found.columns)} columns", found.scaled_error, made.accuracy)
     if found.left_out:
         yield judged(REFERENCE, "columns without a rule", len(found.left_out), 0, ", ".join(found.left_out))

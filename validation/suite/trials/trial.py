@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from mbsd3d import Solution, State, System, simulate
+from mbsd3d.errors import InputError
 from validation.suite.findings import CERTIFICATE, DIFFERS, Finding, Record, judged
 
 RTOL = 1e-10  # Of our runs: a hundredth of the tightest limit
@@ -29,6 +30,13 @@ class Run:
     source: Any = None
     accuracy: float = ERROR_MAX
 
+    @property
+    def motion(self) -> Solution:
+        """Return our motion; raise InputError for a mechanism that does not move."""
+        if self.solution is None:
+            raise InputError("this case compares the start alone and has no motion; ask a case with a solution")
+        return self.solution
+
 
 def run(
     system: System,
@@ -42,6 +50,14 @@ def run(
     """Simulate a mechanism at `RTOL`; other options as for `simulate`."""
     solution = simulate(system, t_end, state=state, **{"rtol": RTOL, **options})
     return Run(system, t_end, solution, state, source, accuracy)
+
+
+def recorded(solution: Solution, source: Any = None, state: State | None = None) -> Run:
+    """Return the run of a motion that is known; raise InputError for one of a mechanism that is no `System`."""
+    system = solution.system
+    if not isinstance(system, System):
+        raise InputError(f"the motion is one of a {type(system).__name__}; give the solution of a System")
+    return Run(system, float(solution.t[-1]), solution, state, source)
 
 
 Judge = Callable[[Run], Iterable[Finding]]
@@ -105,6 +121,6 @@ def stopped(judge: str, quantity: str, error: Exception) -> Finding:
 def facts_of(made: Run) -> dict[str, Any]:
     """Return the sizes of a mechanism and of its run."""
     system = made.system
-    facts = {"bodies": len(system.bodies), "joints": len(system.joints), "forces": len(system.forces)}
+    facts: dict[str, Any] = {"bodies": len(system.bodies), "joints": len(system.joints), "forces": len(system.forces)}
     facts["t_end"] = made.t_end
     return facts | ({"steps": made.solution.record.steps} if made.solution is not None else {})

@@ -56,7 +56,7 @@ def thrown() -> Run:
 
 def written_out(made: Run) -> Iterable[Finding]:
     """Compare position, attitude and deflections with the second formulation, integrated by scipy."""
-    found, start = made.solution, made.solution.state(0)
+    found, start = made.motion, made.motion.state(0)
     y = np.concatenate([start.q, start.v, start.z])
     known = solve_ivp(lambda _, y: derivative(WHEEL, y), (0.0, T_END), y, "LSODA", found.t, rtol=RTOL, atol=1e-11).y.T
     yield judged(THEORY, "place [m]", np.abs(found.position("wheel") - known[:, :3]).max(), DIFFERENCE_MAX)

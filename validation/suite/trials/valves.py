@@ -9,7 +9,7 @@ from engines import closed_forms
 from engines.nvh.valvetrain.report import CAM_HALF_ANGLE, CAM_LIFT, Valve
 from mbsd3d import SlideDriver, System, linearize
 from validation.suite.findings import THEORY, Finding, judged
-from validation.suite.trials.trial import Run, Trial
+from validation.suite.trials.trial import Run, Trial, recorded
 
 OWN_FORCE_REASON, CURVE_REASON = "the contact is a force of one's own", "no other engine has contacts on curves"
 CLOSED_FORM_REASON = "closed forms judge it"
@@ -42,7 +42,7 @@ def trials(quick: bool) -> list[Trial]:
 def valve() -> Run:
     """Simulate a valve in contact with its cam, well below the float speed."""
     made = Valve("cycloidal", CONTACT_RPM)
-    return Run(made.run.system, float(made.run.t[-1]), made.run, source=made)
+    return recorded(made.run, made)
 
 
 def speed_of_float(made: Valve) -> Finding:
@@ -57,22 +57,22 @@ def on_the_cam(made: Run) -> Iterable[Finding]:
     """Compare the float speed and the force of the contact with the law of the cam."""
     train = made.source.train
     yield speed_of_float(made.source)
-    angle = (train.turn * made.solution.t) % (2 * np.pi) - np.pi
+    angle = (train.turn * made.motion.t) % (2 * np.pi) - np.pi
     s, _, dds = closed_forms.cams.cycloidal(angle, CAM_LIFT, CAM_HALF_ANGLE)
     force = train.mass * dds * train.turn**2 + train.preload + train.rate * s
-    off = np.abs(made.solution.force("contact").force[:, 2] - force).max() / force.max()
+    off = np.abs(made.motion.force("contact").force[:, 2] - force).max() / force.max()
     yield judged(THEORY, "force of the contact", float(off), 0.03, "relative to the largest; the valve swings on it")
 
 
 def held(law: str, follower: str) -> Run:
     """Simulate a turn with the valve held on its cam, above the float speed, by kinematics."""
     made = Valve(law, None, follower)
-    return Run(made.held.system, float(made.held.t[-1]), made.held, source=made)
+    return recorded(made.held, made)
 
 
 def pushed(made: Run) -> Iterable[Finding]:
     """Compare the float speed, multiplier, side force and torque with the law of the cam."""
-    train, law, run = made.source.train, getattr(closed_forms.cams, made.source.law), made.solution
+    train, law, run = made.source.train, getattr(closed_forms.cams, made.source.law), made.motion
     yield speed_of_float(made.source)
     angle = (train.turn * run.t) % (2 * np.pi) - np.pi
     s, ds, dds = law(angle, CAM_LIFT, CAM_HALF_ANGLE)
@@ -93,12 +93,12 @@ def pushed(made: Run) -> Iterable[Finding]:
 def floating(law: str, follower: str) -> Run:
     """Simulate a valve above its float speed, in a contact that opens."""
     made = Valve(law, None, follower)
-    return Run(made.run.system, float(made.run.t[-1]), made.run, source=made)
+    return recorded(made.run, made)
 
 
 def bounced(made: Run) -> Iterable[Finding]:
     """Compare every flight and impact of two turns with one equation of motion along the law."""
-    train, run = made.source.train, made.solution
+    train, run = made.source.train, made.motion
 
     def law(angle: np.ndarray) -> tuple:
         return getattr(closed_forms.cams, made.source.law)(angle, CAM_LIFT, CAM_HALF_ANGLE)

@@ -12,6 +12,7 @@ from mbsd3d import (
     Body,
     Brake,
     Cylindrical,
+    Joint,
     Polynomial,
     Revolute,
     Sine,
@@ -50,7 +51,7 @@ def thrown() -> Run:
     frame, fork = (ridden.part(name) for name in ("frame", "fork"))
     ends = {"at_a": frame.position + (0.6, 0.05, 0.3), "at_b": fork.position + (-0.1, 0.12, 0.35)}
     strut = SpringDamper(frame, fork, **ends, stiffness=900.0, damping=40.0, name="steering strut")
-    system = replace(ridden, joints=ridden.joints[:3], forces=[strut])
+    system = replace(ridden, joints=list(ridden.joints)[:3], forces=[strut])
     return run(system, T_END, state=system.state(), output=SAMPLES)
 
 
@@ -68,7 +69,8 @@ def hooked() -> Run:
         omega=(0.1, -0.2, 0.3),
     )
     ahead, aside, up = chassis.axes.T
-    bodies, joints, forces = [chassis], [Spherical(GROUND, chassis, at=at + 0.8 * up - 0.2 * ahead, name="hook")], []
+    bodies, forces = [chassis], []
+    joints: list[Joint] = [Spherical(GROUND, chassis, at=at + 0.8 * up - 0.2 * ahead, name="hook")]
     for k, (name, (x, y)) in enumerate(CORNERS.items()):
         hub = at + x * ahead + y * aside - 0.25 * up
         place = {"position": hub, "orientation": turned}
@@ -82,7 +84,7 @@ def hooked() -> Run:
         forces.append(SpringDamper(chassis, carrier, **ends, stiffness=18e3, damping=900.0, name=f"{name} spring"))
         bodies += [carrier, wheel]
     system = System(bodies, joints, forces)
-    spins = {f"{name} hub": 40.0 - 3.0 * k for k, name in enumerate(CORNERS)}
+    spins: dict[Joint | str, float] = {f"{name} hub": 40.0 - 3.0 * k for k, name in enumerate(CORNERS)}
     start = system.assemble(rates=spins)
     return run(system, T_END, state=start, output=SAMPLES)
 

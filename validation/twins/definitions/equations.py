@@ -91,7 +91,8 @@ def constraint_rows(system: System, state: State) -> Rows:
         last = first + sum(part.x0.shape[-1] for part in along)
         spans.append(slice(first, last))
         first = last
-    return Rows(*map(np.concatenate, zip(*found, strict=True)), spans)
+    J, gamma, c, rate, size = map(np.concatenate, zip(*found, strict=True))
+    return Rows(J, gamma, c, rate, size, spans)
 
 
 def whole_turns(system: System, state: State, now: Motion, joint: Joint) -> float:

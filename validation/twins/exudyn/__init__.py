@@ -1,7 +1,7 @@
 """Counterpart model of a `System` in Exudyn: rigid bodies with constraints, or a kinematic tree in minimal
 coordinates."""
 
-from typing import Any
+from typing import Any, Literal, overload
 
 from mbsd3d import State, System
 from mbsd3d.errors import InputError
@@ -16,6 +16,24 @@ EXPRESSES, EXPRESSES_FORCES = tuple(JOINTS), tuple(FORCES)  # classes
 FORMULATIONS = ("rigid bodies", "kinematic tree")
 
 
+@overload
+def twin(
+    system: System,
+    *,
+    state: State | None = None,
+    formulation: Literal["rigid bodies"] = "rigid bodies",
+    rotation: str = "rotation vector",
+    **scheme: Any,
+) -> BodyTwin: ...
+@overload
+def twin(
+    system: System,
+    *,
+    state: State | None = None,
+    formulation: str,
+    rotation: str = "rotation vector",
+    **scheme: Any,
+) -> Twin: ...
 def twin(
     system: System,
     *,

@@ -11,7 +11,7 @@ in its own velocities u. Exudyn has no J_dot and drops the second derivative of 
 the first accelerations; both are differences of its own J u and of its equations on velocities along the motion.
 """
 
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -20,6 +20,29 @@ from mbsd3d.extend import Coordinate, H, conjugate, exponential, logarithm, matr
 from validation.twins.base import Array, EngineFailed
 
 ROTATIONS = {"rotation vector": 3, "euler parameters": 4}  # How an orientation is described -> coordinates it takes
+
+
+class ForceModel(Protocol):
+    """What force elements add their items to: bodies, or a tree of hinges."""
+
+    system: System
+    state: State
+    module: Any
+    items: Any
+    mbs: Any
+    zero: int
+
+    def marker(self, body: Any, point: Array, axes: Array | None = None) -> int:
+        """Return the marker of a frame on a body."""
+
+    def coordinate(self, x: Coordinate) -> int:
+        """Return the marker of a hinge coordinate."""
+
+    def velocity_sensor(self, body: Any, point: Array) -> int:
+        """Return a sensor of the world velocity of a body's point."""
+
+    def connect(self, part: Any, item: Any) -> None:
+        """Add a connector of a part."""
 
 
 class Assembly:
@@ -56,6 +79,7 @@ class Assembly:
         com, inertia = body.axes @ body.com, body.axes @ body.inertia @ body.axes.T
         I_O = inertia + body.mass * skew(com) @ skew(com).T  # Exudyn wants it about O
         shift, e = q[:3] - body.position, self.start[k]
+        rest: tuple[int, ...]
         if self.rotation == "rotation vector":
             node, rest, turn = self.items.NodeRigidBodyRotVecLG, (0, 0, 0), logarithm(e)
         else:

@@ -3,9 +3,10 @@
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from mbsd3d import GROUND, Joint, State, System
-from mbsd3d.extend import Coupling, matrix, multiply, one_thread
+from mbsd3d import GROUND, Body, Joint, State, System
+from mbsd3d.extend import Coupling, Ground, matrix, multiply, one_thread
 from validation.twins.base import Array, Kinetic, Load, Motion, NotExpressible, check_run, spanning
 from validation.twins.exudyn.assembly import Assembly, Equations
 from validation.twins.exudyn.joints import add_force_element, add_joint
@@ -135,17 +136,17 @@ class Carrier:
         self.index = {id(body): i for i, body in enumerate(system.bodies)}
         self.place, self.axes = position, matrix(turn)
 
-    def body_axis(self, body: Any, axis: Array) -> Array:
+    def body_axis(self, body: Body | Ground, axis: Array) -> Array:
         """Return an axis given in the world at the reference pose, shape (samples, 3)."""
-        if body is GROUND:
+        if isinstance(body, Ground):
             return np.broadcast_to(axis, (len(self.place), 3))
         return self.axes[:, self.index[id(body)]] @ axis
 
-    def body_point(self, body: Any, point: Array) -> Array:
+    def body_point(self, body: Body | Ground, point: ArrayLike) -> Array:
         """Return a point given in the world at the reference pose, shape (samples, 3)."""
-        if body is GROUND:
+        if isinstance(body, Ground):
             return np.broadcast_to(point, (len(self.place), 3))
-        return self.place[:, self.index[id(body)]] + self.body_axis(body, point - body.position)
+        return self.place[:, self.index[id(body)]] + self.body_axis(body, np.subtract(point, body.position))
 
     def load(self, joint: Joint, wrenches: Array) -> Load:
         """Return a joint's wrench on its body b at its point; the wrench on the ground balances the rest."""

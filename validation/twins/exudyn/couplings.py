@@ -15,22 +15,26 @@ from mbsd3d import (
     AngleDriver,
     Constant,
     Gear,
+    GearMesh,
     Joint,
+    KnifeEdge,
     PositionDriver,
     RackPinion,
+    Rolling,
+    RollingDisc,
     Signal,
     SlideDriver,
     SpeedDriver,
 )
 from mbsd3d.extend import Coordinate, cross, exponential, matrix, skew
 from validation.twins.base import Array, speed_of
-from validation.twins.exudyn.assembly import Assembly
+from validation.twins.exudyn.assembly import Assembly, ForceModel
 from validation.twins.laws.moving import Placed, deepest, follow, one_axis
 
 Add = Callable[[Assembly, Any, str], None]  # elements of a joint or force, which errors name so
 
 
-def hinge_coordinate(model: Assembly, x: Coordinate, what: str) -> int:
+def hinge_coordinate(model: ForceModel, x: Coordinate, what: str) -> int:
     """Return the marker of a hinge coordinate, which Exudyn measures about one axis."""
     one_axis(x, what, "Exudyn measures an angle about one axis")
     return model.coordinate(x)
@@ -53,7 +57,7 @@ def prescribe(model: Assembly, joint: Joint, x: Coordinate, signal: Signal, what
     model.connect(joint, model.items.ObjectConnectorCoordinate(markerNumbers=markers, **given))
 
 
-def add_position_driver(model: Assembly, joint: Joint, what: str) -> None:
+def add_position_driver(model: Assembly, joint: PositionDriver, what: str) -> None:
     """Prescribe displacements along world axes."""
     for axis, signal in zip(np.eye(3), joint.signal, strict=True):
         if signal is not None:
@@ -61,7 +65,7 @@ def add_position_driver(model: Assembly, joint: Joint, what: str) -> None:
             prescribe(model, joint, x, signal, what)
 
 
-def add_speed_driver(model: Assembly, joint: Joint, what: str) -> None:
+def add_speed_driver(model: Assembly, joint: SpeedDriver, what: str) -> None:
     """Add x_dot = f(t) of an angle or a displacement, a condition on velocities."""
     x, speed = speed_of(joint, what, "Exudyn"), follow(joint.speed)
     moving = {}
@@ -129,12 +133,12 @@ def add_contact(
     model.connect(joint, item)
 
 
-def add_knife_edge(model: Assembly, joint: Joint, what: str) -> None:
+def add_knife_edge(model: Assembly, joint: KnifeEdge, what: str) -> None:
     """Add the condition that the point of b does not move along a direction of b."""
     add_contact(model, joint, lambda a, b, mbs: (b.point(joint.at_b), b.axis(joint.lateral)[None]), 1)
 
 
-def add_rolling(model: Assembly, joint: Joint, what: str) -> None:
+def add_rolling(model: Assembly, joint: RollingDisc, what: str) -> None:
     """Add the joint of Exudyn for a sharp rim, else all three components of the velocity at the point of a torus."""
     if joint.crown:
         add_contact(model, joint, lambda a, b, mbs: (lowest(joint, a, b), np.eye(3)), 3)
@@ -147,7 +151,7 @@ def add_rolling(model: Assembly, joint: Joint, what: str) -> None:
     model.connect(joint, disc)
 
 
-def add_rolling_surface(model: Assembly, joint: Joint, what: str) -> None:
+def add_rolling_surface(model: Assembly, joint: Rolling, what: str) -> None:
     """Add all three components of the velocity at the lowest point of a rounded ellipsoid."""
     form = joint.outline
 
@@ -157,7 +161,7 @@ def add_rolling_surface(model: Assembly, joint: Joint, what: str) -> None:
     add_contact(model, joint, contact, 3)
 
 
-def add_mesh(model: Assembly, joint: Joint, what: str) -> None:
+def add_mesh(model: Assembly, joint: GearMesh, what: str) -> None:
     """Add a tooth mesh: the gears do not slip along the line of action at the pitch point of the carrier."""
     carrier, n = joint.support(), joint.direction()
 
@@ -177,7 +181,7 @@ def carried(model: Assembly, mbs: Any, body: Any) -> Pose:
     return Pose(body, np.array(r), np.reshape(R, (3, 3)), np.zeros((3, 0)))
 
 
-def lowest(joint: Joint, a: Pose, b: Pose) -> Array:
+def lowest(joint: RollingDisc, a: Pose, b: Pose) -> Array:
     """Return the point of the torus nearest to the plane: down the disc by radius - crown, down the plane's normal by
     crown.
     """

@@ -11,10 +11,20 @@ from typing import Any
 import numpy as np
 
 import mbsd3d
-from mbsd3d.extend import Coordinate, cross, exponential, matched_perpendiculars, matrix, multiply, perpendiculars
+from mbsd3d.extend import (
+    Coordinate,
+    angle_of,
+    cross,
+    exponential,
+    matched_perpendiculars,
+    matrix,
+    multiply,
+    perpendiculars,
+    slide_of,
+)
 from mbsd3d.extend import hinge_coordinate as coordinate_of
 from validation.twins.base import Array, label, refused
-from validation.twins.exudyn.assembly import Assembly
+from validation.twins.exudyn.assembly import Assembly, ForceModel
 from validation.twins.exudyn.couplings import (
     COUPLINGS,
     Add,
@@ -29,7 +39,7 @@ from validation.twins.exudyn.couplings import (
 from validation.twins.exudyn.laws import add_law
 
 
-def add_load(model: Assembly, load: Any, point: Any, components: tuple, element: str) -> None:
+def add_load(model: ForceModel, load: Any, point: Any, components: tuple, element: str) -> None:
     """Add a force or torque; a Python function of time only where a component changes."""
     axes = load.body.axes if load.frame == "body" else np.eye(3)  # in Exudyn they are along the world at first
     functions = [follow(signal) for signal in components]
@@ -45,7 +55,7 @@ def add_load(model: Assembly, load: Any, point: Any, components: tuple, element:
     model.mbs.AddLoad(item)
 
 
-def add_spring(model: Assembly, spring: Any, what: str) -> None:
+def add_spring(model: ForceModel, spring: Any, what: str) -> None:
     """Add a spring along the line between two points; without length and damper by components, as Exudyn's line needs a
     length.
     """
@@ -60,7 +70,7 @@ def add_spring(model: Assembly, spring: Any, what: str) -> None:
     model.connect(spring, item)
 
 
-def add_torsion(model: Assembly, spring: Any, what: str) -> None:
+def add_torsion(model: ForceModel, spring: Any, what: str) -> None:
     """Add a spring along a hinge coordinate."""
     markers = [model.zero, hinge_coordinate(model, coordinate_of(spring.hinge, what), what)]
     item = model.items.ObjectConnectorCoordinateSpringDamper(
@@ -69,7 +79,7 @@ def add_torsion(model: Assembly, spring: Any, what: str) -> None:
     model.connect(spring, item)
 
 
-def add_friction(model: Assembly, friction: Any, what: str) -> None:
+def add_friction(model: ForceModel, friction: Any, what: str) -> None:
     """Add the friction T tanh(x_dot / v0) + c x_dot against the motion."""
     dry, viscous, scale = friction.coulomb, friction.viscous, friction.transition
     markers = [model.zero, hinge_coordinate(model, coordinate_of(friction.hinge, what), what)]
@@ -80,7 +90,7 @@ def add_friction(model: Assembly, friction: Any, what: str) -> None:
     model.connect(friction, item)
 
 
-def add_drag(model: Assembly, drag: Any, what: str) -> None:
+def add_drag(model: ForceModel, drag: Any, what: str) -> None:
     """Add the drag -k |u| u at a point, u its velocity relative to the wind, from Exudyn's own sensor."""
     factor, wind = 0.5 * drag.density * drag.drag_area, [follow(signal) for signal in drag.wind]
     sensor = model.velocity_sensor(drag.body, drag.at)
@@ -93,7 +103,7 @@ def add_drag(model: Assembly, drag: Any, what: str) -> None:
     model.mbs.AddLoad(model.items.LoadForceVector(markerNumber=marker, loadVectorUserFunction=pull))
 
 
-def add_bushing(model: Assembly, bushing: Any, what: str) -> None:
+def add_bushing(model: ForceModel, bushing: Any, what: str) -> None:
     """Add six components in axes of the ground; the elastic moment of large rotations by a function.
 
     Between two bodies that of Exudyn pulls each side at its own point: all of it by a function.
@@ -120,7 +130,7 @@ def add_bushing(model: Assembly, bushing: Any, what: str) -> None:
     model.connect(bushing, item)
 
 
-FORCES: dict[type, Add] = {
+FORCES: dict[type, Callable[[ForceModel, Any, str], None]] = {
     mbsd3d.Force: lambda model, x, what: add_load(model, x, x.at, x.force, "LoadForceVector"),
     mbsd3d.Torque: lambda model, x, what: add_load(model, x, x.body.position, x.torque, "LoadTorqueVector"),
     mbsd3d.SpringDamper: add_spring,
@@ -138,7 +148,7 @@ REFUSED: dict[type, str] = {
 """Force class -> why not."""
 
 
-def add_force_element(model: Assembly, force: Any) -> None:
+def add_force_element(model: ForceModel, force: Any) -> None:
     """Add a force element; raise NotExpressible with its name if Exudyn has none."""
     if type(force) not in FORCES:
         raise refused(model.system, force, REFUSED, "Exudyn has no element for it")
@@ -176,24 +186,24 @@ def along(place: int) -> Callable[[Any], tuple[Array, Array]]:
     return lambda joint: frames_along(joint.axis, joint.axis_b, place)
 
 
-def one_sided(joint: mbsd3d.Joint) -> tuple[Array, Array]:
+def one_sided(joint: mbsd3d.Planar | mbsd3d.PointOnLine | mbsd3d.PointOnPlane) -> tuple[Array, Array]:
     """Return frames along the axis or normal of a; only a's matters."""
-    axis = joint.normal if hasattr(joint, "normal") else joint.axis
+    axis = joint.axis if isinstance(joint, mbsd3d.PointOnLine) else joint.normal
     return frames_along(axis, axis, 2)
 
 
-def crossed(joint: mbsd3d.Joint) -> tuple[Array, Array]:
+def crossed(joint: mbsd3d.Universal | mbsd3d.Perpendicular) -> tuple[Array, Array]:
     """Return frames of axis_a and axis_b."""
     return frames_across(joint.axis_a, joint.axis_b)
 
 
-def add_spherical(model: Assembly, joint: mbsd3d.Joint, what: str) -> None:
+def add_spherical(model: Assembly, joint: mbsd3d.Spherical | mbsd3d.ConstantVelocity, what: str) -> None:
     """Add the condition that points coincide."""
     markers = [model.marker(joint.a, joint.at), model.marker(joint.b, joint.at_b)]
     model.connect(joint, model.items.ObjectJointSpherical(markerNumbers=markers))
 
 
-def add_constant_velocity(model: Assembly, joint: mbsd3d.Joint, what: str) -> None:
+def add_constant_velocity(model: Assembly, joint: mbsd3d.ConstantVelocity, what: str) -> None:
     """Add coincident points and no turn about the bisector: (axis_a + axis_b) . (w_b - w_a) = 0, kept as velocities."""
     add_spherical(model, joint, what)
     turn_a = Coordinate("angle", joint.a, joint.b, joint.axis_a, joint.axis_a)
@@ -202,16 +212,16 @@ def add_constant_velocity(model: Assembly, joint: mbsd3d.Joint, what: str) -> No
     model.connect(joint, model.items.ObjectConnectorCoordinate(markerNumbers=markers, velocityLevel=True))
 
 
-def add_distance(model: Assembly, joint: mbsd3d.Joint, what: str) -> None:
+def add_distance(model: Assembly, joint: mbsd3d.Distance, what: str) -> None:
     """Add a constant distance."""
     markers = [model.marker(joint.a, joint.at_a), model.marker(joint.b, joint.at_b)]
     model.connect(joint, model.items.ObjectConnectorDistance(markerNumbers=markers, distance=joint.length))
 
 
-def add_screw(model: Assembly, joint: mbsd3d.Joint, what: str) -> None:
+def add_screw(model: Assembly, joint: mbsd3d.Screw, what: str) -> None:
     """Add a cylindrical joint and slide = pitch angle / (2 pi)."""
     generic((1, 1, 0, 1, 1, 0), along(2))(model, joint, what)
-    couple(model, joint, joint.slide(), joint.pitch / (2 * np.pi), joint.angle(), what)
+    couple(model, joint, slide_of(joint), joint.pitch / (2 * np.pi), angle_of(joint), what)
 
 
 JOINTS: dict[type, Add] = {  # of a GenericJoint: which of three shifts and three turns are locked

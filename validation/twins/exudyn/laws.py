@@ -10,7 +10,7 @@ import numpy as np
 
 from mbsd3d import GROUND
 from validation.twins.base import Array, NotExpressible
-from validation.twins.exudyn.assembly import Assembly
+from validation.twins.exudyn.assembly import Assembly, ForceModel
 from validation.twins.laws import LAWS
 from validation.twins.laws.moving import Moving, Push, own_states
 
@@ -25,7 +25,7 @@ def moving(model: Assembly, mbs: Any, body: Any) -> Moving:
     return Moving(body, r, R.reshape(3, 3), v, omega)
 
 
-def add_law(model: Assembly, force: Any, what: str) -> None:
+def add_law(model: ForceModel, force: Any, what: str) -> None:
     """Add loads on the bodies a, b of a force, and coordinates whose velocities are its internal states.
 
     Turns of a hinge are not counted: none of these laws asks for its angle.

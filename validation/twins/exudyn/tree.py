@@ -9,8 +9,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d import GROUND, Cylindrical, Joint, Prismatic, Revolute, State, System, Universal
-from mbsd3d.extend import Coordinate, conjugate, cross, matched_perpendiculars, matrix, multiply, perpendiculars
+from mbsd3d import GROUND, Cylindrical, Prismatic, Revolute, State, System, Universal
+from mbsd3d.extend import (
+    Coordinate,
+    angle_of,
+    conjugate,
+    cross,
+    matched_perpendiculars,
+    matrix,
+    multiply,
+    perpendiculars,
+    slide_of,
+)
 from validation.twins.base import Array, NotExpressible, label
 
 TURN, SHIFT = "RevoluteZ", "PrismaticZ"
@@ -34,7 +44,7 @@ class Link(NamedTuple):
     value: float  # Of the coordinate at the start [rad or m]
 
 
-def axis_frames(joint: Joint, reverse: bool) -> tuple[Frame, Frame]:
+def axis_frames(joint: Revolute | Prismatic | Cylindrical, reverse: bool) -> tuple[Frame, Frame]:
     """Return frames (inner, outer) along the axis, which counts from a to b whichever side is the inner one."""
     x, y = perpendiculars(joint.axis)
     first = Frame(joint.at, np.column_stack([x, y, joint.axis]))
@@ -88,23 +98,23 @@ class Start:
         return float(np.arctan2(c @ (R @ b), b @ (R @ b))), float(np.arctan2(d @ cross(a, b), d @ a))
 
 
-def revolute(joint: Joint, start: Start, reverse: bool) -> list[tuple]:
+def revolute(joint: Revolute, start: Start, reverse: bool) -> list[tuple]:
     """Return the single rotation axis of a revolute joint."""
-    return [(TURN, *axis_frames(joint, reverse), start.angle(joint.angle()))]
+    return [(TURN, *axis_frames(joint, reverse), start.angle(angle_of(joint)))]
 
 
-def prismatic(joint: Joint, start: Start, reverse: bool) -> list[tuple]:
+def prismatic(joint: Prismatic, start: Start, reverse: bool) -> list[tuple]:
     """Return the single translation of a prismatic joint."""
-    return [(SHIFT, *axis_frames(joint, reverse), start.slide(joint.slide()))]
+    return [(SHIFT, *axis_frames(joint, reverse), start.slide(slide_of(joint)))]
 
 
-def cylindrical(joint: Joint, start: Start, reverse: bool) -> list[tuple]:
+def cylindrical(joint: Cylindrical, start: Start, reverse: bool) -> list[tuple]:
     """Return a translation, then a rotation about the same axis."""
     inner, outer = axis_frames(joint, reverse)
-    return [(SHIFT, inner, inner, start.slide(joint.slide())), (TURN, inner, outer, start.angle(joint.angle()))]
+    return [(SHIFT, inner, inner, start.slide(slide_of(joint))), (TURN, inner, outer, start.angle(angle_of(joint)))]
 
 
-def universal(joint: Joint, start: Start, reverse: bool) -> list[tuple]:
+def universal(joint: Universal, start: Start, reverse: bool) -> list[tuple]:
     """Return the two rotations of a universal joint."""
     first, second = start.cross(joint)
     sign = -1.0 if reverse else 1.0

@@ -34,22 +34,23 @@ def along_curve(joint: CurveContact, load: Callable) -> Law:
     """Return the same law along a curve: s where x'. (p - x) = 0 of a point p, or x'. e = 0 under a face e, all in axes
     of a.
     """
-    line, faced = joint.line, joint.face is not None
+    line, face = joint.line, joint.face
 
     def push(t: float, a: Moving, b: Moving, z: Array, counted: float) -> Push:
         point = b.point(joint.at)
-        e = a.R.T @ (b.axis(joint.face) if faced else point - a.r + a.R @ a.body.position)
-        s = line.highest(e) if faced else line.nearest(e)
+        e = a.R.T @ (point - a.r + a.R @ a.body.position if face is None else b.axis(face))
+        s = line.nearest(e) if face is None else line.highest(e)
         tangent, bend = line.x(s, 1), line.x(s, 2)
-        if faced:
-            way = a.R @ cross(tangent, e) / (e @ bend)
-            rate = way @ (b.omega - a.omega)
-        else:
+        if face is None:
             way = a.R @ tangent / (tangent @ tangent - (e - line.x(s)) @ bend)
             rate = way @ (b.velocity(point) - a.velocity(point))
+        else:
+            way = a.R @ cross(tangent, e) / (e @ bend)
+            rate = way @ (b.omega - a.omega)
         value = s - joint.start
         size, rates = load(t, value + line.length * round((counted - value) / line.length), rate, z)
-        return Push(ZERO_VECTOR, point, size * way, rates) if faced else Push(size * way, point, ZERO_VECTOR, rates)
+        along, about = (size * way, ZERO_VECTOR) if face is None else (ZERO_VECTOR, size * way)
+        return Push(along, point, about, rates)
 
     return Law(joint.a, joint.b, push)
 

@@ -43,17 +43,17 @@ def resistance(
 ) -> tuple[tuple[Array, Array, float], Array]:  # fmt: skip
     """Return ((friction, moment against rolling, against spinning), rates of the internal states) in axes of the
     plane."""
-    motions, lengths = [np.atleast_1d(x) for x in motions], (1.0, size, size)
+    slips, lengths = [np.atleast_1d(x) for x in motions], (1.0, size, size)
     if not contact.state_names():
         v0 = contact.creep or 1.0
-        found = [m * x / np.hypot(np.linalg.norm(x), v0 / s) for m, x, s in zip(most, motions, lengths, strict=True)]
+        found = [m * x / np.hypot(np.linalg.norm(x), v0 / s) for m, x, s in zip(most, slips, lengths, strict=True)]
         return (found[0], found[1], float(found[2][0])), np.zeros(0)
     parts = np.split(np.concatenate([z, np.zeros(5 - len(z))]), [2, 4])
     found, rates = [], []
-    for m, x, s, bent in zip(most, motions, lengths, parts, strict=True):
+    for m, x, s, bent in zip(most, slips, lengths, parts, strict=True):
         k, c = (value * s**2 for value in grip)
         wanted = k * bent + c * x
-        held = wanted * min(1.0, m / max(np.linalg.norm(wanted), 1e-300))
+        held = wanted * min(1.0, m / max(float(np.linalg.norm(wanted)), 1e-300))
         found.append(held)
         rates.append((held - k * bent) / c)
     return (found[0], found[1], float(found[2][0])), np.concatenate(rates)[: len(z)]

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import GROUND, Body, Distance, Joint, Revolute, System
+from mbsd3d import GROUND, Body, Distance, Joint, Revolute, Spherical, System
 from mbsd3d.extend import quaternion_from_matrix
 from validation.twins.base import NotExpressible
 from validation.twins.mujoco import rods
@@ -105,7 +105,7 @@ def add_piece(made: Sketch, piece: Piece) -> None:
         r, R = (
             rods.rest_pose(piece, origin, R_parent @ local_axes(rods.ends(piece)[0], np.eye(3)))
             if isinstance(piece.joint, Distance)
-            else rest_pose(piece, free, origin, R_parent)
+            else rest_pose(piece, piece.joint, free, origin, R_parent)
         )
     made.poses[piece.number] = r, R
     child = above.add_body(name=piece.name, pos=R_parent.T @ (r - origin), quat=quaternion_from_matrix(R_parent.T @ R))
@@ -118,9 +118,10 @@ def add_piece(made: Sketch, piece: Piece) -> None:
         add_joints(made, child, piece, free)
 
 
-def rest_pose(piece: Piece, free: Freedoms, origin: np.ndarray, R_parent: np.ndarray) -> tuple:
+def rest_pose(
+    piece: Piece, joint: Joint, free: Freedoms, origin: np.ndarray, R_parent: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Return (r, R) of the child where all coordinates are zero: there the origins are one and B = A rest."""
-    joint = piece.joint
     before, point, axes, turn = (
         (joint.a, free.at_a, free.A, free.rest) if piece.is_b else (joint.b, free.at_b, free.B, free.rest.T)
     )
@@ -184,17 +185,15 @@ def turn_name(piece: Piece, k: int) -> str:
     return f"{piece.number} turn {k}"
 
 
-def close(made: Sketch, joint: Joint) -> list[str]:
+def close(made: Sketch, joint: Revolute | Spherical) -> list[str]:
     """Add the equalities of a joint outside the tree, body b first: their forces act on b."""
     name = made.system.name(joint)
-    offsets = (0.0,)
+    ends = [(joint.at_b, joint.at)]
     if isinstance(joint, Revolute):
-        offsets = (-0.5 * made.system.lowered.model.length, 0.5 * made.system.lowered.model.length)
+        x = 0.5 * made.system.lowered.model.length
+        ends = [(joint.at_b + s * joint.axis_b, joint.at + s * joint.axis) for s in (-x, x)]
     found = []
-    for k, x in enumerate(offsets):
-        sites = (
-            made.site(joint.b, joint.at_b + (x * joint.axis_b if x else 0.0)),
-            made.site(joint.a, joint.at + (x * joint.axis if x else 0.0)),
-        )
+    for k, (at_b, at_a) in enumerate(ends):
+        sites = made.site(joint.b, at_b), made.site(joint.a, at_a)
         found.append(made.equality("CONNECT", joint, f"closing {name} {k}", sites, "SITE"))
     return found

@@ -133,11 +133,13 @@ def couple(made: Sketch, motors: Motors) -> list[Coupling]:
 
 def along_the_teeth(mesh: GearMesh) -> list[tuple[Coordinate, float]]:
     """Return the contribution of sliding gears to a helical mesh: n . u of their slides, n the line of action."""
-    n, found = mesh.direction(), []
+    n = mesh.direction()
+    found: list[tuple[Coordinate, float]] = []
     for sign, hinge in ((-1.0, mesh.hinge_a), (1.0, mesh.hinge_b)):
         x = hinge.slide()
-        factor = 0.0 if x is None else sign * float(n @ x.axis) * (1.0 if mesh.gear(hinge) is hinge.b else -1.0)
-        found += [(x, factor)] if factor else []
+        if x is not None:
+            factor = sign * float(n @ x.axis) * (1.0 if mesh.gear(hinge) is hinge.b else -1.0)
+            found += [(x, factor)] if factor else []
     return found
 
 
@@ -192,7 +194,7 @@ def sum_of(made: Sketch, x: Coordinate, shown: str) -> dict[str, float]:
             if piece.joint is None or body not in (piece.joint.a, piece.joint.b):
                 continue
             other, sign = (piece.joint.b, 1.0) if body is piece.joint.a else (piece.joint.a, -1.0)
-            step = None if id(other) in seen else step_of(made, piece, x)
+            step = None if id(other) in seen else step_of(made, piece, piece.joint, x)
             if step is not None:
                 seen.add(id(other))
                 ways.append((other, terms | {key: sign * value for key, value in step.items()}))
@@ -202,9 +204,9 @@ def sum_of(made: Sketch, x: Coordinate, shown: str) -> dict[str, float]:
     )
 
 
-def step_of(made: Sketch, piece: Piece, x: Coordinate) -> dict[str, float] | None:
+def step_of(made: Sketch, piece: Piece, joint: Joint, x: Coordinate) -> dict[str, float] | None:
     """Return the contribution of a joint to the coordinate, None if it has none."""
-    free, joint = made.joints[piece.number], piece.joint
+    free = made.joints[piece.number]
     if isinstance(joint, Fixed):
         return {}
     if x.kind == "slide":

@@ -112,7 +112,7 @@ def frames(joint: Joint) -> tuple[np.ndarray, np.ndarray]:
     """Return the axes of A and B: z is the axis of the joint, x and y of A and B those from which mbsd3d counts its
     angle.
     """
-    if hasattr(joint, "axis_a"):  # a cross: x is axis_a, y is axis_b
+    if isinstance(joint, mbsd3d.Universal | mbsd3d.Perpendicular):  # a cross: x is axis_a, y is axis_b
         x, y = joint.axis_a, joint.axis_b
         y_a, x_b = y - x * (x @ y), x - y * (x @ y)
         return right_handed(x, y_a), right_handed(x_b, y)
@@ -187,7 +187,7 @@ class Layout:
     pieces: list[Piece]
     main: dict[int, Piece]
     extra: list[Piece]
-    closing: list[Joint]
+    closing: list[mbsd3d.Revolute | mbsd3d.Spherical]
 
     def shares(self, body: Body) -> int:
         """Return the number of pieces of a body."""
@@ -215,15 +215,17 @@ def lay_out(system: System, rods: bool) -> Layout:
         if isinstance(joint, CLOSED_BY_EQUALITY) and id(joint) not in referred:
             layout.closing.append(joint)
         else:
-            body, before = (joint.a, joint.b) if joint.b is GROUND else (joint.b, joint.a)
-            piece = add(layout, body, layout.main.get(id(before)), joint, is_b=body is joint.b)
-            layout.extra.append(piece)
+            end = next(side for side in (joint.b, joint.a) if isinstance(side, Body))
+            before = joint.a if end is joint.b else joint.b
+            layout.extra.append(add(layout, end, layout.main.get(id(before)), joint, is_b=end is joint.b))
     return layout
 
 
 def turns_it(joint: Joint, driver: Joint) -> bool:
     """Return whether a speed driver turns a hinge, which it does not name."""
-    own = joint.angle() if isinstance(driver, mbsd3d.SpeedDriver) and driver.axis is not None else None
+    if not isinstance(driver, mbsd3d.SpeedDriver) or driver.axis is None:
+        return False
+    own = joint.angle()
     return (
         own is not None
         and {own.a, own.b} == {driver.a, driver.b}
@@ -253,7 +255,7 @@ def grow(layout: Layout, start: Any, tree: list[Joint]) -> None:
         before = queue.pop(0)
         for joint in links.get(id(before), []):
             body = joint.b if joint.a is before else joint.a
-            if body is GROUND or id(body) in layout.main:
+            if not isinstance(body, Body) or id(body) in layout.main:
                 continue
             layout.main[id(body)] = add(layout, body, layout.main.get(id(before)), joint, is_b=body is joint.b)
             queue.append(body)

@@ -77,11 +77,12 @@ def turning(made: Sketch, loads: Loads, force: Any, name: str, stiffness: float,
 def apply(made: Sketch, loads: Loads, force: mbsd3d.Force | mbsd3d.Torque, name: str) -> None:
     """Add actuators at a site, in the axes of the body or of the world, so that every stage has the right axes."""
     turns = isinstance(force, mbsd3d.Torque)
-    components = force.torque if turns else force.force
-    at = force.body.position if turns else force.at
+    components, at = (
+        (force.torque, force.body.position) if isinstance(force, mbsd3d.Torque) else (force.force, force.at)
+    )
     site = made.site(force.body, at)
     constant = [float(s(0.0)) if isinstance(s, mbsd3d.Constant) else 0.0 for s in components]
-    wanted = [(None, np.array(constant))] if any(constant) else []
+    wanted: list[tuple[mbsd3d.Signal | None, np.ndarray]] = [(None, np.array(constant))] if any(constant) else []
     wanted += [(s, axis) for s, axis in zip(components, np.eye(3), strict=True) if not isinstance(s, mbsd3d.Constant)]
     for k, (signal, direction) in enumerate(wanted):
         actuator = made.spec.add_actuator(name=f"load {name} {k}", target=site)

@@ -31,7 +31,7 @@ class Reactions:
         meshes = [c for c in couplings if isinstance(c.part, GearMesh)]
         split = {id(h) for c in meshes for h in (c.part.hinge_a, c.part.hinge_b) if id(h) in welded}
         self.meshes = [c for c in meshes if not {id(c.part.hinge_a), id(c.part.hinge_b)} & split]
-        self.tree = [p for p in made.layout.pieces if p.joint is not None and id(p.joint) not in split]
+        self.tree = [(p, p.joint) for p in made.layout.pieces if p.joint is not None and id(p.joint) not in split]
         self.along = [c for c in couplings if not loads_of(c.part) and c not in self.meshes]
         self.held = [c for c in self.along if c not in meshes]
 
@@ -43,7 +43,7 @@ class Reactions:
         data.xfrc_applied[:] = 0.0
         along = self.along_coordinates(data)
         name = self.made.system.name
-        found = {name(piece.joint): self.of_piece(data, piece, along) for piece in self.tree}
+        found = {name(joint): self.of_piece(data, piece, joint, along) for piece, joint in self.tree}
         found |= {name(joint): self.of_closure(data, joint) for joint in self.made.layout.closing}
         found |= {name(c.part): self.of_coupling(data, c) for c in self.held}
         found |= {name(mesh): (force, np.zeros(3)) for mesh, force in self.tooth_forces(data)}
@@ -133,9 +133,9 @@ class Reactions:
                 total[key] = total.get(key, 0.0) + factor * pull
         return total
 
-    def of_piece(self, data: Any, piece: Piece, along: dict[str, float]) -> Wrench:
+    def of_piece(self, data: Any, piece: Piece, joint: Joint, along: dict[str, float]) -> Wrench:
         """Return the reaction of the joint of a piece: the load of its parent on it, or for body a the opposite."""
-        joint, free = piece.joint, self.made.joints[piece.number]
+        free = self.made.joints[piece.number]
         k, sense = self.model.body(piece.name).id, 1.0 if piece.is_b else -1.0
         at = self.point(data, joint.b, joint.point())
         moment, force = sense * np.split(data.cfrc_int[k], 2)[0], sense * data.cfrc_int[k, 3:]

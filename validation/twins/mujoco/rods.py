@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import Distance
+from mbsd3d.errors import InputError
 from mbsd3d.extend import perpendiculars
 from validation.twins.base import EngineFailed
 from validation.twins.mujoco.layout import Piece
@@ -19,9 +20,16 @@ from validation.twins.mujoco.layout import Piece
 SECOND_HINGE_COSINE_MIN = 0.1  # [1] cos q2 below which the second hinge multiplies errors by more than ten
 
 
+def rod_of(piece: Piece) -> Distance:
+    """Return the joint of a piece that hangs on a rod."""
+    if not isinstance(piece.joint, Distance):
+        raise InputError(f"{piece.name} hangs on no rod; give one whose joint is a Distance")
+    return piece.joint
+
+
 def ends(piece: Piece) -> tuple[Any, np.ndarray, np.ndarray]:
     """Return the parent, its point and the child's, world at the reference pose."""
-    rod = piece.joint
+    rod = rod_of(piece)
     return (rod.a, rod.at_a, rod.at_b) if piece.is_b else (rod.b, rod.at_b, rod.at_a)
 
 
@@ -38,7 +46,7 @@ def rest_pose(piece: Piece, origin: np.ndarray, F: np.ndarray) -> tuple[np.ndarr
     """
     parent, near, far = ends(piece)
     R = F @ piece.body.axes
-    tip = origin + F @ (near - parent.position + piece.joint.length * axes(piece)[:, 2])
+    tip = origin + F @ (near - parent.position + rod_of(piece).length * axes(piece)[:, 2])
     return tip - R @ piece.body.local_point(far), R
 
 
@@ -46,7 +54,7 @@ def add_joints(mujoco: Any, child: Any, piece: Piece) -> None:
     """Add the hinges and the ball."""
     _, _, far = ends(piece)
     E, kinds = axes(piece), mujoco.mjtJoint
-    far, near = piece.body.local_point(far), piece.body.local_point(far - piece.joint.length * E[:, 2])
+    far, near = piece.body.local_point(far), piece.body.local_point(far - rod_of(piece).length * E[:, 2])
     for k in range(2):
         axis = piece.body.local_axis(E[:, k])
         child.add_joint(name=swing_name(piece, k), type=kinds.mjJNT_HINGE, pos=near, axis=axis)
