@@ -13,6 +13,7 @@ import numpy as np
 
 from ..api.solution import Solution
 from ..api.system import System
+from ..api.viewable import AnimateOptions
 from ..base.errors import InputError, MbsError
 from .base import Outcome, Row, Show
 from .figure import PANELS_PER_ROW_MAX, Curve, Drawn, Panel, Points, same
@@ -94,7 +95,7 @@ class Demo:
     ablation: Ablation
     against: Against | None = None
     alone: str = ""  # why its run is not compared with that of other engines; "" = it is
-    show: Mapping[str, object] = field(default_factory=dict)  # options of `Solution.animate`
+    show: AnimateOptions = field(default_factory=AnimateOptions)
     ranges: Mapping[str, Sequence | None] = field(default_factory=dict)  # see `varied`
     may_vanish: Sequence[str] = ()  # parameters, besides those that the ablation takes away
 

@@ -20,6 +20,7 @@ from mbsd3d import (
     Tyre,
     shapes,
 )
+from mbsd3d.api.viewable import AnimateOptions
 
 G = 9.81  # m/s^2
 UP = np.array([0.0, 0.0, 1.0])
@@ -27,7 +28,7 @@ WHEELS = {"front left": (1, 1), "front right": (1, -1), "rear left": (-1, 1), "r
 STRUT_LENGTH = 0.5  # [m] of the springs under load; they act along one line, so it does not matter
 KINGPIN_SHAPE = shapes.Lines([(0.0, 0.0, 0.0), (0.0, 0.0, 0.4)])
 CRANK_MASS = 10.0  # [kg] of a crankshaft, taken from the mass without the wheels
-SHOW_OPTIONS = {"traces": [], "hidden": ["joints", "joint names", "body names"], "follow": "chassis"}  # of every demo
+SHOW_OPTIONS = AnimateOptions(traces=[], hidden=["joints", "joint names", "body names"], follow="chassis")  # of all
 
 
 class Engine(NamedTuple):

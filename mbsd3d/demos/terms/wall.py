@@ -1,12 +1,11 @@
 """Errors of omitted terms: what is lost with each term that one may forget, in numbers."""
 
-from typing import Any
-
 import numpy as np
 
 from mbsd3d import GROUND, Body, Revolute, Spherical, State, System, shapes, simulate
 from mbsd3d.base.quaternions import H
 
+from ...api.viewable import AnimateOptions
 from ..base import Show
 from ..figure import Line, Table
 from ..form import Ablation, Builder, Curve, Demo, Measured, Quantity, require
@@ -149,8 +148,10 @@ def measure(build, terms_off, *, arm, turn, I=(1.0, 2.0, 3.0), spin=(1.0, 2.0, 2
                                               theory=(time, 100 * np.hypot(1, np.pi * time))),
                                          Line("true angle", 360 * time)]),
     ]  # fmt: skip
-    astray: dict[str, Any] = {"title": "without w x I w: the angular momentum of a free body turns with it"}
-    astray |= {"curves": ["momentum", "energy"], "shown": ["angular momentum", "angular velocity"]}
+    astray = AnimateOptions(
+        title="without w x I w: the angular momentum of a free body turns with it", curves=["momentum", "energy"],
+        shown=["angular momentum", "angular velocity"],
+    )  # fmt: skip
     return Measured(values, [flying, free, engine, *apart.values()], curves, {"free_body": Show(free, astray)})
 
 

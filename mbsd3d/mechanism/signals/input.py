@@ -1,5 +1,7 @@
 """A number that is set from outside while a model runs."""
 
+from typing import TypeVar
+
 import numpy as np
 
 from ...base.checks import check_name
@@ -43,3 +45,6 @@ class Input(Signal):
     def terms(self) -> list[Term]:
         """The polynomial (value)."""
         return [Term(POLYNOMIAL, np.array([self.value]), (self.name, self.value))]
+
+
+InputOrName = TypeVar("InputOrName", bound=Input | str)  # key of a mapping: type checkers take dict[str, ...] then
