@@ -139,8 +139,8 @@ def record(fields: list, size: int, aligned: bool) -> types.Record:
     )
 
 
-def class_of(module: str, name: str, count: int) -> type:
-    """Return the class of a named tuple, which a module that is there must hold."""
+def class_of(count: int, module: str, name: str) -> type:
+    """Return the class of a named tuple of some fields, which a module that is there must hold."""
     cls = attrgetter(name)(sys.modules[module])
     if not (isinstance(cls, type) and issubclass(cls, tuple) and len(getattr(cls, "_fields", ())) == count):
         raise FormError(f"{module}.{name} is no named tuple of {count}")
@@ -162,12 +162,8 @@ MADE: dict[str, Callable[..., types.Type]] = {
     "Array": lambda kind, ndim, layout, readonly, aligned: types.Array(
         type_of(kind), ndim, layout, readonly, aligned=aligned
     ),
-    "NamedTuple": lambda kinds, module, name: types.NamedTuple(
-        list(map(type_of, kinds)), class_of(module, name, len(kinds))
-    ),
-    "NamedUniTuple": lambda kinds, module, name: types.NamedUniTuple(
-        type_of(kinds[0]), len(kinds), class_of(module, name, len(kinds))
-    ),
+    "NamedTuple": lambda kinds, *cls: types.NamedTuple(list(map(type_of, kinds)), class_of(len(kinds), *cls)),
+    "NamedUniTuple": lambda kinds, *cls: types.NamedUniTuple(type_of(kinds[0]), len(kinds), class_of(len(kinds), *cls)),
     "Tuple": lambda kinds: types.Tuple(list(map(type_of, kinds))),
     "Reference": reference,
 }

@@ -86,11 +86,12 @@ class Curve(Drawn):
         dashed: list[Line2D] = []
         for k, (x, line) in enumerate(self.lines):
             axes.plot(x, line.y, color=COLOURS[k], label=line.name)
-            other_x, beside = others[k] if k < len(others) else (x, line)
-            if not (alike(x, other_x) and alike(line.y, beside.y)):
-                locked = still(other_x, x) and still(beside.y, line.y)  # a single point
-                style, tint = "x" if locked else "--", COLOURS[k if self.more else 1]
-                dashed += axes.plot(other_x, beside.y, style, color=tint, label=None if self.more else ablated)
+            if k < len(others):
+                other_x, beside = others[k]
+                if not (alike(x, other_x) and alike(line.y, beside.y)):
+                    locked = still(other_x, x) and still(beside.y, line.y)  # a single point
+                    style, tint = "x" if locked else "--", COLOURS[k if self.more else 1]
+                    dashed += axes.plot(other_x, beside.y, style, color=tint, label=None if self.more else ablated)
             if line.theory is not None:
                 where, known = (np.atleast_1d(np.asarray(values, float)) for values in line.theory)
                 dots = every(where.size, 25)
