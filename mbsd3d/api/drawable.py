@@ -2,13 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, TypedDict, Unpack, overload
 
 from ..integrators.method import Method
 from ..mechanism.bodies import Body
 from ..mechanism.measures import Measure
 from ..mechanism.mechanism import Mechanism
-from ..mechanism.signals.signal import Input
+from ..mechanism.signals.signal import InputOrName
 from ..mechanism.state import State
 from .viewable import LayerNames
 
@@ -20,6 +20,16 @@ if TYPE_CHECKING:
     from .playing import Play
 
 
+class ShowOptions(TypedDict, total=False):
+    """Options of `System.show`."""
+
+    state: State | None
+    shown: LayerNames
+    hidden: LayerNames
+    title: str | None
+    dark: bool | None
+
+
 class Drawable(Mechanism):
     """Pictures of a system at rest, and playing with it."""
 
@@ -27,6 +37,18 @@ class Drawable(Mechanism):
 
         def state(self, *, as_built: float | None = None) -> State: ...
 
+    @overload
+    def show(
+        self, path: str | Path | None = None, *, live: Literal[False] = False, **options: Unpack[ShowOptions]
+    ) -> "View": ...
+    @overload
+    def show(
+        self, path: str | Path | None = None, *, live: Literal[True], **options: Unpack[ShowOptions]
+    ) -> "LiveView": ...
+    @overload
+    def show(
+        self, path: str | Path | None = None, *, live: bool, **options: Unpack[ShowOptions]
+    ) -> "View | LiveView": ...
     def show(
         self,
         path: str | Path | None = None,
@@ -104,7 +126,7 @@ class Drawable(Mechanism):
 
     def play(
         self,
-        inputs: Mapping[Input | str, Sequence[float]] | None = None,
+        inputs: Mapping[InputOrName, Sequence[float]] | None = None,
         *,
         state: State | None = None,
         curves: Sequence[Measure] | None = None,

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
     from xarray import Dataset
 
-    from ..plotting.panels import Part, Wanted
+    from ..plotting.panels import Part, PlotQuantity, Wanted
     from ..report.page import Report
 
 
@@ -115,7 +115,7 @@ class Solution(RunResult, Viewable):
         self,
         quantity: "str | Wanted | None" = None,
         *parts: "Part",
-        against: str | tuple | None = None,
+        against: "PlotQuantity | None" = None,
         degrees: bool = False,
         dark: bool = False,
         axes: "Axes | Sequence[Axes] | None" = None,

@@ -8,7 +8,7 @@ Usual are bodies, joints, springs and rods, traces, the ground grid, and names t
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, TypedDict, Unpack, overload
 
 from numpy.typing import ArrayLike
 
@@ -26,9 +26,37 @@ if TYPE_CHECKING:
 LayerNames = str | Sequence[str]
 
 
+class AnimateOptions(TypedDict, total=False):
+    """Options of `Solution.animate`."""
+
+    curves: "Wanted | None"
+    traces: "Points | None"
+    shown: LayerNames
+    hidden: LayerNames
+    frames: int | None
+    speed: float | None
+    title: str | None
+    dark: bool | None
+    follow: "Body | Ground | str | None"
+    view: Sequence[float] | None
+    beside: Motion | None
+
+
 class Viewable(Motion):
     """Pictures and films of a run or a mode."""
 
+    @overload
+    def animate(
+        self, path: str | Path | None = None, *, live: Literal[False] = False, **options: Unpack[AnimateOptions]
+    ) -> "View": ...
+    @overload
+    def animate(
+        self, path: str | Path | None = None, *, live: Literal[True], **options: Unpack[AnimateOptions]
+    ) -> "LiveView": ...
+    @overload
+    def animate(
+        self, path: str | Path | None = None, *, live: bool, **options: Unpack[AnimateOptions]
+    ) -> "View | LiveView": ...
     def animate(
         self,
         path: str | Path | None = None,
@@ -81,13 +109,13 @@ class Viewable(Motion):
             Another run, of whose motion the first view of a page holds as much, and whose arrows have the same scale,
             so that two pages can be compared.
         """
-        from ..view.page.show import animate
+        from ..view.page.show import MotionOptions, animate
         from ..view.scene.drawing import Layers
 
-        return animate(
-            self, path, curves=curves, traces=traces, layers=Layers(shown, hidden), frames=frames, speed=speed,
-            title=title, dark=dark, live=live, follow=follow, view=view, beside=beside,
-        )  # fmt: skip
+        options = MotionOptions(
+            Layers(shown, hidden), curves, traces, frames, speed, title=title, follow=follow, view=view, beside=beside
+        )
+        return animate(self, path, options, dark, live)
 
     def picture(
         self,

@@ -10,6 +10,7 @@ from .support import (
     can_view,
     drop_option,
     keep,
+    list_parameters,
     load_system,
     parameters_option,
     ready_target,
@@ -78,10 +79,12 @@ def run(
     keeps the samples so far. The exit code is 1 if the certificate fails.
     """
     can_view(needed=viewed)
-    if t_end is None and not help_parameters:
+    if help_parameters:
+        list_parameters(file)
+    if t_end is None:
         raise click.UsageError("Missing option '--t-end', the end of the run [s].")
-    chosen = None if help_parameters else method_of(method, dt, stiff)
-    system = load_system(file, drop, settings, help_parameters)
+    chosen = method_of(method, dt, stiff)
+    system = load_system(file, drop, settings)
     target = ready_target(file, out, ".npz")
     from ..api.simulation import simulate
     from ..base.errors import IntegrationError

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from importlib import metadata
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
@@ -138,13 +138,20 @@ parameters_option = click.option(
 )
 
 
+def list_parameters(file: str) -> NoReturn:
+    """List the parameters of build(...) of a Python file and end."""
+    from ..api.model_input import parameters_of
+
+    click.echo("\n".join(parameters_of(file)) or "no parameters")
+    raise click.exceptions.Exit(0)
+
+
 def load_system(file: str, drop: tuple[str, ...], settings: tuple[str, ...] = (), show: bool = False) -> "System":
     """Load the System of a file of any kind; messages of an import go to stderr. ``show``: list parameters and end."""
-    from ..api.model_input import load_model, parameters_of
+    from ..api.model_input import load_model
 
     if show:
-        click.echo("\n".join(parameters_of(file)) or "no parameters")
-        raise click.exceptions.Exit(0)
+        list_parameters(file)
     system, notes = load_model(file, drop, settings)
     for note in notes:
         click.echo(f"mbsd3d: {note}", err=True)

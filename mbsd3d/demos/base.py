@@ -14,6 +14,7 @@ from .figure import Panel, figure_of
 
 if TYPE_CHECKING:
     from ..api.solution import Solution
+    from ..api.viewable import AnimateOptions
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ class Show(NamedTuple):
     """Run to animate, with options of `Solution.animate`."""
 
     solution: "Solution"
-    options: Mapping[str, object] = {}
+    options: "AnimateOptions" = {}
 
 
 @dataclass(frozen=True, eq=False)

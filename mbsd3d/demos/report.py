@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from math import isfinite
 from pathlib import Path
 
+from ..api.viewable import AnimateOptions
 from ..plotting.plots import save_figure
 from .base import Outcome, Row
 from .discovery import discover
@@ -96,14 +97,16 @@ def write(demo: Demo, outcome: Outcome, folder: Path, *, pages: bool = True, wit
     """
     written = []
     if outcome.panels:
-        outcome.figure.get_layout_engine().execute(outcome.figure)
+        if layout := outcome.figure.get_layout_engine():
+            layout.execute(outcome.figure)
         outcome.figure.set_layout_engine("none")  # placed once, not again for each format
         stem = f"{demo.name}_without_{without}" if without else demo.name
         written += save_figure(outcome.figure, folder / stem)
     for name, solution in outcome.solutions.items():
         written += [solution.save(folder / name), solution.to_csv(folder / name)]
     for name, (solution, options) in outcome.views.items() if pages else ():
-        written.append(solution.animate(**{"title": demo.title, **options}).save(folder / name))
+        titled: AnimateOptions = {"title": demo.title, **options}
+        written.append(solution.animate(**titled).save(folder / name))
     return written
 
 

@@ -22,7 +22,8 @@ from ..results.reactions import Reaction
 from ..results.result import RunResult
 
 Part = Body | Joint | ForceElement | str
-Wanted = Iterable[str | Measure | tuple[str | Measure | Part, ...]]  # quantities with or without parts, and measures
+PlotQuantity = str | Measure | tuple[str | Measure | Part, ...]  # with or without parts
+Wanted = Iterable[PlotQuantity]
 QUANTITY_LABELS = {
     "omega": "angular velocity", "omega_body": "angular velocity, body axes", "alpha": "angular acceleration",
     "com": "centre of mass", "orientation": "quaternion",

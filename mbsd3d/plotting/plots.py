@@ -22,7 +22,7 @@ from ..base.paths import as_path, write_atomically
 from ..base.style import LINE_WIDTH_POINTS, Theme, figure_style, style_axes, theme
 from ..results.result import RunResult
 from .default_curves import default_curves, seen_panels
-from .panels import Panel, Part, Wanted, panels_of
+from .panels import Panel, Part, PlotQuantity, Wanted, panels_of
 
 LINE_STYLES = ("-", "--", ":", "-.")
 MARKED_SAMPLES_MAX = 40  # [1] samples that are marked one by one: straight lines between few of them could mislead
@@ -34,7 +34,7 @@ def plot_quantity(
     solution: RunResult,
     quantity: str | Wanted | None = None,
     *parts: Part,
-    against: str | tuple | None = None,
+    against: PlotQuantity | None = None,
     degrees: bool = False,
     dark: bool = False,
     axes: Axes | Sequence[Axes] | None = None,
@@ -83,7 +83,7 @@ def new_axes(count: int) -> np.ndarray:
 
 
 def panel_across(
-    solution: RunResult, against: str | tuple, quantity: str | Wanted | None, parts: tuple[Part, ...], degrees: bool
+    solution: RunResult, against: PlotQuantity, quantity: str | Wanted | None, parts: tuple[Part, ...], degrees: bool
 ) -> Panel:
     """Return the panel of the horizontal axis."""
     if isinstance(against, str) and isinstance(quantity, str):

@@ -19,7 +19,7 @@ from .checks.check import DRIFT_LIMIT_MAX, PASSED, Check, drift_limit
 from .checks.equations import equation_checks, joint_checks, lost, residuals
 from .checks.rounding import rounding, rounding_checks, singular_notes
 from .checks.turning import turning_checks
-from .record import HasOptions, Record, RunOptions
+from .record import HasOptions, RankEvent, Record, RunOptions
 from .result import RunResult
 
 FAR_TURN = 1.0  # rad in a step: beyond, its error is no small share of the turn
@@ -41,7 +41,7 @@ class Certificate(HasOptions):
     rejected: int
     evaluations: int
     svd_calls: int
-    rank_events: tuple
+    rank_events: tuple[RankEvent, ...]
     seconds: float
     checks: tuple[Check, ...]
     stopped_by: str | None = None

@@ -8,10 +8,12 @@ from numpy.typing import ArrayLike
 
 from ..base.checks import number, short_repr
 from ..base.errors import InputError
-from ..equations.compiled import Switches
+from ..equations.compiled import History, Switches
 from ..integrators.dop853 import DOP853
 from ..integrators.method import Method
 from ..mechanism.measures import Condition
+
+RankEvent = tuple[float, int, str, bool]  # time [s], rows kept, reason, whether the row set changed
 
 
 @dataclass(frozen=True)
@@ -76,7 +78,7 @@ class Record(HasOptions):
     rejected: int = 0
     evaluations: int = 0
     svd_calls: int = 0  # choices of rows
-    rank_events: list = field(default_factory=list)  # (time [s], rows kept, reason, whether the row set changed)
+    rank_events: list[RankEvent] = field(default_factory=list)
     seconds: float = 0.0  # the whole run
     loop_seconds: float = 0.0  # of these, in the compiled time loop
     rows_left_out: int | None = None  # redundant rows at the last choice; None = not chosen
@@ -91,7 +93,7 @@ class Record(HasOptions):
     farthest_by: str = ""  # that body
     stopped_by: str | None = None
     never_armed: str | None = None  # the condition to stop that has not been false since the start
-    inputs: dict = field(default_factory=dict)  # name -> ((time [s], value), ...): what each was set to, and when
+    inputs: History = field(default_factory=dict)
 
     @property
     def method(self) -> Method:

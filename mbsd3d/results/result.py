@@ -81,7 +81,14 @@ class RunResult(Motion):
 
     @classmethod
     def from_run(
-        cls, compiled: Compiled, arrays: dict, record: Record, start: State, y: np.ndarray, t: float, data: Data
+        cls,
+        compiled: Compiled,
+        arrays: dict[str, np.ndarray],
+        record: Record,
+        start: State,
+        y: np.ndarray,
+        t: float,
+        data: Data,
     ) -> "RunResult":
         """Split the raw samples ``y`` into q, world velocities and own states."""
         n = len(compiled.system.bodies)

@@ -12,7 +12,7 @@ from ..base.errors import InputError, similar
 from ..equations.compiled import compile_system, starts
 from ..mechanism.measures import Measure, angle, check_members, slide, velocity
 from ..mechanism.mechanism import Mechanism
-from ..mechanism.signals.signal import Input
+from ..mechanism.signals.signal import Input, InputOrName
 from ..mechanism.state import State
 from .segments import driver_of
 
@@ -129,7 +129,7 @@ class Plain:
 def plain(
     system: Mechanism,
     start: State,
-    ranges: Mapping[Input | str, Sequence[float]] | None = None,
+    ranges: Mapping[InputOrName, Sequence[float]] | None = None,
     curves: Sequence[Measure] | None = None,
 ) -> Plain:
     """A system with a control for each input that a range (low, high) is given for, and curves of measures.
@@ -150,7 +150,7 @@ def plain(
     return Plain(system, start, controls_of(system, {} if ranges is None else ranges), curves)
 
 
-def controls_of(system: Mechanism, ranges: Mapping[Input | str, Sequence[float]]) -> list[Control]:
+def controls_of(system: Mechanism, ranges: Mapping[InputOrName, Sequence[float]]) -> list[Control]:
     """A control for each range given, in their order."""
     if not isinstance(ranges, Mapping):
         raise InputError(f"play: inputs = {short_repr(ranges)}; give a dict, e.g. {{'motor': (-5, 5)}}")

@@ -93,6 +93,10 @@ u37 = (2.0 * Ramp(1.0) + 3.0)(np.linspace(0.0, 1.0, 3))[1]
 u38 = signals.Table([0, 1, 2, 3], [0, 1, 4, 9]).times[-1] + signals.Polynomial((1.0, 2)).coefficients[0]
 u39 = load("run.npz").system.joints[0].a.position
 u40 = hinge.b.centre - hinge.a.centre
+u41 = system.show(hidden="joints").html + solution.animate("run", curves=["energy", ("angle", hinge)]).html
+u42 = [system.show(live=True).url, solution.animate(traces=[(arm, (0, 0, 1))], live=True).url]
+u43 = {"push": (-5.0, 5.0)}
+u44 = system.play(u43).late
 
 w01 = Body("bad", mass="heavy", inertia=(1, 1, 1))  # type: ignore[arg-type]
 arm.mass = 3.0  # type: ignore[arg-type]
@@ -102,3 +106,5 @@ w04 = System([hinge])  # type: ignore[list-item]
 w05 = AngleDriver(arm, 0.3)  # type: ignore[arg-type]
 w06 = hinge.pitch  # type: ignore[attr-defined]
 w07 = SpringDamper(GROUND, arm, (0, 0, 0), at_b=(1, 0, 0), stiffness=1.0)  # type: ignore[call-arg, arg-type]
+w08 = solution.animate(live=True).html  # type: ignore[attr-defined]
+w09 = solution.animate(curve=["energy"])  # type: ignore[call-overload]

@@ -6,6 +6,7 @@ import numpy as np
 
 from mbsd3d import GROUND, Body, Revolute, Spherical, State, System, shapes, simulate
 
+from ...api.viewable import AnimateOptions
 from ...base.rotations import H
 from ..base import Show
 from ..figure import Line, Table
@@ -17,9 +18,9 @@ INITIAL_GAP, DECAY_RATE, STEP_COUNT = (
     10.0,
     200,
 )  # m, opened on purpose; 1/s, both roots of Baumgarte; of the quaternion's RK4
-BAUMGARTE = {"stabilisation": "baumgarte", "baumgarte": (2 * DECAY_RATE, DECAY_RATE**2)}
+BAUMGARTE: dict[str, Any] = {"stabilisation": "baumgarte", "baumgarte": (2 * DECAY_RATE, DECAY_RATE**2)}
 TERMS = {"gyroscopic": "no w x I w", "centripetal": "no m w x (w x s)", "gamma": "no -J_dot v"}
-RUNS = {"all terms": {}, **{text: {term: False} for term, text in TERMS.items()},
+RUNS: dict[str, dict[str, Any]] = {"all terms": {}, **{text: {term: False} for term, text in TERMS.items()},
         "no stabilisation": {"stabilisation": "none"}, "Baumgarte": BAUMGARTE}  # fmt: skip
 
 
@@ -117,10 +118,10 @@ def measure(build, terms_off, *, arm, turn, I=(1.0, 2.0, 3.0), spin=(1.0, 2.0, 2
     """Measure half a turn of the free body, a turn of crank, flywheel and quaternion, each without its term (or with
     it).
     """
-    kept, settings, t = terms == "kept", {"rtol": 1e-12, "output": 51}, 2 * np.pi / abs(turn)
-    free = simulate(free_body(I, spin), np.pi / np.linalg.norm(spin), gyroscopic=kept, **settings)
+    kept, t, half_turn = terms == "kept", 2 * np.pi / abs(turn), np.pi / float(np.linalg.norm(spin))
+    free = simulate(free_body(I, spin), half_turn, gyroscopic=kept, rtol=1e-12, output=51)
     engine = crank.one_turn(own_crank()(), crank.demo.parameters["rpm"], centripetal=kept)
-    flying = simulate(build(), t, gamma=kept, stabilisation="none", **settings)
+    flying = simulate(build(), t, gamma=kept, stabilisation="none", rtol=1e-12, output=51)
     apart = {name: opened(build(), t, name) for name in ("none", "baumgarte", "projection")}
     gaps = {name: np.linalg.norm(run.point("wheel", (-arm, 0, 0)), axis=1) for name, run in apart.items()}
     gap, L, energy = np.linalg.norm(flying.point("wheel", (-arm, 0, 0)), axis=1), free.momentum().angular, free.energy()
@@ -149,8 +150,10 @@ def measure(build, terms_off, *, arm, turn, I=(1.0, 2.0, 3.0), spin=(1.0, 2.0, 2
                                               theory=(time, 100 * np.hypot(1, np.pi * time))),
                                          Line("true angle", 360 * time)]),
     ]  # fmt: skip
-    astray: dict[str, Any] = {"title": "without w x I w: the angular momentum of a free body turns with it"}
-    astray |= {"curves": ["momentum", "energy"], "shown": ["angular momentum", "angular velocity"]}
+    astray = AnimateOptions(
+        title="without w x I w: the angular momentum of a free body turns with it", curves=["momentum", "energy"],
+        shown=["angular momentum", "angular velocity"],
+    )  # fmt: skip
     return Measured(values, [flying, free, engine, *apart.values()], curves, {"free_body": Show(free, astray)})
 
 

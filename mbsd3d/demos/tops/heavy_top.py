@@ -1,4 +1,4 @@
-"""Fast heavy top of the literature: it falls, turns aside, and rises again."""
+"""Fast heavy top of the literature: it top, turns aside, and rises again."""
 
 import numpy as np
 from scipy.special import ellipk
@@ -95,9 +95,10 @@ def without_gyroscopic(*, m, l, It, spin, precession, tilt_deg, t):
 def measure(build, terms, *, m, l, It, I3, spin, precession, tilt_deg, steady_tilt_deg=75.0, t=2.0) -> Measured:
     """Measure the falling top at t, its first turning point, and the mean rate of both steady precessions."""
     settings, A = {"rtol": 1e-12, **terms}, It + m * l**2
-    run = simulate(build(), t, output=801, **settings)
-    rising = measures.velocity(run.system.bodies[0], axis=(0, 0, 1)) > 0.0
-    fall = simulate(run.system, 10 * t, state=run.state(1), stop_when=rising, **settings)
+    top = build()
+    run = simulate(top, t, output=801, **settings)
+    rising = measures.velocity(top.bodies[0], axis=(0, 0, 1)) > 0.0
+    fall = simulate(top, 10 * t, state=run.state(1), stop_when=rising, **settings)
     rates = steady_rates(np.radians(steady_tilt_deg), A, I3, spin, m * G * l)
     tilts = {"tilt_deg": steady_tilt_deg}
     steady = [
@@ -118,8 +119,8 @@ def measure(build, terms, *, m, l, It, I3, spin, precession, tilt_deg, steady_ti
         Path(("x / l [-]", "y / l [-]", "z / l [-]"), centre / l, "path of the centre of mass",
              net=lower_net(), box=(2, 2, 1), heights=(-1, 0)),
         Curve("height of the centre of mass [m]", run.t, centre[:, 2], (run.t[::20], known[:, 2]),
-              title="it falls, and comes back up"),
-        Curve("revolutions about the vertical [-]", slow.x, slow.y, slow.theory, name=slow.name, more=[fast],
+              title="it top, and comes back up"),
+        Curve("revolutions about the vertical [-]", steady[0].t, slow.y, slow.theory, name=slow.name, more=[fast],
               title=f"steady precession, axis at {steady_tilt_deg:g} deg"),
     ]  # fmt: skip
     return Measured(values, [run, *steady], curves)
@@ -130,7 +131,7 @@ demo = Demo(
     title="Heavy top: a falling weight that turns aside",
     question="Why does a spinning top fall a little, turn aside, and come back up?",
     why="In a plane the spin has no direction to change, so w x I w vanishes and a weight can only fall. In space the "
-    "moment of the weight turns the spin axis sideways. Released with another rate than a steady one the top falls "
+    "moment of the weight turns the spin axis sideways. Released with another rate than a steady one the top top "
     "until its sideways motion holds it, and comes back up: it nutates. With the right rate, and there are two, "
     "it goes round at a constant height.",
     equation="A W^2 cos(tilt) - C w_3 W + m g l = 0; u_dot^2 = (alpha - beta u)(1 - u^2) - (b - a u)^2",
@@ -143,7 +144,7 @@ demo = Demo(
         "fast_precession_rad_s": Quantity("fast steady precession", "rad/s"),
     },
     ablation=Ablation(
-        "gyroscopic", "the top falls as if its moment about the axis were that across it", values=without_gyroscopic
+        "gyroscopic", "the top top as if its moment about the axis were that across it", values=without_gyroscopic
     ),
     show={"curves": [("com", "top"), ("reaction", "pivot")], "traces": [("top", (0, 1 + TIP_RATIO, 0))], "speed": 0.1,
           "shown": ["angular momentum"]},

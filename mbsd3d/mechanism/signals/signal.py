@@ -8,7 +8,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from itertools import chain
 from numbers import Real
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -343,3 +343,6 @@ class Input(Signal):
     def terms(self) -> list[Term]:
         """The polynomial (value)."""
         return [Term(POLYNOMIAL, np.array([self.value]), (self.name, self.value))]
+
+
+InputOrName = TypeVar("InputOrName", bound=Input | str)  # key of a mapping: type checkers take dict[str, ...] then

@@ -6,6 +6,7 @@ import io
 import shutil
 import subprocess
 from pathlib import Path
+from typing import Unpack
 
 import numpy as np
 from PIL import Image
@@ -17,7 +18,7 @@ from ...base.progress import Progress
 from ...base.style import channels
 from ...base.version import loading
 from ...results.motion import Motion
-from .frames import FilmFrames
+from .frames import FilmFrames, FilmOptions
 
 GIF_SECONDS = 6.0, 4.0  # [s] longest run that is shown in real time, and length of the films of other runs
 GIF_FRAME_RATE_MAX = 50.0  # [1/s] frames; viewers show faster films slower
@@ -30,8 +31,8 @@ NO_FFMPEG = (
 )
 
 
-def export_gif(motion: Motion, path: str | Path, *, fps: float, **options: object) -> Path:
-    """Write an animated GIF; see `Solution.export_gif`, ``options`` as `FilmFrames`."""
+def export_gif(motion: Motion, path: str | Path, *, fps: float, **options: Unpack[FilmOptions]) -> Path:
+    """Write an animated GIF; see `Solution.export_gif`."""
     if number(fps, "fps", positive=True) > GIF_FRAME_RATE_MAX:
         raise InputError(f"fps = {fps:g} is more than viewers show; give at most {GIF_FRAME_RATE_MAX:g}")
     path = ready_path(path, ".gif")
@@ -39,8 +40,8 @@ def export_gif(motion: Motion, path: str | Path, *, fps: float, **options: objec
     probes = np.unique(np.linspace(0, len(film) - 1, PALETTE_FRAMES_COUNT).astype(int))
     painted = {k: film.frame(k) for k in probes.tolist()}
     sample = Image.fromarray(np.concatenate(list(painted.values())))
-    palette = sample.quantize(GIF_COLOURS_COUNT, method=Image.Quantize.MEDIANCUT).getpalette()
-    tones = with_paper(np.reshape(palette[: 3 * GIF_COLOURS_COUNT], (-1, 3)).astype(np.uint8), film.sheet.paper)
+    palette = np.array(sample.quantize(GIF_COLOURS_COUNT, method=Image.Quantize.MEDIANCUT).getpalette(), np.uint8)
+    tones = with_paper(palette[: 3 * GIF_COLOURS_COUNT].reshape(-1, 3), film.sheet.paper)
     ends = np.rint(np.arange(len(film) + 1) * 100.0 / film.fps).astype(int)  # GIF counts in 1/100 s
     with Progress(f"making {path.name}", 0, len(film)) as bar:
         images = []
@@ -55,10 +56,10 @@ def export_gif(motion: Motion, path: str | Path, *, fps: float, **options: objec
     return write_atomically(path, buffer.getvalue())
 
 
-def export_mp4(motion: Motion, path: str | Path, **options: object) -> Path:
-    """Write an MP4; see `Solution.export_mp4`, ``options`` as `FilmFrames`."""
+def export_mp4(motion: Motion, path: str | Path, *, fps: float, **options: Unpack[FilmOptions]) -> Path:
+    """Write an MP4; see `Solution.export_mp4`."""
     command, path = ffmpeg(), ready_path(path, ".mp4")
-    film = FilmFrames(motion, **options)
+    film = FilmFrames(motion, fps=fps, **options)
     for side, length in (("width", film.width), ("height", film.height)):
         if length % 2:
             raise InputError(f"{side} = {length} is odd; give an even one")
@@ -76,7 +77,7 @@ def pour(command: list[str], film: FilmFrames, path: Path) -> None:
         try:
             with Progress(f"making {path.name}", 0, len(film)) as bar, contextlib.suppress(BrokenPipeError):
                 for k, frame in enumerate(film):
-                    process.stdin.write(np.ascontiguousarray(frame).tobytes())
+                    process.stdin.write(np.ascontiguousarray(frame).tobytes())  # type: ignore[union-attr]  # a pipe
                     bar.update(k + 1)
             _, complaint = process.communicate()
         except BaseException:

@@ -2,6 +2,7 @@
 
 import textwrap
 from collections.abc import Iterator, Sequence
+from typing import TypedDict
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -27,6 +28,19 @@ FRAMES_MAX, PIXELS_MAX = 5000, 4096  # [frames] of a film, [pixel] of a side
 TRIANGLE_PIXELS_MAX = 31.0  # [pixel] of the longest triangle or stroke, about
 PATH_POINTS_MIN = 400  # [points] of a path
 EXTENT_POSES_COUNT = 60  # [poses] from which the extent of the motion is found
+
+
+class FilmOptions(TypedDict, total=False):
+    """Options of a film besides its frames per second; see `Solution.export_gif`."""
+
+    speed: float | None
+    width: int
+    height: int | None
+    curves: Wanted | None
+    traces: Points | None
+    layers: Layers
+    view: Sequence[float] | None
+    dark: bool
 
 
 def paced(t: np.ndarray, fps: float, speed: float | None, usual: tuple[float, float]) -> tuple[float, float, int]:

@@ -4,7 +4,7 @@ Equal arrays, materials and meshes are stored once. The binary chunk has three p
 vertices, indices and the arrays of the animation.
 """
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Mapping
 
 import numpy as np
 
@@ -30,6 +30,7 @@ VIEWS: dict[str, dict[str, int]] = {
 }
 LINES, LINE_STRIP, TRIANGLES = 1, 3, 4
 ROUGHNESS, METALLIC = 0.6, 0.1
+Primitive = tuple[int, int, int, int | None, int | None]  # mode, material, accessors: points, normals, corners
 STRIP_RESTART_INDEX = 0xFFFF  # the one index of 16 bits that glTF reserves
 
 
@@ -41,11 +42,11 @@ def short(values: np.ndarray) -> list[float]:
 class Asset:
     """Buffers, accessors and nodes of a glTF file under construction."""
 
-    def __init__(self, about: dict[str, str | float], generator: str) -> None:
+    def __init__(self, about: Mapping[str, str | float], generator: str) -> None:
         if pygltflib is None:
             raise InputError("export_glb needs pygltflib, which mbsd3d comes with; install it: pip install pygltflib")
         self.gltf = pygltflib.GLTF2(scene=0, scenes=[pygltflib.Scene()])
-        self.gltf.asset = pygltflib.Asset(generator=generator, extras=about)
+        self.gltf.asset = pygltflib.Asset(generator=generator, extras=dict(about))
         self.animation = pygltflib.Animation(name="motion")
         self.chunks: dict[str, bytearray] = {}
         self.known: dict[Hashable, int] = {}
@@ -103,16 +104,14 @@ class Asset:
         points: np.ndarray,
         normals: np.ndarray | None = None,
         corners: np.ndarray | None = None,
-    ) -> tuple:
-        """Add triangles or lines of a mesh: mode, material, accessors of points, normals and corners."""
-        if corners is not None:
-            kind = np.dtype("<u2" if len(points) <= STRIP_RESTART_INDEX else "<u4")
-            corners = self.array(np.asarray(corners, kind).ravel(), "indices")
-        if normals is not None:
-            normals = self.array(np.asarray(normals, "<f4"), "vertices")
-        return mode, material, self.array(np.asarray(points, "<f4"), "vertices", bounds=True), normals, corners
+    ) -> Primitive:
+        """Add triangles or lines of a mesh."""
+        kind = np.dtype("<u2" if len(points) <= STRIP_RESTART_INDEX else "<u4")
+        ends = None if corners is None else self.array(np.asarray(corners, kind).ravel(), "indices")
+        across = None if normals is None else self.array(np.asarray(normals, "<f4"), "vertices")
+        return mode, material, self.array(np.asarray(points, "<f4"), "vertices", bounds=True), across, ends
 
-    def mesh(self, name: str, primitives: list[tuple]) -> int:
+    def mesh(self, name: str, primitives: list[Primitive]) -> int:
         """Add a mesh of primitives; one with the same primitives keeps the name of the first."""
 
         def make() -> object:
@@ -127,7 +126,9 @@ class Asset:
 
         return self.once(tuple(primitives), "meshes", make)
 
-    def node(self, name: str, parent: int | None = None, mesh: int | None = None, **place: np.ndarray) -> int:
+    def node(
+        self, name: str, place: Mapping[str, np.ndarray], parent: int | None = None, mesh: int | None = None
+    ) -> int:
         """Add a node below its parent.
 
         ``place`` is translation (3,), rotation (x, y, z, w) and scale (3,) at the start.
@@ -137,9 +138,11 @@ class Asset:
         (self.gltf.scenes[0].nodes if parent is None else nodes[parent].children).append(index)
         return index
 
-    def moving(self, name: str, parent: int, t: np.ndarray, mesh: int | None = None, **places: np.ndarray) -> int:
+    def moving(
+        self, name: str, places: Mapping[str, np.ndarray], parent: int, t: np.ndarray, mesh: int | None = None
+    ) -> int:
         """Add a node with places (frames, 3 or 4) at times (frames,) [s]; what does not move gets no channel."""
-        node = self.node(name, parent, mesh, **{key: values[0] for key, values in places.items()})
+        node = self.node(name, {key: values[0] for key, values in places.items()}, parent, mesh)
         for path, places_of in places.items():
             values = np.asarray(places_of, "<f4")
             if (values == values[0]).all():

@@ -21,7 +21,7 @@ from ..scene.drawing import Drawing, Piece, Wire, poses_of, title_of
 from ..scene.frames import Frames, frames_of
 from ..scene.meshes import COIL_RADIUS_RATIO, ROD_RADIUS_RATIO, rolled, unit_coil, unit_rod
 from ..scene.motion import Points, Trace, moved, nearby, traces_of
-from .asset import LINE_STRIP, LINES, TRIANGLES, Asset
+from .asset import LINE_STRIP, LINES, TRIANGLES, Asset, Primitive
 
 LAYERS = ("bodies", "joints")  # marks of centres and reference points belong to switches, which glTF does not have
 SPRING_LENGTH_MIN = 1e-6  # [sizes of the mechanism] drawn of a spring that is pressed to a point
@@ -50,7 +50,7 @@ def glb(system: Mechanism, frames: Frames, traces: list[Trace]) -> bytes:
     origin = drawing.origin
     drawing, frames, _, traces = nearby(drawing, frames, traces=traces)
     names = [body.name for body in system.bodies]
-    about = {
+    about: dict[str, str | float] = {
         "title": title_of(system),
         "length": "m",
         "time": "s",
@@ -58,14 +58,16 @@ def glb(system: Mechanism, frames: Frames, traces: list[Trace]) -> bytes:
         "duration": float(frames.t[-1] - frames.t[0]),
     }
     asset = Asset(about, f"mbsd3d {package_version()}")
-    place = {"translation": matrix(Z_UP_TO_Y_UP) @ origin} if origin.any() else {}
-    root = asset.node("world, z up", rotation=as_gltf(Z_UP_TO_Y_UP), **place)
+    place = {"rotation": as_gltf(Z_UP_TO_Y_UP)}
+    if origin.any():
+        place["translation"] = matrix(Z_UP_TO_Y_UP) @ origin
+    root = asset.node("world, z up", place)
     add_bodies(asset, root, [*names, "ground"], drawing, frames)
     add_links(asset, root, drawing, frames)
     for trace in traces:
         if len(trace.points) > 1:
             line = asset.primitive(LINE_STRIP, asset.material(trace.colour), trace.points)
-            asset.node(f"path of {trace.name}", root, asset.mesh(f"path of {trace.name}", [line]))
+            asset.node(f"path of {trace.name}", {}, root, asset.mesh(f"path of {trace.name}", [line]))
     return asset.glb()
 
 
@@ -77,7 +79,8 @@ def as_gltf(e: np.ndarray) -> np.ndarray:
 def add_bodies(asset: Asset, root: int, names: list[str], drawing: Drawing, frames: Frames) -> None:
     """Add a node for every body and the ground; below it one for its shape and one for each of its joints."""
     shown: list[dict[tuple[str, str], list[Piece | Wire]]] = [{} for _ in names]
-    for item in (*drawing.pieces, *drawing.wires):
+    everything: tuple[Piece | Wire, ...] = (*drawing.pieces, *drawing.wires)
+    for item in everything:
         if item.layer in LAYERS:
             shown[item.body].setdefault((item.layer, item.name), []).append(item)
     clock = frames.t - frames.t[0]
@@ -85,15 +88,15 @@ def add_bodies(asset: Asset, root: int, names: list[str], drawing: Drawing, fram
         if i == len(names) - 1 and not shown[i]:
             continue  # nothing is fixed to the ground
         places = {"translation": frames.r[:, i], "rotation": as_gltf(frames.e[:, i])}
-        node = asset.moving(name, root, clock, **places)
+        node = asset.moving(name, places, root, clock)
         for (layer, part), items in shown[i].items():
             label = f"{part} shape" if layer == "bodies" else f"{part} on {name}"
             primitives = [primitive for item in items for primitive in primitives_of(asset, item)]
             if primitives:
-                asset.node(label, node, asset.mesh(label, primitives))
+                asset.node(label, {}, node, asset.mesh(label, primitives))
 
 
-def primitives_of(asset: Asset, item: Piece | Wire) -> Iterator[tuple]:
+def primitives_of(asset: Asset, item: Piece | Wire) -> Iterator[Primitive]:
     """Return the triangles of a piece, light and dark ones, or the strokes of a wire."""
     if isinstance(item, Piece):
         yield from solid(asset, item.mesh, item.colour)
@@ -106,7 +109,7 @@ def primitives_of(asset: Asset, item: Piece | Wire) -> Iterator[tuple]:
         yield asset.primitive(LINES, asset.material(item.colour), item.points[drawn], corners=corners)
 
 
-def solid(asset: Asset, mesh: Mesh, colour: str) -> Iterator[tuple]:
+def solid(asset: Asset, mesh: Mesh, colour: str) -> Iterator[Primitive]:
     """Return one set of triangles for each shade; they share their corners."""
     skin = asset.skin(mesh)
     for shade, brightness in ((0, 1.0), (1, SECTOR_BRIGHTNESS)):
@@ -127,4 +130,4 @@ def add_links(asset: Asset, root: int, drawing: Drawing, frames: Frames) -> None
             "coil" if link.spring else "rod", list(solid(asset, unit_coil() if link.spring else unit_rod(), GREY))
         )
         places = {"translation": start, "rotation": as_gltf(e), "scale": np.column_stack([width, width, lengths])}
-        asset.moving(link.name, root, clock, mesh, **places)
+        asset.moving(link.name, places, root, clock, mesh)

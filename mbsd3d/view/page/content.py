@@ -66,8 +66,10 @@ def weight_of(content: Content) -> int:
 def scene_and_data(content: Content, user: str) -> tuple[str, dict[str, object]]:
     """Return the recorded scene (base64) and the data by which the player moves it."""
     recording = Recording(user)
-    options = {"near": content.followed >= 0, "view": content.view, "least": content.least}
-    stage = Stage(recording.scene, recording.camera, *content[:4], content.shown, **options)
+    stage = Stage(
+        recording.scene, recording.camera, *content[:4], content.shown, near=content.followed >= 0, view=content.view,
+        least=content.least,
+    )  # fmt: skip
     return recording.data(), player_data(content, stage)
 
 

@@ -101,7 +101,7 @@ def guarded_serving(token: str, visitors: Visitors) -> Iterator[None]:
     """Guard servers of websockets that start inside, and let them stop soon."""
     from websockets.asyncio import server
 
-    serve = server.serve
+    serve, names = server.serve, vars(server)
 
     @functools.wraps(serve)
     def behind_guard(*arguments: Any, process_request: Callable | None = None, **options: Any) -> Any:
@@ -110,8 +110,8 @@ def guarded_serving(token: str, visitors: Visitors) -> Iterator[None]:
         return serve(*arguments, process_request=guarded(process_request, token), **options)
 
     with SERVER_LOCK:
-        server.serve = behind_guard
+        names["serve"] = behind_guard
         try:
             yield
         finally:
-            server.serve = serve
+            names["serve"] = serve

@@ -14,6 +14,7 @@ from .stage import Stage
 
 if TYPE_CHECKING:
     from viser import GuiApi, GuiCheckboxHandle, GuiEvent, GuiSliderHandle
+    from viser.uplot import Series
 
 PLAYBACK_SPEEDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
 CURVE_POINTS_MAX = 300  # [points] of a curve; the whole curve is sent again whenever its cursor moves
@@ -46,8 +47,10 @@ class Panel:
 
     def add_player(self, frames: Frames) -> "GuiSliderHandle[float]":
         """Add button, slider and speeds; return the slider."""
+        from viser import Icon
+
         player, gui = self.player, self.gui
-        button = gui.add_button("Pause", icon="player-pause")
+        button = gui.add_button("Pause", icon=Icon.PLAYER_PAUSE)
         first, last = float(frames.t[0]), float(frames.t[-1])
         slider = gui.add_slider("time [s]", first, last, (last - first) / 1000.0, first)
         speeds = sorted({*PLAYBACK_SPEEDS, player.speed})
@@ -56,7 +59,8 @@ class Panel:
         @button.on_click
         def _(_: object) -> None:
             player.playing = not player.playing
-            button.label, button.icon = ("Pause", "player-pause") if player.playing else ("Play", "player-play")
+            button.label = "Pause" if player.playing else "Play"
+            button.icon = Icon.PLAYER_PAUSE if player.playing else Icon.PLAYER_PLAY
 
         @slider.on_update
         def _(event: "GuiEvent") -> None:
@@ -80,9 +84,18 @@ class Panel:
                 continue
             hint = f"longest arrow: {longest[layer]:.3g} {unit[layer]}" if layer in longest else None
             hint = f"{hint}; pale: not unique" if layer in open_share else hint
-            boxes[layer] = self.gui.add_checkbox(layer, bool(nodes[0].visible), hint=hint)
-            boxes[layer].on_update(lambda event, layer=layer: self.switch(layer, event.target.value))
+            boxes[layer] = self.add_switch(layer, bool(nodes[0].visible), hint)
         return boxes
+
+    def add_switch(self, layer: str, visible: bool, hint: str | None) -> "GuiCheckboxHandle":
+        """Add a check box for a layer."""
+        box = self.gui.add_checkbox(layer, visible, hint=hint)
+
+        @box.on_update
+        def _(_: object) -> None:
+            self.switch(layer, box.value)
+
+        return box
 
     def switch(self, layer: str, visible: bool) -> None:
         """Show or hide a layer; arrows were not moved while they were hidden."""
@@ -96,7 +109,7 @@ class Panel:
     def show(self, t: float) -> None:
         """Move slider and cursors to a time [s]."""
         if self.slider is not None:
-            self.slider.value = t
+            self.slider.value = t  # type: ignore[misc]  # a property whose setter viser defines apart from it
         if self.pictures % CURSOR_INTERVAL_FRAMES == 0 or not self.player.playing:
             for plot in self.plots:
                 plot.move(t)
@@ -112,7 +125,7 @@ class Plot:
         low, high = min(map(np.min, self.lines)), max(map(np.max, self.lines))
         margin = 0.05 * float(high - low) or 0.05 * abs(float(high)) or 1.0
         self.range = (float(low) - margin, float(high) + margin)
-        series: list[dict] = [{"label": "time [s]"}]
+        series: list[Series] = [{"label": "time [s]"}]
         series += [
             {"label": printable(name), "stroke": look.colour(i), "width": 2} for i, (name, _) in enumerate(curve.lines)
         ]

@@ -27,8 +27,9 @@ def import_viser(user: str) -> "ModuleType":
         with loading():
             import viser
     except ImportError:
-        viser = None
-    found = viser.__version__ if viser else "none"
+        found = "none"
+    else:
+        found = viser.__version__
     if not found.startswith(CLIENT_VERSION_PREFIX):
         raise InputError(
             f"{user} needs viser {CLIENT_VERSION_PREFIX}x, found {found}; "
@@ -46,7 +47,7 @@ def remember_hints() -> None:
     from viser import _assignable_props_api as properties
 
     if properties.get_type_hints is get_type_hints:
-        properties.get_type_hints = cache(get_type_hints)
+        vars(properties)["get_type_hints"] = cache(get_type_hints)
 
 
 class Recorder:
@@ -56,8 +57,7 @@ class Recorder:
 
     def __init__(self) -> None:
         self._websock_connection = self._viser_server = self
-        self._scene_lifecycle_lock = self._record_lock = threading.RLock()
-        self._record_handles: list[object] = []
+        self._scene_lifecycle_lock = threading.RLock()
         self.messages: dict[str, Message] = {}  # by what makes a message replace an older one
 
     def register_handler(self, *_: object) -> None:
@@ -80,12 +80,13 @@ class Recording:
 
     def data(self) -> str:
         """Return the scene as base64 text."""
-        from viser.infra import StateSerializer
+        from viser.infra import WebsockMessageHandler
 
-        serializer = StateSerializer(self.recorder, lambda message: message.include_in_scene_serialization)
-        self.recorder._record_handles.append(serializer)
+        handler = WebsockMessageHandler()  # type: ignore[abstract]  # only its buffer, which is not used, is abstract
+        serializer = handler.get_message_serializer(lambda _: True)
         for message in self.recorder.messages.values():
-            serializer._insert_message(message)
+            if message.include_in_scene_serialization:
+                serializer._insert_message(message)
         return base64.b64encode(serializer.serialize()).decode("ascii")
 
 

@@ -1,6 +1,7 @@
 """Options and content of a page or a live view."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -51,48 +52,57 @@ def show_system(
     return deliver(content, path, dark, live, "system.show")
 
 
+@dataclass(frozen=True)
+class MotionOptions:
+    """Options of a motion in space; see `Solution.animate`."""
+
+    layers: Layers
+    curves: Wanted | None = None
+    traces: Points | None = None
+    frames: int | None = None
+    speed: float | None = None
+    title: str | None = None
+    follow: Body | Ground | str | None = None
+    view: Sequence[float] | None = None
+    beside: Motion | None = None
+
+
 def animate(
-    motion: Motion,
-    path: str | Path | None,
-    *,
-    curves: Wanted | None,
-    traces: Points | None,
-    layers: Layers,
-    frames: int | None,
-    speed: float | None,
-    title: str | None,
-    dark: bool | None,
-    live: bool,
-    follow: Body | Ground | str | None,
-    view: Sequence[float] | None = None,
-    beside: Motion | None = None,
+    motion: Motion, path: str | Path | None, options: MotionOptions, dark: bool | None, live: bool
 ) -> View | LiveView:
     """Show a motion; see `Solution.animate`."""
-    check_options(path, title, dark, live)
+    check_options(path, options.title, dark, live)
+    with Progress("page", 0.0, 6.0) as progress:
+        content = motion_content(motion, options, progress, live)
+        return deliver(content, path, dark, live, "solution.animate")
+
+
+def motion_content(motion: Motion, options: MotionOptions, progress: Progress, live: bool = False) -> Content:
+    """Return the content of a page or a live view; the progress is 4 then."""
+    frames, beside = options.frames, options.beside
     if not isinstance(beside, Motion | None):
         raise InputError(f"solution.animate: beside {shown_text(beside)} is not a solution; give one, or None")
-    followed = followed_body(motion, follow, live)
-    visible, axes = page_layers(motion.system, layers), directions(view)
-    speed = None if speed is None else number(speed, "speed", positive=True)
-    with Progress("page", 0.0, 6.0) as progress:
-        drawing = draw_system(motion.system)
+    followed = followed_body(motion, options.follow, live)
+    visible, axes = page_layers(motion.system, options.layers), directions(options.view)
+    speed = None if options.speed is None else number(options.speed, "speed", positive=True)
+    drawing, name = draw_system(motion.system), options.title or title_of(motion.system)
 
-        def gathered(at: Frames) -> Content:
-            progress.update(1.0)
-            arrows = arrows_of(motion, at)
-            progress.update(3.0)
-            paths = traces_of(motion, at, traces)
-            lines = curves_of(motion, at, curves) if at.t.size > 1 else []
-            progress.update(4.0)
-            least = None if beside is None else reach_of(beside, frames, visible, axes, drawing.origin)
-            pace, name = speed or sensible_speed(float(at.t[-1] - at.t[0])), title or title_of(motion.system)
-            shown = nearby(drawing, at, arrows, paths)
-            return Content(*shown, lines, pace, name, visible, True, followed, view, least)
+    def gathered(at: Frames) -> Content:
+        progress.update(1.0)
+        arrows = arrows_of(motion, at)
+        progress.update(3.0)
+        paths = traces_of(motion, at, options.traces)
+        lines = curves_of(motion, at, options.curves) if at.t.size > 1 else []
+        progress.update(4.0)
+        least = None if beside is None else reach_of(beside, frames, visible, axes, drawing.origin)
+        pace = speed or sensible_speed(float(at.t[-1] - at.t[0]))
+        shown = nearby(drawing, at, arrows, paths)
+        return Content(*shown, lines, pace, name, visible, True, followed, options.view, least)
 
-        content = gathered(frames_of(motion, frames))
-        if frames is None and not live and (weight := weight_of(content)) > MOTION_BYTES_MAX:
-            content = gathered(frames_of(motion, max(2, int(content.frames.t.size * MOTION_BYTES_MAX / weight))))
-        return deliver(content, path, dark, live, "solution.animate")
+    content = gathered(frames_of(motion, frames))
+    if frames is None and not live and (weight := weight_of(content)) > MOTION_BYTES_MAX:
+        return gathered(frames_of(motion, max(2, int(content.frames.t.size * MOTION_BYTES_MAX / weight))))
+    return content
 
 
 def reach_of(motion: Motion, frames: int | None, layers: Sequence[str], axes: np.ndarray, origin: np.ndarray) -> Reach:
@@ -105,7 +115,7 @@ def reach_of(motion: Motion, frames: int | None, layers: Sequence[str], axes: np
 def followed_body(motion: Motion, follow: Body | Ground | str | None, live: bool) -> int:
     """Return the number of the body that the camera follows, or -1; None = the heaviest of those that travel."""
     system = motion.system
-    if follow is GROUND or follow == GROUND.name or (follow is None and live):
+    if isinstance(follow, Ground) or follow == GROUND.name or (follow is None and live):
         return -1
     if follow is None:
         heaviest = max(range(len(system.bodies)), key=lambda i: system.bodies[i].mass)
@@ -153,11 +163,16 @@ def check_options(path: str | Path | None, title: str | None, dark: bool | None,
 
 def deliver(content: Content, path: str | Path | None, dark: bool | None, live: bool, user: str) -> View | LiveView:
     """Return the page, written to a path if one is given, or the live view."""
-    frames = content.frames
     if live:
         return LiveView(content, dark)
-    page = make_page(content, None if dark is None else bool(dark), user)
-    view = View(page, frames.r.shape[1] - 1, frames.t.size, float(frames.t[-1] - frames.t[0]))
+    page = page_of(content, dark, user)
     if path is not None:
-        view.save(path)
-    return view
+        page.save(path)
+    return page
+
+
+def page_of(content: Content, dark: bool | None, user: str) -> View:
+    """Return the page."""
+    frames = content.frames
+    page = make_page(content, None if dark is None else bool(dark), user)
+    return View(page, frames.r.shape[1] - 1, frames.t.size, float(frames.t[-1] - frames.t[0]))

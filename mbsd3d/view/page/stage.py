@@ -32,7 +32,7 @@ from ..scene.motion import Arrows, Trace, moved
 from .recorder import printable
 
 if TYPE_CHECKING:
-    from viser import InitialCameraConfig, SceneApi, SceneNodeHandle
+    from viser import BatchedMeshHandle, InitialCameraConfig, LineSegmentsHandle, SceneApi, SceneNodeHandle
 
 FIELD_OF_VIEW = 0.7  # [rad] vertical
 GROUND_FADE_DISTANCE = 12.0  # [camera distances] at which an endless ground has faded
@@ -79,7 +79,7 @@ class Links:
         lay(self.node, ends[:, 0], ends[:, 1] - ends[:, 0], self.scale, self.radii, self.rest)
 
 
-def add_copies(scene: "SceneApi", name: str, mesh: Mesh, colours: np.ndarray, count: int) -> "SceneNodeHandle":
+def add_copies(scene: "SceneApi", name: str, mesh: Mesh, colours: np.ndarray, count: int) -> "BatchedMeshHandle":
     """Add a node of ``count`` copies of a mesh, still without a place; colours (3,) or (count, 3), 0 ... 255."""
     still = np.tile([1.0, 0.0, 0.0, 0.0], (count, 1)), np.zeros((count, 3))
     scales = np.full((count, 3), SCALE_MIN)
@@ -90,7 +90,7 @@ def add_copies(scene: "SceneApi", name: str, mesh: Mesh, colours: np.ndarray, co
 
 
 def lay(
-    node: "SceneNodeHandle",
+    node: "BatchedMeshHandle",
     points: np.ndarray,
     vectors: np.ndarray,
     scale: float,
@@ -156,7 +156,7 @@ class Stage:
         longest = [max(x.longest, least.longest.get(x.kind, 0.0) if least else 0.0) for x in arrows]
         self.factors = [ARROW_LENGTH_SHARE * drawing.size / x if x > 0.0 else 0.0 for x in longest]  # m per unit
         self.arrows = [self.add_arrows(i, kind) for i, kind in enumerate(arrows)]
-        self.traces: list[SceneNodeHandle] = []  # the passed part of each
+        self.traces: list[LineSegmentsHandle] = []  # the passed part of each
         for i, trace in enumerate(traces):
             self.add_trace(i, trace)
         self.add_grid(*ground, drawing.floor, endless)
@@ -209,10 +209,13 @@ class Stage:
         for k, ((body, layer, colour), parts) in enumerate(groups.items()):
             self.add_segments(f"/bodies/{body}/wire{k}", layer, np.concatenate(parts), colour, 2.0)
 
-    def add_segments(self, name: str, layer: str, segments: np.ndarray, colour: str, width: float) -> "SceneNodeHandle":
+    def add_segments(
+        self, name: str, layer: str, segments: np.ndarray, colour: str, width: float
+    ) -> "LineSegmentsHandle":
         """Add lines (k, 2, 3) [m], equally wide on the screen wherever they are."""
-        style = {"thickness": width, "thickness_units": "screen"}
-        node = self.scene.add_line_segments(name, segments * self.scale, rgb(colour), **style)
+        node = self.scene.add_line_segments(
+            name, segments * self.scale, rgb(colour), thickness=width, thickness_units="screen"
+        )
         self.layers[layer].append(node)
         return node
 
@@ -223,7 +226,7 @@ class Stage:
             node = self.scene.add_label(name, printable(tag.text), position=place, anchor="bottom-center")
             self.layers[tag.layer].append(node)
 
-    def add_arrows(self, i: int, kind: Arrows) -> "SceneNodeHandle":
+    def add_arrows(self, i: int, kind: Arrows) -> "BatchedMeshHandle":
         """Add arrows of one kind, at the first frame."""
         tints = np.array([channels(tint) for tint in kind.tints])
         node = add_copies(self.scene, f"/arrows/{i}", arrow(kind.heads), tints, len(kind.names))
@@ -258,8 +261,7 @@ class Stage:
         """Set even light with one sun; viser's default, of a photographed place, makes orange yellow."""
         self.scene.configure_environment_map(None)
         self.scene.configure_default_lights(False)
-        sky = {"sky_color": (255, 255, 255), "ground_color": (205, 205, 205), "intensity": 3.0}
-        self.scene.add_light_hemisphere("/sky", **sky)
+        self.scene.add_light_hemisphere("/sky", sky_color=(255, 255, 255), ground_color=(205, 205, 205), intensity=3.0)
         self.scene.add_light_directional("/sun", intensity=2.8, cast_shadow=True, position=SUN_DIRECTION)
 
     def aim(self, camera: "InitialCameraConfig") -> None:

@@ -17,7 +17,7 @@ from matplotlib.transforms import IdentityTransform
 from ...base.rotations import matrix
 from ...base.style import LIGHT, Theme, channels
 from ..scene.camera import NEAR_PLANE_SHARE, Lens, length_text, round_down, window
-from ..scene.drawing import DEFAULT_LAYERS, Drawing
+from ..scene.drawing import DEFAULT_LAYERS, Drawing, Tag
 from ..scene.motion import Trace
 from .shading import SEAM_WIDTH, Items, Pointers, Solids, join, outlines, split_strokes, strokes_as_items
 
@@ -63,7 +63,7 @@ class Mosaic(Artist):
     def draw(self, renderer: RendererBase) -> None:
         """Draw all polygons and bars by one call."""
         gc = renderer.new_gc()
-        corners = self.axes.transData.transform(self.triangles.reshape(-1, 2)).reshape(-1, 3, 2)
+        corners = self.get_transform().transform(self.triangles.reshape(-1, 2)).reshape(-1, 3, 2)
         renderer.draw_gouraud_triangles(gc, corners, self.colours, IdentityTransform())
         gc.restore()
 
@@ -120,8 +120,8 @@ class Painter:
         found = [self.solids.placed(r, R, self.lens, PEN)]
         for wire in self.wires:
             points = wire.points @ R[wire.body].T + r[wire.body]
-            strokes = np.stack([points[:-1], points[1:]], axis=1)
-            strokes = self.strokes(strokes[np.isfinite(strokes).all(axis=(1, 2))], wire.colour, AXIS)
+            segments = np.stack([points[:-1], points[1:]], axis=1)
+            strokes = self.strokes(segments[np.isfinite(segments).all(axis=(1, 2))], wire.colour, AXIS)
             found.append(strokes._replace(lift=strokes.lift - self.longest))  # what lies within a solid stays hidden
         for link in self.links:
             ends = np.array([R[body] @ point + r[body] for body, point in link.ends])
@@ -160,8 +160,8 @@ class Painter:
         self.paint_directions(axes)
         self.write_names(axes, *poses[-1])
         for k, (legend, colour) in enumerate(dict.fromkeys((arrow.legend, arrow.colour) for arrow in arrows)):
-            style = {"ha": "right", "va": "top", "fontsize": 8, "color": self.readable(colour)}
-            axes.text(width - 8, height - 8 - 11 * k, legend, **style)
+            tint = self.readable(colour)
+            axes.text(width - 8, height - 8 - 11 * k, legend, ha="right", va="top", fontsize=8, color=tint)
 
     def paint_items(self, axes: Axes, items: Items) -> None:
         """Paint items from far to near."""
@@ -174,9 +174,14 @@ class Painter:
             axes.add_artist(Mosaic(polygons, fill, pen))
             return
         drawn = PolyCollection(
-            polygons, facecolors=fill, edgecolors=fill, linewidths=SEAM_WIDTH, joinstyle="round", zorder=3
+            polygons,  # type: ignore[arg-type]  # matplotlib takes arrays too
+            facecolors=fill,
+            edgecolors=fill,
+            linewidths=SEAM_WIDTH,
+            joinstyle="round",
+            zorder=3,
         )
-        drawn.set_antialiased(pen)  # the paper must not shine through between triangles
+        drawn.set_antialiased(pen.tolist())  # the paper must not shine through between triangles
         axes.add_collection(drawn, autolim=False)
 
     def paint_ground(self, axes: Axes, shadows: np.ndarray) -> None:
@@ -184,9 +189,12 @@ class Painter:
         floor, paper, grid = self.low[2], tone(self.sheet.paper), tone(self.sheet.grid)
         shade = shadow_on(self.sheet)
         axes.add_collection(
-            PolyCollection(self.on_paper(shadows), facecolors=[shade], edgecolors=[shade], linewidths=0.4, zorder=1),
+            PolyCollection(
+                self.on_paper(shadows),  # type: ignore[arg-type]  # as above
+                facecolors=[shade], edgecolors=[shade], linewidths=0.4, zorder=1,
+            ),
             autolim=False,
-        )
+        )  # fmt: skip
         middle, reach = 0.5 * (self.low + self.high)[:2], 0.75 * self.size + self.cell
         first, last = np.floor((middle - reach) / self.cell), np.ceil((middle + reach) / self.cell)
         strokes = []
@@ -201,22 +209,27 @@ class Painter:
         short, far = short[seen], far[seen]
         tints = grid + (paper - grid) * np.clip(1.6 * far - 0.6, 0.0, 1.0)[:, None]
         axes.add_collection(
-            LineCollection(self.on_paper(short), colors=tints, linewidths=0.6, zorder=2, capstyle="butt"), autolim=False
-        )
-        style = {"ha": "right", "va": "bottom", "fontsize": 8, "color": self.sheet.muted}
-        axes.text(POINTS_PER_INCH * self.inches[0] - 8, 7, f"grid {length_text(self.cell)}", **style)
+            LineCollection(
+                self.on_paper(short),  # type: ignore[arg-type]  # as above
+                colors=tints, linewidths=0.6, zorder=2, capstyle="butt",
+            ),
+            autolim=False,
+        )  # fmt: skip
+        edge, text = POINTS_PER_INCH * self.inches[0] - 8, f"grid {length_text(self.cell)}"
+        axes.text(edge, 7, text, ha="right", va="bottom", fontsize=8, color=self.sheet.muted)
 
     def paint_directions(self, axes: Axes) -> None:
         """Paint the axes of the world in the corner, as they lie in the middle of the picture."""
         for k, name in enumerate("xyz"):
             tip = 20.0 * self.lens.axes[:2, k]
             axes.plot(*np.array([(26.0, 24.0), tip + (26.0, 24.0)]).T, color=self.sheet.muted, linewidth=1.0, zorder=4)
-            style = {"ha": "center", "va": "center", "fontsize": 7.5, "color": self.sheet.muted, "zorder": 5}
-            axes.text(*(1.32 * tip + (26.0, 24.0)), name, **style)
+            x, y = 1.32 * tip + (26.0, 24.0)
+            axes.text(x, y, name, ha="center", va="center", fontsize=7.5, color=self.sheet.muted, zorder=5)
 
     def write_names(self, axes: Axes, r: np.ndarray, e: np.ndarray) -> None:
         """Write names of bodies above their points and of joints below them; those at one point share a line."""
-        R, lines = matrix(e), []
+        R = matrix(e)
+        lines: list[tuple[Tag, np.ndarray, list[str]]] = []
         for tag in self.tags:
             point = self.on_paper(R[tag.body] @ tag.point + r[tag.body])
             same = [texts for first, at, texts in lines if first.layer == tag.layer and np.abs(at - point).max() < SIZE]
@@ -232,8 +245,10 @@ class Painter:
             )  # about that: it stays on the paper
             x = np.clip(x, half, POINTS_PER_INCH * self.inches[0] - half)
             side, va = (1.0, "bottom") if tag.layer == "body names" else (-1.0, "top")
-            style = {"fontsize": SIZE, "ha": "center", "va": va, "path_effects": halo, "zorder": 5}
-            axes.text(x, y + side * GAP, text, color=self.readable(tag.colour), **style)
+            tint = self.readable(tag.colour)
+            axes.text(
+                x, y + side * GAP, text, color=tint, fontsize=SIZE, ha="center", va=va, path_effects=halo, zorder=5
+            )
 
     def write_note(self, axes: Axes, text: str) -> None:
         """Write a line in the upper left corner."""

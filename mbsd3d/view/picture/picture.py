@@ -66,8 +66,8 @@ def painter_of(
     reach = REACH * float((high - low).max())
     also = np.concatenate([NONE, *(x.points for x in paths), *(tips_of(x, reach, drawn) for x in vectors)])
     camera = stood_back(seen_from(frame_camera(low, high), view), also)
-    options = {"sheet": theme(dark), "layers": layers, "fine": fine, "also": also}
-    return Painter(drawing, lens_of(camera), r, e, inches, **options), reach
+    lens, sheet = lens_of(camera), theme(dark)
+    return Painter(drawing, lens, r, e, inches, sheet=sheet, layers=layers, fine=fine, also=also), reach
 
 
 def paper_size(size: Sequence[float]) -> tuple[float, float]:

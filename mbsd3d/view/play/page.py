@@ -28,6 +28,7 @@ SECONDS = 10.0  # [s] of the model that the live curves show
 SHAPE_KEYS = ("vertices", "faces", "points")  # of the messages of nodes
 
 Shapes = Mapping[str, Mapping[str, list[float]]]  # node -> what makes its shape
+NO_SHAPES: Shapes = {}
 
 
 class Look(NamedTuple):
@@ -102,8 +103,8 @@ def shapes_of(system: Mechanism) -> Shapes:
     Stage(recording.scene, recording.camera, *nearby(draw_system(system), still))
     found = {}
     for message in recording.recorder.messages.values():
-        props = getattr(message, "props", None)
+        name, props = getattr(message, "name", ""), getattr(message, "props", None)
         shape = {key: np.ravel(getattr(props, key)).tolist() for key in SHAPE_KEYS if hasattr(props, key)}
-        if shape and message.name.startswith("/bodies/"):
-            found[message.name] = shape
+        if shape and name.startswith("/bodies/"):
+            found[name] = shape
     return found

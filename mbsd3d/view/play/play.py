@@ -3,6 +3,7 @@
 import json
 import math
 from collections import deque
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -10,19 +11,21 @@ import numpy as np
 from ...base.checks import number
 from ...base.checks import short_repr as shown_text
 from ...base.errors import InputError, MbsError
+from ...base.progress import Progress
 from ...mechanism.mechanism import Mechanism
 from ...plotting.panels import Wanted
 from ...results.motion import Motion
 from ...results.result import RunResult
 from ...run.live_run import PERIOD, Frame, Playing
 from ..page.served import Served
-from ..page.show import animate
+from ..page.show import MotionOptions, motion_content, page_of
 from ..scene.drawing import DEFAULT_LAYERS, Layers
-from .page import SECONDS, Look, ride_page, shapes_of
+from .page import NO_SHAPES, SECONDS, Look, ride_page, shapes_of
 from .server import Server
 
 PACE_RANGE = (0.01, 10.0)  # [s/s] of the model in a second
 SLOW_LOOK_INTERVAL_FRAMES = 6  # [frames] from one look at what seldom changes to the next
+Moment = tuple[float, *tuple[float | None, ...]]  # time [s] and curves; None: not finite
 
 
 class Play(Served):
@@ -34,10 +37,11 @@ class Play(Served):
         super().__init__()
         self._playing, self._look = playing, look
         self._controls = {control.name: control for control in playing.model.controls}
-        self._history: deque[list[float | None]] = deque(maxlen=round(SECONDS / PERIOD))
-        self._told, self._count, self._ride, self._saving, self._good = "", 0, 0, False, {}
-        self._drawn, self._shapes = playing.built.system, {}
-        self._drawings = shapes_of(self._drawn) if playing.builds else {}
+        self._history: deque[Moment] = deque(maxlen=round(SECONDS / PERIOD))
+        self._told, self._count, self._ride, self._saving = "", 0, 0, False
+        self._good: Mapping[str, Sequence[tuple[float, float]]] = {}
+        self._drawn, self._shapes = playing.built.system, NO_SHAPES
+        self._drawings = shapes_of(self._drawn) if playing.builds else NO_SHAPES
         self._pages = {"/": ride_page(playing.model, playing.built, look)}
         self._worker = ThreadPoolExecutor(1, thread_name_prefix="mbsd3d play pages")
         self._server = Server(port, self._token, self._pages, self._greeting, self._hear, self._leave)
@@ -108,7 +112,7 @@ class Play(Served):
         if self._history and self._history[-1][0] > t:  # it was reset
             self._history.clear()
         if not self._history or self._history[-1][0] < t:
-            self._history.append([t, *(x if math.isfinite(x) else None for x in curves.tolist())])
+            self._history.append((t, *(x if math.isfinite(x) else None for x in curves.tolist())))
 
     def _state(self) -> dict[str, object]:
         """Return the values that seldom change."""
@@ -187,11 +191,10 @@ def ride_so_far(solution: Motion, curves: Wanted | None, look: Look) -> str:
     """Return a page of the run that needs no server."""
     follow = solution.system.bodies[look.followed] if look.followed >= 0 else None
     hidden = [layer for layer in (*DEFAULT_LAYERS, "body names") if layer not in look.layers]
-    view = animate(
-        solution, None, curves=curves, traces=None, layers=Layers(look.layers, hidden), frames=None, speed=None,
-        title=look.title, dark=look.dark, live=False, follow=follow, view=look.view,
-    )  # fmt: skip
-    return view.html
+    layers = Layers(look.layers, hidden)
+    options = MotionOptions(layers, curves, title=look.title, follow=follow, view=look.view)
+    with Progress("page", 0.0, 6.0) as progress:
+        return page_of(motion_content(solution, options, progress), look.dark, "solution.animate").html
 
 
 def parsed(said: str) -> object:

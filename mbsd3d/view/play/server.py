@@ -40,9 +40,11 @@ class Outlet:
             while True:
                 await self.due.wait()
                 self.due.clear()
-                pieces, self.news, self.frame = (self.news, self.frame), "", b""
-                for piece in filter(None, pieces):
-                    await connection.send(piece)
+                news, frame, self.news, self.frame = self.news, self.frame, "", b""
+                if news:
+                    await connection.send(news)
+                if frame:
+                    await connection.send(frame)
 
 
 class Server:
@@ -62,10 +64,11 @@ class Server:
         leave: Callable[[bool], None],
     ) -> None:
         self.pages, self.greet, self.hear, self.leave = pages, greet, hear, leave
-        self.token, self.outlets, self.visitors = token, set(), Visitors()
+        self.token, self.visitors = token, Visitors()
+        self.outlets: set[Outlet] = set()
         self.socket = bound(port)
         self.port = self.socket.getsockname()[1]
-        self.loop, self.server = asyncio.new_event_loop(), None
+        self.loop, self.ended = asyncio.new_event_loop(), asyncio.Event()
         ready = threading.Event()
         self.thread = threading.Thread(target=self._run, args=(ready,), name="mbsd3d play server", daemon=True)
         self.thread.start()
@@ -73,17 +76,17 @@ class Server:
 
     def publish(self, news: str = "", frame: bytes = b"") -> None:
         """Send to all browsers, from any thread."""
-        self.loop.call_soon_threadsafe(lambda: [outlet.put(news, frame) for outlet in self.outlets])
+        self.loop.call_soon_threadsafe(self._put, news, frame)
+
+    def _put(self, news: str, frame: bytes) -> None:
+        """Send to all browsers, in the thread of the server."""
+        for outlet in self.outlets:
+            outlet.put(news, frame)
 
     def stop(self) -> None:
         """Close all connections and free the port."""
-        self.loop.call_soon_threadsafe(self._close)
+        self.loop.call_soon_threadsafe(self.ended.set)
         self.thread.join()
-
-    def _close(self) -> None:
-        """Close the server, in its own thread."""
-        self.server.close()
-        self.visitors.dismiss()
 
     def _run(self, ready: threading.Event) -> None:
         """Serve until closed; the function of the thread."""
@@ -99,13 +102,17 @@ class Server:
         silent = logging.getLogger("mbsd3d play server")
         silent.addHandler(logging.NullHandler())  # tracebacks of those who hang up
         silent.propagate = False
-        self.server = await serve(
+        server = await serve(
             self._converse, sock=self.socket, process_request=guarded(self._answer, self.token),
             max_size=MESSAGE_BYTES_MAX, compression=None, close_timeout=GOODBYE_SECONDS, ping_interval=None,
-            create_connection=self.visitors.connection, logger=silent, server_header=None,
+            create_connection=self.visitors.connection,  # type: ignore[arg-type]  # websockets takes wrappers too
+            logger=silent, server_header=None,
         )  # fmt: skip
         ready.set()
-        await self.server.wait_closed()
+        await self.ended.wait()
+        server.close()
+        self.visitors.dismiss()
+        await server.wait_closed()
 
     def _answer(self, connection: "ServerConnection", request: "Request") -> "Response | None":
         """Return a file; None = the socket."""
@@ -146,6 +153,7 @@ def bound(port: int) -> socket.socket:
     try:
         return socket.create_server((HOST, port))
     except OSError as error:
+        why = os.strerror(error.errno) if error.errno else error
         raise InputError(
-            f"play: port {port} cannot be used: {os.strerror(error.errno)}; give another one, or 0 for any that is free"
+            f"play: port {port} cannot be used: {why}; give another one, or 0 for any that is free"
         ) from error

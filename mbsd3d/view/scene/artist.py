@@ -5,16 +5,17 @@ import numpy as np
 from ...base.errors import InputError
 from ...base.rotations import perpendiculars, quaternion_from_matrix
 from ...base.style import COM_COLOUR, GREY, JOINT_COLOUR, colour
-from ...mechanism.bodies import GROUND, Body
+from ...mechanism.bodies import GROUND, Body, Part
 from ...mechanism.contacts import Rolling, RollingDisc
 from ...mechanism.forces.contact import Contact
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes import Shape
+from ...mechanism.shapes.base import Solid
 from ...mechanism.shapes.homogeneous import shapes_of
 from ...mechanism.shapes.kinds import Ellipsoid, Lines
 from ...mechanism.shapes.surfaces import ball, block, joined, moved
 from .drawing import Drawing, Link, Piece, Tag, Wire, bounds, corners, poses_of
-from .glyphs import RIM_RADIUS_RATIO, anchor, circles, joints_of, scaled, solids, spokes
+from .glyphs import RIM_RADIUS_RATIO, Spanning, anchor, circles, joints_of, scaled, solids, spokes
 
 # [sizes of the mechanism] from the origin of the world: beyond it, a mechanism is drawn about an origin of its own
 ORIGIN_DISTANCE_MAX = 100.0
@@ -59,7 +60,7 @@ class Artist:
                 try:
                     if isinstance(shape, Lines):
                         self.drawing.wires.append(Wire(body.name, "bodies", i, shape.line(body), tint))
-                    else:
+                    elif isinstance(shape, Solid):
                         mesh = shape.mesh(body)
                         self.drawing.pieces.append(Piece(body.name, "bodies", i, mesh, tint))
                         if len(line := thread(mesh.vertices)):
@@ -82,13 +83,14 @@ class Artist:
     def arms(self) -> None:
         """Draw wires from the centres of mass to joints and springs, and the links."""
         strokes: dict[int, list[np.ndarray]] = {}
-        for part in (*self.system.joints, *self.system.forces):
-            points = joints_of(part)
-            for body, point in points:
+        parts: tuple[Part, ...] = (*self.system.joints, *self.system.forces)
+        for part in parts:
+            places = joints_of(part)
+            for body, point in places:
                 if body is not GROUND:
                     strokes.setdefault(self.place[id(body)], []).extend([body.com, body.local_point(point), PEN_LIFT])
-            if hasattr(part, "at_a") and len(points) == 2:
-                first, second = ((self.place[id(body)], body.local_point(point)) for body, point in points)
+            if isinstance(part, Spanning):
+                first, second = ((self.place[id(body)], body.local_point(point)) for body, point in places)
                 self.drawing.links.append(Link(self.system.name(part), (first, second), part in self.system.forces))
         for i, points in strokes.items():
             self.drawing.wires.append(Wire(self.system.bodies[i].name, "bodies", i, np.array(points[:-1]), colour(i)))
@@ -107,9 +109,15 @@ class Artist:
         for i, body in enumerate(self.system.bodies):
             add(Tag(body.name, "body names", i, body.com, colour(i)))
         for joint in self.system.joints:
-            body, point = anchor(joint)
+            owner, point = anchor(joint)
             add(
-                Tag(self.system.name(joint), "joint names", self.place[id(body)], body.local_point(point), JOINT_COLOUR)
+                Tag(
+                    self.system.name(joint),
+                    "joint names",
+                    self.place[id(owner)],
+                    owner.local_point(point),
+                    JOINT_COLOUR,
+                )
             )
 
     def grain(self, size: float) -> float:

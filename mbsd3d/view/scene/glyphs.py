@@ -4,15 +4,15 @@ An angle is a barrel about its axis, a slide a rail along it, a plane a plate, a
 no way a cube, a coupling or driver a ring about the axis it acts on, anything else a ball at its point.
 """
 
-from typing import NamedTuple
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
 from ...base.rotations import perpendiculars
-from ...mechanism.bodies import Body, Ground
+from ...mechanism.bodies import Body, Ground, Part
 from ...mechanism.contacts import RollingContact, RollingDisc
 from ...mechanism.couplings import GearMesh
-from ...mechanism.force_element import ForceElement
+from ...mechanism.drivers import SpeedDriver
 from ...mechanism.joints import Joint
 from ...mechanism.joints.curve_contact import CurveContact
 from ...mechanism.shapes.surfaces import Mesh, ball, block, cylinder, moved, torus
@@ -28,6 +28,34 @@ class Glyph(NamedTuple):
 
     body: Body | Ground
     mesh: Mesh
+
+
+@runtime_checkable
+class Spanning(Protocol):
+    """Part between a point of a and a point of b, both world at the reference pose [m]: a rod, a spring."""
+
+    a: Body | Ground
+    b: Body | Ground
+    at_a: np.ndarray
+    at_b: np.ndarray
+
+
+@runtime_checkable
+class Pinned(Protocol):
+    """Part at a point, which body b as built has elsewhere, both world at the reference pose [m]."""
+
+    a: Body | Ground
+    b: Body | Ground
+    at: np.ndarray
+    at_b: np.ndarray
+
+
+@runtime_checkable
+class Wheeled(Protocol):
+    """Part that acts on a wheel b with a centre, world at the reference pose [m]."""
+
+    b: Body
+    centre: np.ndarray
 
 
 def placed(mesh: Mesh, body: Body | Ground, point: np.ndarray, axis: np.ndarray) -> Glyph:
@@ -65,7 +93,8 @@ def solids(joint: Joint, size: float) -> list[Glyph]:
     if isinstance(joint, RollingContact | GearMesh):
         return []
     if joint.partners():
-        return [ring(partner, size) for partner in joint.partners() if isinstance(partner, Joint)]
+        moved_by = [(partner, partner.angle() or partner.slide()) for partner in joint.partners()]
+        return [ring(partner, x.axis_b, size) for partner, x in moved_by if x is not None]
     return [*guides(joint, size), *ends(joint, *anchor(joint), size)]
 
 
@@ -85,13 +114,12 @@ def ends(joint: Joint, body: Body | Ground, point: np.ndarray, size: float) -> l
     """Return the solid at the point of a joint without an angle; a ball at the other end of a rod too."""
     if joint.angle() is not None:
         return []
-    if hasattr(joint, "speed"):
-        along = joint.direction if joint.axis is None else joint.axis
-        return [placed(torus(0.62 * size, 0.1 * size), joint.b, point, along)]
+    if isinstance(joint, SpeedDriver):
+        return [ring(joint, axis, size) for axis in (joint.axis, joint.direction) if axis is not None]
     if sum(row.n_rows for row in joint.primitives) >= LOCKED_ROWS_MIN:
         along = joint.axis if hasattr(joint, "axis") else np.array([0.0, 0.0, 1.0])
         return [placed(scaled(block(), 0.7 * size, 0.7 * size, 0.9 * size), body, point, along)]
-    both = [(body, point), (joint.a, joint.at_a)] if hasattr(joint, "at_a") else [(body, point)]
+    both = [(body, point), (joint.a, joint.at_a)] if isinstance(joint, Spanning) else [(body, point)]
     up = np.array([0.0, 0.0, 1.0])
     return [placed(scaled(ball(), *3 * (0.42 * size,)), end, place, up) for end, place in both]
 
@@ -107,35 +135,33 @@ def pitch_circle(gear: Body | Ground, axle: Axle, at: np.ndarray) -> Glyph:
     return circle(gear, at - arm, axle.axis, float(np.linalg.norm(arm)))
 
 
-def ring(partner: Joint, size: float) -> Glyph:
-    """Return a ring about the axis of the joint on whose coordinate a coupling or driver acts."""
-    coordinate = partner.angle() or partner.slide()
-    return placed(torus(0.62 * size, 0.1 * size), partner.b, partner.point(), coordinate.axis_b)
+def ring(joint: Joint, axis: np.ndarray, size: float) -> Glyph:
+    """Return a ring at a joint about the axis in which a coupling or driver acts."""
+    return placed(torus(0.62 * size, 0.1 * size), joint.b, joint.point(), axis)
 
 
 def spokes(joint: Joint, length: float) -> list[tuple[Body | Ground, np.ndarray]]:
     """Return (body, (2, 3) ends in its axes from O [m]) of the axes of a joint; (body, (n, 3) points) of its curve."""
     own = {name: joint.a for name in AXES_OF_A} | {name: joint.b for name in AXES_OF_B}
-    _, at = anchor(joint)
+    (_, at), in_a = anchor(joint), getattr(joint, "at", None)
     if isinstance(joint, RollingDisc | GearMesh):
         own["axis"] = joint.b  # of a disc
     axes = {name: getattr(joint, name) for name in own if getattr(joint, name, None) is not None}
-    if "axis" in axes and np.array_equal(axes.get("axis_b"), axes["axis"]):
+    if "axis" in axes and "axis_b" in axes and np.array_equal(axes["axis_b"], axes["axis"]):
         del axes["axis_b"]
     found = [(joint.a, joint.outline)] if isinstance(joint, CurveContact) else []
     for name, axis in axes.items():
         body = own[name]
-        point = joint.at if body is joint.a and getattr(joint, "at", None) is not None else at
+        point = in_a if body is joint.a and in_a is not None else at
         middle, half = body.local_point(point), 0.5 * length * body.local_axis(axis)
         found.append((body, np.array([middle - half, middle + half])))
     return found
 
 
-def joints_of(part: Joint | ForceElement) -> list[tuple[Body | Ground, np.ndarray]]:
+def joints_of(part: Part) -> list[tuple[Body | Ground, np.ndarray]]:
     """Return (body, world point at the reference pose) of the points of a part to which its bodies reach out."""
-    found = []
-    if hasattr(part, "at_b"):
-        found = [(part.a, part.at_a if hasattr(part, "at_a") else part.at), (part.b, part.at_b)]
-    elif hasattr(part, "centre"):
-        found = [(part.b, part.centre)]
-    return found
+    if isinstance(part, Spanning):
+        return [(part.a, part.at_a), (part.b, part.at_b)]
+    if isinstance(part, Pinned):
+        return [(part.a, part.at), (part.b, part.at_b)]
+    return [(part.b, part.centre)] if isinstance(part, Wheeled) else []

@@ -38,7 +38,7 @@ def skin(mesh: Mesh) -> Skin:
     seen = flat.any(axis=1)
     faces, flat, shade = mesh.faces[seen], flat[seen], mesh.shade[seen]
     found = normals(mesh._replace(faces=faces))
-    lost = ~found.any(axis=1)[faces].all(axis=1)
+    lost = ~found[faces].any(axis=2).all(axis=1)
     vertices = np.concatenate([mesh.vertices, mesh.vertices[faces[lost]].reshape(-1, 3)])
     found = np.concatenate([found, np.repeat(flat[lost], 3, axis=0)])
     faces[lost] = len(mesh.vertices) + np.arange(3 * lost.sum()).reshape(-1, 3)

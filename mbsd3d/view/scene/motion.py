@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.interpolate import Akima1DInterpolator
 
 from ...base.checks import as_tuple, short_repr, vector
@@ -12,7 +13,7 @@ from ...base.rotations import matrix
 from ...base.style import COLOURS, colour, muted_colour
 from ...equations.at_state import load_rows
 from ...equations.compiled import Compiled
-from ...mechanism.bodies import GROUND, Body
+from ...mechanism.bodies import Body, Ground
 from ...mechanism.mechanism import Mechanism
 from ...plotting.default_curves import default_curves, seen_panels
 from ...plotting.panels import Panel, Wanted
@@ -25,7 +26,8 @@ from .frames import Between, Frames, between
 
 TRACES_MAX = 12  # [traces] drawn unless more are asked for
 VECTOR_ROUNDING = 1e-9  # [1] of the scale of a vector: rounding of one that is zero
-Points = Iterable[Body | str | tuple[Body | str, Iterable[float]]]
+Point = Body | str | tuple[Body | str, ArrayLike]
+Points = Iterable[Point]
 
 
 class Arrows(NamedTuple):
@@ -90,18 +92,21 @@ def arrows_of(motion: Motion, frames: Frames) -> list[Arrows]:
         return []
     scale = scales_of(motion)
     used, where = between(motion, frames.t).compact()
-    spins, momenta, forces, moments = [], [], [], []
+    spins: list[Vectors] = []
+    momenta: list[Vectors] = []
+    forces: list[Vectors] = []
+    moments: list[Vectors] = []
     for i, body in enumerate(motion.system.bodies):
         centre, w = moved(frames, i, body.com), motion.omega(body)
         L = np.einsum("tij,tj->ti", motion.rotation(body), motion.omega_body(body) @ body.inertia)
         spins.append(Vectors(body.name, centre, w[used]))
         momenta.append(Vectors(body.name, centre, L[used]))
-    for joint, found in zip(motion.system.joints, every_reaction(motion, used), strict=True):
+    for joint, reaction in zip(motion.system.joints, every_reaction(motion, used), strict=True):
         name = motion.system.name(joint)
-        point = carried(motion, frames, used, where, joint.b, found.point)
-        for vectors, kind in ((forces, "force"), (moments, "moment")):
-            values, known = found.shown(kind)
-            vectors.append(Vectors(name, point, values, known == "none"))
+        point = carried(motion, frames, used, where, joint.b, reaction.point)
+        for shares, kind in ((forces, "force"), (moments, "moment")):
+            values, known = reaction.shown(kind)
+            shares.append(Vectors(name, point, values, known == "none"))
     fastest = max(1.0, *(float(np.abs(spin.values).max()) for spin in spins))
     kinds = (
         ("rad/s", spins, fastest, COLOURS[2]),
@@ -126,10 +131,10 @@ def moved(frames: Frames, body: int, local: np.ndarray) -> np.ndarray:
 
 
 def carried(
-    run: RunResult, frames: Frames, used: np.ndarray, where: Between, body: Body, points: np.ndarray
+    run: RunResult, frames: Frames, used: np.ndarray, where: Between, body: Body | Ground, points: np.ndarray
 ) -> np.ndarray:
     """Return a point (frames, 3) given at the used samples, interpolated in body axes to stay on its circle."""
-    if body is GROUND:
+    if isinstance(body, Ground):
         return where.blend(points)
     local = np.einsum("tji,tj->ti", run.rotation(body)[used], points - run.position(body)[used])
     return moved(frames, run.compiled.body_index[id(body)], where.blend(local))
@@ -144,10 +149,13 @@ def nearby(
     def there(body: int, points: np.ndarray) -> np.ndarray:
         return points - o if body == ground else points
 
+    def end(place: tuple[int, np.ndarray]) -> tuple[int, np.ndarray]:
+        return place[0], there(*place)
+
     near = Drawing(
         [x._replace(mesh=x.mesh._replace(vertices=there(x.body, x.mesh.vertices))) for x in drawing.pieces],
         [x._replace(points=there(x.body, x.points)) for x in drawing.wires],
-        [x._replace(ends=tuple((body, there(body, point)) for body, point in x.ends)) for x in drawing.links],
+        [x._replace(ends=(end(x.ends[0]), end(x.ends[1]))) for x in drawing.links],
         [x._replace(point=there(x.body, x.point)) for x in drawing.tags],
         drawing.size,
         float(drawing.floor - o[2]),
@@ -178,7 +186,7 @@ def traces_of(motion: Motion, frames: Frames, points: Points | None = None) -> l
     return [Trace(system.bodies[i].name, colour(i), paths[i]) for i in most if ways[i] > 0.01 * size]
 
 
-def trace_point(system: Mechanism, entry: tuple[Body | str, Iterable[float]]) -> tuple[Body, np.ndarray]:
+def trace_point(system: Mechanism, entry: Point) -> tuple[Body, np.ndarray]:
     """Return body and point in its axes of an entry (body or name, world point at the reference pose), or of a body."""
     if isinstance(entry, Body | str):
         body = system.part(entry)
@@ -233,7 +241,7 @@ def every_reaction(solution: RunResult, samples: np.ndarray) -> list[Reaction]:
     found = []
     for k, joint in enumerate(joints):
         point = joint.reaction_points(solution)[samples]
-        origin = 0.0 if joint.b is GROUND else solution.position(joint.b)[samples]
+        origin = 0.0 if isinstance(joint.b, Ground) else solution.position(joint.b)[samples]
         force = wrenches[:, k, :3]
         moment = wrenches[:, k, 3:] - np.cross(point - origin, force)
         found.append(solution._determined([joint]).reaction(force, moment, point, samples))
