@@ -9,7 +9,7 @@ import numba
 
 from .cache_folder import CACHE, EQUATIONS, INTEGRATORS, PACKAGE, PLAIN_NUMBA
 from .late import late
-from .numba_private import Dispatcher, global_compiler_lock
+from .numba_private import Dispatcher, global_compiler_lock, njit
 from .object_files import keep_code
 
 
@@ -23,7 +23,7 @@ def compiled(
     """
     if PLAIN_NUMBA:
         return numba.njit(error_model="numpy", nogil=True, inline="always" if merged else "never")(function)
-    made = numba.njit(
+    made = njit(
         error_model="numpy", nogil=True, _nrt=counting, no_cfunc_wrapper=True,
         no_cpython_wrapper=not from_python, fastmath={"contract", "reassoc", "nsz"} if fused else False,
         forceinline=fused, inline="always" if merged else "never",
@@ -52,7 +52,7 @@ def compile_in_thread(made: Dispatcher) -> None:
             return compile_here(signature)
         return ended.result()
 
-    made.compile = compile_
+    made.compile = compile_  # type: ignore[method-assign, assignment]  # one function's own, not the class's
 
 
 def settle(ended: Future, function: Callable, *given: Any) -> None:

@@ -1,19 +1,39 @@
-"""What is said while kernels are compiled: once after installation, and never nothing for long."""
+"""The first run after installation: kernels are compiled in two processes, and never nothing is said for long.
+
+The second process compiles the time loop while the first one compiles the equations. Both write into the same files of
+compiled code. The loop knows the equations by cells only (see `late`), so neither waits for the other. The second one
+reads from a pipe whose other end the first one holds: it ends with the first one, however that ends.
+"""
 
 import atexit
+import multiprocessing
+import os
+import subprocess
 import sys
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
+from pathlib import Path
 
+from ..base.paths import drop_pieces
 from .cache_folder import CACHE, EQUATIONS, PLAIN_NUMBA, is_warm
-from .second import start_second
 
 PAUSE, STALLED = 5.0, 60.0  # s between counts of the kernels, and without a new one until the count ends
 SILENT = 2.0  # s that may pass while one kernel is compiled before that is said
 counters: list[threading.Thread] = []
+
+MARK = "MBSD3D_SECOND"  # environment variable of the second process
+WORK = "\n".join(
+    (
+        "from mbsd3d.compiler.first_run import end_with_parent",
+        "end_with_parent()",
+        "from mbsd3d.run.precompile import compile_loop",
+        "compile_loop()",
+    )
+)
+others: list[subprocess.Popen[bytes]] = []
 
 
 def say(text: str) -> None:
@@ -55,11 +75,46 @@ def count_kernels(part: str, ended: threading.Event) -> None:
 @contextmanager
 def not_silent(name: str) -> Iterator[None]:
     """Say that a kernel is compiled if it takes long and nobody counts them."""
-    text = f"compiling {name}, once after installation ..."
-    timer = threading.Timer(SILENT, lambda: any(one.is_alive() for one in counters) or say(text))
+
+    def say_unless_counted() -> None:
+        if not any(one.is_alive() for one in counters):
+            say(f"compiling {name}, once after installation ...")
+
+    timer = threading.Timer(SILENT, say_unless_counted)
     timer.daemon = True
     timer.start()
     try:
         yield
     finally:
         timer.cancel()
+
+
+def start_second() -> None:
+    """Start it, where there is another core and nobody has divided the work already."""
+    divided = MARK in os.environ or multiprocessing.parent_process() or (os.cpu_count() or 1) == 1
+    if others or divided or not Path(sys.executable).stem.startswith("python"):
+        return
+    with suppress(OSError):
+        others.append(
+            subprocess.Popen(
+                [sys.executable, "-c", WORK], env=os.environ | {MARK: "1"},
+                stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+            )
+        )  # fmt: skip
+
+
+def end_with_parent() -> None:
+    """End this process as soon as the one that started it has ended, and leave no file that is not whole."""
+
+    def watch() -> None:
+        os.read(0, 1)  # nothing is ever written: it returns at the end of the pipe
+        drop_pieces()
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
+def wait_for_second() -> None:
+    """Until it has ended: what it compiles need not be compiled twice."""
+    for other in others:
+        other.wait()

@@ -15,7 +15,7 @@ import _thread
 import ctypes
 import hashlib
 import inspect
-import os
+import sys
 from collections.abc import Callable, Sequence
 from functools import partial
 from importlib import import_module
@@ -28,7 +28,7 @@ from numba import types
 from ..base.errors import InputError, KernelError
 from .cache_folder import PLAIN_NUMBA
 from .first_run import not_silent
-from .numba_private import Dispatcher, Intrinsic, address_of, cgutils, ir, llvm
+from .numba_private import Dispatcher, Intrinsic, address_of, cgutils, ir, llvm, njit
 
 WORD = ir.IntType(64)
 IN_C = ir.FunctionType(ir.VoidType(), [])
@@ -41,7 +41,7 @@ RESULTS = {
     None: types.void, int: types.int64, float: types.float64, bool: types.boolean,
     tuple[int, int]: types.UniTuple(types.int64, 2),
 }  # fmt: skip
-"""What a late kernel may be annotated to return, besides functions of the types of its arguments."""
+"""What a late kernel may be annotated to return; else `Annotated` with a function of the types of its arguments."""
 
 LATE: dict[str, tuple[str, str, tuple]] = {}  # symbol of cells -> module, name, types of arguments
 
@@ -60,13 +60,16 @@ def in_c(function: Callable, *given: Any) -> Any:
 
 def address_in_c(function: Any) -> int:
     """Return the address of a function of C."""
-    return ctypes.cast(function, ctypes.c_void_p).value
+    return ctypes.cast(function, ctypes.c_void_p).value or 0
 
 
-PAUSE, PAUSED = ("Sleep", 1) if os.name == "nt" else ("usleep", round(1e6 * NAP_SECONDS))
+if sys.platform == "win32":
+    PAUSE, PAUSED, SYSTEM = "Sleep", 1, ctypes.windll.kernel32
+else:
+    PAUSE, PAUSED, SYSTEM = "usleep", round(1e6 * NAP_SECONDS), ctypes.CDLL(None)
 POINTER, NUMBER = ir.IntType(8).as_pointer(), ir.IntType(32)
 PLAIN_C = {  # functions that compiled code calls by name
-    PAUSE: (getattr(ctypes.windll.kernel32 if os.name == "nt" else ctypes.CDLL(None), PAUSE), ir.VoidType(), [NUMBER]),
+    PAUSE: (SYSTEM[PAUSE], ir.VoidType(), [NUMBER]),
     "PyGILState_Check": (ctypes.pythonapi.PyGILState_Check, NUMBER, []),
     "PyEval_SaveThread": (ctypes.pythonapi.PyEval_SaveThread, POINTER, []),
     "PyEval_RestoreThread": (ctypes.pythonapi.PyEval_RestoreThread, ir.VoidType(), [POINTER]),
@@ -111,7 +114,7 @@ def waiting_function(module: ir.Module) -> ir.Function:
     return made
 
 
-class Late(Intrinsic):
+class Late(Intrinsic):  # type: ignore[misc]  # final in numba's stubs, not in numba
     """Kernels of the same arguments that callers do not compile; ``numbered``: a number in front of them says which."""
 
     def __init__(self, where: str, name: str, kernels: Sequence[Dispatcher], result: Any, numbered: bool) -> None:
@@ -134,13 +137,14 @@ class Late(Intrinsic):
             return self.returned(given[self.numbered :])(*given), self.call
 
         kind = inspect.Parameter.POSITIONAL_OR_KEYWORD
-        typed.__signature__ = inspect.Signature([inspect.Parameter(name, kind) for name in names])
+        parameters = [inspect.Parameter(name, kind) for name in names]
+        typed.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]  # typeshed lacks it
         typed.__doc__, typed.__name__, typed.__module__ = self.kernels[0].__doc__, self.__name__, self.__module__
         return typed
 
     def returned(self, passed: tuple) -> types.Type:
         """Return the type of what the kernels return for arguments of some types."""
-        return RESULTS[self.result] if self.result in RESULTS else self.result(*passed)
+        return RESULTS[self.result] if self.result in RESULTS else self.result.__metadata__[0](*passed)
 
     def call(self, context: Any, builder: Any, signature: Any, values: Any) -> Any:
         """Generate the code of a call, in numba's own convention."""
@@ -183,7 +187,7 @@ class Late(Intrinsic):
         """Compile a kernel and write its address into its cell."""
         words = self.cells[passed].words[number]
         words[BEGUN] = 1
-        with not_silent(self.kernels[number].__name__):
+        with not_silent(self.kernels[number].py_func.__name__):
             words[CODE] = self.compiled(passed, number)
 
     def fill_or_fail(self, passed: tuple, number: int) -> None:
@@ -198,12 +202,12 @@ class Late(Intrinsic):
         reason = " ".join(str(error).split())[:REASON_LENGTH_MAX]
         names = ", ".join(f"x{k}" for k in range(len(passed)))
         text = (
-            f"kernel {self.kernels[number].__name__} cannot be compiled: {type(error).__name__}: {reason}; "
+            f"kernel {self.kernels[number].py_func.__name__} cannot be compiled: {type(error).__name__}: {reason}; "
             "MBSD3D_PLAIN_NUMBA=1 shows where"
         )
         scope: dict[str, Any] = {"KernelError": KernelError}
         exec(f"def failing({names}):\n    raise KernelError({text!r})", scope)  # of a text that is made here
-        kernel = numba.njit(_nrt=False, no_cfunc_wrapper=True, no_cpython_wrapper=True)(scope["failing"])
+        kernel = njit(_nrt=False, no_cfunc_wrapper=True, no_cpython_wrapper=True)(scope["failing"])
         kernel.compile(passed)
         return address_of(kernel.overloads[passed])
 
@@ -214,24 +218,26 @@ class Late(Intrinsic):
         made = kernel.overloads[passed]
         found, wanted = types.unliteral(made.signature.return_type), self.returned(passed)
         if found != wanted:
-            raise InputError(f"{kernel.__name__} returns {found}, not {wanted}")
+            raise InputError(f"{kernel.py_func.__name__} returns {found}, not {wanted}")
         return address_of(made)
 
 
 def late(kernel: Callable) -> Callable:
-    """Make a kernel that its callers do not compile; what it returns is annotated, see `RETURN_TYPES`."""
-    if numba.config.DISABLE_JIT or PLAIN_NUMBA:
+    """Make a kernel that its callers do not compile; what it returns is annotated, see `RESULTS`."""
+    if PLAIN_NUMBA or not isinstance(kernel, Dispatcher):
         return kernel
-    return Late(kernel.__module__, kernel.__name__, [kernel], kernel.py_func.__annotations__.get("return"), False)
+    function = kernel.py_func
+    return Late(function.__module__, function.__name__, [kernel], function.__annotations__.get("return"), False)
 
 
 def late_choice(where: str, name: str, kernels: Sequence[Callable]) -> Callable:
     """Make ``name(number, *arguments)``, which calls one of some kernels without result; module ``where`` holds it."""
-    if numba.config.DISABLE_JIT:
+    jitted = [one for one in kernels if isinstance(one, Dispatcher)]
+    if not jitted:  # the compiler is switched off
         return lambda number, *given: kernels[number](*given)
     if PLAIN_NUMBA:
         return plain_choice(kernels)
-    return Late(where, name, kernels, None, True)
+    return Late(where, name, jitted, None, True)
 
 
 def plain_choice(kernels: Sequence[Callable]) -> Callable:

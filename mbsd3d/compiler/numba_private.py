@@ -4,6 +4,9 @@ Each name stands with what it is for. `tests/compiler/test_numba_private.py` ask
 numba that ``pyproject.toml`` allows.
 """
 
+from collections.abc import Callable
+from typing import Any
+
 import numba
 
 try:
@@ -32,9 +35,19 @@ except ImportError as error:  # pragma: no cover - another numba than pyproject.
 __all__ = [
     "AttributeTemplate", "CFunc", "CompileResult", "Dispatcher", "Environment", "Intrinsic", "NullCache",
     "PythonFunctionDescriptor", "address_of", "cgutils", "cpu_target", "declarations", "dumps", "empty_library",
-    "global_compiler_lock", "impl_ret_borrowed", "ir", "is_compiling", "llvm", "lookup_environment", "object_code",
-    "rebuilt", "signature_of", "sigutils", "strip_to_symbols", "symbol_of",
+    "global_compiler_lock", "impl_ret_borrowed", "ir", "is_compiling", "keep_in", "llvm", "lookup_environment", "njit",
+    "object_code", "rebuilt", "signature_of", "sigutils", "strip_to_symbols", "symbol_of",
 ]  # fmt: skip
+
+
+def njit(**options: Any) -> Callable[[Callable], Any]:
+    """Return numba's decorator with options that it takes and does not document."""
+    return numba.njit(**options)
+
+
+def keep_in(files: NullCache, function: Dispatcher) -> None:
+    """Let a function that is to be compiled look for its code in files first."""
+    function._cache = files  # type: ignore[attr-defined]  # numba's stubs lack it
 
 
 def symbol_of(made: CompileResult) -> str:

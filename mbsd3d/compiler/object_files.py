@@ -4,7 +4,7 @@ numba's own files have numbers, which an index beside them gives to signatures: 
 same time one may find the other's code under its number, and a damaged file ends in an error of pickle or in a crash.
 Here a file is whole or is compiled anew, and where none can be written the code is used all the same. It holds object
 code, and texts and numbers that say how it is called and what it calls; nothing in it is unpickled or imported. It is
-still code that runs: it is read where nobody but this user can have written it, see `disk.weakness`.
+still code that runs: it is read where nobody but this user can have written it, see `cache_folder.weakness`.
 
 numba also puts a copy of all that a function calls into its code, and optimises the copy again: an integrator would
 hold the equations of motion ten times over. Of a kernel that stands *apart* callers hold the name alone; their files
@@ -31,6 +31,7 @@ from .numba_private import (
     declarations,
     dumps,
     empty_library,
+    keep_in,
     llvm,
     rebuilt,
     strip_to_symbols,
@@ -173,7 +174,8 @@ def for_this_user(path: str, flags: int) -> int:
 def keep_code(compiled: Callable, folder: Path, apart: bool = False) -> Callable:
     """Return the same function with its code kept in a folder; one that is not to be compiled stays as it is."""
     if isinstance(compiled, Dispatcher):
-        compiled._cache = CodeFiles(compiled.py_func, folder, apart and "<locals>" not in compiled.py_func.__qualname__)
+        function = compiled.py_func
+        keep_in(CodeFiles(function, folder, apart and "<locals>" not in function.__qualname__), compiled)
     return compiled
 
 

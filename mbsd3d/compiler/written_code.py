@@ -14,7 +14,7 @@ from typing import Any
 from numba import types
 
 from ..base.errors import InputError
-from .by_reference import Reference
+from .arguments import Reference
 from .numba_private import (
     CompileResult,
     Environment,
@@ -115,7 +115,7 @@ def described(kind: types.Type) -> Any:
             return ["NestedArray", described(kind.dtype), kind.shape]
         case types.Array():
             return ["Array", described(kind.dtype), kind.ndim, kind.layout, not kind.mutable, kind.aligned]
-        case types.BaseNamedTuple():
+        case types.NamedTuple() | types.NamedUniTuple():
             cls = kind.instance_class
             return [type(kind).__name__, [described(one) for one in kind.types], cls.__module__, cls.__qualname__]
         case types.UniTuple() | types.Tuple():
@@ -129,19 +129,30 @@ def described(kind: types.Type) -> Any:
 
 def record(fields: list, size: int, aligned: bool) -> types.Record:
     """Return the type of a record."""
-    parts = [
-        (name, {"type": type_of(kind), "offset": offset, "alignment": alignment})
-        for name, kind, offset, alignment in fields
-    ]
-    return types.Record(parts, size, aligned)
+    return types.Record(
+        [
+            (name, {"type": type_of(kind), "offset": offset, "alignment": alignment})
+            for name, kind, offset, alignment in fields
+        ],
+        size,
+        aligned,
+    )
 
 
-def class_of(module: str, name: str, count: int) -> type:
-    """Return the class of a named tuple, which a module that is there must hold."""
+def class_of(count: int, module: str, name: str) -> type:
+    """Return the class of a named tuple of some fields, which a module that is there must hold."""
     cls = attrgetter(name)(sys.modules[module])
-    if not (isinstance(cls, type) and issubclass(cls, tuple) and len(cls._fields) == count):
+    if not (isinstance(cls, type) and issubclass(cls, tuple) and len(getattr(cls, "_fields", ())) == count):
         raise FormError(f"{module}.{name} is no named tuple of {count}")
     return cls
+
+
+def reference(fields: list) -> Reference:
+    """Return the type of a pointer to a named tuple; FormError for a pointer to anything else."""
+    kind = type_of(fields)
+    if not isinstance(kind, types.NamedTuple):
+        raise FormError(f"{kind} is not passed by address")
+    return Reference(kind)
 
 
 MADE: dict[str, Callable[..., types.Type]] = {
@@ -151,10 +162,10 @@ MADE: dict[str, Callable[..., types.Type]] = {
     "Array": lambda kind, ndim, layout, readonly, aligned: types.Array(
         type_of(kind), ndim, layout, readonly, aligned=aligned
     ),
-    "NamedTuple": lambda kinds, *cls: types.NamedTuple(list(map(type_of, kinds)), class_of(*cls, len(kinds))),
-    "NamedUniTuple": lambda kinds, *cls: types.NamedUniTuple(type_of(kinds[0]), len(kinds), class_of(*cls, len(kinds))),
+    "NamedTuple": lambda kinds, *cls: types.NamedTuple(list(map(type_of, kinds)), class_of(len(kinds), *cls)),
+    "NamedUniTuple": lambda kinds, *cls: types.NamedUniTuple(type_of(kinds[0]), len(kinds), class_of(len(kinds), *cls)),
     "Tuple": lambda kinds: types.Tuple(list(map(type_of, kinds))),
-    "Reference": lambda fields: Reference(type_of(fields)),
+    "Reference": reference,
 }
 
 

@@ -45,8 +45,7 @@ def discover() -> Demos:
     found, broken = own_demos(), {}
     for entry in metadata.entry_points(group=GROUP):
         try:
-            loaded = load_entry(entry, Demo, ModuleType)
-            for demo in walk(loaded) if isinstance(loaded, ModuleType) else [loaded]:
+            for demo in demos_of(load_entry(entry, Demo, ModuleType)):
                 if demo.name in found:
                     raise InputError(f"a demo is already named '{demo.name}'; rename one")
                 found[demo.name] = demo
@@ -58,6 +57,14 @@ def discover() -> Demos:
 def own_demos() -> dict[str, Demo]:
     """Return the demos of this folder: families in the order of their PLACE, each in the order of its names."""
     return {demo.name: demo for demo in walk(import_module(__name__.rpartition(".")[0]))}
+
+
+def demos_of(loaded: object) -> Iterator[Demo]:
+    """Yield a demo itself, or every demo of a package."""
+    if isinstance(loaded, ModuleType):
+        yield from walk(loaded)
+    elif isinstance(loaded, Demo):
+        yield loaded
 
 
 def walk(package: ModuleType) -> Iterator[Demo]:

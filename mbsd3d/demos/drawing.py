@@ -51,8 +51,9 @@ def theory_dots(axes: Axes, x: ArrayLike, y: ArrayLike, label: str | None = "the
 
 def legend_below(axes: Axes, columns: int) -> None:
     """Draw the legend under the panel, never on the data."""
-    style = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.15), "frameon": False, "fontsize": 9}
-    axes.legend(ncols=columns, labelcolor=LIGHT.ink, **style)
+    axes.legend(
+        ncols=columns, labelcolor=LIGHT.ink, loc="upper center", bbox_to_anchor=(0.5, -0.15), frameon=False, fontsize=9
+    )
 
 
 def lower_net() -> list[np.ndarray]:
@@ -101,7 +102,7 @@ def every(count: int, wanted: int) -> np.ndarray:
 
 
 def spectrum_bars(
-    axes: Axes, orders: Sequence[int], groups: Sequence[tuple[str, ArrayLike]], theory: ArrayLike
+    axes: Axes, orders: Sequence[int] | np.ndarray, groups: Sequence[tuple[str, ArrayLike]], theory: ArrayLike
 ) -> None:
     """Draw amplitudes per harmonic as bars on a logarithmic axis, with theory on the bars of the first group."""
     width = 0.85 / max(len(groups), 2)
@@ -109,7 +110,7 @@ def spectrum_bars(
     for k, (label, values) in enumerate(groups):
         shift = (k - 0.5 * (len(groups) - 1)) * width
         bars = axes.bar(place + shift, values, width=0.92 * width, color=COLOURS[k], label=label)
-        numbers, size = [f"{value:#.3g}" for value in values], 6 if len(groups) > 1 else 8
+        numbers, size = [f"{value:#.3g}" for value in np.ravel(values)], 6 if len(groups) > 1 else 8
         axes.bar_label(bars, numbers, padding=6, fontsize=size, color=LIGHT.ink)
         if k == 0:
             theory_dots(axes, place + shift, theory, label="theory", zorder=5)

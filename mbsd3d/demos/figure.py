@@ -1,7 +1,9 @@
 """Figure of a demo from its declaration: computed lines, theory as dots, the ablation dashed."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import NamedTuple, Self
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -37,7 +39,21 @@ class Line(NamedTuple):
     theory: tuple[ArrayLike, ArrayLike] | None = None
 
 
-class Curve(NamedTuple):
+class Drawn(ABC):
+    """Content of a panel: how it is drawn, and all values in it."""
+
+    @abstractmethod
+    def draw(self, axes: Axes, other: Self | None, ablated: str) -> None:
+        """Draw it, and beside it the same of the ablation."""
+
+    @property
+    @abstractmethod
+    def values(self) -> list[ArrayLike]:
+        """Return all values that are drawn."""
+
+
+@dataclass(frozen=True, eq=False)
+class Curve(Drawn):
     """A computed line with theory as dots; labels have units in brackets, e.g. "time [s]"."""
 
     label: str
@@ -53,25 +69,33 @@ class Curve(NamedTuple):
     equal: bool = False  # both axes to the same scale: a path seen from above
 
     @property
-    def lines(self) -> list[Line]:
-        """Return all lines, each with its x."""
-        others = [line._replace(x=self.x if line.x is None else line.x) for line in self.more]
-        return [Line(self.name, self.y, self.x, self.theory), *others]
+    def lines(self) -> list[tuple[ArrayLike, Line]]:
+        """Return all lines with their x."""
+        others = [(self.x if line.x is None else line.x, line) for line in self.more]
+        return [(self.x, Line(self.name, self.y, theory=self.theory)), *others]
 
-    def draw(self, axes: Axes, other: "Curve | None", ablated: str) -> None:
+    @property
+    def values(self) -> list[ArrayLike]:
+        """Return x and y of all lines."""
+        return [values for x, line in self.lines for values in (x, line.y)]
+
+    def draw(self, axes: Axes, other: Self | None, ablated: str) -> None:
         """Draw the lines, those of the ablation that differ, and theory."""
-        others, label, dashed = other.lines if other else [], "theory", []
-        for k, line in enumerate(self.lines):
-            axes.plot(line.x, line.y, color=COLOURS[k], label=line.name)
-            if k < len(others) and not (alike(line.x, others[k].x) and alike(line.y, others[k].y)):
-                _, y, x, _ = others[k]
-                locked = still(x, line.x) and still(y, line.y)  # a single point
-                style, tint = "x" if locked else "--", COLOURS[k if self.more else 1]
-                dashed += axes.plot(x, y, style, color=tint, label=None if self.more else ablated)
+        others = other.lines if other else []
+        label: str | None = "theory"
+        dashed: list[Line2D] = []
+        for k, (x, line) in enumerate(self.lines):
+            axes.plot(x, line.y, color=COLOURS[k], label=line.name)
+            if k < len(others):
+                other_x, beside = others[k]
+                if not (alike(x, other_x) and alike(line.y, beside.y)):
+                    locked = still(other_x, x) and still(beside.y, line.y)  # a single point
+                    style, tint = "x" if locked else "--", COLOURS[k if self.more else 1]
+                    dashed += axes.plot(other_x, beside.y, style, color=tint, label=None if self.more else ablated)
             if line.theory is not None:
-                x, y = (np.atleast_1d(np.asarray(values, float)) for values in line.theory)
-                dots = every(x.size, 25)
-                theory_dots(axes, x[dots], y[dots], label)
+                where, known = (np.atleast_1d(np.asarray(values, float)) for values in line.theory)
+                dots = every(where.size, 25)
+                theory_dots(axes, where[dots], known[dots], label)
                 label = None
         if self.more and other is not None:
             axes.plot([], [], "--", color=GREY, label=ablated)
@@ -79,25 +103,31 @@ class Curve(NamedTuple):
             axes.set_yscale("log")
             plain_decades(axes, ":.0e")
         limit(axes, self, other)
-        for line in dashed:
-            end(line, *axes.get_ylim())
+        for drawn in dashed:
+            end(drawn, *axes.get_ylim())
         if self.equal:
             axes.set_aspect("equal", adjustable="datalim")
         axes.set(xlabel=self.along, ylabel=self.label)
         legend_below(axes, 2 if self.more else 3)
 
 
-class Bars(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Bars(Drawn):
     """Amplitudes ``y`` at multiples ``x`` of a frequency, with theory on them, on a logarithmic axis."""
 
     label: str
-    x: Sequence[int]
+    x: Sequence[int] | np.ndarray
     y: ArrayLike
     theory: ArrayLike
     along: str = "multiple of the shaft speed [-]"
     title: str = ""
 
-    def draw(self, axes: Axes, other: "Bars | None", ablated: str) -> None:
+    @property
+    def values(self) -> list[ArrayLike]:
+        """Return the amplitudes."""
+        return [self.y]
+
+    def draw(self, axes: Axes, other: Self | None, ablated: str) -> None:
         """Draw the bars, and those of the ablation beside them where they stand on the axis."""
         low, high = 0.3 * np.min(self.y), 3 * np.max(self.y)
         beside = [(ablated, other.y)] if other and np.min(other.y) > low else []
@@ -106,7 +136,8 @@ class Bars(NamedTuple):
         legend_below(axes, 3)
 
 
-class Path(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Path(Drawn):
     """Paths of points (n, 3) in space: the first one ``y``, ``more`` of them, and a ``net`` behind them in grey."""
 
     labels: Sequence[str]  # of the three axes, with their unit
@@ -119,15 +150,20 @@ class Path(NamedTuple):
     heights: tuple[float, float] = (-1.0, 1.0)  # least and greatest third coordinate
     globe: bool = False  # on the unit sphere, whose far side is not seen
 
-    def draw(self, axes: Axes3D, other: "Path | None", ablated: str) -> None:
+    @property
+    def values(self) -> list[ArrayLike]:
+        """Return the points of all paths."""
+        return [self.y, *(line.y for line in self.more)]
+
+    def draw(self, axes: Axes3D, other: Self | None, ablated: str) -> None:
         """Draw the paths with a dot at the start of each."""
         axes.view_init(*GLOBE_VIEW if self.globe else (25, -60))
 
         def shown(path: ArrayLike) -> np.ndarray:
             return seen_side(axes, path) if self.globe else np.asarray(path)
 
-        for line in self.net:
-            axes.plot(*shown(line).T, color=LIGHT.grid, linewidth=0.8)
+        for grey in self.net:
+            axes.plot(*shown(grey).T, color=LIGHT.grid, linewidth=0.8)
         for k, line in enumerate([Line(self.name, self.y), *self.more]):
             axes.plot(*shown(line.y).T, color=COLOURS[k], linewidth=1.8, label=line.name)
             axes.plot(*np.asarray(line.y)[:1].T, "o", color=COLOURS[k])
@@ -138,7 +174,8 @@ class Path(NamedTuple):
         legend_below(axes, 2)
 
 
-class Table(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Table(Drawn):
     """Numbers ``y`` of rows by columns; those not ``good`` stand out."""
 
     label: str
@@ -148,11 +185,16 @@ class Table(NamedTuple):
     good: ArrayLike
     title: str = ""
 
-    def draw(self, axes: Axes, other: "Table | None", ablated: str) -> None:
+    @property
+    def values(self) -> list[ArrayLike]:
+        """Return the numbers."""
+        return [self.y]
+
+    def draw(self, axes: Axes, other: Self | None, ablated: str) -> None:
         """Draw one tinted cell a number."""
+        good = np.asarray(self.good)
         for (i, j), value in np.ndenumerate(np.asarray(self.y)):
-            good = self.good[i][j]
-            tint, weight = (LIGHT.good, "normal") if good else (LIGHT.bad, "bold")
+            tint, weight = (LIGHT.good, "normal") if good[i, j] else (LIGHT.bad, "bold")
             axes.fill([j, j + 1, j + 1, j], [i, i, i + 1, i + 1], color=tint, edgecolor=LIGHT.paper, linewidth=2)
             axes.text(
                 j + 0.5, i + 0.5, f"{value:.0e}", ha="center", va="center", fontsize=8, weight=weight, color=LIGHT.ink
@@ -163,9 +205,6 @@ class Table(NamedTuple):
         axes.tick_params(length=0)
         axes.grid(False)
         axes.spines[:].set_visible(False)
-
-
-Drawn = Curve | Bars | Path | Table
 
 
 class Points(NamedTuple):
@@ -249,12 +288,5 @@ def alike(one: ArrayLike, other: ArrayLike) -> bool:
 
 def same(one: Drawn, other: Drawn) -> bool:
     """Return whether two panels look the same."""
-    pairs = [values_of(panel) for panel in (one, other)]
+    pairs = [panel.values for panel in (one, other)]
     return len(pairs[0]) == len(pairs[1]) and all(map(alike, *pairs))
-
-
-def values_of(panel: Drawn) -> list[ArrayLike]:
-    """Return all values drawn in a panel."""
-    if isinstance(panel, Curve):
-        return [values for line in panel.lines for values in (line.x, line.y)]
-    return [panel.y, *(line.y for line in getattr(panel, "more", ()))]

@@ -7,7 +7,7 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from math import isfinite
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -17,8 +17,9 @@ from ..api.viewable import AnimateOptions
 from ..base.errors import InputError, MbsError
 from .base import Outcome, Row, Show
 from .figure import PANELS_PER_ROW_MAX, Curve, Drawn, Panel, Points, same
-from .parameters import OMITTABLE_TERMS, checked, lacking, listed, refusing
+from .parameters import OMITTABLE_TERMS, Values, checked, lacking, listed, refusing
 
+T = TypeVar("T")
 Numbers = Mapping[str, float]
 
 
@@ -70,7 +71,7 @@ class Ablation:
 
     term: str
     then: str  # in words
-    change: Mapping[str, object] = field(default_factory=dict)
+    change: Values = field(default_factory=dict)
     values: Callable[..., Numbers] | None = None
 
 
@@ -126,7 +127,7 @@ class Demo:
         return sys.modules[self.module].theory
 
     @cached_property
-    def parameters(self) -> dict[str, object]:
+    def parameters(self) -> dict[str, Any]:
         """Return names and defaults of the parameters."""
         named = [inspect.signature(function).parameters.values() for function in (self.mechanism, self.measure)]
         found = {x.name: x.default for xs in named for x in xs if x.default is not inspect.Parameter.empty}
@@ -137,11 +138,11 @@ class Demo:
         """Return the parameters that may be arbitrarily small."""
         return (*(name for name, value in self.ablation.change.items() if value == 0), *self.may_vanish)
 
-    def varied(self, rng: np.random.Generator) -> dict[str, object]:
+    def varied(self, rng: np.random.Generator) -> dict[str, Any]:
         """Draw other parameters at random: numbers within their range, by default 15 % about theirs; None leaves
         one."""
 
-        def other(value: object) -> object:
+        def other(value: Any) -> Any:
             if isinstance(value, Mapping):
                 return {key: other(item) for key, item in value.items()}
             if isinstance(value, list):
@@ -154,23 +155,23 @@ class Demo:
                 found[name] = np.asarray(rng.uniform(*np.transpose(ends))).tolist()
         return found
 
-    def call(self, function: Callable, values: Mapping[str, object], *arguments: object) -> object:
+    def call(self, function: Callable[..., T], values: Values, *arguments: object) -> T:
         """Call a function of this demo with the parameters it names."""
         return function(*arguments, **{name: values[name] for name in inspect.signature(function).parameters
                                        if name in self.parameters})  # fmt: skip
 
-    def computed(self, values: Mapping[str, object], terms: Mapping[str, bool]) -> Measured:
+    def computed(self, values: Values, terms: Mapping[str, bool]) -> Measured:
         """Measure the quantities with these parameters; raise InputError where there are none."""
         with self.refusing(values):
             return self.call(self.measure, values, Builder(self, values), terms)
 
-    def refusing(self, values: Mapping[str, object]) -> AbstractContextManager[None]:
+    def refusing(self, values: Values) -> AbstractContextManager[None]:
         """Raise an error that names the changed parameters if a run fails, or its numbers or theory are not finite,
         within the block.
         """
         return refusing(self.name, self.parameters, values)
 
-    def expected(self, values: Mapping[str, object]) -> Numbers:
+    def expected(self, values: Values) -> Numbers:
         """Return the values of theory; raise InputError where there are none."""
         try:
             with np.errstate(all="ignore"):
@@ -183,7 +184,7 @@ class Demo:
         require(not lost, f"demo '{self.name}': theory has no {lost} for these parameters; stay nearer to the defaults")
         return found
 
-    def without(self, term: str | None, values: Mapping[str, object]) -> tuple[dict, dict]:
+    def without(self, term: str | None, values: Values) -> tuple[dict, dict]:
         """Return parameters and switches of an ablation; a term is a switch, or that of the demo."""
         if term is None:
             return dict(values), {}
@@ -194,7 +195,7 @@ class Demo:
             raise InputError(f"demo '{self.name}' has no term '{term}'; {listed(term, list(terms))}")
         return dict(values), {term: False}
 
-    def expected_without(self, values: Mapping[str, object]) -> Numbers:
+    def expected_without(self, values: Values) -> Numbers:
         """Return the values to be found under the demo's own ablation."""
         changed, _ = self.without(self.ablation.term, values)
         return self.call(self.ablation.values, values) if self.ablation.values else self.expected(changed)
@@ -222,25 +223,25 @@ class Demo:
 
         return Outcome(rows, drawn, solutions, noted, views, values, self.title)
 
-    def panels(self, values: Mapping[str, object], found: Measured, without: str | None) -> list[Panel]:
+    def panels(self, values: Values, found: Measured, without: str | None) -> list[Panel]:
         """Return curves with theory and ablation, and the first quantity over a parameter."""
         try:
             ablated = self.computed(*self.without(None if without else self.ablation.term, values))
-            other = wanted(ablated.curves)
+            others = wanted(ablated.curves)
         except ValueError:
-            other = ()  # some mechanisms do not run without what they need
+            others = ()  # some mechanisms do not run without what they need
         label = "all terms" if without else lacking(self.ablation.term)
         panels = [
-            Panel(curve, other[k] if k < len(other) and not same(curve, other[k]) else None, label)
+            Panel(curve, others[k] if k < len(others) and not same(curve, others[k]) else None, label)
             for k, curve in enumerate(wanted(found.curves))
         ]
         if self.against and not without:
-            panels.append(self.panel_against(values, found))
+            panels.append(self.panel_against(self.against, values, found))
         return panels[:PANELS_PER_ROW_MAX]
 
-    def panel_against(self, values: Mapping[str, object], found: Measured) -> Panel:
+    def panel_against(self, against: Against, values: Values, found: Measured) -> Panel:
         """Return the panel of the first quantity over a parameter."""
-        name, low, high, along, count = self.against
+        name, low, high, along, count = against
         key, quantity = next(iter(self.quantities.items()))
         few, fine = np.linspace(low, high, count), np.linspace(low, high, 61)
 
@@ -258,7 +259,7 @@ class Builder(NamedTuple):
     """Builder of the mechanism of a demo, ``build(**changes)``; ``theory`` is for curves, not for computed values."""
 
     demo: Demo
-    values: Mapping[str, object]
+    values: Values
 
     def __call__(self, **changes: object) -> System:
         return self.demo.call(self.demo.mechanism, {**self.values, **changes})
@@ -269,19 +270,19 @@ class Builder(NamedTuple):
         return self.demo.expected(self.values)
 
 
-def wanted(given: Sequence | Callable[[], Sequence]) -> Sequence:
+def wanted(given: Sequence[T] | Callable[[], Sequence[T]]) -> Sequence[T]:
     """Return a value, or the result of a function without arguments."""
     return given() if callable(given) else given
 
 
-def plain(value: object) -> object:
+def plain(value: Any) -> Any:
     """Return a default as JSON would give it: lists for tuples."""
     if isinstance(value, Mapping):
         return {key: plain(item) for key, item in value.items()}
     return [plain(item) for item in value] if isinstance(value, list | tuple) else value
 
 
-def valid(function: Callable[..., Numbers], values: Mapping[str, object], key: str) -> float:
+def valid(function: Callable[..., Numbers], values: Values, key: str) -> float:
     """Return a quantity, or nan where it does not exist."""
     try:
         return float(function(values)[key])
@@ -289,7 +290,7 @@ def valid(function: Callable[..., Numbers], values: Mapping[str, object], key: s
         return np.nan
 
 
-def require(condition: bool, what: str) -> None:
+def require(condition: bool | np.bool_, what: str) -> None:
     """Raise ValueError where the assumptions of a formula end; ``what`` says which, and what to give."""
     if not condition:
         raise InputError(what)

@@ -1,19 +1,23 @@
 """Gallery: a front page by family and a page per demo, with players that share one copy of the viewer."""
 
+import ast
 import inspect
 import io
 import json
 import re
 import shlex
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
+from functools import cache
 from hashlib import sha256
+from importlib.util import resolve_name
 from pathlib import Path
-from typing import Any
+from types import ModuleType
 
 import numpy as np
 from PIL import Image
 
+from ..api.viewable import AnimateOptions
 from ..base.paths import write_atomically
 from ..base.style import DARK, LIGHT, figure_style, with_superscripts
 from ..base.templates import TEMPLATE_FOLDER, page_template
@@ -21,7 +25,6 @@ from ..report.exhibits import inline_svg
 from ..report.mathml import mathml
 from ..view.page.recorder import client_head
 from .base import Outcome, Row, Show
-from .digest import digest
 from .discovery import discover
 from .figure import figure_of
 from .form import Demo
@@ -42,6 +45,8 @@ TYPOGRAPHY = (
     ("`", ""),
     (r"(\d) (\d{3})\b", "\\1\u202f\\2"),  # 18 140 stays on its line
 )
+PACKAGE_FOLDER = Path(__file__).parent.parent
+SOURCE_SUFFIXES = {".py", ".js", ".css", ".html"}
 INVISIBLE_MOTION = 1e-6  # [m] or parts of a quaternion that nobody sees
 
 
@@ -138,11 +143,10 @@ def player(outcome: Outcome, title: str, path: Path, beside: Outcome | None = No
         path.unlink(missing_ok=True)
         return ""
     solution, options = first_view(outcome)
+    quiet: AnimateOptions = {**options, "curves": (), "hidden": hidden(options), "title": title}  # curves stand below
     if beside is not None:
-        options: dict[str, Any] = {**options, "beside": first_view(beside).solution}
-    hidden = {"body names", "joint names", *options.get("hidden", ())}
-    quiet: dict[str, Any] = {"curves": (), "hidden": sorted(hidden)}  # the curves stand below
-    html = solution.animate(**{**options, **quiet, "title": title}).html
+        quiet["beside"] = first_view(beside).solution
+    html = solution.animate(**quiet).html
     html = html.replace(client_head(), f'<script src="{VIEWER_FILE}"></script>')
     script = (TEMPLATE_FOLDER / "in_step.js").read_text(encoding="utf-8")
     html = html.replace("</body>", f"<script>\n{script}</script>\n</body>")
@@ -160,8 +164,10 @@ def picture(outcome: Outcome, path: Path) -> None:
     with figure_style():
         if outcome.views:
             solution, options = first_view(outcome)
-            known, hidden = picture_options(options)
-            figure = solution.picture(solution.t[len(solution.t) // 3], size=(4.8, 3.6), hidden=hidden, **known)
+            figure = solution.picture(
+                solution.t[len(solution.t) // 3], size=(4.8, 3.6), hidden=hidden(options),
+                traces=options.get("traces"), shown=options.get("shown", ()), view=options.get("view"),
+            )  # fmt: skip
         else:
             figure = outcome.figure
         raw, small = io.BytesIO(), io.BytesIO()
@@ -181,15 +187,17 @@ def film(outcome: Outcome, path: Path) -> None:
     span = solution.t[-1] - solution.t[0]
     poses = [np.hstack([solution.position(x), solution.orientation(x)]) for x in solution.system.bodies]
     if span > 0.0 and np.ptp(np.hstack(poses), axis=0).max() > INVISIBLE_MOTION:
-        known, hidden = picture_options(options)
         speed = float(f"{span / FILM_SECONDS:.2g}")
-        solution.export_gif(path, fps=FILM_RATE, speed=speed, width=FILM_WIDTH, hidden=hidden, **known)
+        solution.export_gif(
+            path, fps=FILM_RATE, speed=speed, width=FILM_WIDTH, hidden=hidden(options),
+            traces=options.get("traces"), shown=options.get("shown", ()), view=options.get("view"),
+        )  # fmt: skip
 
 
-def picture_options(options: Mapping[str, object]) -> tuple[dict[str, object], list[str]]:
-    """Return the options of a page that a picture has too, and what is hidden in a small one."""
-    known = {key: options[key] for key in ("traces", "shown", "view") if key in options}
-    return known, sorted({"body names", "joint names", *options.get("hidden", ())})
+def hidden(options: AnimateOptions) -> list[str]:
+    """Return the layers that are hidden in a small view."""
+    given = options.get("hidden", ())
+    return sorted({"body names", "joint names", *([given] if isinstance(given, str) else given)})
 
 
 def cells(row: Row) -> Sequence[str]:
@@ -217,3 +225,47 @@ def command(demo: Demo) -> str:
 def source_of(demo: Demo) -> str:
     """Return the source text of the file of a demo."""
     return inspect.getsource(sys.modules[demo.module])
+
+
+def digest(demo: Demo, following: Demo) -> str:
+    """Return the digest of the package, of the demo with its helpers, and of name and title of the demo its page leads
+    to.
+    """
+    files = sorted(map(file_of, needed(sys.modules[demo.module])))
+    texts = [common(), following.name, following.title, *(path.read_text(encoding="utf-8") for path in files)]
+    return sha256("\n".join(texts).encode()).hexdigest()
+
+
+def needed(module: ModuleType) -> set[ModuleType]:
+    """Return the module and, of its package, what it imports; without the files that all demos share."""
+    found, waiting = set(), [module]
+    while waiting:
+        here = waiting.pop()
+        found.add(here)
+        package = here.__name__ if hasattr(here, "__path__") else here.__name__.rpartition(".")[0]
+        for node in ast.walk(ast.parse(file_of(here).read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and node.level:
+                base = resolve_name("." * node.level + (node.module or ""), package)
+                named = [sys.modules.get(name) for name in (base, *(f"{base}.{word.name}" for word in node.names))]
+                waiting += [x for x in named if x and x not in found and file_of(x) not in shared()]
+    return found
+
+
+def file_of(module: ModuleType) -> Path:
+    """Return the file of a module."""
+    return Path(inspect.getfile(module))
+
+
+@cache
+def shared() -> frozenset[Path]:
+    """Return the files of the package, scripts and templates too, but for the families of demos."""
+    families = PACKAGE_FOLDER / "demos"
+    return frozenset(
+        x for x in PACKAGE_FOLDER.rglob("*") if x.suffix in SOURCE_SUFFIXES and families not in x.parent.parents
+    )
+
+
+@cache
+def common() -> str:
+    """Return the digest of the shared files."""
+    return sha256(b"".join(path.read_bytes() for path in sorted(shared()))).hexdigest()

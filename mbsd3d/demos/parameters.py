@@ -3,6 +3,7 @@
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from typing import Any
 
 import numpy as np
 
@@ -14,6 +15,9 @@ LISTED_NAMES_MAX = 20  # [1] names that are listed beside a guess
 VALUE_RATIO_MAX = 1000.0  # [1] from the default; run time and validity of formulas are known for machines of some size
 # [1] below the default, for a value that may vanish: then the effect goes, and the run does not change
 VANISHING_RATIO_MAX = 1e12
+
+Values = Mapping[str, Any]
+"""Values of parameters by name, as JSON has them; of which kind, says the default."""
 
 
 def listed(name: str, names: Sequence[str]) -> str:
@@ -51,9 +55,7 @@ def settings(texts: Iterable[str]) -> dict[str, object]:
     return found
 
 
-def checked(
-    demo: str, defaults: Mapping[str, object], changes: Mapping[str, object], vanishing: Iterable[str] = ()
-) -> dict[str, object]:
+def checked(demo: str, defaults: Values, changes: Values, vanishing: Iterable[str] = ()) -> dict[str, Any]:
     """Return the parameters of a demo with some changed; raise ValueError that names demo, parameter and remedy.
 
     Those that are ``vanishing`` may be as small as one likes.
@@ -67,7 +69,7 @@ def checked(
     return values
 
 
-def like(default: object, value: object, what: str, below: float = VALUE_RATIO_MAX) -> object:
+def like(default: Any, value: Any, what: str, below: float = VALUE_RATIO_MAX) -> Any:
     """Return a value of the kind of the default: number, integer, word, list of the same shape, or table of these.
 
     A number is by less than a factor FAR above the default and by less than ``below`` below it, or 0.
@@ -117,7 +119,7 @@ def like_list(default: Sequence, value: object, what: str) -> list:
 
 
 @contextmanager
-def refusing(demo: str, defaults: Mapping[str, object], values: Mapping[str, object]) -> Iterator[None]:
+def refusing(demo: str, defaults: Values, values: Values) -> Iterator[None]:
     """Raise an error that names the parameters other than the defaults if a demo fails or has no finite numbers, within
     the block.
     """

@@ -97,7 +97,8 @@ def write(demo: Demo, outcome: Outcome, folder: Path, *, pages: bool = True, wit
     """
     written = []
     if outcome.panels:
-        outcome.figure.get_layout_engine().execute(outcome.figure)
+        if layout := outcome.figure.get_layout_engine():
+            layout.execute(outcome.figure)
         outcome.figure.set_layout_engine("none")  # placed once, not again for each format
         stem = f"{demo.name}_without_{without}" if without else demo.name
         written += save_figure(outcome.figure, folder / stem)

@@ -13,7 +13,7 @@ def next_turn(
 
     ``about``: a time of the order of the swing [s]; the search begins after a tenth and ends after a hundred of them.
     """
-    settings: dict[str, Any] = {"rtol": 1e-13, **settings}
+    settings = {"rtol": 1e-13, **settings}
     start = state or system.state()
     on = simulate(system, start.t + 0.1 * about, state=start, output=2, **settings)
     turned = rate < 0 if rising else rate > 0

@@ -22,7 +22,7 @@ import numpy as np
 
 from ..base.checks import number
 from ..base.errors import InputError
-from ..compiler.by_reference import by_reference
+from ..compiler.arguments import by_reference
 from ..kernels.kinds import BAUMGARTE
 from ..kernels.layout import Data, Model, single
 from .alpha_step import integrate

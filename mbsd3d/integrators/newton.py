@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..compiler.by_reference import by_reference
+from ..compiler.arguments import by_reference
 from ..compiler.decorators import inner_kernel, kernel
 from ..dynamics.applied_forces import loads
 from ..dynamics.state_rates import correction

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..base.checks import number
-from ..compiler.by_reference import by_reference
+from ..compiler.arguments import by_reference
 from ..kernels.layout import Data, Model, single
 from .method import Method, check_max_step
 from .radau_step import collocation

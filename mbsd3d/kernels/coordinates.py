@@ -7,11 +7,12 @@ the rates there and now, never by a counter; curves are searched from there.
 """
 
 import math
+from typing import Annotated
 
 import numpy as np
 from numba import types
 
-from ..compiler.by_reference import Reference
+from ..compiler.arguments import Reference
 from ..compiler.decorators import inner_kernel, kernel, late_kernel
 from ..compiler.late import late
 from .kinds import (
@@ -46,6 +47,10 @@ def of_measure(m: Reference, d: Reference, *given: types.Type) -> types.Type:
 def of_coordinate(m: Reference, d: Reference, *given: types.Type) -> types.Type:
     """Return the types of the results of `coordinate`."""
     return types.Tuple([*[number_of(d)] * 2, *[types.UniTuple(number_of(d), 3)] * 4])
+
+
+MeasureValue = Annotated[complex, of_measure]
+CoordinateValues = Annotated[tuple, of_coordinate]
 
 
 @kernel
@@ -129,7 +134,7 @@ def slide(m, d, i):
 
 
 @late_kernel
-def path(m, d, i, t) -> of_coordinate:
+def path(m, d, i, t) -> CoordinateValues:
     """Return (value, J_dot v, blocks on a and b as (linear, angular)) of path i."""
     x = m.coordinate[i]
     a, b = d.body[x.body[0]], d.body[x.body[1]]
@@ -139,7 +144,7 @@ def path(m, d, i, t) -> of_coordinate:
 
 
 @late_kernel
-def touch(m, d, i, t) -> of_coordinate:
+def touch(m, d, i, t) -> CoordinateValues:
     """Return (value, J_dot v, blocks on a and b as (linear, angular)) of the contact of a curve and a face, i."""
     a = d.body[m.coordinate[i].body[0]]
     s, _, bias, gradient, _, _, _ = highest(m, d, i, t)
@@ -150,7 +155,7 @@ def touch(m, d, i, t) -> of_coordinate:
 
 @late
 @kernel
-def coordinate(m, d, i, t) -> of_coordinate:
+def coordinate(m, d, i, t) -> CoordinateValues:
     """Return (value, J_dot v, linear a, angular a, linear b, angular b) of hinge coordinate i at time t."""
     kind = m.coordinate[i].kind
     if kind == ANGLE:
@@ -209,7 +214,7 @@ def miscount(m, d, t):
 
 
 @late_kernel
-def of_contact(m, d, p) -> of_measure:
+def of_contact(m, d, p) -> MeasureValue:
     """Return clearance [m] or normal force [N] of a contact."""
     f = m.force[p.force]
     own = contact_parameters(m.number, f.number)
@@ -219,7 +224,7 @@ def of_contact(m, d, p) -> of_measure:
 
 @late
 @kernel
-def measure(m, d, i, t) -> of_measure:
+def measure(m, d, i, t) -> MeasureValue:
     """Return measure i: hinge coordinate or rate, point along an axis (b relative to a), w . axis, lean, or others."""
     p = m.measure[i]
     if p.kind == COORDINATE:

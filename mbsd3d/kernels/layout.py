@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
-from ..compiler.by_reference import by_reference
+from ..compiler.arguments import by_reference
 
 ADDRESS = object if numba.config.DISABLE_JIT else np.int64  # without the compiler: the function itself
 CUSTOM_FORCE_BODIES_MAX = 4  # [bodies] a custom force acts on

@@ -8,8 +8,7 @@ from ..base.concurrency import turn_passed_on
 from ..base.errors import AssemblyError, InputError, IntegrationError
 from ..base.progress import Progress
 from ..compiler.cache_folder import mark_warm
-from ..compiler.first_run import announce_compilation
-from ..compiler.second import wait_for_second
+from ..compiler.first_run import announce_compilation, wait_for_second
 from ..constraints.conflicting_drivers import rivals
 from ..constraints.idle_rotations import check_spins, find_idle_rotations
 from ..constraints.rank import choose_rows, tree_over_rows

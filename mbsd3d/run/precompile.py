@@ -1,4 +1,4 @@
-"""What the second process of the first run compiles: see `compiler.second`."""
+"""What the second process of the first run compiles: see `compiler.first_run`."""
 
 import numpy as np
 from numba import typeof

@@ -8,7 +8,7 @@ import numba
 import numpy as np
 import pytest
 
-from mbsd3d.compiler.by_reference import by_reference
+from mbsd3d.compiler.arguments import by_reference
 
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
 

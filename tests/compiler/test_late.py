@@ -9,6 +9,7 @@ import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import nullcontext
+from typing import Annotated
 
 import numba
 import numpy as np
@@ -36,14 +37,12 @@ def compiled(monkeypatch):
     return found
 
 
-def pair(x):
-    """Real or complex, as its argument."""
-    return types.UniTuple(x, 2)
+Pair = Annotated[tuple, lambda x: types.UniTuple(x, 2)]  # real or complex, as its argument
 
 
 def test_it_is_compiled_at_the_first_call_and_once(compiled):
     @late_kernel
-    def heavy(x) -> pair:
+    def heavy(x) -> Pair:
         return 3.0 * x, x * x
 
     @kernel
@@ -57,7 +56,7 @@ def test_it_is_compiled_at_the_first_call_and_once(compiled):
 
 def test_cells_for_other_types_have_other_names():
     @late_kernel
-    def heavy(x) -> pair:
+    def heavy(x) -> Pair:
         return 3.0 * x, x * x
 
     known = [(one,) for one in (types.float64, types.complex128)]
@@ -273,11 +272,11 @@ def test_a_long_compilation_is_said(monkeypatch, capsys):
 
 SECOND = """
 import sys, time
-from mbsd3d.compiler import second
-second.WORK = "from mbsd3d.compiler.second import end_with_parent; end_with_parent(); import time; time.sleep(60)"
-second.os.cpu_count = lambda: 2
-second.start_second()
-print(second.others[0].pid, flush=True)
+from mbsd3d.compiler import first_run
+first_run.WORK = "from mbsd3d.compiler.first_run import end_with_parent; end_with_parent(); import time; time.sleep(60)"
+first_run.os.cpu_count = lambda: 2
+first_run.start_second()
+print(first_run.others[0].pid, flush=True)
 time.sleep(60)
 """
 

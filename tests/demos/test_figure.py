@@ -1,6 +1,7 @@
 """Curves of a demo: what fills the axis, what an ablation adds, and paths to one scale."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -50,7 +51,7 @@ def test_the_same_curve_at_other_times_is_another():
     turns, slow = Curve("turn [deg]", T, 360.0 * T), Curve("turn [deg]", 1.4 * T, 360.0 * T)
     assert same(turns, turns) and not same(turns, slow)
     assert len(axes_of(turns, slow).lines) == 2 and len(axes_of(turns, turns).lines) == 1
-    beside = turns._replace(more=[Line("other", T**2)])
+    beside = replace(turns, more=[Line("other", T**2)])
     assert not same(turns, beside) and same(beside, beside)
 
 

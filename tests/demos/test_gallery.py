@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from mbsd3d.demos import digest, gallery
+from mbsd3d.demos import gallery
 from mbsd3d.demos.base import Outcome, Row
 from mbsd3d.demos.discovery import discover, own_demos
 from mbsd3d.demos.parameters import checked, lacking, settings
@@ -96,20 +96,20 @@ def test_a_page_is_kept_only_if_all_its_files_are_whole(site, monkeypatch, end, 
 
 def test_every_demo_has_a_digest_of_its_own():
     demos = discover()
-    assert len({digest.digest(demo, demo) for demo in demos.values()}) == len(demos)
+    assert len({gallery.digest(demo, demo) for demo in demos.values()}) == len(demos)
 
 
 def test_a_page_depends_on_helpers_scripts_and_the_page_it_leads_to():
     demos = discover()
-    helpers = {module.__name__ for module in digest.needed(sys.modules[demos["car_limit"].module])}
+    helpers = {module.__name__ for module in gallery.needed(sys.modules[demos["car_limit"].module])}
     assert helpers >= {f"mbsd3d.demos.cars.{name}" for name in ("car_limit", "car", "circle", "theory")}
     assert "mbsd3d.demos.cars.driver" not in helpers
-    assert "bicycle.model.mechanism" in {x.__name__ for x in digest.needed(sys.modules[demos["no_hands"].module])}
-    names = {path.name for path in digest.shared()}
+    assert "bicycle.model.mechanism" in {x.__name__ for x in gallery.needed(sys.modules[demos["no_hands"].module])}
+    names = {path.name for path in gallery.shared()}
     assert {"demo.html", "in_step.js", "player.js", "rows.py", "figure.py"} <= names and "car.py" not in names
     first, other = list(demos.values())[:2]
-    assert digest.digest(first, first) != digest.digest(first, other)
-    assert digest.digest(first, other) != digest.digest(first, replace(other, title="another title"))
+    assert gallery.digest(first, first) != gallery.digest(first, other)
+    assert gallery.digest(first, other) != gallery.digest(first, replace(other, title="another title"))
 
 
 def test_a_number_is_shown_as_zero_where_the_tolerance_does_not_tell_them_apart():

@@ -10,6 +10,7 @@ from mbsd3d import (
     Body,
     Bushing,
     Cylindrical,
+    Joint,
     Prismatic,
     Revolute,
     Signal,
@@ -21,6 +22,7 @@ from mbsd3d import (
     shapes,
 )
 from mbsd3d.api.viewable import AnimateOptions
+from mbsd3d.mechanism.force_element import ForceElement
 
 G = 9.81  # m/s^2
 UP = np.array([0.0, 0.0, 1.0])
@@ -113,7 +115,9 @@ def car(c: Car, speed: float, steer: Signal | float | None, drive: Signal | floa
     ``drive``: torque on the rear wheels together, which the chassis bears [N m].
     """
     chassis = chassis_of(c, speed)
-    bodies, joints, forces, carriers = [chassis], [], [], {}
+    bodies, carriers = [chassis], {}
+    joints: list[Joint] = []
+    forces: list[ForceElement] = []
     for name in WHEELS:
         at, front = chassis.position + c.place(name), name.startswith("front")
         carrier = carriers[name] = Body(f"{name} carrier", 0.0, (0, 0, 0), position=at, shape=KINGPIN_SHAPE)
@@ -156,7 +160,7 @@ def tyre_of(c: Car, name: str, wheel: Body) -> Tyre:
     )  # fmt: skip
 
 
-def with_engine(engine: Engine, bodies: list[Body], joints: list) -> tuple[list[Body], list]:
+def with_engine(engine: Engine, bodies: list[Body], joints: list[Joint]) -> tuple[list[Body], list[Joint]]:
     """Add crankshaft, bearing and speed after all other parts."""
     chassis, moments = bodies[0], 0.5 * engine.J * (1.0 + np.abs(engine.axis))
     crank = Body(

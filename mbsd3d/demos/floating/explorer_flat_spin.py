@@ -65,7 +65,7 @@ def measure(build, terms, *, I, j, c, w, tilt, t=40.0) -> Measured:
     energy = run.energy().kinetic
     curve = Curve("rate about the long axis [rad/s]", run.t, x, (run.t, known[:, 0]))
     lost = Curve("kinetic energy [J]", run.t, energy, title="energy is lost, angular momentum is not")
-    rate = np.linalg.norm(later.omega("satellite")[-1])
+    rate = float(np.linalg.norm(later.omega("satellite")[-1]))
     return Measured({"long_axis_rate_at_t_rad_s": abs(x[-1]), "final_flat_rate_rad_s": rate}, [run], [curve, lost])
 
 

@@ -20,7 +20,7 @@ def mechanism(*, A=0.12, C=0.03, bend_deg=60.0) -> System:
         axis = side * along  # both roll the same way about the cat's length
         turned = rotation("y", side * np.degrees(g), degrees=True)
         legs = [shapes.Cylinder(0.03, 0.2, at=(side * 0.28, y, -0.16)) for y in (-0.08, 0.08)]
-        form = [shapes.Capsule(0.11, 0.3, "x", at=(side * 0.2, 0, 0), colour=FUR_COLOUR), *legs]
+        form: list[shapes.Shape] = [shapes.Capsule(0.11, 0.3, "x", at=(side * 0.2, 0, 0), colour=FUR_COLOUR), *legs]
         form += [shapes.Sphere(0.1, at=(0.46, 0, 0.06), colour=FUR_COLOUR)] if side > 0 else []
         half = Body(name, 2.0, (C, A, A), orientation=turned, shape=form)
         hinge = Revolute(waist, half, at=(0, 0, 0), axis=axis, name=f"{name} roll")

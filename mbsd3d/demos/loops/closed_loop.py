@@ -22,7 +22,9 @@ from mbsd3d import (
 )
 
 from ...base.errors import InputError
+from ...mechanism.bodies import Ground
 
+Angles = Sequence[float] | np.ndarray  # [rad]
 Look = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray, float], list[shapes.Shape]]
 T = 2.0  # s, of a turn of the driven hinge from rest to rest
 SAMPLES = 61
@@ -48,19 +50,19 @@ class Loop(NamedTuple):
             [0, 0, 0, 1],
         ])  # fmt: skip
 
-    def frames(self, theta: Sequence[float]) -> list[np.ndarray]:
+    def frames(self, theta: Angles) -> list[np.ndarray]:
         """Return the frames of all hinges, (4, 4) each, and once more of the first one, around the loop."""
         found = [np.eye(4)]
         for k, angle in enumerate(theta):
             found.append(found[-1] @ self.step(k, angle))
         return found
 
-    def gap(self, theta: Sequence[float]) -> np.ndarray:
+    def gap(self, theta: Angles) -> np.ndarray:
         """Return the gap of the loop's end from its beginning, lengths over that of the loop, shape (12,)."""
         end = self.frames(theta)[-1]
         return np.concatenate([(end[:3, :3] - np.eye(3)).ravel(), end[:3, 3] / np.sum(np.abs([*self.a, *self.d]))])
 
-    def close(self, first: float, others: Sequence[float]) -> np.ndarray:
+    def close(self, first: float, others: Angles) -> np.ndarray:
         """Solve for angles that close the loop for a given first one, near a guess for the others [rad]."""
         found = least_squares(lambda x: self.gap([first, *x]), others, xtol=3e-16, ftol=3e-16, gtol=3e-16)
         theta = np.array([first, *found.x])
@@ -71,7 +73,7 @@ class Loop(NamedTuple):
                              "give lengths and angles that close")  # fmt: skip
         return theta
 
-    def follow(self, theta: Sequence[float], turn: float, steps: int = 60) -> np.ndarray:
+    def follow(self, theta: Angles, turn: float, steps: int = 60) -> np.ndarray:
         """Return the angles while the first one turns, continued from a closed start [rad], shape (steps + 1, n)."""
         found = [np.asarray(theta)]
         for first in theta[0] + turn * np.arange(1, steps + 1) / steps:
@@ -80,7 +82,7 @@ class Loop(NamedTuple):
         return np.array(found)
 
     def system(
-        self, theta: Sequence[float], turn: float, misfit: float = 0.0, thick: float = 0.05, look: Look | None = None
+        self, theta: Angles, turn: float, misfit: float = 0.0, thick: float = 0.05, look: Look | None = None
     ) -> System:
         """Build links and hinges, the first hinge driven by a turn in T seconds.
 
@@ -98,7 +100,7 @@ class Loop(NamedTuple):
                   for k in range(len(points) - 1)]  # fmt: skip
         closing = (look or link)(points[-1], points[0], axes[-1], axes[0], size)
         frame = Body("frame", 1.0, (0.01, 0.01, 0.01), position=0.5 * (points[-1] + points[0]), shape=closing)
-        chain = [GROUND, *bodies, GROUND]
+        chain: list[Body | Ground] = [GROUND, *bodies, GROUND]
         joints: list[Joint] = [
             Revolute(chain[k], chain[k + 1], at=points[k], axis=axes[k], name=f"hinge {k + 1}")
             for k in range(len(points))
@@ -111,9 +113,11 @@ class Loop(NamedTuple):
 def link(start: np.ndarray, end: np.ndarray, axis: np.ndarray, other: np.ndarray, size: float) -> list[shapes.Shape]:
     """Draw a rod between two hinges, with a pin along each axis."""
     middle, along = 0.5 * (start + end), end - start
-    pins = [shapes.Cylinder(0.8 * size, 4 * size, tuple(way), at=place - middle, colour="gray")
-            for place, way in ((start, axis), (end, other))]  # fmt: skip
-    long = np.linalg.norm(along)
+    pins: list[shapes.Shape] = [
+        shapes.Cylinder(0.8 * size, 4 * size, tuple(way), at=place - middle, colour="gray")
+        for place, way in ((start, axis), (end, other))
+    ]
+    long = float(np.linalg.norm(along))
     return pins + ([shapes.Cylinder(0.5 * size, long, tuple(along), at=(0, 0, 0))] if long > size else [])
 
 

@@ -68,15 +68,16 @@ def angle_of(run, lean):
 
 def measure(build, terms, *, m, width, thickness, lean_deg, start_deg, t=6.0) -> Measured:
     """Measure the door as built and with its remedy: results of `check`, angle at t, forces at t/3."""
-    built, cured = (simulate(s, t, rtol=1e-11, output=SAMPLES, **terms) for s in (build(), build(fit="cured")))
-    found, net, third = built.system.check(), built.reaction("top", "bottom"), (SAMPLES - 1) // 3
-    lean = np.radians(lean_deg)
+    doors = build(), build(fit="cured")
+    built, cured = (simulate(door, t, rtol=1e-11, output=SAMPLES, **terms) for door in doors)
+    (found, remedied), net = (door.check() for door in doors), built.reaction("top", "bottom")
+    third, lean = (SAMPLES - 1) // 3, np.radians(lean_deg)
     along = built.reaction("top").force @ [np.sin(lean), 0, np.cos(lean)]
     kept = cured.reaction("top").force @ [np.sin(lean), 0, np.cos(lean)]
     values = {
         "rows": found.rows, "rank": found.rank, "gruebler": found.gruebler, "mobility": found.mobility,
         "net_unique": float(net.unique), "share_unique": float(built.reaction("top").unique),
-        "cured_redundant": cured.system.check().redundant, "angle_rad": angle_of(built, lean)[-1],
+        "cured_redundant": remedied.redundant, "angle_rad": angle_of(built, lean)[-1],
         **{f"net_force_{axis}_N": net.force[third, k] for k, axis in enumerate("xyz")}, "cured_top_along_N": kept[-1],
     }  # fmt: skip
     known, force = swing(built.t, m=m, width=width, thickness=thickness, lean_deg=lean_deg, start_deg=start_deg)

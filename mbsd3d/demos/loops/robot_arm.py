@@ -4,6 +4,7 @@ import numpy as np
 
 from mbsd3d import GROUND, AngleDriver, Body, Kinematic, Polynomial, Revolute, System, accelerations, shapes, simulate
 
+from ...mechanism.bodies import Ground
 from ..form import Ablation, Curve, Demo, Measured, Quantity
 
 G = 9.81  # m/s^2
@@ -26,7 +27,8 @@ def mechanism(
     """Build links by Denavit-Hartenberg numbers; com [m] and I [kg m^2] in the frame at each link's end; q, qd, qdd of
     the joints.
     """
-    frame, before, bodies, joints = np.eye(4), GROUND, [], []
+    frame, bodies, joints = np.eye(4), [], []
+    before: Body | Ground = GROUND
     for k in range(6):
         end = frame @ step(a[k], d[k], alpha[k], q[k])
         here, R = end[:3, 3], end[:3, :3]
@@ -90,8 +92,8 @@ def measure(build, terms, *, a, d, alpha, q, qd, qdd, mass, com, I) -> Measured:
     now = accelerations(system, **terms)
     run = simulate(system, 0.5, method=Kinematic(), output=101, **terms)
     q, qd, qdd = np.array([q, qd, qdd])
-    known = [torques(a, d, alpha, q + qd * t + qdd * t**2 / 2, qd + qdd * t, qdd, mass, com, I) for t in run.t]
-    known = np.array(known).T
+    along = (torques(a, d, alpha, q + qd * t + qdd * t**2 / 2, qd + qdd * t, qdd, mass, com, I) for t in run.t)
+    known = np.array(list(along)).T
     curves = [
         Curve(f"torque of motor {k + 1} [N m]", run.t, run.effort(f"motor {k + 1}"), (run.t, known[k]))
         for k in range(3)

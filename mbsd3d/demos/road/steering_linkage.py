@@ -85,12 +85,12 @@ def measure(build, terms, *, track, wheelbase, kingpin_deg, caster_deg, arm, arm
     """Measure the angle of the right kingpin, and where the axles meet, at the end."""
     run = simulate(build(), T, method=Kinematic(), output=81, **terms)
     left, right = run.angle("left kingpin"), run.angle("right kingpin")
-    headings = [heading(run.rotation(f"{name} wheel")[-1, :, 1]) for name in ("left", "right")]
+    one, other = (heading(run.rotation(f"{name} wheel")[-1, :, 1]) for name in ("left", "right"))
     some = np.linspace(0, left[-1], 11)
     known = [right_angle(x, track, kingpin_deg, caster_deg, arm, arm_in_deg) for x in some]
     curve = Curve("right kingpin [deg]", np.degrees(left), np.degrees(right), (np.degrees(some), np.degrees(known)),
                   "left kingpin [deg]")  # fmt: skip
-    values = {"right_kingpin_deg": np.degrees(right[-1]), "ackermann_error": error(*headings, track, wheelbase)}
+    values = {"right_kingpin_deg": np.degrees(right[-1]), "ackermann_error": error(one, other, track, wheelbase)}
     return Measured(values, [run], [curve])
 
 

@@ -4,6 +4,7 @@ import numpy as np
 
 from mbsd3d import GROUND, Body, Prismatic, Revolute, SpeedDriver, System, Tyre, shapes, simulate
 
+from ...results.element_loads import TyreLoad
 from ..figure import Line
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 
@@ -86,8 +87,8 @@ def theory(*, load, cornering, longitudinal, mu, trail, angle):
 def measure(build, terms, *, load, cornering, longitudinal, mu, trail, relaxation, angle, v) -> Measured:
     """Measure forces after sixty relaxation lengths, of all wheels at once."""
     run = simulate(build(), 60 * relaxation / v, rtol=1e-11, output=61, **terms)
-    seen = [run.force(f"tyre {k}") for k in range(len(wheels(angle)))]
-    F = np.array([(x.longitudinal[-1], x.lateral[-1], x.aligning[-1]) for x in seen])
+    loads = (run.force(f"tyre {k}") for k in range(len(wheels(angle))))
+    F = np.array([(x.longitudinal[-1], x.lateral[-1], x.aligning[-1]) for x in loads if isinstance(x, TyreLoad)])
     free, driven = F[: len(STEER_ANGLES)], F[len(STEER_ANGLES) :]
     straight = len(STEER_ANGLES) + SLIPS.index(0.0)
     values = {

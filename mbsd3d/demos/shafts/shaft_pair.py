@@ -1,5 +1,6 @@
 """Massless shafts that meet at an angle and turn slowly: the moments of their joint."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -55,7 +56,7 @@ def forked(outer: float | None, *forks: tuple[float, str]) -> list[shapes.Shape]
     return made
 
 
-def shaft_pair(joint: type[Joint], bend_deg: float, torque: float, **axes: object) -> System:
+def shaft_pair(joint: Callable[..., Joint], bend_deg: float, torque: float, **axes: object) -> System:
     """Build a driving shaft along x and a driven shaft bent in the xy plane, with ``joint`` and its axes between them
     at the origin.
     """

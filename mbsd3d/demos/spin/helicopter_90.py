@@ -85,7 +85,7 @@ def measure(build, terms, *, m, L, Omega, M0, c, k) -> Measured:
     system, turn, inertia = build(), 2 * np.pi / Omega, m * L**2 / 3
     samples = TURN_SAMPLES * int(np.ceil(max(1.0, np.sqrt(abs(k) / inertia) / Omega, c / (inertia * Omega))))
 
-    def after(angle, rate, system=system, **settings):
+    def after(angle, rate, *, system=system, **settings):
         state = system.assemble(angles={"flap": angle}, rates={"flap": rate})
         return simulate(system, turn, state=state, method=DOP853(dt=turn / samples), **settings, **terms)
 

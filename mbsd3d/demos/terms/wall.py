@@ -1,5 +1,7 @@
 """Errors of omitted terms: what is lost with each term that one may forget, in numbers."""
 
+from typing import Any
+
 import numpy as np
 
 from mbsd3d import GROUND, Body, Revolute, Spherical, State, System, shapes, simulate
@@ -16,9 +18,9 @@ INITIAL_GAP, DECAY_RATE, STEP_COUNT = (
     10.0,
     200,
 )  # m, opened on purpose; 1/s, both roots of Baumgarte; of the quaternion's RK4
-BAUMGARTE = {"stabilisation": "baumgarte", "baumgarte": (2 * DECAY_RATE, DECAY_RATE**2)}
+BAUMGARTE: dict[str, Any] = {"stabilisation": "baumgarte", "baumgarte": (2 * DECAY_RATE, DECAY_RATE**2)}
 TERMS = {"gyroscopic": "no w x I w", "centripetal": "no m w x (w x s)", "gamma": "no -J_dot v"}
-RUNS = {"all terms": {}, **{text: {term: False} for term, text in TERMS.items()},
+RUNS: dict[str, dict[str, Any]] = {"all terms": {}, **{text: {term: False} for term, text in TERMS.items()},
         "no stabilisation": {"stabilisation": "none"}, "Baumgarte": BAUMGARTE}  # fmt: skip
 
 
@@ -116,10 +118,10 @@ def measure(build, terms_off, *, arm, turn, I=(1.0, 2.0, 3.0), spin=(1.0, 2.0, 2
     """Measure half a turn of the free body, a turn of crank, flywheel and quaternion, each without its term (or with
     it).
     """
-    kept, settings, t = terms == "kept", {"rtol": 1e-12, "output": 51}, 2 * np.pi / abs(turn)
-    free = simulate(free_body(I, spin), np.pi / np.linalg.norm(spin), gyroscopic=kept, **settings)
+    kept, t, half_turn = terms == "kept", 2 * np.pi / abs(turn), np.pi / float(np.linalg.norm(spin))
+    free = simulate(free_body(I, spin), half_turn, gyroscopic=kept, rtol=1e-12, output=51)
     engine = crank.one_turn(own_crank()(), crank.demo.parameters["rpm"], centripetal=kept)
-    flying = simulate(build(), t, gamma=kept, stabilisation="none", **settings)
+    flying = simulate(build(), t, gamma=kept, stabilisation="none", rtol=1e-12, output=51)
     apart = {name: opened(build(), t, name) for name in ("none", "baumgarte", "projection")}
     gaps = {name: np.linalg.norm(run.point("wheel", (-arm, 0, 0)), axis=1) for name, run in apart.items()}
     gap, L, energy = np.linalg.norm(flying.point("wheel", (-arm, 0, 0)), axis=1), free.momentum().angular, free.energy()

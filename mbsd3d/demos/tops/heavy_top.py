@@ -95,9 +95,10 @@ def without_gyroscopic(*, m, l, It, spin, precession, tilt_deg, t):
 def measure(build, terms, *, m, l, It, I3, spin, precession, tilt_deg, steady_tilt_deg=75.0, t=2.0) -> Measured:
     """Measure the falling top at t, its first turning point, and the mean rate of both steady precessions."""
     settings, A = {"rtol": 1e-12, **terms}, It + m * l**2
-    run = simulate(build(), t, output=801, **settings)
-    rising = measures.velocity(run.system.bodies[0], axis=(0, 0, 1)) > 0.0
-    fall = simulate(run.system, 10 * t, state=run.state(1), stop_when=rising, **settings)
+    top = build()
+    run = simulate(top, t, output=801, **settings)
+    rising = measures.velocity(top.bodies[0], axis=(0, 0, 1)) > 0.0
+    fall = simulate(top, 10 * t, state=run.state(1), stop_when=rising, **settings)
     rates = steady_rates(np.radians(steady_tilt_deg), A, I3, spin, m * G * l)
     tilts = {"tilt_deg": steady_tilt_deg}
     steady = [
@@ -119,7 +120,7 @@ def measure(build, terms, *, m, l, It, I3, spin, precession, tilt_deg, steady_ti
              net=lower_net(), box=(2, 2, 1), heights=(-1, 0)),
         Curve("height of the centre of mass [m]", run.t, centre[:, 2], (run.t[::20], known[:, 2]),
               title="it falls, and comes back up"),
-        Curve("revolutions about the vertical [-]", slow.x, slow.y, slow.theory, name=slow.name, more=[fast],
+        Curve("revolutions about the vertical [-]", steady[0].t, slow.y, slow.theory, name=slow.name, more=[fast],
               title=f"steady precession, axis at {steady_tilt_deg:g} deg"),
     ]  # fmt: skip
     return Measured(values, [run, *steady], curves)

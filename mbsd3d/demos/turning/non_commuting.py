@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from mbsd3d import GROUND, Body, Pulse, SpeedDriver, Spherical, System, shapes, simulate
+from mbsd3d import GROUND, Body, Joint, Pulse, SpeedDriver, Spherical, System, shapes, simulate
 
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity
 
@@ -14,15 +14,18 @@ def mechanism(*, a_deg=90.0, b_deg=90.0) -> System:
     """Build two books on ball joints: one turned about the world's x by a, then about y by b; the other y first, then
     x.
     """
-    bodies, joints = [], []
+    bodies: list[Body] = []
+    joints: list[Joint] = []
     for k, name in enumerate(("x then y", "y then x")):
         place = (1.2 * k - 0.6, 0, 0)
         book = Body(name, 1.0, (0.04, 0.06, 0.02), position=place, shape=BOOK_SHAPES)
         turns = [np.radians(angle) / (TURN_SECONDS - EDGE_SECONDS) for angle in (a_deg, b_deg)]
         starts = (0.1, 1.2) if k == 0 else (1.2, 0.1)
-        speeds = [Pulse(turn, start, EDGE_SECONDS, TURN_SECONDS) for turn, start in zip(turns, starts, strict=True)]
+        speeds: list[Pulse | float] = [
+            *(Pulse(turn, start, EDGE_SECONDS, TURN_SECONDS) for turn, start in zip(turns, starts, strict=True)), 0.0
+        ]  # fmt: skip
         joints += [Spherical(GROUND, book, at=place, name=f"centre {k}")]
-        for axis, speed in zip(np.eye(3), [*speeds, 0.0], strict=True):
+        for axis, speed in zip(np.eye(3), speeds, strict=True):
             joints.append(SpeedDriver(GROUND, book, axis=axis, speed=speed))
         bodies.append(book)
     return System(bodies, joints, gravity=(0, 0, 0))

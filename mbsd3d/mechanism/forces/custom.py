@@ -20,8 +20,8 @@ from ...base.fields import (
     part_class,
     true_or_false,
 )
+from ...compiler.arguments import call
 from ...compiler.decorators import inner_kernel
-from ...compiler.pointer_call import call
 from ...kernels.force_laws import series
 from ...kernels.layout import CUSTOM_FORCE_BODIES_MAX
 from ...kernels.vectors import add, add6, arm, clear, cross, dot, mat, pair, point, point_velocity, put, sub, vec
@@ -285,7 +285,7 @@ class CustomForce(FunctionForce):
         self.address(float)
 
     def address(self, dtype: type) -> int | Callable:
-        if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]  # numba sets it by name
+        if numba.config.DISABLE_JIT:
             return uncompiled(self.function)
         if dtype not in self.callbacks:
             try:

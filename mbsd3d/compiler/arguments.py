@@ -1,16 +1,23 @@
-"""Model and work space go from kernel to kernel as one pointer.
+"""What goes to kernels as an address: model and work space, and functions of the user's.
 
 numba passes a named tuple as the numbers in it, 170 for model, work space and tree, and again at every call: that was
 half of the time of one body. A class with `by_reference` is taken apart once, where Python calls; kernels get the
 address of what was found and load what they read. Tuples do not change, so loads may be moved and merged freely.
+
+Kernels are compiled without numba's reference counts and take no function objects; what they can take is a number.
+`call` turns it back into the C function ``(t, poses, k, z, states, numbers, n, wrench, z_dot)`` that `CustomForce`
+makes of the user's function, so that no kernel is compiled anew for it. With the compiler switched off the address is
+that function itself.
 """
 
 from typing import TypeVar
 
+import numba
 from numba import types
 from numba.extending import (
     NativeValue,
     infer_getattr,
+    intrinsic,
     lower_getattr_generic,
     models,
     register_model,
@@ -90,3 +97,26 @@ def field(context, builder, kind, value, name):
     address = cgutils.gep_inbounds(builder, value, 0, i)
     found = kind.fields.types[i]
     return impl_ret_borrowed(context, builder, found, load(builder, address, context.get_value_type(found)))
+
+
+def pointer_call(typingctx, address, t, poses, k, z, states, numbers, n, wrench, z_dot):
+    """Code of a call to the C function at an address; arrays go as pointers to their first entry."""
+
+    def generate(context, builder, signature, values):
+        passed = [
+            context.make_array(kind)(context, builder, value).data if isinstance(kind, types.Array) else value
+            for kind, value in zip(signature.args[1:], values[1:], strict=True)
+        ]
+        function = ir.FunctionType(ir.VoidType(), [value.type for value in passed])
+        builder.call(builder.inttoptr(values[0], function.as_pointer()), passed)
+        return context.get_dummy_value()
+
+    return types.void(address, t, poses, k, z, states, numbers, n, wrench, z_dot), generate
+
+
+def plain_call(function, t, poses, k, z, states, numbers, n, wrench, z_dot):
+    """The same without the compiler."""
+    function(t, poses, k, z, states, numbers, n, wrench, z_dot)
+
+
+call = plain_call if numba.config.DISABLE_JIT else intrinsic(pointer_call)
