@@ -121,7 +121,7 @@ def vector(value: ArrayLike, what: str) -> np.ndarray:
     return array
 
 
-def number(value: float, what: str, *, minimum: float | None = None, positive: bool = False) -> float:
+def number(value: Any, what: str, *, minimum: float | None = None, positive: bool = False) -> float:
     """A finite float within its range, or a ValueError that names ``what``."""
     if type(value) in PLAIN and -LARGEST <= value <= LARGEST:
         if not (positive and value < SMALLEST) and (minimum is None or value >= minimum):

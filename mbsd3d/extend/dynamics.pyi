@@ -24,7 +24,8 @@ from ..compiler.object_files import keep_code as keep_code
 from ..compiler.cache_folder import CACHE as CACHE
 from ..compiler.cache_folder import compiled_sources as compiled_sources
 
-# rows, coordinates, forces and signals
+# bodies, rows, coordinates, forces and signals
+from ..mechanism.bodies import Ground as Ground
 from ..kernels import kinds as kinds
 from ..mechanism.primitives import Primitive as Primitive
 from ..mechanism.primitives import Coordinate as Coordinate

@@ -170,7 +170,7 @@ def figure(ride: Ride) -> "Figure":
             axis.set_major_formatter(lambda x, _: f"{x:g}")
         rolling = [replace(ride.vehicle, speed=float(speed)) for speed in SPEEDS]
         for k, kind in enumerate(FIGURE_CLASSES):
-            over = [Ride(vehicle, Road(kind), vehicle.speed).weighted for vehicle in rolling]
+            over = [Ride(vehicle, Road(kind), speed).weighted for vehicle, speed in zip(rolling, SPEEDS, strict=True)]
             lower.plot(SPEEDS, over, color=look.colour(k), linewidth=LINE, label=f"class {kind}")
         lower.plot([ride.speed], [ride.weighted], "o", color=look.ink)
         lower.set(xlabel="speed [m/s]", ylabel="weighted [m/s²]", ylim=(0.0, None))

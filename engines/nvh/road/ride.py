@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from engines.nvh.road.comfort import verdict, weight
+from engines.nvh.road.measured import Measured
 from engines.nvh.road.profile import SPATIAL_FREQUENCY_MAX, Road
 from engines.nvh.road.vehicle import Corner, Vehicle
 from mbsd3d import Solution, Table, simulate
@@ -34,7 +35,7 @@ class Ride:
     """
 
     vehicle: Vehicle
-    road: Road
+    road: Road | Measured
     speed: float
 
     def __post_init__(self) -> None:
