@@ -129,7 +129,7 @@ def inputs(bicycle: System, seen: Sequence[Measure]) -> np.ndarray:
     their own rates gain what they would show if the velocities were larger by the accelerations.
     """
     frame, fork, steer = bicycle.part("frame"), bicycle.part("fork"), bicycle.part("steer", "joints")
-    forward, down = np.array([1.0, 0.0, 0.0]), steer.axis
+    forward, down = (1.0, 0.0, 0.0), steer.axis
     torques = ([Torque(frame, forward)], [Torque(fork, down), Torque(frame, -down)])
     start = bicycle.state()
 
@@ -166,8 +166,8 @@ def plot_response(found: Response, *, beside: Response | None = None, dark: bool
         for axes in panels[-1]:
             axes.set_xlabel("frequency ω [rad/s]")
         handles, names = panels[0, 0].get_legend_handles_labels()
-        legend = {"loc": "outside lower center", "ncols": min(len(names), 4), "frameon": False, "labelcolor": look.ink}
-        figure.legend(handles, names, **legend)
+        columns = min(len(names), 4)
+        figure.legend(handles, names, loc="outside lower center", ncols=columns, frameon=False, labelcolor=look.ink)
         on = "" if beside is None else " on tyres (thin: on ideal wheels)"
         figure.suptitle(f"{found.parameters.name}{on}: response of lean and steer to torques")
         figure.align_ylabels(panels[:, 0])

@@ -161,9 +161,9 @@ def neighbours(parameters: Parameters, key: str, step: float) -> tuple[list[Para
 
 def conditions(q: Quartic) -> list[tuple[str, float, Callable[[Quartic, complex], np.ndarray]]]:
     """Return (name, speed, f) with f(quartic, speed) = 0, for each critical speed of the bicycle."""
-    found = [
-        ("weave", critical.weave(q), lambda q, v: value(q.h, v * v)),
-        ("capsize", critical.capsize(q), lambda q, v: value(q.e, v * v)),
+    found: list[tuple[str, float, Callable[[Quartic, complex], np.ndarray]]] = [
+        ("weave", float(critical.weave(q)), lambda q, v: value(q.h, v * v)),
+        ("capsize", float(critical.capsize(q)), lambda q, v: value(q.e, v * v)),
     ]
     meeting = [(v, s) for v, s in double_roots(q) if s > 0.0]
     if meeting:

@@ -6,9 +6,10 @@ and front wheel at the front hub.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from mbsd3d import (
     GROUND,
@@ -25,7 +26,7 @@ from mbsd3d import (
     shapes,
 )
 from mbsd3d.errors import InputError
-from mbsd3d.extend import Measure, as_signal, explaining
+from mbsd3d.extend import ForceElement, Measure, as_signal, explaining, part_class
 
 from ..parameters import Parameters, check_set
 from .head import head_of, head_state
@@ -36,7 +37,7 @@ NAMES = {"R": "rear wheel", "B": "frame", "H": "fork", "F": "front wheel"}
 PAPER_TO_MODEL = np.diag([1.0, -1.0, -1.0])  # from the axes of the paper to those of the model
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Bicycle(System):
     """`System` whose reference pose is upright with zero steer, and which starts from another state.
 
@@ -109,9 +110,10 @@ def whipple(
     upright = lean == steer == 0.0  # then the reference pose is the start, and a model file holds all of it
     bodies = bodies_of(parameters, motion if upright else np.full((4, 6), None))
     q, v, angles = place.q, motion.ravel(), [0.0, float(steer), 0.0]
-    joints, forces, z = joints_of(parameters, bodies), [], np.zeros(0)
+    joints, z = joints_of(parameters, bodies), np.zeros(0)
+    forces: list[ForceElement] = []
     if tyres is not None:
-        joints, forces, z = joints[:3], tyres_of(parameters, bodies, tyres), np.zeros(4)
+        joints, forces, z = joints[:3], [*tyres_of(parameters, bodies, tyres)], np.zeros(4)
     if head_stiffness is not None:
         head, joints[1], twist, spring = head_of(parameters, bodies, head_stiffness, head_damping)
         bodies, joints, forces = [*bodies, head], [*joints, twist], [*forces, spring]
@@ -127,7 +129,7 @@ def whipple(
 def bodies_of(p: Parameters, motion: np.ndarray) -> list[Body]:
     """Return the four bodies, upright; ``motion`` (4, 6) holds their velocities, or None."""
     rear, front = hubs(p)
-    centre = {"R": rear, "B": (p.xB, 0.0, -p.zB), "H": (p.xH, 0.0, -p.zH), "F": front}
+    centre: dict[str, ArrayLike] = {"R": rear, "B": (p.xB, 0.0, -p.zB), "H": (p.xH, 0.0, -p.zH), "F": front}
     bodies = []
     for (part, name), v in zip(NAMES.items(), motion, strict=True):
         hub = rear if part in "RB" else front
@@ -156,7 +158,7 @@ def joints_of(p: Parameters, bodies: Sequence[Body]) -> list[Joint]:
     ]
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@part_class(repr=False)
 class PublishedBody(Body):
     """Body whose inertia may break the triangle rule, as some published ones do."""
 

@@ -92,7 +92,8 @@ def ridden(parameters: Parameters, speed: float, course: Course, gains: Gains, *
     numbers = (*gains, *course.numbers, *steer_axis(parameters)[1], parameters.rF - parameters.tF, *MUSCLES)
     states = {"torque": 0.0, "torque rate": 0.0}
     rider = CustomForce(steer, on=(frame, fork), parameters=numbers, states=states, scales=(1.0, 30.0), name="rider")
-    start = replace(system.start, z=np.r_[system.start.z, 0.0, 0.0])
+    start = system.state()
+    start = replace(start, z=np.r_[start.z, 0.0, 0.0])
     return replace(system, forces=[*system.forces, rider], start=start)
 
 

@@ -138,7 +138,7 @@ def ridden(
 ) -> Bicycle:
     """Build the bicycle with the loads of a ride, at its start."""
     system = whipple(parameters, **start)
-    forces, begun = list(system.forces), system.start
+    forces, begun = list(system.forces), system.state()
     if torque:
         forces += steer_torque(system, parameters, torque)
     if drive:
@@ -217,7 +217,11 @@ def view(found: Ride, path: str | Path | None = None, title: str | None = None) 
     system = found.solution.system
     traces = [(body, body.position) for body in (system.part(f"{wheel} wheel") for wheel in WHEELS)]
     kind, contact = ("force", "tyre") if on_tyres(system) else ("reaction", "contact")
-    curves = [("angle", "steer"), *((kind, f"{wheel} {contact}") for wheel in WHEELS), "energy"]
+    curves: list[str | tuple[str, ...]] = [
+        ("angle", "steer"),
+        *((kind, f"{wheel} {contact}") for wheel in WHEELS),
+        "energy",
+    ]
     shown = found.solution.animate(
         title=title, traces=traces, curves=curves, shown="reaction force", hidden="body names", follow="frame"
     )
