@@ -267,7 +267,7 @@ def typical_speed(found: list[Range]) -> float:
 
 @dataclass(frozen=True)
 class CriticalSpeeds:
-    """The critical speeds of one bicycle [m/s], NaN for those it does not have.
+    """Critical speeds of one bicycle [m/s], NaN for those it does not have.
 
     Above ``weave`` the weave no longer grows, ``weave_rate`` is its omega there [rad/s]; at ``capsize`` one eigenvalue
     is zero. At ``double_roots`` two real modes meet. In the ranges ``stable`` every motion decays.

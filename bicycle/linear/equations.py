@@ -172,7 +172,7 @@ def changes(here: np.ndarray, modes: np.ndarray, values: np.ndarray, vectors: np
 def walk(
     A: Callable[[float], np.ndarray], at: float, here: np.ndarray, modes: np.ndarray, end: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the follow the k modes of A(v) (k, k) from the speed ``at`` to another."""
+    """Return eigenvalues and vectors of the k modes of A(v) (k, k), followed from the speed ``at`` to another."""
     step = end - at
     while at != end:
         step = np.sign(end - at) * min(abs(step), abs(end - at))

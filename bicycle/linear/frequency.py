@@ -192,6 +192,8 @@ def draw_lines(size: "Axes", phase: "Axes", found: Response, H: np.ndarray, look
 
 def decades(axis: "Axis") -> None:
     """Label every decade like 10⁻²: the figure style writes texts as they are, without mathematics."""
-    axis.get_major_locator().set_params(numticks=20)
+    from matplotlib.ticker import LogLocator  # only who draws waits for it
+
+    axis.set_major_locator(LogLocator(numticks=20))
     axis.set_major_formatter(lambda x, _: f"10{str(round(np.log10(x))).translate(RAISED)}")
     axis.set_minor_formatter("")

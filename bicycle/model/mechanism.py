@@ -22,19 +22,20 @@ from mbsd3d import (
     State,
     System,
     Torque,
+    TorsionSpring,
     measures,
     shapes,
 )
 from mbsd3d.errors import InputError
-from mbsd3d.extend import ForceElement, Measure, as_signal, explaining, part_class
+from mbsd3d.extend import ForceElement, Measure, as_signal, cross, explaining, part_class
 
 from ..parameters import Parameters, check_set
-from .head import head_of, head_state
-from .kinematics import hubs, pose_of, steer_axis, velocities_of
+from .kinematics import Pose, hubs, pose_of, steer_axis, velocities_of
 from .tyres import Tyres, tyres_of
 
 NAMES = {"R": "rear wheel", "B": "frame", "H": "fork", "F": "front wheel"}
 PAPER_TO_MODEL = np.diag([1.0, -1.0, -1.0])  # from the axes of the paper to those of the model
+HEAD_TUBE_LENGTH = 0.12  # [m] of the head tube in drawings
 
 
 @part_class()
@@ -156,6 +157,30 @@ def joints_of(p: Parameters, bodies: Sequence[Body]) -> list[Joint]:
         RollingDisc(GROUND, wheel_r, axis=axle, radius=p.rR, crown=p.tR, centre=rear, name="rear contact"),
         RollingDisc(GROUND, wheel_f, axis=axle, radius=p.rF, crown=p.tF, centre=front, name="front contact"),
     ]
+
+
+def head_of(
+    p: Parameters, bodies: Sequence[Body], stiffness: float, damping: float
+) -> tuple[Body, Revolute, Revolute, TorsionSpring]:  # fmt: skip
+    """Return (body "head" without mass, joint "steer" on it, joint "head twist" on the frame, spring "head spring").
+
+    The axis of twist lies in the plane of the frame, goes through the head and points ahead: the frame gives about it
+    as its tubes twist, and the front wheel moves sideways.
+    """
+    (at, axis), (_, frame, fork, _) = steer_axis(p), bodies
+    ahead = np.cross((0.0, 1.0, 0.0), -axis)
+    tube = shapes.Lines([tuple(-0.5 * HEAD_TUBE_LENGTH * axis), tuple(0.5 * HEAD_TUBE_LENGTH * axis)])
+    head = Body("head", 0.0, (0, 0, 0), position=at, shape=tube)
+    twist = Revolute(frame, head, at=at, axis=ahead, name="head twist")
+    spring = TorsionSpring(twist, stiffness=stiffness, damping=damping, name="head spring")
+    return head, Revolute(head, fork, at=at, axis=axis, name="steer"), twist, spring
+
+
+def head_state(place: Pose, q: np.ndarray, motion: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return (q, v) of the bicycle and of its head, which moves with the frame (row 1 of q and ``motion`` (4, 6))."""
+    v, omega = motion[1, :3], motion[1, 3:]
+    there = v + cross(omega, place.head - place.rear)
+    return np.concatenate([q, place.head, q[10:14]]), np.concatenate([motion.ravel(), there, omega])
 
 
 @part_class(repr=False)

@@ -187,7 +187,7 @@ def run(
         head_damping=head_damping,
     )  # fmt: skip
     settings = {"state": system.state(), "rtol": rtol, "output": samples}
-    return RiddenCourse(ended(parameters, system, t_end, FALLEN, on_tyres(system), settings), course, gains)
+    return RiddenCourse(ended(parameters, system, t_end, FALLEN, on_tyres(system.forces), settings), course, gains)
 
 
 def figure(found: RiddenCourse, title: str | None = None, *, dark: bool = False) -> "Figure":
@@ -219,6 +219,6 @@ def figure(found: RiddenCourse, title: str | None = None, *, dark: bool = False)
         labels = {"angles": "angle, right > 0 [°]", "torque": "steer torque [N m]", "roll": "roll [°]"}
         for name, label in {**labels, "heading": "heading [°]", "way": "offset to the right [m]"}.items():
             axes[name].set_ylabel(label)
-        who = ride.parameters.name + " on tyres" * on_tyres(ride.solution.system)
+        who = ride.parameters.name + " on tyres" * on_tyres(ride.solution.system.forces)
         sheet.suptitle(f"{who}: {title}" if title else who, fontweight="bold")
     return sheet

@@ -96,7 +96,7 @@ class Curve:
         """Yield points after x, first in the direction ``along`` of the curve there, until the curve ends.
 
         Tangent and curvature at a point are those of the parabola through it and the two before; a step turns by
-        SHARPEST at most. Where no step is short enough, the parabola was wrong: the curve turns sharply there.
+        `STEP_TURN_MAX` at most. Where no step is short enough, the parabola was wrong: the curve turns sharply there.
         """
         length, bend, last, before, exact = 0.5 * self.longest, 0.0, 0.0, along, True
         while length > self.shortest:

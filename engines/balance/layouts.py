@@ -209,7 +209,7 @@ class Engine(Checked):
 
         The order n of a slider-crank falls like nu^n, nu = lam / (1 + sqrt(1 - lam^2)), lam = (R + offset) / L.
 
-        ValueError if the rod is hardly longer than the crank, so that more than MOST would be needed.
+        ValueError if the rod is hardly longer than the crank, so that more than `SAMPLES_MAX` would be needed.
         """
         lam = (self.radius + abs(self.offset)) / self.rod_length
         last = min(np.log(ALIASING_SHARE_MAX) / np.log(lam / (1 + np.sqrt(1 - lam**2))), 1e9)

@@ -77,7 +77,7 @@ class Source:
 
     @cached_property
     def gas_torque(self) -> np.ndarray:
-        """Return the phasors of the torque of the gas on the crank [N m], shape (2 ORDERS + 1,)."""
+        """Return the phasors of the torque of the gas on the crank [N m], shape (2 ORDER_MAX + 1,)."""
         if self.cycle is None:
             return np.zeros(2 * ORDER_MAX + 1, dtype=complex)
         engine = self.preset.engine(REFERENCE_RPM)
