@@ -17,6 +17,7 @@ from ..equations.compiled import compile_system as compile_system
 from ..equations.compiled import new_data as new_data
 from ..equations.tables import key_of as key_of
 from ..equations.tree import build_spanning_tree as build_spanning_tree
+from ..kernels.layout import Tree as Tree
 from ..linear.variations import Field as Field
 from ..linear.variations import COMPLEX_STEP as COMPLEX_STEP
 from ..linear.variations import directions as directions
@@ -24,7 +25,8 @@ from ..compiler.object_files import keep_code as keep_code
 from ..compiler.cache_folder import CACHE as CACHE
 from ..compiler.cache_folder import compiled_sources as compiled_sources
 
-# rows, coordinates, forces and signals
+# bodies, rows, coordinates, forces and signals
+from ..mechanism.bodies import Ground as Ground
 from ..kernels import kinds as kinds
 from ..mechanism.primitives import Primitive as Primitive
 from ..mechanism.primitives import Coordinate as Coordinate
