@@ -34,8 +34,11 @@ def stability(
     """
     from ..linear.stability import check_mode, study
 
-    usual = (0.0, 10.0, 401) if not fittings else (3.0, 50.0, 95) if "steer_damping" in fittings else (0.5, 10.0, 96)
-    first, last, count = (a if given is None else given for a, given in zip(usual, (first, last, count), strict=True))
+    low, high, most = (0.0, 10.0, 401) if not fittings else (0.5, 10.0, 96)
+    if "steer_damping" in fittings:
+        low, high, most = 3.0, 50.0, 95
+    first, last = low if first is None else first, high if last is None else last
+    count = most if count is None else count
     if not -np.inf < first < last < np.inf:
         raise Failure(f"--from {first:g} is not below --to {last:g}; give two finite speeds in m/s")
     if fittings:

@@ -14,6 +14,7 @@ Arrays of bicycles are handled at once: matrices have shape (..., 2, 2), speeds 
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
@@ -77,7 +78,7 @@ def mixed(A: Array, B: Array) -> Array:
     return straight - A[..., 0, 1] * B[..., 1, 0] - B[..., 0, 1] * A[..., 1, 0]
 
 
-def polynomial(parameters: Parameters) -> Quartic:
+def polynomial(parameters: Parameters | SimpleNamespace) -> Quartic:
     """Return p of a bicycle with knife-edge wheels, in closed form; numbers may be arrays (...) or complex.
 
     Raises
@@ -116,7 +117,9 @@ def double_roots(q: Quartic) -> list[DoubleRoot]:
     """
     unit = float(np.sqrt(abs(q.c[0] / (q.c[1] or 1.0)))) or 1.0  # of speeds, so that powers stay of one size
     found = []
-    for w in discriminant(q, unit).trim().roots():  # what rounding leaves of higher powers adds starts only
+    for w in (
+        discriminant(q, unit).trim().roots().astype(complex)
+    ):  # what rounding leaves of higher powers adds starts only
         if 0.0 < w.real < (SPEED_MAX / unit) ** 2 and abs(w.imag) < 1e-4 * abs(w):
             found += [x for x in [meeting(q, unit * np.sqrt(w.real))] if x]
     found.sort()
@@ -146,7 +149,7 @@ def meeting(q: Quartic, v: float) -> DoubleRoot | None:
         by_v = Polynomial([2 * v * q.e[1], q.d[0] + 3 * v * v * q.d[1], 2 * v * q.c[1], q.b])
         J = np.array([[slope(s), by_v(s)], [bend(s), by_v.deriv()(s)]])
         try:
-            step = np.linalg.solve(J, [-p(s), -slope(s)])
+            step = np.linalg.solve(J, np.array([-p(s), -slope(s)], dtype=float))
         except np.linalg.LinAlgError:
             return None
         s, v = s + step[0], v + step[1]
@@ -242,8 +245,9 @@ def first_range(q: Quartic) -> tuple[Array, Array]:
     """Return (low, high) [m/s] (...) of the self-stable range at the lowest speeds; NaN if no speed is stable."""
     edges, stable = intervals(q)
     k = np.argmax(stable, axis=-1)[..., None]
-    ends = (np.take_along_axis(edges, k + i, -1)[..., 0] for i in (0, 1))
-    return tuple(np.where(stable.any(-1), x, np.nan) for x in ends)
+    low, high = (np.take_along_axis(edges, k + i, -1)[..., 0] for i in (0, 1))
+    some = stable.any(-1)
+    return np.where(some, low, np.nan), np.where(some, high, np.nan)
 
 
 def difference(first: list[Range], second: list[Range]) -> float:
@@ -263,7 +267,7 @@ def typical_speed(found: list[Range]) -> float:
 
 @dataclass(frozen=True)
 class CriticalSpeeds:
-    """The critical speeds of one bicycle [m/s], NaN for those it does not have.
+    """Critical speeds of one bicycle [m/s], NaN for those it does not have.
 
     Above ``weave`` the weave no longer grows, ``weave_rate`` is its omega there [rad/s]; at ``capsize`` one eigenvalue
     is zero. At ``double_roots`` two real modes meet. In the ranges ``stable`` every motion decays.

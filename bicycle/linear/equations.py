@@ -12,6 +12,7 @@ oscillation no vector tells the two apart, and the step is as small as it gets.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -68,7 +69,7 @@ def checked_speeds(speeds: ArrayLike) -> np.ndarray:
     return checked_list(speeds, "speeds", "one or more finite speeds in m/s")
 
 
-def canonical(p: Parameters) -> Canonical:
+def canonical(p: Parameters | SimpleNamespace) -> Canonical:
     """Return the matrices of a bicycle with knife-edge wheels; raise ValueError for round tyres.
 
     Examples
@@ -171,7 +172,7 @@ def changes(here: np.ndarray, modes: np.ndarray, values: np.ndarray, vectors: np
 def walk(
     A: Callable[[float], np.ndarray], at: float, here: np.ndarray, modes: np.ndarray, end: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the follow the k modes of A(v) (k, k) from the speed ``at`` to another."""
+    """Return eigenvalues and vectors of the k modes of A(v) (k, k), followed from the speed ``at`` to another."""
     step = end - at
     while at != end:
         step = np.sign(end - at) * min(abs(step), abs(end - at))

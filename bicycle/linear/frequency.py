@@ -129,7 +129,7 @@ def inputs(bicycle: System, seen: Sequence[Measure]) -> np.ndarray:
     their own rates gain what they would show if the velocities were larger by the accelerations.
     """
     frame, fork, steer = bicycle.part("frame"), bicycle.part("fork"), bicycle.part("steer", "joints")
-    forward, down = np.array([1.0, 0.0, 0.0]), steer.axis
+    forward, down = (1.0, 0.0, 0.0), steer.axis
     torques = ([Torque(frame, forward)], [Torque(fork, down), Torque(frame, -down)])
     start = bicycle.state()
 
@@ -166,8 +166,8 @@ def plot_response(found: Response, *, beside: Response | None = None, dark: bool
         for axes in panels[-1]:
             axes.set_xlabel("frequency ω [rad/s]")
         handles, names = panels[0, 0].get_legend_handles_labels()
-        legend = {"loc": "outside lower center", "ncols": min(len(names), 4), "frameon": False, "labelcolor": look.ink}
-        figure.legend(handles, names, **legend)
+        columns = min(len(names), 4)
+        figure.legend(handles, names, loc="outside lower center", ncols=columns, frameon=False, labelcolor=look.ink)
         on = "" if beside is None else " on tyres (thin: on ideal wheels)"
         figure.suptitle(f"{found.parameters.name}{on}: response of lean and steer to torques")
         figure.align_ylabels(panels[:, 0])
@@ -196,6 +196,8 @@ def draw_lines(size: "Axes", phase: "Axes", found: Response, H: np.ndarray, look
 
 def decades(axis: "Axis") -> None:
     """Label every decade like 10⁻²: the figure style writes texts as they are, without mathematics."""
-    axis.get_major_locator().set_params(numticks=20)
+    from matplotlib.ticker import LogLocator  # only who draws waits for it
+
+    axis.set_major_locator(LogLocator(numticks=20))
     axis.set_major_formatter(lambda x, _: f"10{str(round(np.log10(x))).translate(SUPERSCRIPTS)}")
     axis.set_minor_formatter("")

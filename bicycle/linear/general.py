@@ -22,7 +22,16 @@ from numpy.typing import ArrayLike
 
 from mbsd3d import AssemblyError, Linearization, System, linearize
 from mbsd3d.errors import InputError
-from mbsd3d.extend import COMPLEX_STEP, Field, build_spanning_tree, compile_system, directions, number, on_one_thread
+from mbsd3d.extend import (
+    COMPLEX_STEP,
+    Field,
+    Tree,
+    build_spanning_tree,
+    compile_system,
+    directions,
+    number,
+    on_one_thread,
+)
 
 from ..model.kinematics import placed, rolling
 from ..model.mechanism import NAMES, outputs
@@ -92,7 +101,7 @@ def required_equations(build: Build, parameters: Parameters, speed: float = 5.0,
 def matrices(build: Build, parameters: Parameters, speed: float) -> tuple[np.ndarray, np.ndarray]:
     """Return A at rest and at a speed: from four deviations where these are known, else by `linearize`."""
     known = output_matrices(build(parameters, speed=float(speed)), parameters, float(speed))
-    return known or tuple(linearization(build, parameters, v).A for v in (0.0, speed))
+    return known or (linearization(build, parameters, 0.0).A, linearization(build, parameters, speed).A)
 
 
 def deviations(p: Parameters, centres: np.ndarray, speed: float) -> np.ndarray:
@@ -136,11 +145,13 @@ def output_matrices(system: System, p: Parameters, speed: float) -> tuple[np.nda
         y, along = field.y.copy(), X.copy()
         y[COORDINATES:] *= share
         along[VELOCITIES:, :2] *= share
-        found.append(matrix_at(field, tree, y, along))
-    return None if any(A is None for A in found) else (found[0], found[1])
+        if (A := matrix_at(field, tree, y, along)) is None:
+            return None
+        found.append(A)
+    return found[0], found[1]
 
 
-def matrix_at(field: Field, tree: object, y: np.ndarray, X: np.ndarray) -> np.ndarray | None:
+def matrix_at(field: Field, tree: Tree, y: np.ndarray, X: np.ndarray) -> np.ndarray | None:
     """Return the rates of the outputs along the deviations; None if the joints or the motion do not allow them."""
     model = field.compiled.model
     moves = directions(model, y)

@@ -1,12 +1,13 @@
 """Self-stable range of a bicycle over two of its parameters, in closed form or from the general model."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from mbsd3d.errors import InputError
 from mbsd3d.extend import Theme, new_figure, style_axes
@@ -42,7 +43,7 @@ class StableMap:
 
 
 def stable_map(
-    parameters: Parameters, axes: Mapping[str, Sequence[float]], build: Build | None = None, *,
+    parameters: Parameters, axes: Mapping[str, ArrayLike], build: Build | None = None, *,
     progress: bool | None = None,
 ) -> StableMap:  # fmt: skip
     """Solve for the self-stable range of every combination of two parameters; Ctrl-C keeps finished cells.
@@ -73,8 +74,8 @@ def stable_map(
 
 def by_model(
     parameters: Parameters, names: tuple[str, str], points: np.ndarray, build: Build, show: bool | None
-) -> tuple[np.ndarray, int]:
-    """Return (low and high (2, n), cells that Ctrl-C left out) from the general model at the points (2, n)."""
+) -> tuple[tuple[np.ndarray, np.ndarray], int]:
+    """Return ((low, high) (n,) each, cells that Ctrl-C left out) from the general model at the points (2, n)."""
     n = points.shape[1]
     cells = (replace(parameters, **dict(zip(names, point, strict=True))) for point in points.T.tolist())
     solved = (critical.model_polynomial(cell, build, check=k == 0) for k, cell in enumerate(cells))
@@ -82,12 +83,10 @@ def by_model(
     edges = np.full_like(points, np.nan)
     if found:
         edges[:, : len(found)] = critical.first_range(critical.Quartic(*map(np.array, zip(*found, strict=True))))
-    return edges, n - len(found)
+    return (edges[0], edges[1]), n - len(found)
 
 
-def checked_axes(
-    parameters: Parameters, axes: Mapping[str, Sequence[float]], build: Build | None
-) -> dict[str, np.ndarray]:
+def checked_axes(parameters: Parameters, axes: Mapping[str, ArrayLike], build: Build | None) -> dict[str, np.ndarray]:
     """Return two parameters with their values, every pair of which is possible."""
     check_set(parameters, "stable_map")
     what = f"stable_map of '{parameters.name}'"
@@ -140,7 +139,8 @@ def draw(figure: "Figure", axes: "Axes", found: StableMap, values: np.ndarray, l
     bar.ax.tick_params(colors=look.ink)
     bar.outline.set_edgecolor(look.ink)
     axes.grid(False)
-    here = [getattr(found.parameters, key) for key in found.names]
+    first, second = found.names
+    here = getattr(found.parameters, first), getattr(found.parameters, second)
     if all(x.min() <= value <= x.max() for x, value in zip(found.values, here, strict=True)):
         axes.plot(*here, "o", markersize=7, color=look.lines[1], markeredgecolor="#ffffff")
         axes.annotate(found.parameters.name, here, (6, 6), textcoords="offset points", color="#ffffff", fontsize=8)

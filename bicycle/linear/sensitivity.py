@@ -41,8 +41,8 @@ DIFFERENCES = {  # of fourth order: multiples of the step, and their weights
     "backward": ((0, -1, -2, -3, -4), (25 / 12, -4, 3, -4 / 3, 1 / 4)),
 }
 DIFFERENCE_STEP = 1e-3
-"""Step of a difference, relative to the parameter, or to LEAST if that is larger: the error is its fourth power, and
-1e-12 of rounding over it."""
+"""Step of a difference, relative to the parameter, or to `DIFFERENCE_STEP_MIN` if that is larger: the error is its
+fourth power, and 1e-12 of rounding over it."""
 DIFFERENCE_STEP_MIN = 0.1
 COMPLEX_STEP = 1e-30  # [1] far below rounding, so that its square vanishes
 
@@ -161,9 +161,9 @@ def neighbours(parameters: Parameters, key: str, step: float) -> tuple[list[Para
 
 def conditions(q: Quartic) -> list[tuple[str, float, Callable[[Quartic, complex], np.ndarray]]]:
     """Return (name, speed, f) with f(quartic, speed) = 0, for each critical speed of the bicycle."""
-    found = [
-        ("weave", critical.weave(q), lambda q, v: value(q.h, v * v)),
-        ("capsize", critical.capsize(q), lambda q, v: value(q.e, v * v)),
+    found: list[tuple[str, float, Callable[[Quartic, complex], np.ndarray]]] = [
+        ("weave", float(critical.weave(q)), lambda q, v: value(q.h, v * v)),
+        ("capsize", float(critical.capsize(q)), lambda q, v: value(q.e, v * v)),
     ]
     meeting = [(v, s) for v, s in double_roots(q) if s > 0.0]
     if meeting:

@@ -20,7 +20,7 @@ from ..parameters import Parameters
 from . import on_tyres
 from .critical import CriticalSpeeds, critical_speeds, speeds_of
 from .equations import MODES, NAMES, canonical, checked_speeds, follow
-from .general import Build, eigenvalues, linear_equations, linearization, required_equations
+from .general import Build, eigenvalues, linearization, required_equations
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -61,7 +61,7 @@ class Stability:
         check_mode(name)
         speed = number(speed, f"mode '{name}': speed")
         fastest = np.copysign(max(np.abs([*self.speeds, speed, 1.0])), speed)
-        linear = linear_equations(self.build, self.parameters, fastest)
+        linear = required_equations(self.build, self.parameters, fastest)
         value = follow(linear, np.array([fastest, speed]))[0][1, NAMES.index(name)]
         found = linearization(self.build, self.parameters, speed)
         return min(found.modes, key=lambda mode: min(abs(mode.eigenvalue - s) for s in (value, value.conjugate())))
@@ -155,7 +155,8 @@ def window(found: Stability) -> tuple[float, float]:
 
 def shade(axes: "Axes", found: Stability, look: Theme) -> None:
     """Tint the self-stable ranges of forward speeds."""
-    start, end, label = found.speeds.min(), found.speeds.max(), "self-stable"
+    start, end = found.speeds.min(), found.speeds.max()
+    label: str | None = "self-stable"
     for part in found.critical.stable:
         if part.low < end and part.high > start:
             low, high = max(part.low, start), min(part.high, end)

@@ -22,13 +22,14 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 TRAIL_SHIFT = 0.1  # [m] by which a mass or the trail is moved
+Fields = dict[str, Any]  # of `Parameters` that change
 NO_SPIN_R, NO_SPIN_F, NO_TRAIL = {"IRyy": 0.0}, {"IFyy": 0.0}, {"c": 0.0}
 AXIS_RATIO = 1.25  # [1] length of the speed axis over the largest finite end
 END_RATIO_MAX = 4.0  # [1] of the median end; a larger end is cut off, so that the others are visible
 LABEL_SHARE = 0.09  # [1] of the axis: width of a number
 NO_RANGE = Range(float("nan"), float("nan"))
 
-CHANGES: dict[str, Callable[[Parameters], dict[str, float]]] = {
+CHANGES: dict[str, Callable[[Parameters], Fields]] = {
     "as built": lambda p: {},
     "rear wheel without spin momentum": lambda p: NO_SPIN_R,
     "front wheel without spin momentum": lambda p: NO_SPIN_F,

@@ -18,7 +18,7 @@ from ..parameters import Parameters
 from . import critical
 from .critical import critical_speeds
 from .tyre_equations import growth, required_equations
-from .variants import CHANGES, Ablation, Ablations, lock
+from .variants import CHANGES, Ablation, Ablations, Fields, lock
 
 Numbers = Mapping[str, Any]
 TYRE_DEFAULTS = {one.name: one.default for one in fields(Tyre) if one.init}
@@ -36,7 +36,7 @@ TYRE_CHANGES: dict[str, Callable[[Numbers], Numbers]] = {
 
 
 def ablations(
-    parameters: Parameters, tyres: tuple[Numbers, Numbers], fittings: Mapping[str, float], progress: bool | None
+    parameters: Parameters, tyres: tuple[Numbers, Numbers], fittings: Mapping[str, Any], progress: bool | None
 ) -> Ablations:
     """Compute ranges of the variants, and their growth at one speed [1/s]; see `bicycle.why.ablations`."""
     linear = required_equations(partial(whipple, tyres=tyres, **fittings), parameters)
@@ -48,7 +48,7 @@ def ablations(
 
 
 def variants(
-    parameters: Parameters, tyres: tuple[Numbers, Numbers], fittings: Mapping[str, float], speed: float
+    parameters: Parameters, tyres: tuple[Numbers, Numbers], fittings: Mapping[str, Any], speed: float
 ) -> Iterator[Ablation]:
     """Yield the changes of the bicycle, its locked steering, more crown, and the changes of the tyres."""
     for name, change in CHANGES.items():
@@ -57,20 +57,20 @@ def variants(
     yield Ablation("steering locked", parameters, [], float(linearize(held).eigenvalues.real.max()), ideal=[])
     rounder = {"tR": parameters.tR + CROWN_INCREASE, "tF": parameters.tF + CROWN_INCREASE}
     yield changed(parameters, "20 mm more crown", lambda p: rounder, {"tyres": tyres, **fittings}, speed)
-    for name, change in TYRE_CHANGES.items():
-        other: Tyres = [{**one, **change({**TYRE_DEFAULTS, **one})} for one in tyres]
+    for name, refit in TYRE_CHANGES.items():
+        other: Tyres = [{**one, **refit({**TYRE_DEFAULTS, **one})} for one in tyres]
         row = changed(parameters, name, lambda p: {}, {"tyres": other, **fittings}, speed)
         yield replace(row, ideal=None)
 
 
 def changed(
-    parameters: Parameters, name: str, change: Callable[[Parameters], dict[str, float]], fittings: Mapping[str, Any],
+    parameters: Parameters, name: str, change: Callable[[Parameters], Fields], fittings: Mapping[str, Any],
     speed: float,
 ) -> Ablation:  # fmt: skip
     """Return a variant on tyres and on ideal wheels, or why it is not possible."""
     try:
         variant = replace(parameters, **change(parameters), name=f"{parameters.name}, {name}")
-        turns = {
+        turns: Fields = {
             key: LIGHT_RATIO * getattr(parameters, key) for key in ("IRyy", "IFyy") if getattr(variant, key) == 0.0
         }
         linear = required_equations(partial(whipple, **fittings), replace(variant, **turns))

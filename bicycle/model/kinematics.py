@@ -6,7 +6,7 @@ left, z up; the rear contact is the origin, the rear wheel heads along x.
 """
 
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import NamedTuple, overload
 
 import numpy as np
 from scipy.optimize import brentq
@@ -50,8 +50,8 @@ def steer_axis(p: Parameters) -> tuple[np.ndarray, np.ndarray]:
     return ground - 2.0 * max(p.rR, p.rF) * axis, axis
 
 
-def rotation_about(axis: np.ndarray, angle: float) -> np.ndarray:
-    """Return the rotation by ``angle`` [rad] about a unit vector, shape (3, 3)."""
+def rotation_about(axis: np.ndarray, angle: complex) -> np.ndarray:
+    """Return the rotation by ``angle`` [rad] about a unit vector, shape (3, 3); the angle may be complex."""
     S = skew(axis)
     return np.eye(3) + np.sin(angle) * S + (1.0 - np.cos(angle)) * S @ S
 
@@ -93,7 +93,11 @@ class Height:
         self.rear = (p.rR - p.tR) * np.sqrt(1.0 - self.sine**2) + p.tR
         self.radius, self.crown = p.rF - p.tF, p.tF
 
-    def __call__(self, pitch: np.ndarray) -> np.ndarray:
+    @overload
+    def __call__(self, pitch: float) -> float: ...
+    @overload
+    def __call__(self, pitch: np.ndarray) -> np.ndarray: ...
+    def __call__(self, pitch: float | np.ndarray) -> float | np.ndarray:
         x, y, z = -self.cosine * np.sin(pitch), self.sine, self.cosine * np.cos(pitch)
         up = x * self.arm[0] + y * self.arm[1] + z * self.arm[2]
         tilt = x * self.axle[0] + y * self.axle[1] + z * self.axle[2]

@@ -6,9 +6,10 @@ and front wheel at the front hub.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from mbsd3d import (
     GROUND,
@@ -21,22 +22,23 @@ from mbsd3d import (
     State,
     System,
     Torque,
+    TorsionSpring,
     measures,
     shapes,
 )
 from mbsd3d.errors import InputError
-from mbsd3d.extend import Measure, as_signal, checks_arguments
+from mbsd3d.extend import ForceElement, Measure, as_signal, checks_arguments, cross, part_class
 
 from ..parameters import Parameters, check_set
-from .head import head_of, head_state
-from .kinematics import hubs, pose_of, steer_axis, velocities_of
+from .kinematics import Pose, hubs, pose_of, steer_axis, velocities_of
 from .tyres import Tyres, tyres_of
 
 NAMES = {"R": "rear wheel", "B": "frame", "H": "fork", "F": "front wheel"}
 PAPER_TO_MODEL = np.diag([1.0, -1.0, -1.0])  # from the axes of the paper to those of the model
+HEAD_TUBE_LENGTH = 0.12  # [m] of the head tube in drawings
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Bicycle(System):
     """`System` whose reference pose is upright with zero steer, and which starts from another state.
 
@@ -109,9 +111,10 @@ def whipple(
     upright = lean == steer == 0.0  # then the reference pose is the start, and a model file holds all of it
     bodies = bodies_of(parameters, motion if upright else np.full((4, 6), None))
     q, v, angles = place.q, motion.ravel(), [0.0, float(steer), 0.0]
-    joints, forces, z = joints_of(parameters, bodies), [], np.zeros(0)
+    joints, z = joints_of(parameters, bodies), np.zeros(0)
+    forces: list[ForceElement] = []
     if tyres is not None:
-        joints, forces, z = joints[:3], tyres_of(parameters, bodies, tyres), np.zeros(4)
+        joints, forces, z = joints[:3], [*tyres_of(parameters, bodies, tyres)], np.zeros(4)
     if head_stiffness is not None:
         head, joints[1], twist, spring = head_of(parameters, bodies, head_stiffness, head_damping)
         bodies, joints, forces = [*bodies, head], [*joints, twist], [*forces, spring]
@@ -127,7 +130,7 @@ def whipple(
 def bodies_of(p: Parameters, motion: np.ndarray) -> list[Body]:
     """Return the four bodies, upright; ``motion`` (4, 6) holds their velocities, or None."""
     rear, front = hubs(p)
-    centre = {"R": rear, "B": (p.xB, 0.0, -p.zB), "H": (p.xH, 0.0, -p.zH), "F": front}
+    centre: dict[str, ArrayLike] = {"R": rear, "B": (p.xB, 0.0, -p.zB), "H": (p.xH, 0.0, -p.zH), "F": front}
     bodies = []
     for (part, name), v in zip(NAMES.items(), motion, strict=True):
         hub = rear if part in "RB" else front
@@ -156,7 +159,31 @@ def joints_of(p: Parameters, bodies: Sequence[Body]) -> list[Joint]:
     ]
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+def head_of(
+    p: Parameters, bodies: Sequence[Body], stiffness: float, damping: float
+) -> tuple[Body, Revolute, Revolute, TorsionSpring]:  # fmt: skip
+    """Return (body "head" without mass, joint "steer" on it, joint "head twist" on the frame, spring "head spring").
+
+    The axis of twist lies in the plane of the frame, goes through the head and points ahead: the frame gives about it
+    as its tubes twist, and the front wheel moves sideways.
+    """
+    (at, axis), (_, frame, fork, _) = steer_axis(p), bodies
+    ahead = np.cross((0.0, 1.0, 0.0), -axis)
+    tube = shapes.Lines([tuple(-0.5 * HEAD_TUBE_LENGTH * axis), tuple(0.5 * HEAD_TUBE_LENGTH * axis)])
+    head = Body("head", 0.0, (0, 0, 0), position=at, shape=tube)
+    twist = Revolute(frame, head, at=at, axis=ahead, name="head twist")
+    spring = TorsionSpring(twist, stiffness=stiffness, damping=damping, name="head spring")
+    return head, Revolute(head, fork, at=at, axis=axis, name="steer"), twist, spring
+
+
+def head_state(place: Pose, q: np.ndarray, motion: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return (q, v) of the bicycle and of its head, which moves with the frame (row 1 of q and ``motion`` (4, 6))."""
+    v, omega = motion[1, :3], motion[1, 3:]
+    there = v + cross(omega, place.head - place.rear)
+    return np.concatenate([q, place.head, q[10:14]]), np.concatenate([motion.ravel(), there, omega])
+
+
+@part_class(repr=False)
 class PublishedBody(Body):
     """Body whose inertia may break the triangle rule, as some published ones do."""
 

@@ -34,7 +34,8 @@ def both(tyres: Tyres) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
         unknown = [key for key in one if key not in TYRE_ARGUMENTS]
         if unknown:
             raise InputError(f"tyres: {', '.join(map(str, unknown))} unknown; give some of {', '.join(TYRE_ARGUMENTS)}")
-    return given
+    rear, front = given
+    return rear, front
 
 
 def loads(p: Parameters) -> tuple[float, float]:

@@ -7,7 +7,7 @@ tyres have the general model alone.
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from itertools import zip_longest
 from pathlib import Path
@@ -59,7 +59,7 @@ class Entry:
     parameters: Parameters
     critical: CriticalSpeeds
     difference: float  # from the ranges of the general model [m/s], NaN for round tyres; infinite if not equally many
-    fittings: Mapping[str, Any] | None = None  # tyres and more of `bicycle.whipple`; None = only ideal wheels
+    fittings: Mapping[str, Any] = field(default_factory=dict)  # tyres and more of `bicycle.whipple`, if any
     on_tyres: Affine | None = None
     problem: str = ""  # why it does not run on tyres
 
@@ -87,7 +87,7 @@ class Entry:
         if self.parameters.name not in names():
             return "Meijaard et al. 2007, with rider" if self.parameters.name == "Meijaard2007" else ""
         entry = entry_of(self.parameters.name)
-        rider = {True: ", with rider", False: ", without rider"}.get(entry.get("includes_rider"), "")
+        rider = {None: "", True: ", with rider", False: ", without rider"}.get(entry.get("includes_rider"), "")
         return f"{entry['source'].split(':')[0]}{rider}"
 
     @property
@@ -113,13 +113,14 @@ def file_of(name: str) -> str:
 def entry(parameters: Parameters, fittings: Mapping[str, Any] | None = None) -> Entry:
     """Compute critical speeds of a bicycle by closed form and general model; with tyres in ``fittings`` also on
     them."""
-    model, rest = critical_speeds(parameters, whipple), {}
+    model = critical_speeds(parameters, whipple)
+    rest: dict[str, Any] = {}
     if fittings:
         try:
             linear = required_equations(partial(whipple, **fittings), parameters)
-            rest: dict[str, Any] = {"fittings": fittings, "on_tyres": linear}
+            rest = {"fittings": fittings, "on_tyres": linear}
         except ValueError as error:
-            rest: dict[str, Any] = {"problem": str(error)}
+            rest = {"problem": str(error)}
     if parameters.tR or parameters.tF:
         return Entry(parameters, model, float("nan"), **rest)
     closed = critical_speeds(parameters)
@@ -132,7 +133,7 @@ def entries(
 ) -> list[Entry]:  # fmt: skip
     """Compute the entries of bicycles, and of their tyres if there are fittings; after Ctrl-C those that were
     finished."""
-    found = map(entry, bicycles, fittings or [None] * len(bicycles))
+    found = map(entry, bicycles, fittings or [{}] * len(bicycles))
     return collected(f"{len(bicycles)} bicycles", found, len(bicycles), progress)
 
 
@@ -203,9 +204,8 @@ def write_page(
             cards.append((x, side_view(x.parameters), growth_svg(x, f"g{k}-"), link))
             bar.update(4 * len(shown) + k + 1)
     ideal, tyred = [x.critical.stable for x in found], any(x.fittings or x.problem for x in found)
-    shown = [x.gripping if tyred else x.critical.stable for x in found]
-    bars = zip([x.parameters.name for x in found], shown, strict=True)
-    ranges = plot_ranges([*bars], "Self-stable ranges", beside=ideal if tyred else [])
+    bars = [(x.parameters.name, x.gripping if tyred else x.critical.stable) for x in found]
+    ranges = plot_ranges(bars, "Self-stable ranges", beside=ideal if tyred else [])
     figures = [inline_svg(x.left_out, f"t{k}-") for k, x in enumerate(found[: max(views, 1)]) if x.fittings]
     page = page_template("compare.html", TEMPLATES).render(
         cards=cards, ranges=Markup(inline_svg(ranges, "r-")), left_out=left_out, tyred=tyred,

@@ -111,8 +111,8 @@ def draw_turns(
         lean, *values = np.transpose(turns) if turns else np.zeros((3, 0))
         for axes, value in zip(panels, values, strict=True):
             axes.plot(np.degrees(lean), value, color=colour, linewidth=LINE_WIDTH_POINTS)
-    for axes in panels:
-        axes.plot(*[[x[-1]] for x in axes.lines[-1].get_data()], "o", color=look.lines[0], markersize=5)
+    for axes, value in zip(panels, values, strict=True):
+        axes.plot(np.degrees(lean[-1:]), value[-1:], "o", color=look.lines[0], markersize=5)
         axes.set_xlabel("lean in a steady turn [°]")
     panels[0].set_ylabel(f"steer torque at {speed:g} m/s [N m]")
     panels[1].set_ylabel("friction the turn takes [-]")

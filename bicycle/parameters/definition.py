@@ -1,4 +1,4 @@
-"""The parameters of a bicycle with ideal wheels, by the symbols of Meijaard, Papadopoulos, Ruina and Schwab (2007)."""
+"""Parameters of a bicycle with ideal wheels, by the symbols of Meijaard, Papadopoulos, Ruina and Schwab (2007)."""
 
 # ruff: noqa: N815 -- the symbols are those of the paper
 

@@ -92,7 +92,8 @@ def ridden(parameters: Parameters, speed: float, course: Course, gains: Gains, *
     numbers = (*gains, *course.numbers, *steer_axis(parameters)[1], parameters.rF - parameters.tF, *MUSCLES)
     states = {"torque": 0.0, "torque rate": 0.0}
     rider = CustomForce(steer, on=(frame, fork), parameters=numbers, states=states, scales=(1.0, 30.0), name="rider")
-    start = replace(system.start, z=np.r_[system.start.z, 0.0, 0.0])
+    start = system.state()
+    start = replace(start, z=np.r_[start.z, 0.0, 0.0])
     return replace(system, forces=[*system.forces, rider], start=start)
 
 
@@ -186,7 +187,7 @@ def run(
         head_damping=head_damping,
     )  # fmt: skip
     settings = {"state": system.state(), "rtol": rtol, "output": samples}
-    return RiddenCourse(ended(parameters, system, t_end, FALLEN, on_tyres(system), settings), course, gains)
+    return RiddenCourse(ended(parameters, system, t_end, FALLEN, on_tyres(system.forces), settings), course, gains)
 
 
 def figure(found: RiddenCourse, title: str | None = None, *, dark: bool = False) -> "Figure":
@@ -225,6 +226,6 @@ def figure(found: RiddenCourse, title: str | None = None, *, dark: bool = False)
         labels = {"angles": "angle, right > 0 [°]", "torque": "steer torque [N m]", "roll": "roll [°]"}
         for name, label in {**labels, "heading": "heading [°]", "way": "offset to the right [m]"}.items():
             axes[name].set_ylabel(label)
-        who = ride.parameters.name + " on tyres" * on_tyres(ride.solution.system)
+        who = ride.parameters.name + " on tyres" * on_tyres(ride.solution.system.forces)
         sheet.suptitle(f"{who}: {title}" if title else who, fontweight="bold")
     return sheet

@@ -1,5 +1,6 @@
 """Results of a ride: lean, steer, heading, path, forces of the ground and the friction they need, errors of the run."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -7,8 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from mbsd3d import Solution, System
-from mbsd3d.extend import LINE_WIDTH_POINTS, Theme, new_figure, style_axes
+from mbsd3d import Solution
+from mbsd3d.extend import LINE_WIDTH_POINTS, ForceElement, Theme, new_figure, style_axes
 
 from ..model.kinematics import X, Y, Z
 from ..output import write_table
@@ -30,14 +31,14 @@ LABELS = {
 }
 
 
-def on_tyres(system: System) -> bool:
-    """Return whether the wheels run on tyres; otherwise they roll without slip."""
-    return any(force.name == "rear tyre" for force in system.forces)
+def on_tyres(forces: Iterable[ForceElement]) -> bool:
+    """Return whether the wheels of a system with these forces run on tyres; otherwise they roll without slip."""
+    return any(force.name == "rear tyre" for force in forces)
 
 
 def ground_force(solution: Solution, wheel: str) -> tuple[np.ndarray, np.ndarray]:
     """Return (contact point [m], force of the ground [N]) of a wheel, (n, 3) each."""
-    tyres = on_tyres(solution.system)
+    tyres = on_tyres(solution.system.forces)
     found = solution.force(f"{wheel} tyre") if tyres else solution.reaction(f"{wheel} contact")
     return found.point, found.force
 

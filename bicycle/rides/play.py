@@ -107,7 +107,13 @@ class Riding:
         system = self.system(p, values["balance assist"], self.asked)
         self.now, self.wanted = p, (p, values["balance assist"])
         lean, steer, *_ = seen = measures_of(system)
-        shown = [lean, steer, ("force", "rear tyre"), ("force", "front tyre"), "energy"]
+        shown: list[Measure | str | tuple[str, str]] = [
+            lean,
+            steer,
+            ("force", "rear tyre"),
+            ("force", "front tyre"),
+            "energy",
+        ]
         return Built(system, system.state() if state is None else begun, seen, shown)
 
     def system(self, p: Parameters, assist: float, speed: float) -> Bicycle:
@@ -116,14 +122,14 @@ class Riding:
         loads: dict[str, Any] = {load: Input(name) for load, name in names.items()}
         return with_assist(ridden(p, push=0.0, speed=speed, **loads, **self.fittings), assist)
 
-    def inputs(self, values: Mapping[str, float], measured: Sequence[float]) -> Mapping[str, float]:
+    def inputs(self, values: Mapping[str, float], measured: Sequence[float] | np.ndarray) -> Mapping[str, float]:
         """Return the torques of the rider [N m]."""
         return {name: values[name] for name in ("steer torque", "pedal", "brake")}
 
-    def seen(self, values: Mapping[str, float], measured: Sequence[float]) -> Seen:
+    def seen(self, values: Mapping[str, float], measured: Sequence[float] | np.ndarray) -> Seen:
         """Return angles, speed, growth of small motions about straight running at this speed, torques."""
-        lean, steer, lean_rate, upward, *v = map(float, measured)
-        speed = self.held = float(np.hypot(*v))
+        lean, steer, lean_rate, upward, along, across = map(float, measured)
+        speed = self.held = float(np.hypot(along, across))
         over = "" if upward > np.pi / 2 - FALLEN else "fallen: reset (R) stands it up again"
         torques = values["steer torque"], values["balance assist"] * lean_rate
         now = self.linearised()
@@ -145,9 +151,8 @@ class Riding:
         fastest = self.controls[SPEED_CONTROL].high
         build = lambda p, speed: self.system(p, key[1], speed)  # noqa: E731
         try:
-            found = equations(build, key[0])
-            if isinstance(found, SpeedBySpeed):
-                found = found.table(np.geomspace(SPEED_MIN, fastest, SPEED_COUNT))
+            exact, speeds = equations(build, key[0]), np.geomspace(SPEED_MIN, fastest, SPEED_COUNT)
+            found: Affine | Table | None = exact.table(speeds) if isinstance(exact, SpeedBySpeed) else exact
         except MbsError:  # it cannot run straight at all speeds: no curve, no range
             found = None
         ranges = [(part.low, min(part.high, fastest)) for part in found.stable()] if found else []

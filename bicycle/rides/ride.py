@@ -8,7 +8,19 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from mbsd3d import AeroDrag, Brake, Force, IntegrationError, Signal, Solution, Torque, accelerations, measures, simulate
+from mbsd3d import (
+    AeroDrag,
+    Brake,
+    Force,
+    IntegrationError,
+    Signal,
+    Solution,
+    System,
+    Torque,
+    accelerations,
+    measures,
+    simulate,
+)
 from mbsd3d.errors import InputError
 from mbsd3d.extend import Measure, as_signal, checks_arguments, number
 
@@ -103,7 +115,7 @@ def run(
         head_damping=head_damping,
     )  # fmt: skip
     settings = {"state": system.state(), "rtol": rtol, "output": output, "progress": progress}
-    return ended(parameters, system, t_end, limit, held_down or on_tyres(system), settings)
+    return ended(parameters, system, t_end, limit, held_down or on_tyres(system.forces), settings)
 
 
 def ended(
@@ -116,9 +128,9 @@ def ended(
         found = simulate(system, t_end, stop_when=upward < 0.5 * np.pi - limit, **settings)
     except IntegrationError as error:
         found = error.solution  # an ideal wheel that is held down may lead anywhere
-        if held_down or unloading(found) is None:
+        if held_down or unloading(system, found) is None:
             raise
-    event = None if held_down else unloading(found)
+    event = None if held_down else unloading(system, found)
     if event is None:
         stopped = (found.record.stopped_by or "").startswith(upward.label)
         return Ride(parameters, found, Event("fallen", float(found.final.t)) if stopped else None)
@@ -138,7 +150,7 @@ def ridden(
 ) -> Bicycle:
     """Build the bicycle with the loads of a ride, at its start."""
     system = whipple(parameters, **start)
-    forces, begun = list(system.forces), system.start
+    forces, begun = list(system.forces), system.state()
     if torque:
         forces += steer_torque(system, parameters, torque)
     if drive:
@@ -190,23 +202,27 @@ def check_start(parameters: Parameters, start: Ride, limit: float, held_down: bo
             )
 
 
-def unloading(solution: Solution) -> Event | None:
-    """Return the first moment at which a wheel is no longer pressed to the ground."""
-    if not np.any(solution.system.gravity):
+def unloading(system: System, solution: Solution) -> Event | None:
+    """Return the first moment of a run of a system at which a wheel is no longer pressed to the ground."""
+    if not np.any(system.gravity):
         return None
     found = []
     for wheel, load in loads(solution).items():
         lifted = np.flatnonzero(load <= 0.0)
         if lifted.size:
             k = int(lifted[0])
-            t = brentq(load_at, *solution.t[k - 1 : k + 1], args=(solution, wheel), xtol=1e-9) if k else solution.t[0]
+            t = (
+                brentq(load_at, *solution.t[k - 1 : k + 1], args=(system, solution, wheel), xtol=1e-9)
+                if k
+                else solution.t[0]
+            )
             found.append(Event(f"{wheel} wheel unloaded", float(t)))
     return min(found, key=lambda event: event.t, default=None)
 
 
-def load_at(t: float, solution: Solution, wheel: str) -> float:
+def load_at(t: float, system: System, solution: Solution, wheel: str) -> float:
     """Return the upward force on a wheel at any time of a run [N]."""
-    return float(loads(accelerations(solution.system, solution.at(t)))[wheel][0])
+    return float(loads(accelerations(system, solution.at(t)))[wheel][0])
 
 
 def view(found: Ride, path: str | Path | None = None, title: str | None = None) -> Any:
@@ -216,8 +232,12 @@ def view(found: Ride, path: str | Path | None = None, title: str | None = None) 
     """
     system = found.solution.system
     traces = [(body, body.position) for body in (system.part(f"{wheel} wheel") for wheel in WHEELS)]
-    kind, contact = ("force", "tyre") if on_tyres(system) else ("reaction", "contact")
-    curves = [("angle", "steer"), *((kind, f"{wheel} {contact}") for wheel in WHEELS), "energy"]
+    kind, contact = ("force", "tyre") if on_tyres(system.forces) else ("reaction", "contact")
+    curves: list[str | tuple[str, ...]] = [
+        ("angle", "steer"),
+        *((kind, f"{wheel} {contact}") for wheel in WHEELS),
+        "energy",
+    ]
     shown = found.solution.animate(
         title=title, traces=traces, curves=curves, shown="reaction force", hidden="body names", follow="frame"
     )

@@ -32,6 +32,8 @@ def carried(state: State, old: Parameters, new: Parameters) -> State:
     depth = lowest(q[3, :3], R[3], old)
     (rear, front), (at, axis) = hubs(new), steer_axis(new)
     before = steer_axis(old)[1]
+    if state.coordinates is None:
+        raise InputError("the state has no angles of hinges, so its steer angle is not known; give one of a run")
     steer, rate = state.coordinates[1], (R[1] @ before) @ (v[2, 3:] - v[1, 3:])
     spin = R[3][:, 1] @ (v[3, 3:] - v[2, 3:])
     frame, hub, rolled = R[1], q[1, :3], R[2].T @ R[3]

@@ -63,8 +63,8 @@ class Curve:
 
     def direction(self, x: np.ndarray) -> np.ndarray:
         """Return the unit vector along the curve at one of its points, shape (2,)."""
-        slope = [self.f(x + DIFFERENCE_STEP * e) - self.f(x - DIFFERENCE_STEP * e) for e in np.eye(2)]
-        return across(np.array(slope)) / np.hypot(*slope)
+        slope = np.array([self.f(x + DIFFERENCE_STEP * e) - self.f(x - DIFFERENCE_STEP * e) for e in np.eye(2)])
+        return across(slope) / np.hypot(*slope)
 
     def tangent(self, x: np.ndarray, along: np.ndarray) -> np.ndarray:
         """Return `direction`, oriented like ``along``; ``along`` itself where the curve ends."""
@@ -96,7 +96,7 @@ class Curve:
         """Yield points after x, first in the direction ``along`` of the curve there, until the curve ends.
 
         Tangent and curvature at a point are those of the parabola through it and the two before; a step turns by
-        SHARPEST at most. Where no step is short enough, the parabola was wrong: the curve turns sharply there.
+        `STEP_TURN_MAX` at most. Where no step is short enough, the parabola was wrong: the curve turns sharply there.
         """
         length, bend, last, before, exact = 0.5 * self.longest, 0.0, 0.0, along, True
         while length > self.shortest:
@@ -110,7 +110,7 @@ class Curve:
                     along, bend, length, exact = self.tangent(x, along), 0.0, last, True
                 continue
             yield new
-            size, miss = np.linalg.norm(new - x), abs(angle(guess, chord))
+            size, miss = float(np.linalg.norm(new - x)), abs(angle(guess, chord))
             if last:
                 bend = 2.0 * angle(before, chord) / (last + size)
                 turn = 0.5 * bend * size
@@ -131,7 +131,7 @@ class Curve:
         along = (b - a) / np.linalg.norm(b - a)
 
         def point(share: float) -> np.ndarray:
-            found = self.corrected(a + share * (b - a), along, np.linalg.norm(b - a))
+            found = self.corrected(a + share * (b - a), along, float(np.linalg.norm(b - a)))
             if found is None:
                 raise InputError("no point between the neighbours")
             return found
@@ -163,7 +163,7 @@ class Search:
 
     def turn(self, x: np.ndarray) -> Turn:
         """Return the circle at a point."""
-        return self.turner.turn(*x, square=max(self.square(x), 0.0))
+        return self.turner.turn(x[0], x[1], square=max(self.square(x), 0.0))
 
     def seeds(self, steer: float) -> list[np.ndarray]:
         """Return points of a section: sign changes over the lean where a real speed belongs to them."""
@@ -203,7 +203,7 @@ class Search:
         for name, straight, sign in (("straight ahead", 0.0, 1.0), ("straight, front end reversed", np.pi, -1.0)):
             if sign * (new[1] - straight) <= STEER_MIN:
                 limit = straight + sign * STEER_MIN
-                return name, self.curve.locate(before, new, lambda x, limit=limit: x[1] - limit)
+                return name, self.curve.locate(before, new, steer_over(limit))
         if self.square(new) < 0.0:
             x = self.curve.locate(before, new, self.square)
             if x is None or abs(self.square(x)) < self.fast:
@@ -223,6 +223,11 @@ class Search:
     def pressed(self, x: np.ndarray) -> float:
         """Return the smaller of the two wheel loads [N]; below zero too where the speed is unbounded."""
         return self.turn(x).load if 0.0 <= self.square(x) < self.fast else -1.0
+
+
+def steer_over(limit: float) -> Callable[[np.ndarray], float]:
+    """Return the function of a point that tells how far its steer angle is beyond a limit [rad]."""
+    return lambda x: x[1] - limit
 
 
 def beside(x: np.ndarray, families: Sequence[list[np.ndarray]]) -> bool:
@@ -268,7 +273,7 @@ def special_points(search: Search, points: list[np.ndarray], turns: Sequence[Tur
     ]
     found = []
     for name, values, value in tests:
-        for k in np.flatnonzero(values[:-1] * values[1:] < 0.0):
+        for k in np.flatnonzero(values[:-1] * values[1:] < 0.0).tolist():
             summit = name == "largest lean"
             if summit and values[k] < 0.0:
                 continue  # a least lean

@@ -172,8 +172,7 @@ class Balance:
             there = lean if abs(step) >= abs(lean - last.lean) else last.lean + step
             ahead = (there - last.lean) * slope
             new = self.turn(last.x + ahead, there)
-            miss, way = (np.inf, 0.0) if new is None else (size(new.x - last.x - ahead), size(ahead))
-            if miss > CHANGE_MAX * way + RESIDUAL_MAX:
+            if new is None or size(new.x - last.x - ahead) > CHANGE_MAX * size(ahead) + RESIDUAL_MAX:
                 step = 0.5 * (there - last.lean)
                 if abs(step) < LEAN_STEP_MIN:
                     break
@@ -257,13 +256,13 @@ def figure(
             values = [[np.degrees(x.steer), x.steer_torque, x.drive_torque, x.saturation] for x in group]
             for one, line in zip(axes.flat, np.transpose(values), strict=True):
                 one.plot(lean, line, label=f"{group[0].speed:g} m/s", **style)
-        for k, group in enumerate(ideal):
+        for k, circles in enumerate(ideal):
             lean, style = (
-                np.degrees([one.lean for one in group]),
+                np.degrees([one.lean for one in circles]),
                 {"color": look.colour(k), "linewidth": LINE_WIDTH_POINTS},
             )
             for one, line in zip(
-                axes.flat, ([np.degrees(x.steer) for x in group], [x.torque for x in group]), strict=False
+                axes.flat, ([np.degrees(x.steer) for x in circles], [x.torque for x in circles]), strict=False
             ):
                 one.plot(lean, line, linestyle="--", label="ideal wheels" if k == len(ideal) - 1 else None, **style)
         for one in axes[1]:

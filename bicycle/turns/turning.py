@@ -131,8 +131,8 @@ class TurnSolver:
         sides = [(Q, 0.0 * gamma), (-h, gamma)]
         if torque:
             sides.append((self.dense_with_torque.at(state).Q - Q, 0.0 * gamma))
-        sides = np.array([np.concatenate(side) for side in sides])
-        v_dot = np.linalg.solve(saddle_matrix(M, J), sides.T).T[:, : Q.size].reshape(-1, 4, 6)
+        right = np.array([np.concatenate(side) for side in sides])
+        v_dot = np.linalg.solve(saddle_matrix(M, J), right.T).T[:, : Q.size].reshape(-1, 4, 6)
         frame, fork = (v_dot[:, self.bodies[name], 3:] for name in ("frame", "fork"))
         axle = at.frame @ Y
         leans = (frame[:, 0] * axle[1] - frame[:, 1] * axle[0]) / np.hypot(axle[0], axle[1])

@@ -3,6 +3,7 @@
 from typing import Any
 
 import click
+from click.core import ParameterSource
 
 from mbsd3d.errors import InputError
 from mbsd3d.extend import Failure
@@ -92,7 +93,7 @@ def alone(switch: str, allowed: set[str]) -> None:
     given = [
         option.opts[0]
         for option in context.command.params
-        if context.get_parameter_source(option.name).name == "COMMANDLINE"
+        if context.get_parameter_source(option.name) is ParameterSource.COMMANDLINE
         and option.name not in allowed | {"layout", switch.removeprefix("--")}
     ]
     if given:
@@ -135,12 +136,9 @@ def tables(engines: list, gravity: Any, driver: str, gas: float | None, shafts: 
     if len(engines) > 1 and (gas is not None or shafts or sweep):
         raise InputError("--gas, --shafts and --sweep study one engine; give a LAYOUT")
     comparisons = [compare(engine, gravity=gravity, driver=driver) for engine in engines]
-    wanted = (
-        (gas is not None, lambda: report.gas_harmonics(engines[0], gas)),
-        (shafts, lambda: report.balance_shafts(engines[0])),
-        (sweep, lambda: report.rod_ratios(engines[0])),
-    )
-    extra = [table() for asked, table in wanted if asked]
+    extra = [] if gas is None else [report.gas_harmonics(engines[0], gas)]
+    extra += [report.balance_shafts(engines[0])] if shafts else []
+    extra += [report.rod_ratios(engines[0])] if sweep else []
     if ways:
         parts = [report.ways(comparison) for comparison in comparisons]
         click.echo(report.Table(parts[0].header, [row for part in parts for row in part.rows]))

@@ -80,8 +80,9 @@ def firing_angles(layout: Layout) -> np.ndarray:
     turns = np.arange(2 ** (top.size - 1))[:, None] >> np.arange(top.size - 1) & 1
     choices = np.column_stack([np.full(len(turns), top[0]), top[1:] + 360.0 * turns])
     best = choices[np.argmin(np.round(unevenness(choices), 6))]
-    use_given = given is not None and unevenness(given[None])[0] <= unevenness(best[None])[0] + 1e-6
-    return given if use_given else best
+    if given is not None and unevenness(given[None])[0] <= unevenness(best[None])[0] + 1e-6:
+        return given
+    return best
 
 
 def unevenness(angles: np.ndarray) -> np.ndarray:

@@ -17,9 +17,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import number
+from mbsd3d.extend import Checked, Number, NumberOrDerived, Stored, kept, number, part_class
 
 CYLINDERS_MAX = 48  # [1] cylinders of an engine
 DATA = Path(__file__).parents[1] / "references" / "engine.json"
@@ -116,8 +117,17 @@ def layout(name: str) -> Layout:
     )
 
 
-@dataclass(frozen=True)
-class Engine:
+class LayoutOrName(Stored[Layout | str, Layout]):
+    """A layout, or its name in the data file."""
+
+    @staticmethod
+    def convert(value: Any, what: str, part: Any) -> Layout:
+        """Return the layout itself, or that of a name; raise ValueError for an unknown name."""
+        return layout(value) if isinstance(value, str) else value
+
+
+@part_class(eq=True)
+class Engine(Checked):
     """Layout with dimensions, masses and speed; the default numbers are those of the toy engine (toy_set_1).
 
     ``layout``: or a name of the data file; ``rpm``: crank speed [1/min] >= 0; harmonics need one above 0;
@@ -129,33 +139,28 @@ class Engine:
     rotation [m]. ValueError naming value and remedy, above all where the rod is too short.
     """
 
-    layout: Layout
-    rpm: float = 10.0
-    radius: float = 1.0
-    rod_length: float = 2.0
-    crank_mass: float = 2.0
-    crank_centre: float = 0.5
-    rod_mass: float = 4.0
-    rod_fraction: float = 0.5
-    rod_inertia: float = 1.0 / 3.0
-    piston_mass: Any = 5.0
-    spacing: float | None = None
-    offset: float = 0.0
+    layout: LayoutOrName = kept()
+    rpm: Number = kept(default=10.0, minimum=0.0)
+    radius: Number = kept(default=1.0, positive=True)
+    rod_length: Number = kept(default=2.0, positive=True)
+    crank_mass: Number = kept(default=2.0, positive=True)
+    crank_centre: Number = kept(default=0.5)
+    rod_mass: Number = kept(default=4.0, positive=True)
+    rod_fraction: Number = kept(default=0.5)
+    rod_inertia: Number = kept(default=1.0 / 3.0, positive=True)
+    piston_mass: ArrayLike = 5.0
+    spacing: NumberOrDerived = kept(default=None, positive=True, derived=lambda engine: engine.layout.spacing)
+    offset: Number = kept(default=0.0)
 
-    def __post_init__(self) -> None:
-        if isinstance(self.layout, str):
-            object.__setattr__(self, "layout", layout(self.layout))
-        what = f"engine '{self.layout.name}'"
-        for field in ("radius", "rod_length", "crank_mass", "rod_mass", "rod_inertia"):
-            object.__setattr__(self, field, number(getattr(self, field), f"{what}: {field}", positive=True))
-        for field in ("crank_centre", "rod_fraction", "offset"):
-            object.__setattr__(self, field, number(getattr(self, field), f"{what}: {field}"))
-        object.__setattr__(self, "rpm", number(self.rpm, f"{what}: rpm", minimum=0.0))
-        spacing = self.layout.spacing if self.spacing is None else self.spacing
-        object.__setattr__(self, "spacing", number(spacing, f"{what}: spacing", positive=True))
-        if np.ndim(self.piston_mass) and len(self.piston_mass) != len(self.layout.pins):
+    def what(self) -> str:
+        """Return the name of the engine, at the start of errors."""
+        return f"engine '{getattr(self.layout, 'name', self.layout)}'"
+
+    def check(self, what: str) -> None:
+        """Check one mass per piston, and a rod long enough for the crank to turn."""
+        if np.ndim(self.piston_mass) and np.size(self.piston_mass) != len(self.layout.pins):
             n = len(self.layout.pins)
-            raise InputError(f"{what}: {len(self.piston_mass)} piston masses for {n} cylinders; give one or {n}")
+            raise InputError(f"{what}: {np.size(self.piston_mass)} piston masses for {n} cylinders; give one or {n}")
         for i, mass in enumerate(self.pistons, start=1):
             number(mass, f"{what}: piston_mass {i}", positive=True)
         if self.radius + abs(self.offset) >= self.rod_length:
@@ -204,7 +209,7 @@ class Engine:
 
         The order n of a slider-crank falls like nu^n, nu = lam / (1 + sqrt(1 - lam^2)), lam = (R + offset) / L.
 
-        ValueError if the rod is hardly longer than the crank, so that more than MOST would be needed.
+        ValueError if the rod is hardly longer than the crank, so that more than `SAMPLES_MAX` would be needed.
         """
         lam = (self.radius + abs(self.offset)) / self.rod_length
         last = min(np.log(ALIASING_SHARE_MAX) / np.log(lam / (1 + np.sqrt(1 - lam**2))), 1e9)

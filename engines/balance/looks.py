@@ -44,7 +44,7 @@ def crank(engine: Engine, places: list[Any]) -> list[shapes.Shape]:
     low, high = engine.ends
     stations = np.unique(np.round(engine.stations, 9))
     starts, stops = [low, *(stations + 0.32 * wide)], [*(stations - 0.32 * wide), high]
-    parts = [
+    parts: list[shapes.Shape] = [
         shapes.Cylinder(thick, b - a, "z", at=(0, 0, (a + b) / 2), colour=STEEL)
         for a, b in zip(starts, stops, strict=True)
     ]
@@ -101,7 +101,8 @@ def dyno(engine: Engine) -> shapes.Shape:
 def shaft(engine: Engine, planes: np.ndarray, angles: np.ndarray) -> list[shapes.Shape]:
     """Draw a thin shaft along z with a weight in each plane at its angle [rad]; O lies on the axis of the shaft."""
     low, high = engine.ends
-    parts = [shapes.Cylinder(0.05 * engine.radius, high - low, "z", at=(0, 0, (low + high) / 2), colour=STEEL)]
+    rod = shapes.Cylinder(0.05 * engine.radius, high - low, "z", at=(0, 0, (low + high) / 2), colour=STEEL)
+    parts: list[shapes.Shape] = [rod]
     for z, angle in zip(planes, angles, strict=True):
         side = 0.12 * engine.radius * np.array([np.cos(angle), np.sin(angle), 0.0])
         parts.append(shapes.Cylinder(0.16 * engine.radius, 0.4 * width(engine), "z", at=side + (0, 0, z), colour=ROD))

@@ -21,7 +21,7 @@ from engines.balance import looks
 from engines.balance.harmonics import Harmonics
 from engines.balance.layouts import Engine
 from engines.balance.spatial import Z
-from mbsd3d import Body, Fixed, Gear, Revolute, System, inertia
+from mbsd3d import Body, Fixed, Gear, Joint, Revolute, System, inertia
 from mbsd3d.errors import InputError
 
 # [1] of the largest singular value of the shafts' loads; smaller directions stay unbalanced
@@ -144,7 +144,9 @@ def with_shafts(system: System, engine: Engine, shafts: Sequence[Shaft]) -> Syst
     Counterweights are fixed to the crank. Bodies are "shaft 1" ..., joints "shaft bearing 1", "gear 1" or "bolt 1" ...
     """
     block, crank = (system.part(name, "bodies") for name in ("block", "crank"))
-    main, bodies, joints = system.part("main 1", "joints"), [], []
+    main = system.part("main 1", "joints")
+    bodies: list[Body] = []
+    joints: list[Joint] = []
     for i, shaft in enumerate(shafts, start=1):
         bodies.append(body(engine, shaft, f"shaft {i}"))
         at = (*shaft.position, 0.0)
@@ -160,7 +162,7 @@ def body(engine: Engine, shaft: Shaft, name: str) -> Body:
     """Return a light shaft with a weight in each plane at a tenth of the crank radius, of the mass its unbalance
     needs."""
     arm = 0.1 * engine.radius
-    parts = [(1e-3, (0.0, 0.0, 0.0), 3 * (1e-3 * arm**2,))]
+    parts = [(1e-3, np.zeros(3), 3 * (1e-3 * arm**2,))]
     for z, u in zip(shaft.planes, shaft.unbalance, strict=True):
         mass, at = abs(u) / arm, arm * np.array([np.cos(np.angle(u)), np.sin(np.angle(u)), 0.0])
         parts.append((mass, at + (0, 0, z), 3 * (0.2 * mass * arm**2,)))

@@ -17,6 +17,7 @@ from engines.balance.harmonics import Harmonics
 from engines.balance.layouts import Engine
 from engines.balance.spectrum import spectrum
 from mbsd3d.errors import InputError
+from mbsd3d.extend import Ground
 
 Z = (0.0, 0.0, 1.0)
 BLOCK_MASS = 100.0  # kg; at rest, only its weight counts
@@ -86,8 +87,8 @@ def crankshaft(engine: Engine, places: list[Place]) -> mbsd3d.Body:
 
 
 def cylinder(
-    engine: Engine, i: int, where: Place, crank: mbsd3d.Body, block: mbsd3d.Body, pins: str
-) -> tuple[list, list]:
+    engine: Engine, i: int, where: Place, crank: mbsd3d.Body, block: mbsd3d.Body | Ground, pins: str
+) -> tuple[list[mbsd3d.Body], list[mbsd3d.Joint]]:
     """Return rod and piston of cylinder i (from 0), and their joints; the reference points are the centres of mass."""
     x = (where.wrist - where.pin) / engine.rod_length
     turn = np.column_stack([x, np.cross(Z, x), Z])
@@ -98,20 +99,21 @@ def cylinder(
     mass = engine.pistons[i]
     own = 3 * (0.2 * mass * engine.radius**2,)
     piston = mbsd3d.Body(f"piston {i + 1}", mass, own, position=where.wrist, shape=piston_shape)
+    big, small = f"crankpin {i + 1}", f"wristpin {i + 1}"
+    joints: list[mbsd3d.Joint]
     if pins == "revolute":
-        big = mbsd3d.Revolute(crank, rod, at=where.pin, axis=Z, name=f"crankpin {i + 1}")
-        small = mbsd3d.Revolute(piston, rod, at=where.wrist, axis=Z, name=f"wristpin {i + 1}")
+        joints = [mbsd3d.Revolute(crank, rod, at=where.pin, axis=Z, name=big),
+                  mbsd3d.Revolute(piston, rod, at=where.wrist, axis=Z, name=small)]  # fmt: skip
     else:
-        big = mbsd3d.Spherical(crank, rod, at=where.pin, name=f"crankpin {i + 1}")
-        small = mbsd3d.Universal(piston, rod, at=where.wrist, axis_a=Z, axis_b=turn[:, 1], name=f"wristpin {i + 1}")
-    return [rod, piston], [
-        big,
-        small,
-        mbsd3d.Prismatic(block, piston, at=where.wrist, axis=where.bore, name=f"bore {i + 1}"),
-    ]
+        joints = [mbsd3d.Spherical(crank, rod, at=where.pin, name=big),
+                  mbsd3d.Universal(piston, rod, at=where.wrist, axis_a=Z, axis_b=turn[:, 1], name=small)]  # fmt: skip
+    bore = mbsd3d.Prismatic(block, piston, at=where.wrist, axis=where.bore, name=f"bore {i + 1}")
+    return [rod, piston], [*joints, bore]
 
 
-def motor(engine: Engine, crank: mbsd3d.Body, main: mbsd3d.Revolute, driver: str) -> tuple[list, list]:
+def motor(
+    engine: Engine, crank: mbsd3d.Body, main: mbsd3d.Revolute, driver: str
+) -> tuple[list[mbsd3d.Body], list[mbsd3d.Joint]]:
     """Return the parts that keep the crank at constant speed: a driver in the first main bearing, or a rotor beside the
     engine.
 

@@ -64,7 +64,7 @@ def surge(mass: float, rate: float, count: int) -> np.ndarray:
 
 
 def bounce(
-    law: Callable[[np.ndarray], tuple], turn: float, mass: float, spring: tuple[float, float],
+    law: Callable[[float], tuple[float, float, float]], turn: float, mass: float, spring: tuple[float, float],
     contact: tuple[float, float], t: np.ndarray,
 ) -> np.ndarray:  # fmt: skip
     """Return the lift x (n,) at times t from rest on the back of a cam turning by ``turn`` [rad/s], in contact and off

@@ -84,7 +84,7 @@ def nvh(engine: str | None, only_list: bool, **options: Any) -> None:
         if Path(given["sound"]).suffix.lower() != ".wav" or Path(given["sound"]).is_dir():
             raise InputError(f"nvh: --sound '{given['sound']}'; give a file that ends in .wav")
     car = mounts.car(given.pop("car", DEFAULT_CAR))
-    if subject == "LAYOUT":
+    if engine is not None:
         in_car(presets.preset(engine), car, **given)
     elif subject == "--road":
         on_road(car, **given)
@@ -132,7 +132,7 @@ def in_car(
 
         of_mount = ActiveMount(study)
         show("active mount", of_mount.rows)
-    if study.cabin is not None:
+    if study.shell_known:
         show("seat rail", tables.felt(study))
         show(f"paths of {(of_paths := tables.paths(study))[0]}", of_paths[1])
         show(f"modes of the shell, {Path(study.shell).name}", tables.shell(study))
@@ -159,13 +159,13 @@ def in_car(
 def check_study(study: "Study", **of_shell: str | None) -> None:
     """Check the study: the shell is known, mounts leave no motion free, and a table has every place."""
     for option, given in of_shell.items():
-        if given is not None and study.cabin is None:
+        if given is not None and not study.shell_known:
             raise InputError(
                 f"nvh: --{option} needs a car whose shell is known, '{study.car.name}' is not; give compact or saloon, "
                 "or a file of modes with --shell"
             )
     study.modes  # noqa: B018
-    if study.cabin is not None:
+    if study.shell_known:
         study.cabin.at_feet, study.cabin.at_seat  # noqa: B018
 
 

@@ -26,7 +26,8 @@ def export(study: Study, folder: str | Path) -> list[Path]:
     }
     parts = {key: getattr(car, key) for key in ("ride", "shell") if getattr(car, key) is not None}
     found.append(written({"title": car.title, "bounce": None, "mounts": mounts, **parts}, folder / f"{car.name}.json"))
-    if (cabin := study.cabin) is not None:
+    if study.shell_known:
+        cabin = study.cabin
         places = [*mounts, SEAT_NAME]
         shapes = np.hstack([cabin.at_feet, cabin.at_seat])
         found.append(write_modes(cabin.shell, shapes, places, folder / f"{car.name}-modes.csv"))

@@ -48,7 +48,7 @@ def write_page(
         drawn["active"] = active_figure(active)
     if swept is not None:
         shown_tables["sweep"] = tables.sweep(swept, SWEEP_ROWS)
-    if study.cabin is not None:
+    if study.shell_known:
         drawn["seat"] = figures.seat_lines(study)
         shown_tables |= {"felt": tables.felt(study), "shell": tables.shell(study)}
         shown_tables["most"], shown_tables["paths"] = tables.paths(study)

@@ -151,7 +151,7 @@ class Planes:
         cabin, found = study.cabin, study.map
         plane, quick = timed(lambda: flat.seat(cabin, found.rpm, found.orders, found.load))
         space, slow = timed(lambda: cabin.seat(found) @ cabin.axes)
-        off = np.linalg.norm(space - np.pad(plane, [(0, 0), (0, 0), (1, 0)])) / np.linalg.norm(space)
+        off = float(np.linalg.norm(space - np.pad(plane, [(0, 0), (0, 0), (1, 0)])) / np.linalg.norm(space))
         return Line("shell, at the seat", verdict(off), f"{off:.0%} rms", "torsion, pitch and yaw", quick, slow)
 
     def valve(self) -> Line:

@@ -15,9 +15,11 @@ from scipy.linalg import block_diag, eigh, expm
 from scipy.optimize import root
 
 from engines.nvh.cabin.seat import Cabin
+from engines.nvh.cabin.table import ModalTable
 from engines.nvh.control.cancel import Cancel, Path
 from engines.nvh.mounts.response import OnMounts
 from engines.nvh.road.guide import Guide
+from mbsd3d.errors import InputError
 
 ACROSS_COORDINATES = (1, 2, 3)  # y, z, about x: the plane across the crank
 IN_PLANE = slice(1, 3)  # y, z
@@ -88,7 +90,9 @@ def flat_shapes(cabin: Cabin) -> tuple[np.ndarray, np.ndarray]:
     """Return the mode shapes of the shell at feet (r, 2 mounts) and seat (r, 2), in the plane across the crank through
     its centre of mass.
     """
-    axes, places = cabin.axes, np.vstack([cabin.feet, cabin.car.shell["seat"]])
+    if isinstance(cabin.shell, ModalTable):
+        raise InputError("plane: a table of modes knows its places only; give a shell of a beam or a plate")
+    axes, places = cabin.axes, np.vstack([cabin.feet, cabin.record["seat"]])
     normal = axes[:, 0]
     shapes = cabin.shell.at(places - np.outer(places @ normal, normal)).reshape(-1, len(places), 3) @ axes[:, IN_PLANE]
     return shapes[:, :-1].reshape(len(shapes), -1), shapes[:, -1]

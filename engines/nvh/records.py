@@ -99,6 +99,7 @@ def titled(title: Any, what: str) -> None:
         raise InputError(f"{what}: title {title!r:.80}; give a few words")
 
 
-def triple(value: Any, what: str, **limits: Any) -> tuple[float, ...]:
+def triple(value: Any, what: str, **limits: Any) -> tuple[float, float, float]:
     """Return three numbers within ``limits`` as those of `number`; raise ValueError for others."""
-    return tuple(number(x, f"{what}[{i}]", **limits) for i, x in enumerate(vector(value, what)))
+    x, y, z = (number(x, f"{what}[{i}]", **limits) for i, x in enumerate(vector(value, what)))
+    return x, y, z

@@ -195,10 +195,15 @@ class Study:
         with closing(ThreadPoolExecutor(SWEEP_THREADS)) as pool:  # Ctrl-C waits for none of them
             return Sweep(found, np.array(list(pool.map(full, found.rpm))), cycles)
 
+    @property
+    def shell_known(self) -> bool:
+        """Return whether the shell of the car is known."""
+        return known(self.car, self.shell)
+
     @cached_property
-    def cabin(self) -> Cabin | None:
-        """Return the car around the powertrain, or None if its shell is not known."""
-        return Cabin(self.car, self.on_mounts, self.shell) if known(self.car, self.shell) else None
+    def cabin(self) -> Cabin:
+        """Return the car around the powertrain; raise ValueError if its shell is not known."""
+        return Cabin(self.car, self.on_mounts, self.shell)
 
     @property
     def idling(self) -> "Study":

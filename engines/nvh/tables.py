@@ -225,7 +225,7 @@ def bearings(study: Study) -> Rows:
 
 def seat_rail(study: Study) -> str:
     """Return the root mean squares at the seat rail in a line; nothing if the shell is not known."""
-    if study.cabin is None:
+    if not study.shell_known:
         return ""
     here, idle = (float(rms(s.cabin.seat(s.here))[0]) for s in (study, study.idling))
     return f"{1e3 * here:.3g} mm/s2 rms, at idle {1e3 * idle:.3g}"
@@ -236,7 +236,8 @@ def ripple(study: Study) -> str:
     crank.
     """
     angle = np.linspace(0.0, 4 * np.pi, 2881)
-    torque = sum(study.source.over_the_cycle(study.rpm, angle))
+    gas, inertia = study.source.over_the_cycle(study.rpm, angle)
+    torque = gas + inertia
     energy = cumulative_simpson(torque - torque[:-1].mean(), x=angle, initial=0.0)
     uneven = np.ptp(energy) / (study.body.rotor * study.preset.engine(study.rpm).rate ** 2)
     return f"{torque.min():.0f} to {torque.max():.0f} N m; alone it would turn unevenly by {100 * uneven:.2g} %"

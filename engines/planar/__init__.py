@@ -9,7 +9,7 @@ motion stays right (``centripetal=False`` shows that).
 
 Examples
 --------
->>> from validation.twins import planar
+>>> from engines import planar
 >>> rod = planar.Body("rod", mass=2.0, inertia=0.1, com=(0.5, 0.0))
 >>> hinge = planar.Revolute(planar.GROUND, rod, at=(0, 0), name="hinge")
 >>> solution = planar.simulate(planar.System([rod], [hinge]), 1.0, dt=1e-3)
@@ -25,6 +25,7 @@ from engines.planar.joints import (
     Fixed,
     Gear,
     Joint,
+    PointJoint,
     Revolute,
     Rolling,
     SlideDriver,

@@ -1,22 +1,24 @@
 """Bodies and parts of a planar mechanism in world coordinates at a reference pose, and functions of time."""
 
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import KW_ONLY, dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import number
+from mbsd3d.extend import Checked, Number, NumberOrNone, Stored, kept, number, part_class
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
     """Function of time f(t) = sum c_k t^k + amplitude sin(frequency t + phase), or a spline."""
 
-    interval = (-np.inf, np.inf)
-    """Where f is known [s]."""
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Return the first and the last time at which f is known [s]."""
+        return -np.inf, np.inf
 
     def numbers(self) -> tuple:
         """Return the nine numbers of f: c_0 ... c_5, amplitude, frequency [rad/s], phase [rad]."""
@@ -89,7 +91,6 @@ class Table(Motion):
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Return the first and last time [s]."""
         return float(self.times[0]), float(self.times[-1])
 
     def numbers(self) -> tuple:
@@ -123,10 +124,46 @@ def direction(value: ArrayLike, what: str) -> np.ndarray:
     return array / length
 
 
+class Pair(Stored[ArrayLike, np.ndarray]):
+    """Two finite numbers, of the plane."""
+
+    @staticmethod
+    def convert(value: ArrayLike, what: str, part: object) -> np.ndarray:
+        """Return a finite (2,) array."""
+        return pair(value, what)
+
+
+class PairOrNone(Stored[ArrayLike | None, np.ndarray | None]):
+    """Two finite numbers, or None."""
+
+    @staticmethod
+    def convert(value: ArrayLike | None, what: str, part: object) -> np.ndarray | None:
+        """Return a finite (2,) array, or None."""
+        return None if value is None else pair(value, what)
+
+
+class PairOrDerived(Stored[ArrayLike | None, np.ndarray]):
+    """Two finite numbers; None = what follows from other fields."""
+
+    @staticmethod
+    def convert(value: ArrayLike, what: str, part: object) -> np.ndarray:
+        """Return a finite (2,) array."""
+        return pair(value, what)
+
+
+class Direction(Stored[ArrayLike, np.ndarray]):
+    """Direction in the plane, kept as a unit vector."""
+
+    @staticmethod
+    def convert(value: ArrayLike, what: str, part: object) -> np.ndarray:
+        """Return a (2,) unit vector."""
+        return direction(value, what)
+
+
 class Ground:
     """Frame at rest."""
 
-    name, position, angle = "ground", np.zeros(2), 0.0
+    name, position, com, angle = "ground", np.zeros(2), np.zeros(2), 0.0
 
     def local(self, vector: np.ndarray) -> np.ndarray:
         """Return the vector unchanged: world axes are ground axes."""
@@ -140,8 +177,8 @@ class Ground:
 GROUND = Ground()
 
 
-@dataclass(frozen=True, eq=False)
-class Body:
+@part_class()
+class Body(Checked):
     """Rigid body in the plane.
 
     ``mass, inertia``: [kg] > 0, and about the centre of mass [kg m^2] >= 0; 0, a point mass, only where joints keep its
@@ -151,26 +188,18 @@ class Body:
     """
 
     name: str
-    mass: float
-    inertia: float
-    com: Any = field(default=(0.0, 0.0), kw_only=True)
-    position: Any = field(default=(0.0, 0.0), kw_only=True)
-    angle: float = field(default=0.0, kw_only=True)
-    velocity: Any = field(default=None, kw_only=True)
-    omega: float | None = field(default=None, kw_only=True)
+    mass: Number = kept(positive=True)
+    inertia: Number = kept(minimum=0.0)
+    _: KW_ONLY
+    com: Pair = kept(default=(0.0, 0.0))
+    position: Pair = kept(default=(0.0, 0.0))
+    angle: Number = kept(default=0.0)
+    velocity: PairOrNone = kept(default=None)
+    omega: NumberOrNone = kept(default=None)
 
-    def __post_init__(self) -> None:
-        what = f"body '{self.name}'"
-        values: dict[str, Any] = {"mass": number(self.mass, f"{what}: mass", positive=True)}
-        values["inertia"] = number(self.inertia, f"{what}: inertia", minimum=0.0)
-        values |= {name: pair(getattr(self, name), f"{what}: {name}") for name in ("com", "position")}
-        values["angle"] = number(self.angle, f"{what}: angle")
-        if self.velocity is not None:
-            values["velocity"] = pair(self.velocity, f"{what}: velocity")
-        if self.omega is not None:
-            values["omega"] = number(self.omega, f"{what}: omega")
-        for name, value in values.items():
-            object.__setattr__(self, name, value)
+    def what(self) -> str:
+        """Return the name of the body, at the start of errors."""
+        return f"body '{self.name}'"
 
     def local(self, vector: np.ndarray) -> np.ndarray:
         """Return R' of a world direction at the reference pose."""
@@ -187,44 +216,69 @@ class Row:
     """Data of a constraint: kind, bodies (body b second), up to eight numbers, motion; COINCIDE counts two rows."""
 
     kind: int
-    bodies: tuple
-    values: tuple
+    bodies: tuple[Body | Ground, ...]
+    values: tuple[float, ...]
     motion: Motion = NONE
 
 
-@dataclass(frozen=True, eq=False)
-class Part:
-    """Joint or load: a unique name, and a check of its fields."""
+class Member(Stored[Body | Ground, Body | Ground]):
+    """Body on which a part acts, or the ground."""
 
-    name: str | None = field(default=None, kw_only=True)
+    @staticmethod
+    def convert(value: object, what: str, part: object) -> Body | Ground:
+        """Return the body itself; raise ValueError for what is none."""
+        if not isinstance(value, Body | Ground):
+            raise InputError(f"{what} = {value!r} is not a planar body; give a Body or GROUND")
+        return value
 
-    def __post_init__(self) -> None:
-        kind = type(self).__name__
-        self.check(f"{kind} '{self.name}'" if self.name else f"{kind} without a name")
+
+@part_class()
+class Part(Checked):
+    """Joint or load with a unique name."""
+
+    _: KW_ONLY
+    name: str | None = None
+
+    def what(self) -> str:
+        """Return kind and name of the part, at the start of errors."""
+        return f"{type(self).__name__} '{self.name}'" if self.name else f"{type(self).__name__} without a name"
+
+
+@part_class()
+class Between(Part):
+    """Part that acts between two bodies."""
+
+    a: Member = kept()
+    b: Member = kept()
 
     def check(self, what: str) -> None:
-        """Validate and convert the fields."""
-        raise NotImplementedError
-
-    def set(self, **values: Any) -> None:
-        """Write converted values into the frozen fields."""
-        for key, value in values.items():
-            object.__setattr__(self, key, value)
+        """Check that the two bodies differ."""
+        if self.a is self.b:
+            raise InputError(f"{what}: joins '{self.a.name}' to itself; give two different bodies")
 
 
-def check_bodies(part: Any, what: str) -> None:
-    """Check that a and b are two bodies."""
-    for side in ("a", "b"):
-        if not isinstance(getattr(part, side), Body | Ground):
-            raise InputError(f"{what}: {side} = {getattr(part, side)!r} is not a planar body; give a Body or GROUND")
-    if part.a is part.b:
-        raise InputError(f"{what}: joins '{part.a.name}' to itself; give two different bodies")
+@part_class()
+class TwoPoint(Between):
+    """Part that acts between a point of a and a point of b, world at the reference pose [m]."""
 
+    _: KW_ONLY
+    at_a: Pair = kept()
+    at_b: Pair = kept()
 
-def ends(part: Any, what: str, remedy: str) -> float:
-    """Return the distance of the two end points of a part [m], which must not coincide."""
-    part.set(at_a=pair(part.at_a, f"{what}: at_a"), at_b=pair(part.at_b, f"{what}: at_b"))
-    span = float(np.hypot(*(part.at_b - part.at_a)))
-    if span < 1e-12:
-        raise InputError(f"{what}: the end points coincide, {remedy}")
-    return span
+    coincident: ClassVar[str]
+    """What is wrong where the points coincide, and the remedy."""
+
+    @property
+    def span(self) -> float:
+        """Return the distance of the two points at the reference pose [m]."""
+        return float(np.hypot(*(self.at_b - self.at_a)))
+
+    def check(self, what: str) -> None:
+        """Check that bodies and points differ."""
+        super().check(what)
+        if self.span < 1e-12:
+            raise InputError(f"{what}: the end points coincide, {self.coincident}")
+
+    def ends(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return both points in the axes of their bodies [m]."""
+        return self.a.local_point(self.at_a), self.b.local_point(self.at_b)

@@ -1,17 +1,29 @@
 """Planar joints: data that lowers to rows of four kinds (coincide, in line, angle, distance)."""
 
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import KW_ONLY
+from typing import ClassVar
 
 import numpy as np
 
 from engines.planar import rows as kinds
-from engines.planar.bodies import NONE, Ground, Motion, Part, Row, check_bodies, direction, ends, pair
+from engines.planar.bodies import (
+    NONE,
+    Between,
+    Body,
+    Direction,
+    Ground,
+    Motion,
+    Pair,
+    PairOrDerived,
+    Part,
+    Row,
+    TwoPoint,
+)
 from mbsd3d.errors import InputError
-from mbsd3d.extend import number
+from mbsd3d.extend import Number, NumberOrDerived, derive, kept, part_class
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Joint(Part):
     """Base of joints and drivers; reactions are given on body b at `point`."""
 
@@ -28,17 +40,12 @@ class Joint(Part):
         return ()
 
 
-@dataclass(frozen=True, eq=False)
-class PointJoint(Joint):
+@part_class()
+class PointJoint(Between, Joint):
     """Joint of body a and body b at a point."""
 
-    a: Any
-    b: Any
-    at: Any = field(kw_only=True)
-
-    def check(self, what: str) -> None:
-        check_bodies(self, what)
-        self.set(at=pair(self.at, f"{what}: at"))
+    _: KW_ONLY
+    at: Pair = kept()
 
     def point(self) -> np.ndarray:
         return self.at
@@ -53,7 +60,7 @@ class PointJoint(Joint):
         return Row(kinds.COINCIDE, (self.a, self.b), (*a, *b))
 
 
-def turn(factors: tuple, bodies: tuple, motion: Motion = NONE) -> Row:
+def turn(factors: tuple[float, ...], bodies: tuple[Body | Ground, ...], motion: Motion = NONE) -> Row:
     """Return the row sum f_k (theta_k - theta_k at the reference pose) = f(t)."""
     offset = -sum(f * body.angle for f, body in zip(factors, bodies, strict=True))
     return Row(kinds.ANGLE, bodies, (*factors, *(0.0,) * (4 - len(factors)), offset), motion)
@@ -73,15 +80,12 @@ class Fixed(PointJoint):
         return [self.coincide(), turn((-1.0, 1.0), (self.a, self.b))]
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Slider(PointJoint):
     """Joint in which b slides along an axis of a without turning (2 rows)."""
 
-    axis: Any = field(kw_only=True)
-
-    def check(self, what: str) -> None:
-        super().check(what)
-        self.set(axis=direction(self.axis, f"{what}: axis"))
+    _: KW_ONLY
+    axis: Direction = kept()
 
     def along(self, axis: np.ndarray, motion: Motion = NONE) -> Row:
         """Return the row axis_a . (p_b - p_a) = f(t)."""
@@ -93,31 +97,24 @@ class Slider(PointJoint):
         return [self.along(across), turn((-1.0, 1.0), (self.a, self.b))]
 
 
-@dataclass(frozen=True, eq=False)
-class Distance(Joint):
+@part_class()
+class Distance(TwoPoint, Joint):
     """Massless rod between two points (1 row); ``length`` None = as at the reference pose [m]."""
 
-    a: Any
-    b: Any
-    at_a: Any = field(kw_only=True)
-    at_b: Any = field(kw_only=True)
-    length: float | None = field(default=None, kw_only=True)
+    _: KW_ONLY
+    length: NumberOrDerived = kept(default=None, positive=True, derived=lambda rod: rod.span)
 
-    def check(self, what: str) -> None:
-        check_bodies(self, what)
-        span = ends(self, what, "the rod has no direction; use Revolute or move one")
-        length = span if self.length is None else number(self.length, f"{what}: length", positive=True)
-        self.set(length=float(length))
+    coincident = "the rod has no direction; use Revolute or move one"
 
     def point(self) -> np.ndarray:
         return self.at_b
 
     def rows(self) -> list[Row]:
-        a, b = self.a.local_point(self.at_a), self.b.local_point(self.at_b)
+        a, b = self.ends()
         return [Row(kinds.DISTANCE, (self.a, self.b), (*a, *b, self.length))]
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Rolling(PointJoint):
     """Disc of b that rolls without slip on the line of a through ``at`` along ``along`` (2 rows).
 
@@ -129,23 +126,24 @@ class Rolling(PointJoint):
     ValueError if the disc does not touch the line at the reference pose.
     """
 
-    along: Any = field(kw_only=True)
-    radius: float = field(kw_only=True)
-    centre: Any = field(default=None, kw_only=True)
+    _: KW_ONLY
+    along: Direction = kept()
+    radius: Number = kept(positive=True)
+    centre: PairOrDerived = kept(
+        default=None, derived=lambda disc: disc.b.position + disc.b.local(np.eye(2)).T @ disc.b.com
+    )
 
     def check(self, what: str) -> None:
         super().check(what)
         if isinstance(self.b, Ground):
             raise InputError(f"{what}: the ground cannot roll; give (ground, body)")
-        along, radius = direction(self.along, f"{what}: along"), number(self.radius, f"{what}: radius", positive=True)
-        local = self.b.com if self.centre is None else self.b.local_point(pair(self.centre, f"{what}: centre"))
-        world = self.b.position + self.b.local(np.eye(2)).T @ local
-        gap = along[0] * (world - self.at)[1] - along[1] * (world - self.at)[0]
+        along, radius = self.along, self.radius
+        gap = along[0] * (self.centre - self.at)[1] - along[1] * (self.centre - self.at)[0]
         if abs(abs(gap) - radius) > 1e-9 * radius:
             raise InputError(
                 f"{what}: radius {radius:.12g} m, but the centre is {abs(gap):.12g} m from the line; make them equal"
             )
-        self.set(along=along if gap > 0 else -along, radius=radius, centre=world)
+        derive(self, along=along if gap > 0 else -along)
 
     def normal(self) -> np.ndarray:
         """Return the normal of the line, towards the disc, world at the reference pose."""
@@ -162,27 +160,27 @@ class Rolling(PointJoint):
         return [touch, Row(kinds.IN_LINE, (self.a, self.b), (*ends, *t, self.radius, -turned))]
 
 
-def check_kind(joint: Any, kind: type, what: str) -> None:
+def check_kind(joint: object, kind: type, what: str) -> None:
     """Check that a joint is of the kind; raise ValueError for others."""
     if not isinstance(joint, kind):
         have = f"'{joint.name}' ({type(joint).__name__})" if isinstance(joint, Joint) else repr(joint)
         raise InputError(f"{what}: {have} is not a {kind.__name__}; give one")
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Gear(Joint):
     """Gear of two hinges with a fixed ratio = angle_b / angle_a (1 row); ratio < 0 for an external mesh."""
 
-    hinge_a: Any
-    hinge_b: Any
-    ratio: float = field(kw_only=True)
+    hinge_a: Revolute
+    hinge_b: Revolute
+    _: KW_ONLY
+    ratio: Number = kept()
 
     def check(self, what: str) -> None:
         check_kind(self.hinge_a, Revolute, what)
         check_kind(self.hinge_b, Revolute, what)
         if self.hinge_a is self.hinge_b:
             raise InputError(f"{what}: both hinges are '{self.hinge_a.name}'; give two")
-        self.set(ratio=number(self.ratio, f"{what}: ratio"))
         if self.ratio == 0.0:
             raise InputError(f"{what}: ratio is 0; give angle_b / angle_a")
 
@@ -197,14 +195,14 @@ class Gear(Joint):
         return [turn((-1.0, 1.0, self.ratio, -self.ratio), (b.a, b.b, a.a, a.b))]
 
 
-@dataclass(frozen=True, eq=False)
+@part_class()
 class Driver(Joint):
     """Prescribed motion of a joint, counted from the reference pose; `Solution.effort` is its drive force or torque."""
 
-    through: Any
+    through: PointJoint
     motion: Motion
 
-    kind = Revolute
+    kind: ClassVar[type[PointJoint]] = Revolute
 
     def check(self, what: str) -> None:
         check_kind(self.through, self.kind, what)
@@ -228,6 +226,7 @@ class AngleDriver(Driver):
 class SlideDriver(Driver):
     """Prescribed displacement of a slider [m] (1 row)."""
 
+    through: Slider
     kind = Slider
 
     def rows(self) -> list[Row]:

@@ -20,6 +20,8 @@ import numpy as np
 
 from mbsd3d.extend import CACHE, keep_code
 
+JIT = not numba.config.DISABLE_JIT  # type: ignore[attr-defined]  # numba sets it when it is imported
+
 
 def _digest() -> str:
     """Return the digest of every compiled file: numba's own cache misses edits in callees of other files."""
@@ -34,7 +36,8 @@ CACHE_FOLDER = CACHE.parent / f"planar-{_digest()}"
 
 def _compiled(function: Callable, **options: object) -> Callable:
     """Compile in nopython mode without reference counts: the kernels allocate nothing."""
-    made = numba.njit(error_model="numpy", nogil=True, _nrt=False, no_cfunc_wrapper=True, **options)(function)
+    options |= dict(error_model="numpy", nogil=True, _nrt=False, no_cfunc_wrapper=True)
+    made = numba.njit(**options)(function)  # type: ignore[call-overload]  # numba's stubs lack some options
     return keep_code(made, CACHE_FOLDER)
 
 
@@ -46,7 +49,7 @@ def kernel(function: Callable) -> Callable:
 def inner(function: Callable) -> Callable:
     """Compile a kernel that is inlined into other kernels; its sums may be reordered and fused."""
     return _compiled(
-        function, no_cpython_wrapper=not numba.config.DISABLE_JIT, fastmath={"contract", "reassoc", "nsz"},
+        function, no_cpython_wrapper=JIT, fastmath={"contract", "reassoc", "nsz"},
         forceinline=True,
     )  # fmt: skip
 

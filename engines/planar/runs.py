@@ -1,7 +1,7 @@
 """Runs of a planar mechanism, through time by Runge-Kutta or position by position of a driven one; results by part."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,6 +15,8 @@ from engines.planar.system import Lowered, System, lower
 from mbsd3d import AssemblyError, IntegrationError
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
+
+Vector = np.ndarray | Sequence[float]  # (2,)
 
 
 class Reaction(NamedTuple):
@@ -37,7 +39,7 @@ class Energy(NamedTuple):
         return self.kinetic + self.potential
 
 
-def turned(angle: np.ndarray, vector: np.ndarray) -> np.ndarray:
+def turned(angle: np.ndarray, vector: Vector) -> np.ndarray:
     """Return R(angle) vector, (k,), (2,) -> (k, 2)."""
     c, s = np.cos(angle), np.sin(angle)
     return np.stack([c * vector[0] - s * vector[1], s * vector[0] + c * vector[1]], axis=-1)
@@ -85,7 +87,7 @@ class Solution:
         """Return the angular acceleration of a body [rad/s^2], shape (k,)."""
         return self._row(self._a, body)[:, 2]
 
-    def point(self, body: Any, local: np.ndarray) -> np.ndarray:
+    def point(self, body: Any, local: Vector) -> np.ndarray:
         """Return the position of a point given in body axes from O [m], shape (k, 2)."""
         return self.position(body) + turned(self.angle(body), local)
 
@@ -272,7 +274,7 @@ def explain(system: System, lowered: Lowered, work: Any, status: int, row: int, 
     if status == DONE:
         return
     if status == NOT_FINITE:
-        body = np.argmax(~np.isfinite(work.x[:-1] + work.q[:-1]).all(axis=1))
+        body = int(np.argmax(~np.isfinite(work.x[:-1] + work.q[:-1]).all(axis=1)))
         advice = "take a smaller dt, or keep the ends of springs apart"
         raise IntegrationError(
             "planar: numbers are not finite", time=t, part=f"body '{system.bodies[body].name}'", advice=advice

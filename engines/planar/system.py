@@ -7,18 +7,20 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse
+from numpy.typing import ArrayLike
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from engines.planar import rows as kinds
-from engines.planar.bodies import GROUND, Body, Ground, Part, Row, pair
+from engines.planar.bodies import GROUND, Body, Ground, Row, pair
 from engines.planar.joints import Joint
+from engines.planar.loads import Load
 from engines.planar.march import evaluate
 from engines.planar.rows import Model, Work
 from mbsd3d.errors import InputError
 
 # [1] of the largest singular value of the scaled rows; smaller ones are redundant rows
 SINGULAR_VALUE_RATIO_MIN = 1e-10
-KINDS = (("bodies", Body), ("joints", Joint), ("loads", Part))
+KINDS = (("bodies", Body), ("joints", Joint), ("loads", Load))
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,14 +33,14 @@ class System:
 
     bodies: Sequence[Body]
     joints: Sequence[Joint] = ()
-    loads: Sequence[Part] = ()
+    loads: Sequence[Load] = ()
     gravity: Any = (0.0, -9.81)
 
     def __post_init__(self) -> None:
         for key, kind in KINDS:
             parts = tuple(getattr(self, key))
             for part in parts:
-                if not isinstance(part, kind) or (key == "loads" and not hasattr(part, "load")):
+                if not isinstance(part, kind):
                     raise InputError(f"System: {part!r} in {key} is not a planar {kind.__name__}")
             object.__setattr__(self, key, parts)
         if not self.bodies:
@@ -57,8 +59,9 @@ class System:
     def _check_members(self) -> None:
         """Check that joints and loads act on bodies of the system and through joints of it."""
         members = {id(body) for body in self.bodies} | {id(GROUND)}
-        for part in (*self.joints, *self.loads):
-            rows = [part.load()] if hasattr(part, "load") else part.rows()
+        parts: list[Joint | Load] = [*self.joints, *self.loads]
+        for part in parts:
+            rows = [part.load()] if isinstance(part, Load) else part.rows()
             for body in (body for row in rows for body in row.bodies):
                 if id(body) not in members:
                     raise InputError(f"{self.name(part)}: body '{body.name}' is not in the system; add it to bodies")
@@ -115,7 +118,8 @@ class Lowered(NamedTuple):
 
 def lower(system: System, centripetal: bool = True) -> Lowered:
     """Return the arrays of a system; ``centripetal`` False drops the term m w^2 s, as some planar solvers do."""
-    index = {id(body): i for i, body in enumerate((*system.bodies, GROUND))}
+    bodies: list[Body | Ground] = [*system.bodies, GROUND]
+    index = {id(body): i for i, body in enumerate(bodies)}
     rows, joint_of = [], []
     for i, joint in enumerate(system.joints):
         for row in joint.rows():
@@ -128,11 +132,11 @@ def lower(system: System, centripetal: bool = True) -> Lowered:
     loads = [part.load() for part in system.loads]
     load_slot, load_value, load_motion = table(loads, index, 2, pieces)
     load = np.column_stack([integers([row.kind for row in loads]), load_slot])
-    poses = np.array([(*body.position, body.angle) for body in (*system.bodies, GROUND)])
+    poses = np.array([(*body.position, body.angle) for body in bodies])
     even = steady(rows)
     model = Model(
-        np.array([body_row(body, id(body) in even) for body in (*system.bodies, GROUND)]),
-        integers([row.kind for row in rows]), slot, value, motion.any(axis=1), motion, entry, product, place, first,
+        np.array([body_row(body, id(body) in even) for body in bodies]),
+        integers([row.kind for row in rows]), slot, value, np.any(motion, axis=1), motion, entry, product, place, first,
         load, load_value, load_motion, np.concatenate(pieces), np.array(system.gravity),
         np.array([float(centripetal), max(1.0, np.abs(poses[:, :2]).max())]),
     )  # fmt: skip
@@ -141,7 +145,7 @@ def lower(system: System, centripetal: bool = True) -> Lowered:
     return lowered
 
 
-def integers(values: Sequence) -> np.ndarray:
+def integers(values: ArrayLike) -> np.ndarray:
     """Return an int64 array, empty for no values."""
     return np.array(values, dtype=np.int64)
 
@@ -165,7 +169,7 @@ def body_row(body: Body | Ground, even: bool) -> tuple:
 
     A point mass has I_G = 0. Where its rate is constant, alpha = 0 and any I_G gives the same motion and reactions.
     """
-    if body is GROUND:
+    if isinstance(body, Ground):
         return (0.0,) * 6
     if body.inertia == 0.0 and not even:
         raise InputError(
@@ -199,7 +203,7 @@ def pattern(rows: list[Row], slot: np.ndarray, ground: int) -> tuple[np.ndarray,
     touched = [entry for entry in touched if entry[2] != ground]
     pairs = [(e, f) for e in touched for f in touched if e[2] == f[2]]
     graph = scipy.sparse.coo_matrix((np.ones(len(pairs)), ([e[1] for e, _ in pairs], [f[1] for _, f in pairs])), (m, m))
-    place, first = integers(np.zeros(m)), integers(range(m))
+    place, first = integers(np.zeros(m)), integers(np.arange(m))
     if m:
         place[reverse_cuthill_mckee(graph.tocsr(), symmetric_mode=True)] = range(m)
     products = []

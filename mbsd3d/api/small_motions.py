@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, Unpack, overload
 
 from ..base.checks import number
 from ..base.errors import checks_arguments, checks_method_arguments
@@ -14,7 +14,7 @@ from ..mechanism.measures import Measure
 from ..mechanism.state import State
 from .simulation import start_of
 from .system import System
-from .viewable import Viewable
+from .viewable import AnimateOptions, Viewable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -54,6 +54,15 @@ class Mode(modes.Mode):
 
     motion.__doc__ = modes.Mode.motion.__doc__
 
+    @overload
+    def animate(
+        self, amplitude: float = 0.2, cycles: float = 2.0, *, live: Literal[False] = False,
+        **options: Unpack[AnimateOptions],
+    ) -> "View": ...  # fmt: skip
+    @overload
+    def animate(
+        self, amplitude: float = 0.2, cycles: float = 2.0, *, live: Literal[True], **options: Unpack[AnimateOptions]
+    ) -> "LiveView": ...
     def animate(self, amplitude: float = 0.2, cycles: float = 2.0, **options: Any) -> "View | LiveView":
         """Return a page that shows `motion`; options as in `Solution.animate`; a period takes 2 s without ``speed``."""
         cycles = number(cycles, "animate: cycles", positive=True)

@@ -125,7 +125,7 @@ def vector(value: ArrayLike, what: str) -> np.ndarray:
     return array
 
 
-def number(value: float, what: str, *, minimum: float | None = None, positive: bool = False) -> float:
+def number(value: Any, what: str, *, minimum: float | None = None, positive: bool = False) -> float:
     """Return a finite float within its range, or raise a ValueError that names ``what``."""
     if type(value) in PLAIN_NUMBER_TYPES and -MAGNITUDE_MAX <= value <= MAGNITUDE_MAX:
         if not (positive and value < MAGNITUDE_MIN) and (minimum is None or value >= minimum):

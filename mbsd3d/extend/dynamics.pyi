@@ -17,19 +17,13 @@ from ..equations.compiled import compile_system as compile_system
 from ..equations.compiled import new_data as new_data
 from ..equations.tables import key_of as key_of
 from ..equations.tree import build_spanning_tree as build_spanning_tree
+from ..kernels.layout import Tree as Tree
 from ..linear.variations import Field as Field
 from ..linear.variations import COMPLEX_STEP as COMPLEX_STEP
 from ..linear.variations import directions as directions
 from ..compiler.object_files import keep_code as keep_code
 from ..compiler.cache_folder import CACHE as CACHE
 from ..compiler.cache_folder import compiled_sources as compiled_sources
-
-# classes of parts
-from ..base.fields import part_class as part_class
-from ..base.fields import kept as kept
-from ..base.fields import Vector as Vector
-from ..base.fields import Direction as Direction
-from ..base.fields import Number as Number
 
 # rows, coordinates, forces and signals
 from ..kernels import kinds as kinds

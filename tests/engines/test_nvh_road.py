@@ -8,10 +8,9 @@ from engines import closed_forms
 from engines.nvh.cli import nvh
 from engines.nvh.mounts import mounts
 from engines.nvh.planar_cross_check import Planes
-from engines.nvh.road.comfort import verdict, weight
 from engines.nvh.road.profile import Road
 from engines.nvh.road.report import ride_of
-from engines.nvh.road.ride import Ride, rms
+from engines.nvh.road.ride import Ride, rms, verdict, weight
 from engines.nvh.road.vehicle import BODY_HEIGHT, KINDS, Vehicle
 
 PUBLISHED = {1.0: 0.482, 2.0: 0.531, 3.15: 0.804, 4.0: 0.967, 5.0: 1.039, 6.3: 1.054, 8.0: 1.036, 10.0: 0.988,

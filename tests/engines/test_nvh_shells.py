@@ -13,6 +13,7 @@ from engines.nvh.cli import nvh
 from engines.nvh.excitation import presets
 from engines.nvh.excitation.loads import Source
 from engines.nvh.mounts import mounts
+from engines.nvh.planar_model import Flat
 
 SQUARE = (13.489, 19.789, 24.432, 35.024, 35.024, 61.526, 61.526)
 """w a^2 sqrt(rho h / D), nu = 0.3: A. W. Leissa, The free vibration of rectangular plates, J. Sound Vib. 31 (1973)."""
@@ -87,6 +88,8 @@ def test_the_seat_by_a_table_of_the_beam_is_that_of_the_beam(tmp_path):
     found = held.answer(Source(presets.preset("inline_3"), 0.7), [1400.0, 3100.0])
     # the file has nine digits
     assert table.seat(found) == pytest.approx(beam.seat(found), rel=1e-6, abs=1e-7 * np.abs(beam.seat(found)).max())
+    with pytest.raises(ValueError, match="plane: a table of modes knows its places only; give a shell of a beam"):
+        Flat(held).seat(table, found.rpm, found.orders, found.load)  # needs the shell in the plane, beside its places
 
 
 def test_the_plate_is_felt_as_another_shell():

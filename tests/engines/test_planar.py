@@ -176,6 +176,11 @@ def test_forces_and_torques_that_vary_in_time(frame):
     assert of_com == pytest.approx(force / part.mass + G, abs=1e-11)
 
 
+def test_what_is_no_load_is_refused():
+    with pytest.raises(ValueError, match="in loads is not a planar Load"):
+        planar.System([planar.Body("a", 1.0, 1.0)], loads=[planar.GROUND])
+
+
 def test_slide_driver_lifts_its_load():
     """f = 0.3 t + 0.2 t^3 up a slope: effort m (f_ddot + g sin(slope)), times in any order and far apart."""
     load, axis = body("load", (0.3, 0.1), 1.1), np.array([0.8, 0.6])

@@ -75,9 +75,8 @@ class Mechanism:
             com, omega = np.array(link.centre)[:2] - origin, None if k or driven else self.rate
             bodies[link.name] = planar.Body(link.name, link.mass, link.inertia, com=com, position=origin, omega=omega)
         joints = [planar_joint(c, bodies[c.a], bodies[c.b]) for c in self.couplings]
-        if driven:
-            joints.append(planar.AngleDriver(joints[0], planar.rate(self.rate), name="motor"))
-        return planar.System([bodies[link.name] for link in self.links], joints, gravity=self.gravity)
+        drivers = [planar.AngleDriver(joints[0], planar.rate(self.rate), name="motor")] if driven else []
+        return planar.System([bodies[link.name] for link in self.links], [*joints, *drivers], gravity=self.gravity)
 
     def space(self, *, redundant: bool = False, driven: bool = False, centroidal: bool = False) -> mbsd3d.System:
         """Build the mechanism for `mbsd3d`; ``redundant`` makes every rotating joint a hinge."""
@@ -97,7 +96,7 @@ class Mechanism:
         return mbsd3d.System(list(bodies.values()), joints, gravity=gravity)
 
 
-def planar_joint(c: Coupling, a: planar.Body, b: planar.Body) -> planar.Joint:
+def planar_joint(c: Coupling, a: planar.Body, b: planar.Body) -> planar.Slider | planar.Revolute:
     """Return the planar joint of a coupling."""
     if c.kind == GUIDE:
         return planar.Slider(a, b, at=c.at[:2], axis=c.axis[:2], name=c.name)

@@ -79,7 +79,8 @@ def polar(forward: complex, backward: complex, label: str) -> Markup:
     """
     scale = LARGEST_CIRCLE_RADIUS / (abs(forward) + abs(backward))
     f, b = scale * complex(forward), scale * complex(backward).conjugate()
-    body, aside = axes() + ring(f, 1, "t0") + ring(b, -1, "t1") + ellipse(forward, backward, LARGEST_CIRCLE_RADIUS), 0.0
+    body = axes() + ring(f, 1, "t0") + ring(b, -1, "t1") + ellipse(forward, backward, LARGEST_CIRCLE_RADIUS)
+    aside: complex = 0.0
     if min(abs(f), abs(b)) > VISIBLE_RADIUS_MIN:
         body += stroke("construct", f, f + b, b)
         if abs(np.angle(b / f)) < 0.1:  # one would lie upon the other

@@ -5,8 +5,9 @@
 
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -28,8 +29,9 @@ TEMPLATES = Path(__file__).parents[2] / "templates"
 SOURCES = {"published_checks": "Articles and e-book, toy engine", "toy_set_2": "Animations, second toy engine"}
 
 
-class Pages(NamedTuple):
-    """Return the paths of the pages that were written."""
+@dataclass(frozen=True)
+class Pages:
+    """Path of the index of pages that were written, and the comparisons on them."""
 
     index: Path
     comparisons: list[Comparison]  # Of the engines, in their order
@@ -113,8 +115,8 @@ def neighbours(sheets: list[Sheet], files: list[str], k: int) -> list[tuple[str,
 
 
 def shades(sheets: list[Sheet]) -> dict[str, Any]:
-    """Return the columns of the index, (order, kind) of any engine, and the largest relative value of each kind."""
-    columns: list[tuple[int, str]] = []
+    """Return the columns of the index, (kind, order) of any engine, and the largest relative value of each kind."""
+    columns: list[tuple[str, int]] = []
     largest: dict[str, float] = {}
     for kind, _ in QUANTITIES:
         for order in sheets[0].orders:
@@ -151,7 +153,7 @@ def mark(row: Row) -> str:
 
     It is if the verdict says so, or if it is the true one rounded to its own two or more decimals.
     """
-    if row.published is None or row.actual is None:
+    if row.published is None or row.actual is None or isinstance(row.actual, tuple):
         return ""
     decimals = len(str(row.published).partition(".")[2])
     rounded = decimals >= 2 and abs(row.published - row.actual) <= 0.5 * 10.0**-decimals

@@ -80,7 +80,7 @@ class Reduction:
         """
         if not self.planes:
             raise InputError(f"block_load: {self}")
-        force, moment = 0.0, 0.0
+        force, moment = np.zeros((2, np.size(times), 3))
         for plane in self.planes:
             run = planar.kinematics(plane.system, times)
             for joint in plane.system.joints:
@@ -91,8 +91,8 @@ class Reduction:
                 flat, at = -reaction.force, reaction.point
                 pull = flat @ self.axes[:2]
                 about = at[:, 0] * flat[:, 1] - at[:, 1] * flat[:, 0] - reaction.moment
-                force = force + pull
-                moment = moment + plane.z * np.cross(self.axes[2], pull) + np.outer(about, self.axes[2])
+                force += pull
+                moment += plane.z * np.cross(self.axes[2], pull) + np.outer(about, self.axes[2])
         return BlockLoad(force, moment)
 
 

@@ -10,10 +10,11 @@ import numpy as np
 
 from engines import planar
 from engines.balance.planes.mirror import Rows, row_space
-from mbsd3d import GROUND, Joint, System
-from mbsd3d.extend import kinds
+from mbsd3d import GROUND, Body, Joint, Signal, System
+from mbsd3d.extend import Ground, kinds
 
 EXACT_TOLERANCE = 1e-9  # [1] of the size of the model [m], its speed [rad/s], its inertia [kg m^2]; angles [rad]
+PlanarJoint = planar.PointJoint | planar.Distance
 
 
 class Failure(NamedTuple):
@@ -51,7 +52,7 @@ def contains(bodies: Sequence[Any], body: Any) -> bool:
     return any(body is other for other in bodies)
 
 
-def turning_rows(joint: Joint) -> list[tuple[Any, Any, np.ndarray, Any, float]]:
+def turning_rows(joint: Joint) -> list[tuple[Body | Ground, Body | Ground, np.ndarray, Signal, int]]:
     """Return (a, b, axis, signal, order of the derivative that the signal prescribes) of the rows that drive an
     angle."""
     found = []
@@ -180,14 +181,14 @@ def tensor(shaft: Shaft, body: Any) -> np.ndarray:
     return R @ body.inertia @ R.T
 
 
-def throw(shaft: Shaft, joints: list, bodies: dict) -> complex:
+def throw(shaft: Shaft, joints: list[PlanarJoint], bodies: dict) -> complex:
     """Sum the arms from the axis to the pins of a unit [m], x + i y; welds do not count."""
     crank = bodies[id(shaft.body)]
     pins = [joint for joint in joints if joint.a is crank and not isinstance(joint, planar.Fixed)]
     return complex(*sum((pin(joint, crank) - shaft.point for joint in pins), np.zeros(2)))
 
 
-def pin(joint: planar.Joint, body: planar.Body) -> np.ndarray:
+def pin(joint: PlanarJoint, body: planar.Body) -> np.ndarray:
     """Return the point where a hinge, massless rod or weld holds a body [m], shape (2,)."""
     if isinstance(joint, planar.Distance):
         return joint.at_a if joint.a is body else joint.at_b

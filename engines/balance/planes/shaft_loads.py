@@ -20,7 +20,7 @@ Loads = dict[int | None, list]
 def heavy(shaft: Shaft) -> list[Failure]:
     """Return a failure of H4 if gravity has a component along the shaft [m/s^2]."""
     along = shaft.rows.height(shaft.rows.system.gravity)
-    if abs(along) <= EXACT_TOLERANCE * max(1.0, np.linalg.norm(shaft.rows.system.gravity)):
+    if abs(along) <= EXACT_TOLERANCE * max(1.0, float(np.linalg.norm(shaft.rows.system.gravity))):
         return []
     return [Failure("H4", "gravity", "has a component along the shaft", along, "m/s^2")]
 
@@ -82,10 +82,10 @@ def flat_loads(shaft: Shaft, force: ForceElement, bodies: dict) -> list | None:
     rows, record = shaft.rows, force.record()
     ends = [bodies.get(id(body), planar.GROUND) for body in record.bodies]
     if isinstance(force, SpringDamper):
-        at = [rows.flat(point) for point in record.points]
+        start, end = (rows.flat(point) for point in record.points)
         return [
             planar.Spring(
-                *ends, at_a=at[0], at_b=at[1], stiffness=force.stiffness, damping=force.damping, length=force.length
+                *ends, at_a=start, at_b=end, stiffness=force.stiffness, damping=force.damping, length=force.length
             )
         ]
     if not isinstance(force, Force | Torque):

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from engines import planar
-from engines.balance.planes.shaft import EXACT_TOLERANCE, Failure, Shaft, contains, pin
+from engines.balance.planes.shaft import EXACT_TOLERANCE, Failure, PlanarJoint, Shaft, contains, pin
 from mbsd3d import GROUND
 from mbsd3d.extend import kinds
 
@@ -120,7 +120,7 @@ def out_of_plane(shaft: Shaft, units: list[Unit]) -> list[Failure]:
     return failures
 
 
-def planar_joint(shaft: Shaft, link: Link, z: float, bodies: dict) -> planar.Joint | Failure | None:
+def planar_joint(shaft: Shaft, link: Link, z: float, bodies: dict) -> PlanarJoint | Failure | None:
     """Return the planar joint equivalent to the in-plane rows of a link, by their wrenches, or None without such
     rows."""
     rows = shaft.rows
@@ -170,7 +170,7 @@ def fixed_centre(shaft: Shaft, link: Link, z: float) -> bool:
     return True
 
 
-def signature(shaft: Shaft, unit: Unit, joints: list[planar.Joint], bodies: dict) -> list[tuple[str, str, float]]:
+def signature(shaft: Shaft, unit: Unit, joints: list[PlanarJoint], bodies: dict) -> list[tuple[str, str, float]]:
     """Return (quantity, unit, value) of the properties two units must share, independent of phase, bank and station."""
     found: list[tuple[str, str, float]] = [("number of bodies", "bodies", len(unit.bodies))]
     for spatial in unit.bodies:
@@ -185,10 +185,10 @@ def signature(shaft: Shaft, unit: Unit, joints: list[planar.Joint], bodies: dict
         for p, q, r in combinations(marks, 3):
             area = (q - p)[0] * (r - p)[1] - (q - p)[1] * (r - p)[0]
             found.append((f"twice the area between joints and centre of mass {label}", "m^2", float(area)))
-        for joint in slides:
-            other = joint.b if joint.a is body else joint.a
-            holds = other is not planar.GROUND and marked(other, [x for x in joints if other in (x.a, x.b)])
-            arm, axis = marks[0] - (holds[0] if holds else shaft.point), joint.axis
+        for slide in slides:
+            other = slide.b if slide.a is body else slide.a
+            holds = isinstance(other, planar.Body) and marked(other, [x for x in joints if other in (x.a, x.b)])
+            arm, axis = marks[0] - (holds[0] if holds else shaft.point), slide.axis
             axis = axis if axis @ arm > 0 else -axis
             found.append((f"offset of the slide {label}", "m", float(axis[0] * arm[1] - axis[1] * arm[0])))
             lean = marks[-1] - marks[0]
@@ -203,7 +203,7 @@ def signature(shaft: Shaft, unit: Unit, joints: list[planar.Joint], bodies: dict
     return found
 
 
-def marked(body: planar.Body, joints: list[planar.Joint]) -> list[np.ndarray]:
+def marked(body: planar.Body, joints: list[PlanarJoint]) -> list[np.ndarray]:
     """Return the points of a body at its joints [m], the centre of mass last."""
     return [pin(joint, body) for joint in joints if not isinstance(joint, planar.Slider)] + [body.position + body.com]
 

@@ -65,11 +65,11 @@ def sanity() -> Figures:
     engine, four = Engine("I4"), force(actual("I4"), 2)
     lam, single = engine.radius / engine.rod_length, force(assumed("single"), 1)
     leading = 4 * phasor.reciprocating(engine) * engine.rate**2 * engine.radius * lam
-    one = [
+    one: list[Figure] = [
         ("F_single = F_2x / (4 R / L)", "N", 8.22, four / (4 * lam), single, "1x moves 9 kg, 2x only 7 kg"),
         ("2x of one cylinder", "N", None, None, force(actual("single"), 2), "a quarter of the four's"),
     ]
-    all_four = [
+    all_four: list[Figure] = [
         ("2x to leading order", "N", None, leading, four, "the series has more terms"),
         ("2x over leading order", "-", 1.0, None, four / leading, "7.1 % more"),
     ]
@@ -78,7 +78,7 @@ def sanity() -> Figures:
 
 def sweep() -> list[Figure]:
     """Return rows on 2x of the inline four over R / L."""
-    found = []
+    found: list[Figure] = []
     for length in (4.0, 3.0, 2.0, 1.5):
         engine = Engine("I4", rod_length=length)
         leading = 4 * phasor.reciprocating(engine) * engine.rate**2 * engine.radius**2 / length
@@ -91,7 +91,7 @@ def boxer() -> Figures:
     """Return rows on opposed pistons, which cannot share a station."""
     ideal, real = "boxer4_face_to_face", "boxer4"
     four = ("2x driving torque, inline four", "N m", None, None, ripple("I4", 2), "the same")
-    two = [
+    two: list[Figure] = [
         ("1x couple", "N m", 0.0, ellipse(assumed(ideal), 1)[0], ellipse(actual(real), 1)[0], "agrees"),
         ("2x yaw couple, staggered by 0.1 m", "N m", 0.0, couple(assumed(ideal), 2), couple(actual(real), 2), "2 s F2"),
         ("2x driving torque", "N m", 0.0, None, ripple(real, 2), "not still: as much as an inline four"),
@@ -127,7 +127,7 @@ def five() -> list[Figure]:
     real, sequential = "I5", "I5_sequential"
     seen = frames(real)[1].max()
     wrong = "peak of both harmonics, most of it 2x"
-    found = [
+    found: list[Figure] = [
         ("peak of the primary moment", "N m", 66.56, seen, None, wrong),
         ("of which 1x", "N m", None, peaks(real, (1,))[1], None, "a sixth"),
         ("of which 2x", "N m", None, peaks(real, (2,))[1], None, "the secondary couple is what this engine has"),
@@ -142,12 +142,12 @@ def five() -> list[Figure]:
 def six() -> Figures:
     """Return rows on the inline six and the V12."""
     still, shaken, torque = "forces and couples 1x ... 5x", "not perfectly still", "inertia torque"
-    inline = [
+    inline: list[Figure] = [
         (f"{still}, I6", "N", 0.0, None, below("I6"), "agrees"),
         ("6x force, I6", "N", 0.0, None, force(actual("I6"), 6), shaken),
         ("3x driving torque, I6", "N m", None, None, ripple("I6", 3), torque),
     ]
-    vee = [
+    vee: list[Figure] = [
         (f"{still}, V12", "N", 0.0, None, below("V12_60"), "agrees"),
         ("6x force, V12", "N", 0.0, None, force(actual("V12_60"), 6, 1), shaken),
         ("6x driving torque, V12", "N m", None, None, ripple("V12_60", 6), torque),
@@ -203,12 +203,14 @@ def v8_cross() -> list[Figure]:
     """Return rows on the V8 with a crossed crank, as built and as published."""
     real, preset = "V8_cross", "V8_cross_in_sequence"
     least, most = (float(f(frames(preset)[1])) for f in (np.min, np.max))
-    ones = [ellipse(h(name), 1)[0] for name in (real, preset) for h in (assumed, actual)]
+    (one, true_one), (preset_one, true_preset_one) = (
+        [ellipse(h(name), 1)[0] for h in (assumed, actual)] for name in (real, preset)
+    )
     return [
         *figures(real, 1, "turning", "sqrt(10); the real crank"),
-        ("1x couple, real crank", "N m", None, *ones[:2], "of constant size"),
+        ("1x couple, real crank", "N m", None, one, true_one, "of constant size"),
         ("2x couple, real crank", "N m", 0.0, ellipse(assumed(real), 2)[0], ellipse(actual(real), 2)[0], "agrees"),
-        ("1x couple, preset", "N m", 2.79, *ones[2:], "2 sqrt(2) F1 a"),
+        ("1x couple, preset", "N m", 2.79, preset_one, true_preset_one, "2 sqrt(2) F1 a"),
         ("2x pitch couple, preset", "N m", 0.0, couple(assumed(preset), 2), couple(actual(preset), 2), "not balanced"),
         ("least moment of the gif", "N m", 100.282, least, None, "not of constant size"),
         ("largest moment of the gif", "N m", 100.282, most, None, "agrees"),

@@ -38,8 +38,10 @@ def single(weight: bool, centripetal: bool = True) -> Single:
     engine = Engine("single")
     model = spatial.build(engine, gravity=GRAVITY if weight else (0, 0, 0), bearings=1)
     turn = spatial.turn(model, engine, count=3600, centripetal=centripetal)
-    sizes = [np.linalg.norm(turn.reaction(name).force, axis=1) for name in ("main 1", "crankpin 1", "wristpin 1")]
-    return Single(*sizes, np.abs(turn.reaction("bore 1").force[:, 1]), turn.effort("motor"))
+    main, crankpin, wristpin = (
+        np.linalg.norm(turn.reaction(name).force, axis=1) for name in ("main 1", "crankpin 1", "wristpin 1")
+    )
+    return Single(main, crankpin, wristpin, np.abs(turn.reaction("bore 1").force[:, 1]), turn.effort("motor"))
 
 
 def published_checks() -> list[Row]:

@@ -52,7 +52,7 @@ def of_bodies(cabin: Cabin, answer: Map) -> np.ndarray:
     """Return the phasors of the seat's acceleration: shell, powertrain and spinning rotor as bodies on bushings, shape
     (n, 3).
     """
-    r, R, held = cabin.car.shell, cabin.axes, cabin.held
+    r, R, held = cabin.record, cabin.axes, cabin.held
     m, rate = r["mass"], 2 * np.pi * answer.rpm[0] / 60
     bent = m * r["length"] ** 2 / 12
     shell = Body("shell", m, R.T @ np.diag([r["roll_inertia"], bent, bent]) @ R, com=-R.T @ r["engine"])

@@ -10,6 +10,7 @@ Every component of every mount's force is a path, and the sum of the paths is wh
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -39,20 +40,27 @@ class Cabin:
     def __post_init__(self) -> None:
         if self.made_of not in KINDS and "." not in self.made_of:
             raise InputError(f"shell '{self.made_of}' is unknown; give {', '.join(KINDS)} or a file of modes (.csv)")
-        if not known(self.car, self.made_of):
+        if self.made_of in KINDS:
+            self.record  # noqa: B018  # refuses a car without one
+
+    @property
+    def record(self) -> dict[str, Any]:
+        """Return the shell of the car as in the data file; raise ValueError for a car without one."""
+        if self.car.shell is None:
             raise InputError(
                 f"car '{self.car.name}': its shell is not known; give compact or saloon, or a file of modes"
             )
+        return self.car.shell
 
     @cached_property
     def shell(self) -> ModalShell | ModalTable:
         """Return the modes of the shell."""
-        record = self.car.shell
+        if self.made_of not in KINDS:
+            return read_modes(self.made_of)
+        record = self.record
         if self.made_of == BEAM:
             return beam_shell(**{name: record[name] for name in BEAM_FIELDS})
-        if self.made_of == PLATE:
-            return plate_shell(record["mass"], record["length"], record["width"], record["bending"], record["damping"])
-        return read_modes(self.made_of)
+        return plate_shell(record["mass"], record["length"], record["width"], record["bending"], record["damping"])
 
     @cached_property
     def axes(self) -> np.ndarray:
@@ -66,22 +74,19 @@ class Cabin:
     def feet(self) -> np.ndarray:
         """Return the feet of the mounts from the centre of mass of the shell, axes of the car [m], shape (mounts,
         3)."""
-        return np.array(self.car.shell["engine"]) + np.array([m.at for m in self.held.placed]) @ self.axes.T
+        return np.array(self.record["engine"]) + np.array([m.at for m in self.held.placed]) @ self.axes.T
 
     @cached_property
     def at_feet(self) -> np.ndarray:
         """Return the shapes of the shell's modes at the feet of the mounts [1/sqrt(kg)], shape (r, 3 mounts)."""
-        return self.shell.at([m.name for m in self.held.placed] if self.tabled else self.feet)
+        shell = self.shell
+        return shell.at([m.name for m in self.held.placed]) if isinstance(shell, ModalTable) else shell.at(self.feet)
 
     @cached_property
     def at_seat(self) -> np.ndarray:
         """Return the shapes of the shell's modes at the seat rail [1/sqrt(kg)], shape (r, 3)."""
-        return self.shell.at([SEAT_NAME] if self.tabled else [self.car.shell["seat"]])
-
-    @property
-    def tabled(self) -> bool:
-        """Return whether the shell is known at named places only."""
-        return isinstance(self.shell, ModalTable)
+        shell = self.shell
+        return shell.at([SEAT_NAME]) if isinstance(shell, ModalTable) else shell.at(np.array(self.record["seat"]))
 
     def paths(self, found: Map) -> np.ndarray:
         """Return the phasors of the seat's acceleration (last axis, car axes) by component of each mount's force (last

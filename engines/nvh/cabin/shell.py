@@ -11,6 +11,7 @@ rigid body among them.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -76,9 +77,9 @@ def beam_shell(
     nodes = length * np.linspace(-0.5, 0.5, ELEMENT_COUNT + 1)
     for axis, first in ((2, bending), (1, lateral)):
         for rate, line in bending_modes(nodes, mass, first):
-            found.append((rate, lambda at, line=line, axis=axis: bent(at, line, axis)))
+            found.append((rate, partial(bent, line=line, axis=axis)))
     for rate, turns in torsion_modes(roll_inertia, torsion):
-        found.append((rate, lambda at, turns=turns: twisted(at, np.interp(at[:, 0], nodes, turns))))
+        found.append((rate, partial(twisted, nodes=nodes, turns=turns)))
     rates = np.array([rate for rate, _ in found])
     return ModalShell(rates, np.where(rates > 0, damping, 0.0), [shape for _, shape in found])
 
@@ -92,8 +93,9 @@ def bent(at: np.ndarray, line: CubicHermiteSpline, axis: int) -> np.ndarray:
     return u
 
 
-def twisted(at: np.ndarray, turn: np.ndarray) -> np.ndarray:
-    """Return the displacements of a beam whose sections turn about x by angles (p,), shape (p, 3)."""
+def twisted(at: np.ndarray, nodes: np.ndarray, turns: np.ndarray) -> np.ndarray:
+    """Return the displacements of a beam whose sections turn about x by angles given at nodes, shape (p, 3)."""
+    turn = np.interp(at[:, 0], nodes, turns)
     return np.stack([0 * turn, -at[:, 2] * turn, at[:, 1] * turn], axis=1)
 
 

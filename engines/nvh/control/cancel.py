@@ -20,9 +20,9 @@ from scipy.optimize import brentq
 from engines.nvh.excitation.loads import Source
 from engines.nvh.mounts.mounts import Mount
 from engines.nvh.mounts.response import OnMounts
-from mbsd3d import Force, Input, Sine, State, Stepper, System, Torque, measures
+from mbsd3d import Body, Force, Input, Sine, State, Stepper, System, Torque, measures
 from mbsd3d.errors import InputError
-from mbsd3d.extend import exponential, matrix, number, quaternion_from_matrix
+from mbsd3d.extend import ForceElement, exponential, matrix, number, quaternion_from_matrix
 
 Z = (0.0, 0.0, 1.0)
 
@@ -160,7 +160,7 @@ class Cancel:
         load = np.concatenate([turn @ load[:3], turn @ load[3:]])
         waves = [Sine(float(abs(x)), hertz, float(np.angle(x) + np.pi / 2)) for x in load]
 
-        def forces(body: object) -> list:
+        def forces(body: Body) -> list[ForceElement]:
             acting = [Force(body, tuple(waves[:3]), at=(0, 0, 0)), Torque(body, tuple(waves[3:]))]
             return [*self.held.forces(body), *acting, Force(body, (0, 0, Input("actuator")), at=self.mount.at)]
 

@@ -72,7 +72,8 @@ class ActiveMount:
         most = limit(lambda gain: on_mounts(body, placed, Skyhook(at, gain)))
         bare = System([body], forces=bushings(placed, body), gravity=(0, 0, 0))
         hooked = on_mounts(body, placed, Skyhook(at, SKYHOOK_GAIN_RATIO * most))
-        return most, *(lifting(system, body, at).damping_ratio for system in (bare, hooked))
+        before, after = (lifting(system, body, at).damping_ratio for system in (bare, hooked))
+        return most, before, after
 
     @property
     def rows(self) -> list[list[str]]:

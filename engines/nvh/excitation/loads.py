@@ -65,20 +65,19 @@ class Source:
         engine = self.preset.engine(REFERENCE_RPM)
         h = phasor.block_load(engine, ORDER_MAX, dyno=True)
         R = upright(engine.layout)
-        parts = [np.zeros((2 * ORDER_MAX + 1, 3), dtype=complex) for _ in range(2)]
-        for part, values in zip(parts, (h.force, h.moment), strict=True):
-            part[::2] = values @ R.T
+        force, moment = np.zeros((2, 2 * ORDER_MAX + 1, 3), dtype=complex)
+        force[::2], moment[::2] = h.force @ R.T, h.moment @ R.T
         for shaft in self.fitted:
-            X, Y, *moment = shafts.load(shaft, engine.rate)
-            for part, values in zip(parts, ((X, Y, 0.0), moment), strict=True):
-                part[2 * shaft.order] += R @ np.array(values)
+            X, Y, *about = shafts.load(shaft, engine.rate)
+            force[2 * shaft.order] += R @ np.array([X, Y, 0.0])
+            moment[2 * shaft.order] += R @ np.array(about)
         torque = np.zeros(2 * ORDER_MAX + 1, dtype=complex)
         torque[::2] = h.torque
-        return Load(np.arange(2 * ORDER_MAX + 1) / 2, *parts, torque)
+        return Load(np.arange(2 * ORDER_MAX + 1) / 2, force, moment, torque)
 
     @cached_property
     def gas_torque(self) -> np.ndarray:
-        """Return the phasors of the torque of the gas on the crank [N m], shape (2 ORDERS + 1,)."""
+        """Return the phasors of the torque of the gas on the crank [N m], shape (2 ORDER_MAX + 1,)."""
         if self.cycle is None:
             return np.zeros(2 * ORDER_MAX + 1, dtype=complex)
         engine = self.preset.engine(REFERENCE_RPM)
@@ -101,8 +100,9 @@ class Source:
         engine = self.preset.engine(rpm)
         waves = phasor.block_load(engine, 3 * ORDER_MAX, dyno=True).torque
         inertia = -np.real(np.exp(1j * np.outer(angle, np.arange(waves.size))) @ waves)
-        none = self.cycle is None
-        return np.zeros_like(angle) if none else engine_gas.torque(engine, self.cycle.force, angle), inertia
+        if self.cycle is None:
+            return np.zeros_like(angle), inertia
+        return engine_gas.torque(engine, self.cycle.force, angle), inertia
 
     @property
     def mean_torque(self) -> float:

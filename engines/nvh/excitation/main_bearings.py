@@ -18,6 +18,7 @@ from mbsd3d import (
     AngleDriver,
     Body,
     Force,
+    Joint,
     Kinematic,
     Perpendicular,
     PointOnLine,
@@ -69,7 +70,9 @@ def cut_engine(source: Source, rpm: float) -> tuple[System, np.ndarray]:
     order, stations = np.argsort(engine.stations, kind="stable"), np.sort(engine.stations)
     gaps = np.flatnonzero(np.diff(stations) > BEARING_SPACING_RATIO * engine.spacing)
     mains = np.array([engine.ends[0], *(stations[gaps] + stations[gaps + 1]) / 2, engine.ends[1]])
-    bodies, joints, loads = [], [], []
+    bodies: list[Body] = []
+    joints: list[Joint] = []
+    loads = []
     for k, mine in enumerate(np.split(order, gaps + 1)):
         throw = throw_of([places[i].throw for i in mine], source.preset.throw_mass, engine.radius, f"throw {k + 1}")
         ends = zip(("front", "rear"), mains[k : k + 2], strict=True)
@@ -116,7 +119,7 @@ def main_bearings(source: Source, rpm: float) -> list[Bearing]:
     roller = RollingBearing(C=preset.roller_rating, p=ROLLER_LIFE_EXPONENT)
     for k in range(mains.size):
         ends = [f"rear {k}"] * (k > 0) + [f"front {k + 1}"] * (k < mains.size - 1)
-        force = sum(solution.reaction(end).force[:, :2] for end in ends)
+        force = np.sum([solution.reaction(end).force[:, :2] for end in ends], axis=0)
         radial = np.linalg.norm(force, axis=1)
         life = roller.life_of(solution.t, radial, np.full(radial.size, rate))
         pressure = float(radial.max() / (preset.main_diameter * preset.main_width))

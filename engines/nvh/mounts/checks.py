@@ -21,7 +21,8 @@ MASS, INERTIA = 187.0, np.diag([6.3, 11.9, 13.1])  # kg, kg m^2
 
 def mount(at: tuple[float, float, float], rates: tuple[float, float, float], damping: float = 0.0) -> Mount:
     """Return a mount with axes of the car and dampers in proportion to the rates [s]."""
-    return Mount(f"mount at {at}", at, rates, tuple(damping * k for k in rates))
+    x, y, z = rates
+    return Mount(f"mount at {at}", at, rates, (damping * x, damping * y, damping * z))
 
 
 def one_freedom(frequencies: np.ndarray) -> Pairs:

@@ -142,7 +142,7 @@ def mounts(chosen: Car, engine: Preset, mass: float | None = None) -> list[Mount
     for mount, own in zip(raw, chosen.mounts.values(), strict=True):
         at = np.array(block.com) + np.array(own["at"]) * np.array(block.box) / 2
         rates = unit * np.array(mount.rates)
-        damping = 2 * chosen.damping / frequency * rates
+        damping = 2 * number(chosen.damping, f"car '{chosen.name}': damping") / frequency * rates
         found.append(Mount(mount.name, tuple(at), tuple(rates), tuple(damping), mount.angle))
     return found
 

@@ -12,6 +12,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.linalg import block_diag
 
 from engines.balance.gas import forces as gas_forces
@@ -23,7 +24,7 @@ from engines.nvh.mounts.powertrain import Equivalent, carried, moving_engine
 from engines.nvh.mounts.rigid_modes import mass_matrix
 from mbsd3d import Body, Force, Solution, State, System, Table, Torque, linearize, measures, simulate
 from mbsd3d.errors import InputError
-from mbsd3d.extend import DenseEquations, Measure, exponential, matrix, quaternion_from_matrix, skew
+from mbsd3d.extend import DenseEquations, ForceElement, Measure, exponential, matrix, quaternion_from_matrix, skew
 
 GAS_TABLE_POINTS = 720  # [1] points of the gas force over a cycle
 RTOL = 1e-8
@@ -63,7 +64,7 @@ class OnMounts:
     torque: float = 0.0
     gyroscopic: bool = True
 
-    def forces(self, body: Body) -> list:
+    def forces(self, body: Body) -> list[ForceElement]:
         """Return the mounts and the reaction to the mean torque as force elements."""
         return [*bushings(self.placed, body), Torque(body, (-self.torque, 0.0, 0.0), name="mean torque")]
 
@@ -107,7 +108,7 @@ class OnMounts:
         turn = np.kron(np.eye(2), matrix(self.rest[3:]))
         return np.vstack([np.zeros((6, 6)), turn @ np.linalg.inv(self.mass) @ turn.T])
 
-    def answer(self, source: Source, rpm: Sequence[float]) -> Map:
+    def answer(self, source: Source, rpm: ArrayLike) -> Map:
         """Compute the linear map over speeds [1/min] > 0; raise ValueError for others."""
         speeds = np.asarray(rpm, dtype=float)
         if speeds.size == 0 or not (speeds > 0).all():
@@ -181,7 +182,7 @@ def whole_system(source: Source, held: OnMounts, rpm: float, cycles: int) -> Sys
     """
     engine = source.preset.engine(rpm)
     bodies, joints = moving_engine(source.preset, engine, source.fitted)
-    loads = bushings(held.placed, bodies[0])
+    loads: list[ForceElement] = [*bushings(held.placed, bodies[0])]
     if source.cycle is not None:
         count = GAS_TABLE_POINTS * cycles
         times = 4 * np.pi / engine.rate * np.arange(count + 1) / GAS_TABLE_POINTS

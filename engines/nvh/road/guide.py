@@ -39,12 +39,13 @@ from mbsd3d import (
     simulate,
 )  # fmt: skip
 from mbsd3d.errors import InputError
-from mbsd3d.extend import number, vector
+from mbsd3d.extend import Ground, number, vector
 
 LINK_COUNT, LINK_RADIUS = 5, 0.012  # of a wheel; radius they are drawn with [m]
 WHEEL_INERTIA_RATIO = 0.05  # [m^2] inertia of a wheel over its mass
 TRAVEL_MAX, RUN_SAMPLES = 0.08, 81  # m up and down; samples of a run
-Point = Sequence[float]
+Point = Sequence[float] | np.ndarray  # (3,)
+Ends = tuple[Point, Point] | np.ndarray  # (2, 3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,8 +59,8 @@ class Guide:
 
     kind: str
     centre: Point
-    links: dict[str, tuple[Point, Point]]
-    strut: tuple[Point, Point]
+    links: dict[str, Ends]
+    strut: Ends
 
     def __post_init__(self) -> None:
         if len(self.links) != LINK_COUNT:
@@ -83,7 +84,7 @@ class Guide:
         links = {name: across * ends for name, ends in self.links.items()}
         return Guide(self.kind, across * self.centre, links, across * self.strut)
 
-    def hold(self, body: Body, upright: Body, origin: Point = (0, 0, 0), whose: str = "") -> list[Distance]:
+    def hold(self, body: Body | Ground, upright: Body, origin: Point = (0, 0, 0), whose: str = "") -> list[Distance]:
         """Return the links between a body and the upright, named with ``whose``; ``origin``: of the points of the
         suspension [m].
         """
@@ -123,7 +124,7 @@ class Guide:
     def upright(self, mass: float, name: str, origin: Point = (0, 0, 0)) -> Body:
         """Return upright and wheel as a body at the wheel's centre, drawn with its links."""
         radius, at = self.centre[2], np.array(self.centre)
-        drawn = [shapes.Torus(0.8 * radius, 0.2 * radius, "y")]
+        drawn: list[shapes.Shape] = [shapes.Torus(0.8 * radius, 0.2 * radius, "y")]
         for _, outer in self.links.values():
             d = np.subtract(outer, at)
             drawn.append(shapes.Cylinder(LINK_RADIUS, float(np.linalg.norm(d)), tuple(d), at=d / 2))

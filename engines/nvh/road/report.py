@@ -10,10 +10,9 @@ from markupsafe import Markup
 from engines import closed_forms
 from engines.balance.pages.site import TEMPLATES, playing
 from engines.nvh.mounts.mounts import Car
-from engines.nvh.road.comfort import verdict, weight
 from engines.nvh.road.measured import Measured, read_road
 from engines.nvh.road.profile import SPATIAL_FREQUENCY_MAX, Road
-from engines.nvh.road.ride import Ride, rms
+from engines.nvh.road.ride import Ride, rms, verdict, weight
 from engines.nvh.road.vehicle import GRAVITY, KINDS, Vehicle
 from mbsd3d import linearize, simulate
 from mbsd3d.errors import InputError
@@ -92,6 +91,7 @@ def struts(ride: Ride) -> Rows:
              "tyre least [N]"]]  # fmt: skip
     for corner in ride.vehicle.corners:
         strut, tyre = ride.run.force(f"spring of {corner.name}"), ride.tyre_load(corner)
+        assert strut.length is not None and strut.rate is not None  # of a spring
         travel, force = 1e3 * (strut.length - strut.length.mean()), np.linalg.norm(strut.force, axis=1)
         values = travel.std(), np.abs(travel).max(), np.abs(strut.rate).max(), force.max(), tyre.std(), tyre.min()
         rows.append([corner.name, "", *(f"{x:.4g}" for x in values)])
@@ -179,7 +179,7 @@ def figure(ride: Ride) -> "Figure":
             axis.set_major_formatter(lambda x, _: f"{x:g}")
         rolling = [replace(ride.vehicle, speed=float(speed)) for speed in SPEEDS]
         for k, kind in enumerate(FIGURE_CLASSES):
-            over = [Ride(vehicle, Road(kind), vehicle.speed).weighted for vehicle in rolling]
+            over = [Ride(vehicle, Road(kind), speed).weighted for vehicle, speed in zip(rolling, SPEEDS, strict=True)]
             lower.plot(SPEEDS, over, color=look.colour(k), linewidth=LINE_WIDTH_POINTS, label=f"class {kind}")
         lower.plot([ride.speed], [ride.weighted], "o", color=look.ink)
         lower.set(xlabel="speed [m/s]", ylabel="weighted [m/s²]", ylim=(0.0, None))
@@ -221,7 +221,7 @@ def write_page(car: Car, rides: list[Ride], folder: str | Path) -> Path:
     """
     folder, view, ride = Path(folder), f"ride-{car.name}-view.html", rides[-1]
     run, end = ride.run, float(ride.run.t[0]) + ANIMATION_SECONDS
-    film = simulate(run.system, end, state=run.state(0), output=np.linspace(run.t[0], end, ANIMATION_FRAMES))
+    film = simulate(ride.system, end, state=run.state(0), output=np.linspace(run.t[0], end, ANIMATION_FRAMES))
     title = car.title.split(",")[0]
     shown = film.animate(curves=(), traces=(), hidden=("body names",), speed=1.0, title=title).html
     write_atomically(folder / view, playing(shown).encode())

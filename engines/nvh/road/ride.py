@@ -5,18 +5,23 @@ A wave n of the road reaches a wheel x ahead of the centre of mass as ``c exp(2 
 
     a = -w^2 s' (i w - A)^-1 B f,     a_w^2 = sum |W_k a|^2 / 2
 
-for the very road that the full motion runs over, so that both can be compared wave by wave.
+for the very road that the full motion runs over, so that both can be compared wave by wave. W_k weighs vertical
+vibration of seated people by ISO 2631-1:
+
+    W_k(s) = high pass (0.4 Hz) * low pass (100 Hz) * (1 + s / w3) / (1 + s / (Q4 w4) + s^2 / w4^2)
+             * (w5 / w6)^2 (1 + s / (Q5 w5) + s^2 / w5^2) / (1 + s / (Q6 w6) + s^2 / w6^2)
 """
 
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.signal import TransferFunction
 
-from engines.nvh.road.comfort import verdict, weight
+from engines.nvh.road.measured import Measured
 from engines.nvh.road.profile import SPATIAL_FREQUENCY_MAX, Road
 from engines.nvh.road.vehicle import Corner, Vehicle
-from mbsd3d import Solution, Table, simulate
+from mbsd3d import Solution, System, Table, simulate
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
@@ -25,6 +30,11 @@ SETTLE_SECONDS = 6.0  # [s] heave of 1.2 Hz with a fifth of critical damping has
 SPEED_RANGE = 0.5, 150.0  # [m/s] speeds of a car
 RTOL = 1e-8
 LEVEL_HEIGHT_MAX = 1e-9  # [m] a road with smaller heights is level
+F3, F4, Q4 = 12.5, 12.5, 0.63
+F5, Q5, F6, Q6 = 2.37, 0.91, 3.35, 0.91
+LOW_CORNER, HIGH_CORNER = 0.4, 100.0
+REACTIONS = ((0.315, "not uncomfortable"), (0.63, "a little uncomfortable"), (1.0, "fairly uncomfortable"),
+         (1.6, "uncomfortable"), (2.5, "very uncomfortable"), (np.inf, "extremely uncomfortable"))  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -34,7 +44,7 @@ class Ride:
     """
 
     vehicle: Vehicle
-    road: Road
+    road: Road | Measured
     speed: float
 
     def __post_init__(self) -> None:
@@ -89,20 +99,32 @@ class Ride:
         """Return the likely reaction of people in public transport."""
         return verdict(self.weighted)
 
+    @property
+    def count(self) -> int:
+        """Return the number of samples over one length of the road."""
+        return int(np.ceil(SAMPLES_PER_WAVE * self.road.waves[-1] * self.road.length))
+
+    @cached_property
+    def times(self) -> np.ndarray:
+        """Return the sample times of the full motion [s], which settles before it goes over one length of the road."""
+        period = self.road.length / self.speed
+        before = int(np.ceil(SETTLE_SECONDS / period * self.count))
+        return period / self.count * np.arange(before + self.count + 1)
+
+    @cached_property
+    def system(self) -> System:
+        """Return the car with the forces of the road on its wheels."""
+        turns = np.arange(self.times.size) % self.count  # the road repeats itself
+        loads = [
+            (corner.name, (0, 0, Table(self.times, self.over(self.pushed(corner), self.count)[turns])), None)
+            for corner in self.vehicle.corners
+        ]
+        return self.vehicle.system(loads)
+
     @cached_property
     def run(self) -> Solution:
         """Simulate the full motion over one length of the road, settled."""
-        period = self.road.length / self.speed
-        count = int(np.ceil(SAMPLES_PER_WAVE * self.road.waves[-1] * self.road.length))
-        before = int(np.ceil(SETTLE_SECONDS / period * count))
-        times = period / count * np.arange(before + count + 1)
-        turns = np.arange(times.size) % count  # the road repeats itself
-        loads = [
-            (corner.name, (0, 0, Table(times, self.over(self.pushed(corner), count)[turns])), None)
-            for corner in self.vehicle.corners
-        ]
-        system = self.vehicle.system(loads)
-        return simulate(system, float(times[-1]), output=times[before:], rtol=RTOL)
+        return simulate(self.system, float(self.times[-1]), output=self.times[-self.count - 1 :], rtol=RTOL)
 
     def over(self, phasors: np.ndarray, count: int) -> np.ndarray:
         """Return the values over a length of the road of the sum of its waves, shape (count,)."""
@@ -147,3 +169,39 @@ class Ride:
 def rms(phasors: np.ndarray) -> float:
     """Return the root mean square of a sum of waves of different frequencies."""
     return float(np.sqrt(np.sum(np.abs(phasors) ** 2) / 2))
+
+
+def quadratic(frequency: float, Q: float) -> np.ndarray:
+    """Return the coefficients of ``1 + s / (Q w) + s^2 / w^2``, highest power first."""
+    w = 2 * np.pi * frequency
+    return np.array([1 / w**2, 1 / (Q * w), 1.0])
+
+
+def weighting() -> TransferFunction:
+    """Return W_k as a transfer function of s."""
+    above = np.array([1 / (2 * np.pi * LOW_CORNER) ** 2, 0.0, 0.0])
+    numerator = np.polymul(above, [1 / (2 * np.pi * F3), 1.0])
+    numerator = (F5 / F6) ** 2 * np.polymul(numerator, quadratic(F5, Q5))
+    denominator = np.array([1.0])
+    for part in (
+        quadratic(LOW_CORNER, np.sqrt(0.5)),
+        quadratic(HIGH_CORNER, np.sqrt(0.5)),
+        quadratic(F4, Q4),
+        quadratic(F6, Q6),
+    ):
+        denominator = np.polymul(denominator, part)
+    return TransferFunction(numerator, denominator)
+
+
+def weight(frequency: np.ndarray) -> np.ndarray:
+    """Return W_k at frequencies [Hz], complex."""
+    H, s = weighting(), 2j * np.pi * np.asarray(frequency)
+    return np.polyval(H.num, s) / np.polyval(H.den, s)
+
+
+def verdict(acceleration: float) -> str:
+    """Return the likely reaction of people in public transport to a weighted acceleration [m/s^2] (annex C).
+
+    The ranges of the standard overlap; the milder word is taken up to the end of its range.
+    """
+    return next(word for limit, word in REACTIONS if acceleration <= limit)

@@ -36,7 +36,7 @@ from mbsd3d import (
     simulate,
 )  # fmt: skip
 from mbsd3d.errors import InputError
-from mbsd3d.extend import number
+from mbsd3d.extend import ForceElement, Ground, number
 
 SPRING_LENGTH = 0.06  # [m] of the spring under the closed valve
 SECOND_SPEED_RATIO = 0.5  # [1] of the speed, for the second run of the constraint
@@ -123,8 +123,9 @@ class Train:
         bearing = Revolute(GROUND, shaft, at=(0, 0, 0), axis=self.cam.axis, name="cam bearing")
         turned = AngleDriver(bearing, Ramp(self.turn), name="motor")
         joints = [bearing, turned, Prismatic(GROUND, valve, at=valve.position, axis=Z, name="guide")]
-        bodies, forces = [shaft, valve], [Force(valve, (0, 0, -self.preload), name="preload")]
-        ends, n = [valve], self.pieces
+        bodies, n = [shaft, valve], self.pieces
+        forces: list[ForceElement] = [Force(valve, (0, 0, -self.preload), name="preload")]
+        ends: list[Body | Ground] = [valve]
         for k in range(n):
             at = start + (0, 0, SPRING_LENGTH * (k + 1) / (n + 1))
             piece = Body(

@@ -100,7 +100,7 @@ def bounced(made: Run) -> Iterable[Finding]:
     """Compare every flight and impact of two turns with one equation of motion along the law."""
     train, run = made.source.train, made.motion
 
-    def law(angle: np.ndarray) -> tuple:
+    def law(angle: float) -> tuple[float, float, float]:
         return getattr(closed_forms.cams, made.source.law)(angle, CAM_LIFT, CAM_HALF_ANGLE)
 
     numbers = (train.rate, train.preload), (train.contact, train.damping)
