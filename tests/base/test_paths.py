@@ -9,7 +9,8 @@ import time
 import pytest
 
 from mbsd3d.base import paths
-from mbsd3d.base.paths import PIECE, PIECE_SECONDS_MAX, in_its_place, write_atomically
+from mbsd3d.base.paths import PIECE, PIECE_SECONDS_MAX, in_its_place
+from mbsd3d.extend import write_atomically
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="asks for processes")
 

@@ -6,10 +6,20 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from mbsd3d import rotation
 from mbsd3d.base import rotations
-from mbsd3d.base.quaternions import H, conjugate, exponential, logarithm, multiply, skew
-from mbsd3d.base.rotations import as_quaternion, matrix, quaternion_from_matrix, rotation
 from mbsd3d.kernels.kinematics import displace_body
+from mbsd3d.rotations import (
+    H,
+    as_quaternion,
+    conjugate,
+    exponential,
+    logarithm,
+    matrix,
+    multiply,
+    quaternion_from_matrix,
+    skew,
+)
 
 ROUNDING = 1e-14  # a few dozen operations on numbers of order 1
 OMEGA = np.array([0.7, -1.3, 2.1])

@@ -10,9 +10,9 @@ import pytest
 from matplotlib import style
 
 import mbsd3d
-from mbsd3d import Body, System, simulate
-from mbsd3d.base.style import COLOURS, DARK, GREY, LIGHT, Theme, colour, house, theme
-from mbsd3d.plotting.plots import save_figure
+from mbsd3d import Body, System, save_figure, simulate
+from mbsd3d.base.style import COLOURS, DARK, GREY, LIGHT, colour
+from mbsd3d.extend import Theme, house, theme
 
 # Machado, Oliveira and Fernandes 2009, severity 1, for linear RGB
 VISION = {

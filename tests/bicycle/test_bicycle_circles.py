@@ -7,20 +7,19 @@ import matplotlib
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from closed_forms.steady_turn import steady_turn
+from helpers.closed_forms.steady_turn import steady_turn
 from scipy.optimize import brentq
 
-from bicycle import Meijaard2007, circles
+from bicycle import Meijaard2007, circles, named
 from bicycle.linear.equations import canonical
 from bicycle.model.kinematics import Height, placed
 from bicycle.model.mechanism import steer_torque
-from bicycle.parameters import library, named
+from bicycle.parameters import library
 from bicycle.turns.circles import plot_circles
 from bicycle.turns.families import SECTION_STEERS, Curve, Search, follow_all
 from bicycle.turns.turning import TurnSolver
-from mbsd3d import accelerations
-from mbsd3d.cli import main
-from mbsd3d.mechanism.signals.curves import Pulse
+from mbsd3d import Pulse, accelerations
+from mbsd3d.extend import main
 
 matplotlib.use("Agg")
 BENCHMARK = Meijaard2007()

@@ -17,7 +17,7 @@ from bicycle.linear import tyre_equations
 from bicycle.parameters import fittings, machines
 from bicycle.turns import on_tyres as turns_on_tyres
 from mbsd3d import Pulse, linearize, simulate
-from mbsd3d.cli import main
+from mbsd3d.extend import main
 
 TRUTHS = json.loads(Path(__file__).with_name("tyre_truths.json").read_text(encoding="utf-8"))
 P = Meijaard2007()

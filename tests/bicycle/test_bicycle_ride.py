@@ -11,13 +11,12 @@ import pytest
 import scipy.linalg
 from click.testing import CliRunner
 
-from bicycle import TYPICAL, Meijaard2007, circles, ride, whipple
+from bicycle import TYPICAL, Meijaard2007, circles, named, ride, whipple
 from bicycle.linear.equations import canonical
-from bicycle.parameters import library, named, names
+from bicycle.parameters import library, names
 from bicycle.rides.manoeuvres import MANOEUVRES
-from mbsd3d import IntegrationError
-from mbsd3d.cli import main
-from mbsd3d.mechanism.signals.curves import Pulse
+from mbsd3d import IntegrationError, Pulse
+from mbsd3d.extend import main
 from validation import cross_check
 
 matplotlib.use("Agg")

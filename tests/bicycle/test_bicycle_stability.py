@@ -9,8 +9,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from helpers.page_limits import limits
 from numpy.polynomial import Polynomial
-from said import limits
 
 from bicycle import Meijaard2007, critical, general, named, parameters, stability, whipple
 from bicycle.linear.critical import double_roots
@@ -18,7 +18,7 @@ from bicycle.linear.equations import NAMES, canonical, follow
 from bicycle.model.mechanism import Bicycle, outputs
 from bicycle.parameters import library
 from mbsd3d import TorsionSpring
-from mbsd3d.cli import main
+from mbsd3d.extend import main
 
 BENCHMARK = Meijaard2007()
 TABLE = library()["eigenvalue_table"]["rows"]

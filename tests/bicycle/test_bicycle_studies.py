@@ -22,7 +22,7 @@ from bicycle.pages.compare import write_page
 from bicycle.pages.side_view import semi_axes, side_view
 from bicycle.parameters import SYMBOLS, library, names
 from mbsd3d import Sine, Torque, simulate
-from mbsd3d.cli import main
+from mbsd3d.extend import main
 
 BENCHMARK = Meijaard2007()
 TYRES = json.loads(Path(__file__).with_name("tyre_truths.json").read_text(encoding="utf-8"))

@@ -7,7 +7,8 @@ import pytest
 
 import mbsd3d
 from mbsd3d.compiler import cache_folder
-from mbsd3d.compiler.cache_folder import INTEGRATORS, compiled_sources
+from mbsd3d.compiler.cache_folder import INTEGRATORS
+from mbsd3d.extend import compiled_sources
 
 PACKAGE = Path(mbsd3d.__file__).parent
 SOURCES = compiled_sources()

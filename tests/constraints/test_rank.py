@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import scipy.linalg
-from models import (
+from helpers.models import (
     Evaluation,
     all_joints_mechanism,
     at_reference,
@@ -19,14 +19,12 @@ from numpy.linalg import matrix_rank
 from scipy.sparse import csr_array
 
 from mbsd3d import GROUND, Body, Distance, Fixed, Gear, Revolute, Spherical, State, System, Universal, rotation
-from mbsd3d.base.quaternions import multiply
-from mbsd3d.base.rotations import matrix
 from mbsd3d.constraints.assembly import reference_pose
 from mbsd3d.constraints.least_squares import least
 from mbsd3d.constraints.rank import Analysis, redundant_combinations, surely_independent
-from mbsd3d.equations.at_state import load_state
-from mbsd3d.equations.dense_solvers import mass_matrix
 from mbsd3d.equations.jacobian import RANK_TOLERANCE, BlockRows, scaled_rows
+from mbsd3d.extend import load_state, mass_matrix
+from mbsd3d.rotations import matrix, multiply
 from validation import cases
 from validation.cases.mechanisms import ladder
 

@@ -7,17 +7,16 @@ import tracemalloc
 
 import numpy as np
 import pytest
-from models import at_reference, dense_rows, revolute_chain
+from helpers.models import at_reference, dense_rows, revolute_chain
 
 from mbsd3d import RK4, PointOnLine, Revolute, System, simulate
-from mbsd3d.base.quaternions import conjugate, logarithm, multiply
 from mbsd3d.constraints.elimination import Elimination
 from mbsd3d.constraints.rank import choose_rows
-from mbsd3d.equations.compiled import compile_system
 from mbsd3d.equations.jacobian import RANK_TOLERANCE, scaled_rows
-from mbsd3d.equations.tree import build_spanning_tree
+from mbsd3d.extend import build_spanning_tree, compile_system
 from mbsd3d.results import record
 from mbsd3d.results.record import QUANTITIES, Samples
+from mbsd3d.rotations import conjugate, logarithm, multiply
 from validation.cases.mechanisms import ladder
 
 
@@ -177,7 +176,7 @@ def test_five_thousand_bodies_run():
 def test_a_thousand_bodies_a_thousand_samples_in_400_megabytes():
     script = """if True:
         import resource
-        from models import revolute_chain
+        from helpers.models import revolute_chain
         from mbsd3d import RK4, simulate
         def peak():
             return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024

@@ -10,23 +10,23 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from closed_forms import cardan as shafts
-from closed_forms import rotations
-from family_checks import small
+from helpers.closed_forms import cardan as shafts
+from helpers.closed_forms import rotations
+from helpers.demo_checks import small
 from scipy.integrate import solve_ivp
 
 import mbsd3d
 from mbsd3d import simulate
-from mbsd3d.base.errors import InputError
 from mbsd3d.demos.base import Outcome, Row
-from mbsd3d.demos.discovery import discover, own_demos
+from mbsd3d.demos.discovery import own_demos
 from mbsd3d.demos.floating import dzhanibekov
-from mbsd3d.demos.form import Quantity
 from mbsd3d.demos.loops import door
 from mbsd3d.demos.report import report, table, write
 from mbsd3d.demos.shafts import cardan, crank
 from mbsd3d.demos.terms import wall
 from mbsd3d.demos.tops import heavy_top
+from mbsd3d.errors import InputError
+from mbsd3d.extend import Quantity, discover
 from validation import theory
 
 REFERENCES = Path(__file__).parents[2] / "validation" / "references"

@@ -7,8 +7,8 @@ import pytest
 
 from mbsd3d.base.style import COLOURS, LIGHT
 from mbsd3d.demos.drawing import new_figure, spectrum_bars
-from mbsd3d.demos.figure import Curve, Line, Panel, figure_of, same
-from mbsd3d.report.exhibits import inline_svg
+from mbsd3d.demos.figure import Line, Panel, figure_of, same
+from mbsd3d.extend import Curve, inline_svg
 
 T = np.linspace(0.0, 2.0, 41)
 NOISE = 1e-15 * np.sin(37.0 * T)

@@ -3,12 +3,8 @@
 import re
 from pathlib import Path
 
-import every_call
-import hostile
-import hostile_files
 import pytest
-import sweep_models
-import watchdog
+from helpers import every_call, hostile, hostile_files, sweep_models, watchdog
 
 from bicycle.parameters.files import FILE_BYTES_MAX
 from engines.balance.layouts import CYLINDERS_MAX

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from said import DOCS
+from helpers.page_limits import DOCS
 
 from engines.nvh.cabin.seat import Cabin
 from engines.nvh.cli import nvh

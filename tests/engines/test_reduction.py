@@ -4,7 +4,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from closed_forms import slider_crank as crank_theory
+from helpers.closed_forms import slider_crank as crank_theory
 
 import validation
 from engines import planar
@@ -36,7 +36,7 @@ from mbsd3d import (
     rotation,
     simulate,
 )
-from mbsd3d.base.rotations import matrix
+from mbsd3d.rotations import matrix
 from validation.cases.inline_four import CRANK_RATE, TURN_SAMPLES, inline_four
 
 

@@ -2,27 +2,14 @@
 
 import numpy as np
 import pytest
-import trimesh
-from models import random_body, random_inertia, random_orientation
+from helpers.models import random_body, random_inertia, random_orientation
+from helpers.solids import SOLIDS, solid
 
-from mbsd3d import Body, rotation
-from mbsd3d.base import inertia
-from mbsd3d.base.rotations import matrix
+from mbsd3d import Body, inertia, rotation
 from mbsd3d.mechanism.shapes.homogeneous import THIN, shapes_of
-from mbsd3d.mechanism.shapes.kinds import Box, Capsule, Cylinder, Disc, Ellipsoid, Hull, Lines, MeshFile, Sphere, Torus
 from mbsd3d.mechanism.shapes.surfaces import BANDS, ROUND, TURNS, normals
-
-PLAIN = Body("plain", 1.0, (1, 1, 1))
-SOLIDS = (
-    Box((0.3, 0.4, 0.7)), Ellipsoid((0.3, 0.4, 0.7)), Sphere(0.6), Cylinder(0.3, 0.8, "x"), Disc(0.4, axis="y"),
-    Torus(0.4, 0.1, (1, 2, -2)), Capsule(0.2, 0.5, (0.3, -0.2, 0.7)),
-)  # fmt: skip
-
-
-def solid(shape, body=PLAIN):
-    """The mesh of a shape in trimesh, with its vertices merged."""
-    mesh = shape.mesh(body)
-    return trimesh.Trimesh(mesh.vertices, mesh.faces)
+from mbsd3d.rotations import matrix
+from mbsd3d.shapes import Box, Capsule, Cylinder, Disc, Ellipsoid, Hull, Lines, MeshFile, Sphere, Torus
 
 
 def polygon(n):

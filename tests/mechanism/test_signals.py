@@ -7,14 +7,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from mbsd3d import Constant, Input, Polynomial, Pulse, Ramp, Sine, Table
 from mbsd3d.equations.compiled import Signals
+from mbsd3d.extend import evaluate
 from mbsd3d.kernels import signals as kernels
-from mbsd3d.mechanism.signals import Constant, Sum, as_signal, check_interval, curves
+from mbsd3d.mechanism.signals import check_interval, curves
 from mbsd3d.mechanism.signals import signal as bases
-from mbsd3d.mechanism.signals.curves import Polynomial, Pulse, Ramp, Sine, Table
-from mbsd3d.mechanism.signals.input import Input
-from mbsd3d.mechanism.signals.signal import Scaled
-from mbsd3d.mechanism.signals.terms import POLYNOMIAL, SINE, SPLINE, evaluate, turning_times
+from mbsd3d.mechanism.signals.terms import POLYNOMIAL, SINE, SPLINE, turning_times
+from mbsd3d.signals import Scaled, Sum, as_signal
 
 TIMES = np.array([0.0, 0.4, 0.7, 1.3, 1.9, 2.2])
 TABLE = Table(TIMES, np.cos(3.0 * TIMES))

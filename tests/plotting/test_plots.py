@@ -9,14 +9,14 @@ from types import SimpleNamespace
 import matplotlib.pyplot
 import numpy as np
 import pytest
+from helpers.double_pendulum import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
-from test_files import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 
-from mbsd3d import GROUND, Body, Revolute, SpeedDriver, System, accelerations, simulate
+from mbsd3d import GROUND, Body, Revolute, SpeedDriver, System, accelerations, save_figure, simulate
 from mbsd3d.base.style import DARK
 from mbsd3d.plotting.panels import PANELS, acts
-from mbsd3d.plotting.plots import LEGEND_LINES_MAX, plot_quantity, save_figure
+from mbsd3d.plotting.plots import LEGEND_LINES_MAX, plot_quantity
 
 
 @pytest.fixture(scope="module")
@@ -171,7 +171,7 @@ def test_wrong_wishes(solution, call, message):
 
 FRESH = """
 import sys
-from test_files import pendulum
+from helpers.double_pendulum import pendulum
 from mbsd3d import simulate
 from mbsd3d import save_figure
 save_figure(simulate(pendulum(), 0.1, output=9).plot(["energy", "drift", "reaction"], dark=True), sys.argv[1], pdf=True)

@@ -8,8 +8,8 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+from helpers.double_pendulum import UPPER_ARM, WHEEL, pendulum
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from test_files import UPPER_ARM, WHEEL, pendulum
 
 from mbsd3d import (
     GROUND,
@@ -25,13 +25,14 @@ from mbsd3d import (
     System,
     accelerations,
     load,
+    measures,
     simulate,
 )
 from mbsd3d.base.style import counted
-from mbsd3d.mechanism import measures  # fmt: skip
+from mbsd3d.extend import digits
 from mbsd3d.report import exhibits, facts
 from mbsd3d.report.facts import TABLE_ROWS_MAX
-from mbsd3d.report.wording import digits, triple
+from mbsd3d.report.wording import triple
 
 HOSTILE = (
     "<script>alert('1')</script>",
@@ -253,7 +254,7 @@ def test_names_and_titles_cannot_break_the_page():
 @pytest.mark.slow
 def test_same_run_same_bytes(tmp_path):
     """In another process, with another order of sets, and although the runs take different times."""
-    code = "import sys; from test_files import pendulum; from mbsd3d import simulate\n"
+    code = "import sys; from helpers.double_pendulum import pendulum; from mbsd3d import simulate\n"
     code += "simulate(pendulum(), 0.1, output=9).report(sys.argv[1])"
     environment = {"PYTHONPATH": os.pathsep.join(sys.path), "PYTHONHASHSEED": "3"}
 

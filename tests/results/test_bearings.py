@@ -2,20 +2,25 @@
 
 import numpy as np
 import pytest
-from models import across, direction, random_body
+from helpers.models import across, direction, random_body
 
-from mbsd3d import GROUND, Prismatic, Revolute, SpeedDriver, Spherical, System, accelerations, simulate
-from mbsd3d.base.quaternions import exponential
-from mbsd3d.base.rotations import matrix
-from mbsd3d.results.bearings import (
-    ROLLER_LIFE_EXPONENT,
-    BearingLoad,
+from mbsd3d import (
+    GROUND,
     DeepGrooveBallBearing,
+    Prismatic,
+    Revolute,
     RollingBearing,
+    SpeedDriver,
+    Spherical,
+    System,
+    accelerations,
     bearing_load,
     bearing_pair,
     reliability_factor,
+    simulate,
 )
+from mbsd3d.results.bearings import ROLLER_LIFE_EXPONENT, BearingLoad
+from mbsd3d.rotations import exponential, matrix
 
 
 def spinning(seed=71, rate=7.0):

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_files import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
+from helpers.double_pendulum import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 
 from mbsd3d import (
     GROUND,
@@ -22,8 +22,8 @@ from mbsd3d import (
     rotation,
     simulate,
 )
-from mbsd3d.base.rotations import matrix
 from mbsd3d.plotting.panels import Panel
+from mbsd3d.rotations import matrix
 from mbsd3d.view.scene.frames import INTERPOLATED_TURN_MAX, frames_of
 from mbsd3d.view.scene.motion import arrows_of, curve, curves_of, every_reaction, traces_of
 

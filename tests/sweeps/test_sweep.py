@@ -7,13 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
+from helpers.sweep_models import GRID, LOCAL, RUN, deadly, history, known, ratio, shafts, speed, speed_of, touchy, wheel
 from scipy.stats import sobol_indices, uniform
-from sweep_models import GRID, LOCAL, RUN, deadly, history, known, ratio, shafts, speed, speed_of, touchy, wheel
 
-from mbsd3d import Kinematic, simulate
-from mbsd3d.base.errors import SweepError
-from mbsd3d.sweeps.grids import Samples, samples
-from mbsd3d.sweeps.sweep import sweep
+from mbsd3d import Kinematic, Samples, SweepError, samples, simulate, sweep
 from validation.cases.inline_four import CRANK_RATE, TURN_SAMPLES, inline_four, orders
 
 ROOT = Path(__file__).parents[2]

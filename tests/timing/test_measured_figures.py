@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from mbsd3d.compiler.cache_folder import CACHE
+from mbsd3d.extend import CACHE
 from validation.benchmark.texts import MEASURED_FILE, ROOT
 
 pytestmark = pytest.mark.timing

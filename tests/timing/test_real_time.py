@@ -4,8 +4,8 @@ import time
 
 import numpy as np
 import pytest
-from browser import launch, visit
-from models import crane
+from helpers.browser import launch, visit
+from helpers.models import crane
 
 from bicycle import Meijaard2007, play
 from mbsd3d.results.record import RunOptions

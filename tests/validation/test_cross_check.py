@@ -13,7 +13,7 @@ import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from models import all_joints_mechanism, consistent_state, pendulum
+from helpers.models import all_joints_mechanism, consistent_state, pendulum
 
 import validation
 from mbsd3d import (
@@ -34,7 +34,7 @@ from mbsd3d import (
     measures,
     simulate,
 )
-from mbsd3d.cli import main
+from mbsd3d.extend import main
 from mbsd3d.results.result import Momentum
 from validation import cross_check
 from validation.benchmark import planar_pairs as twins
@@ -552,9 +552,9 @@ def test_the_whole_is_plain_data_and_a_figure():
 
 
 def mutated(*arguments):
-    """Outcomes of tests/mutations.py: kernel, mistake, {engine: quantities}."""
+    """Outcomes of tests/helpers/mutations.py: kernel, mistake, {engine: quantities}."""
     paths = os.pathsep.join(sys.path)
-    command = [sys.executable, str(Path(__file__).parents[1] / "mutations.py"), *arguments]
+    command = [sys.executable, "-m", "helpers.mutations", *arguments]
     done = subprocess.run(command, env={**os.environ, "PYTHONPATH": paths}, capture_output=True, text=True, check=True)
     return [json.loads(line) for line in done.stdout.splitlines()]
 

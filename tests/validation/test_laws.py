@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from models import random_body
-from test_loads import EXAMPLES
-from test_random import differences
+from helpers.forces import EXAMPLES
+from helpers.models import random_body
+from helpers.second_formulation import differences
 
 from mbsd3d import (
     GROUND,

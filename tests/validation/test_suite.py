@@ -8,7 +8,7 @@ import pytest
 
 from bicycle.parameters import fittings
 from engines.balance.layouts import names
-from mbsd3d.demos.discovery import discover
+from mbsd3d.extend import discover
 from validation import cases
 from validation.suite import findings as words
 from validation.suite import trials as listing

@@ -13,10 +13,10 @@ from contextlib import closing, suppress
 from dataclasses import replace
 
 import pytest
-from browser import visit
 from click.testing import CliRunner
+from helpers.browser import visit
 
-from mbsd3d.cli import main
+from mbsd3d.extend import main
 from validation.cases import comparison
 from validation.cases import reference as cases
 from validation.suite import findings
@@ -203,7 +203,7 @@ def test_the_page_in_a_browser(chromium, tmp_path):
 
 
 MISTAKEN = """
-import mutations
+from helpers import mutations
 from mbsd3d.cli import main
 from mbsd3d.kernels import rows
 from validation.suite.trials import references

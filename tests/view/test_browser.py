@@ -4,12 +4,12 @@ import sys
 
 import numpy as np
 import pytest
-from browser import executable, launch, visit
-from moving import ARM, BEAD, CRANK, PINK, TAIL
-from pages import COUNT, END, HINGE, OUTSIDE, SETTLED, TITLE, covered, differing, opened, scene, seek, tick
+from helpers.browser import executable, launch, visit
+from helpers.page_mechanism import ARM, BEAD, CRANK, PINK, TAIL
+from helpers.pages import COUNT, END, HINGE, OUTSIDE, SETTLED, TITLE, covered, differing, opened, scene, seek, tick
 
 from mbsd3d import GROUND, Body, Spherical, System, simulate
-from mbsd3d.base.rotations import matrix
+from mbsd3d.rotations import matrix
 from mbsd3d.view.page.content import POSITION_RESOLUTION, QUATERNION_RESOLUTION
 from mbsd3d.view.page.stage import FIELD_OF_VIEW
 from mbsd3d.view.scene.artist import draw_system

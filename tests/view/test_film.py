@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.double_pendulum import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 from matplotlib.colors import to_rgb
 from PIL import Image
-from test_files import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 
 from mbsd3d import GROUND, Body, Revolute, System, accelerations, linearize, simulate
 from mbsd3d.base.style import DARK, LIGHT

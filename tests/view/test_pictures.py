@@ -6,18 +6,16 @@ from dataclasses import replace
 import matplotlib.pyplot
 import numpy as np
 import pytest
+from helpers.double_pendulum import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from PIL import Image
-from test_files import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 
-from mbsd3d import GROUND, AngleDriver, Body, Ramp, Revolute, System, simulate
-from mbsd3d.base import inertia
-from mbsd3d.base.rotations import matrix
+from mbsd3d import GROUND, AngleDriver, Body, Ramp, Revolute, System, inertia, save_figure, simulate
 from mbsd3d.base.style import DARK, LIGHT, paler
-from mbsd3d.mechanism.shapes.kinds import Box, Sphere
-from mbsd3d.plotting.plots import save_figure
+from mbsd3d.rotations import matrix
+from mbsd3d.shapes import Box, Sphere
 from mbsd3d.view.picture.painter import Mosaic, Painter, new_sheet
 from mbsd3d.view.picture.picture import painter_of
 from mbsd3d.view.picture.shading import Solids, outlines, pointers_of, split_strokes, split_triangles

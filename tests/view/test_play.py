@@ -10,10 +10,10 @@ from contextlib import contextmanager
 
 import numpy as np
 import pytest
-from browser import visit
-from models import crane
-from pages import SETTLED
-from test_live import knock, listens, until
+from helpers.browser import visit
+from helpers.live_views import knock, listens, until
+from helpers.models import crane
+from helpers.pages import SETTLED
 
 from mbsd3d import GROUND, Body, Input, Revolute, Solution, System, Torque
 from mbsd3d.run.live_run import PERIOD

@@ -12,11 +12,11 @@ import zlib
 import numpy as np
 import pytest
 import trimesh
-from models import pair_at
+from helpers.models import pair_at
 
 from mbsd3d import GROUND, Body, Revolute, Spherical, SpringDamper, System, linearize, simulate
-from mbsd3d.base.rotations import matrix
 from mbsd3d.mechanism.shapes.surfaces import ball, block, capsule, cylinder, normals, torus
+from mbsd3d.rotations import matrix
 from mbsd3d.view.page import html as page
 from mbsd3d.view.page import show
 from mbsd3d.view.page.content import (

@@ -87,8 +87,7 @@ class Samples:
         mbsd3d.accelerations(system).save(self.folder / "sound.npz")
         self.content = {kind: (self.folder / f"sound.{kind}").read_bytes() for kind in ("json", "toml", "npz")}
         texts = {"mjcf": MJCF, "urdf": URDF, "obj": OBJ, "ply": PLY, "stl": STL}
-        values = Path(__file__).parent / "bicycle_values.txt"
-        texts["txt"] = values.read_text() if values.exists() else "w = 1.02\nc = 0.08\nlam = 0.31 +/- 0.01\ng = 9.81\n"
+        texts["txt"] = "w = 1.02\nc = 0.08\nlam = 0.31 +/- 0.01\ng = 9.81\n"
         texts["yaml"] = "parameterization: benchmark\nvalues:\n  w: 1.02\n  c: 0.08\n  lam: 0.314\n  mB: 85.0\n"
         engine = {key: value for key, value in data("engines")["engines"]["inline_4"].items() if key != "layout"}
         own = {"pins": [0, 180, 180, 0], "bores": [0] * 4, "stations": [-0.1, 0, 0.1, 0.2], "firing_order": "1-3-4-2"}
