@@ -14,7 +14,9 @@ from bicycle.rides.rider_mass import carried, faster, lowest
 from mbsd3d import Solution, Stepper, accelerations
 from mbsd3d.extend import main
 from mbsd3d.results.record import RunOptions
-from mbsd3d.run.live_run import PERIOD, Playing
+from mbsd3d.run.live_run import Playing
+
+PERIOD = 1.0 / 60.0  # [s] from one frame to the next, as docs/how/stepping.md says
 
 P = Meijaard2007()
 ROUND = replace(P, tR=0.02, tF=0.03)

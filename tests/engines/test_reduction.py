@@ -37,12 +37,12 @@ from mbsd3d import (
     simulate,
 )
 from mbsd3d.rotations import matrix
-from validation.cases.inline_four import CRANK_RATE, TURN_SAMPLES, inline_four
+from validation.cases.inline_four import CRANK_RATE, inline_four
 
 
 def one_turn(system, rate=CRANK_RATE):
     """One turn of the crank by kinematics."""
-    return simulate(system, 2 * np.pi / rate, method=Kinematic(), output=TURN_SAMPLES + 1)
+    return simulate(system, 2 * np.pi / rate, method=Kinematic(), output=36 + 1)
 
 
 TIMES = np.linspace(0, 2 * np.pi / CRANK_RATE, 25)

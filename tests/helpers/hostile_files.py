@@ -13,7 +13,7 @@ import numpy as np
 
 import mbsd3d
 from bicycle.parameters import read_values
-from engines.nvh.cabin.table import HEADER, read_modes
+from engines.nvh.cabin.table import read_modes
 from engines.nvh.excitation.presets import preset
 from engines.nvh.mounts.mounts import car, mounts
 from engines.nvh.records import data
@@ -93,7 +93,8 @@ class Samples:
         own = {"pins": [0, 180, 180, 0], "bores": [0] * 4, "stations": [-0.1, 0, 0.1, 0.2], "firing_order": "1-3-4-2"}
         texts |= {"engine": json.dumps(engine | own), "car": json.dumps(data("cars")["cars"]["compact"])}
         texts["shell"] = "\n".join(
-            [",".join(HEADER)] + [f"{k},{k}.5,.02,{x},0,0,.1" for k in (1, 2) for x in ("a", "seat")]
+            ["mode,frequency,damping,place,x,y,z"]
+            + [f"{k},{k}.5,.02,{x},0,0,.1" for k in (1, 2) for x in ("a", "seat")]
         )
         texts["road"] = "x,left,right\n" + "".join(f"{0.3 * k:.1f},0.01,{0.002 * (k % 5):g}\n" for k in range(40))
         self.content |= {kind: text.encode() for kind, text in texts.items()}

@@ -6,10 +6,12 @@ from helpers.models import random_body, random_inertia, random_orientation
 from helpers.solids import SOLIDS, solid
 
 from mbsd3d import Body, inertia, rotation
-from mbsd3d.mechanism.shapes.homogeneous import THIN, shapes_of
-from mbsd3d.mechanism.shapes.surfaces import BANDS, ROUND, TURNS, normals
+from mbsd3d.mechanism.shapes.homogeneous import shapes_of
+from mbsd3d.mechanism.shapes.surfaces import normals
 from mbsd3d.rotations import matrix
 from mbsd3d.shapes import Box, Capsule, Cylinder, Disc, Ellipsoid, Hull, Lines, MeshFile, Sphere, Torus
+
+ROUND, BANDS, TURNS = 24, 12, 48  # sections of a ball about its axis and from pole to pole; of a cylinder
 
 
 def polygon(n):
@@ -119,7 +121,9 @@ def test_guesses_have_the_inertia_of_their_body(seed):
 def test_rods_and_plates_are_seen_and_points_are_not_guessed():
     rod = Body("rod", 2.0, inertia.rod(2.0, 1.5, "y"))
     radii = shapes_of(rod)[0].radii
-    assert radii[1] == pytest.approx(np.sqrt(5 / 12) * 1.5) and np.allclose(radii[[0, 2]], THIN * radii[1])
+    assert radii[1] == pytest.approx(np.sqrt(5 / 12) * 1.5) and np.allclose(
+        radii[[0, 2]], 0.02 * radii[1]
+    )  # that one sees it
     assert shapes_of(Body("pin", 0.0, (0, 0, 0))) == () == shapes_of(Body("mass", 1.0, (0, 0, 0)))
     for shape, message in (("box", "its inertia, which is 0"), ("cylinder", "its inertia, which is 0")):
         with pytest.raises(ValueError, match=f"body 'pin': shape '{shape}' follows from {message}; give a shape"):

@@ -11,7 +11,7 @@ from helpers.sweep_models import GRID, LOCAL, RUN, deadly, history, known, ratio
 from scipy.stats import sobol_indices, uniform
 
 from mbsd3d import Kinematic, Samples, SweepError, samples, simulate, sweep
-from validation.cases.inline_four import CRANK_RATE, TURN_SAMPLES, inline_four, orders
+from validation.cases.inline_four import CRANK_RATE, inline_four, orders
 
 ROOT = Path(__file__).parents[2]
 ENGINE = json.loads((ROOT / "engines" / "references" / "engine.json").read_text())
@@ -188,7 +188,7 @@ def test_the_bar_shows_the_time_that_remains(monkeypatch, capsys):
 def test_the_inline_four_shakes_as_published(length):
     """Second order of the force on the block by the length of the rods; the first order cancels."""
     turn = simulate(
-        inline_four(rod_length=float(length[2:])), 2 * np.pi / CRANK_RATE, method=Kinematic(), output=TURN_SAMPLES + 1
+        inline_four(rod_length=float(length[2:])), 2 * np.pi / CRANK_RATE, method=Kinematic(), output=36 + 1
     )
     found = orders(turn)
     assert found["force_2x"] == pytest.approx(ENGINE["sweep_RL_I4_2x"][length], rel=1e-11)  # digits of the file: 16

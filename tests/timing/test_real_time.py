@@ -9,7 +9,9 @@ from helpers.models import crane
 
 from bicycle import Meijaard2007, play
 from mbsd3d.results.record import RunOptions
-from mbsd3d.run.live_run import PERIOD, Playing
+from mbsd3d.run.live_run import Playing
+
+PERIOD = 1.0 / 60.0  # [s] from one frame to the next, as docs/how/stepping.md says
 
 pytestmark = pytest.mark.timing
 
