@@ -204,6 +204,7 @@ def test_curve_follows_a_sharp_bend_wherever_the_last_step_before_it_ends(bend):
         assert any(x[0] > 0.5 for _, x in zip(range(100), points, strict=False))
 
 
+@pytest.mark.slow
 def test_a_family_goes_round_its_sharp_bend_and_is_found_once():
     """Round tyres bend the second family within 0.1 degrees, near a lean of -16.6 and a steer angle of 134.6."""
     search = Search.of(replace(BENCHMARK, tR=0.02, tF=0.02), 0.1, lambda done: None)
