@@ -674,6 +674,7 @@ def test_a_page_shows_what_ideal_wheels_leave_out(tmp_path):
         ideal_or_tyres.figure(BENCHMARK, {})
 
 
+@pytest.mark.slow
 def test_all_published_sets_are_compared():
     found = compare.entries([named(name, unphysical=True) for name in names()])
     assert len(found) == 47 and max(x.difference for x in found) < 1e-8  # the largest belongs to 19 m/s

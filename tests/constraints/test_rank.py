@@ -58,7 +58,7 @@ def test_rank_of_every_case_is_that_of_the_whole_jacobian(name, core_rows):
 
 
 @pytest.mark.parametrize("core_rows", [64, 0])
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(4))
 def test_rank_of_random_loops_is_that_of_the_whole_jacobian(seed, core_rows):
     found = check_against_dense(random_loops(seed), core_rows)
     assert found.rank < found.m  # the doubled hinges

@@ -321,7 +321,9 @@ def test_a_wobble_as_fast_as_the_turn_is_not_taken_for_it(Omega, nutation):
     assert row.passed and row.computed == pytest.approx(nutation, rel=1e-11)
 
 
-@pytest.mark.parametrize(("M", "side"), [(76e3, 1.84099466239), (150e3, -1.73064830065)])
+@pytest.mark.parametrize(
+    ("M", "side"), [pytest.param(76e3, 1.84099466239, marks=pytest.mark.slow), (150e3, -1.73064830065)]
+)
 def test_a_nose_that_passes_straight_up_stays_beside_its_plane(M, side):
     """Its heading turned by half a turn there, 175.6 degrees; the angle to the plane of the start does not jump."""
     found = own_demos()["jet_pitch_yaw"].run(M=M)

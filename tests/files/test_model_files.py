@@ -94,7 +94,7 @@ def round_trip(system, folder, form):
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("kind", EXAMPLES)
 def test_every_joint_comes_back(tmp_path, kind, form):
-    for seed in range(5):
+    for seed in range(2):
         system = example_system(kind, seed)
         copy = round_trip(system, tmp_path, form)
         assert_same_model(system, copy)
@@ -358,8 +358,13 @@ def test_keys_that_stand_twice_are_refused_in_json(tmp_path):
         System.from_file(path)
 
 
+LARGE = ("many numbers", "tables")  # take half a second each
+
+
 @pytest.mark.parametrize("form", FORMS)
-@pytest.mark.parametrize("case", HOSTILE)
+@pytest.mark.parametrize(
+    "case", [pytest.param(case, marks=pytest.mark.slow if case in LARGE else ()) for case in HOSTILE]
+)
 def test_what_is_no_model_is_refused(tmp_path, case, form):
     check_refused(tmp_path, case, form)
 
