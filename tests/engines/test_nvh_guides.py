@@ -14,6 +14,7 @@ from engines.nvh.road.vehicle import Vehicle
 from mbsd3d import Kinematic, simulate
 from validation import theory
 
+WHEEL_INERTIA_RATIO = 0.05  # [m^2] inertia of a wheel over its mass
 BODY_HEIGHT = 0.25  # [m] of a body's centre of mass above the wheels' centres
 
 KINDS = ("double wishbone", "multilink")
@@ -113,7 +114,7 @@ def test_small_motions_of_a_linked_quarter_car_are_those_with_an_inerter(car):
     linked, w = Vehicle("quarter", mounts.car(car).ride, linked=True), 2 * np.pi * np.geomspace(0.3, 40.0, 17)
     (corner,), (A, B) = linked.corners, linked.equations
     twist = theory.five_link_twist(linked.guides[0].links.values(), linked.guides[0].centre, np.eye(3), np.zeros(3))
-    inerter = corner.mass * (twist[0] ** 2 + twist[1] ** 2 + 0.05 * twist[3:] @ twist[3:])
+    inerter = corner.mass * (twist[0] ** 2 + twist[1] ** 2 + WHEEL_INERTIA_RATIO * twist[3:] @ twist[3:])
     assert inerter > 0.005 * corner.mass
     push = corner.tyre + 1j * w * corner.tyre_damping
     found = np.array([np.linalg.solve(1j * x * np.eye(4) - A, B[:, 0] * p) for x, p in zip(w, push, strict=True)])
@@ -130,7 +131,7 @@ def test_a_tyre_that_rolls_damps_what_links_make_of_its_travel():
     (corner,), (A, B) = rolling.corners, rolling.equations
     held = rolling.guides[0]
     twist = theory.five_link_twist(held.links.values(), held.centre, np.eye(3), np.zeros(3))
-    inerter = corner.mass * (twist[0] ** 2 + twist[1] ** 2 + 0.05 * twist[3:] @ twist[3:])
+    inerter = corner.mass * (twist[0] ** 2 + twist[1] ** 2 + WHEEL_INERTIA_RATIO * twist[3:] @ twist[3:])
     aside = velocity(held, np.array([*held.centre[:2], 0.0]))[1]
     damper = corner.damper + 63e3 / speed * aside**2
     assert damper > 1.005 * corner.damper

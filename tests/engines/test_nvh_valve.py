@@ -188,7 +188,7 @@ def test_the_base_that_an_error_asks_for_is_enough():
 
 
 def test_the_command_line_knows_all_followers():
-    """Each is built from the name that the option takes; another one is refused."""
+    """Each can be built by the name that the option takes."""
     (option,) = (x for x in nvh.params if x.name == "follower")
     assert tuple(option.type.choices) == FOLLOWERS
     assert all(cam("harmonic", LIFT, HALF, BASE, follower) for follower in FOLLOWERS)

@@ -42,7 +42,7 @@ from validation.cases.inline_four import CRANK_RATE, inline_four
 
 def one_turn(system, rate=CRANK_RATE):
     """One turn of the crank by kinematics."""
-    return simulate(system, 2 * np.pi / rate, method=Kinematic(), output=36 + 1)
+    return simulate(system, 2 * np.pi / rate, method=Kinematic(), output=37)
 
 
 TIMES = np.linspace(0, 2 * np.pi / CRANK_RATE, 25)

@@ -187,9 +187,7 @@ def test_the_bar_shows_the_time_that_remains(monkeypatch, capsys):
 @pytest.mark.parametrize("length", ENGINE["sweep_RL_I4_2x"])
 def test_the_inline_four_shakes_as_published(length):
     """Second order of the force on the block by the length of the rods; the first order cancels."""
-    turn = simulate(
-        inline_four(rod_length=float(length[2:])), 2 * np.pi / CRANK_RATE, method=Kinematic(), output=36 + 1
-    )
+    turn = simulate(inline_four(rod_length=float(length[2:])), 2 * np.pi / CRANK_RATE, method=Kinematic(), output=37)
     found = orders(turn)
     assert found["force_2x"] == pytest.approx(ENGINE["sweep_RL_I4_2x"][length], rel=1e-11)  # digits of the file: 16
     assert found["force_1x"] < 1e-12  # N, rounding of forces of 50 N

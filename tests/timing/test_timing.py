@@ -117,7 +117,7 @@ def test_900_engines():
     ``python -m validation.benchmark.planar_cost`` prints it.
     """
     grid = {"radius": np.linspace(0.5, 1.0, 30), "rod_length": np.linspace(1.5, 4.0, 30)}
-    run = {"t_end": 2 * np.pi / CRANK_RATE, "method": Kinematic(), "output": 36 + 1}
+    run = {"t_end": 2 * np.pi / CRANK_RATE, "method": Kinematic(), "output": 37}
     cells = [{"radius": 0.5 + 0.005 * k, "rod_length": 1.5 + 0.025 * k} for k in range(100)]
     before = building(inline_four, cells)
     table, wall, processor = figure(inline_four, grid, orders, run)
