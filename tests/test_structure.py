@@ -35,10 +35,16 @@ def name_of(path: Path) -> str:
 SOURCES = {name_of(path): path for top in TOPS for path in (ROOT / top).rglob("*.py")}
 
 
+@cache
+def tree_of(path: Path) -> ast.Module:
+    """Return the syntax tree of a file, parsed once."""
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 def imports(name: str) -> list[tuple[str, bool]]:
     """(module of ours that is imported, whether inside a function); imports for type checkers count too."""
     path = SOURCES[name]
-    tree = ast.parse(path.read_text(encoding="utf-8"))
+    tree = tree_of(path)
     package = name if path.name == "__init__.py" else name.rpartition(".")[0]
     functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)]
     inner, found = {id(node) for function in functions for node in ast.walk(function)}, []
@@ -165,7 +171,7 @@ def long_argument_lists() -> set[str]:
     """Return the functions with many arguments, but for kernels, whose arguments are arrays of one call."""
     found = set()
     for name, path in SOURCES.items():
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in ast.walk(tree_of(path)):
             if isinstance(node, ast.FunctionDef) and not any("kernel" in ast.dump(x) for x in node.decorator_list):
                 arguments = node.args.posonlyargs + node.args.args + node.args.kwonlyargs
                 if len(arguments) - (bool(arguments) and arguments[0].arg in ("self", "cls")) > ARGUMENTS:
@@ -244,7 +250,7 @@ def test_what_is_refused_is_refused_by_one_base_class():
         f"{name}: line {node.lineno}"
         for name, path in SOURCES.items()
         if not name.startswith(OWN_ERRORS)
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for node in ast.walk(tree_of(path))
         if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call) and isinstance(node.exc.func, ast.Name)
         if node.exc.func.id in ("ValueError", "TypeError", "KeyError", "IndexError", "RuntimeError", "Exception")
     ]
@@ -260,7 +266,7 @@ def test_systems_and_solutions_have_types():
         f"{name}.{node.name}"
         for name, path in SOURCES.items()
         if name.startswith("mbsd3d.")
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for node in ast.walk(tree_of(path))
         if isinstance(node, ast.FunctionDef) and not node.name.startswith("check_")
         for x in node.args.args
         if x.arg in ("system", "solution", "compiled")
@@ -278,6 +284,7 @@ PUBLIC = {
 }
 
 
+@cache
 def imported(source: str) -> list[tuple[str, str]]:
     """(module, name) of all imports of a test, at the top and inside functions; the name of a module is empty."""
     found = []

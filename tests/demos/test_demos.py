@@ -299,9 +299,9 @@ def test_the_satellite_is_watched_until_it_is_calm_however_long_the_run_that_is_
         ("slide_to_roll", {"mu": 0.9}), ("jet_pitch_yaw", {"t": 60.0}), ("step_steer", {"v": 87.0}),
         ("parking", {"steer_deg": 0.03}), ("parking", {"way": 0.01}), ("slide_to_roll", {"spin": 45.0}),
         ("slide_to_roll", {"spin": 49.9}), ("slide_to_roll", {"r": 0.013, "spin": 30.0}), ("slide_to_roll", {"mu": 0}),
-        ("dzhanibekov", {"I": [1, 2.48, 3], "off": 0.05}),
-        pytest.param("helicopter_90", {"e": 4.9, "c": 30.0}, marks=pytest.mark.slow),
-        ("helicopter_90", {"k": 5e9}), ("dual_spin", {"w": -0.5, "Omega": -100.0}), ("dual_spin", {"Omega": 150.0}),
+        ("dzhanibekov", {"I": [1, 2.48, 3], "off": 0.05}), ("helicopter_90", {"e": 4.9, "c": 30.0}),
+        pytest.param("helicopter_90", {"k": 5e9}, marks=pytest.mark.slow),
+        ("dual_spin", {"w": -0.5, "Omega": -100.0}), ("dual_spin", {"Omega": 150.0}),
     ],
 )  # fmt: skip
 def test_demos_far_from_their_own_parameters_meet_their_theory(name, changes):
