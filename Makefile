@@ -4,8 +4,9 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 PIP := $(BIN)/python -m pip --disable-pip-version-check install
-# The files go to the cores one by one: what the tests of a file share is made once.
-PYTEST := $(BIN)/python -m pytest
+# The files go to the cores one by one: what the tests of a file share is made once. One thread of BLAS for each: more
+# would wait for cores that the other workers use.
+PYTEST := OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest
 SPREAD := -n auto --dist loadfile
 
 .PHONY: demo gallery test slow kills timing warm lint pictures precision calibrate figures notebooks docs clean
@@ -28,7 +29,7 @@ kills: warm
 	MBSD3D_TEST_KILLS=30 $(PYTEST) -m slow tests/slow/test_kills.py tests/slow/test_killed_commands.py
 
 timing: warm
-	$(PYTEST) -m timing
+	$(BIN)/python -m pytest -m timing
 
 # Compiled once here, and not by each worker.
 warm: $(READY)
@@ -45,12 +46,12 @@ GENERIC := NUMBA_CPU_NAME=generic NUMBA_CPU_FEATURES= OPENBLAS_CORETYPE=Nehalem 
 
 test-generic: $(READY)
 	$(GENERIC) $(BIN)/mbsd3d warmup
-	$(GENERIC) $(BIN)/python -m pytest $(SPREAD) $(NUMBERS)
+	$(GENERIC) $(PYTEST) $(SPREAD) $(NUMBERS)
 
-# Masses and inertias differ by a few units in the last place from what the tests give: tests/noise.py. The workers of
+# Masses and inertias differ by a few units in the last place from what the tests give: tests/helpers/noise.py. The workers of
 # sweeps are processes of their own and have no noise.
 test-perturbed: $(READY)
-	MBSD3D_TEST_NOISE=1e-15 $(BIN)/python -m pytest $(SPREAD) $(NUMBERS) --ignore-glob='*/test_sweep.py'
+	MBSD3D_TEST_NOISE=1e-15 $(PYTEST) $(SPREAD) $(NUMBERS) --ignore-glob='*/test_sweep.py'
 
 pictures: $(READY)
 	$(BIN)/python docs/make_pictures.py docs/pictures

@@ -4,10 +4,10 @@ import os
 import signal
 
 import pytest
-from browser import launch
-from moving import mechanism
-from noise import noisy
-from pages import COUNT, END, TITLE, opened, seek
+from helpers.browser import launch
+from helpers.noise import noisy
+from helpers.page_mechanism import mechanism
+from helpers.pages import COUNT, END, TITLE, opened, seek
 
 from mbsd3d import simulate
 from mbsd3d.base import progress

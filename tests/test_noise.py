@@ -3,10 +3,10 @@
 import os
 
 import numpy as np
-from noise import perturbed
+from helpers.noise import perturbed
 
 from mbsd3d import Body, System
-from mbsd3d.base.mass_properties import check_inertia
+from mbsd3d.extend import check_inertia
 
 BODY = Body("block", 3.0, [[2.0, 0.1, 0.2], [0.1, 3.0, 0.3], [0.2, 0.3, 4.0]])
 

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-from shown import agrees, run
+from helpers.page_blocks import agrees, run
 
 import mbsd3d
-from mbsd3d.cli import main
+from mbsd3d.extend import main
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")

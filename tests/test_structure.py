@@ -2,6 +2,7 @@
 
 import ast
 import importlib
+import re
 from functools import cache
 from pathlib import Path
 
@@ -34,10 +35,16 @@ def name_of(path: Path) -> str:
 SOURCES = {name_of(path): path for top in TOPS for path in (ROOT / top).rglob("*.py")}
 
 
+@cache
+def tree_of(path: Path) -> ast.Module:
+    """Return the syntax tree of a file, parsed once."""
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 def imports(name: str) -> list[tuple[str, bool]]:
     """(module of ours that is imported, whether inside a function); imports for type checkers count too."""
     path = SOURCES[name]
-    tree = ast.parse(path.read_text(encoding="utf-8"))
+    tree = tree_of(path)
     package = name if path.name == "__init__.py" else name.rpartition(".")[0]
     functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)]
     inner, found = {id(node) for function in functions for node in ast.walk(function)}, []
@@ -164,7 +171,7 @@ def long_argument_lists() -> set[str]:
     """Return the functions with many arguments, but for kernels, whose arguments are arrays of one call."""
     found = set()
     for name, path in SOURCES.items():
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in ast.walk(tree_of(path)):
             if isinstance(node, ast.FunctionDef) and not any("kernel" in ast.dump(x) for x in node.decorator_list):
                 arguments = node.args.posonlyargs + node.args.args + node.args.kwonlyargs
                 if len(arguments) - (bool(arguments) and arguments[0].arg in ("self", "cls")) > ARGUMENTS:
@@ -243,7 +250,7 @@ def test_what_is_refused_is_refused_by_one_base_class():
         f"{name}: line {node.lineno}"
         for name, path in SOURCES.items()
         if not name.startswith(OWN_ERRORS)
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for node in ast.walk(tree_of(path))
         if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call) and isinstance(node.exc.func, ast.Name)
         if node.exc.func.id in ("ValueError", "TypeError", "KeyError", "IndexError", "RuntimeError", "Exception")
     ]
@@ -259,7 +266,7 @@ def test_systems_and_solutions_have_types():
         f"{name}.{node.name}"
         for name, path in SOURCES.items()
         if name.startswith("mbsd3d.")
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for node in ast.walk(tree_of(path))
         if isinstance(node, ast.FunctionDef) and not node.name.startswith("check_")
         for x in node.args.args
         if x.arg in ("system", "solution", "compiled")
@@ -267,3 +274,103 @@ def test_systems_and_solutions_have_types():
         and x.annotation.id == "Any"
     ]
     assert not loose
+
+
+TESTS = {path.relative_to(ROOT / "tests").as_posix(): path for path in (ROOT / "tests").rglob("*.py")}
+PUBLIC = {
+    *("mbsd3d", "mbsd3d.extend", "bicycle", "validation"),
+    *(f"mbsd3d.{module}" for module in PUBLIC_MODULES),
+    *(f"mbsd3d.extend.{topic}" for topic in TOPICS),
+}
+
+
+@cache
+def imported(source: str) -> list[tuple[str, str]]:
+    """(module, name) of all imports of a test, at the top and inside functions; the name of a module is empty."""
+    found = []
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.ImportFrom):
+            for alias in node.names:
+                whole = f"{node.module}.{alias.name}"
+                found.append((whole, "") if whole in SOURCES else (f"{'.' * node.level}{node.module}", alias.name))
+        elif isinstance(node, ast.Import):
+            found += [(alias.name, "") for alias in node.names]
+    return found
+
+
+def neighbours(source: str) -> set[str]:
+    """Return the test files that a source imports; besides them `test_what_tests_share_stands_in_one_folder`."""
+    names = [f"{module}.{name}".removesuffix(".") for module, name in imported(source)]
+    return {name for name in names if re.search(r"(^|\.)(test_|conftest\b)", name) or name[0] == "."}
+
+
+def test_no_test_file_imports_another():
+    wrong = {name: found for name, path in TESTS.items() if (found := neighbours(path.read_text(encoding="utf-8")))}
+    assert not wrong, "what tests share stands in tests/helpers"
+
+
+def test_what_tests_share_stands_in_one_folder():
+    loose = {
+        name for name in TESTS if not name.startswith(("helpers/", "types/")) and not Path(name).match("test_*.py")
+    }
+    assert loose == {"conftest.py"}
+    assert not [name for name in TESTS if name.startswith("helpers/") and Path(name).match("test_*.py")]
+
+
+def test_ablation_imports_between_tests_are_seen():
+    assert neighbours("from test_files import pendulum") == {"test_files.pendulum"}
+    assert neighbours("def f():\n    from files import test_files") == {"files.test_files"}
+    assert neighbours("import view.test_live\nfrom ..view import live") == {"view.test_live", "..view.live"}
+    assert neighbours("import numpy\nfrom helpers.models import pendulum\nfrom mbsd3d.view import page") == set()
+
+
+@cache
+def documented() -> frozenset[str]:
+    """Modules, and names in them, of the packages beside that the pages name."""
+    pages = [ROOT / "README.md", *(ROOT / "docs").rglob("*.md")]
+    text = " ".join(page.read_text(encoding="utf-8") for page in pages)
+    return frozenset(re.findall(r"\b(?:bicycle|engines|validation)(?:\.[a-z_0-9]+)+", text))
+
+
+def internals(name: str, source: str) -> list[tuple[str, str]]:
+    """(module, name) that a test imports and that is neither public nor documented nor what the test is named after.
+
+    Named after: all words of the file's name are in the path of the module, as in test_nvh_mounts and
+    engines.nvh.mounts.response.
+    """
+    own = set(Path(name).stem.split("_")) - {"test"}
+    return [
+        (module, what)
+        for module, what in imported(source)
+        if module.split(".")[0] in TOPS and not {module, f"{module}.{what}"} & (PUBLIC | documented())
+        if not (own and own <= set(re.split(r"[._]", module)))
+    ]
+
+
+def of_tests(*, constants: bool) -> set[str]:
+    """Return the tests that import internals; of constants file and name."""
+    found = set()
+    for name, path in TESTS.items():
+        for _, what in internals(name, path.read_text(encoding="utf-8")):
+            if not constants:
+                found.add(name)
+            elif what.isupper():
+                found.add(f"{name}:{what}")
+    return found
+
+
+def test_tests_of_internals_do_not_become_more():
+    """A test uses public names and the module that it is named after."""
+    assert of_tests(constants=False) <= known("tests that import internals")
+
+
+def test_constants_of_internals_do_not_become_more():
+    """A test asserts what a constant does."""
+    assert of_tests(constants=True) <= known("constants of internals in tests")
+
+
+def test_ablation_internals_are_seen():
+    source = "from mbsd3d.view.camera import sight, VIEW\nfrom mbsd3d.rotations import matrix\nimport mbsd3d.run.job"
+    assert internals("view/test_camera.py", source) == [("mbsd3d.run.job", "")]
+    assert [what for _, what in internals("view/test_view.py", source)] == [""]
+    assert [what for _, what in internals("run/test_motion.py", source)] == ["sight", "VIEW", ""]

@@ -3,7 +3,7 @@
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from mbsd3d.base.concurrency import one_thread
+from mbsd3d.extend import one_thread
 
 
 def threads():

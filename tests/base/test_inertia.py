@@ -5,10 +5,11 @@ import doctest
 import numpy as np
 import pytest
 
+from mbsd3d import rotation
 from mbsd3d.base import mass_properties
-from mbsd3d.base.mass_properties import check_inertia
-from mbsd3d.base.rotations import matrix, rotation
+from mbsd3d.extend import check_inertia
 from mbsd3d.inertia import box, combine, cone, cylinder, rod, sphere, steiner
+from mbsd3d.rotations import matrix
 
 ROUNDING = 1e-13  # relative: sums of at most a few hundred terms
 

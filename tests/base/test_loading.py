@@ -4,7 +4,7 @@ import signal
 
 import pytest
 
-from mbsd3d.base.version import loading
+from mbsd3d.extend import loading
 
 
 def interrupted():

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from mbsd3d import rotation
 from mbsd3d.base import rotations
-from mbsd3d.base.rotations import (
+from mbsd3d.kernels.kinematics import displace_body
+from mbsd3d.rotations import (
     H,
     as_quaternion,
     conjugate,
@@ -16,10 +18,8 @@ from mbsd3d.base.rotations import (
     matrix,
     multiply,
     quaternion_from_matrix,
-    rotation,
     skew,
 )
-from mbsd3d.kernels.kinematics import displace_body
 
 ROUNDING = 1e-14  # a few dozen operations on numbers of order 1
 OMEGA = np.array([0.7, -1.3, 2.1])

@@ -10,10 +10,11 @@ import pytest
 from matplotlib import style
 
 import mbsd3d
-from mbsd3d import Body, System, simulate
-from mbsd3d.base.style import COLOURS, DARK, GREY, LIGHT, Theme, colour, figure_style, theme
-from mbsd3d.plotting.plots import save_figure
+from mbsd3d import Body, System, save_figure, simulate
+from mbsd3d.base import style as own
+from mbsd3d.extend import Theme, figure_style, theme
 
+LIGHT, DARK = theme(False), theme(True)
 # Machado, Oliveira and Fernandes 2009, severity 1, for linear RGB
 VISION = {
     "normal": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
@@ -75,9 +76,8 @@ def test_lines_are_told_apart(look, vision):
 
 
 def test_names():
-    assert theme(True) is DARK and theme(False) is LIGHT and isinstance(LIGHT, Theme)
-    assert (COLOURS, GREY) == (LIGHT.lines, LIGHT.muted)
-    assert colour(7) == COLOURS[1] and DARK.colour(6) == DARK.lines[0]
+    assert isinstance(LIGHT, Theme) and LIGHT != DARK and LIGHT.paper != DARK.paper
+    assert own.colour(7) == LIGHT.lines[1] and DARK.colour(6) == DARK.lines[0]
 
 
 def test_colours_of_figures_stand_in_one_place():

@@ -7,20 +7,19 @@ import matplotlib
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from closed_forms.steady_turn import steady_turn
+from helpers.closed_forms.steady_turn import steady_turn
 from scipy.optimize import brentq
 
-from bicycle import Meijaard2007, circles
+from bicycle import Meijaard2007, circles, named
 from bicycle.linear.equations import canonical
 from bicycle.model.kinematics import Height, placed
 from bicycle.model.mechanism import steer_torque
-from bicycle.parameters import library, named
+from bicycle.parameters import library
 from bicycle.turns.circles import plot_circles
-from bicycle.turns.families import SECTION_STEERS, Curve, Search, follow_all
+from bicycle.turns.families import Curve, Search, follow_all
 from bicycle.turns.turning import TurnSolver
-from mbsd3d import accelerations
-from mbsd3d.cli import main
-from mbsd3d.mechanism.signals.curves import Pulse
+from mbsd3d import Pulse, accelerations
+from mbsd3d.extend import main
 
 matplotlib.use("Agg")
 BENCHMARK = Meijaard2007()
@@ -143,7 +142,7 @@ def test_a_bar_shows_how_far_the_torques_are(monkeypatch):
 def test_families_tell_of_every_point():
     told = []
     search = Search.of(BENCHMARK, 0.15, told.append)
-    x = search.seeds(SECTION_STEERS[0])[0]
+    x = search.seeds(np.radians(8.0))[0]
     points, _ = search.follow(x, search.curve.direction(x))
     assert len(told) >= len(points) > 3
 
@@ -205,6 +204,7 @@ def test_curve_follows_a_sharp_bend_wherever_the_last_step_before_it_ends(bend):
         assert any(x[0] > 0.5 for _, x in zip(range(100), points, strict=False))
 
 
+@pytest.mark.slow
 def test_a_family_goes_round_its_sharp_bend_and_is_found_once():
     """Round tyres bend the second family within 0.1 degrees, near a lean of -16.6 and a steer angle of 134.6."""
     search = Search.of(replace(BENCHMARK, tR=0.02, tF=0.02), 0.1, lambda done: None)

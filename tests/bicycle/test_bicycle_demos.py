@@ -1,7 +1,7 @@
 """The demos of the bicycle."""
 
-from family_checks import *  # noqa: F403
-from family_checks import demos_of
+from helpers.demo_checks import *  # noqa: F403
+from helpers.demo_checks import demos_of
 
 from bicycle import demos
 

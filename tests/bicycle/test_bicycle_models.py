@@ -6,8 +6,8 @@ from importlib import import_module
 
 import numpy as np
 import pytest
-from closed_forms.small_motions import bicycle_matrix
-from said import limits
+from helpers.closed_forms.small_motions import bicycle_matrix
+from helpers.page_limits import limits
 from scipy.optimize import brentq
 
 from bicycle import Meijaard2007, Parameters, general, kinematics, named, parameters, play, ride, rider, whipple
@@ -15,8 +15,8 @@ from bicycle.linear.equations import canonical
 from bicycle.model.mechanism import Bicycle, PublishedBody
 from bicycle.parameters import deviations, library, read_values
 from mbsd3d import State, System, accelerations, simulate
-from mbsd3d.base.rotations import exponential, matrix, multiply
 from mbsd3d.errors import ArgumentError
+from mbsd3d.rotations import exponential, matrix, multiply
 from validation.theory import whipple_lagrange
 
 BENCHMARK = Meijaard2007()

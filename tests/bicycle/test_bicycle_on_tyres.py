@@ -17,7 +17,7 @@ from bicycle.linear import tyre_equations
 from bicycle.parameters import fittings, machines
 from bicycle.turns import on_tyres as turns_on_tyres
 from mbsd3d import Pulse, linearize, simulate
-from mbsd3d.cli import main
+from mbsd3d.extend import main
 
 TRUTHS = json.loads(Path(__file__).with_name("tyre_truths.json").read_text(encoding="utf-8"))
 P = Meijaard2007()
@@ -282,6 +282,7 @@ def test_turns_end_at_the_limit_of_grip(tmp_path):
     assert done.exit_code == 0 and "5 m/s: up to a lean of 16." in done.output
 
 
+@pytest.mark.slow
 def test_turns_are_those_of_both_wheels_whatever_leans_are_asked_for():
     """Slow turns are steered far, and a search from afar ends in wheelies, with less lean."""
     p = named("Rigid")
@@ -292,6 +293,7 @@ def test_turns_are_those_of_both_wheels_whatever_leans_are_asked_for():
         turns_on_tyres.turn(p, BRUSH, speed=2.0, lean=0.6)
 
 
+@pytest.mark.slow
 def test_a_speed_without_turns_does_not_lose_the_others(tmp_path):
     asked = ["bicycle", "circles", "--tyre", "mu=0.1", "--speed", "6", "--speed", "0.3", "--out", str(tmp_path)]
     done = CliRunner().invoke(main, asked)

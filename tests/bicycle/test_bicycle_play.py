@@ -4,17 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from browser import visit
 from click.testing import CliRunner
-from test_live import until
+from helpers.browser import visit
+from helpers.live_views import until
 
 from bicycle import Meijaard2007, named, on_tyres, play, whipple
 from bicycle.model.kinematics import steer_axis
 from bicycle.rides.rider_mass import carried, faster, lowest
 from mbsd3d import Solution, Stepper, accelerations
-from mbsd3d.cli import main
+from mbsd3d.extend import main
 from mbsd3d.results.record import RunOptions
-from mbsd3d.run.live_run import PERIOD, Playing
+from mbsd3d.run.live_run import Playing
+
+PERIOD = 1.0 / 60.0  # [s] from one frame to the next, as docs/how/stepping.md says
 
 P = Meijaard2007()
 ROUND = replace(P, tR=0.02, tF=0.03)

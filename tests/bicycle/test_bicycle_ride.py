@@ -11,13 +11,12 @@ import pytest
 import scipy.linalg
 from click.testing import CliRunner
 
-from bicycle import TYPICAL, Meijaard2007, circles, ride, whipple
+from bicycle import TYPICAL, Meijaard2007, circles, named, ride, whipple
 from bicycle.linear.equations import canonical
-from bicycle.parameters import library, named, names
+from bicycle.parameters import library, names
 from bicycle.rides.manoeuvres import MANOEUVRES
-from mbsd3d import IntegrationError
-from mbsd3d.cli import main
-from mbsd3d.mechanism.signals.curves import Pulse
+from mbsd3d import IntegrationError, Pulse
+from mbsd3d.extend import main
 from validation import cross_check
 
 matplotlib.use("Agg")
@@ -250,6 +249,7 @@ def test_a_ride_of_bodies_that_cannot_exist_is_written_as_far_as_it_can_be(tmp_p
     assert {path.suffix for path in tmp_path.iterdir()} == {".csv", ".png", ".svg"}
 
 
+@pytest.mark.slow
 def test_rides_that_differ_have_files_of_their_own(tmp_path):
     common = ["bicycle", "ride", "--manoeuvre", "pulse", "--t-end", "0.1", "--out", str(tmp_path)]
     for more in ([], ["--speed", "4.25"], ["--speed", "5"], ["--fallen", "30", "--held-down"], ["--fallen", "60"]):

@@ -9,12 +9,12 @@ import pytest
 from click.testing import CliRunner
 from scipy.linalg import solve_continuous_lyapunov
 
-from bicycle import Meijaard2007, assist, course, handling, named, rider, tyres
+from bicycle import Meijaard2007, assist, course, handling, named, rider, tyres, whipple
 from bicycle.linear.general import linearization
-from bicycle.model.mechanism import Bicycle, whipple
+from bicycle.model.mechanism import Bicycle
 from bicycle.parameters import fittings
 from mbsd3d import StateFeedback, measures
-from mbsd3d.cli import main
+from mbsd3d.extend import main
 
 TRUTHS = json.loads(Path(__file__).with_name("tyre_truths.json").read_text(encoding="utf-8"))
 P = Meijaard2007()

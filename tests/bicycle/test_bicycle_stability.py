@@ -9,16 +9,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from helpers.page_limits import limits
 from numpy.polynomial import Polynomial
-from said import limits
 
-from bicycle import Meijaard2007, critical, general, named, parameters, stability, whipple
+from bicycle import Meijaard2007, critical, equations, general, named, parameters, stability, whipple
 from bicycle.linear.critical import double_roots
-from bicycle.linear.equations import NAMES, canonical, follow
+from bicycle.linear.equations import canonical, follow
 from bicycle.model.mechanism import Bicycle, outputs
 from bicycle.parameters import library
 from mbsd3d import TorsionSpring
-from mbsd3d.cli import main
+from mbsd3d.extend import main
 
 BENCHMARK = Meijaard2007()
 TABLE = library()["eigenvalue_table"]["rows"]
@@ -167,7 +167,7 @@ def test_modes_keep_their_names_where_growths_cross():
     assert np.any(growth[:, 0] > growth[:, 2]) and np.any(growth[:, 0] < growth[:, 2])  # weave and capsize cross
     assert np.all(values[20:, 0].imag > 0.0) and np.all(values[:, 2:].imag == 0.0)
     assert values[20:, 1] == pytest.approx(values[20:, 0].conj(), abs=1e-12)
-    assert np.all(growth[:, 3] < growth[:, 2]) and NAMES[3] == "castering"
+    assert np.all(growth[:, 3] < growth[:, 2]) and equations.NAMES[3] == "castering"
     assert growth[0, :2] == pytest.approx([3.1316, 5.5309], abs=1e-4)  # split at rest, the slower first
     for row, k in zip(TABLE[1:], range(20, 201, 20), strict=True):
         assert growth[k, 2] == pytest.approx(float(row["printed"]["capsize"]), abs=1e-11)

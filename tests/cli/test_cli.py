@@ -12,23 +12,15 @@ from importlib import metadata
 import click
 import pytest
 from click.testing import CliRunner
-from family_checks import small
+from helpers.demo_checks import small
+from helpers.scripts import PENDULUM
 
 import mbsd3d
-from mbsd3d.cli import interruption, main
+from mbsd3d.cli import interruption
 from mbsd3d.cli.interruption import answered_at_once
-from mbsd3d.cli.run import METHODS
-from mbsd3d.demos.discovery import discover
+from mbsd3d.extend import discover, main
 from mbsd3d.files import schema
 from mbsd3d.integrators.method import Method
-
-PENDULUM = """
-from mbsd3d import GROUND, Body, Revolute, System
-
-def build():
-    bob = Body("bob", mass=1.0, inertia=(0.1, 0.1, 0.02), position=(0, 0.6, -0.8), orientation=(1, 0, 0, 0))
-    return System([bob], [Revolute(GROUND, bob, at=(0, 0, 0), axis=(1, 0, 0), name="hinge")])
-"""
 
 DOOR = """
 from mbsd3d import GROUND, Body, Revolute, System
@@ -95,7 +87,8 @@ def test_help_names_the_commands():
 def test_all_methods_can_be_chosen():
     """The command line lists them without loading them."""
     known = {name for name, kind in schema.types().items() if Method in kind.__mro__}
-    assert set(METHODS) == known and known <= set(mbsd3d.__all__)
+    (option,) = (x for x in main.commands["run"].params if x.name == "method")
+    assert set(option.type.choices) == known and known <= set(mbsd3d.__all__)
 
 
 def test_help_needs_click_only():

@@ -5,9 +5,9 @@ from importlib import metadata
 from click.testing import CliRunner
 
 from mbsd3d import __version__
-from mbsd3d.cli import doctor, main
+from mbsd3d.cli import doctor
 from mbsd3d.compiler import cache_folder
-from mbsd3d.compiler.cache_folder import CACHE
+from mbsd3d.extend import CACHE, main
 
 
 def said():

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 from mbsd3d import __version__, load
 from mbsd3d.base import progress
-from mbsd3d.cli import main
+from mbsd3d.extend import main
 
 MODEL = """
 from mbsd3d import GROUND, Body, Revolute, System

@@ -9,8 +9,8 @@ import sys
 import pytest
 from click.testing import CliRunner
 
-from mbsd3d.cli import main
 from mbsd3d.cli.play import ranges
+from mbsd3d.extend import main
 
 SLED = """
 from mbsd3d import Body, Force, Input, System

@@ -10,10 +10,10 @@ from dataclasses import asdict
 
 import pytest
 from click.testing import CliRunner
-from test_cli import PENDULUM
+from helpers.scripts import PENDULUM
 
 from bicycle import Meijaard2007
-from mbsd3d.cli import main
+from mbsd3d.extend import main
 
 OPTIONAL = ("viser", "pygltflib", "mujoco", "exudyn", "distributed", "dask", "imageio_ffmpeg")
 NARROW = 20  # columns

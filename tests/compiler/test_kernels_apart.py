@@ -2,13 +2,11 @@
 
 import subprocess
 import sys
-from typing import NamedTuple
 
 import numba
 import numpy as np
 import pytest
-
-from mbsd3d.compiler.arguments import by_reference
+from helpers.kept_code import Inner, Outer
 
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
 
@@ -95,20 +93,6 @@ def test_a_later_process_compiles_nothing():
         return subprocess.run(given, capture_output=True, text=True, check=True).stdout.strip()
 
     assert compiled() == "[]" or compiled() == "[]"  # the first one may be the first of all
-
-
-@by_reference
-class Inner(NamedTuple):
-    count: int
-    weights: np.ndarray
-
-
-@by_reference
-class Outer(NamedTuple):
-    inner: Inner
-    factor: float
-    table: np.ndarray
-    limits: tuple[float, float]
 
 
 @numba.njit(_nrt=False, no_cpython_wrapper=True)

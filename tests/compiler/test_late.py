@@ -282,7 +282,7 @@ time.sleep(60)
 
 
 @pytest.mark.skipif(os.name != "posix", reason="kill -9")
-@pytest.mark.parametrize("sign", [signal.SIGKILL, signal.SIGTERM])
+@pytest.mark.parametrize("sign", [signal.SIGKILL, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
 def test_the_second_process_ends_with_the_first(sign):
     environment = {name: value for name, value in os.environ.items() if name != "MBSD3D_SECOND"}
     first = subprocess.Popen([sys.executable, "-c", SECOND], stdout=subprocess.PIPE, text=True, env=environment)

@@ -71,6 +71,7 @@ print(isinstance(half, Dispatcher), above(3.0), a[0], type(above._cache).__name_
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
 def test_plain_numba_does_without_files_and_late_kernels(tmp_path):
     (tmp_path / "plain.py").write_text(PLAIN)

@@ -6,26 +6,14 @@ from types import SimpleNamespace
 import numba
 import numpy as np
 import pytest
+from helpers.kept_code import area, fresh, hits
 
 from mbsd3d.compiler import object_files
-from mbsd3d.compiler.object_files import CodeFiles, keep_code
+from mbsd3d.compiler.object_files import CodeFiles
 from mbsd3d.errors import InputError
+from mbsd3d.extend import keep_code
 
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
-
-
-def area(a, b):
-    return 0.5 * a * b
-
-
-def fresh(folder):
-    """The function as a new process finds it."""
-    object_files.say_once.cache_clear()
-    return keep_code(numba.njit(area), folder)
-
-
-def hits(function):
-    return sum(function._cache_hits.values())
 
 
 @pytest.fixture

@@ -33,7 +33,7 @@ def test_other_names_are_refused(given):
 
 
 def test_units_are_declared_once_for_every_law():
-    from mbsd3d.mechanism.force_element import ForceElement
+    from mbsd3d.extend import ForceElement
 
     def below(cls):
         return [cls, *(x for sub in cls.__subclasses__() for x in below(sub))]

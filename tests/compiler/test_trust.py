@@ -10,10 +10,11 @@ from pathlib import Path
 import numba
 import numpy as np
 import pytest
-from test_object_files import area, fresh, hits
+from helpers.kept_code import area, fresh, hits
 
 from mbsd3d.compiler import cache_folder, object_files
-from mbsd3d.compiler.object_files import check_sum, keep_code
+from mbsd3d.compiler.object_files import check_sum
+from mbsd3d.extend import keep_code
 
 pytestmark = [
     pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled"),
@@ -200,7 +201,7 @@ def test_a_file_brings_no_module_in(kept, tmp_path, monkeypatch):
 
 def test_types_go_to_disk_and_back(tmp_path):
     """Whatever kernels take and return: records, named tuples by value and by reference, complex, none."""
-    from test_kernels_apart import Inner, Outer
+    from helpers.kept_code import Inner, Outer
 
     given = Outer(Inner(3, np.arange(5.0)), 0.25, np.zeros(5, [("p", float, 3), ("k", np.int32)]), (7.0, 2.0))
     table = np.asfortranarray(np.arange(6.0).reshape(2, 3))

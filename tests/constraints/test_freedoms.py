@@ -34,7 +34,7 @@ from mbsd3d import (
     inertia,
     simulate,
 )
-from mbsd3d.base.rotations import matrix
+from mbsd3d.rotations import matrix
 
 ROD_AXIS = np.array([0.8, 0.15, -0.5]) / np.linalg.norm([0.8, 0.15, -0.5])
 

@@ -23,7 +23,7 @@ from mbsd3d import (
     rotation,
     simulate,
 )
-from mbsd3d.base.rotations import matrix
+from mbsd3d.rotations import matrix
 from validation import cases
 
 TILT = rotation((0.3, -1.0, 0.7), 0.9)

@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
-from test_assembly import INERTIA, arm, four_bar
+from helpers.chains import INERTIA, arm, four_bar
 
 from mbsd3d import GROUND, AngleDriver, AssemblyError, Body, Ramp, Revolute, System, accelerations, simulate
-from mbsd3d.equations.at_state import load_state
-from mbsd3d.equations.compiled import compile_system
 from mbsd3d.equations.dense_solvers import mass_matrix_of
 from mbsd3d.equations.jacobian import block_rows
+from mbsd3d.extend import compile_system, load_state
 
 RATES = {"hinge 0": 3.0, "hinge 1": -2.0, "hinge 2": 5.0}
 

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import scipy.linalg
-from models import (
+from helpers.models import (
     Evaluation,
     all_joints_mechanism,
     at_reference,
@@ -19,15 +19,16 @@ from numpy.linalg import matrix_rank
 from scipy.sparse import csr_array
 
 from mbsd3d import GROUND, Body, Distance, Fixed, Gear, Revolute, Spherical, State, System, Universal, rotation
-from mbsd3d.base.rotations import matrix, multiply
 from mbsd3d.constraints.assembly import reference_pose
 from mbsd3d.constraints.least_squares import least
 from mbsd3d.constraints.rank import Analysis, redundant_combinations, surely_independent
-from mbsd3d.equations.at_state import load_state
-from mbsd3d.equations.dense_solvers import mass_matrix
-from mbsd3d.equations.jacobian import RANK_TOLERANCE, BlockRows, scaled_rows
+from mbsd3d.equations.jacobian import BlockRows, scaled_rows
+from mbsd3d.extend import load_state, mass_matrix
+from mbsd3d.rotations import matrix, multiply
 from validation import cases
 from validation.cases.mechanisms import ladder
+
+RANK_RTOL = 1e-10  # [1] between the rounding of dependent rows, 1e-13, and the least independent ones
 
 ROUNDING = 1e-11  # of rows of order one, times what an elimination with pivots down to 1e-3 may make of it
 
@@ -36,11 +37,11 @@ def check_against_dense(system, core_rows):
     """Rank, independent rows, redundant combinations and free motions against one SVD of the whole J."""
     compiled, data = at_reference(system)
     A = dense_rows(compiled, data)
-    rank = matrix_rank(A, rtol=RANK_TOLERANCE)
+    rank = matrix_rank(A, rtol=RANK_RTOL)
     found = Analysis(scaled_rows(compiled.model, data), core_rows=core_rows)
     assert found.rank == rank
     chosen, N = found.independent(), found.redundant()
-    assert matrix_rank(A[chosen], rtol=RANK_TOLERANCE) == chosen.size == rank
+    assert matrix_rank(A[chosen], rtol=RANK_RTOL) == chosen.size == rank
     assert N.shape == (A.shape[0], A.shape[0] - rank)
     assert np.abs(A.T @ N).max(initial=0.0) < ROUNDING
     assert matrix_rank(N) == N.shape[1] if N.size else True
@@ -57,7 +58,7 @@ def test_rank_of_every_case_is_that_of_the_whole_jacobian(name, core_rows):
 
 
 @pytest.mark.parametrize("core_rows", [64, 0])
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(4))
 def test_rank_of_random_loops_is_that_of_the_whole_jacobian(seed, core_rows):
     found = check_against_dense(random_loops(seed), core_rows)
     assert found.rank < found.m  # the doubled hinges

@@ -20,13 +20,13 @@ from mbsd3d import (
     TorsionSpring,
     Universal,
     accelerations,
+    inertia,
     linearize,
     linkages,
     rotation,
     simulate,
 )
-from mbsd3d.base import inertia
-from mbsd3d.base.rotations import matrix
+from mbsd3d.rotations import matrix
 from validation import cases
 from validation.cases.comparison import compare
 from validation.suite.trials.references import allowed

@@ -4,11 +4,11 @@ import re
 
 import numpy as np
 import pytest
-from models import revolute_chain
+from helpers.models import revolute_chain
 
 from mbsd3d import GROUND, Body, Fixed, Prismatic, Revolute, SlideDriver, Spherical, System, Universal, rotation
-from mbsd3d.base.rotations import matrix
 from mbsd3d.demos.turning.wrist_singularity import wrist
+from mbsd3d.rotations import matrix
 from validation import cases
 
 

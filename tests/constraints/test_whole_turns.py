@@ -29,7 +29,7 @@ from mbsd3d import (
     rotation,
     simulate,
 )
-from mbsd3d.base.rotations import matrix
+from mbsd3d.rotations import matrix
 
 TURNS = 2.0 * np.pi
 

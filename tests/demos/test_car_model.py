@@ -10,12 +10,15 @@ from scipy.interpolate import CubicSpline
 
 from mbsd3d import Pulse, linearize, simulate
 from mbsd3d.demos.cars import single_track
-from mbsd3d.demos.cars.car import WHEELS, Car, Engine, G, car
+from mbsd3d.demos.cars.car import Car, Engine, car
 from mbsd3d.demos.cars.circle import Balance, circle, circles
-from mbsd3d.demos.cars.linear import FULL_SPIN, HALF_SPIN, linear
+from mbsd3d.demos.cars.linear import linear
 from mbsd3d.demos.cars.roll_bars import note
 from mbsd3d.demos.cars.theory import limit, roll_gradient, transfers, trims
 from mbsd3d.demos.discovery import own_demos
+
+G = 9.81  # [m/s^2]
+WHEELS = ("front left", "front right", "rear left", "rear right")
 
 TRUTHS = json.loads(Path(__file__).with_name("car_truths.json").read_text(encoding="utf-8"))
 MIRROR = [1, 0, 3, 2]
@@ -44,7 +47,7 @@ def test_small_accelerations_have_the_closed_forms():
 
 
 @pytest.mark.parametrize("c", [Car(), OTHER])
-@pytest.mark.parametrize(("spin", "terms"), [(FULL_SPIN, {}), (HALF_SPIN, {"gyroscopic": False})])
+@pytest.mark.parametrize(("spin", "terms"), [(1.0, {}), (0.5, {"gyroscopic": False})])
 def test_small_motions_are_those_written_out_by_hand(c, spin, terms):
     """All sixteen to the side; they share neither rows nor forces nor derivatives."""
     known = np.linalg.eigvals(linear(c, 23.0, spin).A)

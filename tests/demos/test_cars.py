@@ -1,7 +1,7 @@
 """A car at the limit of its tyres: every demo of the family."""
 
-from family_checks import *  # noqa: F403
-from family_checks import demos_of
+from helpers.demo_checks import *  # noqa: F403
+from helpers.demo_checks import demos_of
 
 from mbsd3d.demos import cars
 

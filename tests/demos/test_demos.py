@@ -10,23 +10,23 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from closed_forms import cardan as shafts
-from closed_forms import rotations
-from family_checks import small
+from helpers.closed_forms import cardan as shafts
+from helpers.closed_forms import rotations
+from helpers.demo_checks import small
 from scipy.integrate import solve_ivp
 
 import mbsd3d
 from mbsd3d import simulate
-from mbsd3d.base.errors import InputError
 from mbsd3d.demos.base import Outcome, Row
-from mbsd3d.demos.discovery import discover, own_demos
+from mbsd3d.demos.discovery import own_demos
 from mbsd3d.demos.floating import dzhanibekov
-from mbsd3d.demos.form import Quantity
 from mbsd3d.demos.loops import door
 from mbsd3d.demos.report import report, table, write
 from mbsd3d.demos.shafts import cardan, crank
 from mbsd3d.demos.terms import wall
 from mbsd3d.demos.tops import heavy_top
+from mbsd3d.errors import InputError
+from mbsd3d.extend import Quantity, discover
 from validation import theory
 
 REFERENCES = Path(__file__).parents[2] / "validation" / "references"
@@ -300,7 +300,8 @@ def test_the_satellite_is_watched_until_it_is_calm_however_long_the_run_that_is_
         ("parking", {"steer_deg": 0.03}), ("parking", {"way": 0.01}), ("slide_to_roll", {"spin": 45.0}),
         ("slide_to_roll", {"spin": 49.9}), ("slide_to_roll", {"r": 0.013, "spin": 30.0}), ("slide_to_roll", {"mu": 0}),
         ("dzhanibekov", {"I": [1, 2.48, 3], "off": 0.05}), ("helicopter_90", {"e": 4.9, "c": 30.0}),
-        ("helicopter_90", {"k": 5e9}), ("dual_spin", {"w": -0.5, "Omega": -100.0}), ("dual_spin", {"Omega": 150.0}),
+        pytest.param("helicopter_90", {"k": 5e9}, marks=pytest.mark.slow),
+        ("dual_spin", {"w": -0.5, "Omega": -100.0}), ("dual_spin", {"Omega": 150.0}),
     ],
 )  # fmt: skip
 def test_demos_far_from_their_own_parameters_meet_their_theory(name, changes):
@@ -320,7 +321,9 @@ def test_a_wobble_as_fast_as_the_turn_is_not_taken_for_it(Omega, nutation):
     assert row.passed and row.computed == pytest.approx(nutation, rel=1e-11)
 
 
-@pytest.mark.parametrize(("M", "side"), [(76e3, 1.84099466239), (150e3, -1.73064830065)])
+@pytest.mark.parametrize(
+    ("M", "side"), [pytest.param(76e3, 1.84099466239, marks=pytest.mark.slow), (150e3, -1.73064830065)]
+)
 def test_a_nose_that_passes_straight_up_stays_beside_its_plane(M, side):
     """Its heading turned by half a turn there, 175.6 degrees; the angle to the plane of the start does not jump."""
     found = own_demos()["jet_pitch_yaw"].run(M=M)

@@ -6,10 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mbsd3d.base.style import COLOURS, LIGHT
 from mbsd3d.demos.drawing import new_figure, spectrum_bars
-from mbsd3d.demos.figure import Curve, Line, Panel, figure_of, same
-from mbsd3d.report.exhibits import inline_svg
+from mbsd3d.demos.figure import Line, Panel, figure_of, same
+from mbsd3d.extend import Curve, inline_svg, theme
 
 T = np.linspace(0.0, 2.0, 41)
 NOISE = 1e-15 * np.sin(37.0 * T)
@@ -63,7 +62,7 @@ def test_paths_seen_from_above_keep_their_shape_and_units_are_raised():
 
 def test_axes_in_space_have_the_colours_of_the_page():
     figure, (axes,) = new_figure("", ["3d: path"])
-    axes.plot([0.0, 1.0], [0.2, 0.7], [0.1, 0.4], color=COLOURS[0])
+    axes.plot([0.0, 1.0], [0.2, 0.7], [0.1, 0.4], color=theme(False).lines[0])
     axes.set_xlabel("q")
     assert not re.search("#000000|: black", inline_svg(figure, "path-"))  # invisible on dark paper
 
@@ -71,4 +70,4 @@ def test_axes_in_space_have_the_colours_of_the_page():
 def test_numbers_on_bars_have_the_colour_of_text_that_dark_pages_replace():
     figure, (axes,) = new_figure("bars", ["one"])
     spectrum_bars(axes, (1, 2), [("computed", [1.0, 0.1])], [1.0, 0.1])
-    assert {text.get_color() for text in axes.texts} == {LIGHT.ink}
+    assert {text.get_color() for text in axes.texts} == {theme(False).ink}

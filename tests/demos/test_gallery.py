@@ -12,8 +12,9 @@ from PIL import Image
 
 from mbsd3d.demos import gallery
 from mbsd3d.demos.base import Outcome, Row
-from mbsd3d.demos.discovery import discover, own_demos
+from mbsd3d.demos.discovery import own_demos
 from mbsd3d.demos.parameters import checked, lacking, settings
+from mbsd3d.extend import discover
 from mbsd3d.report.mathml import mathml
 
 NAME = "ball_on_turntable"

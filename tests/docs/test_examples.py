@@ -9,7 +9,7 @@ import textwrap
 from pathlib import Path
 
 import pytest
-from shown import agrees
+from helpers.page_blocks import agrees
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))

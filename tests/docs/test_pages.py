@@ -11,10 +11,10 @@ from pathlib import Path
 from runpy import run_path
 
 import pytest
-from shown import blocks, run
+from helpers.page_blocks import blocks, run
 
 import mbsd3d
-from mbsd3d.demos.discovery import discover
+from mbsd3d.extend import discover
 from validation.cases.examples import JOINTS
 
 DOCS = Path(__file__).parents[2] / "docs"

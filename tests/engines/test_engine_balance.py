@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from closed_forms.slider_crank import SliderCrank, slider_crank_loads, slider_crank_torque
+from helpers.closed_forms.slider_crank import SliderCrank, slider_crank_loads, slider_crank_torque
 from scipy.special import ellipe, ellipk
 
 from engines.balance import balance, cli, phasor, planar_sum, report, spatial
 from engines.balance.harmonics import Harmonics, half_axes
 from engines.balance.layouts import Engine, Layout, data, layout, names
-from engines.balance.planes.reduction import reduce_to_planes
 from mbsd3d import System
+from validation import reduce_to_planes
 
 
 def elliptic_second(lam: float) -> float:

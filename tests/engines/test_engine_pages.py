@@ -14,7 +14,7 @@ from engines.balance.balance import compare
 from engines.balance.layouts import Engine, Layout, layout, names
 from engines.balance.pages import site as pages
 from engines.balance.published import claims, truth
-from mbsd3d.report.facts import digits
+from mbsd3d.extend import digits
 
 HOSTILE = '<i>"my & twin"</i>'
 

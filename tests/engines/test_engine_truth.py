@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from closed_forms.slider_crank import SliderCrank, slider_crank_loads
+from helpers.closed_forms.slider_crank import SliderCrank, slider_crank_loads
 
 from engines.balance import cli, report
 from engines.balance.layouts import data

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 from engines.closed_forms import skyhook_limit
 from engines.nvh.cli import nvh
 from engines.nvh.control.cancel import Cancel, Path
-from engines.nvh.control.report import SAMPLE_RATE, ActiveMount
+from engines.nvh.control.report import ActiveMount
 from engines.nvh.control.skyhook import Skyhook, growth, limit, on_mounts, push
 from engines.nvh.excitation import presets
 from engines.nvh.mounts import mounts
@@ -160,13 +160,13 @@ def test_controllers_that_cannot_be_are_refused(cancel, change, text):
 def test_inclined_mounts_and_undamped_ones_are_refused():
     study = Study(presets.preset("boxer_4"), mounts.car("saloon"), 2000.0)
     with pytest.raises(ValueError, match="stands askew"):
-        Cancel(study.on_mounts, study.source, 2000.0, 0, 2.0, SAMPLE_RATE)
+        Cancel(study.on_mounts, study.source, 2000.0, 0, 2.0, 2000.0)
     bare = [replace(mount, damping=(0.0, 0.0, 0.0)) for mount in study.placed]
     with pytest.raises(ValueError, match="give mounts with dampers"):
         limit(lambda gain: on_mounts(study.body.rigid, bare, Skyhook((0, 0, 0), gain)))
     compact = Study(presets.preset("inline_4"), mounts.car("compact"), 2000.0)
     bare = replace(compact.on_mounts, placed=[replace(mount, damping=(0.0, 0.0, 0.0)) for mount in compact.placed])
-    loop = Cancel(bare, compact.source, 2000.0, 0, 2.0, SAMPLE_RATE)
+    loop = Cancel(bare, compact.source, 2000.0, 0, 2.0, 2000.0)
     with pytest.raises(ValueError, match="active mount: unstable or undamped without it; give mounts with dampers"):
         loop.path.limit(loop.W)
 

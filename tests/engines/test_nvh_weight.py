@@ -8,7 +8,7 @@ import pytest
 from engines.nvh.mounts import mounts
 from engines.nvh.road.guide import Guide, guide
 from engines.nvh.road.report import lifted, preloads, ride_of
-from engines.nvh.road.vehicle import GRAVITY, KINDS, Vehicle
+from engines.nvh.road.vehicle import Vehicle
 from mbsd3d import Body, accelerations
 from validation import theory
 
@@ -69,15 +69,15 @@ def test_how_the_motion_ratio_of_links_changes(kind):
 
 
 @pytest.mark.parametrize("linked", [False, True])
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", ["quarter", "half", "whole"])
 def test_the_reference_pose_is_the_car_at_rest(kind, linked):
     car = Vehicle(kind, mounts.car("saloon").ride | {"guides": ["multilink", "double wishbone"]}, linked, 23.0)
     system = car.system()
     still = accelerations(system)
     for body in system.bodies:
-        assert still.acceleration(body.name) == pytest.approx(0.0, abs=1e-10 * GRAVITY)
-        assert still.alpha(body.name) == pytest.approx(0.0, abs=1e-10 * GRAVITY)
-    weight = GRAVITY * sum(body.mass for body in system.bodies)
+        assert still.acceleration(body.name) == pytest.approx(0.0, abs=1e-10 * 9.81)
+        assert still.alpha(body.name) == pytest.approx(0.0, abs=1e-10 * 9.81)
+    weight = 9.81 * sum(body.mass for body in system.bodies)
     borne = sum(float(force.force[2](0.0)) for force in system.forces if force.name.startswith("weight on"))
     assert borne == pytest.approx(weight, rel=1e-12)
     for body, place in zip(system.bodies, system.equilibrium().state.q.reshape(-1, 7), strict=True):
@@ -107,7 +107,7 @@ def test_a_wheel_that_would_leave_the_road_is_named():
 def test_what_loads_make_of_the_springs_at_the_wheels():
     said = preloads(Vehicle("whole", mounts.car("saloon").ride))
     found = [float(part) for part in re.findall(r"([+-][\d.]+)%", said)]
-    loads = [0.52 * 1560 * GRAVITY / 2, 0.48 * 1560 * GRAVITY / 2]
+    loads = [0.52 * 1560 * 9.81 / 2, 0.48 * 1560 * 9.81 / 2]
     for value, kind, load, spring in zip(found, ("double wishbone", "multilink"), loads, (29e3, 33e3), strict=True):
         curves = guide(kind, 1.59).curves
         slope = np.gradient(curves.ratio, curves.z)[np.abs(curves.z).argmin()]

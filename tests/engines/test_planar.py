@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from closed_forms import slider_crank as crank_theory
+from helpers.closed_forms import slider_crank as crank_theory
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
 import mbsd3d
 from engines import planar
 from engines.planar.march import evaluate
-from mbsd3d.base.errors import AssemblyError, IntegrationError
+from mbsd3d import AssemblyError, IntegrationError
 from validation import theory
 
 G = (0.0, -9.81)

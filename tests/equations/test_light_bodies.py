@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mbsd3d import GROUND, AngleDriver, Body, Revolute, System, accelerations, simulate
-from mbsd3d.equations.dense_solvers import equations
+from mbsd3d.extend import equations
 from validation.cases.loops import FAMILIES, as_axes
 
 LEAST = 1e-9  # of the largest acceleration or multiplier

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from models import across, all_joints_mechanism, consistent_state, direction, random_body
+from helpers.models import across, all_joints_mechanism, consistent_state, direction, random_body
 
 from mbsd3d import GROUND, PointOnPlane, System, accelerations, simulate
-from mbsd3d.equations.at_state import load_state
-from mbsd3d.equations.compiled import Switches, compile_system
-from mbsd3d.equations.tree import build_spanning_tree
+from mbsd3d.equations.compiled import Switches
+from mbsd3d.extend import build_spanning_tree, compile_system, load_state
 from mbsd3d.solver.saddle_point import factor
 
 

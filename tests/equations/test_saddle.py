@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from models import (
+from helpers.models import (
     Evaluation,
     across,
     all_joints_mechanism,
@@ -15,8 +15,8 @@ from models import (
 )
 
 from mbsd3d import GROUND, Body, Revolute, State, System, Universal, accelerations, simulate
-from mbsd3d.base.rotations import exponential, matrix, multiply
 from mbsd3d.equations.dense_solvers import inertia_about_origin
+from mbsd3d.rotations import exponential, matrix, multiply
 from validation import theory
 
 # The plain solvers are imported where they are used: the other tests of this file do not need them.

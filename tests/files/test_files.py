@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
+from helpers.double_pendulum import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 
 import mbsd3d
 from mbsd3d import (
@@ -19,60 +20,18 @@ from mbsd3d import (
     Ramp,
     Revolute,
     RollingDisc,
-    Sine,
-    SpeedDriver,
-    Spherical,
-    SpringDamper,
     System,
     Table,
-    Torque,
-    Universal,
     load,
     measures,
     rotation,
     simulate,
 )
-from mbsd3d.base.paths import write_atomically
-from mbsd3d.equations.compiled import compile_system
+from mbsd3d.extend import compile_system, write_atomically
 from mbsd3d.files.description import describe, read_system
 from mbsd3d.files.schema import types
-from mbsd3d.mechanism.shapes import Solid
 from mbsd3d.results.columns import QUANTITIES
-
-UPPER_ARM, LOWER_ARM, WHEEL = "upper arm", "lower arm", "wheel"
-
-
-def pendulum() -> System:
-    """A spatial double pendulum with r_G != 0 on a universal joint, pulled by a spring, and a driven wheel."""
-    upper = Body(
-        UPPER_ARM,
-        1.2,
-        (0.02, 0.03, 0.011),
-        com=(0.05, -0.02, -0.25),
-        position=(0.1, 0.2, 0.3),
-        orientation=rotation((1, 2, 3), 0.7),
-    )
-    lower = Body(
-        LOWER_ARM,
-        0.7,
-        (0.012, 0.02, 0.01),
-        com=(0.01, 0.03, -0.2),
-        position=(0.3, 0.1, -0.2),
-        orientation=rotation((3, -1, 2), 0.31),
-    )
-    wheel = Body(WHEEL, 0.5, (0.01, 0.01, 0.02), position=(-0.4, 0.3, 0.2), orientation=rotation("x", 0.2))
-    axis = (0.1, 0.7, 1.3)
-    joints = [
-        Spherical(GROUND, upper, at=(0.1, 0.2, 0.3), name="shoulder"),
-        Universal(upper, lower, at=(0.3, 0.1, -0.2), axis_a=(1, 0, 1), axis_b=(1, 3, -1), name="elbow"),
-        Revolute(GROUND, wheel, at=(-0.4, 0.3, 0.2), axis=axis, name="axle"),
-        SpeedDriver(GROUND, wheel, axis=axis, speed=Ramp(3.0, 1.0) + 2.0 * Sine(0.3, 4.0), name="motor"),
-    ]
-    forces = [
-        SpringDamper(GROUND, lower, at_a=(0.5, 0.5, 0.5), at_b=(0.32, 0.1, -0.4), stiffness=40.0, damping=0.3),
-        Torque(upper, (0.0, Sine(0.4, 3.0), 0.1), frame="body"),
-    ]
-    return System([upper, lower, wheel], joints, forces, gravity=(0.1, 0.0, -9.7))
+from mbsd3d.shapes import Solid
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ import zipfile
 
 import numpy as np
 import pytest
-from watchdog import watched
+from helpers.watchdog import watched
 
 import mbsd3d
 from bicycle.parameters.files import read_values

@@ -21,15 +21,15 @@ from mbsd3d import (
     Ramp,
     Revolute,
     Sine,
+    StateFeedback,
     System,
     Torque,
     Universal,
     load,
+    measures,
     rotation,
     simulate,
 )
-from mbsd3d.mechanism import measures
-from mbsd3d.mechanism.forces.feedback import StateFeedback
 
 G = 9.81
 LIMIT = 1e-10

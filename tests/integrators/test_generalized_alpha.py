@@ -2,14 +2,15 @@
 
 import numpy as np
 import pytest
-from models import all_joints_mechanism, consistent_state, derivative, pendulum
-from test_order import swinging
+from helpers.models import all_joints_mechanism, consistent_state, derivative, pendulum
+from helpers.swinging import swinging
 
 from mbsd3d import (
     DOP853,
     GROUND,
     Body,
     Bushing,
+    GeneralizedAlpha,
     IntegrationError,
     JointFriction,
     Revolute,
@@ -17,17 +18,16 @@ from mbsd3d import (
     System,
     Torque,
     linearize,
+    measures,
     rotation,
     simulate,
 )
-from mbsd3d.base.progress import Progress
-from mbsd3d.base.rotations import as_quaternion, conjugate, exponential, logarithm, matrix, multiply
-from mbsd3d.equations.compiled import compile_system
+from mbsd3d.extend import Progress, compile_system
 from mbsd3d.integrators.alpha_step import trial_state
-from mbsd3d.integrators.generalized_alpha import GeneralizedAlpha, weights
+from mbsd3d.integrators.generalized_alpha import weights
 from mbsd3d.integrators.newton import fill_matrix, residual, tangent
-from mbsd3d.mechanism import measures
 from mbsd3d.results.record import RunOptions
+from mbsd3d.rotations import as_quaternion, conjugate, exponential, logarithm, matrix, multiply
 from mbsd3d.run.job import Job
 from validation import cases
 

@@ -20,7 +20,7 @@ from mbsd3d import (
     rotation,
     simulate,
 )
-from mbsd3d.base.rotations import matrix
+from mbsd3d.rotations import matrix
 from mbsd3d.run.global_error import refined
 
 RATES = (2.0, 3.1, 7.0)  # rad/s

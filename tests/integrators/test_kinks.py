@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from models import dropped_wheel
+from helpers.models import dropped_wheel
 
 from mbsd3d import DOP853, GROUND, Body, Contact, RadauIIA, System, measures, shapes, simulate
 from mbsd3d.integrators.dop853 import TABLE

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from models import (
+from helpers.models import (
     all_joints_mechanism,
     consistent_state,
     direction,
@@ -11,10 +11,22 @@ from models import (
     same_rotation,
     spinning_wheel,
 )
+from helpers.swinging import swinging
 from scipy.optimize import brentq
 
-from mbsd3d import DOP853, GROUND, RK4, Body, Cylindrical, GeneralizedAlpha, Prismatic, Revolute, System, simulate
-from mbsd3d.mechanism import measures
+from mbsd3d import (
+    DOP853,
+    GROUND,
+    RK4,
+    Body,
+    Cylindrical,
+    GeneralizedAlpha,
+    Prismatic,
+    Revolute,
+    System,
+    measures,
+    simulate,
+)
 from validation import theory
 from validation.cases import reference as cases
 
@@ -142,23 +154,6 @@ def test_output_does_not_change_the_motion():
     system, *_ = pendulum()
     runs = [simulate(system, 1.0, output=output) for output in (None, 3, 977)]
     assert all(np.array_equal(run.final.q, runs[0].final.q) for run in runs)
-
-
-def swinging(rate=2.4, start=0.6):
-    """(system, hinge, state, angle(t)) of a pendulum of general shape with its closed form."""
-    rng = np.random.default_rng(22)
-    system, body, hinge = pendulum(rng)
-    upright = system.gravity / np.linalg.norm(system.gravity)
-    frame = cases._rotation(body.orientation)
-    arm = body.position + frame @ body.com - hinge.at
-    arm = arm - hinge.axis * (hinge.axis @ arm)
-    pull = upright - hinge.axis * (hinge.axis @ upright)
-    offset = np.arctan2(hinge.axis @ np.cross(pull, arm), pull @ arm)
-    inertia = hinge.axis @ frame @ body.inertia @ frame.T @ hinge.axis + body.mass * arm @ arm
-    weight = 9.81 * np.linalg.norm(pull)
-    frequency = theory.pendulum_frequency(inertia, body.mass, np.linalg.norm(arm), weight)
-    state = system.assemble(angles={hinge: start - offset}, rates={hinge: rate})
-    return system, hinge, state, lambda t: theory.pendulum_motion(t, frequency, start, rate)[0] - offset
 
 
 def test_general_pendulum_follows_its_closed_form():

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from models import all_joints_mechanism, consistent_state, direction, random_body
-from test_stiff import governor, sensor, slider_height
+from helpers.models import all_joints_mechanism, consistent_state, direction, random_body
+from helpers.stiff import governor, sensor, slider_height
 
 from mbsd3d import (
     DOP853,
@@ -17,13 +17,13 @@ from mbsd3d import (
     Sine,
     Spherical,
     SpringDamper,
+    StateFeedback,
     Stepper,
     System,
     measures,
     simulate,
 )
 from mbsd3d.integrators.radau import ERROR, PAIR, REAL, A, C, T
-from mbsd3d.mechanism.forces.feedback import StateFeedback
 
 
 def pendulum():

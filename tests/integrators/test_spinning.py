@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from closed_forms.rotations import free_symmetric_body
+from helpers.closed_forms.rotations import free_symmetric_body
 
 from mbsd3d import (
     DOP853,
@@ -20,10 +20,10 @@ from mbsd3d import (
     rotation,
     simulate,
 )
-from mbsd3d.base.rotations import matrix
 from mbsd3d.dynamics.spinning import rate_without_spin, restore_spin
-from mbsd3d.equations.compiled import compile_system
+from mbsd3d.extend import compile_system
 from mbsd3d.integrators.memory import allocate_run
+from mbsd3d.rotations import matrix
 
 AXIS = np.array([2.0, -1.0, 2.0]) / 3.0
 ALONG = rotation(np.cross([0, 0, 1], AXIS), np.arccos(AXIS[2]))

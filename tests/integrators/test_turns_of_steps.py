@@ -28,7 +28,7 @@ from mbsd3d import (
     rotation,
     simulate,
 )
-from mbsd3d.base.rotations import matrix
+from mbsd3d.rotations import matrix
 
 AXIS = np.array([2.0, -1.0, 2.0]) / 3.0
 ACROSS = np.array([1.0, 2.0, 0.0]) / np.sqrt(5.0)

@@ -4,7 +4,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from models import (
+from helpers.models import (
     EXAMPLES,
     NOT_ON_GROUND,
     Evaluation,
@@ -15,8 +15,9 @@ from models import (
 )
 
 from mbsd3d import AngleDriver, Joint, SlideDriver, System, rotation
-from mbsd3d.base.rotations import matrix, multiply, perpendiculars
 from mbsd3d.equations.compiled import Switches
+from mbsd3d.extend import perpendiculars
+from mbsd3d.rotations import matrix, multiply
 
 TOLERANCE = 1e-8
 """The limit set; the difference formula is good to 1e-12 times derivatives that reach 1e3 for the rolling disc."""

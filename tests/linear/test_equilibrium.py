@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from models import direction, middle, random_body
+from helpers.models import direction, middle, random_body
 from scipy.optimize import brentq, minimize
 
 from mbsd3d import (
@@ -36,8 +36,8 @@ from mbsd3d import (
     shapes,
     simulate,
 )
-from mbsd3d.base.rotations import matrix
 from mbsd3d.mechanism.forces.custom import SavedForce
+from mbsd3d.rotations import matrix
 
 G = 9.81
 

@@ -5,14 +5,14 @@ import numpy as np
 import pytest
 import scipy.linalg
 import scipy.optimize
-from closed_forms.small_motions import (
+from helpers.closed_forms.small_motions import (
     circling_disc_rate,
     nutation_rate,
     sleigh_rate,
     upright_disc,
     whirling_pendulum_rate,
 )
-from models import Evaluation, all_joints_mechanism, direction, random_body, random_inertia, random_orientation
+from helpers.models import Evaluation, all_joints_mechanism, direction, random_body, random_inertia, random_orientation
 
 from mbsd3d import (
     GROUND,
@@ -38,14 +38,12 @@ from mbsd3d import (
     Table,
     TorsionSpring,
     linearize,
+    measures,
     rotation,
 )
-from mbsd3d.base.errors import InputError
-from mbsd3d.base.rotations import exponential, matrix
-from mbsd3d.equations.compiled import compile_system
-from mbsd3d.equations.dense_solvers import mass_matrix
-from mbsd3d.linear.variations import Field
-from mbsd3d.mechanism import measures
+from mbsd3d.errors import InputError
+from mbsd3d.extend import Field, compile_system, mass_matrix
+from mbsd3d.rotations import exponential, matrix
 from validation import cases
 from validation.theory.top import rolling_circle, steady_precession
 

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from mbsd3d import GROUND, Body, CustomForce, Revolute, StateFeedback, System, TorsionSpring, linearize
-from mbsd3d.mechanism import measures
+from mbsd3d import GROUND, Body, CustomForce, Revolute, StateFeedback, System, TorsionSpring, linearize, measures
 
 EXACT = 1e-12
 """Rounding: the matrices have entries of order one."""

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import brentq
 
 from mbsd3d import AngleDriver, Cylindrical, Kinematic, PointOnLine, System, linkages, rotation, simulate
-from mbsd3d.base.rotations import matrix
+from mbsd3d.rotations import matrix
 from mbsd3d.signals import Ramp
 from validation import cases
 from validation.cases.loops import FAMILIES, parts

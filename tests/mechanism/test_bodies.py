@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from models import across, direction, moved_reference, random_body, random_inertia
+from helpers.models import across, direction, moved_reference, random_body, random_inertia
 
 from mbsd3d import (
     GROUND,
@@ -22,7 +22,7 @@ from mbsd3d import (
     accelerations,
     simulate,
 )
-from mbsd3d.base.rotations import matrix
+from mbsd3d.rotations import matrix
 
 RTOL = 1e-11
 ACCURACY = 1e-8

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from mbsd3d import GROUND, Body, Bushing, State, System, accelerations, rotation, simulate
-from mbsd3d.base.rotations import exponential, matrix, multiply
+from mbsd3d.rotations import exponential, matrix, multiply
 
 STIFFNESS = np.array([2.0, 1.3, 4.0])
 AXES = rotation((1.0, 2.0, -0.5), 0.7)

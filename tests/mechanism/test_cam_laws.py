@@ -17,7 +17,7 @@ from mbsd3d import (
     System,
     simulate,
 )
-from mbsd3d.base.rotations import matrix
+from mbsd3d.rotations import matrix
 
 LIFT, HALF, PITCH, ROLLER = 0.0083, np.radians(72.0), 0.0285, 0.009
 MASS, RATE, PRELOAD, OMEGA = 0.13, 31e3, 270.0, 190.0

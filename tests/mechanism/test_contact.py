@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from models import direction, random_body
+from helpers.models import direction, random_body
 from scipy.optimize import brentq
 
 from mbsd3d import (
@@ -25,7 +25,7 @@ from mbsd3d import (
     shapes,
     simulate,
 )
-from mbsd3d.base.rotations import matrix
+from mbsd3d.rotations import matrix
 
 STIFF = DOP853(stiff="run")
 

@@ -7,10 +7,9 @@ from multiprocessing import get_context
 
 import numpy as np
 import pytest
-from test_loads import EXAMPLES
+from helpers.forces import EXAMPLES
 
-from mbsd3d import System, accelerations, simulate
-from mbsd3d.mechanism.forces.custom import CustomForce
+from mbsd3d import CustomForce, System, accelerations, simulate
 from validation.cases.examples import mechanism, random_body
 
 WAYS = {"deepcopy": copy.deepcopy, "copy": copy.copy, "pickle": lambda system: pickle.loads(pickle.dumps(system))}

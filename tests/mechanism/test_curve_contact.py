@@ -4,7 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from models import Evaluation, consistent_state, derivative, direction, moved_reference, random_body, random_orientation
+from helpers.models import (
+    Evaluation,
+    consistent_state,
+    derivative,
+    direction,
+    moved_reference,
+    random_body,
+    random_orientation,
+)
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
@@ -23,9 +31,9 @@ from mbsd3d import (
     measures,
     simulate,
 )
-from mbsd3d.base.rotations import matrix
 from mbsd3d.equations.at_state import coordinate_row
 from mbsd3d.kernels.coordinates import coordinate
+from mbsd3d.rotations import matrix
 from mbsd3d.view.scene.artist import draw_system
 from validation.twins.definitions import equations as reference_point
 

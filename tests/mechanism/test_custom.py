@@ -4,16 +4,18 @@ import json
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import numba
 import numpy as np
 import pytest
-from models import Evaluation, direction, random_body
+from helpers.models import Evaluation, direction, random_body
 from scipy.integrate import solve_ivp
 
 from mbsd3d import (
     GROUND,
     Body,
+    CustomForce,
     GeneralizedAlpha,
     IntegrationError,
     Polynomial,
@@ -27,14 +29,13 @@ from mbsd3d import (
     arctan2,
     linearize,
     load,
+    measures,
     simulate,
 )
 from mbsd3d.dynamics.applied_forces import loads
 from mbsd3d.files.description import describe
 from mbsd3d.integrators.runge_kutta import advance
 from mbsd3d.kernels.kinematics import kinematics
-from mbsd3d.mechanism import measures
-from mbsd3d.mechanism.forces.custom import CustomForce
 
 RTOL = 1e-11
 AGREES = 1e-9
@@ -393,7 +394,8 @@ print(json.dumps(accelerations(two_bodies(12, as_custom)).arrays["acceleration"]
 @pytest.mark.slow
 @WITH_COMPILER
 def test_the_same_without_the_compiler():
-    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": os.pathsep.join(sys.path)}
+    paths = os.pathsep.join([str(Path(__file__).parent), *sys.path])
+    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": paths}
     done = subprocess.run([sys.executable, "-c", SCRIPT], env=environment, capture_output=True, text=True, check=True)
     plain = json.loads(done.stdout)
     compiled = accelerations(two_bodies(12, as_custom)).arrays["acceleration"].ravel()

@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from models import pendulum, random_body
+from helpers.models import pendulum, random_body
 
 from mbsd3d import (
     DOP853,
@@ -47,11 +47,11 @@ from mbsd3d import (
     TorsionSpring,
     Universal,
     accelerations,
+    measures,
     simulate,
 )
-from mbsd3d.base.inertia import box
 from mbsd3d.errors import MbsError
-from mbsd3d.mechanism import measures
+from mbsd3d.inertia import box
 
 NAN, INF = float("nan"), float("inf")
 ROD = random_body(np.random.default_rng(61), "rod")

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from models import direction, random_orientation
+from helpers.models import direction, random_orientation
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 

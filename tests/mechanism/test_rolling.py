@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from models import across, consistent_state, direction, random_body, rolling_plane
+from helpers.models import across, consistent_state, direction, random_body, rolling_plane
 from scipy.integrate import solve_ivp
 
 from mbsd3d import GROUND, Revolute, RollingDisc, System, accelerations, simulate
-from mbsd3d.base.rotations import matrix
+from mbsd3d.rotations import matrix
 from validation.twins.definitions import equations as reference_point
 
 RTOL = 1e-11

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 import trimesh
-from models import random_body
-from test_shapes import PLAIN, SOLIDS, solid
+from helpers.models import random_body
+from helpers.solids import PLAIN, SOLIDS, solid
 
 from mbsd3d import Body, System, load, rotation, simulate
-from mbsd3d.base.rotations import matrix
 from mbsd3d.files.description import identical
-from mbsd3d.mechanism.shapes.kinds import Disc, Lines, MeshFile
+from mbsd3d.rotations import matrix
+from mbsd3d.shapes import Disc, Lines, MeshFile
 
 
 @pytest.mark.parametrize("kind", ["stl", "obj", "ply", "glb"])

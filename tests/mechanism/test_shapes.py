@@ -2,27 +2,16 @@
 
 import numpy as np
 import pytest
-import trimesh
-from models import random_body, random_inertia, random_orientation
+from helpers.models import random_body, random_inertia, random_orientation
+from helpers.solids import SOLIDS, solid
 
-from mbsd3d import Body, rotation
-from mbsd3d.base import inertia
-from mbsd3d.base.rotations import matrix
-from mbsd3d.mechanism.shapes.homogeneous import DRAWN_THICKNESS_MIN, shapes_of
-from mbsd3d.mechanism.shapes.kinds import Box, Capsule, Cylinder, Disc, Ellipsoid, Hull, Lines, MeshFile, Sphere, Torus
-from mbsd3d.mechanism.shapes.surfaces import CYLINDER_SECTIONS, SPHERE_BANDS, SPHERE_SECTIONS, normals
+from mbsd3d import Body, inertia, rotation
+from mbsd3d.mechanism.shapes.homogeneous import shapes_of
+from mbsd3d.mechanism.shapes.surfaces import normals
+from mbsd3d.rotations import matrix
+from mbsd3d.shapes import Box, Capsule, Cylinder, Disc, Ellipsoid, Hull, Lines, MeshFile, Sphere, Torus
 
-PLAIN = Body("plain", 1.0, (1, 1, 1))
-SOLIDS = (
-    Box((0.3, 0.4, 0.7)), Ellipsoid((0.3, 0.4, 0.7)), Sphere(0.6), Cylinder(0.3, 0.8, "x"), Disc(0.4, axis="y"),
-    Torus(0.4, 0.1, (1, 2, -2)), Capsule(0.2, 0.5, (0.3, -0.2, 0.7)),
-)  # fmt: skip
-
-
-def solid(shape, body=PLAIN):
-    """The mesh of a shape in trimesh, with its vertices merged."""
-    mesh = shape.mesh(body)
-    return trimesh.Trimesh(mesh.vertices, mesh.faces)
+ROUND, BANDS, TURNS = 24, 12, 48  # sections of a ball about its axis and from pole to pole; of a cylinder
 
 
 def polygon(n):
@@ -37,24 +26,22 @@ def frustums(radius, height):
 
 def ball_volume(radii):
     """Of the polyhedron in an ellipsoid."""
-    turn = np.linspace(0.0, np.pi, SPHERE_BANDS + 1)
-    return polygon(SPHERE_SECTIONS) * frustums(np.sin(turn), -np.cos(turn)) * np.prod(radii)
+    turn = np.linspace(0.0, np.pi, BANDS + 1)
+    return polygon(ROUND) * frustums(np.sin(turn), -np.cos(turn)) * np.prod(radii)
 
 
 def capsule_volume(radius, length):
     """Of the polyhedron in a capsule."""
     turn = np.linspace(0.0, 0.5 * np.pi, 5)
-    return polygon(SPHERE_SECTIONS) * (
-        2.0 * frustums(radius * np.cos(turn), radius * np.sin(turn)) + np.pi * radius**2 * length
-    )
+    return polygon(ROUND) * (2.0 * frustums(radius * np.cos(turn), radius * np.sin(turn)) + np.pi * radius**2 * length)
 
 
 VOLUMES = (  # of the solid with plane faces, and of the round one
     (0.3 * 0.4 * 0.7, 0.3 * 0.4 * 0.7),
     (ball_volume((0.3, 0.4, 0.7)), 4 / 3 * np.pi * 0.3 * 0.4 * 0.7),
     (ball_volume((0.6, 0.6, 0.6)), 4 / 3 * np.pi * 0.6**3),
-    (polygon(CYLINDER_SECTIONS) * np.pi * 0.3**2 * 0.8, np.pi * 0.3**2 * 0.8),
-    (polygon(CYLINDER_SECTIONS) * np.pi * 0.4**2 * 0.04, np.pi * 0.4**2 * 0.04),
+    (polygon(TURNS) * np.pi * 0.3**2 * 0.8, np.pi * 0.3**2 * 0.8),
+    (polygon(TURNS) * np.pi * 0.4**2 * 0.04, np.pi * 0.4**2 * 0.04),
     (polygon(36) * polygon(6) * 2 * np.pi**2 * 0.4 * 0.1**2, 2 * np.pi**2 * 0.4 * 0.1**2),
     (capsule_volume(0.2, 0.5), 4 / 3 * np.pi * 0.2**3 + np.pi * 0.2**2 * 0.5),
 )
@@ -135,8 +122,8 @@ def test_rods_and_plates_are_seen_and_points_are_not_guessed():
     rod = Body("rod", 2.0, inertia.rod(2.0, 1.5, "y"))
     radii = shapes_of(rod)[0].radii
     assert radii[1] == pytest.approx(np.sqrt(5 / 12) * 1.5) and np.allclose(
-        radii[[0, 2]], DRAWN_THICKNESS_MIN * radii[1]
-    )
+        radii[[0, 2]], 0.02 * radii[1]
+    )  # that one sees it
     assert shapes_of(Body("pin", 0.0, (0, 0, 0))) == () == shapes_of(Body("mass", 1.0, (0, 0, 0)))
     for shape, message in (("box", "its inertia, which is 0"), ("cylinder", "its inertia, which is 0")):
         with pytest.raises(ValueError, match=f"body 'pin': shape '{shape}' follows from {message}; give a shape"):
@@ -149,7 +136,7 @@ def test_normals_leave_rims_sharp_and_sides_round():
     mesh = Cylinder(0.3, 0.8).surface()
     n, radial = normals(mesh), mesh.vertices * (1, 1, 0) / 0.3
     side = np.abs(n[:, 2]) < 1e-12
-    assert np.allclose(np.abs(n[~side, 2]), 1.0) and side.sum() == 2 * CYLINDER_SECTIONS
+    assert np.allclose(np.abs(n[~side, 2]), 1.0) and side.sum() == 2 * TURNS
     assert np.allclose(n[side], radial[side], rtol=0, atol=1e-12)
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from models import direction, middle, random_body
+from helpers.models import direction, middle, random_body
 from scipy.spatial.transform import Rotation
 
 from mbsd3d import (

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from models import direction, random_body
+from helpers.models import direction, random_body
 from scipy.integrate import solve_ivp
 
 from mbsd3d import (
@@ -13,14 +13,14 @@ from mbsd3d import (
     Prismatic,
     Revolute,
     State,
+    StateFeedback,
     System,
     TorsionSpring,
     load,
+    measures,
     simulate,
 )
-from mbsd3d.equations.compiled import compile_system
-from mbsd3d.mechanism import measures
-from mbsd3d.mechanism.forces.feedback import StateFeedback
+from mbsd3d.extend import compile_system
 
 RTOL = 1e-11
 AGREES = 1e-9

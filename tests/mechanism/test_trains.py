@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from test_gears import ALPHA, BETA, Frame, rotor, torque
+from helpers.gears import ALPHA, BETA, Frame, rotor, torque
 
 from mbsd3d import GROUND, Gear, GearMesh, Revolute, System, accelerations, simulate
 from mbsd3d.files.description import describe, read_system

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from models import Evaluation
+from helpers.models import Evaluation
 from scipy.optimize import brentq
 
 from mbsd3d import (

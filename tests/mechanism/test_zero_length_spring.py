@@ -21,7 +21,7 @@ from mbsd3d import (
     rotation,
     simulate,
 )
-from mbsd3d.base.rotations import matrix, skew
+from mbsd3d.rotations import matrix, skew
 
 MASS, STIFFNESS, DAMPING = 1.7, 37.0, 3.0
 SPEED = np.array([0.6, -1.1, 0.4])  # m/s of the centre of mass

@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from mbsd3d.demos.discovery import discover
+from mbsd3d.extend import discover
 from mbsd3d.report.mathml import DOTS, GREEK, mathml
 
 DEMOS = discover()

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from models import (
+from helpers.models import (
     all_joints_mechanism,
     consistent_state,
     direction,
@@ -41,11 +41,11 @@ from mbsd3d import (
     Torque,
     TorsionSpring,
     accelerations,
+    measures,
     simulate,
 )
-from mbsd3d.base.rotations import matrix
-from mbsd3d.mechanism import measures
 from mbsd3d.results.checks.check import drift_limit
+from mbsd3d.rotations import matrix
 from mbsd3d.run.global_error import doubling_time, estimate
 from validation import cases
 from validation.cases.comparison import compare

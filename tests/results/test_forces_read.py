@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from models import direction, middle, random_body, random_orientation
+from helpers.forces import EXAMPLES
+from helpers.models import direction, middle, random_body, random_orientation
 from scipy.spatial.transform import Rotation
-from test_loads import EXAMPLES
 
 from mbsd3d import (
     GROUND,
@@ -31,7 +31,7 @@ from mbsd3d import (
     shapes,
     simulate,
 )
-from mbsd3d.base.rotations import perpendiculars
+from mbsd3d.extend import perpendiculars
 from validation.cases.examples import moving
 
 ROUNDING = 1e-10  # sums of some ten products of numbers up to 1e2, with the slack of hinges that are closed to 1e-15

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from models import direction, random_body
+from helpers.models import direction, random_body
 from scipy.spatial.transform import Rotation
 
 from mbsd3d import (

@@ -22,7 +22,7 @@ from mbsd3d import (
     rotation,
     simulate,
 )
-from mbsd3d.base.rotations import matrix
+from mbsd3d.rotations import matrix
 
 NAMES = "energy balance", "momentum balance", "angular momentum"
 BODY_MIRROR = np.diag([1.0, -1.0, 1.0])  # body axes of a mirrored body are mirrored too

@@ -26,7 +26,7 @@ from mbsd3d import (
     rotation,
     simulate,
 )
-from mbsd3d.base.rotations import matrix
+from mbsd3d.rotations import matrix
 
 SKEW = matrix(rotation((0.3, -0.8, 0.5), 1.9))
 

@@ -23,13 +23,14 @@ from mbsd3d import (
     Spherical,
     System,
     Universal,
+    bearing_load,
+    bearing_pair,
     linkages,
     load,
     rotation,
     simulate,
 )
-from mbsd3d.base.rotations import matrix
-from mbsd3d.results.bearings import bearing_load, bearing_pair
+from mbsd3d.rotations import matrix
 from mbsd3d.view.scene.frames import frames_of
 from mbsd3d.view.scene.motion import arrows_of
 

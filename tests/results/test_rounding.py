@@ -18,8 +18,8 @@ from mbsd3d import (
     accelerations,
     simulate,
 )
-from mbsd3d.base.rotations import matrix
 from mbsd3d.results.checks.rounding import units_of
+from mbsd3d.rotations import matrix
 
 COPIES = 8
 ARM = np.array([1.2, -0.7, 1.4])  # m, from the ground to the load

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from closed_forms import rotations
-from models import all_joints_mechanism, consistent_state, moved_reference, same_rotation
+from helpers.closed_forms import rotations
+from helpers.models import all_joints_mechanism, consistent_state, moved_reference, same_rotation
 from scipy.integrate import solve_ivp
 
 from mbsd3d import GROUND, Body, Spherical, System, rotation, simulate
-from mbsd3d.base.rotations import matrix
+from mbsd3d.rotations import matrix
 from validation import cases, theory
 from validation.cases.comparison import compare
 

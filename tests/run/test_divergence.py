@@ -16,7 +16,7 @@ from mbsd3d import (
     measures,
     simulate,
 )
-from mbsd3d.equations.compiled import compile_system
+from mbsd3d.extend import compile_system
 from mbsd3d.run.failure_causes import DivergenceWatch
 
 

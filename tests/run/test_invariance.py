@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from models import (
+from helpers.models import (
     across,
     consistent_state,
     direction,
@@ -37,7 +37,7 @@ from mbsd3d import (
     Universal,
     simulate,
 )
-from mbsd3d.base.rotations import matrix, multiply
+from mbsd3d.rotations import matrix, multiply
 
 RTOL = 1e-12
 

@@ -4,14 +4,17 @@ import threading
 
 import numpy as np
 import pytest
-from models import crane
+from helpers.models import crane
 
 from mbsd3d import GROUND, AngleDriver, Body, Input, Revolute, Solution, Stepper, System, Torque, measures
 from mbsd3d.errors import MbsError
+from mbsd3d.extend import Built, Control, Panel, Seen
 from mbsd3d.results.record import RunOptions
 from mbsd3d.run import live_run as module
-from mbsd3d.run.live_model import Built, Control, Panel, Seen, plain
-from mbsd3d.run.live_run import PERIOD, Playing
+from mbsd3d.run.live_model import plain
+from mbsd3d.run.live_run import Playing
+
+PERIOD = 1.0 / 60.0  # [s] from one frame to the next, as docs/how/stepping.md says
 
 
 def playing(system=None, ranges=None, **options):

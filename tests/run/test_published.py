@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from closed_forms import cardan as shafts
-from closed_forms import slider_crank as crank_theory
-from models import across, direction, moved_reference, random_body, random_inertia, random_orientation
+from helpers.closed_forms import cardan as shafts
+from helpers.closed_forms import slider_crank as crank_theory
+from helpers.models import across, direction, moved_reference, random_body, random_inertia, random_orientation
 
 from mbsd3d import (
     GROUND,
@@ -29,7 +29,7 @@ from mbsd3d import (
     simulate,
 )
 from mbsd3d import Polynomial as Powers
-from mbsd3d.base.rotations import exponential, matrix
+from mbsd3d.rotations import exponential, matrix
 from validation import theory
 from validation.cases import read
 from validation.cases.robot import hinge_accelerations, robot_poses

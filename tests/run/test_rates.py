@@ -7,7 +7,7 @@ import pytest
 
 from mbsd3d import GROUND, Body, Input, Revolute, Spherical, System, Torque, TorsionSpring, Tyre, accelerations
 from mbsd3d.equations.compiled import Switches
-from mbsd3d.run.accelerations import Rates
+from mbsd3d.extend import Rates
 
 
 def pendulum_and_wheel():

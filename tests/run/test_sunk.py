@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mbsd3d import GROUND, Body, Contact, Revolute, System, Tyre, accelerations, shapes, simulate
-from mbsd3d.base.rotations import matrix, quaternion_from_matrix, rotation
+from mbsd3d import GROUND, Body, Contact, Revolute, System, Tyre, accelerations, rotation, shapes, simulate
+from mbsd3d.rotations import matrix, quaternion_from_matrix
 
 NORMAL = np.array([0.2, -0.1, 1.0]) / np.linalg.norm((0.2, -0.1, 1.0))
 AT = np.array([0.4, -0.3, 0.2])  # of a slope

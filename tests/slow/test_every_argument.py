@@ -5,11 +5,10 @@ Each call answers, or is refused at once by an error of this package in a senten
 
 import warnings
 
-import every_call
-import hostile
 import numpy as np
 import pytest
-from watchdog import TooLong, watched
+from helpers import every_call, hostile
+from helpers.watchdog import TooLong, watched
 
 LONGEST = 500  # characters; the names of many parts may be among them
 

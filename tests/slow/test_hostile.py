@@ -2,10 +2,9 @@
 
 import warnings
 
-import hostile
-import hostile_files
 import pytest
-from watchdog import TooLong, watched
+from helpers import hostile, hostile_files
+from helpers.watchdog import TooLong, watched
 
 BLOCKS = 20
 

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_kills import END, KILLS, alive, children
+from helpers.processes import END, KILLS, alive, children
 
 pytestmark = [
     pytest.mark.slow,

@@ -14,45 +14,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from sweep_models import EXECUTORS, LONG, MOMENTS, RUN, counted, speed
+from helpers.processes import END, KILLS, alive, children
+from helpers.sweep_models import EXECUTORS, LONG, RUN, counted, speed
 
+from mbsd3d import sweep
 from mbsd3d.sweeps.executors import cores
-from mbsd3d.sweeps.sweep import sweep
 
 ROOT = Path(__file__).parents[2]
-END = 15.0  # s: workers end at once, one that is still importing after that, which takes seconds on a busy machine
 CELLS = 160
-KILLS = int(os.environ.get("MBSD3D_TEST_KILLS", MOMENTS))
-
-
-def children(pid):
-    """All processes below one, from /proc."""
-    parents = {}
-    for folder in Path("/proc").glob("[0-9]*"):
-        try:
-            fields = (folder / "stat").read_text().rpartition(")")[2].split()
-        except OSError:  # ended meanwhile
-            continue
-        parents.setdefault(int(fields[1]), []).append((int(folder.name), fields[0]))
-    found, todo = [], [pid]
-    while todo:
-        for child, state in parents.get(todo.pop(), []):
-            todo.append(child)
-            if state != "Z":
-                found.append(child)
-    return found
-
-
-def alive(pids):
-    """Those that still run."""
-    found = []
-    for pid in pids:
-        try:
-            if (Path("/proc") / str(pid) / "stat").read_text().rpartition(")")[2].split()[0] != "Z":
-                found.append(pid)
-        except OSError:
-            continue
-    return found
 
 
 def lines(path):
@@ -77,7 +46,7 @@ def cell_of(line):
 def begin(ledger, mark, executor):
     """A process that sweeps LONG."""
     environment = {"MBSD3D_MARK": str(mark), "MBSD3D_FAST": "1000", "PYTHONPATH": f"{ROOT}:{ROOT / 'tests'}"}
-    command = [sys.executable, "-m", "sweep_models", str(ledger), "0", executor]
+    command = [sys.executable, "-m", "helpers.sweep_models", str(ledger), "0", executor]
     return subprocess.Popen(command, env=os.environ | environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 

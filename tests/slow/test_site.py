@@ -7,7 +7,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 import pytest
-from browser import launch, visit
+from helpers.browser import launch, visit
 
 pytestmark = pytest.mark.slow
 

@@ -5,7 +5,7 @@ import sqlite3
 import pytest
 
 from mbsd3d.errors import InputError
-from mbsd3d.sweeps.store import Store
+from mbsd3d.extend import Store
 
 WORK = {"sources": "a1", "budget": 2.0}
 

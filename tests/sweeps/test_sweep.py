@@ -7,14 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
+from helpers.sweep_models import GRID, LOCAL, RUN, deadly, history, known, ratio, shafts, speed, speed_of, touchy, wheel
 from scipy.stats import sobol_indices, uniform
-from sweep_models import GRID, LOCAL, RUN, deadly, history, known, ratio, shafts, speed, speed_of, touchy, wheel
 
-from mbsd3d import Kinematic, simulate
-from mbsd3d.base.errors import SweepError
-from mbsd3d.sweeps.grids import Samples, samples
-from mbsd3d.sweeps.sweep import sweep
-from validation.cases.inline_four import CRANK_RATE, TURN_SAMPLES, inline_four, orders
+from mbsd3d import Kinematic, Samples, SweepError, samples, simulate, sweep
+from validation.cases.inline_four import CRANK_RATE, inline_four, orders
 
 ROOT = Path(__file__).parents[2]
 ENGINE = json.loads((ROOT / "engines" / "references" / "engine.json").read_text())
@@ -190,9 +187,7 @@ def test_the_bar_shows_the_time_that_remains(monkeypatch, capsys):
 @pytest.mark.parametrize("length", ENGINE["sweep_RL_I4_2x"])
 def test_the_inline_four_shakes_as_published(length):
     """Second order of the force on the block by the length of the rods; the first order cancels."""
-    turn = simulate(
-        inline_four(rod_length=float(length[2:])), 2 * np.pi / CRANK_RATE, method=Kinematic(), output=TURN_SAMPLES + 1
-    )
+    turn = simulate(inline_four(rod_length=float(length[2:])), 2 * np.pi / CRANK_RATE, method=Kinematic(), output=37)
     found = orders(turn)
     assert found["force_2x"] == pytest.approx(ENGINE["sweep_RL_I4_2x"][length], rel=1e-11)  # digits of the file: 16
     assert found["force_1x"] < 1e-12  # N, rounding of forces of 50 N

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from sweep_models import (
+from helpers.sweep_models import (
     GRID,
     LOCAL,
     LONG,
@@ -28,13 +28,11 @@ from sweep_models import (
     wheel,
 )
 
-from mbsd3d import measures
-from mbsd3d.base.errors import SweepError
+from mbsd3d import SweepError, measures, sweep
 from mbsd3d.extend import Store
 from mbsd3d.sweeps import executors as workers
 from mbsd3d.sweeps.experiment import Outcome
 from mbsd3d.sweeps.store import Ledger, LedgerError, stamp
-from mbsd3d.sweeps.sweep import sweep
 
 ROOT = Path(__file__).parents[2]
 
@@ -113,7 +111,7 @@ def lines(path):
 def start(ledger, mark, *arguments, fast=1000):
     """A process that sweeps LONG with a ledger, slowly after so many cells; returns when it has begun."""
     environment = {"MBSD3D_MARK": str(mark), "MBSD3D_FAST": str(fast), "PYTHONPATH": f"{ROOT}:{ROOT / 'tests'}"}
-    command = [sys.executable, "-m", "sweep_models", str(ledger), *map(str, arguments)]
+    command = [sys.executable, "-m", "helpers.sweep_models", str(ledger), *map(str, arguments)]
     return subprocess.Popen(
         command, env=os.environ | environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
     )

@@ -9,8 +9,8 @@ import time
 from pathlib import Path
 
 import pytest
-from models import crane
-from test_live import connected
+from helpers.live_views import connected
+from helpers.models import crane
 
 from mbsd3d import Body, System, simulate
 
@@ -95,7 +95,7 @@ def test_commands_answer_ctrl_c(tmp_path, name, cold, moment):
 @pytest.mark.parametrize("moment", [0.5, 1.5, 4.0])
 def test_sweeps_end_with_their_workers(tmp_path, executor, sign, moment):
     more = {"MBSD3D_MARK": str(tmp_path / "mark"), "MBSD3D_FAST": "0", "PYTHONPATH": f"{ROOT}:{ROOT / 'tests'}"}
-    process = start(tmp_path, "sweep_models", tmp_path / "sweep.db", "0", executor, **more)
+    process = start(tmp_path, "helpers.sweep_models", tmp_path / "sweep.db", "0", executor, **more)
     time.sleep(moment)
     stopped(process, sign, END)  # with what Python needs to take itself apart
 

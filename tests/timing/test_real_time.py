@@ -4,12 +4,14 @@ import time
 
 import numpy as np
 import pytest
-from browser import launch, visit
-from models import crane
+from helpers.browser import launch, visit
+from helpers.models import crane
 
 from bicycle import Meijaard2007, play
 from mbsd3d.results.record import RunOptions
-from mbsd3d.run.live_run import PERIOD, Playing
+from mbsd3d.run.live_run import Playing
+
+PERIOD = 1.0 / 60.0  # [s] from one frame to the next, as docs/how/stepping.md says
 
 pytestmark = pytest.mark.timing
 

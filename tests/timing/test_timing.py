@@ -10,19 +10,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import test_importers as importers
-import test_model_files as model_files
-from models import revolute_chain
-from sweep_models import ratio, shafts
+from helpers import refused_models, refused_xml
+from helpers.models import revolute_chain
+from helpers.sweep_models import ratio, shafts
 
 from bicycle import TYPICAL, Meijaard2007, whipple
-from mbsd3d import RK4, Kinematic, Stepper, simulate
-from mbsd3d.sweeps.sweep import sweep
+from mbsd3d import RK4, Kinematic, Stepper, simulate, sweep
 from mbsd3d.view.scene.artist import draw_system
 from validation.benchmark.precision import measure
 from validation.benchmark.problems import PROBLEMS
 from validation.benchmark.speed import tyre_seconds
-from validation.cases.inline_four import CRANK_RATE, TURN_SAMPLES, inline_four, orders
+from validation.cases.inline_four import CRANK_RATE, inline_four, orders
 from validation.cases.mechanisms import ladder
 
 pytestmark = pytest.mark.timing
@@ -69,17 +67,17 @@ def test_ctrl_c_ends_a_run_at_once(tmp_path):
     assert running.returncode == 130
 
 
-@pytest.mark.parametrize("form", model_files.FORMS)
-@pytest.mark.parametrize("case", model_files.HOSTILE)
+@pytest.mark.parametrize("form", refused_models.FORMS)
+@pytest.mark.parametrize("case", refused_models.HOSTILE)
 def test_what_is_no_model_is_refused_at_once(tmp_path, case, form):
     with within(BRIEF):
-        model_files.test_what_is_no_model_is_refused(tmp_path, case, form)
+        refused_models.check_refused(tmp_path, case, form)
 
 
-@pytest.mark.parametrize("case", importers.HOSTILE)
+@pytest.mark.parametrize("case", refused_xml.HOSTILE)
 def test_hostile_files_are_refused_at_once(tmp_path, case):
     with within(BRIEF):
-        importers.test_hostile_files_are_refused(tmp_path, case)
+        refused_xml.check_refused(tmp_path, case)
 
 
 def test_a_thousand_bodies_are_drawn_in_three_seconds():
@@ -119,7 +117,7 @@ def test_900_engines():
     ``python -m validation.benchmark.planar_cost`` prints it.
     """
     grid = {"radius": np.linspace(0.5, 1.0, 30), "rod_length": np.linspace(1.5, 4.0, 30)}
-    run = {"t_end": 2 * np.pi / CRANK_RATE, "method": Kinematic(), "output": TURN_SAMPLES + 1}
+    run = {"t_end": 2 * np.pi / CRANK_RATE, "method": Kinematic(), "output": 37}
     cells = [{"radius": 0.5 + 0.005 * k, "rod_length": 1.5 + 0.025 * k} for k in range(100)]
     before = building(inline_four, cells)
     table, wall, processor = figure(inline_four, grid, orders, run)

@@ -77,6 +77,7 @@ def test_runs_that_are_done_are_not_made_again(tmp_path, monkeypatch):
     assert runs.stored(path, runs.code_digest()) == {case: record}
 
 
+@pytest.mark.slow
 def test_command(tmp_path, monkeypatch):
     asked = ["--family", "wheel", "--family", "nut", "--runs", "3", "--out", str(tmp_path)]
     first = CliRunner().invoke(main, asked)

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from conditions import measure_condition
-from said import limits
+from helpers.conditions import measure_condition
+from helpers.page_limits import limits
 
 from mbsd3d import accelerations, simulate
 from mbsd3d.extend import matrix

@@ -8,8 +8,8 @@ from unittest.mock import Mock
 
 import numpy as np
 import pytest
-from models import public_classes, random_body, revolute_chain
-from test_loads import EXAMPLES as FORCES
+from helpers.forces import EXAMPLES as FORCES
+from helpers.models import public_classes, random_body, revolute_chain
 
 from mbsd3d import (
     GROUND,
@@ -32,13 +32,13 @@ from mbsd3d import (
     TorsionSpring,
     simulate,
 )
-from mbsd3d.mechanism.force_element import ForceElement
+from mbsd3d.extend import ForceElement
 from validation import cases
 from validation.twins.base import EngineFailed, EngineMissing, NotExpressible
 
 pytest.importorskip("exudyn", reason="the engine Exudyn is not installed")
 
-from exudyn_models import distances, tree  # noqa: E402
+from helpers.exudyn_models import distances, tree  # noqa: E402
 
 from validation.twins.exudyn import EXPRESSES, EXPRESSES_FORCES, FORMULATIONS, twin  # noqa: E402
 from validation.twins.exudyn.joints import REFUSED as REFUSED_FORCES  # noqa: E402

@@ -4,20 +4,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from models import across, direction, random_body, random_inertia
-from test_loads import EXAMPLES as FORCES
+from helpers.forces import EXAMPLES as FORCES
+from helpers.models import across, direction, random_body, random_inertia
 
 from bicycle import TYPICAL, Meijaard2007, whipple
 from mbsd3d import GROUND, Body, GearMesh, Prismatic, Pulse, Revolute, System, accelerations, simulate
-from mbsd3d.base.rotations import matrix
 from mbsd3d.demos.cars.car import Car, car
+from mbsd3d.rotations import matrix
 from validation import cases
 from validation.theory.torque_free import free_body
 from validation.twins.base import EngineFailed
 
 pytest.importorskip("exudyn", reason="the engine Exudyn is not installed")
 
-from exudyn_models import EVERY, check_start, example, judge, moving, tree  # noqa: E402
+from helpers.exudyn_models import EVERY, check_start, example, judge, moving, tree  # noqa: E402
 
 from validation.twins.exudyn import EXPRESSES_FORCES, twin  # noqa: E402
 

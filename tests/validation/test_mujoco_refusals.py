@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from models import EXAMPLES, direction, middle, public_classes
-from mujoco_pairs import Pair, bodies_of, loaded, loop, start, tree
+from helpers.models import EXAMPLES, direction, middle, public_classes
+from helpers.mujoco_pairs import Pair, bodies_of, loaded, loop, start, tree
 
 from mbsd3d import (
     GROUND,
@@ -32,7 +32,7 @@ from mbsd3d import (
     accelerations,
     rotation,
 )
-from mbsd3d.base.rotations import matrix, multiply
+from mbsd3d.rotations import matrix, multiply
 from validation.twins.base import EngineFailed, EngineMissing, Load, Motion, NotExpressible, finite
 from validation.twins.definitions.rows import law_of
 from validation.twins.mujoco import EXPRESSES, REFUSED, twin

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from models import EXAMPLES, across, direction, middle, random_loops
-from mujoco_pairs import GRAVITY, LEFT, SETTLED, Pair, bodies_of, instant, loaded, loop, tree
+from helpers.models import EXAMPLES, across, direction, middle, random_loops
+from helpers.mujoco_pairs import GRAVITY, LEFT, SETTLED, Pair, bodies_of, instant, loaded, loop, tree
 
 from mbsd3d import (
     GROUND,

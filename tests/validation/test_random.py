@@ -4,7 +4,8 @@ from functools import cache
 
 import numpy as np
 import pytest
-from models import consistent_state, random_body
+from helpers.models import consistent_state, random_body
+from helpers.second_formulation import differences
 
 from mbsd3d import CurveContact, IntegrationError, System, accelerations, simulate
 from validation.cases.examples import EXAMPLES, mechanism, rows_of
@@ -13,28 +14,11 @@ from validation.twins.definitions import rows as definitions
 
 LIMIT = 1e-9
 """Relative, as asked; more where rounding times the condition of the inertia of what is free to move is more."""
-QUICK, ALL = 60, 500
+QUICK, ALL = 40, 500
 NEARLY_DEPENDENT = {207: 1e-10, 326: 3e-12, 413: 3e-11}
 """Seeds whose loop rows have pivots that differ by 6e6 to 4e7 -> limit: ten times what is left, a tenth of what
 S = J M^-1 J' alone loses. Beside a solution of the same rows with 50 digits: 207 2e-11 (1.5e-9 with S alone), as the
 definitions themselves; 413 7e-13 (1.2e-9)."""
-
-
-def wrench_difference(found, expected, joint):
-    """Greatest difference of force and moment on body b."""
-    reaction, (force, about) = found.reaction(joint), np.split(expected.wrench[id(joint)], 2)
-    moment = about - np.cross(reaction.point[0] - found.position(joint.b)[0], force)
-    return np.abs(np.concatenate([reaction.force[0] - force, reaction.moment[0] - moment])).max()
-
-
-def differences(system, state):
-    """(relative differences of accelerations and of unique wrenches, what the second formulation found)."""
-    expected, found = reference_point.solve(system, state), accelerations(system, state)
-    apart = np.abs(found.arrays["acceleration"][0] - expected.acceleration).max()
-    load = max([1.0, *(np.abs(w).max() for w in expected.wrench.values())])
-    unique = [joint for joint in system.joints if id(joint) in expected.wrench and found.reaction(joint).unique]
-    worst = max((wrench_difference(found, expected, joint) for joint in unique), default=0.0)
-    return apart / max(1.0, np.abs(expected.acceleration).max()), worst / load, expected
 
 
 def moved(system, state, t=0.05):

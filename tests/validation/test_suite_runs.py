@@ -13,24 +13,14 @@ from contextlib import closing, suppress
 from dataclasses import replace
 
 import pytest
-from browser import visit
 from click.testing import CliRunner
+from helpers.browser import visit
 
-from mbsd3d.cli import main
+from mbsd3d.extend import main
 from validation.cases import comparison
 from validation.cases import reference as cases
 from validation.suite import findings
-from validation.suite.findings import (
-    AGREES,
-    DIFFERS,
-    EXPLAINED,
-    MUJOCO,
-    NOT_COMPARED,
-    THEORY,
-    Finding,
-    Record,
-    not_compared,
-)
+from validation.suite.findings import Finding, Record, not_compared
 from validation.suite.page import content_of, encoded, page_of
 from validation.suite.suite import Suite, examined, store
 from validation.suite.trials import references
@@ -52,7 +42,7 @@ def only(*chosen):
     return [text for name in chosen for text in ("--case", name)]
 
 
-def record(verdict=AGREES, judge=THEORY, name="case", **numbers):
+def record(verdict="agrees", judge="theory", name="case", **numbers):
     """A record with one finding."""
     return Record(name, "group", "title", (Finding(judge, verdict, "quantity", **numbers),))
 
@@ -78,10 +68,10 @@ def test_records_of_other_sources_or_settings_are_forgotten(monkeypatch, tmp_pat
 
 def test_table_and_page_of_every_verdict():
     many = [record(name=f"many {k}", error=1e-9, limit=1e-8) for k in range(findings.LISTED_CASES_MAX)]
-    many.append(record(DIFFERS, name="wrong <b>", error=0.3, limit=1e-8, note="<script>alert(1)</script>"))
-    other = Record("other", "few", "title", (not_compared(MUJOCO, "no element for Screw"),))
-    explained = record(EXPLAINED, MUJOCO, "soft", error=0.1, limit=1e-6)
-    explained = replace(explained, group="few", attributions=({"engine": MUJOCO, "before": 0.1, "after": 0.025},))
+    many.append(record("differs", name="wrong <b>", error=0.3, limit=1e-8, note="<script>alert(1)</script>"))
+    other = Record("other", "few", "title", (not_compared("MuJoCo", "no element for Screw"),))
+    explained = record("explained", "MuJoCo", "soft", error=0.1, limit=1e-6)
+    explained = replace(explained, group="few", attributions=({"engine": "MuJoCo", "before": 0.1, "after": 0.025},))
     shown = [*many, other, explained]
     text = findings.table(shown)
     assert "group: 31 cases" in text and "30 agrees, 1 differs" in text and "0.1*" not in text and "1e-01*" in text
@@ -92,7 +82,7 @@ def test_table_and_page_of_every_verdict():
     html = page_of(shown, content)
     assert "<script" not in html and "&lt;script&gt;" in html and "SOMETHING DIFFERS" in html
     assert "interrupted" in html and "0.025" in html
-    assert json.loads(encoded(content))["counts"] == {AGREES: 30, DIFFERS: 1, NOT_COMPARED: 1, EXPLAINED: 1}
+    assert json.loads(encoded(content))["counts"] == {"agrees": 30, "differs": 1, "not compared": 1, "explained": 1}
 
 
 @pytest.mark.slow
@@ -103,11 +93,11 @@ def test_a_run_of_two_cases_from_table_to_files(tmp_path):
     html, data = (tmp_path / "validation.html").read_text(), json.loads((tmp_path / "validation.json").read_text())
     assert not re.search(r"""(src|href)=(?!["'](#|data:))|https?://|@import|url\(""", html)
     assert html.count("data:image/webp") == 2 and "<svg" in html and "@page" in html
-    assert data["format"] == 1 and data["verdict"] == AGREES and data["complete"] and data["quick"]
+    assert data["format"] == 1 and data["verdict"] == "agrees" and data["complete"] and data["quick"]
     assert [case["name"] for case in data["cases"]] == list(FAST)
     for finding in (finding for case in data["cases"] for finding in case["findings"]):
         assert set(finding) == {"judge", "verdict", "quantity", "error", "limit", "note"}
-        assert finding["judge"] in data["judges"] and finding["verdict"] in (AGREES, EXPLAINED, NOT_COMPARED)
+        assert finding["judge"] in data["judges"] and finding["verdict"] in ("agrees", "explained", "not compared")
     again, said = validate(*only(*FAST, "eig_fourbar2_hanging"), "--quick", "--out", tmp_path)
     assert again == 0 and "2 of 3 cases are in" in said
     kept = json.loads((tmp_path / "validation.json").read_text())["cases"][: len(FAST)]
@@ -128,7 +118,7 @@ def test_a_changed_reference_value_makes_the_run_fail(tmp_path, monkeypatch):
     code, said = validate(*only("coriolis_slider"), "--quick", "--out", tmp_path)
     assert code == 1 and "mbsd3d: coriolis_slider differ" in said and "reference: 8 columns" in said
     assert "SOMETHING DIFFERS" in (tmp_path / "validation.html").read_text()
-    assert json.loads((tmp_path / "validation.json").read_text())["verdict"] == DIFFERS
+    assert json.loads((tmp_path / "validation.json").read_text())["verdict"] == "differs"
 
 
 def test_ctrl_c_keeps_what_is_finished(tmp_path):
@@ -203,7 +193,7 @@ def test_the_page_in_a_browser(chromium, tmp_path):
 
 
 MISTAKEN = """
-import mutations
+from helpers import mutations
 from mbsd3d.cli import main
 from mbsd3d.kernels import rows
 from validation.suite.trials import references

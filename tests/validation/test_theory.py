@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from closed_forms import cardan as shafts
-from closed_forms import rotations
-from closed_forms import slider_crank as crank_theory
+from helpers.closed_forms import cardan as shafts
+from helpers.closed_forms import rotations
+from helpers.closed_forms import slider_crank as crank_theory
 
 from validation import theory
 

@@ -14,9 +14,9 @@ from mbsd3d import (
     StateFeedback,
     System,
     Torque,
+    measures,
     simulate,
 )
-from mbsd3d.mechanism import measures
 
 AXIS = np.array([0.2, -0.5, 0.8]) / np.linalg.norm([0.2, -0.5, 0.8])
 

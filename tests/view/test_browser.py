@@ -4,18 +4,18 @@ import sys
 
 import numpy as np
 import pytest
-from browser import executable, launch, visit
-from moving import ARM, BEAD, CRANK, PINK, TAIL
-from pages import COUNT, END, HINGE, OUTSIDE, SETTLED, TITLE, covered, differing, opened, scene, seek, tick
+from helpers.browser import executable, launch, visit
+from helpers.page_mechanism import ARM, BEAD, CRANK, PINK, TAIL
+from helpers.pages import COUNT, END, HINGE, OUTSIDE, SETTLED, TITLE, covered, differing, opened, scene, seek, tick
 
 from mbsd3d import GROUND, Body, Spherical, System, simulate
-from mbsd3d.base.rotations import matrix
-from mbsd3d.view.page.content import POSITION_RESOLUTION, QUATERNION_RESOLUTION
-from mbsd3d.view.page.stage import FIELD_OF_VIEW
+from mbsd3d.rotations import matrix
 from mbsd3d.view.scene.artist import draw_system
 from mbsd3d.view.scene.camera import directions, sight
-from mbsd3d.view.scene.drawing import DEFAULT_LAYERS, bounds
+from mbsd3d.view.scene.drawing import bounds
 from mbsd3d.view.scene.frames import frames_of
+
+POSITION_RESOLUTION, QUATERNION_RESOLUTION = 1e-5, 1e-5  # of a page [sizes of the mechanism], [1]
 
 pytestmark = pytest.mark.slow
 
@@ -130,9 +130,15 @@ def test_a_body_is_seen_where_the_camera_equations_put_it(page, motion):
 
 def test_the_first_view_is_the_camera_that_was_computed(page, motion):
     frames = frames_of(motion, COUNT)
-    box = bounds(draw_system(motion.system), frames.r, frames.e, DEFAULT_LAYERS, directions(None))
+    box = bounds(
+        draw_system(motion.system),
+        frames.r,
+        frames.e,
+        ("bodies", "joints", "springs and rods", "traces", "ground grid"),
+        directions(None),
+    )
     canvas = page.run("(({width, height}) => width / height)(document.getElementById('scene').getBoundingClientRect())")
-    camera = sight(*box, directions(None), FIELD_OF_VIEW).camera(canvas)
+    camera = sight(*box, directions(None), 0.7).camera(canvas)
     page.run(SETTLED)
     place, root, _, _ = camera_of(page)
     position = (np.linalg.inv(root) @ place[:, 3])[:3] / page.run("mbsd3d.data.scale")

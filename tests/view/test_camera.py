@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from mbsd3d import GROUND, Body, Revolute, System, simulate
-from mbsd3d.mechanism.shapes.kinds import Lines
+from mbsd3d.shapes import Lines
 from mbsd3d.view.page.show import followed_body
 from mbsd3d.view.scene.artist import draw_system
 from mbsd3d.view.scene.camera import directions, frame_camera, sight

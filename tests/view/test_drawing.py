@@ -2,14 +2,18 @@
 
 import numpy as np
 import pytest
-from models import EXAMPLES, all_joints_mechanism, example_system, random_body, random_orientation, revolute_chain
+from helpers.models import (
+    EXAMPLES,
+    all_joints_mechanism,
+    example_system,
+    random_body,
+    random_orientation,
+    revolute_chain,
+)
 
-from mbsd3d import GROUND, Body, Revolute, Rolling, RollingDisc, SpringDamper, System, rotation
-from mbsd3d.base.rotations import matrix, multiply
-from mbsd3d.mechanism.couplings import GearMesh
-from mbsd3d.mechanism.joints import Joint
-from mbsd3d.mechanism.shapes.kinds import Box, Cylinder, Disc, MeshFile
-from mbsd3d.mechanism.state import State
+from mbsd3d import GROUND, Body, GearMesh, Joint, Revolute, Rolling, RollingDisc, SpringDamper, State, System, rotation
+from mbsd3d.rotations import matrix, multiply
+from mbsd3d.shapes import Box, Cylinder, Disc, MeshFile
 from mbsd3d.view.page.show import page_layers
 from mbsd3d.view.scene.artist import draw_system
 from mbsd3d.view.scene.drawing import Layers, poses_of

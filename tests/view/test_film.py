@@ -10,12 +10,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.double_pendulum import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 from matplotlib.colors import to_rgb
 from PIL import Image
-from test_files import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 
 from mbsd3d import GROUND, Body, Revolute, System, accelerations, linearize, simulate
-from mbsd3d.base.style import DARK, LIGHT
+from mbsd3d.extend import theme
 from mbsd3d.view.film import film
 from mbsd3d.view.film.frames import FilmFrames
 from mbsd3d.view.scene.drawing import Layers
@@ -62,7 +62,7 @@ def test_gifs_are_the_same_bytes_twice(solution, tmp_path):
     assert first.read_bytes() == second.read_bytes() and second.name == "b.GIF"
     images, _ = frames_of_gif(first)
     assert len(images) == 9 and images[0].shape == (100, 160, 3)
-    assert np.array_equal(images[0][60, 0], np.round(255 * np.array(to_rgb(DARK.paper))))
+    assert np.array_equal(images[0][60, 0], np.round(255 * np.array(to_rgb(theme(True).paper))))
 
 
 def test_the_clock_tells_time_and_speed(solution):
@@ -99,7 +99,7 @@ def test_the_cursor_runs_over_the_curves(solution):
     for k in (0, 7, last):
         changed = np.unique(np.nonzero((strip.at(k) != strip.image).any(axis=2))[1])
         assert changed.min() >= strip.columns[k] - 3 and changed.max() <= strip.columns[k] + 3
-        line = (strip.at(k)[:, strip.columns[k]] == np.round(255 * np.array(to_rgb(LIGHT.muted)))).all(axis=1)
+        line = (strip.at(k)[:, strip.columns[k]] == np.round(255 * np.array(to_rgb(theme(False).muted)))).all(axis=1)
         rows = [slice(round(strip.height - high), round(strip.height - low)) for _, low, _, high in strip.boxes]
         beside = np.ones(strip.height, bool)
         for part in rows:  # of the image, from its top down
@@ -107,7 +107,7 @@ def test_the_cursor_runs_over_the_curves(solution):
             assert line[part].any()
         assert not line[beside].any()
         x, y, z = (round(heights[k]) for _, heights in strip.dots[-3:])
-        for tint, row in zip(LIGHT.lines, (x, y, z), strict=False):
+        for tint, row in zip(theme(False).lines, (x, y, z), strict=False):
             near = strip.at(k)[row - 1 : row + 2, strip.columns[k]]
             assert np.any(np.all(near == np.round(255 * np.array(to_rgb(tint))), axis=1)) or len({x, y, z}) < 3
 

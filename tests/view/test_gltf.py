@@ -6,8 +6,8 @@ import struct
 import numpy as np
 import pytest
 import trimesh
-from models import pair_at
-from test_files import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
+from helpers.double_pendulum import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
+from helpers.models import pair_at
 
 from mbsd3d import (
     GROUND,
@@ -23,7 +23,7 @@ from mbsd3d import (
     simulate,
 )
 from mbsd3d.base.style import channels, linear
-from mbsd3d.mechanism.shapes import Mesh
+from mbsd3d.shapes import Mesh
 from mbsd3d.view.scene.meshes import rolled, skin, unit_coil, unit_rod
 
 COMPONENT = {5123: "<u2", 5125: "<u4", 5126: "<f4"}

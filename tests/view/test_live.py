@@ -7,8 +7,9 @@ import time
 
 import numpy as np
 import pytest
-from browser import visit
-from test_files import LOWER_ARM, pendulum
+from helpers.browser import visit
+from helpers.double_pendulum import LOWER_ARM, pendulum
+from helpers.live_views import connected, knock, listens, until
 
 from mbsd3d import Body, System, simulate
 from mbsd3d.view.page import html, live, served
@@ -28,23 +29,6 @@ def view(solution):
     """A running view."""
     with solution.animate(live=True, title="pendulum", shown=["reaction force"]) as view:
         yield view
-
-
-def listens(url: str) -> bool:
-    """Whether something answers there."""
-    host, port = re.match(r"http://(.+):(\d+)", url).groups()
-    with socket.socket() as probe:
-        return probe.connect_ex((host, int(port))) == 0
-
-
-def until(condition, seconds=60.0):
-    """Wait; False if it does not come true."""
-    end = time.perf_counter() + seconds
-    while time.perf_counter() < end:
-        if condition():
-            return True
-        time.sleep(0.02)
-    return False
 
 
 def test_times_lie_between_frames():
@@ -155,20 +139,6 @@ def test_a_browser_sees_it_move_and_pauses_it(chromium, view, solution):
         assert seen.complaints == []
 
 
-def knock(url, **headers):
-    """(status, headers) of a request over a plain socket: a browser would not send such a one."""
-    host, port, path = re.fullmatch(r"http://(.+):(\d+)(/.*)", url).groups()
-    lines = {"Host": f"{host}:{port}", "Connection": "close"} | {k.replace("_", "-"): v for k, v in headers.items()}
-    text = f"GET {path} HTTP/1.1\r\n" + "".join(f"{k}: {v}\r\n" for k, v in lines.items()) + "\r\n"
-    with socket.create_connection((host, int(port)), timeout=10) as line:
-        line.sendall(text.encode())
-        head = b""
-        while b"\r\n\r\n" not in head and (piece := line.recv(4096)):
-            head += piece
-    first, *rest = head.split(b"\r\n\r\n")[0].decode().split("\r\n")
-    return int(first.split()[1]), dict(line.split(": ", 1) for line in rest)
-
-
 def test_only_the_whole_address_opens_it(view):
     bare = view.url.partition("?")[0]
     port = view.url.partition("/?")[0].rpartition(":")[2]
@@ -203,16 +173,6 @@ def test_two_hosts_are_refused(view):
         with socket.create_connection((host, int(port)), timeout=10) as line:
             line.sendall(f"GET / HTTP/1.1\r\nHost: {host}:{port}\r\nHost: {second}\r\n\r\n".encode())
             assert line.recv(4096).startswith(b"HTTP/1.1 400")
-
-
-def connected(view, count=3):
-    """Browsers that stay, as far as the server can tell."""
-    from viser import __version__
-    from websockets.sync.client import connect
-
-    cookie = knock(view.url)[1]["Set-Cookie"].partition(";")[0]
-    address, protocol = view.url.partition("?")[0].replace("http", "ws"), [f"viser-v{__version__}"]
-    return [connect(address, additional_headers={"Cookie": cookie}, subprotocols=protocol) for _ in range(count)]
 
 
 def test_it_stops_with_open_connections(solution, capfd):

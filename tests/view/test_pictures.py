@@ -6,26 +6,27 @@ from dataclasses import replace
 import matplotlib.pyplot
 import numpy as np
 import pytest
+from helpers.double_pendulum import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from PIL import Image
-from test_files import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 
-from mbsd3d import GROUND, AngleDriver, Body, Ramp, Revolute, System, simulate
-from mbsd3d.base import inertia
-from mbsd3d.base.rotations import matrix
-from mbsd3d.base.style import DARK, LIGHT, muted_colour
-from mbsd3d.mechanism.shapes.kinds import Box, Sphere
-from mbsd3d.plotting.plots import save_figure
+from mbsd3d import GROUND, AngleDriver, Body, Ramp, Revolute, System, inertia, save_figure, simulate
+from mbsd3d.base.style import muted_colour
+from mbsd3d.extend import theme
+from mbsd3d.rotations import matrix
+from mbsd3d.shapes import Box, Sphere
 from mbsd3d.view.picture.painter import Mosaic, Painter, new_sheet
 from mbsd3d.view.picture.picture import painter_of
 from mbsd3d.view.picture.shading import Solids, outlines, pointers_of, split_strokes, split_triangles
 from mbsd3d.view.scene.artist import draw_system
 from mbsd3d.view.scene.camera import Camera, frame_camera, lens_of, round_down, turned, window
-from mbsd3d.view.scene.drawing import DEFAULT_LAYERS, MARKS, NAMES, bounds, poses_of
+from mbsd3d.view.scene.drawing import bounds, poses_of
 from mbsd3d.view.scene.frames import frames_of
 from mbsd3d.view.scene.motion import arrows_of, traces_of
+
+NAMES = ("body names", "joint names")
 
 HIDDEN, BARE = (*NAMES, "ground grid"), ("bodies", "joints")
 CAMERA = Camera(np.array([2.3, -3.1, 1.7]), np.array([0.2, 0.4, -0.3]), 4.5)
@@ -118,7 +119,7 @@ def test_the_nearer_of_two_boxes_hides_the_other(azimuth, elevation):
     r, e = poses_of(System(bodies))
     lens = lens_of(turned(CAMERA, azimuth, elevation))
     painter = Painter(draw_system(System(bodies)), lens, r[None], e[None], (4.0, 3.0), layers=BARE)
-    figure, axes = new_sheet((4.0, 3.0), LIGHT)
+    figure, axes = new_sheet((4.0, 3.0), theme(False))
     painter.paint(axes, [(r, e)])
     image, seen = pixels_of(figure), []
     for x, y in np.random.default_rng(8).uniform((40, 40), (360, 260), (400, 2)).astype(int):
@@ -198,7 +199,14 @@ def test_names_lie_at_their_points_and_on_the_paper():
     figure = system.picture()
     drawing, (r, e) = draw_system(system), poses_of(system)
     lens = lens_of(frame_camera(*bounds(drawing, r[None], e[None])))
-    painter = Painter(drawing, lens, r[None], e[None], (6.4, 4.8), layers=(*DEFAULT_LAYERS, *NAMES))
+    painter = Painter(
+        drawing,
+        lens,
+        r[None],
+        e[None],
+        (6.4, 4.8),
+        layers=("bodies", "joints", "springs and rods", "traces", "ground grid", *NAMES),
+    )
     written = {text.get_text(): text for text in figure.axes[0].texts}
     bodies, joints = (
         written["a rod with a long name, ring"],
@@ -270,9 +278,12 @@ def test_files_of_pictures_are_the_same_bytes_twice(solution, tmp_path):
 
 def test_dark_paper_and_layers(solution):
     figure = solution.system.picture(dark=True)
-    assert figure.get_facecolor()[:3] == pytest.approx(matplotlib.colors.to_rgb(DARK.paper))
+    assert figure.get_facecolor()[:3] == pytest.approx(matplotlib.colors.to_rgb(theme(True).paper))
     assert pixels_of(figure).mean() < 80
-    bare, marked = (solution.system.picture(**x) for x in ({"hidden": ["bodies", "joints"]}, {"shown": MARKS}))
+    bare, marked = (
+        solution.system.picture(**x)
+        for x in ({"hidden": ["bodies", "joints"]}, {"shown": ("centre of mass", "reference point")})
+    )
     assert polygons(bare) < polygons(marked)
 
 

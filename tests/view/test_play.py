@@ -10,18 +10,21 @@ from contextlib import contextmanager
 
 import numpy as np
 import pytest
-from browser import visit
-from models import crane
-from pages import SETTLED
-from test_live import knock, listens, until
+from helpers.browser import visit
+from helpers.live_views import knock, listens, until
+from helpers.models import crane
+from helpers.pages import SETTLED
 
 from mbsd3d import GROUND, Body, Input, Revolute, Solution, System, Torque
-from mbsd3d.run.live_run import PERIOD
-from mbsd3d.view.page.stage import FIELD_OF_VIEW, swing
+from mbsd3d.view.page.stage import swing
 from mbsd3d.view.play.page import pivot_of
 from mbsd3d.view.play.play import Play, parsed, ride_so_far
 from mbsd3d.view.play.server import Outlet
 from mbsd3d.view.scene.camera import directions, sight
+
+FIELD_OF_VIEW = 0.7  # [rad] vertical
+
+PERIOD = 1.0 / 60.0  # [s] from one frame to the next, as docs/how/stepping.md says
 
 READY = "document.documentElement.dataset.ready === 'yes'"
 RANGES = {"push": (-6.0, 6.0), "twist": (-1.5, 2.5)}

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from pages import COUNT, END, HINGE, SETTLED, covered, differing, opened, scene, seek
+from helpers.pages import COUNT, END, HINGE, SETTLED, covered, differing, opened, scene, seek
 
 from mbsd3d.view.page.html import asset
 

@@ -191,10 +191,10 @@ EXTRAS: dict[str, Callable[[_Sample], Array]] = {
 def condition(name: str) -> float:
     """Return the stored condition of a case: change of its outputs per relative change of the mechanism.
 
-    It was measured by ``tests/validation/conditions.py`` [-]. ValueError if none is stored.
+    It was measured by ``tests/helpers/conditions.py`` [-]. ValueError if none is stored.
     """
     path = REFERENCES / "conditions.json"
     stored = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
     if name not in stored:
-        raise InputError(f"case '{name}': no condition stored; measure it with tests/validation/conditions.py")
+        raise InputError(f"case '{name}': no condition stored; measure it with tests/helpers/conditions.py")
     return float(stored[name])

@@ -8,14 +8,17 @@ from types import ModuleType
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from pages import OUTSIDE, covered, differing, many_pages, scene, seek, shown
 
+from helpers.pages import OUTSIDE, covered, differing, many_pages, scene, seek, shown
 from mbsd3d import Body, System, accelerations
 from mbsd3d.demos.discovery import walk
-from mbsd3d.demos.form import Ablation, Curve, Demo, Measured, Quantity
 from mbsd3d.demos.report import write
+from mbsd3d.extend import Ablation, Curve, Demo, Measured, Quantity
 
-LONG = {"euler_disc_end", "explorer_flat_spin", "rattleback", "roll_bars", "spinning_egg", "tippe_top"}  # take seconds
+LONG = {  # take a second or more
+    *("double_lane_change", "euler_disc_end", "explorer_flat_spin", "fishhook", "rattleback", "roll_bars"),
+    *("spinning_egg", "tippe_top"),
+}
 PLACES = np.linspace(0.3, 1.0, 3)  # of a motion; of the first a picture is taken, as the end may be the start
 
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from models import EXAMPLES, across, consistent_state, direction, middle, random_body
 
+from helpers.models import EXAMPLES, across, consistent_state, direction, middle, random_body
 from mbsd3d import (
     GROUND,
     Cylindrical,

@@ -1,7 +1,8 @@
 """What the tests of the twin in Exudyn share: mechanisms in motion, and how a twin is judged."""
 
 import numpy as np
-from models import (
+
+from helpers.models import (
     EXAMPLES,
     across,
     consistent_state,
@@ -11,7 +12,6 @@ from models import (
     rolling_plane,
     same_rotation,
 )
-
 from mbsd3d import (
     GROUND,
     AeroDrag,

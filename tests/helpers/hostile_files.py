@@ -13,7 +13,7 @@ import numpy as np
 
 import mbsd3d
 from bicycle.parameters import read_values
-from engines.nvh.cabin.table import HEADER, read_modes
+from engines.nvh.cabin.table import read_modes
 from engines.nvh.excitation.presets import preset
 from engines.nvh.mounts.mounts import car, mounts
 from engines.nvh.records import data
@@ -87,14 +87,14 @@ class Samples:
         mbsd3d.accelerations(system).save(self.folder / "sound.npz")
         self.content = {kind: (self.folder / f"sound.{kind}").read_bytes() for kind in ("json", "toml", "npz")}
         texts = {"mjcf": MJCF, "urdf": URDF, "obj": OBJ, "ply": PLY, "stl": STL}
-        values = Path(__file__).parent / "bicycle_values.txt"
-        texts["txt"] = values.read_text() if values.exists() else "w = 1.02\nc = 0.08\nlam = 0.31 +/- 0.01\ng = 9.81\n"
+        texts["txt"] = "w = 1.02\nc = 0.08\nlam = 0.31 +/- 0.01\ng = 9.81\n"
         texts["yaml"] = "parameterization: benchmark\nvalues:\n  w: 1.02\n  c: 0.08\n  lam: 0.314\n  mB: 85.0\n"
         engine = {key: value for key, value in data("engines")["engines"]["inline_4"].items() if key != "layout"}
         own = {"pins": [0, 180, 180, 0], "bores": [0] * 4, "stations": [-0.1, 0, 0.1, 0.2], "firing_order": "1-3-4-2"}
         texts |= {"engine": json.dumps(engine | own), "car": json.dumps(data("cars")["cars"]["compact"])}
         texts["shell"] = "\n".join(
-            [",".join(HEADER)] + [f"{k},{k}.5,.02,{x},0,0,.1" for k in (1, 2) for x in ("a", "seat")]
+            ["mode,frequency,damping,place,x,y,z"]
+            + [f"{k},{k}.5,.02,{x},0,0,.1" for k in (1, 2) for x in ("a", "seat")]
         )
         texts["road"] = "x,left,right\n" + "".join(f"{0.3 * k:.1f},0.01,{0.002 * (k % 5):g}\n" for k in range(40))
         self.content |= {kind: text.encode() for kind, text in texts.items()}

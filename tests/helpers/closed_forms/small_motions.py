@@ -4,8 +4,11 @@ from typing import Any
 
 import numpy as np
 
-from validation.theory import GRAVITY
-from validation.theory.whipple_lagrange import DIFFERENCE_STEP, DIFFERENCE_WEIGHTS, accelerations, state
+from validation.theory.whipple_lagrange import accelerations, state
+
+GRAVITY = 9.81  # [m/s^2]
+DIFFERENCE_STEP = 2e-3  # [rad, rad/s]: truncation of order eight and rounding are both near 1e-13
+DIFFERENCE_WEIGHTS = {1: 4 / 5, 2: -1 / 5, 3: 4 / 105, 4: -1 / 280}
 
 
 def upright_disc(

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from validation.theory import elliptic_phase, jacobi, polhode, quarter_period, rotation_matrix
-from validation.theory.common import EXTENDED, Array, Attitude, product, turn
+from validation.theory.common import Array, Attitude, product, turn
 
 
 def sleeping_spin(transverse: float, axial: float, weight_moment: float) -> float:
@@ -36,7 +36,7 @@ class Nutation(NamedTuple):
 
     def height(self, t: ArrayLike) -> Array:
         """Cosine of the tilt at the times ``t`` [s]."""
-        sn = jacobi(self.phase + self.rate * np.asarray(t, dtype=EXTENDED), self.m1).sn
+        sn = jacobi(self.phase + self.rate * np.asarray(t, dtype=np.longdouble), self.m1).sn
         return (self.lowest + (self.highest - self.lowest) * sn**2).astype(float)
 
 
@@ -95,10 +95,12 @@ def free_symmetric_body(
     """
     if transverse <= 0 or axial < 0:
         raise ValueError(f"moments ({transverse}, {axial}): transverse must be positive and axial not negative")
-    t = np.atleast_1d(np.asarray(t, dtype=EXTENDED))
-    omega = np.asarray(omega, dtype=EXTENDED)
-    precession = np.array([omega[0], omega[1], axial * omega[2] / transverse], dtype=EXTENDED)
-    spin = turn(np.array([0, 0, omega[2] * (1 - EXTENDED(axial) / EXTENDED(transverse))], dtype=EXTENDED), t)
+    t = np.atleast_1d(np.asarray(t, dtype=np.longdouble))
+    omega = np.asarray(omega, dtype=np.longdouble)
+    precession = np.array([omega[0], omega[1], axial * omega[2] / transverse], dtype=np.longdouble)
+    spin = turn(
+        np.array([0, 0, omega[2] * (1 - np.longdouble(axial) / np.longdouble(transverse))], dtype=np.longdouble), t
+    )
     rotation = product(product(rotation_matrix(orientation), turn(precession, t)), spin)
     return Attitude(np.einsum("nji,j->ni", spin, omega), rotation)
 

@@ -14,7 +14,7 @@ from mbsd3d import GROUND, measures
 from mbsd3d.errors import MbsError
 
 COUNT = 10_000  # models that are tried
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 OURS = tuple(str(ROOT / name) for name in ("mbsd3d", "bicycle", "engines", "validation"))
 METHODS = "/mbsd3d/integrators/"  # compiled with the kernels: their few errors are plain ones
 SIZES = (1e-300, 1e-110, 1e-30, 1e-9, 1e-3, 1.0, 1e3, 1e9, 1e30, 1e110, 1e300)

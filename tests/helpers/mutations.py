@@ -1,7 +1,7 @@
 """Row kernels with a mistake in them, and what `cross_check` says: a script that runs without the compiler.
 
-``python tests/mutations.py ENGINE ... [KERNEL ...]`` prints one JSON line per mistake: kernel, mistake, and the
-quantities that differ by engine, or how the run ended.
+``python -m helpers.mutations ENGINE ... [KERNEL ...]``, with tests/ on the path, prints one JSON line per mistake:
+kernel, mistake, and the quantities that differ by engine, or how the run ended.
 """
 
 import inspect
@@ -12,8 +12,8 @@ import sys
 os.environ["NUMBA_DISABLE_JIT"] = "1"
 
 import numpy as np
-from models import consistent_state, direction, example_system, random_body
 
+from helpers.models import consistent_state, direction, example_system, random_body
 from mbsd3d import (
     GROUND,
     AngleDriver,
@@ -32,8 +32,7 @@ from mbsd3d import (
 )
 from mbsd3d.dynamics import state_rates
 from mbsd3d.kernels import rows
-from validation.crosscheck import cross_check
-from validation.crosscheck.result import DIFFERS
+from validation import cross_check
 
 SPAN = 0.02  # s, of the mistakes that only a run can show; the others are judged at the start
 KERNELS = {
@@ -134,7 +133,7 @@ def judged(system, state, engines, t_end=None):
         check = cross_check(system, t_end, state=state, engines=engines, budget=2.0, progress=False)
     except ValueError as error:
         return {"error": str(error)}
-    return {x.engine: [f.quantity for f in x.findings if f.status == DIFFERS] for x in check.engines}
+    return {x.engine: [f.quantity for f in x.findings if f.status == "differs"] for x in check.engines}
 
 
 def put(name, kernel):

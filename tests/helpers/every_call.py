@@ -1,11 +1,11 @@
 """A right call of every public name, and the same with one argument that people and programs give by mistake."""
 
-import hostile_files
 import numpy as np
-from every_part import BAR, HINGE, LOOSE, MOTOR, SLIDER, SPRING, SWING, SYSTEM, measured, parts
 from matplotlib.figure import Figure
 
 import mbsd3d as m
+from helpers import hostile_files
+from helpers.every_part import BAR, HINGE, LOOSE, MOTOR, SLIDER, SPRING, SWING, SYSTEM, measured, parts
 from mbsd3d import GROUND, measures
 
 NAN, INF = float("nan"), float("inf")

@@ -119,7 +119,7 @@ def main(ledger, limit=None, executor=None):
     """A process of its own: sweeps LONG; prints what came out of Ctrl-C or of a full disk."""
     import resource
 
-    from mbsd3d.base.errors import SweepError
+    from mbsd3d import SweepError
     from mbsd3d.sweeps import sweep as module
 
     sweep, outcomes = module.sweep, module.outcomes

@@ -3,7 +3,8 @@
 from contextlib import contextmanager
 
 import numpy as np
-from browser import visit
+
+from helpers.browser import visit
 
 END, COUNT = 0.6, 61  # s, samples: frames at the same times, so that nothing is interpolated
 TITLE = "Probe <b>ä</b> & \"q\" </title>"  # fmt: skip

@@ -37,13 +37,12 @@ from mbsd3d import (
     Universal,
     shapes,
 )
-from mbsd3d.base.rotations import matrix, multiply
 from mbsd3d.constraints.assembly import reference_pose
-from mbsd3d.equations.at_state import load_state
-from mbsd3d.equations.compiled import compile_system
 from mbsd3d.equations.jacobian import block_rows, scaled_rows
+from mbsd3d.extend import compile_system, load_state
 from mbsd3d.kernels.kinematics import kinematics
 from mbsd3d.kernels.rows import rows
+from mbsd3d.rotations import matrix, multiply
 from validation.cases.examples import (  # noqa: F401  # the tests take all of them from here
     EXAMPLES,
     NOT_ON_GROUND,

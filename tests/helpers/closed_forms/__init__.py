@@ -1,0 +1,1 @@
+"""Solutions in closed form that only tests ask for; they share no code with what they judge."""

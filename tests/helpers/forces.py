@@ -1,0 +1,157 @@
+"""An example of every force element, with forces of some newtons, between two bodies or one and the ground."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from helpers.models import (
+    direction,
+    middle,
+    random_orientation,
+    signal,
+)
+from mbsd3d import (
+    AeroDrag,
+    Brake,
+    Bushing,
+    CentralGravity,
+    Contact,
+    CustomForce,
+    Force,
+    JointFriction,
+    Polynomial,
+    Prismatic,
+    Revolute,
+    SpringDamper,
+    StateFeedback,
+    Torque,
+    TorsionSpring,
+    Tyre,
+    Weight,
+    measures,
+    rotation,
+    shapes,
+)
+
+
+def _hinge(rng, a, b):
+    return Revolute(a, b, at=middle(rng, a, b), axis=direction(rng))
+
+
+def _slider(rng, a, b):
+    return Prismatic(a, b, at=middle(rng, a, b), axis=direction(rng))
+
+
+def _signals(rng):
+    return (signal(rng, 0.5), Polynomial((0.3, -0.8, 1.1)), -0.7)
+
+
+def _spring(rng, a, b):
+    ends = dict(at_a=a.position + 0.3 * direction(rng), at_b=b.position + 0.3 * direction(rng))
+    return SpringDamper(a, b, **ends, stiffness=7.0, damping=0.9, length=0.8)
+
+
+def _bushing(rng, a, b):
+    numbers = dict(
+        stiffness=(5.0, 7.0, 3.0), turning_stiffness=(2.0, 1.3, 4.0), damping=(0.4, 0.7, 0.2),
+        turning_damping=(0.3, 0.6, 0.5),
+    )  # fmt: skip
+    return Bushing(a, b, at=middle(rng, a, b), axes=random_orientation(rng), **numbers)
+
+
+def _seen(joint):
+    seen = [measures.angle(joint), measures.rate(joint)]
+    return [joint], StateFeedback(measures=seen, gains=(2.0, 0.7), on=joint, reference=(0.4, -0.3))
+
+
+def _rubber_band(t, bodies, z, parameters, loads, z_dot):
+    """Progressive spring and damper along the line between two points, stiffening with time.
+
+    Number by number, which compiles six times as fast as arrays; tests/mechanism/test_custom.py has both ways.
+    """
+    square, along = 0.0, 0.0
+    for k in range(3):
+        gap = bodies[1].r[k] - bodies[0].r[k]
+        square += gap * gap
+        along += gap * (bodies[1].velocity[k] - bodies[0].velocity[k])
+    length = np.sqrt(square)
+    pull = parameters[0] * (1.0 + t) * square + parameters[1] * along / length
+    for k in range(3):
+        loads[0, k] = pull / length * (bodies[1].r[k] - bodies[0].r[k])
+        loads[0, 3 + k] = parameters[2] * (bodies[1].w[k] - bodies[0].w[k])
+        loads[1, k], loads[1, 3 + k] = -loads[0, k], -loads[0, 3 + k]
+
+
+def _custom(rng, a, b):
+    points = (middle(rng, a, b), b.position + 0.3 * direction(rng))
+    return CustomForce(_rubber_band, on=(a, b), points=points, parameters=(3.0, 0.8, 0.4))
+
+
+def _contact(rng, a, b, surface, **numbers):
+    """Pressed into a plane of a, with states that the numbers below set: no pose leaves it."""
+    normal = direction(rng)
+    plane = (b.position + 3.0 * normal + direction(rng), normal)
+    return [], Contact(a, b, surface, plane=plane, stiffness=0.8, **numbers)
+
+
+STONE = dict(at=(0.1, -0.2, 0.15), orientation=rotation((1, 2, -1), 0.8))
+
+LINING = dict(stiffness=1.7, damping=6.0)
+
+STICKS = dict(
+    exponent=1.5, damping=0.02, loss=0.01, friction=3.0, rolling=2.0, spinning=1.5, grip=1.2, grip_damping=0.3
+)
+
+SLIPS = dict(damping=0.02, friction=0.05, rolling=0.02, spinning=0.01, grip=1.2, grip_damping=0.3)
+
+CREEPS = dict(loss=0.02, friction=0.4, rolling=0.3, spinning=0.2, creep=0.5)
+
+
+def _on(joint, cls, **numbers):
+    return [joint], cls(joint, **numbers)
+
+
+def _tyre(rng, a, b, **given):
+    """So large a tube that the general poses press it."""
+    numbers = dict(radius=3.0, crown=2.4, stiffness=4.0, damping=0.1, trail=0.3, twisting=0.2, rolling_resistance=0.1)
+    more = dict(cornering=1.3, longitudinal=1.7, camber=0.8, mu=0.7, standing_damping=0.4, standing_speed=2.0)
+    more |= dict(relaxation=0.5, relaxation_x=0.3, nominal_load=6.0, grip_sensitivity=0.1, stiffness_sensitivity=0.2)
+    more |= given
+    plane = (b.position - np.array([0.3, 0.2, 1.1]), np.array([0.2, -0.1, 1.0]))
+    return Tyre(a, b, axis=(0.3, 1.0, -0.2), plane=plane, centre=b.position + 0.2 * direction(rng), **numbers, **more)
+
+
+EXAMPLES = {
+    "Force in world axes": lambda rng, a, b: ([], Force(b, _signals(rng), at=b.position + direction(rng))),
+    "Force in body axes": lambda rng, a, b: ([], Force(b, _signals(rng), at=b.position + direction(rng), frame="body")),
+    "Torque in world axes": lambda rng, a, b: ([], Torque(b, _signals(rng))),
+    "Torque in body axes": lambda rng, a, b: ([], Torque(b, _signals(rng), frame="body")),
+    "SpringDamper": lambda rng, a, b: ([], _spring(rng, a, b)),
+    "SpringDamper without length": lambda rng, a, b: ([], replace(_spring(rng, a, b), length=0.0)),
+    "TorsionSpring on a hinge": lambda rng, a, b: _on(
+        _hinge(rng, a, b), TorsionSpring, stiffness=3.0, damping=0.7, angle=0.4
+    ),
+    "TorsionSpring on a slider": lambda rng, a, b: _on(
+        _slider(rng, a, b), TorsionSpring, stiffness=3.0, damping=0.7, angle=0.4
+    ),
+    "JointFriction in a hinge": lambda rng, a, b: _on(
+        _hinge(rng, a, b), JointFriction, coulomb=0.8, viscous=0.3, transition=0.5
+    ),
+    "JointFriction in a slider": lambda rng, a, b: _on(
+        _slider(rng, a, b), JointFriction, coulomb=0.8, viscous=0.3, transition=0.5
+    ),
+    "Brake that holds": lambda rng, a, b: _on(_hinge(rng, a, b), Brake, torque=90.0 + signal(rng, 1.0), **LINING),
+    "Brake that slips": lambda rng, a, b: _on(_slider(rng, a, b), Brake, torque=Polynomial((0.3, 0.1)), **LINING),
+    "StateFeedback": lambda rng, a, b: _seen(_hinge(rng, a, b)),
+    "CustomForce": lambda rng, a, b: ([], _custom(rng, a, b)),
+    "Tyre": lambda rng, a, b: ([], _tyre(rng, a, b)),
+    "Tyre with instant camber": lambda rng, a, b: ([], _tyre(rng, a, b, camber_lag=False)),
+    "Bushing": lambda rng, a, b: ([], _bushing(rng, a, b)),
+    "Contact that sticks": lambda rng, a, b: _contact(rng, a, b, shapes.Ellipsoid((0.7, 0.5, 0.3), **STONE), **STICKS),
+    "Contact that slips": lambda rng, a, b: _contact(rng, a, b, shapes.Torus(0.4, 0.3, (3, -1, 2), **STONE), **SLIPS),
+    "Contact that creeps": lambda rng, a, b: _contact(rng, a, b, shapes.Sphere(0.6, at=(0.1, -0.2, 0.1)), **CREEPS),
+    "Weight": lambda rng, a, b: ([], Weight(a, b, acceleration=rng.normal(size=3))),
+    "CentralGravity": lambda rng, a, b: ([], CentralGravity(a, b, at=a.position + direction(rng), mu=2.3)),
+    "AeroDrag": lambda rng, a, b: ([], AeroDrag(b, drag_area=0.6, at=b.position + direction(rng), wind=_signals(rng))),
+}
+"""Name -> factory(rng, a, b) of (joints it needs, element)."""
