@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
-from mbsd3d.extend import CACHE, keep_code
+from mbsd3d.extend import CACHE_FOLDER, keep_code
 
 JIT = not numba.config.DISABLE_JIT  # type: ignore[attr-defined]  # numba sets it when it is imported
 
@@ -31,7 +31,7 @@ def _digest() -> str:
     return text.hexdigest()[:16]
 
 
-CACHE_FOLDER = CACHE.parent / f"planar-{_digest()}"
+CACHE_FOLDER = CACHE_FOLDER.parent / f"planar-{_digest()}"
 
 
 def _compiled(function: Callable, **options: object) -> Callable:

@@ -70,14 +70,14 @@ def packages() -> list[str]:
 
 def kernels() -> list[str]:
     """Return the place of compiled kernels, and whether all of them are there."""
-    from ..compiler.cache_folder import CACHE, EQUATIONS, is_warm, weak_folders
+    from ..compiler.cache_folder import CACHE_FOLDER, EQUATIONS_CACHE_FOLDER, is_warm, weak_folders
 
-    files = (path for folder in (CACHE, EQUATIONS) for path in folder.rglob("*") if path.is_file())
+    files = (path for folder in (CACHE_FOLDER, EQUATIONS_CACHE_FOLDER) for path in folder.rglob("*") if path.is_file())
     size = sum(path.stat().st_size for path in files) / 1e6
     state = "compiled" if is_warm() else "not all compiled yet: mbsd3d warmup"
-    if os.path.lexists(CACHE) and (weak := weak_folders(CACHE.parent, CACHE)):
+    if os.path.lexists(CACHE_FOLDER) and (weak := weak_folders(CACHE_FOLDER.parent, CACHE_FOLDER)):
         state = f"not kept, as a folder {weak}; see SECURITY.md"
-    return [f"kernels     {state}; {size:.0f} MB in {CACHE}"]
+    return [f"kernels     {state}; {size:.0f} MB in {CACHE_FOLDER}"]
 
 
 def threads() -> list[str]:

@@ -28,9 +28,9 @@ def compile_all() -> None:
 
 def fill_cells(last_first: bool = False) -> None:
     """Compile kernels that no run has called yet: laws of forces, rows, loops."""
-    from ..compiler.late import empty_cells
+    from ..compiler.late import uncompiled_kernels
 
-    while cells := empty_cells():
+    while cells := uncompiled_kernels():
         late, passed, number = cells[-1 if last_first else 0]
         late.fill(passed, number)
 

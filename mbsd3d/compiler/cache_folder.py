@@ -16,15 +16,18 @@ import numba
 
 from .numba_private import cpu_target
 
-PACKAGE = Path(__file__).resolve().parent.parent
+PACKAGE_FOLDER = Path(__file__).resolve().parent.parent
 PLAIN_NUMBA = os.environ.get("MBSD3D_PLAIN_NUMBA", "") == "1"  # no files and no late kernels: to look for a culprit
-A_KERNEL = re.compile(rb"^\s*@\w*kernel\b", re.MULTILINE)
+KERNEL_DECORATOR_PATTERN = re.compile(rb"^\s*@\w*kernel\b", re.MULTILINE)
 
 
 def compiled_sources() -> list[Path]:
     """Return all files of every folder that holds a kernel, and this one: what kernels use is in one of them."""
-    files = sorted(PACKAGE.rglob("*.py"))
-    folders = {Path(__file__).resolve().parent, *(path.parent for path in files if A_KERNEL.search(path.read_bytes()))}
+    files = sorted(PACKAGE_FOLDER.rglob("*.py"))
+    folders = {
+        Path(__file__).resolve().parent,
+        *(path.parent for path in files if KERNEL_DECORATOR_PATTERN.search(path.read_bytes())),
+    }
     return [path for path in files if path.parent in folders]
 
 
@@ -50,9 +53,9 @@ def _cache_root() -> Path:
     caches = caches or _absolute("~/.cache" if os.environ.get("HOME", "~") else "")
     if caches is not None:
         with suppress(OSError):
-            make_private(caches / PACKAGE.name)
-            return caches / PACKAGE.name
-    return _temporary_folder() / f"{PACKAGE.name}-{os.geteuid() if hasattr(os, 'geteuid') else 'cache'}"
+            make_private(caches / PACKAGE_FOLDER.name)
+            return caches / PACKAGE_FOLDER.name
+    return _temporary_folder() / f"{PACKAGE_FOLDER.name}-{os.geteuid() if hasattr(os, 'geteuid') else 'cache'}"
 
 
 def _temporary_folder() -> Path:
@@ -96,17 +99,19 @@ def weak_folders(*folders: Path) -> str:
 
 
 # No other kernel uses the integrators: an edit there leaves the code of all others valid.
-INTEGRATORS = "integrators"
-CACHE = _cache_root() / _digest(compiled_sources())
-EQUATIONS = CACHE.parent / _digest([path for path in compiled_sources() if path.parent.name != INTEGRATORS])
+INTEGRATORS_FOLDER = "integrators"
+CACHE_FOLDER = _cache_root() / _digest(compiled_sources())
+_EQUATIONS_SOURCES = [path for path in compiled_sources() if path.parent.name != INTEGRATORS_FOLDER]
+EQUATIONS_CACHE_FOLDER = CACHE_FOLDER.parent / _digest(_EQUATIONS_SOURCES)
 
 
-SETTINGS = ("OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE", "BOUNDSCHECK", "DEBUGINFO_DEFAULT")  # of numba, that change code
+# of numba, that change code
+CODE_SETTINGS = ("OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE", "BOUNDSCHECK", "DEBUGINFO_DEFAULT")
 
 
 def conditions(processor: tuple) -> tuple:
     """Return what code depends on beside its sources: processor, Python, and the settings of both compilers."""
-    settings = (str(getattr(numba.config, name, None)) for name in SETTINGS)
+    settings = (str(getattr(numba.config, name, None)) for name in CODE_SETTINGS)
     return processor, sys.version_info[:2], sys.flags.optimize, *settings
 
 
@@ -114,12 +119,14 @@ def conditions(processor: tuple) -> tuple:
 def marker(part: str) -> Path:
     """Return the file that says a part has been compiled, by this Python with these settings for this processor."""
     made_for = repr(conditions(cpu_target.target_context.codegen().magic_tuple()))
-    return CACHE / f"complete-{part.replace(' ', '-')}-{hashlib.sha256(made_for.encode()).hexdigest()[:16]}"
+    return CACHE_FOLDER / f"complete-{part.replace(' ', '-')}-{hashlib.sha256(made_for.encode()).hexdigest()[:16]}"
 
 
 def is_warm(part: str = "kernels") -> bool:
     """Return whether a part of the compiled code of exactly this source is on disk, or none is compiled at all."""
-    return bool(numba.config.DISABLE_JIT) or (not weak_folders(CACHE.parent, CACHE) and marker(part).exists())
+    return bool(numba.config.DISABLE_JIT) or (
+        not weak_folders(CACHE_FOLDER.parent, CACHE_FOLDER) and marker(part).exists()
+    )
 
 
 @cache
@@ -127,6 +134,6 @@ def mark_warm(part: str = "kernels") -> None:
     """Note on disk that a part has been compiled."""
     if not is_warm(part):
         with suppress(OSError):  # said where the code itself could not be written
-            make_private(CACHE.parent, CACHE)
-            if not weak_folders(CACHE.parent, CACHE):
+            make_private(CACHE_FOLDER.parent, CACHE_FOLDER)
+            if not weak_folders(CACHE_FOLDER.parent, CACHE_FOLDER):
                 marker(part).touch()

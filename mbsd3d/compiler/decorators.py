@@ -7,7 +7,7 @@ from typing import Any
 
 import numba
 
-from .cache_folder import CACHE, EQUATIONS, INTEGRATORS, PACKAGE, PLAIN_NUMBA
+from .cache_folder import CACHE_FOLDER, EQUATIONS_CACHE_FOLDER, INTEGRATORS_FOLDER, PACKAGE_FOLDER, PLAIN_NUMBA
 from .late import late
 from .numba_private import Dispatcher, global_compiler_lock, njit
 from .object_files import keep_code
@@ -30,8 +30,8 @@ def compiled(
     )(function)  # fmt: skip
     if isinstance(made, Dispatcher):
         compile_in_thread(made)
-    below = function.__module__.startswith(PACKAGE.name) and INTEGRATORS not in function.__module__
-    return keep_code(made, EQUATIONS if below else CACHE, apart)
+    below = function.__module__.startswith(PACKAGE_FOLDER.name) and INTEGRATORS_FOLDER not in function.__module__
+    return keep_code(made, EQUATIONS_CACHE_FOLDER if below else CACHE_FOLDER, apart)
 
 
 def compile_in_thread(made: Dispatcher) -> None:

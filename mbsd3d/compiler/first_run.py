@@ -18,14 +18,15 @@ from functools import cache
 from pathlib import Path
 
 from ..base.paths import drop_pieces
-from .cache_folder import CACHE, EQUATIONS, PLAIN_NUMBA, is_warm
+from .cache_folder import CACHE_FOLDER, EQUATIONS_CACHE_FOLDER, PLAIN_NUMBA, is_warm
 
-PAUSE, STALLED = 5.0, 60.0  # s between counts of the kernels, and without a new one until the count ends
-SILENT = 2.0  # s that may pass while one kernel is compiled before that is said
+REPORT_INTERVAL_SECONDS = 5.0  # [s] between two counts of the kernels
+REPORT_TIMEOUT_SECONDS = 60.0  # [s] without a new kernel until the count ends
+SLOW_COMPILE_SECONDS = 2.0  # [s] that one kernel may compile before a message says so
 counters: list[threading.Thread] = []
 
-MARK = "MBSD3D_SECOND"  # environment variable of the second process
-WORK = "\n".join(
+HELPER_PROCESS_VARIABLE = "MBSD3D_SECOND"  # environment variable of the second process
+HELPER_PROCESS_CODE = "\n".join(
     (
         "from mbsd3d.compiler.first_run import end_with_parent",
         "end_with_parent()",
@@ -36,7 +37,7 @@ WORK = "\n".join(
 others: list[subprocess.Popen[bytes]] = []
 
 
-def say(text: str) -> None:
+def write_message(text: str) -> None:
     """Write one line to stderr."""
     sys.stderr.write(f"mbsd3d: {text}\n")
     sys.stderr.flush()
@@ -46,12 +47,12 @@ def say(text: str) -> None:
 def announce_compilation(part: str = "kernels") -> None:
     """Say once a process that a part of the code is being compiled, if it is not on disk yet."""
     if PLAIN_NUMBA:
-        say(f"compiling {part} for this process alone, as MBSD3D_PLAIN_NUMBA=1 asks (minutes) ...")
+        write_message(f"compiling {part} for this process alone, as MBSD3D_PLAIN_NUMBA=1 asks (minutes) ...")
         return
     if is_warm(part):
         return
     if part == "kernels" or is_warm():  # one line is enough at the very first run
-        say(f"compiling {part}, once after installation (half a minute) ...")
+        write_message(f"compiling {part}, once after installation (half a minute) ...")
         if part == "kernels":
             start_second()
         ended = threading.Event()
@@ -64,8 +65,12 @@ def count_kernels(part: str, ended: threading.Event) -> None:
     """Write every five seconds how many kernels are on disk, until the part is complete or nothing more comes."""
     began = last = time.perf_counter()
     before = 0
-    while not ended.wait(PAUSE) and not is_warm(part) and time.perf_counter() - last < STALLED:
-        done = sum(1 for folder in (CACHE, EQUATIONS) for _ in folder.rglob("*.code"))
+    while (
+        not ended.wait(REPORT_INTERVAL_SECONDS)
+        and not is_warm(part)
+        and time.perf_counter() - last < REPORT_TIMEOUT_SECONDS
+    ):
+        done = sum(1 for folder in (CACHE_FOLDER, EQUATIONS_CACHE_FOLDER) for _ in folder.rglob("*.code"))
         if done > before:
             before, last = done, time.perf_counter()
         sys.stderr.write(f"mbsd3d: {done} kernels after {time.perf_counter() - began:.0f} s\n")
@@ -73,14 +78,14 @@ def count_kernels(part: str, ended: threading.Event) -> None:
 
 
 @contextmanager
-def not_silent(name: str) -> Iterator[None]:
+def announce_if_slow(name: str) -> Iterator[None]:
     """Say that a kernel is compiled if it takes long and nobody counts them."""
 
     def say_unless_counted() -> None:
         if not any(one.is_alive() for one in counters):
-            say(f"compiling {name}, once after installation ...")
+            write_message(f"compiling {name}, once after installation ...")
 
-    timer = threading.Timer(SILENT, say_unless_counted)
+    timer = threading.Timer(SLOW_COMPILE_SECONDS, say_unless_counted)
     timer.daemon = True
     timer.start()
     try:
@@ -91,13 +96,13 @@ def not_silent(name: str) -> Iterator[None]:
 
 def start_second() -> None:
     """Start it, where there is another core and nobody has divided the work already."""
-    divided = MARK in os.environ or multiprocessing.parent_process() or (os.cpu_count() or 1) == 1
+    divided = HELPER_PROCESS_VARIABLE in os.environ or multiprocessing.parent_process() or (os.cpu_count() or 1) == 1
     if others or divided or not Path(sys.executable).stem.startswith("python"):
         return
     with suppress(OSError):
         others.append(
             subprocess.Popen(
-                [sys.executable, "-c", WORK], env=os.environ | {MARK: "1"},
+                [sys.executable, "-c", HELPER_PROCESS_CODE], env=os.environ | {HELPER_PROCESS_VARIABLE: "1"},
                 stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
             )
         )  # fmt: skip

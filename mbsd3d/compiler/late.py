@@ -27,23 +27,23 @@ from numba import types
 
 from ..base.errors import InputError, KernelError
 from .cache_folder import PLAIN_NUMBA
-from .first_run import not_silent
+from .first_run import announce_if_slow
 from .numba_private import Dispatcher, Intrinsic, address_of, cgutils, ir, llvm, njit
 
-WORD = ir.IntType(64)
-IN_C = ir.FunctionType(ir.VoidType(), [])
+WORD_TYPE = ir.IntType(64)
+C_FUNCTION_TYPE = ir.FunctionType(ir.VoidType(), [])
 NAP_SECONDS = 1e-4  # [s] between two looks at a cell; a kernel takes some milliseconds from disk
 REASON_LENGTH_MAX = 600  # [characters] of an error of the compiler that a message repeats
 NAPS_MAX = 20_000  # [1] some seconds in which no thread has begun: Python starts none while it ends
 CODE, START, BEGUN, FILL = range(WORDS := 4)  # words of a cell
 
-RESULTS = {
+RETURN_TYPES = {
     None: types.void, int: types.int64, float: types.float64, bool: types.boolean,
     tuple[int, int]: types.UniTuple(types.int64, 2),
 }  # fmt: skip
 """What a late kernel may be annotated to return; else `Annotated` with a function of the types of its arguments."""
 
-LATE: dict[str, tuple[str, str, tuple]] = {}  # symbol of cells -> module, name, types of arguments
+LATE_SYMBOLS: dict[str, tuple[str, str, tuple]] = {}  # symbol of cells -> module, name, types of arguments
 
 
 class Cells(NamedTuple):
@@ -68,19 +68,19 @@ if sys.platform == "win32":
 else:
     PAUSE, PAUSED, SYSTEM = "usleep", round(1e6 * NAP_SECONDS), ctypes.CDLL(None)
 POINTER, NUMBER = ir.IntType(8).as_pointer(), ir.IntType(32)
-PLAIN_C = {  # functions that compiled code calls by name
+C_FUNCTIONS = {  # that compiled code calls by name
     PAUSE: (SYSTEM[PAUSE], ir.VoidType(), [NUMBER]),
     "PyGILState_Check": (ctypes.pythonapi.PyGILState_Check, NUMBER, []),
     "PyEval_SaveThread": (ctypes.pythonapi.PyEval_SaveThread, POINTER, []),
     "PyEval_RestoreThread": (ctypes.pythonapi.PyEval_RestoreThread, ir.VoidType(), [POINTER]),
 }
-for name, (function, *_) in PLAIN_C.items():
+for name, (function, *_) in C_FUNCTIONS.items():
     llvm.add_symbol(name, address_in_c(function))
 
 
 def call_c(builder: Any, name: str, *given: Any) -> Any:
     """Generate the call of one of the C functions in `PLAIN_C`."""
-    _, result, kinds = PLAIN_C[name]
+    _, result, kinds = C_FUNCTIONS[name]
     return builder.call(cgutils.get_or_insert_function(builder.module, ir.FunctionType(result, kinds), name), given)
 
 
@@ -89,23 +89,23 @@ def waiting_function(module: ir.Module) -> ir.Function:
     name = "mbsd3d.wait_until_filled"
     if name in module.globals:
         return module.globals[name]
-    made = ir.Function(module, ir.FunctionType(ir.VoidType(), [WORD.as_pointer()]), name)
+    made = ir.Function(module, ir.FunctionType(ir.VoidType(), [WORD_TYPE.as_pointer()]), name)
     made.linkage = "internal"
     made.attributes.add("noinline")
     builder = ir.IRBuilder(made.append_basic_block())
-    code, start, begun, fill = (builder.gep(made.args[0], [WORD(i)]) for i in range(WORDS))
-    thread, naps = (cgutils.alloca_once_value(builder, first) for first in (POINTER(None), WORD(0)))
+    code, start, begun, fill = (builder.gep(made.args[0], [WORD_TYPE(i)]) for i in range(WORDS))
+    thread, naps = (cgutils.alloca_once_value(builder, first) for first in (POINTER(None), WORD_TYPE(0)))
     with builder.if_then(cgutils.is_not_null(builder, call_c(builder, "PyGILState_Check"))):
         builder.store(call_c(builder, "PyEval_SaveThread"), thread)
-    builder.call(builder.inttoptr(builder.load(start), IN_C.as_pointer()), [])
+    builder.call(builder.inttoptr(builder.load(start), C_FUNCTION_TYPE.as_pointer()), [])
     waiting, filled = (builder.append_basic_block(name) for name in ("waiting", "filled"))
     builder.branch(waiting)
     builder.position_at_end(waiting)
     call_c(builder, PAUSE, NUMBER(PAUSED))
-    builder.store(builder.add(builder.load(naps), WORD(1)), naps)
+    builder.store(builder.add(builder.load(naps), WORD_TYPE(1)), naps)
     nobody = cgutils.is_null(builder, builder.or_(builder.load(begun), builder.load(code)))
-    with builder.if_then(builder.and_(nobody, builder.icmp_unsigned(">", builder.load(naps), WORD(NAPS_MAX)))):
-        builder.call(builder.inttoptr(builder.load(fill), IN_C.as_pointer()), [])
+    with builder.if_then(builder.and_(nobody, builder.icmp_unsigned(">", builder.load(naps), WORD_TYPE(NAPS_MAX)))):
+        builder.call(builder.inttoptr(builder.load(fill), C_FUNCTION_TYPE.as_pointer()), [])
     builder.cbranch(cgutils.is_null(builder, builder.load(code)), waiting, filled)
     builder.position_at_end(filled)
     with builder.if_then(cgutils.is_not_null(builder, builder.load(thread))):
@@ -144,12 +144,12 @@ class Late(Intrinsic):  # type: ignore[misc]  # final in numba's stubs, not in n
 
     def returned(self, passed: tuple) -> types.Type:
         """Return the type of what the kernels return for arguments of some types."""
-        return RESULTS[self.result] if self.result in RESULTS else self.result.__metadata__[0](*passed)
+        return RETURN_TYPES[self.result] if self.result in RETURN_TYPES else self.result.__metadata__[0](*passed)
 
     def call(self, context: Any, builder: Any, signature: Any, values: Any) -> Any:
         """Generate the code of a call, in numba's own convention."""
         passed, result = signature.args[self.numbered :], signature.return_type
-        number = builder.sext(values[0], WORD) if self.numbered else WORD(0)
+        number = builder.sext(values[0], WORD_TYPE) if self.numbered else WORD_TYPE(0)
         address = self.address(builder, self.symbol(passed), number)
         function = context.call_conv.get_function_type(result, passed)
         called = builder.inttoptr(address, function.as_pointer())
@@ -160,9 +160,9 @@ class Late(Intrinsic):  # type: ignore[misc]  # final in numba's stubs, not in n
 
     def address(self, builder: Any, symbol: str, number: Any) -> Any:
         """Generate code that reads the address from the cell, and has the cell filled first if it is empty."""
-        module, size = builder.module, ir.ArrayType(ir.ArrayType(WORD, WORDS), len(self.kernels))
+        module, size = builder.module, ir.ArrayType(ir.ArrayType(WORD_TYPE, WORDS), len(self.kernels))
         cells = module.globals.get(symbol) or cgutils.add_global_variable(module, size, symbol)
-        code = builder.gep(cells, [WORD(0), number, WORD(CODE)])
+        code = builder.gep(cells, [WORD_TYPE(0), number, WORD_TYPE(CODE)])
         with cgutils.if_unlikely(builder, cgutils.is_null(builder, builder.load(code))):
             builder.call(waiting_function(module), [code])
         return builder.load(code)
@@ -179,7 +179,7 @@ class Late(Intrinsic):  # type: ignore[misc]  # final in numba's stubs, not in n
                 words[i, [START, FILL]] = address_in_c(start), address_in_c(fill)
                 functions += [start, fill]
             self.cells[passed] = Cells(words, functions)
-            LATE[symbol] = self.__module__, self.__name__, passed
+            LATE_SYMBOLS[symbol] = self.__module__, self.__name__, passed
             llvm.add_symbol(symbol, words.ctypes.data)
         return symbol
 
@@ -187,7 +187,7 @@ class Late(Intrinsic):  # type: ignore[misc]  # final in numba's stubs, not in n
         """Compile a kernel and write its address into its cell."""
         words = self.cells[passed].words[number]
         words[BEGUN] = 1
-        with not_silent(self.kernels[number].py_func.__name__):
+        with announce_if_slow(self.kernels[number].py_func.__name__):
             words[CODE] = self.compiled(passed, number)
 
     def fill_or_fail(self, passed: tuple, number: int) -> None:
@@ -257,10 +257,10 @@ def plain_choice(kernels: Sequence[Callable]) -> Callable:
     return chosen
 
 
-def empty_cells() -> list[tuple[Late, tuple, int]]:
+def uncompiled_kernels() -> list[tuple[Late, tuple, int]]:
     """Return (kernels, types of arguments, number) of what callers know and nothing has called yet."""
     found = []
-    for module, name, passed in LATE.values():
+    for module, name, passed in LATE_SYMBOLS.values():
         one = getattr(import_module(module), name)
         found += [(one, passed, int(number)) for number in np.flatnonzero(one.cells[passed].words[:, CODE] == 0)]
     return found

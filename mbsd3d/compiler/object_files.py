@@ -22,7 +22,7 @@ from typing import Any
 from ..base.errors import InputError
 from ..base.paths import atomic_write
 from .cache_folder import conditions, make_private, weak_folders, weakness
-from .late import LATE, Late
+from .late import LATE_SYMBOLS, Late
 from .numba_private import (
     CompileResult,
     Dispatcher,
@@ -39,29 +39,30 @@ from .numba_private import (
 )
 from .written_code import FormError, packed, unpacked
 
-SUM = 16  # bytes
+CHECKSUM_BYTES = 16  # [bytes]
 
-APART: dict[str, tuple[str, str, tuple]] = {}  # symbol in compiled code -> module, function, types of arguments
+# symbol in compiled code -> module, function, types of arguments
+SEPARATE_KERNELS: dict[str, tuple[str, str, tuple]] = {}
 
 
-def check_sum(content: bytes) -> bytes:
+def checksum(content: bytes) -> bytes:
     """Return the checksum that precedes the content of a cache file (16 bytes)."""
-    return hashlib.blake2b(content, digest_size=SUM).digest()
+    return hashlib.blake2b(content, digest_size=CHECKSUM_BYTES).digest()
 
 
-def stand_apart(function: Callable, made: CompileResult) -> None:
+def mark_separate(function: Callable, made: CompileResult) -> None:
     """Register a separately compiled kernel: callers link to its symbol and hold no copy of its code."""
-    APART[symbol_of(made)] = (function.__module__, function.__name__, made.signature.args)
+    SEPARATE_KERNELS[symbol_of(made)] = (function.__module__, function.__name__, made.signature.args)
     empty_library(made)
 
 
-def called(made: CompileResult) -> list[tuple]:
+def separate_callees(made: CompileResult) -> list[tuple]:
     """Return the separately compiled kernels that a compiled function calls."""
-    known = APART | LATE
+    known = SEPARATE_KERNELS | LATE_SYMBOLS
     return [(name, *known[name]) for name in declarations(made) if name in known]
 
 
-def find(called_ones: list[tuple]) -> None:
+def load_callees(called_ones: list[tuple]) -> None:
     """Load the kernels that code from a file calls, under the names it has for them."""
     for symbol, module, name, arguments in called_ones:
         dispatcher = getattr(sys.modules[module], name)
@@ -70,7 +71,7 @@ def find(called_ones: list[tuple]) -> None:
             continue
         dispatcher.compile(arguments)
         made = dispatcher.overloads[arguments]
-        APART[symbol] = (module, name, arguments)
+        SEPARATE_KERNELS[symbol] = (module, name, arguments)
         llvm.add_symbol(symbol, address_of(made))  # another process may have compiled the caller, under another name
 
 
@@ -91,7 +92,7 @@ class CodeFiles(NullCache):
         code = self.function.__code__
         inside = dumps(tuple(cell.cell_contents for cell in self.function.__closure__ or ()))
         made_of = (signature, conditions(target.codegen().magic_tuple()), code.co_firstlineno, code.co_code)
-        key = hashlib.blake2b(repr((made_of, inside)).encode(), digest_size=SUM).hexdigest()
+        key = hashlib.blake2b(repr((made_of, inside)).encode(), digest_size=CHECKSUM_BYTES).hexdigest()
         return self.folder / f"{self.function.__name__}.{key}.code"
 
     def load_overload(self, signature: Any, target: Any) -> CompileResult | None:
@@ -100,17 +101,17 @@ class CodeFiles(NullCache):
         content = self.read(self.path(signature, target))
         if content is None:
             return None
-        if check_sum(content[SUM:]) != content[:SUM]:
+        if checksum(content[CHECKSUM_BYTES:]) != content[:CHECKSUM_BYTES]:
             say_once(f"compiled code in '{self.folder.parent}' is damaged; what is, is compiled anew")
             return None
         try:
-            needed, parts = unpacked(content[SUM:], self.function, signature)
-            find(needed)
+            needed, parts = unpacked(content[CHECKSUM_BYTES:], self.function, signature)
+            load_callees(needed)
         except (LookupError, AttributeError, TypeError, ValueError):  # a function of a script that is another one today
             return None
         made = rebuilt(target, parts)
         if self.apart:
-            stand_apart(self.function, made)
+            mark_separate(self.function, made)
         return made
 
     def read(self, path: Path) -> bytes | None:
@@ -143,13 +144,13 @@ class CodeFiles(NullCache):
         if self.apart:
             strip_to_symbols(compiled)
         try:
-            content = packed(called(compiled), compiled) if kept else b""
+            content = packed(separate_callees(compiled), compiled) if kept else b""
         except FormError:
             kept = False
         if self.apart:
-            stand_apart(self.function, compiled)
+            mark_separate(self.function, compiled)
         if kept:
-            self.write(self.path(signature, compiled.target_context), check_sum(content) + content)
+            self.write(self.path(signature, compiled.target_context), checksum(content) + content)
 
     def write(self, path: Path, content: bytes) -> None:
         """Write a file, or say why not."""

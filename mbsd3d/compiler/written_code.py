@@ -25,8 +25,8 @@ from .numba_private import (
     sigutils,
 )
 
-SIZE = 8  # bytes of a number in front of each of three blocks
-PLAIN = {str(kind): kind for kind in (*types.number_domain, types.boolean, types.none)}
+SIZE_BYTES = 8  # [bytes] of a number in front of each of three blocks
+PLAIN_TYPES = {str(kind): kind for kind in (*types.number_domain, types.boolean, types.none)}
 
 
 class FormError(InputError):
@@ -51,7 +51,7 @@ def packed(needed: list[tuple], made: CompileResult) -> bytes:
     if kind != "object" or any(special) or any(one.consts for one in around):
         raise FormError(made.fndesc.qualname)
     text = json.dumps(about | {"types": list(known)}).encode()
-    return b"".join(len(block).to_bytes(SIZE, "little") + block for block in (text, code, linked))
+    return b"".join(len(block).to_bytes(SIZE_BYTES, "little") + block for block in (text, code, linked))
 
 
 def unpacked(content: bytes, function: Callable, signature: Any) -> tuple[list[tuple], tuple]:
@@ -79,7 +79,7 @@ def blocks(content: bytes) -> list[bytes]:
     """Return the blocks that stand one after the other."""
     found, place = [], 0
     while place < len(content):
-        begin = place + SIZE
+        begin = place + SIZE_BYTES
         place = begin + int.from_bytes(content[place:begin], "little")
         found.append(content[begin:place])
     return found
@@ -122,7 +122,7 @@ def described(kind: types.Type) -> Any:
             return ["Tuple", [described(one) for one in kind.types]]
         case Reference():
             return ["Reference", described(kind.fields)]
-    if PLAIN.get(str(kind)) != kind:
+    if PLAIN_TYPES.get(str(kind)) != kind:
         raise FormError(str(kind))
     return [str(kind)]
 
@@ -155,7 +155,7 @@ def reference(fields: list) -> Reference:
     return Reference(kind)
 
 
-MADE: dict[str, Callable[..., types.Type]] = {
+TYPE_MAKERS: dict[str, Callable[..., types.Type]] = {
     "Literal": types.literal,
     "Record": record,
     "NestedArray": lambda kind, shape: types.NestedArray(type_of(kind), tuple(shape)),
@@ -172,7 +172,7 @@ MADE: dict[str, Callable[..., types.Type]] = {
 def type_of(text: list) -> types.Type:
     """Return the type that `described` has taken apart."""
     name, *parts = text
-    return MADE[name](*parts) if name in MADE else PLAIN[name]
+    return TYPE_MAKERS[name](*parts) if name in TYPE_MAKERS else PLAIN_TYPES[name]
 
 
 @cache

@@ -22,7 +22,7 @@ from ..linear.variations import Field as Field
 from ..linear.variations import COMPLEX_STEP as COMPLEX_STEP
 from ..linear.variations import directions as directions
 from ..compiler.object_files import keep_code as keep_code
-from ..compiler.cache_folder import CACHE as CACHE
+from ..compiler.cache_folder import CACHE_FOLDER as CACHE_FOLDER
 from ..compiler.cache_folder import compiled_sources as compiled_sources
 
 # rows, coordinates, forces and signals

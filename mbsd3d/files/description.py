@@ -119,7 +119,7 @@ class Reader:
                     f"two bodies are named '{body.name}' - at `$.bodies[{i}].name`; give each its own name"
                 )
             self.bodies[body.name] = body
-        self.places = {kind: places(data.get(f"{kind}s", []), kind) for kind in ("joint", "force")}
+        self.places = {kind: index_by_name(data.get(f"{kind}s", []), kind) for kind in ("joint", "force")}
         self.made: dict[tuple[Any, ...], Any] = {}
         self.joints = [self.listed("joint", name, ()) for name in self.places["joint"]]
         self.forces = [self.listed("force", name, ()) for name in self.places["force"]]
@@ -195,7 +195,7 @@ class Reader:
             raise InputError(f"{error} - at `{place_of(path)}`") from error
 
 
-def places(entries: list[dict[str, Any]], kind: str) -> dict[str, tuple[int, dict[str, Any]]]:
+def index_by_name(entries: list[dict[str, Any]], kind: str) -> dict[str, tuple[int, dict[str, Any]]]:
     """Name -> (place, entry) of all joints or forces; nameless ones are numbered by type, as `System` does."""
     found: dict[str, tuple[int, dict[str, Any]]] = {}
     counts: dict[str, int] = {}

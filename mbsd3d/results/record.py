@@ -112,14 +112,14 @@ class Record(HasOptions):
 
 
 MOST_NUMBERS = 2**30  # that the samples of a run may hold: 8 GB
-BUFFER = 2**21  # numbers (16 MB) the buffer of the time loop may hold
-FEWEST = 16  # samples it holds at least
+BUFFER_NUMBERS = 2**21  # [numbers] (16 MB) the buffer of the time loop may hold
+BUFFER_SAMPLES_MIN = 16  # [samples] it holds at least
 QUANTITIES = ("t", "y", "acceleration", "lam", "coordinate", "potential", "power", "residual")
 
 
 def buffer_size(wanted: int, width: int) -> int:
     """Return how many samples the buffer holds: those wanted, if there is room."""
-    return min(wanted, max(FEWEST, BUFFER // width))
+    return min(wanted, max(BUFFER_SAMPLES_MIN, BUFFER_NUMBERS // width))
 
 
 class Samples:

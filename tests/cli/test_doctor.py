@@ -7,7 +7,7 @@ from click.testing import CliRunner
 from mbsd3d import __version__
 from mbsd3d.cli import doctor
 from mbsd3d.compiler import cache_folder
-from mbsd3d.extend import CACHE, main
+from mbsd3d.extend import CACHE_FOLDER, main
 
 
 def said():
@@ -18,14 +18,14 @@ def said():
 
 def test_doctor_says_versions_kernels_and_threads():
     lines = said()
-    assert __version__ in lines["mbsd3d"] and str(CACHE) in lines["kernels"] and "cores" in lines["threads"]
+    assert __version__ in lines["mbsd3d"] and str(CACHE_FOLDER) in lines["kernels"] and "cores" in lines["threads"]
     assert f"numpy {metadata.version('numpy')}" in lines["base"] and "missing" not in lines["base"]
 
 
 def test_doctor_says_why_kernels_are_not_kept(tmp_path, monkeypatch):
     (tmp_path / "root" / "digest").mkdir(parents=True)
     (tmp_path / "root").chmod(0o777)
-    monkeypatch.setattr(cache_folder, "CACHE", tmp_path / "root" / "digest")
+    monkeypatch.setattr(cache_folder, "CACHE_FOLDER", tmp_path / "root" / "digest")
     assert "not kept, as a folder can be written by others; see SECURITY.md" in said()["kernels"]
 
 

@@ -61,9 +61,9 @@ def test_cells_for_other_types_have_other_names():
 
     known = [(one,) for one in (types.float64, types.complex128)]
     symbols = [heavy.symbol(passed) for passed in known]
-    assert [module.LATE[symbol][2] for symbol in symbols] == known
+    assert [module.LATE_SYMBOLS[symbol][2] for symbol in symbols] == known
     for symbol in symbols:  # nobody else can find a kernel of this test
-        del module.LATE[symbol]
+        del module.LATE_SYMBOLS[symbol]
 
 
 def test_a_number_says_which(compiled):
@@ -180,7 +180,7 @@ def test_where_no_thread_can_be_started_the_caller_compiles(monkeypatch, compile
 
     monkeypatch.setattr(module._thread, "start_new_thread", refused)
     monkeypatch.setattr(threading.Thread, "start", refused)
-    monkeypatch.setattr(module, "not_silent", lambda name: nullcontext())
+    monkeypatch.setattr(module, "announce_if_slow", lambda name: nullcontext())
     monkeypatch.setattr(module, "NAPS_MAX", 50)
     monkeypatch.setattr(sys, "unraisablehook", lambda _: None)
 
@@ -262,10 +262,10 @@ def test_one_that_cannot_be_compiled_is_an_error_and_the_next_run_works(tmp_path
 
 
 def test_a_long_compilation_is_said(monkeypatch, capsys):
-    monkeypatch.setattr(first_run, "SILENT", 0.05)
-    with first_run.not_silent("tyre"):
+    monkeypatch.setattr(first_run, "SLOW_COMPILE_SECONDS", 0.05)
+    with first_run.announce_if_slow("tyre"):
         time.sleep(0.2)
-    with first_run.not_silent("spring"):
+    with first_run.announce_if_slow("spring"):
         pass
     assert capsys.readouterr().err == "mbsd3d: compiling tyre, once after installation ...\n"
 

@@ -13,7 +13,7 @@ import pytest
 from helpers.kept_code import area, fresh, hits
 
 from mbsd3d.compiler import cache_folder, object_files
-from mbsd3d.compiler.object_files import check_sum
+from mbsd3d.compiler.object_files import checksum
 from mbsd3d.extend import keep_code
 
 pytestmark = [
@@ -180,7 +180,7 @@ class Payload:
 def test_nothing_is_unpickled(kept, tmp_path):
     """Not even what stands in the user's own folder, with the sum that fits."""
     for content in (pickle.dumps(Payload(tmp_path / "run")), b"\x00" * 100, b"", (3).to_bytes(8, "little") + b"{}]"):
-        kept[1].write_bytes(check_sum(content) + content)
+        kept[1].write_bytes(checksum(content) + content)
         again = fresh(kept[0])
         assert again(3.0, 4.0) == 6.0 and hits(again) == 0
     assert not (tmp_path / "run").exists()
@@ -190,11 +190,11 @@ def test_a_file_brings_no_module_in(kept, tmp_path, monkeypatch):
     """Names lead to what is there already: code found on disk has nothing imported."""
     (tmp_path / "foreign.py").write_text("raise SystemExit('imported')")
     monkeypatch.syspath_prepend(tmp_path)
-    content = kept[1].read_bytes()[object_files.SUM :]
+    content = kept[1].read_bytes()[object_files.CHECKSUM_BYTES :]
     size = int.from_bytes(content[:8], "little")
     text = content[8 : 8 + size].replace(b'"needed": []', b'"needed": [["s", "foreign", "f", []]]')
     content = len(text).to_bytes(8, "little") + text + content[8 + size :]
-    kept[1].write_bytes(check_sum(content) + content)
+    kept[1].write_bytes(checksum(content) + content)
     again = fresh(kept[0])
     assert again(3.0, 4.0) == 6.0 and hits(again) == 0 and "foreign" not in sys.modules
 
@@ -223,9 +223,9 @@ def test_what_cannot_be_written_is_compiled_at_every_start(tmp_path, capsys):
     assert not list(tmp_path.rglob("*.code")) and capsys.readouterr().err == ""
 
 
-@pytest.mark.parametrize("name", cache_folder.SETTINGS)
+@pytest.mark.parametrize("name", cache_folder.CODE_SETTINGS)
 def test_other_settings_are_other_code_and_another_marker(monkeypatch, tmp_path, name):
-    monkeypatch.setattr(cache_folder, "CACHE", tmp_path / "digest")
+    monkeypatch.setattr(cache_folder, "CACHE_FOLDER", tmp_path / "digest")
     folder, names = tmp_path / "code", []
     for value in ("1", "2"):
         monkeypatch.setattr(numba.config, name, getattr(numba.config, name) if value == "1" else 7)
@@ -237,7 +237,7 @@ def test_other_settings_are_other_code_and_another_marker(monkeypatch, tmp_path,
 
 def test_another_python_is_not_warm(monkeypatch, tmp_path):
     """Whose code is under other names: it would compile for minutes without a word."""
-    monkeypatch.setattr(cache_folder, "CACHE", tmp_path / "root" / "digest")
+    monkeypatch.setattr(cache_folder, "CACHE_FOLDER", tmp_path / "root" / "digest")
     cache_folder.marker.cache_clear()
     cache_folder.mark_warm.cache_clear()
     cache_folder.mark_warm("loop")
@@ -255,7 +255,7 @@ def test_another_python_is_not_warm(monkeypatch, tmp_path):
     cache_folder.mark_warm.cache_clear()
 
 
-WHERE = "from mbsd3d.compiler.cache_folder import CACHE; print(CACHE)"
+WHERE = "from mbsd3d.compiler.cache_folder import CACHE_FOLDER; print(CACHE_FOLDER)"
 
 
 @pytest.mark.slow
@@ -266,7 +266,7 @@ def test_a_container_run_by_number(tmp_path):
     if unshare is None or subprocess.run([*given, "true"], capture_output=True).returncode:
         pytest.skip("user namespaces cannot be made here")
     command = [*given, sys.executable, "-c", WHERE]
-    environment = {"TMPDIR": str(tmp_path), "PYTHONPATH": str(Path(cache_folder.PACKAGE).parent)}
+    environment = {"TMPDIR": str(tmp_path), "PYTHONPATH": str(Path(cache_folder.PACKAGE_FOLDER).parent)}
     done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert Path(done.stdout.strip()).parent == tmp_path / "mbsd3d-54321"

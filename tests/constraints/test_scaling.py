@@ -141,8 +141,8 @@ def test_samples_are_kept_whatever_their_number(expected):
 def test_a_small_buffer_gives_the_same_samples(monkeypatch):
     system, method = revolute_chain(3), RK4(0.01)
     whole = [simulate(system, 0.5, method=method, output=output) for output in (190, None)]
-    monkeypatch.setattr(record, "BUFFER", 1)
-    monkeypatch.setattr(record, "FEWEST", 2)
+    monkeypatch.setattr(record, "BUFFER_NUMBERS", 1)
+    monkeypatch.setattr(record, "BUFFER_SAMPLES_MIN", 2)
     for first, output in zip(whole, (190, None), strict=True):
         again = simulate(system, 0.5, method=method, output=output)
         for name, array in first.arrays.items():
@@ -151,10 +151,10 @@ def test_a_small_buffer_gives_the_same_samples(monkeypatch):
 
 def test_a_run_holds_its_samples_once(monkeypatch):
     """Peak of what is allocated, certificate included, against what is stored."""
-    monkeypatch.setattr(record, "BUFFER", 2**16)
+    monkeypatch.setattr(record, "BUFFER_NUMBERS", 2**16)
     system = revolute_chain(100)
     state = system.state()
-    simulate(system, 0.004, state=state, method=RK4(0.001))
+    assert simulate(system, 0.004, state=state, method=RK4(0.001)).certificate.passed  # compiles what is measured below
     tracemalloc.start()
     solution = simulate(system, 0.4, state=state, method=RK4(0.001), output=401)
     assert solution.certificate.passed

@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numba
 import numpy as np
-from mbsd3d.compiler.arguments import by_reference
 
 from mbsd3d.compiler import object_files
+from mbsd3d.compiler.arguments import by_reference
 from mbsd3d.extend import keep_code
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from mbsd3d.extend import CACHE
+from mbsd3d.extend import CACHE_FOLDER
 
 pytestmark = pytest.mark.timing
 ROOT = Path(__file__).parents[2]
@@ -13,4 +13,4 @@ ROOT = Path(__file__).parents[2]
 
 def test_times_in_the_texts_are_of_these_kernels():
     measured = json.loads((ROOT / "docs" / "measured.json").read_text(encoding="utf-8"))
-    assert measured["kernels"] == CACHE.name, "run make figures"
+    assert measured["kernels"] == CACHE_FOLDER.name, "run make figures"

@@ -22,7 +22,7 @@ from .xml_scan import Scan
 
 SUFFIXES = {"mujoco": "xml", "robot": "urdf"}  # by the root of the file
 LONGEST = 86400.0  # s
-LOADED = 5.0  # times the processor time allowed: what the clock may show on a busy machine
+WALL_OVER_CPU_TIME = 5.0  # times the processor time allowed: what the clock may show on a busy machine
 OUT_OF_TIME = -getattr(signal, "SIGXCPU", 0) or None  # exit code; Windows has none
 
 
@@ -58,7 +58,7 @@ def compiled_facts(path: Path, kind: str, timeout: float) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:  # MuJoCo writes a log into its working directory
         try:
             done = subprocess.run(
-                command, capture_output=True, cwd=folder, env=os.environ | extra, timeout=LOADED * timeout
+                command, capture_output=True, cwd=folder, env=os.environ | extra, timeout=WALL_OVER_CPU_TIME * timeout
             )
             slow = done.returncode == OUT_OF_TIME
         except subprocess.TimeoutExpired:
