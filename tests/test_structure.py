@@ -2,6 +2,7 @@
 
 import ast
 import importlib
+import re
 from functools import cache
 from pathlib import Path
 
@@ -267,3 +268,104 @@ def test_systems_and_solutions_have_types():
         and x.annotation.id == "Any"
     ]
     assert not loose
+
+
+TESTS = {path.relative_to(ROOT / "tests").as_posix(): path for path in (ROOT / "tests").rglob("*.py")}
+PUBLIC = {
+    *("mbsd3d", "mbsd3d.extend", "bicycle", "validation"),
+    *(f"mbsd3d.{module}" for module in PUBLIC_MODULES),
+    *(f"mbsd3d.extend.{topic}" for topic in TOPICS),
+}
+
+
+def imported(source: str) -> list[tuple[str, str]]:
+    """(module, name) of all imports of a test, at the top and inside functions; the name of a module is empty."""
+    found = []
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.ImportFrom):
+            for alias in node.names:
+                whole = f"{node.module}.{alias.name}"
+                found.append((whole, "") if whole in SOURCES else (f"{'.' * node.level}{node.module}", alias.name))
+        elif isinstance(node, ast.Import):
+            found += [(alias.name, "") for alias in node.names]
+    return found
+
+
+def neighbours(source: str) -> set[str]:
+    """Modules of the tests that a source imports, but for helpers."""
+    here = {Path(part).stem for name in TESTS for part in Path(name).parts} - {*TOPS, "helpers"}
+    return {module for module, _ in imported(source) if module[0] == "." or {*module.split(".")} & here
+            and module.split(".")[0] not in (*TOPS, "helpers")}  # fmt: skip
+
+
+def test_no_test_file_imports_another():
+    wrong = {name: found for name, path in TESTS.items() if (found := neighbours(path.read_text(encoding="utf-8")))}
+    assert not wrong, "what tests share stands in tests/helpers"
+
+
+def test_what_tests_share_stands_in_one_folder():
+    loose = {name for name in TESTS if not name.startswith(("helpers/", "types/")) and not Path(name).match("test_*.py")}
+    assert loose == {"conftest.py"}
+    assert not [name for name in TESTS if name.startswith("helpers/") and Path(name).match("test_*.py")]
+
+
+def test_ablation_imports_between_tests_are_seen():
+    assert neighbours("from test_files import pendulum") == {"test_files"}
+    assert neighbours("def f():\n    import files.test_files as files\nfrom ..view import test_live") == {
+        "files.test_files",
+        "..view",
+    }
+    assert neighbours("import numpy\nfrom helpers.models import pendulum\nfrom mbsd3d.view import page") == set()
+
+
+@cache
+def documented() -> frozenset[str]:
+    """Modules of the packages beside that the pages name."""
+    pages = [ROOT / "README.md", *(ROOT / "docs").rglob("*.md")]
+    text = " ".join(page.read_text(encoding="utf-8") for page in pages)
+    return frozenset(re.findall(r"\b(?:bicycle|engines|validation)(?:\.[a-z_0-9]+)+", text))
+
+
+def internals(name: str, source: str) -> list[tuple[str, str]]:
+    """(module, name) that a test imports and that is neither public nor documented nor what the test is named after.
+
+    Named after: all words of the file's name are in the path of the module, as in test_nvh_mounts and
+    engines.nvh.mounts.response.
+    """
+    own = set(Path(name).stem.split("_")) - {"test"}
+    allowed = PUBLIC | documented()
+    return [
+        (module, what)
+        for module, what in imported(source)
+        if module.split(".")[0] in TOPS and module not in allowed
+        if not (own and own <= set(re.split(r"[._]", module)))
+    ]
+
+
+def of_tests(*, constants: bool) -> set[str]:
+    """Return the tests that import internals; of constants file and name."""
+    found = set()
+    for name, path in TESTS.items():
+        for _, what in internals(name, path.read_text(encoding="utf-8")):
+            if not constants:
+                found.add(name)
+            elif what.isupper():
+                found.add(f"{name}:{what}")
+    return found
+
+
+def test_tests_of_internals_do_not_become_more():
+    """A test uses public names and the module that it is named after."""
+    assert of_tests(constants=False) <= known("tests that import internals")
+
+
+def test_constants_of_internals_do_not_become_more():
+    """A test asserts what a constant does."""
+    assert of_tests(constants=True) <= known("constants of internals in tests")
+
+
+def test_ablation_internals_are_seen():
+    source = "from mbsd3d.view.camera import sight, VIEW\nfrom mbsd3d.rotations import matrix\nimport mbsd3d.run.job"
+    assert internals("view/test_camera.py", source) == [("mbsd3d.run.job", "")]
+    assert [what for _, what in internals("view/test_view.py", source)] == [""]
+    assert [what for _, what in internals("run/test_motion.py", source)] == ["sight", "VIEW", ""]

@@ -187,7 +187,8 @@ def as_orientation(value: Any, what: str, part: Any) -> np.ndarray:
 
 def as_inertia(value: Any, what: str, part: Any) -> np.ndarray:
     """A symmetric matrix that fits the mass of the part."""
-    return locked(check_inertia(value, part.mass, what.removesuffix(": inertia")))
+    as_given = getattr(part, "inertia_as_given", False) is True
+    return locked(check_inertia(value, part.mass, what.removesuffix(": inertia"), as_given=as_given))
 
 
 def as_number(value: Any, what: str, part: Any, *, minimum: float | None = None, positive: bool = False) -> float:

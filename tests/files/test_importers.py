@@ -109,7 +109,8 @@ def state_of(system, model, data):
 
 def test_accelerations_are_those_of_mujoco(tmp_path):
     path = written(tmp_path, TREE)
-    system, merged, _, dropped, _ = read_mjcf(path)
+    found = read_mjcf(path)
+    system, merged, dropped = found.system, found.merged, found.dropped
     model = mujoco.MjModel.from_xml_path(str(path))
     data = general_motion(model)
     assert system.check().mobility == model.nv == 22
