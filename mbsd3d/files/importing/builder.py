@@ -57,7 +57,7 @@ class Builder:
         self.names: set[str] = {GROUND.name}
         self.renamed: dict[str, str] = {}
         self.said: list[str] = list(facts.get("said", ()))
-        self.missing: list[str] = list(facts.get("missing", ()))
+        self.missing: list[str] = list(facts.get("missing", ())) if choices.geometry == "draw" else []
         self.frames: list[Frame] = []  # of all bodies, in their order
         self.joints: list[Joint] = []
         self.forces: list[ForceElement] = []
@@ -129,13 +129,15 @@ class Builder:
         """Return the inertia of a group of bodies without rounding below 0, and whether no body has it."""
         I = 0.5 * (whole.inertia + whole.inertia.T)
         moments, axes = np.linalg.eigh(I)
-        largest = np.abs(moments).max()
+        largest, rounding = np.abs(moments).max(), MOMENT_ROUNDING * whole.mass * self.length**2
+        if largest <= rounding:
+            return np.zeros((3, 3)), False
+        if moments[0] < -rounding - TOLERANCE * largest:
+            raise InputError(
+                f"{self.called(name)}: inertia has the principal moments {moments.tolist()}, {moments[0]:.3g} < 0; check "
+                "the signs and units, and that it is taken about the centre of mass"
+            )
         if moments[0] < -TOLERANCE * largest:
-            if moments[0] < -MOMENT_ROUNDING * whole.mass * self.length**2:
-                raise InputError(
-                    f"{self.called(name)}: inertia has the principal moments {moments.tolist()}, {moments[0]:.3g} < 0; "
-                    "check the signs and units, and that it is taken about the centre of mass"
-                )
             moments = np.maximum(moments, 0.0)
             I = axes @ np.diag(moments) @ axes.T
         if moments[2] <= moments[0] + moments[1] + TOLERANCE * largest:
