@@ -213,6 +213,13 @@ def true_or_false(value: Any, what: str, part: Any) -> bool:
     return value
 
 
+class Truth(Stored[Any, bool]):
+    """True or False."""
+
+    accepts, file_type = "bool", bool
+    convert = staticmethod(true_or_false)
+
+
 class Vector(Stored[ArrayLike, np.ndarray]):
     """Three finite numbers [m, m/s or rad/s], world or body axes as its part says."""
 

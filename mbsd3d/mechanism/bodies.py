@@ -15,11 +15,11 @@ from ..base.fields import (
     Inertia,
     Number,
     Orientation,
+    Truth,
     Vector,
     VectorOrNone,
     kept,
     part_class,
-    true_or_false,
 )
 from ..base.rotations import matrix
 from .shapes.homogeneous import ShapeOfBody
@@ -103,7 +103,7 @@ class Body(Frozen):
     velocity: VectorOrNone = kept(default=None)
     omega: VectorOrNone = kept(default=None)
     shape: ShapeOfBody = kept(default=None)
-    inertia_as_given: bool = kept(default=False, by=true_or_false)
+    inertia_as_given: Truth = kept(default=False)
 
     def what(self) -> str:
         check_name(self.name, "body")

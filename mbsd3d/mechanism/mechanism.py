@@ -50,9 +50,7 @@ def short(part: Any) -> str:
     return shown(part)
 
 
-def made_of(
-    cls: type["Mechanism"], parts: tuple[Any, ...], gravity: np.ndarray, rest: dict[str, Any]
-) -> "Mechanism":
+def made_of(cls: type["Mechanism"], parts: tuple[Any, ...], gravity: np.ndarray, rest: dict[str, Any]) -> "Mechanism":
     """What a copy or a pickle of a mechanism is."""
     bodies, joints, forces = parts
     return cls(bodies, joints, forces, gravity, **rest)

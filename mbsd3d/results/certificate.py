@@ -172,7 +172,8 @@ def start_notes(solution: RunResult) -> list[str]:
 
 
 def notes(solution: RunResult) -> list[str]:
-    """What the system says of itself, choices in the start, singular positions, rank events, bodies that nothing acts on, checks not made."""
+    """What the system says of itself, choices in the start, singular positions, rank events, loose bodies, checks that
+    were not made."""
     found = [*solution.system.notes, *(f"start: {text}" for text in solution.start.notes)]
     events = solution.record.rank_events
     found += [f"rank event at t = {t:.6g} s: {rank} rows kept ({why})" for t, rank, why, _ in events]

@@ -82,8 +82,8 @@ class Builder:
         if len(self.bodies) == 1:
             raise InputError("no body of it can move; give one a joint")
         bodies = [frame.made for frame in self.frames]
-        besides = {"limits": self.limits, "notes": verdict.notes}
-        system = Mechanism(bodies, self.joints, self.forces, gravity=self.facts["gravity"], **besides)
+        given = (bodies, self.joints, self.forces, self.facts["gravity"])
+        system = Mechanism(*given, limits=self.limits, notes=verdict.notes)
         states = {
             key["name"]: state_of(system, self.frames, self.coordinate, key) for key in self.facts.get("keys", ())
         }
@@ -122,7 +122,7 @@ class Builder:
         if self.choices.geometry == "draw":
             look = drawn([geom for part in group for geom in part["geoms"]], r, e, R, self.missing)
         inertia, as_given = self.inertia_of(whole, group[0]["name"])
-        place = {"com": whole.com, "position": r, "orientation": e, "shape": look}
+        place: dict[str, Any] = {"com": whole.com, "position": r, "orientation": e, "shape": look}
         return Body(name, whole.mass, inertia, inertia_as_given=as_given, **place)
 
     def inertia_of(self, whole: MassProperties, name: str) -> tuple[np.ndarray, bool]:
@@ -134,8 +134,8 @@ class Builder:
             return np.zeros((3, 3)), False
         if moments[0] < -rounding - TOLERANCE * largest:
             raise InputError(
-                f"{self.called(name)}: inertia has the principal moments {moments.tolist()}, {moments[0]:.3g} < 0; check "
-                "the signs and units, and that it is taken about the centre of mass"
+                f"{self.called(name)}: inertia has the principal moments {moments.tolist()}, {moments[0]:.3g} < 0; "
+                "check the signs and units, and that it is taken about the centre of mass"
             )
         if moments[0] < -TOLERANCE * largest:
             moments = np.maximum(moments, 0.0)
@@ -236,7 +236,8 @@ class Builder:
             self.foreign("limit", f"range of {part['name']}", "joint", part["name"], watched=watched)
             if joint is not None and "limit" not in self.choices.leave_out:
                 name = part["name"] if part["name"] != joint.name else ""
-                self.limits.append(Limit(joint, "angle" if kind == "hinge" else "slide", *part["limit"], name=name))
+                lower, upper = part["limit"]
+                self.limits.append(Limit(joint, "angle" if kind == "hinge" else "slide", lower, upper, name))
 
     def spring(self, i: int, k: int, part: Facts) -> None:
         """-k (x - x0) - c x_dot on a coordinate, x counted from the reference pose; -c w or -c v without a coordinate.
@@ -349,8 +350,8 @@ def check_independent(parts: Sequence[Facts], name: str, called: str) -> None:
     if len(twists) > 6 or sizes[-1] < INDEPENDENT_MIN * sizes[0]:
         names = ", ".join(f"{part['type']} {part['name']}" for part in parts)
         raise InputError(
-            f"{called}: {names} lie so at the reference pose that their motions depend on each other; leave one out, or "
-            "start elsewhere (ref=)"
+            f"{called}: {names} lie so at the reference pose that their motions depend on each other; leave one "
+            "out, or start elsewhere (ref=)"
         )
 
 

@@ -1,5 +1,6 @@
 """Shapes from the geometry of a file."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from ...mechanism.shapes.base import Shape
 from ...mechanism.shapes.kinds import Box, Capsule, Cylinder, Ellipsoid, MeshFile, Sphere
 from .tree import Facts
 
-SIZES = {
+SIZES: dict[str, tuple[type[Shape], Callable[[float, float, float], tuple[Any, ...]]]] = {
     "box": (Box, lambda a, b, c: ((2 * a, 2 * b, 2 * c),)),
     "sphere": (Sphere, lambda a, b, c: (a,)),
     "capsule": (Capsule, lambda a, b, c: (a, 2 * b)),

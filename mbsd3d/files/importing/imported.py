@@ -30,7 +30,7 @@ class NotBuilt(NamedTuple):
     kind: str
     what: str
     place: str = ""  # line and element
-    count: int = 1  # 0: nobody has counted
+    number: int = 1  # of them; 0: nobody has counted
     watched: bool = False  # a limit that the certificate watches
 
     def __str__(self) -> str:
@@ -90,7 +90,8 @@ class Imported(NamedTuple):
         parts += list(self.said)
         if self.missing:
             drawn = any(body.shape is not None for body in system.bodies)
-            parts.append(f"{counted(len(self.missing), 'mesh file')} not drawn" if drawn else "no geometry (meshes missing)")
+            meshes = counted(len(self.missing), "mesh file")
+            parts.append(f"{meshes} not drawn" if drawn else "no geometry (meshes missing)")
         return "; ".join(parts)
 
 
@@ -124,7 +125,7 @@ def inactive_line(parts: Sequence[NotBuilt]) -> str:
     words = []
     for kind, noun in AT_TIMES.items():
         found = [part for part in parts if part.kind == kind]
-        count, watched = sum(part.count for part in found), sum(part.watched for part in found)
+        count, watched = sum(part.number for part in found), sum(part.watched for part in found)
         if count:
             words.append(counted(count, noun))
         elif found:

@@ -40,9 +40,7 @@ def read_mujoco(path: str | Path, timeout: float, package_paths: Any, **choices:
     return built(path, lambda: compiled_facts(path, timeout, folders), chosen, scan.place_of)
 
 
-def read_robot(
-    path: str | Path, timeout: float, package_paths: Any, floating: bool | None, **choices: Any
-) -> Imported:
+def read_robot(path: str | Path, timeout: float, package_paths: Any, floating: bool | None, **choices: Any) -> Imported:
     """Read a URDF file, build."""
     path, timeout = as_path(path, "model.urdf"), as_timeout(timeout)
     if floating is not None:

@@ -85,7 +85,7 @@ class Node:
 
 def tree_of(path: Path, text: str) -> Node:
     """The root element of a text, with all below it."""
-    root, stack, count, parser = Node("", {}, 0), [], 0, Parser(path)
+    root, count, parser = Node("", {}, 0), 0, Parser(path)
     stack = [root]
 
     def start(name: str, attributes: dict[str, str]) -> None:
@@ -96,7 +96,10 @@ def tree_of(path: Path, text: str) -> Node:
         stack.append(Node(name, attributes, parser.line))
         stack[-2].children.append(stack[-1])
 
-    parser.parse(text, start, lambda name: stack.pop() and None)
+    def end(name: str) -> None:
+        stack.pop()
+
+    parser.parse(text, start, end)
     return root.children[0]
 
 
@@ -246,7 +249,7 @@ class Robot:
             axis, length = np.array([1.0, 0.0, 0.0]), 1.0
         if length == 0.0:
             raise InputError(f"{node.place}: the axis of joint '{name}' has no length; give a direction")
-        return Connection(name, node, KINDS_OF_JOINTS[kind], *links, origin, turn, axis / length)
+        return Connection(name, node, KINDS_OF_JOINTS[kind], links[0], links[1], origin, turn, axis / length)
 
     def in_order(self) -> list[str]:
         """Names of the links, parents before children; they must be a tree."""
@@ -280,7 +283,7 @@ class Robot:
             leader: Connection | None = joint
             while leader is not None:
                 if leader in line:
-                    raise InputError(f"{joint.node.place}: joint '{joint.name}' follows itself; cut the circle of mimics")
+                    raise InputError(f"{joint.node.place}: joint '{joint.name}' follows itself; cut the circle")
                 line.append(leader)
                 leader = self.leader(leader)
             value = 0.0

@@ -28,7 +28,9 @@ class Facts:
     def __init__(self, mujoco: Any, path: str, folders: Folders) -> None:
         spec = mujoco.MjSpec.from_file(path)
         spec.compiler.fusestatic = 0  # merged here by name, not there in silence
-        self.mujoco, self.foreign, self.said, self.missing = mujoco, [], [], []  # type: ignore[var-annotated]
+        self.mujoco = mujoco
+        self.foreign: list[dict[str, Any]] = []  # what acts and is not among the facts
+        self.said: list[str] = []
         looks = Undressed(mujoco, spec, folders)
         self.model = spec.compile()
         self.files = {geom.id: file for geom, file in looks.geoms}
@@ -271,7 +273,7 @@ class Facts:
         """Everything the parent needs."""
         m = self.model
         self.list_foreign()
-        facts = {"bodies": self.bodies(), "joints": self.joints(), "equalities": self.equalities()}
+        facts: dict[str, Any] = {"bodies": self.bodies(), "joints": self.joints(), "equalities": self.equalities()}
         facts |= {"keys": self.keys(), "points": self.points(), "said": self.said, "missing": self.missing}
         idle = {kind: int(getattr(m, f"n{kind}")) for kind in ("sensor", "key", "cam", "light", "site", "geom")}
         gravity = np.zeros(3) if self.off("GRAVITY") else m.opt.gravity
