@@ -229,7 +229,7 @@ def test_geoms_become_shapes_where_mujoco_has_them(tmp_path):
 
 BODY = '<body name="arm" pos="0 0 1"><joint name="hinge" axis="1 2 3" {joint}/>{more}' + INERTIAL.format(1) + "</body>"
 ALWAYS = [
-    ('armature="0.1"', "", "", r"armature: hinge \(line 1, <joint>\)"),
+    ('type="ball" armature="0.1"', "", "", r"armature: hinge \(line 1, <joint>\)"),
     ("", "", '<tendon><fixed name="cord" stiffness="3"><joint joint="hinge" coef="1"/></fixed></tendon>',
      r"tendon: cord, which has stiffness \(line 1, <fixed>\)"),
     ("", "", '<option density="1.2"/>', r"fluid: density 1.2, viscosity 0 \(line 1, <option>\)"),
@@ -306,7 +306,8 @@ CHAINS = f"""<mujoco><compiler angle="radian" autolimits="true"/><option gravity
   <body name="base" pos="0.3 0.2 0.9" quat="0.8 0.3 -0.2 0.4"><freejoint name="float"/>{INERTIAL.format(3.1)}
     <body name="a" pos="0.3 0.1 -0.2" quat="0.5 0.1 0.7 0.3" gravcomp="0.6">
       <joint name="s1" type="slide" axis="1 2 0.3" pos="0.1 0 0.2" stiffness="20" springref="0.1"/>
-      <joint name="h1" axis="0.2 -1 0.6" pos="0.05 0.2 0.1" ref="0.4" damping="0.3" range="-1 2"/>
+      <joint name="h1" axis="0.2 -1 0.6" pos="0.05 0.2 0.1" ref="0.4" damping="0.3" range="-1 2"
+        armature="0.4"/>
       <joint name="b1" type="ball" pos="0.1 -0.05 0.02" damping="0.2"/>{INERTIAL.format(1.4)}
       <body name="tool" pos="0.1 0.3 0.2" quat="0.6 -0.2 0.5 0.1" gravcomp="0.3">{INERTIAL.format(0.6)}
         <site name="tip" pos="0.1 0.2 0.3" quat="0.6 0.2 0.1 0.3"/></body>
@@ -314,7 +315,7 @@ CHAINS = f"""<mujoco><compiler angle="radian" autolimits="true"/><option gravity
     <body name="b" pos="-0.3 0.1 0.2" quat="0.5 0.6 0.7 0.3"><joint name="p" axis="1 0.1 0.3" pos="0.1 0 0.2"/>
       <joint name="q" axis="0.2 -1 0.6" pos="0.05 0.2 0.1" stiffness="3"/>{INERTIAL.format(1.1)}
       <body name="c" pos="-0.1 0.1 0.1"><joint name="x" type="slide" axis="1 0.1 0.3"/>
-        <joint name="y" type="slide" axis="0.1 1 0.3"/><joint name="z" type="slide" axis="0.1 0 1"/>
+        <joint name="y" type="slide" axis="0.1 1 0.3" armature="0.7"/><joint name="z" type="slide" axis="0.1 0 1"/>
         {INERTIAL.format(0.8)}</body>
     </body>
   </body>
@@ -342,10 +343,11 @@ def test_joints_in_any_combination_follow_each_other(tmp_path):
     found = read_mjcf(written(tmp_path, text))
     model, system = mujoco.MjModel.from_xml_string(text), found.system
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_LIMIT  # inactive here
+    assert system.total_mass() == pytest.approx(3.1 + 1.4 + 0.6 + 1.1 + 3 * 0.8, rel=1e-8)  # and two light rotors
     names = [model.body(i).name for i in range(1, model.nbody) if model.body(i).name != "tool"]
     assert system.check().mobility == model.nv and found.inactive == "1 limit (watched)"
     assert sorted(body.mass for body in system.bodies)[:6] == [0.0] * 6  # 2 + 1 + 2 + 1 between joints
-    assert {type(joint) for joint in system.joints} == {Revolute, Prismatic, Spherical}
+    assert {type(joint) for joint in system.joints} == {Revolute, Prismatic, Spherical, Gear, RackPinion}
     for k in range(3):
         data = mujoco.MjData(model)
         mujoco.mj_resetDataKeyframe(model, data, k)
@@ -363,6 +365,22 @@ def test_joints_in_any_combination_follow_each_other(tmp_path):
     R = matrix(pose[3:])
     assert np.allclose(pose[:3] + R @ tip.position, site.xpos, rtol=0, atol=1e-13)
     assert np.allclose(R @ tip.axes, site.xmat.reshape(3, 3), rtol=0, atol=1e-13)
+
+
+def test_armatures_have_the_accelerations_of_published_numbers(tmp_path):
+    """Two oblique links; own Newton-Euler equations by Jacobians, M + diag(armature)."""
+    text = """<mujoco><compiler angle="radian"/><worldbody><body name="one">
+      <joint name="a" axis="0.2 1 0.3" armature="0.3"/>
+      <inertial mass="2" pos="0.1 0.05 -0.6" diaginertia="0.1 0.12 0.05"/>
+      <body name="two" pos="0 0 -1"><joint name="b" axis="1 0.1 -0.4" armature="0.2"/>
+      <inertial mass="1" pos="0 0.03 -0.4" diaginertia="0.05 0.05 0.01"/></body></body></worldbody></mujoco>"""
+    system = read_mjcf(written(tmp_path, text)).system
+    state = system.assemble(angles={"a": 0.024, "b": 0.901}, rates={"a": -2.847, "b": 3.589})
+    found = accelerations(system, state)
+    rotors = [found.alpha(f"{name} armature")[0, 2] for name in "ab"]
+    assert rotors == pytest.approx([-1.0847785860420869, -13.59055874731695], rel=1e-10)
+    run = simulate(system, 0.5, state=state)
+    assert run.certificate.passed, run.certificate
 
 
 def test_a_universal_joint_with_nothing_on_its_angles_stays_one(tmp_path):

@@ -1,12 +1,13 @@
 """A system from the facts of a model, whichever format they come from, and what of them has no counterpart here."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...base.errors import InputError
 from ...base.mass_properties import TOLERANCE, MassProperties, put_together
+from ...base.quaternions import conjugate, multiply
 from ...base.rotations import matrix
 from ...mechanism.bodies import GROUND, Body
 from ...mechanism.couplings import Gear, RackPinion
@@ -17,18 +18,28 @@ from ...mechanism.forces.brake import Brake
 from ...mechanism.forces.bushing import Bushing
 from ...mechanism.forces.springs import TorsionSpring
 from ...mechanism.joints import Joint
-from ...mechanism.joints.pairs import Cylindrical, Fixed, Planar, Prismatic, Revolute, Spherical, Universal
+from ...mechanism.joints.pairs import Fixed, Revolute, Spherical
 from ...mechanism.limits import Limit
 from ...mechanism.mechanism import Mechanism
-from .drawing import drawn
+from ...mechanism.shapes.base import Shape
+from ...mechanism.shapes.kinds import Box, Capsule, Cylinder, Ellipsoid, MeshFile, Sphere
 from .imported import Imported, NotBuilt, Point, grouped, judged
+from .joints import acts_along, check_independent, has_coordinate, joint_of
 from .keyframes import Frame, state_of
 from .tree import Facts, felt_inertia, length_of
 
 SMALL = 1e-9  # [1, m] what axes and points that are taken as one may differ by: rounding, not tolerances of a part
-INDEPENDENT_MIN = 1e-9  # [1] least over largest singular value of the twists of joints in a row, for independent ones
 MOMENT_ROUNDING = 1e-12  # [m L^2] of mass and extent of the model: a negative principal moment that is rounding
+ROTOR_MASS_SHARE = 1e-9  # [1] of the whole mass, for a rotor that stands for an armature: a body with inertia needs one
 BRAKE_YIELD = 1e-3  # [rad, m] that a brake for dry friction yields before it slips
+SIZES: dict[str, tuple[type[Shape], Callable[[float, float, float], tuple[Any, ...]]]] = {
+    "box": (Box, lambda a, b, c: ((2 * a, 2 * b, 2 * c),)),
+    "sphere": (Sphere, lambda a, b, c: (a,)),
+    "capsule": (Capsule, lambda a, b, c: (a, 2 * b)),
+    "cylinder": (Cylinder, lambda a, b, c: (a, 2 * b)),
+    "ellipsoid": (Ellipsoid, lambda a, b, c: ((a, b, c),)),
+}
+"""Kinds of geometry with a shape of their own, and its sizes."""
 
 
 class Choices(NamedTuple):
@@ -59,6 +70,7 @@ class Builder:
         self.said: list[str] = list(facts.get("said", ()))
         self.missing: list[str] = list(facts.get("missing", ())) if choices.geometry == "draw" else []
         self.frames: list[Frame] = []  # of all bodies, in their order
+        self.rotors: list[Frame] = []  # on the ground, which turn as a joint of the file moves
         self.joints: list[Joint] = []
         self.forces: list[ForceElement] = []
         self.limits: list[Limit] = []
@@ -81,6 +93,7 @@ class Builder:
         verdict = judged(self.not_built, self.choices.leave_out, self.choices.strict)
         if len(self.bodies) == 1:
             raise InputError("no body of it can move; give one a joint")
+        self.frames += self.rotors
         bodies = [frame.made for frame in self.frames]
         given = (bodies, self.joints, self.forces, self.facts["gravity"])
         system = Mechanism(*given, limits=self.limits, notes=verdict.notes)
@@ -222,6 +235,8 @@ class Builder:
         joint, kind, what = self.coordinate.get(k), part["type"], f"{part['type']} {part['name']}"
         if part["stiffness"] or part["damping"]:
             self.spring(i, k, part)
+        if part["armature"] and joint is not None:
+            self.rotor(k, part, joint)
         if part["friction"]:
             if joint is None:
                 self.foreign("frictionloss", what, "joint", part["name"])
@@ -238,6 +253,26 @@ class Builder:
                 name = part["name"] if part["name"] != joint.name else ""
                 lower, upper = part["limit"]
                 self.limits.append(Limit(joint, "angle" if kind == "hinge" else "slide", lower, upper, name))
+
+    def rotor(self, k: int, part: Facts, joint: Joint) -> None:
+        """An armature, T = I x_dot^2 / 2 on a coordinate x: a rotor on the ground that turns as x does.
+
+        A rotor that the parent carries would feel its turning too; the ground takes nothing but the rotor's own torque.
+        """
+        title, I = f"{part['name']} armature", part["armature"]
+        mass = ROTOR_MASS_SHARE * sum(body["mass"] for body in self.facts["bodies"])
+        look = Sphere(BRAKE_YIELD * self.length)
+        at = np.array(part["anchor"])
+        rotor = Body(self.name(title, "body"), mass, (I, I, I), position=at, shape=look)
+        axle = Revolute(GROUND, rotor, at=at, axis=(0, 0, 1), name=self.name(f"{title} axle", "joint"))
+        name = self.name(f"{title} gear", "joint")
+        gear = (
+            Gear(axle, joint, ratio=1.0, name=name)
+            if part["type"] == "hinge"
+            else RackPinion(axle, joint, radius=1.0, name=name)
+        )
+        self.rotors.append(Frame(rotor, 0, (), k))
+        self.joints += [axle, gear]
 
     def spring(self, i: int, k: int, part: Facts) -> None:
         """-k (x - x0) - c x_dot on a coordinate, x counted from the reference pose; -c w or -c v without a coordinate.
@@ -315,7 +350,7 @@ class Builder:
         """Two slides in a fixed ratio: racks on a pinion without mass; ``place`` is the number of the leader."""
         pinion = Body(self.name(f"{name} pinion", "body"), 0.0, np.zeros(3))
         axle = Revolute(GROUND, pinion, at=(0, 0, 0), axis=(0, 0, 1), name=self.name(f"{name} axle", "joint"))
-        self.frames.append(Frame(pinion, 0, (), place))
+        self.rotors.append(Frame(pinion, 0, (), place))
         self.joints += [axle, RackPinion(axle, leader, radius=1.0, name=self.name(f"{name} rack", "joint"))]
         return RackPinion(axle, follower, radius=ratio, name=name)
 
@@ -325,61 +360,32 @@ def unit_of(kind: str) -> str:
     return "rad" if kind == "hinge" else "m"
 
 
-def acts_along(part: Facts) -> bool:
-    """Whether something acts on the coordinate of a joint, or watches it."""
-    return bool(part["stiffness"] or part["damping"] or part["friction"] or part["limit"] is not None)
+def drawn(geoms: list[Facts], r: np.ndarray, e: np.ndarray, R: np.ndarray, missing: list[str]) -> list[Shape] | None:
+    """Shapes of the geometry of a body at (r, e), R = matrix(e); None where none can be drawn.
+
+    Files that cannot be drawn are added to ``missing``.
+    """
+    found: list[Shape] = []
+    for geom in geoms:
+        place = {
+            "at": R.T @ (np.array(geom["position"]) - r),
+            "orientation": multiply(conjugate(e), np.array(geom["quaternion"])),
+            "colour": geom["colour"] and "#" + bytes(round(255 * x) for x in geom["colour"]).hex(),
+        }
+        if geom["shown"] and geom["type"] in SIZES:
+            kind, sizes = SIZES[geom["type"]]
+            found.append(kind(*sizes(*geom["size"]), **place))
+        elif geom["shown"] and geom["type"] == "file":
+            found += mesh(geom, place, missing)
+    return found or None
 
 
-def has_coordinate(joint: Joint, kind: str) -> bool:
-    """Whether a joint has the coordinate of a hinge or slide as its own, on which springs and couplings act."""
-    if kind == "hinge":
-        return joint.angle() is not None
-    return kind == "slide" and joint.slide() is not None and joint.angle() is None
-
-
-def check_independent(parts: Sequence[Facts], name: str, called: str) -> None:
-    """Refuse joints in a row whose motions are linearly dependent at the reference pose: none determines its share."""
-    twists = []
-    for part in parts:
-        axis, anchor = np.array(part["axis"]), np.array(part["anchor"])
-        for direction in np.eye(3) if part["type"] == "ball" else [axis]:
-            turns = part["type"] != "slide"
-            twist = (direction, np.cross(anchor, direction)) if turns else (np.zeros(3), direction)
-            twists.append(np.concatenate(twist))
-    sizes = np.linalg.svd(np.array(twists), compute_uv=False)
-    if len(twists) > 6 or sizes[-1] < INDEPENDENT_MIN * sizes[0]:
-        names = ", ".join(f"{part['type']} {part['name']}" for part in parts)
-        raise InputError(
-            f"{called}: {names} lie so at the reference pose that their motions depend on each other; leave one "
-            "out, or start elsewhere (ref=)"
-        )
-
-
-def joint_of(a: Any, b: Any, parts: Sequence[Facts], name: str) -> Joint | None:
-    """The joint that allows the same motion as MuJoCo's joints of one body, or None."""
-    hinges = [part for part in parts if part["type"] == "hinge"]
-    slides = [part for part in parts if part["type"] == "slide"]
-    first = parts[0]
-    if first["type"] == "ball":
-        return Spherical(a, b, at=first["anchor"], name=name) if len(parts) == 1 else None
-    if first["type"] == "planar":
-        return Planar(a, b, at=first["anchor"], normal=first["axis"], name=name)
-    if len(hinges) + len(slides) < len(parts):
-        return None
-    at = (hinges or parts)[0]["anchor"]
-    axes = np.array([part["axis"] for part in (*hinges, *slides)])
-    meet = all(np.linalg.norm(np.subtract(part["anchor"], at)) < SMALL for part in hinges)
-    match len(hinges), len(slides):
-        case 1, 0:
-            return Revolute(a, b, at=at, axis=axes[0], name=name)
-        case 0, 1:
-            return Prismatic(a, b, at=at, axis=axes[0], name=name)
-        case 1, 1 if np.linalg.norm(axes[0] - axes[1]) < SMALL:
-            return Cylindrical(a, b, at=at, axis=axes[0], name=name)
-        case 2, 0 if meet and abs(axes[0] @ axes[1]) < SMALL:
-            return Universal(a, b, at=at, axis_a=axes[0], axis_b=axes[1], name=name)
-        case 3, 0 if meet and abs(np.linalg.det(axes)) > 1e-3:  # at 0 the hinges are locked
-            return Spherical(a, b, at=at, name=name)
-        case 1, 2 if np.abs(axes[1:] @ axes[0]).max() < SMALL and np.linalg.norm(np.cross(*axes[1:])) > 1e-3:
-            return Planar(a, b, at=at, normal=axes[0], name=name)
-    return None
+def mesh(geom: Facts, place: dict[str, Any], missing: list[str]) -> list[Shape]:
+    """The shape of a mesh file, read once so that a drawing will not fail; none, and the file missing, if it cannot."""
+    try:
+        shape = MeshFile(geom["path"], geom["scale"], **place)
+        shape.surface()
+    except InputError as error:
+        missing.append(str(error))
+        return []
+    return [shape]

@@ -18,13 +18,13 @@ from .tree import Facts
 class Frame(NamedTuple):
     """A body of the system: that of the file numbered ``body``, as it stands before the joints ``after`` have moved it.
 
-    ``pinion``: number of the slide that turns it, for a pinion without mass on the ground.
+    ``turned_by``: number of the joint whose coordinate is its angle, for a rotor or pinion on the ground.
     """
 
     made: Body
     body: int
     after: tuple[int, ...]
-    pinion: int | None = None
+    turned_by: int | None = None
 
 
 def state_of(system: Mechanism, frames: Sequence[Frame], coordinate: Mapping[int, Joint], key: Facts) -> State:
@@ -39,10 +39,10 @@ def state_of(system: Mechanism, frames: Sequence[Frame], coordinate: Mapping[int
         kind = "angle" if joint_key["turns"] else "slide"
         known[compiled.coordinate(coordinate_of(joint, kind, "key frame"))] = joint_key["value"]
     for frame in frames:
-        if frame.pinion is not None:
+        if frame.turned_by is not None:
             axle = next(joint for joint in system.joints if joint.b is frame.made)
             place = compiled.coordinate(coordinate_of(axle, "angle", "key frame"))
-            known[place] = key["joints"][frame.pinion]["value"]
+            known[place] = key["joints"][frame.turned_by]["value"]
     return State(key["time"], q, v, coordinates=known)
 
 
@@ -51,10 +51,10 @@ def motion_of(frame: Frame, key: Facts) -> tuple[np.ndarray, np.ndarray, np.ndar
 
     Twists are those of the point of the body at the origin: v_0 = r_dot - w x r.
     """
-    if frame.pinion is not None:
-        joint = key["joints"][frame.pinion]
+    if frame.turned_by is not None:
+        joint = key["joints"][frame.turned_by]
         z = np.array([0.0, 0.0, 1.0])
-        return np.zeros(3), rotation("z", joint["value"]), np.zeros(3), joint["rate"] * z
+        return frame.made.position, rotation("z", joint["value"]), np.zeros(3), joint["rate"] * z
     pose, twist = np.array(key["poses"][frame.body]), np.array(key["twists"][frame.body])
     r, e, w = pose[:3], pose[3:], twist[3:]
     v = twist[:3] - np.cross(w, r)

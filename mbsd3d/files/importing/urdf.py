@@ -535,5 +535,5 @@ def positive(node: Node, name: str, count: int) -> np.ndarray:
 
 def unloaded(name: str, kind: str, body: int) -> dict[str, Any]:
     """A joint on which nothing acts."""
-    loads = {"stiffness": 0.0, "damping": 0.0, "friction": 0.0, "rest": 0.0, "limit": None}
+    loads = {"stiffness": 0.0, "damping": 0.0, "friction": 0.0, "armature": 0.0, "rest": 0.0, "limit": None}
     return {"name": name, "type": kind, "body": body, "axis": np.array([1.0, 0.0, 0.0])} | loads
