@@ -505,6 +505,7 @@ HOSTILE = {
     "copies in words": (hostile(COPIES.format("many")), "give a whole number"),
     "large composite": (hostile('<worldbody><composite count="1000 1000 1"/></worldbody>'), "more than 20000"),
     "nan": (hostile("").replace('pos="0 0 1"', 'pos="nan 0 inf"'), "position of 'arm': not finite"),
+    "large mass": (hostile("").replace('mass="1"', 'mass="1e200"'), "is beyond 1e.60"),
     "nan mass": (hostile("").replace('mass="1"', 'mass="nan"'), "cannot read it|not finite"),
     "entities": ('<!DOCTYPE a [<!ENTITY b "cc">]>' + hostile(""), "entity b is declared"),
     "external entity": ('<!DOCTYPE a [<!ENTITY b SYSTEM "file:///etc/passwd">]><mujoco>&b;</mujoco>', "entity b"),

@@ -308,7 +308,7 @@ def test_friction_slips_and_holds(tmp_path):
     alpha = accelerations(found.system, state).alpha("arm")[0]
     turning = matrix_of(where) @ axis
     assert turning @ alpha == pytest.approx(data.qacc[0], rel=TOLERANCE)
-    assert brake.torque.value == 0.4 and "dry friction of 'j' yields by 0.001 rad at rest" in found.said
+    assert brake.torque.value == 0.4 and "dry friction of 1 joint yields by 0.001 rad or m at rest" in found.said
 
 
 def matrix_of(where):
@@ -491,6 +491,7 @@ WRONG = {
     "words": (link("a", "heavy"), "line 1, <mass>: value='heavy' is not a finite number; correct it"),
     "nan": (link("a", "nan"), "value='nan' is not a finite number"),
     "huge": (link("a", "1e999"), "value='1e999' is not a finite number"),
+    "large": (link("a", "1e200"), "line 1, <mass>: value: 1e.200 is beyond 1e.60"),
     "underscore": (link("a", "1_0"), "value='1_0' is not a finite number"),
     "comma": (link("a", "1,5"), "value='1,5' is not a finite number"),
     "twice": (link("a", 1.0) * 2, "a second link is named 'a'"),

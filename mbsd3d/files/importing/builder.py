@@ -9,6 +9,7 @@ from ...base.errors import InputError
 from ...base.mass_properties import TOLERANCE, MassProperties, put_together
 from ...base.quaternions import conjugate, multiply
 from ...base.rotations import matrix
+from ...base.style import counted
 from ...mechanism.bodies import GROUND, Body
 from ...mechanism.couplings import Gear, RackPinion
 from ...mechanism.drivers import AngleDriver, SlideDriver
@@ -90,6 +91,8 @@ class Builder:
         for equality in self.facts["equalities"]:
             self.close(equality)
         self.hold_weights()
+        if brakes := sum(isinstance(force, Brake) for force in self.forces):
+            self.said.append(f"dry friction of {counted(brakes, 'joint')} yields by {BRAKE_YIELD:g} rad or m at rest")
         verdict = judged(self.not_built, self.choices.leave_out, self.choices.strict)
         if len(self.bodies) == 1:
             raise InputError("no body of it can move; give one a joint")
@@ -242,10 +245,9 @@ class Builder:
                 self.foreign("frictionloss", what, "joint", part["name"])
             else:
                 stiffness = part["friction"] / BRAKE_YIELD
-                damping = np.sqrt(stiffness * max(felt_inertia(self.facts, part), MOMENT_ROUNDING))
+                damping = np.sqrt(stiffness * max(felt_inertia(self.facts, part) + part["armature"], MOMENT_ROUNDING))
                 values = {"torque": part["friction"], "stiffness": stiffness, "damping": damping}
                 self.forces.append(Brake(joint, **values, name=self.name(f"{part['name']} friction", "friction")))
-                self.said.append(f"dry friction of '{part['name']}' yields by {BRAKE_YIELD:g} {unit_of(kind)} at rest")
         if part["limit"] is not None:
             watched = joint is not None
             self.foreign("limit", f"range of {part['name']}", "joint", part["name"], watched=watched)
@@ -353,11 +355,6 @@ class Builder:
         self.rotors.append(Frame(pinion, 0, (), place))
         self.joints += [axle, RackPinion(axle, leader, radius=1.0, name=self.name(f"{name} rack", "joint"))]
         return RackPinion(axle, follower, radius=ratio, name=name)
-
-
-def unit_of(kind: str) -> str:
-    """Unit of the coordinate of a hinge or slide."""
-    return "rad" if kind == "hinge" else "m"
 
 
 def drawn(geoms: list[Facts], r: np.ndarray, e: np.ndarray, R: np.ndarray, missing: list[str]) -> list[Shape] | None:

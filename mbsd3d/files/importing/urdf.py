@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from ...base.checks import check_size
 from ...base.errors import InputError
 from ...base.paths import read_text
 from ...base.quaternions import multiply
@@ -76,7 +77,9 @@ class Node:
         if len(values) != count or len(words) != count or not all(map(isfinite, values)):
             wanted = "a finite number" if count == 1 else f"{count} finite numbers"
             raise InputError(f"{self.place}: {name}='{str(text)[:60]}' is not {wanted}; correct it")
-        return np.array(values)
+        found = np.array(values)
+        check_size(found, f"{self.place}: {name}")
+        return found
 
     def number(self, name: str, default: float | None = None) -> float:
         """An attribute of one number."""

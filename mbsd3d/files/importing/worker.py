@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from ...base.checks import check_size
 from ...base.errors import InputError
 from .folders import Folders
 from .guarded import limit
@@ -380,6 +381,7 @@ def plain(value: Any, what: str) -> Any:
     if isinstance(value, np.ndarray | np.generic):
         if not np.isfinite(value).all():
             raise InputError(f"{what.strip()}: not finite: {value.tolist()}; give finite numbers")
+        check_size(np.asarray(value, float), what.strip())
         return value.tolist()
     return value
 
