@@ -61,8 +61,8 @@ def read_mjcf(
     path : str or Path
         At most 8 MB with all it includes; it names files in its own folder and in ``package_paths`` only.
     leave_out : sequence of str
-        Kinds of what acts to leave out all the same: "fluid", "armature", "tendon", ...; certificates say it. ``drop``
-        is an older name of it.
+        Kinds of what acts that may be missing where they cannot be built: "fluid", "tendon", ...; certificates say what
+        was left out. ``drop`` is an older name of it.
     strict : bool
         Refuse what acts at times or on command too.
     geometry : str

@@ -91,7 +91,7 @@ def as_limits(value: Any, what: str, part: Any) -> tuple[Limit, ...]:
 
 def as_sentences(value: Any, what: str, part: Any) -> tuple[str, ...]:
     """Texts of one line."""
-    found = listed(value, what, "a list of sentences")
+    found = (value,) if isinstance(value, str) else listed(value, what, "a list of sentences")
     if wrong := [text for text in found if not isinstance(text, str)]:
         raise InputError(f"{what}: {shown(wrong[0])} is not a text; give sentences")
     return tuple(" ".join(text.split()) for text in found)

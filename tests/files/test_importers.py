@@ -423,6 +423,23 @@ def test_linear_equalities_are_those_of_mujoco(tmp_path):
     assert "'b' counts from 0.3, where it starts" in found.said
 
 
+def test_a_mesh_of_a_group_without_mass_is_not_needed(tmp_path):
+    text = """<mujoco><compiler inertiagrouprange="3 4" discardvisual="true"/>
+      <asset><mesh name="m" file="a.stl"/></asset><worldbody><body name="arm"><joint name="j"/><geom type="mesh" mesh="m" group="1" contype="0" conaffinity="0"/>
+      <geom size="0.2" group="3" pos="0 0 1"/></body></worldbody></mujoco>"""
+    found = read_mjcf(written(tmp_path, text))
+    assert found.system.total_mass() == pytest.approx(1000.0 * 4.0 / 3.0 * np.pi * 0.2**3)
+    assert found.missing == ("a.stl: not found",) and found.idle == {"geom": 2}
+
+
+def test_key_frames_without_end_are_not_read(tmp_path):
+    text = f"<mujoco><worldbody>{BODY.format(joint='', more='')}</worldbody><keyframe>{{}}</keyframe></mujoco>"
+    assert len(read_mjcf(written(tmp_path, text.format("<key/>" * 3))).states) == 3
+    many = "".join(f'<body name="b{k}"><freejoint/>{INERTIAL.format(1)}</body>' for k in range(99))
+    found = read_mjcf(written(tmp_path, text.format("<key/>" * 1000).replace("<worldbody>", "<worldbody>" + many)))
+    assert found.states == {} and found.said == ("1000 key frames of 101 bodies are not read, as they are too many",)
+
+
 def test_looks_that_are_missing_stop_nothing(tmp_path):
     """Meshes, textures, materials, height fields that are not there; a mesh is needed where it gives the mass."""
     text = """<mujoco><compiler meshdir="../meshes" texturedir="/nowhere"/>

@@ -631,6 +631,8 @@ def test_unknown_choices_are_refused(tmp_path):
         ({"strict": "yes"}, "strict = 'yes'; give True or False"),
         ({"leave_out": ["wings"]}, "leave_out: 'wings' is not a kind of part; give some of actuator, armature"),
         ({"package_paths": [tmp_path / "none"]}, "package_paths: .* is not a folder"),
+        ({"package_paths": "x" * 9999}, "package_paths: .* is not a folder"),
+        ({"package_paths": ["a\0b"]}, "package_paths: .* is not a folder"),
         ({"package_paths": 3}, "package_paths: 3 is not a sequence"),
         ({"timeout": -1}, "timeout"),
     ):

@@ -1,6 +1,7 @@
 """A system from the facts of a model, whichever format they come from, and what of them has no counterpart here."""
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,6 +25,7 @@ from ...mechanism.limits import Limit
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes.base import Shape
 from ...mechanism.shapes.kinds import Box, Capsule, Cylinder, Ellipsoid, MeshFile, Sphere
+from ...mechanism.shapes.surfaces import SUFFIXES
 from .imported import Imported, NotBuilt, Point, grouped, judged
 from .joints import acts_along, check_independent, has_coordinate, joint_of
 from .keyframes import Frame, state_of
@@ -32,6 +34,7 @@ from .tree import Facts, felt_inertia, length_of
 SMALL = 1e-9  # [1, m] what axes and points that are taken as one may differ by: rounding, not tolerances of a part
 MOMENT_ROUNDING = 1e-12  # [m L^2] of mass and extent of the model: a negative principal moment that is rounding
 ROTOR_MASS_SHARE = 1e-9  # [1] of the whole mass, for a rotor that stands for an armature: a body with inertia needs one
+MESH_BYTES_MAX = 50_000_000  # [bytes] of all mesh files that are drawn: some seconds
 BRAKE_YIELD = 1e-3  # [rad, m] that a brake for dry friction yields before it slips
 SIZES: dict[str, tuple[type[Shape], Callable[[float, float, float], tuple[Any, ...]]]] = {
     "box": (Box, lambda a, b, c: ((2 * a, 2 * b, 2 * c),)),
@@ -70,6 +73,7 @@ class Builder:
         self.renamed: dict[str, str] = {}
         self.said: list[str] = list(facts.get("said", ()))
         self.missing: list[str] = list(facts.get("missing", ())) if choices.geometry == "draw" else []
+        self.meshes = Meshes(self.missing)
         self.frames: list[Frame] = []  # of all bodies, in their order
         self.rotors: list[Frame] = []  # on the ground, which turn as a joint of the file moves
         self.joints: list[Joint] = []
@@ -136,7 +140,7 @@ class Builder:
         name, e = self.name(group[0]["name"], "body"), np.array(group[0]["quaternion"])
         look = None
         if self.choices.geometry == "draw":
-            look = drawn([geom for part in group for geom in part["geoms"]], r, e, R, self.missing)
+            look = drawn([geom for part in group for geom in part["geoms"]], r, e, R, self.meshes)
         inertia, as_given = self.inertia_of(whole, group[0]["name"])
         place: dict[str, Any] = {"com": whole.com, "position": r, "orientation": e, "shape": look}
         return Body(name, whole.mass, inertia, inertia_as_given=as_given, **place)
@@ -357,11 +361,8 @@ class Builder:
         return RackPinion(axle, follower, radius=ratio, name=name)
 
 
-def drawn(geoms: list[Facts], r: np.ndarray, e: np.ndarray, R: np.ndarray, missing: list[str]) -> list[Shape] | None:
-    """Shapes of the geometry of a body at (r, e), R = matrix(e); None where none can be drawn.
-
-    Files that cannot be drawn are added to ``missing``.
-    """
+def drawn(geoms: list[Facts], r: np.ndarray, e: np.ndarray, R: np.ndarray, meshes: "Meshes") -> list[Shape] | None:
+    """Shapes of the geometry of a body at (r, e), R = matrix(e); None where none can be drawn."""
     found: list[Shape] = []
     for geom in geoms:
         place = {
@@ -373,16 +374,35 @@ def drawn(geoms: list[Facts], r: np.ndarray, e: np.ndarray, R: np.ndarray, missi
             kind, sizes = SIZES[geom["type"]]
             found.append(kind(*sizes(*geom["size"]), **place))
         elif geom["shown"] and geom["type"] == "file":
-            found += mesh(geom, place, missing)
+            found += meshes.shapes(geom, place)
     return found or None
 
 
-def mesh(geom: Facts, place: dict[str, Any], missing: list[str]) -> list[Shape]:
-    """The shape of a mesh file, read once so that a drawing will not fail; none, and the file missing, if it cannot."""
-    try:
-        shape = MeshFile(geom["path"], geom["scale"], **place)
-        shape.surface()
-    except InputError as error:
-        missing.append(str(error))
-        return []
-    return [shape]
+class Meshes:
+    """Mesh files, each read once here so that a drawing will not fail; those that cannot be drawn are ``missing``."""
+
+    def __init__(self, missing: list[str]) -> None:
+        self.missing, self.bytes = missing, 0
+        self.known: dict[str, bool] = {}
+
+    def shapes(self, geom: Facts, place: dict[str, Any]) -> list[Shape]:
+        """The shape of a mesh file, or none."""
+        shape = MeshFile(geom["path"], geom["scale"], **place) if geom["path"].lower().endswith(SUFFIXES) else None
+        if geom["path"] not in self.known:
+            self.known[geom["path"]] = self.is_readable(shape, geom["path"])
+        return [shape] if shape is not None and self.known[geom["path"]] else []
+
+    def is_readable(self, shape: MeshFile | None, path: str) -> bool:
+        """Read a file, within what all files together may have."""
+        try:
+            self.bytes += Path(path).stat().st_size
+            if shape is None or self.bytes > MESH_BYTES_MAX:
+                why = (
+                    "is of no kind that is drawn" if shape is None else f"exceeds {MESH_BYTES_MAX} bytes of all meshes"
+                )
+                raise InputError(f"'{path}' {why}")
+            shape.surface()
+        except (InputError, OSError) as error:
+            self.missing.append(str(error))
+            return False
+        return True

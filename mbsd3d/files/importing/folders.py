@@ -75,6 +75,14 @@ def as_folders(value: Any) -> tuple[Path, ...]:
     """Return the folders of the argument ``package_paths``, or raise an InputError for one that is none."""
     given = (value,) if isinstance(value, str | Path) else listed(value, "package_paths", "folders")
     for path in given:
-        if not isinstance(path, str | Path) or not str(path) or "\0" in str(path) or not Path(path).is_dir():
+        if not isinstance(path, str | Path) or not is_folder(path):
             raise InputError(f"package_paths: {shown(path)} is not a folder; give folders in which packages lie")
     return tuple(map(Path, given))
+
+
+def is_folder(path: str | Path) -> bool:
+    """Whether a path is one of a folder; the empty one is not."""
+    try:
+        return bool(str(path)) and Path(path).is_dir()
+    except (OSError, ValueError):  # names that no file can have
+        return False

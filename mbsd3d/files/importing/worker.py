@@ -20,6 +20,7 @@ from .folders import Folders
 from .guarded import limit
 
 SHOWN = 3  # groups of geoms below this are shown by MuJoCo; shapes for contacts alone are usually in group 3
+POSES_MAX = 100_000  # [1] of bodies in all key frames
 BALL = 1e-3  # [m] radius of what stands for a mesh that is not needed
 
 
@@ -28,7 +29,7 @@ class Facts:
 
     def __init__(self, mujoco: Any, path: str, folders: Folders) -> None:
         spec = mujoco.MjSpec.from_file(path)
-        spec.compiler.fusestatic = 0  # merged here by name, not there in silence
+        spec.compiler.fusestatic = spec.compiler.discardvisual = 0  # merged here by name, not there in silence
         self.mujoco = mujoco
         self.foreign: list[dict[str, Any]] = []  # what acts and is not among the facts
         self.said: list[str] = []
@@ -45,11 +46,11 @@ class Facts:
         """Return the reference pose: qpos0, with followers of joint equalities where these put them."""
         m, start = self.model, self.model.qpos0.copy()
         pairs = [i for i in self.active_equalities() if m.eq_type[i] == self.mujoco.mjtEq.mjEQ_JOINT]
-        pairs = [i for i in pairs if m.eq_obj2id[i] >= 0]
+        pairs = [i for i in pairs if m.eq_obj2id[i] >= 0 and not m.eq_data[i, 2:5].any()]  # others are not built
         for _ in pairs:  # a follower may lead another
             for i in pairs:
                 y, x = (m.jnt_qposadr[k[i]] for k in (m.eq_obj1id, m.eq_obj2id))
-                start[y] = m.qpos0[y] + np.polyval(m.eq_data[i, 4::-1], start[x] - m.qpos0[x])
+                start[y] = m.qpos0[y] + m.eq_data[i, 0] + m.eq_data[i, 1] * (start[x] - m.qpos0[x])
         for i in pairs:
             y = m.jnt_qposadr[m.eq_obj1id[i]]
             if start[y] != m.qpos0[y]:
@@ -234,7 +235,11 @@ class Facts:
 
     def keys(self) -> list[dict[str, Any]]:
         """Key frames: poses and velocities of all bodies, and of all joints what they have moved since the start."""
-        m, found = self.model, []
+        m = self.model
+        found: list[dict[str, Any]] = []
+        if m.nkey * m.nbody > POSES_MAX:
+            self.said.append(f"{m.nkey} key frames of {m.nbody} bodies are not read, as they are too many")
+            return found
         for k in range(m.nkey):
             d = self.mujoco.MjData(m)
             d.qpos[:], d.qvel[:] = m.key_qpos[k], m.key_qvel[k]
@@ -323,7 +328,8 @@ class Undressed:
     def gives_mass(self, geom: Any, body: Any) -> bool:
         """Whether the mass of a body comes from this geom."""
         choices, wanted = self.mujoco.mjtInertiaFromGeom, self.spec.compiler.inertiafromgeom
-        weightless = geom.mass == 0.0 or geom.density == 0.0
+        first, last = self.spec.compiler.inertiagrouprange
+        weightless = geom.mass == 0.0 or geom.density == 0.0 or not first <= geom.group <= last
         if weightless or wanted == choices.mjINERTIAFROMGEOM_FALSE:
             return False
         return wanted == choices.mjINERTIAFROMGEOM_TRUE or not body.explicitinertial
