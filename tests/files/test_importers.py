@@ -425,7 +425,8 @@ def test_linear_equalities_are_those_of_mujoco(tmp_path):
 
 def test_a_mesh_of_a_group_without_mass_is_not_needed(tmp_path):
     text = """<mujoco><compiler inertiagrouprange="3 4" discardvisual="true"/>
-      <asset><mesh name="m" file="a.stl"/></asset><worldbody><body name="arm"><joint name="j"/><geom type="mesh" mesh="m" group="1" contype="0" conaffinity="0"/>
+      <asset><mesh name="m" file="a.stl"/></asset><worldbody><body name="arm"><joint name="j"/>
+      <geom type="mesh" mesh="m" group="1" contype="0" conaffinity="0"/>
       <geom size="0.2" group="3" pos="0 0 1"/></body></worldbody></mujoco>"""
     found = read_mjcf(written(tmp_path, text))
     assert found.system.total_mass() == pytest.approx(1000.0 * 4.0 / 3.0 * np.pi * 0.2**3)
