@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.checks import check_choice, listed, shown
+from ..base.checks import check_choice, check_name, listed, shown
 from ..base.errors import InputError
 from ..base.fields import Checked, NumberOrNone, kept, part_class
 from .joints import Joint, coordinate_of
@@ -60,6 +60,8 @@ class Limit(Checked):
 
     def check(self, what: str) -> None:
         check_choice(self.kind, tuple(UNITS), f"{what}: kind")
+        if self.name != "":
+            check_name(self.name, "limit:")
         coordinate_of(self.joint, self.kind, what)
         if self.lower is not None and self.upper is not None and self.lower > self.upper:
             raise InputError(f"{what}: lower {self.lower:g} exceeds upper {self.upper:g}; exchange them")
@@ -94,4 +96,7 @@ def as_sentences(value: Any, what: str, part: Any) -> tuple[str, ...]:
     found = (value,) if isinstance(value, str) else listed(value, what, "a list of sentences")
     if wrong := [text for text in found if not isinstance(text, str)]:
         raise InputError(f"{what}: {shown(wrong[0])} is not a text; give sentences")
-    return tuple(" ".join(text.split()) for text in found)
+    lines = tuple(" ".join(text.split()) for text in found)
+    for line in lines:
+        check_name(line, what)
+    return lines
