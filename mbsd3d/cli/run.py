@@ -10,8 +10,9 @@ from .support import (
     can_view,
     drop_option,
     keep,
-    load_system,
+    load_posed,
     parameters_option,
+    pose_option,
     ready_target,
     set_option,
     undisturbed,
@@ -53,6 +54,7 @@ def method_of(name: str | None, dt: float | None, stiff: str | None) -> "Method"
     "--report", "reported", is_flag=True, help="Also write a report (_report.html): certificate, tables, curves."
 )
 @drop_option
+@pose_option
 @set_option
 @parameters_option
 @click.option("--out", default="out", show_default=True, help="Folder for the results, or the name of the .npz file.")
@@ -67,6 +69,7 @@ def run(
     viewed: bool,
     reported: bool,
     drop: tuple[str, ...],
+    pose: str | None,
     settings: tuple[str, ...],
     help_parameters: bool,
     out: str,
@@ -81,14 +84,14 @@ def run(
     if t_end is None and not help_parameters:
         raise click.UsageError("Missing option '--t-end', the end of the run [s].")
     chosen = None if help_parameters else method_of(method, dt, stiff)
-    system = load_system(file, drop, settings, help_parameters)
+    system, start = load_posed(file, drop, settings, help_parameters, pose)
     target = ready_target(file, out, ".npz")
     from ..api.simulation import simulate
     from ..base.errors import IntegrationError
     from ..plotting.plots import save_figure
 
     try:
-        solution = simulate(system, t_end, method=chosen, rtol=rtol, output=output)
+        solution = simulate(system, t_end, state=start, method=chosen, rtol=rtol, output=output)
     except IntegrationError as error:
         keep(error.solution, target)
         raise

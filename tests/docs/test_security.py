@@ -15,7 +15,7 @@ from engines.balance.layouts import CYLINDERS_MAX
 from engines.nvh.records import RECORD_BYTES_MAX, TABLE_BYTES_MAX
 from engines.nvh.road.measured import LENGTH_MAX, POINTS_MAX
 from mbsd3d.files.description import PARTS_MAX
-from mbsd3d.files.importing import worker, xml_scan
+from mbsd3d.files.importing import guarded, xml_scan
 from mbsd3d.files.model_files import FILE_FORMATS
 from mbsd3d.mechanism.shapes import surfaces
 
@@ -35,7 +35,7 @@ def test_sizes_are_those_of_the_code():
     json, toml = (FILE_FORMATS[suffix].limit // 10**6 for suffix in (".json", ".toml"))
     assert f"| {json} MB, {toml} MB; {number(PARTS_MAX)} parts;" in rows["model files"]
     xml = f"{xml_scan.LIMIT // 10**6} MB and {number(xml_scan.COPIES)} elements"
-    assert xml in rows["MJCF, URDF"] and f"{worker.MEMORY >> 30} GB" in rows["MJCF, URDF"]
+    assert xml in rows["MJCF, URDF"] and f"{guarded.MEMORY >> 30} GB" in rows["MJCF, URDF"]
     assert f"| {surfaces.BYTES // 10**6} MB, {number(surfaces.TRIANGLES)} triangles;" in rows["meshes"]
     text, yaml = FILE_BYTES_MAX[".txt"] // 10**6, FILE_BYTES_MAX[".yml"] // 1000
     assert f"| {text} MB, {yaml} kB;" in rows["bicycle parameters"]
