@@ -22,7 +22,7 @@ from .base.errors import IntegrationError as IntegrationError
 from .base.errors import SweepError as SweepError
 from .base.rotations import rotation as rotation
 from .base.version import __version__ as __version__
-from .files.importing.builder import Imported as Imported
+from .files.importing.imported import Imported as Imported
 from .integrators.dop853 import DOP853 as DOP853
 from .integrators.driven import Kinematic as Kinematic
 from .integrators.generalized_alpha import GeneralizedAlpha as GeneralizedAlpha
@@ -74,6 +74,7 @@ from .mechanism.joints.pairs import Revolute as Revolute
 from .mechanism.joints.pairs import Screw as Screw
 from .mechanism.joints.pairs import Spherical as Spherical
 from .mechanism.joints.pairs import Universal as Universal
+from .mechanism.limits import Limit as Limit
 from .mechanism.signals.curves import Polynomial as Polynomial
 from .mechanism.signals.curves import Pulse as Pulse
 from .mechanism.signals.curves import Ramp as Ramp

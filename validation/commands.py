@@ -33,10 +33,12 @@ BUDGET_SECONDS = {True: 0.2, False: 2.0}  # [s] of an engine for a case: of the 
 @click.option("--json", "json_file", type=click.Path(), metavar="FILE", help="MODEL: write the findings there.")
 @click.option("--html", "html_file", type=click.Path(), metavar="FILE", help="MODEL: write a page there (offline).")
 @click.option(
+    "--leave-out",
     "--drop",
+    "drop",
     multiple=True,
-    metavar="KIND",
-    help="MODEL: leave out what cannot be imported (.xml, .urdf), e.g. contact.",
+    metavar="KIND,...",
+    help="MODEL: leave out what acts and cannot be imported (.xml, .urdf), e.g. fluid,tendon.",
 )
 @click.option(
     "--set", "changes", multiple=True, metavar="NAME=VALUE", help="MODEL: a parameter of build(...) of a Python file."

@@ -5,8 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..base.errors import checks_arguments
-from ..files.importing.builder import Imported
-from ..files.importing.importers import read_xml
+from ..files.importing.imported import Imported
+from ..files.importing.importers import read_mujoco, read_robot
 from ..files.solutions import read_run
 from .solution import Solution
 from .system import System
@@ -34,19 +34,59 @@ def load(path: str | Path) -> Solution:
 
 
 @checks_arguments
-def read_mjcf(path: str | Path, *, drop: Sequence[str] = (), timeout: float = 4.0) -> Imported:
+def read_mjcf(
+    path: str | Path,
+    *,
+    leave_out: Sequence[str] = (),
+    drop: Sequence[str] = (),
+    strict: bool = False,
+    geometry: str = "draw",
+    inertia: str = "as given",
+    package_paths: Sequence[str | Path] = (),
+    timeout: float = 4.0,
+) -> Imported:
     """Read the mechanism of an MJCF file (MuJoCo's XML) at its reference pose qpos0.
 
-    Hinge, slide, ball and free joints; two or three hinges through one point (Universal, Spherical), a hinge and slides
-    that make a Cylindrical or Planar joint; bodies without joint become part of their parent; springs and dampers of
-    single joints; connect, weld and linear joint equalities, which are rigid here and soft there.
+    What acts on every motion (masses, joints, springs, dampers, dry friction, equalities, gravcomp, ...) is built, or
+    the file is refused. What acts at times or on command (contact, limits, actuators, ...) is inactive: ``.inactive``,
+    one warning and the certificate of every run say so, and where a limit of a hinge or slide is passed. What has no
+    effect (looks, sensors, cameras, ...) is counted in ``.idle``.
 
-    ``path``: at most 8 MB with all it includes; it may name files in its own folder only. ``drop``: kinds to leave out:
-    "contact", "limit", "actuator", "frictionloss", ... ``timeout`` [s] of processor time to read it. The result
-    has ``.system``, and what was merged, renamed and dropped. ValueError if the file holds something that can neither
-    be imported nor is dropped (the message lists it all), names a file outside its folder, holds numbers that are not
-    finite, or takes too long.
+    Several joints of one body are one joint where there is such a one (Universal, Spherical, Cylindrical, Planar), and
+    else follow each other over bodies without mass. Bodies without joint become part of their parent. Equalities are
+    rigid here and soft there. Dry friction becomes a `Brake`.
 
+    Parameters
+    ----------
+    path : str or Path
+        At most 8 MB with all it includes; it names files in its own folder and in ``package_paths`` only.
+    leave_out : sequence of str
+        Kinds of what acts that may be missing where they cannot be built: "fluid", "tendon", ...; certificates say what
+        was left out. ``drop`` is an older name of it.
+    strict : bool
+        Refuse what acts at times or on command too.
+    geometry : str
+        "draw" what is found, or "ignore" it. A mesh is needed only where a mass follows from it.
+    inertia : str
+        "as given" takes moments that no body has and says so, "refuse" refuses them.
+    package_paths : sequence of str or Path
+        Further folders from which files may be read.
+    timeout : float
+        Processor time to read it [s].
+
+    Returns
+    -------
+    Imported
+        ``.system``, and what was merged, renamed and left out; ``.states`` of key frames, ``.points`` of sites.
+
+    Raises
+    ------
+    ValueError
+        If something that acts always can neither be built nor is left out (the message lists it all with its line and
+        the remedy), a file outside its folders is needed, numbers are not finite, or it takes too long.
+
+    Examples
+    --------
     >>> from pathlib import Path
     >>> from tempfile import TemporaryDirectory
     >>> from mbsd3d import read_mjcf
@@ -59,19 +99,49 @@ def read_mjcf(path: str | Path, *, drop: Sequence[str] = (), timeout: float = 4.
     >>> system.joints[0].name, system.check().mobility
     ('hinge', 1)
     """
-    return with_system(read_xml(path, "mujoco", drop, timeout))
+    chosen = {"leave_out": leave_out, "drop": drop, "strict": strict, "geometry": geometry, "inertia": inertia}
+    return with_system(read_mujoco(path, timeout, package_paths, **chosen))
 
 
 @checks_arguments
-def read_urdf(path: str | Path, *, drop: Sequence[str] = (), timeout: float = 4.0) -> Imported:
-    """The mechanism of a URDF file; its root link is part of the ground. See `read_mjcf`.
+def read_urdf(
+    path: str | Path,
+    *,
+    floating: bool | None = None,
+    leave_out: Sequence[str] = (),
+    drop: Sequence[str] = (),
+    strict: bool = False,
+    geometry: str = "draw",
+    inertia: str = "as given",
+    package_paths: Sequence[str | Path] = (),
+    timeout: float = 4.0,
+) -> Imported:
+    """The mechanism of a URDF or xacro file, with all angles at zero and followers of a mimic where that puts them.
 
-    A link without inertial has no mass; where MuJoCo makes one of its shapes, say so by ``drop=("inertial",)``.
+    What acts and what does not is told apart as by `read_mjcf`; gravity is 9.81 m/s^2 along -z. Links without mass are
+    bodies without mass, joints that move nothing that has mass are welded. Fixed links are part of their parent.
+
+    Parameters
+    ----------
+    path : str or Path
+        At most 8 MB. What uses xacro is expanded by the package xacro.
+    floating : bool or None
+        Whether the root link can move. None: it is fixed if it is "world", has no mass, or carries a joint that moves;
+        of the last a warning tells.
+    package_paths : sequence of str or Path
+        Folders in which ``package://name/...`` is looked up, then upwards from the file.
+    leave_out, drop, strict, geometry, inertia, timeout
+        See `read_mjcf`.
+
+    Returns
+    -------
+    Imported
+        ``.points`` are the frames of links that are part of another body.
 
     Raises
     ------
     ValueError
-        As `read_mjcf`.
+        As `read_mjcf`; with the line of the element.
 
     Examples
     --------
@@ -89,7 +159,8 @@ def read_urdf(path: str | Path, *, drop: Sequence[str] = (), timeout: float = 4.
     >>> found.system.bodies, found.system.joints[0].name
     ((Body('bob', mass=2),), 'hinge')
     """
-    return with_system(read_xml(path, "robot", drop, timeout))
+    chosen = {"leave_out": leave_out, "drop": drop, "strict": strict, "geometry": geometry, "inertia": inertia}
+    return with_system(read_robot(path, timeout, package_paths, floating, **chosen))
 
 
 def with_system(found: Imported) -> Imported:

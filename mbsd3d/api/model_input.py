@@ -1,23 +1,35 @@
 """Models for the commands: model files, models of other programs, Python files with ``build(NAME=VALUE, ...)``."""
 
 import inspect
+import re
 import sys
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from traceback import walk_tb
 from types import ModuleType
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 from ..base.errors import InputError, similar
+from ..mechanism.state import State
 from .load import read_mjcf, read_urdf
 from .system import System
 
 
-def load_model(file: str, drop: tuple[str, ...], settings: tuple[str, ...]) -> tuple[System, list[str]]:
+class Loaded(NamedTuple):
+    """A System, lines on its import, and the states of its key frames."""
+
+    system: System
+    notes: tuple[str, ...] = ()
+    states: Mapping[str, State] = {}  # noqa: RUF012 - nobody writes into it
+
+
+def load_model(file: str, drop: tuple[str, ...], settings: tuple[str, ...]) -> Loaded:
     """Return the System of a model file, an imported model or ``build()`` of a Python file, and notes on an import.
 
-    ``settings`` are texts NAME=VALUE, the parameters of ``build()``. ValueError naming the file and the place in it.
+    ``drop``: kinds to leave out, or several with commas between them. ``settings`` are texts NAME=VALUE, the parameters
+    of ``build()``. ValueError naming the file and the place in it.
     """
     suffix = Path(file).suffix.lower()
     if settings and suffix != ".py":
@@ -25,21 +37,32 @@ def load_model(file: str, drop: tuple[str, ...], settings: tuple[str, ...]) -> t
     if suffix in (".xml", ".urdf"):
         return imported(file, suffix, drop)
     if drop:
-        raise InputError(f"--drop applies to imported models (.xml, .urdf) only; leave it out for '{file}'")
+        raise InputError(f"--leave-out applies to imported models (.xml, .urdf) only; drop it for '{file}'")
     if suffix in (".json", ".toml"):
-        return System.from_file(file), []
+        return Loaded(System.from_file(file))
     if suffix != ".py":
         raise InputError(f"'{file}': give a model (.json, .toml, .xml, .urdf) or a Python file (.py) with build()")
-    return built_by(file, settings), []
+    return Loaded(built_by(file, settings))
 
 
-def imported(file: str, suffix: str, drop: tuple[str, ...]) -> tuple[System, list[str]]:
-    """Return the System of an MJCF or URDF file, and what was dropped, merged and renamed."""
-    found = (read_mjcf if suffix == ".xml" else read_urdf)(file, drop=drop)
-    lines = [f"left out {part}" for part in found.dropped]
+def imported(file: str, suffix: str, drop: tuple[str, ...]) -> Loaded:
+    """Return the System of an MJCF or URDF file: a line on the whole, and what was left out, merged and renamed."""
+    kinds = [kind for text in drop for kind in text.split(",") if kind]
+    with warnings.catch_warnings(action="ignore"):  # the first line says it
+        try:
+            found = (read_mjcf if suffix == ".xml" else read_urdf)(file, leave_out=kinds)
+        except InputError as error:
+            raise InputError(in_options(str(error))) from error
+    lines = [str(found)] + [f"left out {part}" for part in found.dropped]
     lines += [f"body '{name}' is part of '{whole}'" for name, whole in found.merged.items()]
     lines += [f"'{name}' was '{before}' in the file" for name, before in found.renamed.items()]
-    return cast(System, found.system), lines
+    return Loaded(cast(System, found.system), tuple(lines), found.states)
+
+
+def in_options(message: str) -> str:
+    """An error of an import in the syntax of the command line: leave_out=["fluid"] -> --leave-out fluid."""
+    kinds = re.compile(r"leave out with leave_out=\[(.*?)\]")
+    return kinds.sub(lambda found: "give --leave-out " + re.sub(r"[\" ]", "", found[1]), message)
 
 
 def parameters_of(file: str) -> list[str]:

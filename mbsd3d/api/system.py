@@ -14,6 +14,7 @@ from ..mechanism.bodies import Body
 from ..mechanism.drivers import Driver
 from ..mechanism.force_element import ForceElement
 from ..mechanism.joints import Joint
+from ..mechanism.limits import Limit
 from ..mechanism.measures import Measure
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
@@ -41,6 +42,10 @@ class System(Drawable):
         [m/s^2], world.
     name : str or None
         Of the whole: the title of pages, reports and files; ``system.title`` reads it.
+    limits : sequence of Limit
+        Ranges of angles and slides that are watched: the certificate of a run says where it passes them.
+    notes : sequence of str
+        Sentences that the certificate of every run repeats, e.g. what an import left inactive.
 
     Raises
     ------
@@ -64,8 +69,11 @@ class System(Drawable):
         *,
         name: str | None = None,
         title: str | None = None,
+        limits: Sequence[Limit] = (),
+        notes: Sequence[str] = (),
     ) -> None:
-        super().__init__(bodies, joints, forces, gravity, title=title if name is None else name)
+        title = title if name is None else name
+        super().__init__(bodies, joints, forces, gravity, title=title, limits=limits, notes=notes)
 
     def __repr__(self) -> str:
         drivers = sum(isinstance(joint, Driver) for joint in self.joints)
@@ -86,7 +94,7 @@ class System(Drawable):
     def of(cls, mechanism: Mechanism) -> "System":
         """Return the system of a mechanism: the same parts."""
         given = (mechanism.bodies, mechanism.joints, mechanism.forces, mechanism.gravity)
-        return cls(*given, title=mechanism.title)
+        return cls(*given, **mechanism.besides())
 
     @property
     def lowered(self) -> "Compiled":

@@ -187,7 +187,8 @@ def as_orientation(value: Any, what: str, part: Any) -> np.ndarray:
 
 def as_inertia(value: Any, what: str, part: Any) -> np.ndarray:
     """Convert to a symmetric matrix (3, 3) [kg m^2] that fits the mass of the part."""
-    return locked(check_inertia(value, part.mass, what.removesuffix(": inertia")))
+    as_given = getattr(part, "inertia_as_given", False) is True
+    return locked(check_inertia(value, part.mass, what.removesuffix(": inertia"), as_given=as_given))
 
 
 def as_number(value: Any, what: str, part: Any, *, minimum: float | None = None, positive: bool = False) -> float:
@@ -210,6 +211,13 @@ def true_or_false(value: Any, what: str, part: Any) -> bool:
     if not isinstance(value, bool):
         raise InputError(f"{what} = {short_repr(value)}; give True or False")
     return value
+
+
+class Truth(Stored[Any, bool]):
+    """True or False."""
+
+    accepts, file_type = "bool", bool
+    convert = staticmethod(true_or_false)
 
 
 class Vector(Stored[ArrayLike, np.ndarray]):

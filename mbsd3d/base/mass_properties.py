@@ -57,12 +57,16 @@ def combine(parts: Iterable[tuple[Any, ...] | MassProperties]) -> MassProperties
     (4.0, array([1.016, 1.016, 0.016]))
     """
     given = as_tuple(parts, "combine: parts", "a list of (mass, com, inertia)")
-    checked = [_part(i, part) for i, part in enumerate(given)]
-    mass = sum(m for m, _, _ in checked)
+    return put_together([_part(i, part) for i, part in enumerate(given)])
+
+
+def put_together(parts: list[tuple[float, np.ndarray, np.ndarray]]) -> MassProperties:
+    """Return the rigid body made of (mass, com, inertia about it) in common axes; the inertias are not checked."""
+    mass = sum(m for m, _, _ in parts)
     if mass == 0.0:
-        raise InputError(f"combine: the mass of {len(checked)} parts is 0, without a centre of mass; give one a mass")
-    com = sum((m * c for m, c, _ in checked), np.zeros(3)) / mass
-    total = sum((I + steiner(m, c - com) for m, c, I in checked), np.zeros((3, 3)))
+        raise InputError(f"combine: the mass of {len(parts)} parts is 0, without a centre of mass; give one a mass")
+    com = sum((m * c for m, c, _ in parts), np.zeros(3)) / mass
+    total = sum((I + steiner(m, c - com) for m, c, I in parts), np.zeros((3, 3)))
     return MassProperties(mass, com, total)
 
 
@@ -73,12 +77,13 @@ def steiner(mass: float, offset: ArrayLike) -> np.ndarray:
     return number(mass, "steiner: mass") * (d @ d * np.eye(3) - np.outer(d, d))
 
 
-def check_inertia(inertia: ArrayLike, mass: float, what: str) -> np.ndarray:
+def check_inertia(inertia: ArrayLike, mass: float, what: str, *, as_given: bool = False) -> np.ndarray:
     """Return an inertia as an exactly symmetric matrix (3, 3), or raise a ValueError if no body can have it.
 
     A body has moments ``I1, I2, I3 >= 0`` of which none exceeds the sum of the two others, since ``I1 + I2 - I3 = 2 int
     z^2 dm`` (tolerance 1e-9 of the largest entry). A mass without inertia is a point; without mass there is no inertia
-    either. ``inertia`` (3,) or (3, 3) [kg m^2], body axes; ``what`` names the part, "body 'wheel'".
+    either. ``inertia`` (3,) or (3, 3) [kg m^2], body axes; ``what`` names the part, "body 'wheel'"; ``as_given``: take
+    moments >= 0 that break the rule of the sum, with which the motion is defined all the same.
     """
     plain = _plain_inertia(inertia, mass)
     if plain is not None:
@@ -88,12 +93,12 @@ def check_inertia(inertia: ArrayLike, mass: float, what: str) -> np.ndarray:
     if largest > 0.0 and m == 0.0:
         raise InputError(f"{what}: mass is 0 but inertia is not; give a mass, or inertia (0, 0, 0) for a massless body")
     if I.ndim == 1:
-        _check_moments(np.sort(I), TRIANGLE_RULE_TOLERANCE * largest, what)
+        _check_moments(np.sort(I), TRIANGLE_RULE_TOLERANCE * largest, what, as_given)
         return np.diag(I)
     if np.max(np.abs(I - I.T)) > TRIANGLE_RULE_TOLERANCE * largest:
         raise InputError(f"{what}: inertia is not symmetric, {_text(I)}; make Iij and Iji equal")
     I = 0.5 * (I + I.T)
-    _check_moments(np.linalg.eigvalsh(I), TRIANGLE_RULE_TOLERANCE * largest, what)
+    _check_moments(np.linalg.eigvalsh(I), TRIANGLE_RULE_TOLERANCE * largest, what, as_given)
     return I
 
 
@@ -124,16 +129,17 @@ def _plain_inertia(inertia: ArrayLike, mass: float) -> np.ndarray | None:
     return inertia.copy() if y > 0.0 and z - w * w / y > 0.0 else None
 
 
-def _check_moments(moments: np.ndarray, tolerance: float, what: str) -> None:
+def _check_moments(moments: np.ndarray, tolerance: float, what: str, as_given: bool) -> None:
     """Refuse principal moments (ascending) that no distribution of mass has."""
     remedy = "check the signs and units, and that it is taken about the centre of mass"
     if moments[0] < -tolerance:
         raise InputError(f"{what}: inertia has the principal moments {_text(moments)}, {moments[0]:.9g} < 0; {remedy}")
     rest = moments[0] + moments[1]
-    if moments[2] > rest + tolerance:
+    if moments[2] > rest + tolerance and not as_given:
         raise InputError(
             f"{what}: inertia has the principal moments {_text(moments)}; "
-            f"{moments[2]:.9g} exceeds the sum {rest:.9g} of the two others, which no body has; {remedy}"
+            f"{moments[2]:.9g} exceeds the sum {rest:.9g} of the two others, which no body has; {remedy}, "
+            "or give inertia_as_given=True"
         )
 
 

@@ -11,8 +11,9 @@ from .support import (
     drop_option,
     keep,
     list_parameters,
-    load_system,
+    load_posed,
     parameters_option,
+    pose_option,
     ready_target,
     set_option,
     undisturbed,
@@ -54,6 +55,7 @@ def method_of(name: str | None, dt: float | None, stiff: str | None) -> "Method"
     "--report", "reported", is_flag=True, help="Also write a report (_report.html): certificate, tables, curves."
 )
 @drop_option
+@pose_option
 @set_option
 @parameters_option
 @click.option("--out", default="out", show_default=True, help="Folder for the results, or the name of the .npz file.")
@@ -68,6 +70,7 @@ def run(
     viewed: bool,
     reported: bool,
     drop: tuple[str, ...],
+    pose: str | None,
     settings: tuple[str, ...],
     help_parameters: bool,
     out: str,
@@ -84,14 +87,14 @@ def run(
     if t_end is None:
         raise click.UsageError("Missing option '--t-end', the end of the run [s].")
     chosen = method_of(method, dt, stiff)
-    system = load_system(file, drop, settings)
+    system, start = load_posed(file, drop, settings, pose)
     target = ready_target(file, out, ".npz")
     from ..api.simulation import simulate
     from ..base.errors import IntegrationError
     from ..plotting.plots import save_figure
 
     try:
-        solution = simulate(system, t_end, method=chosen, rtol=rtol, output=output)
+        solution = simulate(system, t_end, state=start, method=chosen, rtol=rtol, output=output)
     except IntegrationError as error:
         keep(error.solution, target)
         raise

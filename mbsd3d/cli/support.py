@@ -18,6 +18,7 @@ from .interruption import INTERRUPT_MESSAGE, INTERRUPTED, answered_at_once, end_
 if TYPE_CHECKING:
     from ..api.solution import Solution
     from ..api.system import System
+    from ..mechanism.state import State
     from ..view.page.served import Served
 
 GROUP = "mbsd3d.commands"
@@ -27,8 +28,10 @@ IMPORT_ERRORS = (ImportError, AttributeError, SystemError)
 
 out_option = click.option("--out", default="out", show_default=True, help="Folder for the results; made if missing.")
 drop_option = click.option(
-    "--drop", multiple=True, metavar="KIND", help="Leave out what cannot be imported (.xml, .urdf), e.g. contact."
-)
+    "--leave-out", "--drop", "drop", multiple=True, metavar="KIND,...",
+    help="Leave out what acts and cannot be imported (.xml, .urdf), e.g. fluid,tendon.",
+)  # fmt: skip
+pose_option = click.option("--pose", metavar="NAME", help="Start at this key frame of an imported model (.xml).")
 
 
 class Failure(click.ClickException):
@@ -148,14 +151,24 @@ def list_parameters(file: str) -> NoReturn:
 
 def load_system(file: str, drop: tuple[str, ...], settings: tuple[str, ...] = (), show: bool = False) -> "System":
     """Load the System of a file of any kind; messages of an import go to stderr. ``show``: list parameters and end."""
-    from ..api.model_input import load_model
-
     if show:
         list_parameters(file)
-    system, notes = load_model(file, drop, settings)
-    for note in notes:
+    return load_posed(file, drop, settings, None)[0]
+
+
+def load_posed(
+    file: str, drop: tuple[str, ...], settings: tuple[str, ...], pose: str | None
+) -> tuple["System", "State | None"]:
+    """Load the System of a file, and the state of the key frame that ``pose`` names."""
+    from ..api.model_input import load_model
+
+    found = load_model(file, drop, settings)
+    for note in found.notes:
         click.echo(f"mbsd3d: {note}", err=True)
-    return system
+    if pose is not None and pose not in found.states:
+        have = ", ".join(found.states) or "none"
+        raise Failure(f"--pose {pose}: '{file}' has no such key frame; there are {have}")
+    return found.system, None if pose is None else found.states[pose]
 
 
 def ready_folder(out: str, option: str = "--out") -> Path:

@@ -128,7 +128,9 @@ def release(system: Mechanism, joint: Joint | str, state: State) -> Engagement:
 
 def with_joints(system: Mechanism, joints: Sequence[Joint]) -> Mechanism:
     """Return the system with other joints."""
-    return type(system)(system.bodies, joints, system.forces, system.gravity, title=system.title)
+    limits = [limit for limit in system.limits if limit.joint in joints]
+    besides = system.besides() | {"limits": limits}
+    return type(system)(system.bodies, joints, system.forces, system.gravity, **besides)
 
 
 def check_engaging(system: Mechanism, joint: Joint) -> None:

@@ -17,6 +17,7 @@ from ..base.errors import InputError
 from ..mechanism.bodies import GROUND, Body, Ground
 from ..mechanism.force_element import ForceElement
 from ..mechanism.joints import Joint
+from ..mechanism.limits import Limit
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.shapes import Shape
 from ..mechanism.signals import Signal
@@ -227,7 +228,9 @@ def describe(system: Mechanism, *, without_functions: bool = False) -> dict[str,
     for body in lists["bodies"]:
         del body["type"]
     head = {"format": SYSTEM_KIND, "version": MODEL_FORMAT_VERSION} | ({"name": system.title} if system.title else {})
-    return {**head, "gravity": system.gravity.tolist(), **lists}
+    limits = [write.part(limit, limit.what()) for limit in system.limits]
+    rest = {key: value for key, value in (("limits", limits), ("notes", list(system.notes))) if value}
+    return {**head, "gravity": system.gravity.tolist(), **lists, **rest}
 
 
 def read_system(data: Any) -> tuple[Mechanism, Reader]:
@@ -242,12 +245,14 @@ def read_system(data: Any) -> tuple[Mechanism, Reader]:
     reader = Reader(data)
     gravity = reader.value(data["gravity"], ("gravity",))
     bodies = [body for body in reader.bodies.values() if isinstance(body, Body)]
-    return Mechanism(bodies, reader.joints, reader.forces, gravity=gravity, title=data.get("name")), reader
+    limits = [reader.part(entry, ("limits", i), Limit) for i, entry in enumerate(data.get("limits", []))]
+    besides = {"title": data.get("name"), "limits": limits, "notes": data.get("notes", [])}
+    return Mechanism(bodies, reader.joints, reader.forces, gravity=gravity, **besides), reader
 
 
 def check_count(data: Mapping[str, Any]) -> None:
     """Refuse a description that would take minutes to build."""
-    count = sum(len(data.get(kind, ())) for kind in ("bodies", "joints", "forces"))
+    count = sum(len(data.get(kind, ())) for kind in ("bodies", "joints", "forces", "limits"))
     if count > PARTS_MAX:
         raise InputError(f"system description: {count} parts, a file may have {PARTS_MAX}; build it in Python")
 

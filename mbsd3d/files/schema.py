@@ -23,6 +23,7 @@ from ..integrators.method import Method
 from ..mechanism.bodies import Body, Ground
 from ..mechanism.force_element import ForceElement
 from ..mechanism.joints import Joint
+from ..mechanism.limits import Limit
 from ..mechanism.measures import Condition, Measure
 from ..mechanism.primitives import Coordinate
 from ..mechanism.shapes import Shape
@@ -48,7 +49,7 @@ def types() -> Mapping[str, type]:
         for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
             import_module(module.name)
     found: dict[str, type] = {kind.__name__: kind for base in TAGGED_CLASSES for kind in below(base) if not below(kind)}
-    others: tuple[type, ...] = (Body, Measure, Condition, Coordinate, State, Switches, RunOptions, Record)
+    others: tuple[type, ...] = (Body, Limit, Measure, Condition, Coordinate, State, Switches, RunOptions, Record)
     return MappingProxyType(found | {kind.__name__: kind for kind in others})
 
 
@@ -134,6 +135,8 @@ class Document(msgspec.Struct, forbid_unknown_fields=True):
     joints: list[dict[str, Any]] = []
     forces: list[dict[str, Any]] = []
     name: str | None = None
+    limits: list[dict[str, Any]] = []
+    notes: list[str] = []
 
 
 def place_of(path: tuple[Any, ...]) -> str:

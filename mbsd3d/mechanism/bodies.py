@@ -10,7 +10,18 @@ from numpy.typing import ArrayLike
 
 from ..base.checks import check_name, short_repr, vector
 from ..base.errors import InputError, checks_method_arguments
-from ..base.fields import Checked, Frozen, Inertia, Number, Orientation, Vector, VectorOrNone, kept, part_class
+from ..base.fields import (
+    Checked,
+    Frozen,
+    Inertia,
+    Number,
+    Orientation,
+    Truth,
+    Vector,
+    VectorOrNone,
+    kept,
+    part_class,
+)
 from ..base.rotations import matrix
 from .shapes.homogeneous import ShapeOfBody
 
@@ -68,6 +79,9 @@ class Body(Frozen):
         How the body is drawn: one or more of `mbsd3d.shapes`; "ellipsoid", "box" or "cylinder", the homogeneous solid
         with its mass and inertia; a polyline in body axes from O [m]. None = the ellipsoid. Only drawn: mass and
         inertia are as given.
+    inertia_as_given : bool
+        Take moments that break the triangle rule: no body has them, but if none is negative the motion is defined, and
+        models of other programs have them.
 
     Raises
     ------
@@ -90,6 +104,7 @@ class Body(Frozen):
     velocity: VectorOrNone = kept(default=None)
     omega: VectorOrNone = kept(default=None)
     shape: ShapeOfBody = kept(default=None)
+    inertia_as_given: Truth = kept(default=False)
 
     def what(self) -> str:
         check_name(self.name, "body")

@@ -13,6 +13,7 @@ from ..base.fields import Frozen, Members, Vector, derive, kept, part_class
 from .bodies import GROUND, Body, Part, describe_part
 from .force_element import ForceElement
 from .joints import Joint
+from .limits import Limit, as_limits, as_sentences
 
 PART_CLASSES = MappingProxyType({"bodies": Body, "joints": Joint, "forces": ForceElement})
 
@@ -49,17 +50,18 @@ def short(part: Any) -> str:
     return short_repr(part)
 
 
-def made_of(cls: type["Mechanism"], parts: tuple[Any, ...], gravity: np.ndarray, title: str | None) -> "Mechanism":
+def made_of(cls: type["Mechanism"], parts: tuple[Any, ...], gravity: np.ndarray, rest: dict[str, Any]) -> "Mechanism":
     """Describe what a copy or a pickle of a mechanism is."""
     bodies, joints, forces = parts
-    return cls(bodies, joints, forces, gravity, title=title)
+    return cls(bodies, joints, forces, gravity, **rest)
 
 
 @part_class()
 class Mechanism(Frozen):
     """Bodies, joints and forces with their names; the public `System` adds what can be asked of it.
 
-    ``title`` is the name of the whole. ``derived`` holds what layers above have computed once, such as its tables;
+    ``title`` is the name of the whole; ``limits`` are watched and ``notes`` repeated by the certificate of every run.
+    ``derived`` holds what layers above have computed once, such as its tables;
     nothing in it is part of the description.
     """
 
@@ -69,6 +71,8 @@ class Mechanism(Frozen):
     gravity: Vector = kept(default=(0.0, 0.0, -9.81))
     _: KW_ONLY
     title: str | None = None  # of pages, files and tables
+    limits: Members[Limit] = kept(default=(), by=as_limits)
+    notes: Members[str] = kept(default=(), by=as_sentences)
     names: Mapping[int, str] = field(init=False, repr=False)
     derived: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
 
@@ -88,7 +92,11 @@ class Mechanism(Frozen):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Make copies anew of copied parts: names and tables are kept by the identity of the parts."""
-        return made_of, (type(self), (self.bodies, self.joints, self.forces), self.gravity, self.title)
+        return made_of, (type(self), (self.bodies, self.joints, self.forces), self.gravity, self.besides())
+
+    def besides(self) -> dict[str, Any]:
+        """Return what a system keeps beside its parts and gravity, as its constructor takes it."""
+        return {"title": self.title, "limits": self.limits, "notes": self.notes}
 
     def _names(self) -> dict[int, str]:
         """Return the names of all parts; nameless ones are numbered by type."""
@@ -127,6 +135,10 @@ class Mechanism(Frozen):
                         f"{type(part).__name__} '{self.name(part)}': its {kind} '{other.name}' is not in the "
                         f"system; add it to {kind}s"
                     )
+
+        for limit in self.limits:
+            if id(limit.joint) not in known:
+                raise InputError(f"{limit.what()}: its joint is not in the system; add it to joints")
 
     def name(self, part: Any) -> str:
         """Name of a part of this system."""

@@ -29,6 +29,9 @@ class LoadedMotion(Motion, Protocol):
     def system(self) -> Any:
         """Return the system that moves."""
 
+    def angle(self, joint: Any) -> np.ndarray:
+        """(samples,) angle of a hinge [rad], unwrapped, zero at the reference pose."""
+
     def slide(self, joint: Any) -> np.ndarray:
         """Return (samples,) displacement of b along the axis or the curve of a joint [m]."""
 

@@ -13,6 +13,8 @@ from ..base.errors import NameMissingError
 from ..base.style import html_text
 from ..constraints.singularity import INFINITESIMAL, describe_singularity
 from ..equations.plausibility import loose_bodies
+from ..mechanism.joints import Joint
+from ..mechanism.limits import Limit
 from .checks.balances import balance_checks, work_note
 from .checks.between_stages import signal_checks, stage_notes
 from .checks.check import DRIFT_LIMIT_MAX, PASSED, Check, drift_limit
@@ -170,14 +172,15 @@ def start_notes(solution: RunResult) -> list[str]:
 
 
 def notes(solution: RunResult) -> list[str]:
-    """Return choices in the start, singular positions, rank events, bodies that nothing acts on, checks not made."""
-    found = [f"start: {text}" for text in solution.start.notes]
+    """Return notes of the system, choices in the start, singular positions, rank events and missing checks."""
+    found = [*solution.system.notes, *(f"start: {text}" for text in solution.start.notes)]
     events = solution.record.rank_events
     found += [f"rank event at t = {t:.6g} s: {rank} rows kept ({why})" for t, rank, why, _ in events]
     if solution.record.nearest < PASSED:
         inexact = ("" if solution.record.kinematic else "accelerations and ") + "reactions there are not exact"
         found.append(f"the run passes a singular position; it goes on along the tangent of the motion; {inexact}")
-    found += [text for joint in solution.system.joints for text in joint.notes(solution)]
+    watched: tuple[Joint | Limit, ...] = (*solution.system.joints, *solution.system.limits)
+    found += [text for part in watched for text in part.notes(solution)]
     found += stage_notes(solution)
     if solution.record.never_armed:
         never = "it just came true at the start, and has not been false since"

@@ -14,7 +14,7 @@ from engines.nvh.mounts.mounts import car
 from engines.nvh.road.measured import LENGTH_MAX, POINTS_MAX, read_road
 from mbsd3d import System, read_mjcf, shapes
 from mbsd3d.files.description import PARTS_MAX
-from mbsd3d.files.importing import worker, xml_scan
+from mbsd3d.files.importing import guarded, xml_scan
 from mbsd3d.mechanism.shapes import surfaces
 
 ROOT = Path(__file__).parents[2]
@@ -61,7 +61,7 @@ def test_a_file_is_refused_for_its_size_above_what_the_page_says(tmp_path, row, 
 def test_counts_are_those_of_the_code():
     assert f"{number(PARTS_MAX)} parts;" in ROWS["model files"]
     assert f"{number(xml_scan.COPIES)} elements" in ROWS["MJCF, URDF"]
-    assert f"{worker.MEMORY >> 30} GB" in ROWS["MJCF, URDF"]
+    assert f"{guarded.MEMORY >> 30} GB" in ROWS["MJCF, URDF"]
     assert f"{number(surfaces.MESH_TRIANGLES_MAX)} triangles;" in ROWS["meshes"]
     road = f"{number(POINTS_MAX)} points and {LENGTH_MAX / 1000:g} km of a road"
     assert f"{CYLINDERS_MAX} cylinders; {road}" in ROWS["engines, cars"]

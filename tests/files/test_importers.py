@@ -7,6 +7,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+from helpers.mujoco_states import TOLERANCE, difference, general_motion, spatial, state_of
 from helpers.refused_xml import BODY, HOSTILE, INERTIAL, check_refused, hostile
 from scipy.linalg import null_space
 
@@ -19,13 +20,14 @@ from mbsd3d import (
     RackPinion,
     Revolute,
     Spherical,
-    State,
     Universal,
     accelerations,
     read_mjcf,
-    read_urdf,
+    simulate,
 )
-from mbsd3d.rotations import matrix
+from mbsd3d.extend import matrix
+
+pytestmark = pytest.mark.filterwarnings("ignore:.*inactive:UserWarning")
 
 TREE = f"""
 <mujoco>
@@ -81,48 +83,17 @@ def written(folder, text, name="model.xml"):
     return path
 
 
-def general_motion(model, seed=7):
-    """MuJoCo's data at a general state: accelerations of its own recursive dynamics."""
-    rng, data = np.random.default_rng(seed), mujoco.MjData(model)
-    data.qpos[:] = model.qpos0
-    mujoco.mj_integratePos(model, data.qpos, rng.normal(size=model.nv), 0.3)
-    data.qvel[:] = rng.normal(size=model.nv)
-    mujoco.mj_forward(model, data)
-    mujoco.mj_rnePostConstraint(model, data)
-    return data
-
-
-def spatial(function, model, data, name):
-    """(linear, angular) velocity or acceleration of a body's origin, world axes."""
-    out = np.zeros(6)
-    function(model, data, mujoco.mjtObj.mjOBJ_XBODY, model.body(name).id, out, 0)
-    return out[3:], out[:3]
-
-
-def state_of(system, model, data):
-    """The same state in our coordinates."""
-    q = [np.concatenate([data.body(b.name).xpos, data.body(b.name).xquat]) for b in system.bodies]
-    v = [np.concatenate(spatial(mujoco.mj_objectVelocity, model, data, b.name)) for b in system.bodies]
-    return State(0.0, np.concatenate(q), np.concatenate(v))
-
-
 def test_accelerations_are_those_of_mujoco(tmp_path):
     path = written(tmp_path, TREE)
-    system, merged, _, dropped, _ = read_mjcf(path)
+    found = read_mjcf(path)
+    system, merged, dropped = found.system, found.merged, found.dropped
     model = mujoco.MjModel.from_xml_path(str(path))
     data = general_motion(model)
     assert system.check().mobility == model.nv == 22
     kinds = {type(joint) for joint in system.joints}
     assert kinds == {Revolute, Prismatic, Spherical, Universal, Planar, Cylindrical}
     assert merged == {"tool": "upper", "tip": "upper", "post": "ground"} and dropped == ()
-    found = accelerations(system, state_of(system, model, data))
-    for body in system.bodies:
-        linear, angular = spatial(mujoco.mj_objectAcceleration, model, data, body.name)
-        linear = linear + model.opt.gravity  # MuJoCo accelerates the world against gravity instead
-        size = 1.0 + max(np.abs(linear).max(), np.abs(angular).max())
-        limit = 1e-9 * size  # 22 freedoms, condition of the mass matrix 1e3: rounding of both codes is below 1e-12
-        assert np.abs(found.acceleration(body)[0] - linear).max() < limit, body.name
-        assert np.abs(found.alpha(body)[0] - angular).max() < limit, body.name
+    assert difference(system, state_of(system, model, data), model, data) < TOLERANCE
 
 
 def test_accelerations_would_show_a_wrong_mass(tmp_path):
@@ -184,13 +155,14 @@ def test_loops_have_the_mobility_of_mujoco(tmp_path, closure):
     assert {name: found.rate(name)[0] for name in known} == pytest.approx(known, rel=1e-9, abs=1e-12)
 
 
-@pytest.mark.parametrize("polynomial", ["0 -1.5 0.2 0 0", "0 -1.5 0 0 0.1", "0.1 -1.5 0 0 0", "0 0 0 0 0"])
+@pytest.mark.parametrize("polynomial", ["0 -1.5 0.2 0 0", "0 -1.5 0 0 0.1"])
 def test_couplings_that_no_gear_has_are_named(tmp_path, polynomial):
     """y = a0 + a1 x + a2 x^2 ...: a gear has a1 alone."""
     arms = "".join(f'<body name="arm {k}"><joint name="{k}" axis="1 2 2"/>{INERTIAL.format(1)}</body>' for k in "ab")
     text = f"""<mujoco><worldbody>{arms}</worldbody>
       <equality><joint name="bent" joint1="b" joint2="a" polycoef="{polynomial}"/></equality></mujoco>"""
-    with pytest.raises(ValueError, match="cannot import equality: bent"):
+    message = r"cannot import equality: bent \(joint\) \(line 2, <joint>\); leave out with leave_out=\[\"equality\"\]"
+    with pytest.raises(ValueError, match=message):
         read_mjcf(written(tmp_path, text))
 
 
@@ -202,73 +174,6 @@ def test_a_coordinate_held_by_an_equality_is_driven(tmp_path):
     hinge, held = found.system.joints
     assert found.renamed == {"arm (joint)": "arm"} and hinge.name == "arm (joint)"
     assert isinstance(held, AngleDriver) and float(held.signal(0.0)) == 0.1
-
-
-URDF = """
-<robot name="arm">
-  <link name="base"><inertial><mass value="4"/>
-    <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
-  <link name="upper"><inertial><origin xyz="0.1 0.2 0.3" rpy="0.2 0.1 0.4"/><mass value="2"/>
-    <inertia ixx="0.3" iyy="0.4" izz="0.5" ixy="0.02" ixz="0.03" iyz="-0.01"/></inertial></link>
-  <link name="lower"><inertial><origin xyz="0.1 -0.1 0.2"/><mass value="1.5"/>
-    <inertia ixx="0.2" iyy="0.3" izz="0.3" ixy="0" ixz="0.01" iyz="0"/></inertial></link>
-  <link name="hand"><inertial><origin xyz="0.02 0 0.1"/><mass value="0.4"/>
-    <inertia ixx="0.02" iyy="0.03" izz="0.03" ixy="0" ixz="0.001" iyz="0"/></inertial></link>
-  <joint name="shoulder" type="continuous"><parent link="base"/><child link="upper"/>
-    <origin xyz="0.1 0 1" rpy="0.3 0.2 0.1"/>
-    <axis xyz="0.3 1 0.2"/><dynamics damping="0.2"/></joint>
-  <joint name="elbow" type="{type}"><parent link="upper"/><child link="lower"/>
-    <origin xyz="0.2 0.1 0.5" rpy="0 0.4 0.2"/>
-    <axis xyz="0.1 1 0.7"/><limit lower="-1" upper="1" effort="3" velocity="2"/></joint>
-  <joint name="grip" type="fixed"><parent link="lower"/><child link="hand"/>
-    <origin xyz="0 0.1 0.6" rpy="0.5 0 0"/></joint>
-  {more}
-</robot>
-"""
-
-
-def test_urdf_has_the_accelerations_of_mujoco(tmp_path):
-    path = written(tmp_path, URDF.format(type="continuous", more=""), "arm.urdf")
-    found = read_urdf(path)
-    assert found.merged == {"base": "ground", "hand": "lower"}
-    model = mujoco.MjModel.from_xml_path(str(path))
-    data = general_motion(model)
-    ours = accelerations(found.system, state_of(found.system, model, data))
-    for body in found.system.bodies:
-        linear, _ = spatial(mujoco.mj_objectAcceleration, model, data, body.name)
-        difference = ours.acceleration(body)[0] - linear - model.opt.gravity
-        assert np.abs(difference).max() < 1e-9 * (1.0 + np.abs(linear).max()), body.name  # as above
-
-
-def test_a_link_without_inertial_has_no_mass(tmp_path):
-    """URDF says so, https://wiki.ros.org/urdf/XML/link; MuJoCo makes 113 kg of a ball of 0.3 m."""
-    more = """<link name="cover"><collision><geometry><sphere radius="0.3"/></geometry></collision></link>
-      <joint name="screw" type="fixed"><parent link="upper"/><child link="cover"/></joint>"""
-    path = written(tmp_path, URDF.format(type="continuous", more=more), "arm.urdf")
-    with pytest.raises(ValueError, match="inertial: the 113 kg that MuJoCo makes of the shapes of cover; .*'inertial'"):
-        read_urdf(path)
-    system = read_urdf(path, drop="inertial").system
-    assert [body.mass for body in system.bodies] == [2.0, 1.9]
-    path = written(tmp_path, URDF.format(type="continuous", more=more.replace("fixed", "continuous")), "arm.urdf")
-    assert [body.mass for body in read_urdf(path, drop=["inertial", "contact"]).system.bodies] == [2.0, 1.9, 0.0]
-    own = '<mujoco><compiler inertiafromgeom="true"/></mujoco>'  # as the file itself wants it
-    path = written(tmp_path, URDF.format(type="continuous", more=more + own), "arm.urdf")
-    assert read_urdf(path).system.total_mass() == pytest.approx(3.9 + 1000.0 * 4.0 / 3.0 * np.pi * 0.3**3, rel=1e-14)
-
-
-MIMIC = """<joint name="wag" type="continuous"><parent link="base"/><child link="tail"/><axis xyz="0.2 1 0.4"/>
-  <mimic joint="shoulder" multiplier="-1.7" {offset}/></joint>
-  <link name="tail"><inertial><origin xyz="0.2 0.1 0.1"/><mass value="0.4"/>
-    <inertia ixx="0.02" iyy="0.03" izz="0.03" ixy="0" ixz="0.001" iyz="0"/></inertial></link>"""
-
-
-def test_a_mimic_is_a_gear_named_by_its_joints(tmp_path):
-    path = written(tmp_path, URDF.format(type="continuous", more=MIMIC.format(offset="")), "arm.urdf")
-    gear = read_urdf(path).system.joints[-1]
-    assert isinstance(gear, Gear) and gear.ratio == -1.7 and gear.name == "wag by shoulder"
-    path = written(tmp_path, URDF.format(type="continuous", more=MIMIC.format(offset='offset="0.3"')), "arm.urdf")
-    with pytest.raises(ValueError, match="cannot import equality: wag by shoulder"):
-        read_urdf(path)
 
 
 def test_a_body_is_merged_into_one_of_the_system(tmp_path):
@@ -321,70 +226,259 @@ def test_geoms_become_shapes_where_mujoco_has_them(tmp_path):
     assert np.allclose([ball.radius, rod.radius, rod.length, can.radius, can.length], (0.15, 0.05, 0.6, 0.2, 0.2))
 
 
-@pytest.mark.parametrize(
-    ("kind", "more", "message", "drop"),
-    [
-        ("revolute", "", "limit: range of elbow", ("limit",)),
-        ("continuous", "<transmission name='t'/>", "extension: <transmission> in line", ("extension",)),
-        (
-            "continuous",
-            "<gazebo><plugin filename='libros.so'><period>1</period></plugin></gazebo>",
-            "extension: <gazebo> in line [0-9]+(?!.*extension: )",  # and nothing inside it
-            ("extension",),
-        ),
-    ],
-)
-def test_urdf_names_what_it_leaves_out(tmp_path, kind, more, message, drop):
-    path = written(tmp_path, URDF.format(type=kind, more=more), "arm.urdf")
-    with pytest.raises(ValueError, match=f"arm.urdf': cannot import .*{message}.*drop="):
-        read_urdf(path)
-    assert any(re.search(message, part) for part in read_urdf(path, drop=drop).dropped)
+ALWAYS = [
+    ('type="ball" armature="0.1"', "", "", r"armature: hinge \(line 1, <joint>\)"),
+    ("", "", '<tendon><fixed name="cord" stiffness="3"><joint joint="hinge" coef="1"/></fixed></tendon>',
+     r"tendon: cord, which has stiffness \(line 1, <fixed>\)"),
+    ("", "", '<option density="1.2"/>', r"fluid: density 1.2, viscosity 0 \(line 1, <option>\)"),
+]  # fmt: skip
+AT_TIMES = [
+    ("", '<geom name="a" size="0.1"/>', '<geom name="floor" type="plane" size="1 1 1"/>', "", "contact"),
+    ('range="-1 1"', "", "", "", "1 limit (watched)"),
+    ("", "", "", '<actuator><motor name="motor" joint="hinge"/></actuator>', "1 actuator"),
+    ("", "", "", '<tendon><fixed name="cord" range="0 1"><joint joint="hinge" coef="1"/></fixed></tendon>', "1 limit"),
+    ("", "", '<body name="marker" mocap="true"/>', "", "1 mocap body"),
+    ("", "", "", '<equality><joint joint1="hinge" polycoef="0 0 1 0 0" active="false"/></equality>',
+     "1 switched-off equality"),
+]  # fmt: skip
 
 
-FOREIGN = [
-    ("", '<geom name="a" size="0.1"/>', '<geom name="floor" type="plane" size="1 1 1"/>', "", "contact: floor with a"),
-    ('range="-1 1"', "", "", "", "limit: range of hinge"),
-    ('armature="0.1"', "", "", "", "armature: hinge"),
-    ('frictionloss="0.1"', "", "", "", "frictionloss: hinge"),
-    ("", "", "", '<actuator><motor name="motor" joint="hinge"/></actuator>', "actuator: motor"),
-    ("", "", "", '<tendon><fixed name="cord"><joint joint="hinge" coef="1"/></fixed></tendon>', "tendon: cord"),
-    ("", "", "", '<option density="1.2"/>', "fluid: density 1.2"),
-    ("", "", '<body name="marker" mocap="true"/>', "", "mocap: marker"),
-    (
-        "",
-        "",
-        "",
-        '<equality><joint joint1="hinge" polycoef="0 0 1 0 0" active="false"/></equality>',
-        "equality: .*inactive",
-    ),
-]
+@pytest.mark.parametrize(("joint", "more", "after", "message"), ALWAYS)
+def test_what_acts_always_is_refused_and_left_out_on_request_only(tmp_path, joint, more, after, message):
+    path = written(tmp_path, f"<mujoco><worldbody>{BODY.format(joint=joint, more=more)}</worldbody>{after}</mujoco>")
+    kind = message.split(":")[0]
+    with pytest.raises(ValueError, match=f"model.xml': cannot import {message}; leave out with .*{kind}"):
+        read_mjcf(path)
+    for choice in ({"leave_out": (kind,)}, {"drop": kind}):
+        found = read_mjcf(path, **choice)
+        assert re.match(message.split(r" \(")[0], found.dropped[0]) and len(found.system.joints) == 1
+        notes = accelerations(found.system).certificate.notes
+        assert f"left out: {found.dropped[0]}" in notes  # every run says it
 
 
-@pytest.mark.parametrize(("joint", "more", "beside", "after", "message"), FOREIGN)
-def test_what_cannot_be_imported_is_named_and_dropped_on_request_only(tmp_path, joint, more, beside, after, message):
+@pytest.mark.parametrize(("joint", "more", "beside", "after", "line"), AT_TIMES)
+def test_what_acts_at_times_is_inactive_and_said(tmp_path, joint, more, beside, after, line):
     text = f"<mujoco><worldbody>{beside}{BODY.format(joint=joint, more=more)}</worldbody>{after}</mujoco>"
     path = written(tmp_path, text)
-    with pytest.raises(ValueError, match=f"model.xml': cannot import .*{message}"):
-        read_mjcf(path)
-    kind = message.split(":")[0]
-    found = read_mjcf(path, drop=(kind,))
-    assert re.search(message, found.dropped[0]) and len(found.system.joints) == 1
+    with pytest.warns(UserWarning, match=re.escape(f"model.xml': inactive: {line}")) as caught:
+        found = read_mjcf(path)
+    assert len(caught) == 1 and caught[0].filename == __file__
+    assert found.inactive == line and str(found) == f"1 joint, 1 body; inactive: {line}"
+    assert f"inactive: {line}" in accelerations(found.system).certificate.notes
+    with pytest.raises(ValueError, match="cannot import .*; leave out with leave_out="):
+        read_mjcf(path, strict=True)
+
+
+def test_limits_are_watched_from_the_zero_of_the_file(tmp_path):
+    text = f"""<mujoco><compiler angle="radian"/><worldbody><body name="arm">
+      <joint name="elbow" axis="0.3 1 0.2" ref="0.5" range="-1 1.2"/>{INERTIAL.format(1)}</body></worldbody></mujoco>"""
+    found = read_mjcf(written(tmp_path, text))
+    (limit,) = found.system.limits
+    assert (limit.lower, limit.upper) == (pytest.approx(-1.5), pytest.approx(0.7))
+    start = found.system.assemble(rates={"elbow": 5.0})
+    run = simulate(found.system, 0.2, state=start, output=21)
+    angle = run.angle("elbow")
+    worst = int(angle.argmax())
+    text = f"limit of 'elbow' passed by {angle[worst] - 0.7:.3g} rad at {run.t[worst]:.4g} s"
+    assert angle[worst] > 0.75 and text in run.certificate.notes
 
 
 @pytest.mark.parametrize(
     ("joints", "message"),
     [
-        ('<joint name="p" axis="1 0 0"/><joint name="q" axis="1 1 0"/>', "hinge p, hinge q of body arm"),
-        ('<joint name="p" type="slide"/><joint name="q" type="slide" axis="1 0 0"/>', "slide p, slide q of body arm"),
-        ('<joint name="p" type="ball" stiffness="3"/>', "passive: stiffness or damping of ball p"),
+        ('<joint name="p" axis="1 0 0"/><joint name="q" axis="1 0 0"/>', "hinge p, hinge q lie so"),
+        ('<joint name="p" axis="1 0 0"/><joint name="q" axis="0 1 0"/><joint name="r" axis="1 1 0"/>',
+         "hinge p, hinge q, hinge r lie so at the reference pose that their motions depend on each other; leave one"),
+        ('<joint name="p" type="ball" stiffness="3"/>', r"passive: stiffness or damping of ball p \(line 1, <joint>\)"),
     ],
-)
+)  # fmt: skip
 def test_joints_without_counterpart_are_named(tmp_path, joints, message):
     path = written(
         tmp_path, f'<mujoco><worldbody><body name="arm">{joints}{INERTIAL.format(1)}</body></worldbody></mujoco>'
     )
     with pytest.raises(ValueError, match=message):
         read_mjcf(path)
+
+
+CHAINS = f"""<mujoco><compiler angle="radian" autolimits="true"/><option gravity="0.7 -0.4 -9.6"/><worldbody>
+  <body name="base" pos="0.3 0.2 0.9" quat="0.8 0.3 -0.2 0.4"><freejoint name="float"/>{INERTIAL.format(3.1)}
+    <body name="a" pos="0.3 0.1 -0.2" quat="0.5 0.1 0.7 0.3" gravcomp="0.6">
+      <joint name="s1" type="slide" axis="1 2 0.3" pos="0.1 0 0.2" stiffness="20" springref="0.1"/>
+      <joint name="h1" axis="0.2 -1 0.6" pos="0.05 0.2 0.1" ref="0.4" damping="0.3" range="-1 2"
+        armature="0.4"/>
+      <joint name="b1" type="ball" pos="0.1 -0.05 0.02" damping="0.2"/>{INERTIAL.format(1.4)}
+      <body name="tool" pos="0.1 0.3 0.2" quat="0.6 -0.2 0.5 0.1" gravcomp="0.3">{INERTIAL.format(0.6)}
+        <site name="tip" pos="0.1 0.2 0.3" quat="0.6 0.2 0.1 0.3"/></body>
+    </body>
+    <body name="b" pos="-0.3 0.1 0.2" quat="0.5 0.6 0.7 0.3"><joint name="p" axis="1 0.1 0.3" pos="0.1 0 0.2"/>
+      <joint name="q" axis="0.2 -1 0.6" pos="0.05 0.2 0.1" stiffness="3"/>{INERTIAL.format(1.1)}
+      <body name="c" pos="-0.1 0.1 0.1"><joint name="x" type="slide" axis="1 0.1 0.3"/>
+        <joint name="y" type="slide" axis="0.1 1 0.3" armature="0.7"/><joint name="z" type="slide" axis="0.1 0 1"/>
+        {INERTIAL.format(0.8)}</body>
+    </body>
+  </body>
+  <body name="d" pos="2 0 1"><joint name="yaw" axis="0.3 0.4 1" damping="0.1" pos="0.1 0.2 0"/>
+    <joint name="pitch" axis="-0.8 0.6 0" stiffness="2" springref="0.4" pos="0.1 0.2 0"/>{INERTIAL.format(0.8)}</body>
+  <body name="e" pos="4 0 1" quat="0.5 0.2 0.6 0.7"><joint name="free" type="free" damping="0.3"/>
+    {INERTIAL.format(0.8)}</body>
+</worldbody>{{keys}}</mujoco>"""
+
+
+def with_keys(text, count, angle):
+    """The model with key frames at random states."""
+    model, rng, lines = mujoco.MjModel.from_xml_string(text.replace("{keys}", "")), np.random.default_rng(1), []
+    for k in range(count):
+        q = model.qpos0.copy()
+        mujoco.mj_integratePos(model, q, rng.normal(size=model.nv), angle)
+        values = (" ".join(repr(float(x)) for x in numbers) for numbers in (q, rng.normal(size=model.nv)))
+        lines.append('<key name="k{}" time="0.5" qpos="{}" qvel="{}"/>'.format(k, *values))
+    return text.replace("{keys}", f"<keyframe>{''.join(lines)}</keyframe>")
+
+
+def test_joints_in_any_combination_follow_each_other(tmp_path):
+    """Accelerations at key frames, several turns away; bodies without mass have their states too."""
+    text = with_keys(CHAINS, 3, angle=6.0)
+    found = read_mjcf(written(tmp_path, text))
+    model, system = mujoco.MjModel.from_xml_string(text), found.system
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_LIMIT  # inactive here
+    assert system.total_mass() == pytest.approx(3.1 + 1.4 + 0.6 + 1.1 + 3 * 0.8, rel=1e-8)  # and two light rotors
+    names = [model.body(i).name for i in range(1, model.nbody) if model.body(i).name != "tool"]
+    assert system.check().mobility == model.nv and found.inactive == "1 limit (watched)"
+    assert sorted(body.mass for body in system.bodies)[:6] == [0.0] * 6  # 2 + 1 + 2 + 1 between joints
+    assert {type(joint) for joint in system.joints} == {Revolute, Prismatic, Spherical, Gear, RackPinion}
+    for k in range(3):
+        data = mujoco.MjData(model)
+        mujoco.mj_resetDataKeyframe(model, data, k)
+        mujoco.mj_forward(model, data)
+        mujoco.mj_rnePostConstraint(model, data)
+        state = found.states[f"k{k}"]
+        at = accelerations(system, state)
+        assert state.t == 0.5 and at.drift().position.max() < 1e-13
+        assert difference(system, state, model, data, names) < TOLERANCE
+        turned = {name: data.joint(name).qpos[0] - (0.4 if name == "h1" else 0.0) for name in ("h1", "p", "q", "yaw")}
+        assert {name: at.angle(name)[0] for name in turned} == pytest.approx(turned, rel=1e-12)  # with their turns
+    assert max(map(abs, turned.values())) > np.pi
+    tip, site = found.points["tip"], data.site("tip")
+    pose = dict(zip((body.name for body in system.bodies), state.q.reshape(-1, 7), strict=True))[tip.body]
+    R = matrix(pose[3:])
+    assert np.allclose(pose[:3] + R @ tip.position, site.xpos, rtol=0, atol=1e-13)
+    assert np.allclose(R @ tip.axes, site.xmat.reshape(3, 3), rtol=0, atol=1e-13)
+
+
+def test_armatures_have_the_accelerations_of_published_numbers(tmp_path):
+    """Two oblique links; own Newton-Euler equations by Jacobians, M + diag(armature)."""
+    text = """<mujoco><compiler angle="radian"/><worldbody><body name="one">
+      <joint name="a" axis="0.2 1 0.3" armature="0.3"/>
+      <inertial mass="2" pos="0.1 0.05 -0.6" diaginertia="0.1 0.12 0.05"/>
+      <body name="two" pos="0 0 -1"><joint name="b" axis="1 0.1 -0.4" armature="0.2"/>
+      <inertial mass="1" pos="0 0.03 -0.4" diaginertia="0.05 0.05 0.01"/></body></body></worldbody></mujoco>"""
+    system = read_mjcf(written(tmp_path, text)).system
+    state = system.assemble(angles={"a": 0.024, "b": 0.901}, rates={"a": -2.847, "b": 3.589})
+    found = accelerations(system, state)
+    rotors = [found.alpha(f"{name} armature")[0, 2] for name in "ab"]
+    assert rotors == pytest.approx([-1.0847785860420869, -13.59055874731695], rel=1e-10)
+    run = simulate(system, 0.5, state=state)
+    assert run.certificate.passed, run.certificate
+
+
+def test_a_universal_joint_with_nothing_on_its_angles_stays_one(tmp_path):
+    text = CHAINS.replace('damping="0.1" pos="0.1', 'pos="0.1').replace('stiffness="2" springref="0.4" ', "")
+    system = read_mjcf(written(tmp_path, text.replace("{keys}", ""))).system
+    assert {joint.name for joint in system.joints if isinstance(joint, Universal)} == {"yaw-pitch"}
+
+
+def test_linear_equalities_are_those_of_mujoco(tmp_path):
+    """y - y0 = a0 + a1 (x - x0): the reference pose has the followers where the leaders put them."""
+    arms = "".join(
+        f'<body name="l{k}" pos="{i} 0 0"><joint name="{k}" type="{kind}" axis="1 {i}.3 2" {ref}/>'
+        f"{INERTIAL.format(1 + i)}</body>"
+        for i, (k, kind, ref) in enumerate(
+            [("a", "hinge", 'ref="0.2"'), ("b", "hinge", ""), ("c", "slide", 'ref="0.1"'), ("d", "slide", "")]
+        )
+    )
+    rules = [("b", "a", 0.3, -1.5), ("c", "b", -0.2, 0.4), ("d", "c", 0.1, -0.7)]
+    lines = "".join(f'<joint joint1="{y}" joint2="{x}" polycoef="{a0} {a1} 0 0 0"/>' for y, x, a0, a1 in rules)
+    text = f"""<mujoco><compiler angle="radian"/><worldbody>{arms}</worldbody><equality>{lines}</equality></mujoco>"""
+    found = read_mjcf(written(tmp_path, text))
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    values, rates = {"a": 4.4}, {"a": 1.2}
+    zero = {name: model.joint(name).qpos0[0] for name in "abcd"}
+    for y, x, a0, a1 in rules:
+        values[y] = zero[y] + a0 + a1 * (values[x] - zero[x])
+        rates[y] = a1 * rates[x]
+    data.qpos[:], data.qvel[:] = list(values.values()), list(rates.values())
+    mujoco.mj_forward(model, data)
+    assert np.abs(data.efc_pos).max() < 1e-14  # MuJoCo has the equalities so
+    M, T = np.zeros((4, 4)), np.array([[rates[name] / rates["a"]] for name in "abcd"])
+    mujoco.mj_fullM(model, data, M)
+    data.qacc[:] = T @ np.linalg.solve(T.T @ M @ T, -T.T @ data.qfrc_bias)
+    mujoco.mj_rnePostConstraint(model, data)
+    system = found.system
+    assert system.check().mobility == 1 and system.total_mass() == pytest.approx(1 + 2 + 3 + 4)
+    state = system.assemble(angles={"a": 4.4 - 0.2}, rates={"a": 1.2})
+    assert difference(system, state, model, data, [f"l{name}" for name in "abcd"]) < TOLERANCE
+    assert "'b' counts from 0.3, where it starts" in found.said
+
+
+def test_a_mesh_of_a_group_without_mass_is_not_needed(tmp_path):
+    text = """<mujoco><compiler inertiagrouprange="3 4" discardvisual="true"/>
+      <asset><mesh name="m" file="a.stl"/></asset><worldbody><body name="arm"><joint name="j"/>
+      <geom type="mesh" mesh="m" group="1" contype="0" conaffinity="0"/>
+      <geom size="0.2" group="3" pos="0 0 1"/></body></worldbody></mujoco>"""
+    found = read_mjcf(written(tmp_path, text))
+    assert found.system.total_mass() == pytest.approx(1000.0 * 4.0 / 3.0 * np.pi * 0.2**3)
+    assert found.missing == ("a.stl: not found",) and found.idle == {"geom": 2}
+
+
+def test_key_frames_without_end_are_not_read(tmp_path):
+    text = f"<mujoco><worldbody>{BODY.format(joint='', more='')}</worldbody><keyframe>{{}}</keyframe></mujoco>"
+    assert len(read_mjcf(written(tmp_path, text.format("<key/>" * 3))).states) == 3
+    many = "".join(f'<body name="b{k}"><freejoint/>{INERTIAL.format(1)}</body>' for k in range(99))
+    found = read_mjcf(written(tmp_path, text.format("<key/>" * 1000).replace("<worldbody>", "<worldbody>" + many)))
+    assert found.states == {} and found.said == ("1000 key frames of 101 bodies are not read, as they are too many",)
+
+
+def test_looks_that_are_missing_stop_nothing(tmp_path):
+    """Meshes, textures, materials, height fields that are not there; a mesh is needed where it gives the mass."""
+    text = """<mujoco><compiler meshdir="../meshes" texturedir="/nowhere"/>
+      <asset><mesh name="m" file="a.stl"/><mesh file="b.obj" scale="1 1 2"/><texture name="t" type="2d" file="t.png"/>
+      <material name="red" texture="t" rgba="1 0 0 1"/><hfield name="h" file="h.png" size="1 1 1 1"/></asset>
+      <worldbody><geom type="hfield" hfield="h"/><geom type="mesh" mesh="b"/><body name="arm"><joint name="j"/>{}
+      <geom type="mesh" mesh="m" material="undefined"/><geom size="0.2" pos="0 0 1" material="red"/></body></worldbody>
+      </mujoco>"""
+    (tmp_path / "robot").mkdir()
+    path = written(tmp_path / "robot", text.format(INERTIAL.format(1)))
+    found = read_mjcf(path)
+    (arm,) = found.system.bodies
+    assert [type(x).__name__ for x in arm.shape] == ["Sphere"] and arm.shape[0].colour == "#ff0000"
+    assert set(found.missing) == {"a.stl: not found", "b.obj: not found"} and found.idle["geom"] == 4
+    assert str(found) == "1 joint, 1 body; inactive: contact; 2 mesh files not drawn"
+    assert read_mjcf(path, geometry="ignore").system.bodies[0].shape is None
+    needed = written(tmp_path / "robot", text.format(""), "needed.xml")
+    message = "needed.xml': MuJoCo cannot read it: mesh file 'a.stl' gives the mass of body 'arm' and is not found"
+    with pytest.raises(ValueError, match=message):
+        read_mjcf(needed)
+    (tmp_path / "meshes").mkdir()
+    corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+    faces = ((1, 3, 2), (1, 2, 4), (1, 4, 3), (2, 3, 4))
+    lines = [f"v {x} {y} {z}" for x, y, z in corners] + ["f {} {} {}".format(*face) for face in faces]
+    (tmp_path / "meshes" / "a.obj").write_text("\n".join(lines))
+    for name in (path, needed):
+        name.write_text(name.read_text().replace("a.stl", "a.obj"))
+    with pytest.raises(ValueError, match=message.replace("a.stl", "a.obj")):  # it lies outside of what was given
+        read_mjcf(needed)
+    ball = 1000.0 * 4.0 / 3.0 * np.pi * 0.2**3
+    system = read_mjcf(needed, package_paths=[tmp_path / "meshes"]).system
+    assert system.total_mass() == pytest.approx(1000.0 / 6.0 + ball, rel=1e-6)  # corners of MuJoCo are single precision
+    drawn = read_mjcf(path, package_paths=tmp_path / "meshes").system.bodies[0].shape
+    assert [type(x).__name__ for x in drawn] == ["MeshFile", "Sphere"]
+
+
+@pytest.mark.parametrize("head", ["\n \n", "\ufeff"])
+def test_blank_lines_and_marks_are_passed_over(tmp_path, head):
+    text = f'<?xml version="1.0"?>{hostile("")}'
+    assert len(read_mjcf(written(tmp_path, head + text)).system.bodies) == 1
 
 
 SECONDS = pytest.param("mesh that takes minutes", marks=pytest.mark.slow)  # until it is broken off

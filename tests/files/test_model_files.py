@@ -392,12 +392,29 @@ def test_check_and_run_take_models_of_mujoco(tmp_path):
     inertial = '<inertial mass="2" pos="0 0 -0.6" diaginertia="0.1 0.1 0.02"/>'
     joint = '<joint name="hinge" axis="0 1 0" range="-1 1" limited="true"/>'
     path.write_text(f'<mujoco><worldbody><body name="bob">{joint}{inertial}</body></worldbody></mujoco>')
+    result = command("check", path)
+    assert result.exit_code == 0 and result.stderr == "mbsd3d: 1 joint, 1 body; inactive: 1 limit (watched)\n"
+    for option in ("--leave-out", "--drop"):
+        result = command("check", path, option, "limit,contact")
+        assert result.exit_code == 0
+        assert result.stderr == "mbsd3d: 1 joint, 1 body\nmbsd3d: left out limit: range of hinge\n"
+    path.write_text(path.read_text().replace("<worldbody>", '<option density="1.3" viscosity="0.1"/><worldbody>'))
     refused = command("check", path)
-    assert refused.exit_code == 2 and re.search(
-        r"cannot import limit: range of hinge.*drop=\['limit'\]", refused.stderr
-    )
-    result = command("check", path, "--drop", "limit")
-    assert result.exit_code == 0 and result.stderr == "mbsd3d: left out limit: range of hinge\n"
+    assert refused.exit_code == 2 and re.search(r"cannot import fluid: .*; give --leave-out fluid, or", refused.stderr)
+    assert command("check", path, "--leave-out", "fluid").exit_code == 0
+
+
+def test_run_starts_at_a_key_frame(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    inertial = '<inertial mass="2" pos="0 0 -0.6" diaginertia="0.1 0.1 0.02"/>'
+    text = f'<body name="bob"><joint name="hinge" axis="0 1 0"/>{inertial}</body>'
+    keys = '<keyframe><key name="home" qpos="0.4" qvel="1.5"/></keyframe>'
+    (tmp_path / "arm.xml").write_text(f"<mujoco><worldbody>{text}</worldbody>{keys}</mujoco>")
+    assert command("run", "arm.xml", "--t-end", 0.1, "--pose", "home", "--out", "arm.npz").exit_code == 0
+    run = mbsd3d.load("arm.npz")
+    assert (run.angle("hinge")[0], run.rate("hinge")[0]) == (pytest.approx(0.4), pytest.approx(1.5))
+    wrong = command("run", "arm.xml", "--t-end", 0.1, "--pose", "away")
+    assert wrong.exit_code == 2 and "--pose away: 'arm.xml' has no such key frame; there are home" in wrong.stderr
 
 
 @pytest.mark.parametrize(
@@ -405,7 +422,7 @@ def test_check_and_run_take_models_of_mujoco(tmp_path):
     [
         (("check", "none.json"), "'none.json' cannot be read: No such file"),
         (("check", "hand.txt"), "'hand.txt': give a model"),
-        (("check", "hand.toml", "--drop", "contact"), "--drop applies to imported models"),
+        (("check", "hand.toml", "--drop", "contact"), "--leave-out applies to imported models"),
         (("run", "bad.toml", "--t-end", 1), r"'bad.toml': .*got `str` - at `\$.bodies\[0\].mass`"),
         (("run", "none.urdf", "--t-end", 1), "'none.urdf' cannot be read"),
     ],

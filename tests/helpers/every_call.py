@@ -55,7 +55,9 @@ def questions(folder):
     }  # fmt: skip
     yield m.load, {"path": folder / "run.npz"}
     for read, name in ((m.read_mjcf, "model.xml"), (m.read_urdf, "model.urdf")):
-        yield read, {"path": folder / name, "drop": ["limit"], "timeout": 30.0}
+        given = {"leave_out": ["fluid"], "strict": False, "geometry": "draw", "inertia": "as given"}
+        given |= {"floating": None} if read is m.read_urdf else {}
+        yield read, {"path": folder / name, "drop": ["limit"], "package_paths": [folder], "timeout": 30.0, **given}
     yield m.save_figure, {"figure": Figure(), "path": folder / "figure", "pdf": False}
     yield m.sweep, {
         "build": build, "grid": {"length": [1.0]}, "measure": last, "run": {"t_end": 0.01, **quick}, "executor": None,

@@ -90,6 +90,7 @@ def parts():
         m.Brake,
         {"hinge": HINGE, "torque": m.Pulse(3.0, start=0.2, edge=0.1), "stiffness": 900.0, "damping": 20.0} | name,
     )
+    yield m.Limit, {"joint": HINGE, "kind": "angle", "lower": -1.0, "upper": 2.0, "name": "elbow"}
     yield m.JointFriction, {"hinge": HINGE, "coulomb": 3.0, "viscous": 0.1, "transition": 0.02} | name
     yield m.Bushing, pair | here | {
         "stiffness": 3.0, "turning_stiffness": 1.0, "damping": 0.1, "turning_damping": 0.1, "axes": (1, 0, 0, 0)

@@ -1,73 +1,85 @@
-"""A system from the facts of a compiled MuJoCo model (`worker`), and what of them has no counterpart here."""
+"""A system from the facts of a model, whichever format they come from, and what of them has no counterpart here."""
 
-from collections.abc import Iterable
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...base.errors import InputError
-from ...base.mass_properties import MassProperties, combine
+from ...base.mass_properties import TRIANGLE_RULE_TOLERANCE, MassProperties, put_together
 from ...base.rotations import conjugate, matrix, multiply
+from ...base.style import counted
 from ...mechanism.bodies import GROUND, Body
 from ...mechanism.couplings import Gear, RackPinion
 from ...mechanism.drivers import AngleDriver, SlideDriver
+from ...mechanism.force_element import ForceElement
+from ...mechanism.forces.applied import Force
+from ...mechanism.forces.brake import Brake
+from ...mechanism.forces.bushing import Bushing
 from ...mechanism.forces.springs import TorsionSpring
 from ...mechanism.joints import Joint
-from ...mechanism.joints.pairs import Cylindrical, Fixed, Planar, Prismatic, Revolute, Spherical, Universal
+from ...mechanism.joints.pairs import Fixed, Revolute, Spherical
+from ...mechanism.limits import Limit
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes.base import Shape
-from ...mechanism.shapes.kinds import Box, Capsule, Cylinder, Ellipsoid, Sphere
+from ...mechanism.shapes.kinds import Box, Capsule, Cylinder, Ellipsoid, MeshFile, Sphere
+from ...mechanism.shapes.surfaces import MESH_SUFFIXES
+from .imported import Imported, NotBuilt, Point, grouped, judged
+from .joints import acts_along, check_independent, has_coordinate, joint_of
+from .keyframes import Frame, state_of
+from .tree import Facts, felt_inertia, length_of
 
-KINDS = (
-    "actuator", "armature", "contact", "equality", "extension", "flex", "fluid", "frictionloss", "gravcomp", "inertial",
-    "limit", "mocap", "passive", "tendon",
-)  # fmt: skip
 SMALL = 1e-9  # [1, m] what axes and points that are taken as one may differ by: rounding, not tolerances of a part
+MOMENT_ROUNDING = 1e-12  # [m L^2] of mass and extent of the model: a negative principal moment that is rounding
+ROTOR_MASS_SHARE = 1e-9  # [1] of the whole mass, for a rotor that stands for an armature: a body with inertia needs one
+MESH_BYTES_MAX = 50_000_000  # [bytes] of all mesh files that are drawn: some seconds
+BRAKE_YIELD = 1e-3  # [rad, m] that a brake for dry friction yields before it slips
+SIZES: dict[str, tuple[type[Shape], Callable[[float, float, float], tuple[Any, ...]]]] = {
+    "box": (Box, lambda a, b, c: ((2 * a, 2 * b, 2 * c),)),
+    "sphere": (Sphere, lambda a, b, c: (a,)),
+    "capsule": (Capsule, lambda a, b, c: (a, 2 * b)),
+    "cylinder": (Cylinder, lambda a, b, c: (a, 2 * b)),
+    "ellipsoid": (Ellipsoid, lambda a, b, c: ((a, b, c),)),
+}
+"""Kinds of geometry with a shape of their own, and its sizes."""
 
 
-class Imported(NamedTuple):
-    """An imported system, and what the import merged, renamed and dropped.
+class Choices(NamedTuple):
+    """What the caller of an import chose."""
 
-    ``merged`` maps bodies without a joint to the body they are part of; ``renamed`` maps names the system uses to those
-    of the file (a joint of the name of a body); ``dropped`` lists everything left out on behalf of ``drop``; ``idle``
-    counts elements without effect on the motion (geoms, sites, cameras, sensors, key frames).
-
-    Examples
-    --------
-    >>> from pathlib import Path
-    >>> from tempfile import TemporaryDirectory
-    >>> from mbsd3d import read_mjcf
-    >>> text = '''<mujoco><worldbody><body name="arm"><joint name="arm"/><geom size="0.1"/>
-    ...   <body name="hand" pos="0 0 1"><geom size="0.2"/></body></body></worldbody></mujoco>'''
-    >>> with TemporaryDirectory() as folder:
-    ...     path = Path(folder, "arm.xml")
-    ...     _ = path.write_text(text)
-    ...     found = read_mjcf(path)
-    >>> found.merged, found.idle
-    ({'hand': 'arm'}, {'geom': 2})
-    """
-
-    system: Mechanism
-    merged: dict[str, str]
-    renamed: dict[str, str]
-    dropped: tuple[str, ...]
-    idle: dict[str, int]
+    leave_out: tuple[str, ...] = ()
+    strict: bool = False
+    inertia: str = "as given"
+    geometry: str = "draw"
 
 
 class Builder:
-    """A system from the facts of a compiled model."""
+    """A system from facts; ``place_of(tag, name)`` says where an element stands in the file, "" if nobody knows."""
 
-    def __init__(self, facts: dict[str, Any], unknown: list[tuple[str, str]], drop: tuple[str, ...]) -> None:
-        self.facts, self.drop = facts, drop
-        self.foreign = [tuple(entry) for entry in facts["foreign"]] + unknown
+    def __init__(self, facts: Facts, choices: Choices, place_of: Callable[[str, str], str]) -> None:
+        self.facts, self.choices, self.place_of = facts, choices, place_of
+        self.not_built = [
+            NotBuilt(x["kind"], x["what"], place_of(*x["element"]) if x["element"] else "", x["count"])
+            for x in facts["foreign"]
+        ]
         self.bodies: dict[int, Any] = {0: GROUND}
         self.group = grouped(body["weld"] for body in facts["bodies"])  # what is welded to a body, itself first
         self.joints_of = grouped(joint["body"] for joint in facts["joints"])
+        self.coupled = {k for e in facts["equalities"] if e["type"] == "joint" for k in e["joints"]}
+        self.length = length_of(facts)
         self.names: set[str] = {GROUND.name}
         self.renamed: dict[str, str] = {}
+        self.said: list[str] = list(facts.get("said", ()))
+        self.missing: list[str] = list(facts.get("missing", ())) if choices.geometry == "draw" else []
+        self.meshes = Meshes(self.missing)
+        self.frames: list[Frame] = []  # of all bodies, in their order
+        self.rotors: list[Frame] = []  # on the ground, which turn as a joint of the file moves
         self.joints: list[Joint] = []
-        self.forces: list[TorsionSpring] = []
-        self.joint_of: dict[int, Joint] = {}  # number of a MuJoCo joint that is a joint of its own
+        self.forces: list[ForceElement] = []
+        self.limits: list[Limit] = []
+        self.made: dict[int, Joint] = {}  # number of a joint of the file -> joint it has become, or become a part of
+        self.coordinate: dict[int, Joint] = {}  # number of a hinge or slide whose angle or slide is that of a joint
 
     def build(self) -> Imported:
         """Build all parts, or raise an error that names the rest."""
@@ -81,17 +93,25 @@ class Builder:
             self.join(i, self.joints_of.get(i, []))
         for equality in self.facts["equalities"]:
             self.close(equality)
-        left = [f"{kind}: {what}" for kind, what in self.foreign if kind not in self.drop]
-        if left:
-            shown = "; ".join(left[:20]) + (f"; and {len(left) - 20} more" if len(left) > 20 else "")
-            kinds = sorted({kind for kind, _ in self.foreign if kind in KINDS})
-            remedy = f"; leave out with drop={kinds}" if kinds else ""
-            raise InputError(f"cannot import {shown}{remedy}, or change the file")
+        self.hold_weights()
+        if brakes := sum(isinstance(force, Brake) for force in self.forces):
+            self.said.append(f"dry friction of {counted(brakes, 'joint')} yields by {BRAKE_YIELD:g} rad or m at rest")
+        verdict = judged(self.not_built, self.choices.leave_out, self.choices.strict)
         if len(self.bodies) == 1:
             raise InputError("no body of it can move; give one a joint")
-        system = Mechanism(list(self.bodies.values())[1:], self.joints, self.forces, gravity=self.facts["gravity"])
-        dropped = tuple(f"{kind}: {what}" for kind, what in self.foreign)
-        return Imported(system, merged, self.renamed, dropped, {k: n for k, n in self.facts["idle"].items() if n})
+        self.frames += self.rotors
+        bodies = [frame.made for frame in self.frames]
+        given = (bodies, self.joints, self.forces, self.facts["gravity"])
+        system = Mechanism(*given, limits=self.limits, notes=verdict.notes)
+        states = {
+            key["name"]: state_of(system, self.frames, self.coordinate, key) for key in self.facts.get("keys", ())
+        }
+        points = {point["name"]: self.point(point) for point in self.facts.get("points", ())}
+        idle = {kind: n for kind, n in self.facts["idle"].items() if n}
+        return Imported(
+            system, merged, self.renamed, verdict.dropped, idle, verdict.inactive, tuple(self.said),
+            tuple(dict.fromkeys(self.missing)), states, points,
+        )  # fmt: skip
 
     def name(self, wanted: str, kind: str) -> str:
         """A unique name: joints and bodies share one list of names here."""
@@ -103,6 +123,10 @@ class Builder:
         self.names.add(name)
         return name
 
+    def foreign(self, kind: str, what: str, tag: str = "", name: str = "", **more: Any) -> None:
+        """Keep something that is not built."""
+        self.not_built.append(NotBuilt(kind, what, self.place_of(tag, name) if tag else "", **more))
+
     def body(self, i: int) -> Body:
         """A body with all that is welded to it; R'(x_G - x_O) and R' I_G R put it into its own axes."""
         group = [self.facts["bodies"][k] for k in self.group[i]]
@@ -110,135 +134,274 @@ class Builder:
         parts = [
             (part["mass"], R.T @ (np.array(part["centre"]) - r), R.T @ np.array(part["inertia"]) @ R) for part in group
         ]
-        parts = [part for part in parts if part[0] > 0.0]
-        whole = combine(parts) if parts else MassProperties(0.0, np.zeros(3), np.zeros((3, 3)))
+        massive = any(mass > 0.0 for mass, _, _ in parts)
+        whole = put_together(parts) if massive else MassProperties(0.0, np.zeros(3), sum(I for _, _, I in parts))
         name, e = self.name(group[0]["name"], "body"), np.array(group[0]["quaternion"])
-        look = drawn([geom for part in group for geom in part["geoms"]], r, e, R)
-        return Body(name, **vars(whole), position=r, orientation=e, shape=look)
+        look = None
+        if self.choices.geometry == "draw":
+            look = drawn([geom for part in group for geom in part["geoms"]], r, e, R, self.meshes)
+        inertia, as_given = self.inertia_of(whole, group[0]["name"])
+        place: dict[str, Any] = {"com": whole.com, "position": r, "orientation": e, "shape": look}
+        return Body(name, whole.mass, inertia, inertia_as_given=as_given, **place)
+
+    def inertia_of(self, whole: MassProperties, name: str) -> tuple[np.ndarray, bool]:
+        """Return the inertia of a group of bodies without rounding below 0, and whether no body has it."""
+        I = 0.5 * (whole.inertia + whole.inertia.T)
+        moments, axes = np.linalg.eigh(I)
+        largest, rounding = np.abs(moments).max(), MOMENT_ROUNDING * whole.mass * self.length**2
+        if largest <= rounding:
+            return np.zeros((3, 3)), False
+        if moments[0] < -rounding - TRIANGLE_RULE_TOLERANCE * largest:
+            raise InputError(
+                f"{self.called(name)}: inertia has the principal moments {moments.tolist()}, {moments[0]:.3g} < 0; "
+                "check the signs and units, and that it is taken about the centre of mass"
+            )
+        if moments[0] < -TRIANGLE_RULE_TOLERANCE * largest:
+            moments = np.maximum(moments, 0.0)
+            I = axes @ np.diag(moments) @ axes.T
+        if moments[2] <= moments[0] + moments[1] + TRIANGLE_RULE_TOLERANCE * largest:
+            return I, False
+        text = (
+            f"inertia of '{name}' has the principal moments {', '.join(f'{x:.4g}' for x in moments)}, of which the "
+            "largest exceeds the sum of the others: no body has it"
+        )
+        if self.choices.inertia == "refuse":
+            raise InputError(f'{self.called(name)}: {text}; correct it, or take it with inertia="as given"')
+        self.said.append(f"{text}; taken as given")
+        return I, True
+
+    def called(self, name: str) -> str:
+        """A body by its name and place."""
+        place = self.place_of("body", name)
+        return f"body '{name}'" + (f" ({place})" if place else "")
+
+    def carrier(self, i: int) -> Any:
+        """The body that stands for number i."""
+        return self.bodies[self.facts["bodies"][i]["weld"]]
 
     def parent(self, i: int) -> Any:
         """The body that carries body i."""
-        return self.bodies[self.facts["bodies"][self.facts["bodies"][i]["parent"]]["weld"]]
+        return self.carrier(self.facts["bodies"][i]["parent"])
 
     def join(self, i: int, places: list[int]) -> None:
-        """The joint between a body and its parent, with its springs and dampers."""
+        """The joints between a body and its parent, with their springs, friction and limits."""
         parts = [self.facts["joints"][k] for k in places]
-        if [part["type"] for part in parts] != ["free"]:
-            name = "-".join(part["name"] for part in parts)
-            made = joint_of(self.parent(i), self.bodies[i], parts, self.name(name, "joint"))
+        frames = [Frame(self.bodies[i], i, ())]
+        if not parts or parts[0]["type"] == "free":
+            self.frames += frames
+        else:
+            made = self.whole_joint(i, places, parts)
             if made is None:
-                types = ", ".join(f"{part['type']} {part['name']}" for part in parts)
-                self.foreign.append(("joints", f"{types} of body {self.bodies[i].name}, which make no joint of mbsd3d"))
-                return
-            self.joints.append(made)
-            for k, part in zip(places, parts, strict=True):
-                coordinate = made.angle() if part["type"] == "hinge" else made.slide()
-                if part["type"] in ("hinge", "slide") and coordinate is not None:
-                    self.joint_of[k] = made
+                frames = self.chain(i, places, parts)
+            else:
+                self.joints.append(made)
+                self.made |= dict.fromkeys(places, made)
+            self.frames += frames
+            self.coordinate |= {
+                k: self.made[k]
+                for k, part in zip(places, parts, strict=True)
+                if has_coordinate(self.made[k], part["type"])
+            }
         for k, part in zip(places, parts, strict=True):
-            self.spring(part, self.joint_of.get(k))
+            self.load(i, k, part)
 
-    def spring(self, part: dict[str, Any], joint: Joint | None) -> None:
-        """-k (x - x0) - c x_dot on a coordinate, x counted from the reference pose."""
-        if part["stiffness"] == 0.0 and part["damping"] == 0.0:
-            return
-        wanted = "angle" if part["type"] == "hinge" else "slide"
-        if joint is None or (wanted == "slide" and joint.angle() is not None):
-            self.foreign.append(("passive", f"stiffness or damping of {part['type']} {part['name']}"))
-            return
-        name = self.name(f"{part['name']} spring", "spring")
-        values = {"stiffness": part["stiffness"], "damping": part["damping"], "angle": part["rest"]}
-        self.forces.append(TorsionSpring(joint, **values, name=name))
+    def whole_joint(self, i: int, places: list[int], parts: list[Facts]) -> Joint | None:
+        """One joint for all those of a body; None if there is none, or something acts on a coordinate it lacks."""
+        made = joint_of(self.parent(i), self.bodies[i], parts, "-".join(part["name"] for part in parts))
+        if made is None or any(
+            (k in self.coupled or acts_along(part)) and not has_coordinate(made, part["type"])
+            for k, part in zip(places, parts, strict=True)
+            if part["type"] in ("hinge", "slide")
+        ):
+            return None
+        name = self.name(str(made.name), "joint")
+        return joint_of(self.parent(i), self.bodies[i], parts, name)
 
-    def close(self, equality: dict[str, Any]) -> None:
+    def chain(self, i: int, places: list[int], parts: list[Facts]) -> list[Frame]:
+        """Joints of a body one after the other, in the order of the file, over bodies without mass."""
+        body, inner = self.bodies[i], self.parent(i)
+        check_independent(parts, body.name, self.called(body.name))
+        frames = []
+        for n, (k, part) in enumerate(zip(places, parts, strict=True)):
+            outer = body
+            if n < len(parts) - 1:
+                name = self.name(f"{body.name} after {part['name']}", "body")
+                outer = Body(name, 0.0, np.zeros(3), position=body.position, orientation=body.orientation)
+            frames.append(Frame(outer, i, tuple(places[n + 1 :])))
+            made = joint_of(inner, outer, [part], self.name(part["name"], "joint"))
+            if made is None:
+                raise InputError(f"{self.called(body.name)}: a {part['type']} joint cannot follow another; change it")
+            self.joints.append(made)
+            self.made[k] = made
+            inner = outer
+        return frames
+
+    def load(self, i: int, k: int, part: Facts) -> None:
+        """What acts on a joint: springs, dampers, dry friction, limits."""
+        joint, kind, what = self.coordinate.get(k), part["type"], f"{part['type']} {part['name']}"
+        if part["stiffness"] or part["damping"]:
+            self.spring(i, k, part)
+        if part["armature"] and joint is not None:
+            self.rotor(k, part, joint)
+        if part["friction"]:
+            if joint is None:
+                self.foreign("frictionloss", what, "joint", part["name"])
+            else:
+                stiffness = part["friction"] / BRAKE_YIELD
+                damping = np.sqrt(stiffness * max(felt_inertia(self.facts, part) + part["armature"], MOMENT_ROUNDING))
+                values = {"torque": part["friction"], "stiffness": stiffness, "damping": damping}
+                self.forces.append(Brake(joint, **values, name=self.name(f"{part['name']} friction", "friction")))
+        if part["limit"] is not None:
+            watched = joint is not None
+            self.foreign("limit", f"range of {part['name']}", "joint", part["name"], watched=watched)
+            if joint is not None and "limit" not in self.choices.leave_out:
+                name = part["name"] if part["name"] != joint.name else ""
+                lower, upper = part["limit"]
+                self.limits.append(Limit(joint, "angle" if kind == "hinge" else "slide", lower, upper, name))
+
+    def rotor(self, k: int, part: Facts, joint: Joint) -> None:
+        """An armature, T = I x_dot^2 / 2 on a coordinate x: a rotor on the ground that turns as x does.
+
+        A rotor that the parent carries would feel its turning too; the ground takes nothing but the rotor's own torque.
+        """
+        title, I = f"{part['name']} armature", part["armature"]
+        mass = ROTOR_MASS_SHARE * sum(body["mass"] for body in self.facts["bodies"])
+        look = Sphere(BRAKE_YIELD * self.length)
+        at = np.array(part["anchor"])
+        rotor = Body(self.name(title, "body"), mass, (I, I, I), position=at, shape=look)
+        axle = Revolute(GROUND, rotor, at=at, axis=(0, 0, 1), name=self.name(f"{title} axle", "joint"))
+        name = self.name(f"{title} gear", "joint")
+        gear = (
+            Gear(axle, joint, ratio=1.0, name=name)
+            if part["type"] == "hinge"
+            else RackPinion(axle, joint, radius=1.0, name=name)
+        )
+        self.rotors.append(Frame(rotor, 0, (), k))
+        self.joints += [axle, gear]
+
+    def spring(self, i: int, k: int, part: Facts) -> None:
+        """-k (x - x0) - c x_dot on a coordinate, x counted from the reference pose; -c w or -c v without a coordinate.
+
+        The damping of a free joint acts at the origin of the body.
+        """
+        name, joint = self.name(f"{part['name']} spring", "spring"), self.coordinate.get(k)
+        if joint is not None:
+            values = {"stiffness": part["stiffness"], "damping": part["damping"], "angle": part["rest"]}
+            self.forces.append(TorsionSpring(joint, **values, name=name))
+        elif part["stiffness"] == 0.0 and part["type"] in ("ball", "free"):
+            c, free = part["damping"], part["type"] == "free"
+            a, b = (GROUND, self.bodies[i]) if free else (self.made[k].a, self.made[k].b)
+            at, c_line = (b.position, c) if free else (part["anchor"], 0.0)
+            self.forces.append(Bushing(a, b, at=at, stiffness=0.0, damping=c_line, turning_damping=c, name=name))
+        else:
+            self.foreign("passive", f"stiffness or damping of {part['type']} {part['name']}", "joint", part["name"])
+
+    def hold_weights(self) -> None:
+        """What balances weights: -g m G upwards at the centre of mass of a body of the file."""
+        for i, body in enumerate(self.facts["bodies"]):
+            share, carrier = body.get("gravcomp", 0.0), self.carrier(i)
+            if share and body["mass"] and carrier is not GROUND:
+                up = -share * body["mass"] * np.array(self.facts["gravity"])
+                name = self.name(f"{body['name']} gravcomp", "force")
+                self.forces.append(Force(carrier, up, at=body["centre"], name=name))
+
+    def point(self, point: Facts) -> Point:
+        """A point and its axes in those of the body that carries it."""
+        body = self.carrier(point["body"])
+        e = matrix(body.orientation)
+        return Point(body.name, e.T @ (point["position"] - body.position), e.T @ np.array(point["axes"]).reshape(3, 3))
+
+    def close(self, equality: Facts) -> None:
         """A loop closure or a coupling."""
         name = self.name(equality["name"], "equality")
         made = self.coupling(equality, name) if equality["type"] == "joint" else self.closure(equality, name)
         if made is None:
-            self.foreign.append(("equality", f"{equality['name']} ({equality['type']})"))
+            self.foreign("equality", f"{equality['name']} ({equality['type']})", "equality", equality["name"])
         else:
             self.joints.append(made)
 
-    def closure(self, equality: dict[str, Any], name: str) -> Joint | None:
+    def closure(self, equality: Facts, name: str) -> Joint | None:
         """Two points kept together, or two bodies kept as they are at the reference pose."""
-        a, b = (self.bodies[self.facts["bodies"][k]["weld"]] for k in equality["bodies"])
+        a, b = (self.carrier(k) for k in equality["bodies"])
         at, at_b = equality["points"]
         if a is b or equality["turn"] > SMALL:
             return None
         return (Fixed if equality["type"] == "weld" else Spherical)(a, b, at=at, at_b=at_b, name=name)
 
-    def coupling(self, equality: dict[str, Any], name: str) -> Joint | None:
-        """y = a0 + a1 x of two coordinates counted from the reference pose; without x, y stays at a0."""
+    def coupling(self, equality: Facts, name: str) -> Joint | None:
+        """y = a1 x of two coordinates counted from the reference pose, where y is a0; without x, y stays at a0."""
         y, x = equality["joints"]
         a0, a1, *rest = equality["polynomial"]
         kinds = [self.facts["joints"][k]["type"] for k in (y, x) if k >= 0]
-        if y not in self.joint_of or (x >= 0 and x not in self.joint_of):
+        if y not in self.coordinate or (x >= 0 and x not in self.coordinate):
             return None
-        follower = self.joint_of[y]
-        if x < 0:
-            return (AngleDriver if kinds == ["hinge"] else SlideDriver)(follower, a0, name=name)
-        if a0 != 0.0 or any(rest) or a1 == 0.0 or kinds == ["slide", "slide"]:
+        follower = self.coordinate[y]
+        if x >= 0 and any(rest):
             return None
-        leader = self.joint_of[x]
-        if kinds == ["hinge", "hinge"]:
-            return Gear(leader, follower, ratio=a1, name=name)
-        if kinds == ["slide", "hinge"]:
-            return RackPinion(leader, follower, radius=a1, name=name)
-        return RackPinion(follower, leader, radius=1.0 / a1, name=name)
+        if x < 0 or a1 == 0.0:
+            driver = AngleDriver if kinds[0] == "hinge" else SlideDriver
+            return driver(follower, a0 if x < 0 else 0.0, name=name)
+        leader = self.coordinate[x]
+        match kinds:
+            case ["hinge", "hinge"]:
+                return Gear(leader, follower, ratio=a1, name=name)
+            case ["slide", "hinge"]:
+                return RackPinion(leader, follower, radius=a1, name=name)
+            case ["hinge", "slide"]:
+                return RackPinion(follower, leader, radius=1.0 / a1, name=name)
+        return self.racks(leader, x, follower, a1, name)
+
+    def racks(self, leader: Joint, place: int, follower: Joint, ratio: float, name: str) -> Joint:
+        """Two slides in a fixed ratio: racks on a pinion without mass; ``place`` is the number of the leader."""
+        pinion = Body(self.name(f"{name} pinion", "body"), 0.0, np.zeros(3))
+        axle = Revolute(GROUND, pinion, at=(0, 0, 0), axis=(0, 0, 1), name=self.name(f"{name} axle", "joint"))
+        self.rotors.append(Frame(pinion, 0, (), place))
+        self.joints += [axle, RackPinion(axle, leader, radius=1.0, name=self.name(f"{name} rack", "joint"))]
+        return RackPinion(axle, follower, radius=ratio, name=name)
 
 
-def grouped(keys: Iterable[int]) -> dict[int, list[int]]:
-    """Key -> the places where it stands."""
-    found: dict[int, list[int]] = {}
-    for place, key in enumerate(keys):
-        found.setdefault(key, []).append(place)
-    return found
-
-
-def joint_of(a: Any, b: Any, parts: list[dict[str, Any]], name: str) -> Joint | None:
-    """The joint that allows the same motion as MuJoCo's joints of one body, or None."""
-    hinges = [part for part in parts if part["type"] == "hinge"]
-    slides = [part for part in parts if part["type"] == "slide"]
-    first = parts[0]
-    at = (hinges or parts)[0]["anchor"]
-    axes = np.array([part["axis"] for part in (*hinges, *slides)])
-    meet = all(np.linalg.norm(np.subtract(part["anchor"], at)) < SMALL for part in hinges)
-    if first["type"] == "ball":
-        return Spherical(a, b, at=at, name=name) if len(parts) == 1 else None
-    match len(hinges), len(slides):
-        case 1, 0:
-            return Revolute(a, b, at=at, axis=axes[0], name=name)
-        case 0, 1:
-            return Prismatic(a, b, at=at, axis=axes[0], name=name)
-        case 1, 1 if np.linalg.norm(axes[0] - axes[1]) < SMALL:
-            return Cylindrical(a, b, at=at, axis=axes[0], name=name)
-        case 2, 0 if meet and abs(axes[0] @ axes[1]) < SMALL:
-            return Universal(a, b, at=at, axis_a=axes[0], axis_b=axes[1], name=name)
-        case 3, 0 if meet and abs(np.linalg.det(axes)) > 1e-3:  # at 0 the hinges are locked
-            return Spherical(a, b, at=at, name=name)
-        case 1, 2 if np.abs(axes[1:] @ axes[0]).max() < SMALL and np.linalg.norm(np.cross(*axes[1:])) > 1e-3:
-            return Planar(a, b, at=at, normal=axes[0], name=name)
-    return None
-
-
-def drawn(geoms: list[dict[str, Any]], r: np.ndarray, e: np.ndarray, R: np.ndarray) -> list[Shape] | None:
-    """Shapes of the geoms of a body at (r, e), R = matrix(e); None where none can: meshes, planes, height fields."""
-    found = []
+def drawn(geoms: list[Facts], r: np.ndarray, e: np.ndarray, R: np.ndarray, meshes: "Meshes") -> list[Shape] | None:
+    """Shapes of the geometry of a body at (r, e), R = matrix(e); None where none can be drawn."""
+    found: list[Shape] = []
     for geom in geoms:
-        a, b, c = geom["size"]
         place = {
             "at": R.T @ (np.array(geom["position"]) - r),
             "orientation": multiply(conjugate(e), np.array(geom["quaternion"])),
             "colour": geom["colour"] and "#" + bytes(round(255 * x) for x in geom["colour"]).hex(),
         }
-        sizes = {
-            "box": (Box, ((2 * a, 2 * b, 2 * c),)),
-            "sphere": (Sphere, (a,)),
-            "capsule": (Capsule, (a, 2 * b)),
-            "cylinder": (Cylinder, (a, 2 * b)),
-            "ellipsoid": (Ellipsoid, ((a, b, c),)),
-        }
-        if geom["shown"] and geom["type"] in sizes:
-            kind, numbers = sizes[geom["type"]]
-            found.append(kind(*numbers, **place))
+        if geom["shown"] and geom["type"] in SIZES:
+            kind, sizes = SIZES[geom["type"]]
+            found.append(kind(*sizes(*geom["size"]), **place))
+        elif geom["shown"] and geom["type"] == "file":
+            found += meshes.shapes(geom, place)
     return found or None
+
+
+class Meshes:
+    """Mesh files, each read once here so that a drawing will not fail; those that cannot be drawn are ``missing``."""
+
+    def __init__(self, missing: list[str]) -> None:
+        self.missing, self.bytes = missing, 0
+        self.known: dict[str, bool] = {}
+
+    def shapes(self, geom: Facts, place: dict[str, Any]) -> list[Shape]:
+        """The shape of a mesh file, or none."""
+        shape = MeshFile(geom["path"], geom["scale"], **place) if geom["path"].lower().endswith(MESH_SUFFIXES) else None
+        if geom["path"] not in self.known:
+            self.known[geom["path"]] = self.is_readable(shape, geom["path"])
+        return [shape] if shape is not None and self.known[geom["path"]] else []
+
+    def is_readable(self, shape: MeshFile | None, path: str) -> bool:
+        """Read a file, within what all files together may have."""
+        try:
+            self.bytes += Path(path).stat().st_size
+            if shape is None or self.bytes > MESH_BYTES_MAX:
+                why = (
+                    "is of no kind that is drawn" if shape is None else f"exceeds {MESH_BYTES_MAX} bytes of all meshes"
+                )
+                raise InputError(f"'{path}' {why}")
+            shape.surface()
+        except (InputError, OSError) as error:
+            self.missing.append(str(error))
+            return False
+        return True

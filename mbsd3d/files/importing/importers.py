@@ -1,77 +1,97 @@
-"""Models of other programs: MJCF and URDF, read by MuJoCo in a separate process.
+"""Models of other programs: MJCF, read by MuJoCo in a separate process, and URDF.
 
-What has no counterpart here is named in an error; it is left out only if the caller names its kind in ``drop``.
+What acts on every motion is built, or the file is refused; it is left out only if the caller names its kind. What acts
+at times or on command is inactive, and said.
 """
 
-import json
-import os
-import signal
-import subprocess
-import sys
-import tempfile
-from collections.abc import Sequence
+import warnings
+from collections.abc import Callable, Sequence
 from math import ceil
 from pathlib import Path
 from typing import Any
 
-from ...base.checks import as_tuple, number, short_repr
+from ...base.checks import as_tuple, check_choice, number, short_repr
 from ...base.errors import InputError
+from ...base.fields import true_or_false
 from ...base.paths import as_path
-from .builder import KINDS, Builder, Imported
+from .builder import Builder, Choices
+from .folders import Folders, as_folders
+from .guarded import answer_of
+from .imported import KINDS, Imported
+from .tree import Facts
+from .urdf import Robot
 from .xml_scan import Scan
 
-SUFFIXES = {"mujoco": "xml", "robot": "urdf"}  # by the root of the file
 LONGEST = 86400.0  # s
-WALL_OVER_CPU_TIME = 5.0  # times the processor time allowed: what the clock may show on a busy machine
-OUT_OF_TIME = -getattr(signal, "SIGXCPU", 0) or None  # exit code; Windows has none
+CALLER = 5  # frames from here to the user's call of a reader
 
 
-def read_xml(path: str | Path, kind: str, drop: Sequence[str], timeout: float) -> Imported:
-    """Scan, let the worker compile, build."""
-    path, timeout = as_path(path, f"model.{SUFFIXES[kind]}"), number(timeout, "timeout", positive=True)
-    if timeout > LONGEST:
-        raise InputError(f"timeout: {timeout:g} s is more than a day; give at most {LONGEST:g}")
-    drop = (drop,) if isinstance(drop, str) else as_tuple(drop, "drop", "kinds of parts")
-    if unknown := [x for x in drop if not isinstance(x, str) or x not in KINDS]:
-        raise InputError(
-            f"'{path}': drop: {short_repr(unknown[0])} is not a kind of part; give some of {', '.join(KINDS)}"
-        )
-    scan = Scan(path)
+def read_mujoco(path: str | Path, timeout: float, package_paths: Any, **choices: Any) -> Imported:
+    """Scan an MJCF file, let the worker compile it, build."""
+    path, timeout = as_path(path, "model.xml"), as_timeout(timeout)
+    chosen, folders = chosen_of(path, **choices), Folders(path, as_folders(package_paths))
+    scan = Scan(path, folders)
     scan.read(path)
     scan.check_named()
-    if path.suffix[1:] not in SUFFIXES.values():
-        raise InputError(f"'{path}': MuJoCo reads files by their name; give it one that ends in .{SUFFIXES[kind]}")
-    if scan.kind != kind:
-        raise InputError(f"'{path}': its root is <{scan.kind}>, not <{kind}>; use the reader of its format")
+    if path.suffix not in (".xml", ".mjcf"):
+        raise InputError(f"'{path}': MuJoCo reads files by their name; give it one that ends in .xml")
+    if scan.kind != "mujoco":
+        raise InputError(f"'{path}': its root is <{scan.kind}>, not <mujoco>; use the reader of its format")
+    return built(path, lambda: compiled_facts(path, timeout, folders), chosen, scan.place_of)
+
+
+def read_robot(path: str | Path, timeout: float, package_paths: Any, floating: bool | None, **choices: Any) -> Imported:
+    """Read a URDF file, build."""
+    path, timeout = as_path(path, "model.urdf"), as_timeout(timeout)
+    if floating is not None:
+        true_or_false(floating, "floating", None)
+    chosen, folders = chosen_of(path, **choices), Folders(path, as_folders(package_paths))
+    robot = Robot(path, folders, floating, timeout)
+    return built(path, robot.facts, chosen, robot.place_of)
+
+
+def as_timeout(value: Any) -> float:
+    """A time [s] that is no more than a day."""
+    timeout = number(value, "timeout", positive=True)
+    if timeout > LONGEST:
+        raise InputError(f"timeout: {timeout:g} s is more than a day; give at most {LONGEST:g}")
+    return timeout
+
+
+def chosen_of(
+    path: Path, *, leave_out: Sequence[str], drop: Sequence[str], strict: bool, geometry: str, inertia: str
+) -> Choices:
+    """The choices of a caller, checked."""
+    kinds: list[str] = []
+    for what, given in (("leave_out", leave_out), ("drop", drop)):
+        names = (given,) if isinstance(given, str) else as_tuple(given, what, "kinds of parts")
+        if unknown := [x for x in names if not isinstance(x, str) or x not in KINDS]:
+            have = ", ".join(sorted(KINDS))
+            raise InputError(f"'{path}': {what}: {short_repr(unknown[0])} is not a kind of part; give some of {have}")
+        kinds += names
+    check_choice(geometry, ("draw", "ignore"), "geometry")
+    check_choice(inertia, ("as given", "refuse"), "inertia")
+    return Choices(tuple(kinds), true_or_false(strict, "strict", None), inertia, geometry)
+
+
+def built(path: Path, facts: Callable[[], Facts], choices: Choices, place_of: Callable[[str, str], str]) -> Imported:
+    """Build a system; errors name the file, and one warning says what is inactive or was chosen for the caller."""
     try:
-        return Builder(compiled_facts(path, kind, timeout), scan.unknown, drop).build()
+        read = facts()
+        found = Builder(read, choices, place_of).build()
     except ValueError as error:
         raise InputError(f"'{path}': {error}") from error
+    said = [f"inactive: {found.inactive}"] if found.inactive else []
+    said += read.get("chosen", ())
+    if said:
+        warnings.warn(f"'{path}': {'; '.join(said)}", stacklevel=CALLER)
+    return found
 
 
-def compiled_facts(path: Path, kind: str, timeout: float) -> dict[str, Any]:
+def compiled_facts(path: Path, timeout: float, folders: Folders) -> Facts:
     """What the worker says, or why it says nothing."""
-    command = [sys.executable, "-m", "mbsd3d.files.importing.worker", str(path.absolute()), str(ceil(timeout)), kind]
-    place = str(Path(__file__).resolve().parents[3])
-    extra = {"PYTHONPATH": os.pathsep.join(filter(None, (place, os.environ.get("PYTHONPATH"))))}
-    extra |= {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}  # every thread takes address space
-    with tempfile.TemporaryDirectory() as folder:  # MuJoCo writes a log into its working directory
-        try:
-            done = subprocess.run(
-                command, capture_output=True, cwd=folder, env=os.environ | extra, timeout=WALL_OVER_CPU_TIME * timeout
-            )
-            slow = done.returncode == OUT_OF_TIME
-        except subprocess.TimeoutExpired:
-            slow = True
-    if slow:
-        raise InputError(f"MuJoCo takes more than {timeout:g} s to read it; make it smaller, or raise timeout")
-    try:
-        answer = json.loads(done.stdout)
-    except ValueError:
-        raise InputError(
-            f"MuJoCo broke off while reading it (exit code {done.returncode}): a limit of memory or time, or a fault; "
-            "make the model smaller"
-        ) from None
+    arguments = [str(path.absolute()), str(ceil(timeout)), *map(str, folders.given)]
+    answer = answer_of("mbsd3d.files.importing.worker", arguments, timeout, "MuJoCo")
     if "error" in answer:
         raise InputError(f"MuJoCo cannot read it: {answer['error']}")
     return answer["facts"]

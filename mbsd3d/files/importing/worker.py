@@ -1,47 +1,70 @@
-"""The guarded process that lets MuJoCo read a file: ``python -m mbsd3d.files.importing.worker FILE SECONDS``
+"""The guarded process that lets MuJoCo read a file: ``python -m mbsd3d.files.importing.worker FILE SECONDS FOLDER ...``
 prints facts as JSON.
 
-It holds limits on time and memory, imports nothing else of the package, and gives numbers and names only. Points and
-axes are world coordinates at the pose MuJoCo calls qpos0.
+It holds limits on time and memory, and gives numbers and names only. Points and axes are world
+coordinates at the pose MuJoCo calls qpos0, with followers of joint equalities where these put them.
 """
 
 import json
 import os
 import sys
+from collections.abc import Iterator
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 import numpy as np
 
+from ...base.checks import check_size
 from ...base.errors import InputError
+from .folders import Folders
+from .guarded import limit
 
 SHOWN = 3  # groups of geoms below this are shown by MuJoCo; shapes for contacts alone are usually in group 3
-MEMORY = 4 << 30  # [bytes] of address space, most of it never used
-
-
-def limit(seconds: int) -> None:
-    """Bounds on memory and CPU time [s], where the system has them."""
-    try:
-        import resource
-    except ImportError:  # Windows: the parent's clock alone
-        return
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
-    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+POSES_MAX = 100_000  # [1] of bodies in all key frames
+BALL = 1e-3  # [m] radius of what stands for a mesh that is not needed
 
 
 class Facts:
     """What the compiled model says."""
 
-    def __init__(self, mujoco: Any, path: str, kind: str) -> None:
+    def __init__(self, mujoco: Any, path: str, folders: Folders) -> None:
         spec = mujoco.MjSpec.from_file(path)
-        spec.compiler.fusestatic = 0  # merged here by name, not there in silence
-        self.mujoco, self.model = mujoco, spec.compile()
-        guesses = kind == "robot" and spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_AUTO
-        self.guessed = {body.id for body in spec.bodies if guesses and not body.explicitinertial}
+        spec.compiler.fusestatic = spec.compiler.discardvisual = 0  # merged here by name, not there in silence
+        self.mujoco = mujoco
+        self.foreign: list[dict[str, Any]] = []  # what acts and is not among the facts
+        self.said: list[str] = []
+        looks = Undressed(mujoco, spec, folders)
+        self.model = spec.compile()
+        self.files = {geom.id: file for geom, file in looks.geoms}
+        self.missing = looks.missing
         self.data = mujoco.MjData(self.model)
-        self.data.qpos[:] = self.model.qpos0
+        self.start = self.reference()
+        self.data.qpos[:] = self.start
         mujoco.mj_kinematics(self.model, self.data)
-        self.foreign: list[tuple[str, str]] = []
+
+    def reference(self) -> np.ndarray:
+        """Return the reference pose: qpos0, with followers of joint equalities where these put them."""
+        m, start = self.model, self.model.qpos0.copy()
+        pairs = [i for i in self.active_equalities() if m.eq_type[i] == self.mujoco.mjtEq.mjEQ_JOINT]
+        pairs = [i for i in pairs if m.eq_obj2id[i] >= 0 and not m.eq_data[i, 2:5].any()]  # others are not built
+        for _ in pairs:  # a follower may lead another
+            for i in pairs:
+                y, x = (m.jnt_qposadr[k[i]] for k in (m.eq_obj1id, m.eq_obj2id))
+                start[y] = m.qpos0[y] + m.eq_data[i, 0] + m.eq_data[i, 1] * (start[x] - m.qpos0[x])
+        for i in pairs:
+            y = m.jnt_qposadr[m.eq_obj1id[i]]
+            if start[y] != m.qpos0[y]:
+                self.said.append(f"'{self.name('joint', m.eq_obj1id[i])}' counts from {start[y]:g}, where it starts")
+        return start
+
+    def active_equalities(self) -> list[int]:
+        """Return the numbers of the equalities that hold at the start."""
+        m = self.model
+        return [] if self.off("EQUALITY") else [i for i in range(m.neq) if m.eq_active0[i]]
+
+    def add(self, kind: str, what: str, element: tuple[str, str] | None = None, count: int = 1) -> None:
+        """Keep something that acts and has no counterpart here."""
+        self.foreign.append({"kind": kind, "what": what, "element": element, "count": count})
 
     def off(self, flag: str) -> bool:
         """Whether the file switches a part of the physics off."""
@@ -60,7 +83,6 @@ class Facts:
         m, d, found = self.model, self.data, []
         for i in range(m.nbody):
             C = d.ximat[i].reshape(3, 3)
-            mass, moments = (0.0, np.zeros(3)) if i in self.guessed else (m.body_mass[i], m.body_inertia[i])
             found.append(
                 {
                     "name": self.name("body", i),
@@ -68,9 +90,10 @@ class Facts:
                     "weld": 0 if m.body_mocapid[m.body_weldid[i]] >= 0 else int(m.body_weldid[i]),
                     "position": d.xpos[i],
                     "quaternion": d.xquat[i],
-                    "mass": mass,
+                    "mass": m.body_mass[i],
                     "centre": d.xipos[i],
-                    "inertia": C @ np.diag(moments) @ C.T,
+                    "inertia": C @ np.diag(m.body_inertia[i]) @ C.T,
+                    "gravcomp": m.body_gravcomp[i],
                     "geoms": [self.geom(k) for k in range(m.body_geomadr[i], m.body_geomadr[i] + m.body_geomnum[i])],
                 }
             )
@@ -80,13 +103,15 @@ class Facts:
         """Kind, sizes and pose of a geom, in world axes; whether MuJoCo would show it, and its colour if it has one."""
         m, d, quaternion = self.model, self.data, np.zeros(4)
         self.mujoco.mju_mat2Quat(quaternion, d.geom_xmat[i])
-        rgba = m.geom_rgba[i]
+        rgba, file = m.geom_rgba[i], self.files.get(i, ())
         return {
-            "type": self.mujoco.mjtGeom(m.geom_type[i]).name.removeprefix("mjGEOM_").lower(),
+            "type": self.mujoco.mjtGeom(m.geom_type[i]).name.removeprefix("mjGEOM_").lower() if file == () else "file",
+            "path": file[0] if file else None,
+            "scale": file[1] if file else None,
             "size": m.geom_size[i],
             "position": d.geom_xpos[i],
             "quaternion": quaternion,
-            "shown": bool(m.geom_group[i] < SHOWN and rgba[3] > 0.0),
+            "shown": bool(m.geom_group[i] < SHOWN and rgba[3] > 0.0 and file is not None),
             "colour": None if np.allclose(rgba[:3], 0.5) else rgba[:3].clip(0.0, 1.0),
         }
 
@@ -96,7 +121,8 @@ class Facts:
         springs, dampers = not self.off("SPRING"), not self.off("DAMPER")
         for i in range(m.njnt):
             kind = self.mujoco.mjtJoint(m.jnt_type[i]).name.removeprefix("mjJNT_").lower()
-            q, v = m.jnt_qposadr[i], m.jnt_dofadr[i]
+            q, v, single = m.jnt_qposadr[i], m.jnt_dofadr[i], kind in ("hinge", "slide")
+            limited = single and m.jnt_limited[i] and not self.off("LIMIT")
             found.append(
                 {
                     "name": self.name("joint", i),
@@ -106,27 +132,31 @@ class Facts:
                     "axis": d.xaxis[i],
                     "stiffness": m.jnt_stiffness.ravel()[i] if springs else 0.0,
                     "damping": m.dof_damping.ravel()[v] if dampers else 0.0,
-                    "rest": m.qpos_spring[q] - m.qpos0[q] if kind in ("hinge", "slide") else 0.0,
+                    "armature": m.dof_armature[v] if single else 0.0,
+                    "friction": 0.0 if self.off("FRICTIONLOSS") else m.dof_frictionloss[v],
+                    "rest": m.qpos_spring[q] - self.start[q] if single else 0.0,
+                    "limit": m.jnt_range[i] - self.start[q] if limited else None,
                 }
             )
         return found
 
     def equalities(self) -> list[dict[str, Any]]:
         """Active loop closures and couplings."""
-        m, found = self.model, []
+        m, found, active = self.model, [], set(self.active_equalities())
         for i in range(0 if self.off("EQUALITY") else m.neq):
             kind, parts = self.mujoco.mjtEq(m.eq_type[i]).name.removeprefix("mjEQ_").lower(), []
-            if kind == "joint":  # a mimic of URDF has no name
+            if kind == "joint":
                 parts = [int(m.eq_obj1id[i]), int(m.eq_obj2id[i])]
             name = self.name("equality", i, " by ".join(self.name("joint", k) for k in parts if k >= 0))
-            if not m.eq_active0[i]:
-                self.foreign.append(("equality", f"{name}, inactive at the start"))
+            element = ("equality", self.name("equality", i))
+            if i not in active:
+                self.add("switched-off", name, element)
             elif kind == "joint":
                 found.append({"name": name, "type": kind, "joints": parts, "polynomial": m.eq_data[i, :5]})
             elif kind in ("connect", "weld"):
                 found.append({"name": name, "type": kind, **self.ends(i, kind)})
             else:
-                self.foreign.append(("equality", f"{name} ({kind})"))
+                self.add("equality", f"{name} ({kind})", element)
         return found
 
     def ends(self, i: int, kind: str) -> dict[str, Any]:
@@ -146,42 +176,47 @@ class Facts:
         return {"bodies": list(ids), "points": points, "turn": turn}
 
     def list_foreign(self) -> None:
-        """Everything that acts on the motion and has no counterpart here: (kind, what)."""
-        m, add = self.model, self.foreign.append
-        for kind in ("actuator", "tendon", "plugin", "flex"):
+        """Everything that acts on the motion, always or at times, and is not among the facts."""
+        m = self.model
+        for kind in ("actuator", "flex"):
             count = getattr(m, f"n{kind}")
             if count and not (kind == "actuator" and self.off("ACTUATION")):
-                add((kind, ", ".join(self.name(kind, i) for i in range(min(count, 10))) + f" ({count})"))
+                names = [self.name(kind, i) for i in range(min(count, 10))]
+                self.add(kind, ", ".join(names) + (f" and {count - 10} more" if count > 10 else ""), count=count)
+        for i in range(m.ntendon):
+            self.list_tendon(i)
         for i in range(m.njnt):
             v, name = slice(m.jnt_dofadr[i], m.jnt_dofadr[i] + (6, 3, 1, 1)[m.jnt_type[i]]), self.name("joint", i)
-            if m.jnt_limited[i] and not self.off("LIMIT"):
-                add(("limit", f"range of {name}"))
-            if m.dof_armature[v].any():
-                add(("armature", name))
-            if m.dof_frictionloss[v].any() and not self.off("FRICTIONLOSS"):
-                add(("frictionloss", name))
+            if m.jnt_limited[i] and m.jnt_type[i] == self.mujoco.mjtJoint.mjJNT_BALL and not self.off("LIMIT"):
+                self.add("limit", f"range of {name}", ("joint", name))
+            if m.dof_armature[v].any() and v.stop - v.start > 1:
+                self.add("armature", name, ("joint", name))
             if m.jnt_stiffnesspoly[i].any() or m.dof_dampingpoly[v].any():
-                add(("passive", f"polynomial stiffness or damping of {name}"))
-        for i in np.flatnonzero(m.body_gravcomp).tolist():
-            add(("gravcomp", self.name("body", i)))
-        for i in self.guessed:
-            if m.body_weldid[i] and m.body_mass[i]:
-                body, mass = self.name("body", i), m.body_mass[i]
-                add(("inertial", f"the {mass:.3g} kg that MuJoCo makes of the shapes of {body}"))
+                self.add("passive", f"polynomial stiffness or damping of {name}", ("joint", name))
         for i in np.flatnonzero(m.body_mocapid >= 0).tolist():
-            add(("mocap", self.name("body", i)))
+            self.add("mocap", self.name("body", i), ("body", self.name("body", i)))
         if m.nplastic:
-            add(("passive", f"{m.nplastic} plastic joints"))
+            self.add("passive", f"{m.nplastic} plastic joints")
         if m.opt.density or m.opt.viscosity:
-            add(("fluid", f"density {m.opt.density:g}, viscosity {m.opt.viscosity:g}"))
+            self.add("fluid", f"density {m.opt.density:g}, viscosity {m.opt.viscosity:g}", ("option", ""))
         if not self.off("CONTACT"):
             self.list_contacts()
 
+    def list_tendon(self, i: int) -> None:
+        """A tendon that pulls always, or whose length is limited; others only measure."""
+        m, name = self.model, self.name("tendon", i)
+        loads = ("stiffness", "damping", "frictionloss", "armature")
+        if acts := [load for load in loads if np.any(getattr(m, f"tendon_{load}")[i])]:
+            self.add("tendon", f"{name}, which has {' and '.join(acts)}", ("tendon", name))
+        if m.tendon_limited[i] and not self.off("LIMIT"):
+            self.add("limit", f"length of tendon {name}, from which nothing hangs here", ("tendon", name))
+
     def list_contacts(self) -> None:
         """Geoms that could collide; MuJoCo leaves out those of one rigid group and of neighbours."""
-        m, add = self.model, self.foreign.append
-        for i in range(m.npair):
-            add(("contact", self.name("pair", i)))
+        m = self.model
+        if m.npair:
+            self.add("contact", ", ".join(self.name("pair", i) for i in range(min(m.npair, 10))), count=0)
+            return
         a = m.geom_bodyid
         group = m.body_weldid[a]
         above = m.body_weldid[m.body_parentid[group]]
@@ -194,17 +229,152 @@ class Facts:
             for k in i + 1 + np.flatnonzero((able != 0) & (group[j] != group[i]) & ~near):
                 low, high = sorted((int(a[i]), int(a[k])))
                 if (low << 16) + high not in excluded:
-                    add(("contact", f"{self.name('geom', i)} with {self.name('geom', int(k))}, and perhaps others"))
+                    what = f"{self.name('geom', i)} with {self.name('geom', int(k))}, and perhaps others"
+                    self.add("contact", what, count=0)
                     return
+
+    def keys(self) -> list[dict[str, Any]]:
+        """Key frames: poses and velocities of all bodies, and of all joints what they have moved since the start."""
+        m = self.model
+        found: list[dict[str, Any]] = []
+        if m.nkey * m.nbody > POSES_MAX:
+            self.said.append(f"{m.nkey} key frames of {m.nbody} bodies are not read, as they are too many")
+            return found
+        for k in range(m.nkey):
+            d = self.mujoco.MjData(m)
+            d.qpos[:], d.qvel[:] = m.key_qpos[k], m.key_qvel[k]
+            self.mujoco.mj_normalizeQuat(m, d.qpos)
+            for step in ("kinematics", "comPos", "comVel"):
+                getattr(self.mujoco, f"mj_{step}")(m, d)
+            twists = np.zeros((m.nbody, 6))
+            for i in range(m.nbody):
+                self.mujoco.mj_objectVelocity(m, d, self.mujoco.mjtObj.mjOBJ_XBODY, i, twists[i], 0)
+            poses, name = np.concatenate([d.xpos, d.xquat], axis=1), self.name("key", k)
+            joints = [self.moved(d, i) for i in range(m.njnt)]
+            found.append({"name": name, "time": m.key_time[k], "poses": poses, "joints": joints})
+            found[-1]["twists"] = np.roll(twists, 3, axis=1)  # MuJoCo has (w, v)
+        return found
+
+    def moved(self, d: Any, i: int) -> dict[str, Any]:
+        """What a joint has moved since the start, and its rate."""
+        m = self.model
+        q, v = m.jnt_qposadr[i], m.jnt_dofadr[i]
+        slides, turns = (m.jnt_type[i] == getattr(self.mujoco.mjtJoint, f"mjJNT_{kind}") for kind in ("SLIDE", "HINGE"))
+        return {
+            "slides": bool(slides), "turns": bool(turns), "value": d.qpos[q] - self.start[q], "rate": d.qvel[v],
+            "axis": d.xaxis[i], "anchor": d.xanchor[i], "turn": d.qpos[q : q + 4], "spin": d.qvel[v : v + 3],
+        }  # fmt: skip
+
+    def points(self) -> list[dict[str, Any]]:
+        """Sites at the reference pose."""
+        m, d = self.model, self.data
+        return [
+            {
+                "name": self.name("site", i), "body": int(m.site_bodyid[i]), "position": d.site_xpos[i],
+                "axes": d.site_xmat[i],
+            }
+            for i in range(m.nsite)
+        ]  # fmt: skip
 
     def all(self) -> dict[str, Any]:
         """Everything the parent needs."""
         m = self.model
         self.list_foreign()
-        facts = {"bodies": self.bodies(), "joints": self.joints(), "equalities": self.equalities()}
+        facts: dict[str, Any] = {"bodies": self.bodies(), "joints": self.joints(), "equalities": self.equalities()}
+        facts |= {"keys": self.keys(), "points": self.points(), "said": self.said, "missing": self.missing}
         idle = {kind: int(getattr(m, f"n{kind}")) for kind in ("sensor", "key", "cam", "light", "site", "geom")}
         gravity = np.zeros(3) if self.off("GRAVITY") else m.opt.gravity
         return facts | {"gravity": gravity, "foreign": self.foreign, "idle": idle}
+
+
+class Undressed:
+    """A specification without its looks: meshes, textures and materials are left where they give a mass only.
+
+    ``geoms``: those whose mesh was taken out, each with (path, scale) of its file, or None if it cannot be drawn.
+    """
+
+    def __init__(self, mujoco: Any, spec: Any, folders: Folders) -> None:
+        self.mujoco, self.spec, self.folders = mujoco, spec, folders
+        self.missing: list[str] = []
+        self.geoms: list[tuple[Any, tuple[str, float] | None]] = []
+        self.meshes = {mesh.name or PurePosixPath(mesh.file).stem: mesh for mesh in spec.meshes}
+        self.stripped, spec.strippath = bool(spec.strippath), False
+        needed = set()
+        for body, moves in self.walk():
+            for geom in body.geoms:
+                named = geom.meshname or geom.hfieldname
+                if named and moves and self.gives_mass(geom, body):
+                    self.resolve(geom, body)
+                    needed.add(geom.meshname)
+                elif named or geom.type in (mujoco.mjtGeom.mjGEOM_MESH, mujoco.mjtGeom.mjGEOM_HFIELD):
+                    self.undress(geom)
+        self.colour()
+        for kind in ("skins", "materials", "textures", "hfields"):
+            for part in list(getattr(spec, kind)):
+                spec.delete(part)
+        for name, mesh in self.meshes.items():
+            if name not in needed:
+                spec.delete(mesh)
+
+    def walk(self) -> Iterator[tuple[Any, bool]]:
+        """Every body, and whether it can move."""
+        waiting = [(self.spec.worldbody, False)]
+        while waiting:
+            body, moves = waiting.pop()
+            moves = moves or bool(body.joints)
+            yield body, moves
+            waiting += [(child, moves) for child in body.bodies]
+
+    def gives_mass(self, geom: Any, body: Any) -> bool:
+        """Whether the mass of a body comes from this geom."""
+        choices, wanted = self.mujoco.mjtInertiaFromGeom, self.spec.compiler.inertiafromgeom
+        first, last = self.spec.compiler.inertiagrouprange
+        weightless = geom.mass == 0.0 or geom.density == 0.0 or not first <= geom.group <= last
+        if weightless or wanted == choices.mjINERTIAFROMGEOM_FALSE:
+            return False
+        return wanted == choices.mjINERTIAFROMGEOM_TRUE or not body.explicitinertial
+
+    def file_of(self, mesh: Any) -> Path | None:
+        """Return the file of a mesh, if it lies where it may."""
+        name = PurePosixPath(mesh.file.replace("\\", "/")).name if self.stripped else mesh.file
+        return self.folders.find(name, self.folders.home / self.spec.meshdir)
+
+    def resolve(self, geom: Any, body: Any) -> None:
+        """Let a mesh that gives a mass be read from where it lies."""
+        mesh = self.meshes.get(geom.meshname)
+        if mesh is None or not mesh.file:
+            return  # MuJoCo says what is wrong, or makes the mesh itself
+        path = self.file_of(mesh)
+        if path is None:
+            raise InputError(
+                f"mesh file '{mesh.file}' gives the mass of body '{body.name}' and is not found in the folder of the "
+                "model or in package_paths; put it there, or give the body an <inertial>"
+            )
+        mesh.file = str(path)
+
+    def undress(self, geom: Any) -> None:
+        """Put a small ball in the place of a mesh, which collides as the mesh would for all that is asked here."""
+        mesh, file = self.meshes.get(geom.meshname), None
+        if mesh is not None and mesh.file and geom.type == self.mujoco.mjtGeom.mjGEOM_MESH:
+            path, scale = self.file_of(mesh), np.unique(mesh.scale)
+            plain = not np.any(mesh.refpos) and np.array_equal(mesh.refquat, [1.0, 0.0, 0.0, 0.0])
+            if path is not None and plain and scale.size == 1 and scale[0] > 0.0:
+                file = (str(path), float(scale[0]))
+            else:
+                self.missing.append(f"{mesh.file}: {'mirrored, stretched or moved' if path else 'not found'}")
+        geom.type, geom.size = self.mujoco.mjtGeom.mjGEOM_SPHERE, [BALL, BALL, BALL]
+        geom.meshname = geom.hfieldname = ""
+        self.geoms.append((geom, file))
+
+    def colour(self) -> None:
+        """Give geoms the colours of their materials, which may be missing."""
+        colours = {material.name: material.rgba for material in self.spec.materials}
+        for geom in self.spec.geoms:
+            if geom.material in colours and np.allclose(geom.rgba[:3], 0.5):
+                geom.rgba = colours[geom.material]
+        for kind in ("geoms", "sites", "tendons"):
+            for part in getattr(self.spec, kind):
+                part.material = ""
 
 
 def plain(value: Any, what: str) -> Any:
@@ -217,6 +387,7 @@ def plain(value: Any, what: str) -> Any:
     if isinstance(value, np.ndarray | np.generic):
         if not np.isfinite(value).all():
             raise InputError(f"{what.strip()}: not finite: {value.tolist()}; give finite numbers")
+        check_size(np.asarray(value, float), what.strip())
         return value.tolist()
     return value
 
@@ -230,7 +401,7 @@ def main() -> None:
     try:
         import mujoco
 
-        answer = {"facts": plain(Facts(mujoco, sys.argv[1], sys.argv[3]).all(), "")}
+        answer = {"facts": plain(Facts(mujoco, sys.argv[1], Folders(Path(sys.argv[1]), sys.argv[3:])).all(), "")}
     except ImportError as error:
         answer = {"error": f"needs the package mujoco ({error}); install it: pip install 'mbsd3d[import]'"}
     except (Exception, MemoryError) as error:

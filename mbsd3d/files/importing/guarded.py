@@ -1,0 +1,52 @@
+"""Processes with limits on time and memory, in which other programs read files from anywhere."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from ...base.errors import InputError
+
+LOADED = 5.0  # times the processor time allowed: what the clock may show on a busy machine
+OUT_OF_TIME = -getattr(signal, "SIGXCPU", 0) or None  # exit code; Windows has none
+MEMORY = 4 << 30  # [bytes] of address space, most of it never used
+
+
+def limit(seconds: int) -> None:
+    """Bounds on memory and CPU time [s], where the system has them."""
+    try:
+        import resource
+    except ImportError:  # Windows: the parent's clock alone
+        return
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+
+def answer_of(module: str, arguments: list[str], timeout: float, who: str) -> dict[str, Any]:
+    """What a guarded process prints as JSON, or an InputError if it takes too long or breaks off."""
+    place = str(Path(__file__).resolve().parents[3])
+    extra = {"PYTHONPATH": os.pathsep.join(filter(None, (place, os.environ.get("PYTHONPATH"))))}
+    extra |= {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}  # every thread takes address space
+    with tempfile.TemporaryDirectory() as folder:  # MuJoCo writes a log into its working directory
+        try:
+            command = [sys.executable, "-m", module, *arguments]
+            done = subprocess.run(
+                command, capture_output=True, cwd=folder, env=os.environ | extra, timeout=LOADED * timeout
+            )
+            slow = done.returncode == OUT_OF_TIME
+        except subprocess.TimeoutExpired:
+            slow = True
+    if slow:
+        raise InputError(f"{who} takes more than {timeout:g} s to read it; make it smaller, or raise timeout")
+    try:
+        return json.loads(done.stdout)
+    except ValueError:
+        raise InputError(
+            f"{who} broke off while reading it (exit code {done.returncode}): a limit of memory or time, or a fault; "
+            "make the model smaller"
+        ) from None

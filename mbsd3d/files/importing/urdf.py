@@ -1,0 +1,541 @@
+"""Facts of a URDF file: links, joints and what acts on them, at the pose where all angles are zero.
+
+Followers of a mimic start where their leaders put them. What acts on no motion is counted and passed over.
+"""
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...base.checks import check_size
+from ...base.errors import InputError
+from ...base.paths import read_text
+from ...base.rotations import matrix, multiply, rotation
+from .folders import Folders
+from .tree import Facts, felt_inertia, length_of
+from .xacro import expanded, is_xacro
+from .xml_scan import COPIES, LIMIT, Parser
+
+KINDS_OF_JOINTS = {
+    "revolute": "hinge", "continuous": "hinge", "prismatic": "slide", "planar": "planar", "floating": "free",
+    "fixed": "fixed",
+}  # fmt: skip
+LINK_TAGS = ("inertial", "visual", "collision")
+JOINT_TAGS = ("parent", "child", "origin", "axis", "limit", "dynamics", "mimic", "safety_controller")
+WORLD = "world"  # a link of this name at the root is the ground, declared or not
+FELT_ROUNDING = 1e-12  # [m L^2] of mass and extent of the model: what a hinge turns, if it turns nothing
+
+
+@dataclass
+class Node:
+    """An element, with the line it starts in."""
+
+    tag: str
+    attributes: dict[str, str]
+    line: int
+    children: list["Node"] = field(default_factory=list)
+
+    @property
+    def place(self) -> str:
+        """Line and element."""
+        return f"line {self.line}, <{self.tag}>"
+
+    def all(self, tag: str) -> list["Node"]:
+        """Its children of a tag."""
+        return [child for child in self.children if child.tag == tag]
+
+    def one(self, tag: str) -> "Node | None":
+        """Its only child of a tag, or None."""
+        found = self.all(tag)
+        if len(found) > 1:
+            raise InputError(f"{found[1].place}: stands twice in <{self.tag}>; keep one")
+        return found[0] if found else None
+
+    def text(self, name: str) -> str:
+        """An attribute that must be there."""
+        value = self.attributes.get(name, "").strip()
+        if not value:
+            raise InputError(f"{self.place}: has no {name}; give {name}=")
+        return value
+
+    def numbers(self, name: str, count: int, default: tuple[float, ...] | None = None) -> np.ndarray:
+        """An attribute of finite numbers; commas between those of a vector are passed over."""
+        text = self.attributes.get(name)
+        if text is None and default is not None:
+            return np.array(default)
+        words = self.text(name).replace(",", " ").split()
+        try:
+            values = [float(word) for word in words if "_" not in word]
+        except ValueError:
+            values = []
+        if len(values) != count or len(words) != count or not all(map(isfinite, values)):
+            wanted = "a finite number" if count == 1 else f"{count} finite numbers"
+            raise InputError(f"{self.place}: {name}='{str(text)[:60]}' is not {wanted}; correct it")
+        found = np.array(values)
+        check_size(found, f"{self.place}: {name}")
+        return found
+
+    def number(self, name: str, default: float | None = None) -> float:
+        """An attribute of one number."""
+        return float(self.numbers(name, 1, None if default is None else (default,))[0])
+
+
+def tree_of(path: Path, text: str) -> Node:
+    """The root element of a text, with all below it."""
+    root, count, parser = Node("", {}, 0), 0, Parser(path)
+    stack = [root]
+
+    def start(name: str, attributes: dict[str, str]) -> None:
+        nonlocal count
+        count += 1
+        if count > COPIES:
+            raise InputError(f"{parser.place(f'<{name}>')} is one of more than {COPIES} elements; use fewer")
+        stack.append(Node(name, attributes, parser.line))
+        stack[-2].children.append(stack[-1])
+
+    def end(name: str) -> None:
+        stack.pop()
+
+    parser.parse(text, start, end)
+    return root.children[0]
+
+
+@dataclass
+class Link:
+    """A link: what it weighs about its own frame, and where it is."""
+
+    name: str
+    node: Node | None
+    mass: float = 0.0
+    com: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    inertia: np.ndarray = field(default_factory=lambda: np.zeros((3, 3)))
+    r: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    e: np.ndarray = field(default_factory=lambda: np.array([1.0, 0.0, 0.0, 0.0]))
+
+
+@dataclass
+class Connection:
+    """A joint: kind as the builder knows it, place in the parent, axis in its own frame, value at the start."""
+
+    name: str
+    node: Node
+    kind: str
+    parent: str
+    child: str
+    origin: np.ndarray
+    turn: np.ndarray
+    axis: np.ndarray
+    start: float = 0.0
+
+
+class Robot:
+    """A URDF file; xacro is run where it is used."""
+
+    def __init__(self, path: Path, folders: Folders, floating: bool | None, timeout: float) -> None:
+        text = read_text(path, LIMIT)
+        root = tree_of(path, expanded(path, folders, timeout) if is_xacro(path, text) else text)
+        if root.tag != "robot":
+            raise InputError(f"'{path}': its root is <{root.tag}>, not <robot>; use the reader of its format")
+        self.root, self.folders, self.floating = root, folders, floating
+        self.idle: Counter[str] = Counter()
+        self.said: list[str] = []
+        self.chosen: list[str] = []
+        self.missing: list[str] = []
+        self.foreign: list[Facts] = []
+        self.places: dict[tuple[str, str], str] = {}
+
+    def place_of(self, tag: str, name: str) -> str:
+        """Line and element of a link ("body"), joint or mimic ("equality")."""
+        return self.places.get((tag, name), "")
+
+    def facts(self) -> Facts:
+        """Bodies, joints and couplings for the builder."""
+        self.idle.update(child.tag for child in self.root.children if child.tag not in ("link", "joint"))
+        self.links = {link.name: link for link in self.read_links()}
+        self.joints = {joint.name: joint for joint in self.read_joints()}
+        order = self.in_order()
+        self.set_starts()
+        self.set_poses(order)
+        bodies, number = self.bodies(order)
+        facts: Facts = {"bodies": bodies, "joints": [], "equalities": [], "gravity": [0.0, 0.0, -9.81]}
+        if not any(body["mass"] for body in bodies):
+            raise InputError("no link of it has a mass; give <inertial> with mass and inertia")
+        self.weld_unfelt(facts, number, order)
+        self.base(facts, order[0])
+        places = self.list_joints(facts, number)
+        self.list_mimics(facts, places)
+        self.list_contacts(bodies)
+        for body in bodies:
+            body["geoms"] = self.geoms(body.pop("link"))
+        points = [
+            {"name": b["name"], "body": i, "position": b["position"], "axes": matrix(b["quaternion"])}
+            for i, b in enumerate(bodies)
+            if i and b["weld"] != i
+        ]
+        return facts | {
+            "points": points, "foreign": self.foreign, "idle": dict(self.idle), "said": self.said + self.chosen,
+            "chosen": self.chosen, "missing": self.missing,
+        }  # fmt: skip
+
+    def read_links(self) -> Iterator[Link]:
+        """Every link, and `world` where a joint needs it undeclared."""
+        names: set[str] = set()
+        for node in self.root.all("link"):
+            link = self.link(node)
+            if link.name in names:
+                raise InputError(f"{node.place}: a second link is named '{link.name}'; give each its own name")
+            names.add(link.name)
+            yield link
+        wanted = {end.attributes.get("link") for node in self.root.all("joint") for end in node.all("parent")}
+        if not names:
+            raise InputError("it has no <link>; give links")
+        if WORLD in wanted - names:
+            yield Link(WORLD, None)
+
+    def link(self, node: Node) -> Link:
+        """A link with its mass, and inertia about its centre of mass in its own axes."""
+        link = Link(node.text("name"), node)
+        self.places["body", link.name] = node.place
+        self.idle.update(child.tag for child in node.children if child.tag != "inertial")
+        inertial = node.one("inertial")
+        if inertial is None:
+            return link
+        mass, inertia, origin = (inertial.one(tag) for tag in ("mass", "inertia", "origin"))
+        if mass is None or inertia is None:
+            what = "mass" if mass is None else "inertia"
+            raise InputError(f"{inertial.place} of link '{link.name}' has no <{what}>; give it, zeros for none")
+        link.mass = mass.number("value")
+        if link.mass < 0.0:
+            raise InputError(f"{mass.place} of link '{link.name}': {link.mass:g} kg < 0; give a mass >= 0")
+        I = np.zeros((3, 3))
+        for a, row in enumerate("xyz"):
+            for b, column in enumerate("xyz"[a:], a):
+                I[a, b] = I[b, a] = inertia.number(f"i{row}{column}", None if a == b else 0.0)
+        link.com, turn = place_in_parent(origin)
+        link.inertia = matrix(turn) @ I @ matrix(turn).T
+        return link
+
+    def read_joints(self) -> Iterator[Connection]:
+        """Every joint, between links that are there."""
+        names: set[str] = set()
+        for node in self.root.all("joint"):
+            joint = self.joint(node)
+            if joint.name in names:
+                raise InputError(f"{node.place}: a second joint is named '{joint.name}'; give each its own name")
+            names.add(joint.name)
+            yield joint
+
+    def joint(self, node: Node) -> Connection:
+        """A joint."""
+        name, kind = node.text("name"), node.text("type")
+        self.places["joint", name] = node.place
+        self.idle.update(child.tag for child in node.children if child.tag not in JOINT_TAGS)
+        if kind not in KINDS_OF_JOINTS:
+            have = ", ".join(KINDS_OF_JOINTS)
+            raise InputError(f"{node.place}: joint '{name}' is of the type '{kind[:40]}'; give one of {have}")
+        ends = [node.one(tag) for tag in ("parent", "child")]
+        links = [end.text("link") if end else "" for end in ends]
+        for end, link in zip(("parent", "child"), links, strict=True):
+            if link not in self.links:
+                raise InputError(f"{node.place}: {end} of joint '{name}' is '{link}', which is no link; name a link")
+        origin, turn = place_in_parent(node.one("origin"))
+        axis_node = node.one("axis")
+        axis = np.array([1.0, 0.0, 0.0]) if axis_node is None else axis_node.numbers("xyz", 3, (1.0, 0.0, 0.0))
+        length = float(np.linalg.norm(axis))
+        if kind in ("fixed", "floating"):
+            axis, length = np.array([1.0, 0.0, 0.0]), 1.0
+        if length == 0.0:
+            raise InputError(f"{node.place}: the axis of joint '{name}' has no length; give a direction")
+        return Connection(name, node, KINDS_OF_JOINTS[kind], links[0], links[1], origin, turn, axis / length)
+
+    def in_order(self) -> list[str]:
+        """Names of the links, parents before children; they must be a tree."""
+        above: dict[str, Connection] = {}
+        for joint in self.joints.values():
+            if joint.child in above:
+                raise InputError(
+                    f"{joint.node.place}: link '{joint.child}' has a second parent, joint '{joint.name}' beside "
+                    f"'{above[joint.child].name}'; URDF knows trees only, cut the loop"
+                )
+            above[joint.child] = joint
+        roots = [name for name in self.links if name not in above]
+        if len(roots) != 1:
+            shown = ", ".join(f"'{name}'" for name in roots[:5]) or "none"
+            raise InputError(f"links without a parent: {shown}; let joints connect all links to one root")
+        self.above, self.below = above, {name: [] for name in self.links}  # type: ignore[var-annotated]
+        for joint in self.joints.values():
+            self.below[joint.parent].append(joint)
+        order = roots
+        for name in order:
+            order += [joint.child for joint in self.below[name]]
+        if len(order) < len(self.links):
+            lost = next(name for name in self.links if name not in set(order))
+            raise InputError(f"link '{lost}' hangs on itself by its joints; let joints connect all links to one root")
+        return order
+
+    def set_starts(self) -> None:
+        """Values of followers where their leaders are at zero: y = multiplier x + offset."""
+        for joint in self.joints.values():
+            line: list[Connection] = []
+            leader: Connection | None = joint
+            while leader is not None:
+                if leader in line:
+                    raise InputError(f"{joint.node.place}: joint '{joint.name}' follows itself; cut the circle")
+                line.append(leader)
+                leader = self.leader(leader)
+            value = 0.0
+            for follower in reversed(line[:-1]):
+                multiplier, offset = mimic_of(follower)
+                value = multiplier * value + offset
+            joint.start = value
+            if value:
+                self.said.append(f"'{joint.name}' counts from {value:g}, where it starts")
+
+    def leader(self, joint: Connection) -> Connection | None:
+        """The joint that a joint follows, or None."""
+        mimic = joint.node.one("mimic")
+        if mimic is None or joint.kind == "fixed":
+            return None
+        name = mimic.text("joint")
+        if name not in self.joints:
+            raise InputError(f"{mimic.place}: joint '{joint.name}' follows '{name[:60]}', which is no joint; name one")
+        return self.joints[name]
+
+    def set_poses(self, order: list[str]) -> None:
+        """Where the links are at the start."""
+        for name in order[1:]:
+            joint, link = self.above[name], self.links[name]
+            parent = self.links[joint.parent]
+            link.r = parent.r + matrix(parent.e) @ joint.origin
+            link.e = multiply(parent.e, joint.turn)
+            if joint.kind == "hinge" and joint.start:
+                link.e = multiply(link.e, rotation(joint.axis, joint.start))
+            elif joint.kind == "slide":
+                link.r = link.r + matrix(link.e) @ joint.axis * joint.start
+            link.e = link.e / np.linalg.norm(link.e)
+
+    def bodies(self, order: list[str]) -> tuple[list[Facts], dict[str, int]]:
+        """The world and all links, welded where joints are fixed, and the number of every link."""
+        nothing = {"mass": 0.0, "centre": np.zeros(3), "inertia": np.zeros((3, 3)), "gravcomp": 0.0}
+        world = {"name": WORLD, "parent": 0, "weld": 0, "position": np.zeros(3), "quaternion": [1.0, 0.0, 0.0, 0.0]}
+        found, number = [world | nothing | {"link": None}], {}
+        for i, name in enumerate(order, 1):
+            link, number[name] = self.links[name], i
+            R, joint = matrix(link.e), self.above.get(name)
+            parent = number[joint.parent] if joint else 0
+            fixed = joint is not None and joint.kind == "fixed"
+            found.append(
+                {
+                    "name": name, "parent": parent, "weld": found[parent]["weld"] if fixed else i,
+                    "position": link.r, "quaternion": link.e, "mass": link.mass, "centre": link.r + R @ link.com,
+                    "inertia": R @ link.inertia @ R.T, "link": link,
+                }
+            )  # fmt: skip
+        return found, number
+
+    def weld_unfelt(self, facts: Facts, number: dict[str, int], order: list[str]) -> None:
+        """Weld joints that move nothing that has mass: no body can feel them, and nothing determines their motion."""
+        bodies, coupled = facts["bodies"], set()
+        for joint in self.joints.values():
+            leader = self.leader(joint)
+            coupled |= {joint.name, leader.name} if leader else set()
+        mass, moves = [body["mass"] for body in bodies], [False] * len(bodies)
+        largest, unfelt = sum(mass) * length_of(facts) ** 2, []
+        for name in reversed(order[1:]):
+            i, joint = number[name], self.above[name]
+            felt = mass[i] > 0.0
+            if felt and joint.kind == "hinge" and not moves[i]:
+                felt = felt_inertia(facts, {"type": "hinge", "body": i} | self.line_of(joint)) > FELT_ROUNDING * largest
+            if joint.kind != "fixed" and not felt and joint.name not in coupled:
+                joint.kind = "fixed"
+                unfelt.append(f"'{joint.name}'")
+            parent = bodies[i]["parent"]
+            mass[parent] += mass[i]
+            moves[parent] = moves[parent] or moves[i] or joint.kind != "fixed"
+        for i, name in enumerate(order, 1):
+            if i > 1 and self.above[name].kind == "fixed":
+                bodies[i]["weld"] = bodies[bodies[i]["parent"]]["weld"]
+        if unfelt:
+            self.said.append(f"welded, as nothing that has mass can feel it: {', '.join(reversed(unfelt))}")
+
+    def line_of(self, joint: Connection) -> Facts:
+        """Point and direction of the axis of a joint, world."""
+        link = self.links[joint.child]
+        return {"anchor": link.r, "axis": matrix(link.e) @ joint.axis}
+
+    def base(self, facts: Facts, root: str) -> None:
+        """Fix the root to the world or let it float."""
+        bodies = facts["bodies"]
+        mass = sum(body["mass"] for body in bodies if body["weld"] == 1)
+        moving = any(joint.kind != "fixed" for joint in self.joints.values())
+        floats = self.floating
+        if floats and (root == WORLD or not mass):
+            why = "is the fixed frame" if root == WORLD else "has no mass"
+            raise InputError(f"floating=True: the root '{root}' {why}; give floating=False, or a root with a mass")
+        if floats is None:
+            floats = root != WORLD and mass > 0.0 and not moving
+            if root != WORLD and mass > 0.0 and moving:
+                self.chosen.append(f"{root} is fixed; floating=True frees it, floating=False says so")
+        if floats:
+            self.said.append("floating base")
+            facts["joints"].append(unloaded(f"{root} floats", "free", 1) | {"anchor": bodies[1]["position"]})
+            return
+        for body in bodies:
+            body["weld"] = 0 if body["weld"] == 1 else body["weld"]
+
+    def list_joints(self, facts: Facts, number: dict[str, int]) -> dict[str, int]:
+        """Joints that move, with dampers, friction and limits; returns the number of each."""
+        places = {}
+        for joint in self.joints.values():
+            if joint.kind == "fixed":
+                continue
+            fact = unloaded(joint.name, joint.kind, number[joint.child]) | self.line_of(joint)
+            self.load(joint, fact)
+            places[joint.name] = len(facts["joints"])
+            facts["joints"].append(fact)
+        return places
+
+    def load(self, joint: Connection, fact: Facts) -> None:
+        """Dynamics and limits of a joint."""
+        node, single = joint.node, joint.kind in ("hinge", "slide")
+        dynamics, limits = node.one("dynamics"), node.one("limit")
+        if dynamics is not None:
+            values = {name: dynamics.number(name, 0.0) for name in ("damping", "friction")}
+            for name, value in values.items():
+                if value < 0.0:
+                    raise InputError(f"{dynamics.place}: {name} of joint '{joint.name}' is {value:g} < 0; give >= 0")
+            if single:
+                fact |= values
+            elif any(values.values()):
+                self.add("passive", f"damping or friction of {joint.name}", joint)
+        if limits is not None:
+            lower, upper = (limits.number(side, 0.0) for side in ("lower", "upper"))
+            given = {"lower", "upper"} & set(limits.attributes)
+            if single and given and node.attributes["type"] != "continuous":
+                if lower <= upper:
+                    fact["limit"] = [lower - joint.start, upper - joint.start]
+                else:
+                    self.add("limit", f"range of {joint.name}, whose lower end is the higher one", joint)
+            for kind in ("effort", "velocity"):
+                if kind in limits.attributes:
+                    self.add(kind, joint.name, joint)
+        if node.one("safety_controller") is not None:
+            self.add("safety", joint.name, joint)
+
+    def add(self, kind: str, what: str, joint: Connection, count: int = 1) -> None:
+        """Keep something that is not among the facts."""
+        self.foreign.append({"kind": kind, "what": what, "element": ("joint", joint.name), "count": count})
+
+    def list_mimics(self, facts: Facts, places: dict[str, int]) -> None:
+        """Couplings of followers to their leaders."""
+        for name, place in places.items():
+            joint = self.joints[name]
+            leader = self.leader(joint)
+            if leader is None:
+                continue
+            title = f"{name} by {leader.name}"
+            self.places["equality", title] = joint.node.place
+            if joint.kind not in ("hinge", "slide") or leader.kind not in ("hinge", "slide", "fixed"):
+                self.add("equality", f"{title}: {joint.kind} and {leader.kind}", joint)
+                continue
+            leads = places.get(leader.name, -1)
+            polynomial = [0.0, mimic_of(joint)[0] if leads >= 0 else 0.0, 0.0, 0.0, 0.0]
+            facts["equalities"].append(
+                {"name": title, "type": "joint", "joints": [place, leads], "polynomial": polynomial}
+            )
+
+    def list_contacts(self, bodies: list[Facts]) -> None:
+        """Bodies that could collide."""
+        able = [b for b in bodies if b["link"] is not None and b["link"].node and b["link"].node.all("collision")]
+        if len({body["weld"] for body in able}) > 1:
+            what = f"{able[0]['name']} with {able[-1]['name']}, and perhaps others"
+            element = ("body", able[0]["name"])
+            self.foreign.append({"kind": "contact", "what": what, "element": element, "count": 0})
+
+    def geoms(self, link: Link | None) -> list[Facts]:
+        """What is drawn of a link; a look that is not understood is missing, and no more."""
+        found = []
+        for visual in link.node.all("visual") if link and link.node else []:
+            try:
+                geom = self.geom(visual)
+                at, turn = place_in_parent(visual.one("origin"))
+            except InputError as error:
+                self.missing.append(str(error))
+                continue
+            if geom is None or link is None:
+                continue
+            position, quaternion = link.r + matrix(link.e) @ at, multiply(link.e, turn)
+            found.append(
+                geom | {"position": position, "quaternion": quaternion, "shown": True, "colour": self.colour(visual)}
+            )
+        return found
+
+    def geom(self, visual: Node) -> Facts | None:
+        """Kind and sizes of a visual; None, and the file missing, for a mesh that is not there or not plain."""
+        geometry = visual.one("geometry")
+        shape = geometry.children[0] if geometry and geometry.children else visual
+        match shape.tag:
+            case "box":
+                return {"type": "box", "size": 0.5 * positive(shape, "size", 3)}
+            case "sphere":
+                return {"type": "sphere", "size": [positive(shape, "radius", 1)[0]] * 3}
+            case "cylinder" | "capsule":
+                radius, length = positive(shape, "radius", 1)[0], positive(shape, "length", 1)[0]
+                return {"type": shape.tag, "size": [radius, 0.5 * length, 0.0]}
+            case "mesh":
+                name, scale = shape.text("filename"), np.unique(shape.numbers("scale", 3, (1.0, 1.0, 1.0)))
+                path = self.folders.find(name)
+                if path is not None and scale.size == 1 and scale[0] > 0.0:
+                    return {"type": "file", "path": str(path), "scale": float(scale[0])}
+                self.missing.append(f"{name}: {'mirrored or stretched' if path else 'not found'}")
+                return None
+        raise InputError(f"{shape.place}: is no shape that is drawn; give box, sphere, cylinder or mesh")
+
+    def colour(self, visual: Node) -> list[float] | None:
+        """Red, green, blue of a visual, or of the material of its name; None where it has none."""
+        material = next(iter(visual.all("material")), None)
+        if material is None:
+            return None
+        name = material.attributes.get("name")
+        others = [other for other in self.root.all("material") if other.attributes.get("name") == name]
+        for source in (material, *others):
+            for colour in source.all("color"):
+                try:
+                    return [float(x) for x in colour.numbers("rgba", 4)[:3].clip(0.0, 1.0)]
+                except InputError:
+                    return None
+        return None
+
+
+def mimic_of(joint: Connection) -> tuple[float, float]:
+    """Multiplier and offset of a follower."""
+    mimic = joint.node.one("mimic") or joint.node
+    return mimic.number("multiplier", 1.0), mimic.number("offset", 0.0)
+
+
+def place_in_parent(origin: Node | None) -> tuple[np.ndarray, np.ndarray]:
+    """Position and quaternion of an <origin>: roll about x, then pitch about y, then yaw about z, all fixed axes."""
+    if origin is None:
+        return np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])
+    roll, pitch, yaw = origin.numbers("rpy", 3, (0.0, 0.0, 0.0))
+    turn = multiply(rotation("z", yaw), multiply(rotation("y", pitch), rotation("x", roll)))
+    return origin.numbers("xyz", 3, (0.0, 0.0, 0.0)), turn
+
+
+def positive(node: Node, name: str, count: int) -> np.ndarray:
+    """Lengths > 0 [m]."""
+    found = node.numbers(name, count)
+    if found.min() <= 0.0:
+        raise InputError(f"{node.place}: {name} is not positive; give lengths > 0")
+    return found
+
+
+def unloaded(name: str, kind: str, body: int) -> dict[str, Any]:
+    """A joint on which nothing acts."""
+    loads = {"stiffness": 0.0, "damping": 0.0, "friction": 0.0, "armature": 0.0, "rest": 0.0, "limit": None}
+    return {"name": name, "type": kind, "body": body, "axis": np.array([1.0, 0.0, 0.0])} | loads
