@@ -47,10 +47,16 @@ from .mechanism.engaged import Engaged as Engaged
 from .mechanism.forces.applied import AeroDrag as AeroDrag
 from .mechanism.forces.applied import Force as Force
 from .mechanism.forces.applied import Torque as Torque
+from .mechanism.forces.between import ForceBetween as ForceBetween
+from .mechanism.forces.between import TorqueBetween as TorqueBetween
 from .mechanism.forces.brake import Brake as Brake
 from .mechanism.forces.bushing import Bushing as Bushing
+from .mechanism.forces.by_table import ForceCurve as ForceCurve
+from .mechanism.forces.by_table import TorqueCurve as TorqueCurve
+from .mechanism.forces.cone_stop import ConeStop as ConeStop
 from .mechanism.forces.contact import Contact as Contact
 from .mechanism.forces.custom import CustomForce as CustomForce
+from .mechanism.forces.end_stop import EndStop as EndStop
 from .mechanism.forces.feedback import StateFeedback as StateFeedback
 from .mechanism.forces.gravitation import CentralGravity as CentralGravity
 from .mechanism.forces.gravitation import Weight as Weight

@@ -14,6 +14,7 @@ from ..base.checks import shown
 from ..base.directions import cross, perpendiculars, unit
 from ..base.errors import InputError, explaining
 from .bodies import GROUND, Body, Ground
+from .forces.by_table import ForceCurve
 from .forces.springs import SpringDamper
 from .measures import Measure, body_or_error, distance, label, lean, of_coordinate, point_of
 from .primitives import Coordinate
@@ -172,9 +173,9 @@ def between(
 
 
 @explaining
-def length(spring: SpringDamper) -> Measure:
-    """Length of a spring [m]."""
-    if not isinstance(spring, SpringDamper):
-        raise InputError(f"measures.length: {shown(spring)} is not a SpringDamper; use measures.distance(a, b)")
+def length(spring: SpringDamper | ForceCurve) -> Measure:
+    """Length of a spring or damper between two points [m]."""
+    if not isinstance(spring, SpringDamper | ForceCurve):
+        raise InputError(f"measures.length: {shown(spring)} is not a SpringDamper or ForceCurve; use measures.distance(a, b)")
     measure = distance(spring.a, spring.b, at_a=spring.at_a, at_b=spring.at_b)
     return replace(measure, label=f"length of {label(spring)}")

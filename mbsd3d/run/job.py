@@ -14,6 +14,7 @@ from ..constraints.conflicting_drivers import rivals
 from ..constraints.idle_rotations import check_spins, find_idle_rotations
 from ..constraints.rank import choose_rows, tree_over_rows
 from ..dynamics.auditing import AUDITED_FIELDS
+from ..dynamics.contact_steps import watched_gaps
 from ..dynamics.state_rates import FACTOR_FROM_OTHER_POSE, PROJECTED, project_and_evaluate
 from ..equations.at_state import check_quaternions, driven_coordinates, load_rows, load_state, unmet, worst_joint
 from ..equations.compiled import Compiled
@@ -26,7 +27,6 @@ from ..kernels.coordinates import remember
 from ..kernels.kinds import PROJECTION
 from ..kernels.layout import Tree
 from ..mechanism.drivers import SpeedDriver
-from ..mechanism.forces.contact import Contact
 from ..mechanism.forces.custom import check_runnable
 from ..mechanism.state import State
 from ..results.record import MOST_NUMBERS, Record, RunOptions, Samples, buffer_size
@@ -43,7 +43,14 @@ from .failure_causes import (
     singular_start,
     singular_there,
 )
-from .initial_checks import MemoryWatch, check_balance, check_initial_penetration, longest_step, with_jumps
+from .initial_checks import (
+    MemoryWatch,
+    check_balance,
+    check_initial_penetration,
+    check_stops,
+    longest_step,
+    with_jumps,
+)
 from .stiffness import check_forces
 
 CHUNK_SECONDS = 0.05  # s of kernel time between two returns to Python, for progress and Ctrl-C
@@ -82,7 +89,7 @@ class Job:
         run = allocate_run(
             y, self.model.body.size, np.zeros(0) if times is None else times, capacity, sum(widths), method.dense_terms,
             turns_of_signals(m, t),
-            np.flatnonzero([isinstance(force, Contact) for force in self.compiled.system.forces]),
+            watched_gaps(self.compiled.system.forces),
             m.state.size - m.z_work,
         )  # fmt: skip
         run = run._replace(turns=with_jumps(run.turns, self.compiled.system, t))
@@ -232,6 +239,7 @@ class Job:
         self.functions.check_start()
         check_balance(self.compiled, self.memory.y, self.start.t)
         check_initial_penetration(self.compiled, self.memory.y)
+        check_stops(self.compiled, self.memory.y)
         if self.model.stabilisation != PROJECTION:
             return
         missed = unmet(self.compiled, self.data, self.start.v, max(1e-8, self.record.tolerance))
