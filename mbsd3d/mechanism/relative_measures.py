@@ -176,6 +176,8 @@ def between(
 def length(spring: SpringDamper | ForceCurve) -> Measure:
     """Length of a spring or damper between two points [m]."""
     if not isinstance(spring, SpringDamper | ForceCurve):
-        raise InputError(f"measures.length: {shown(spring)} is not a SpringDamper or ForceCurve; use measures.distance(a, b)")
+        raise InputError(
+            f"measures.length: {shown(spring)} is not a SpringDamper or ForceCurve; use measures.distance(a, b)"
+        )
     measure = distance(spring.a, spring.b, at_a=spring.at_a, at_b=spring.at_b)
     return replace(measure, label=f"length of {label(spring)}")

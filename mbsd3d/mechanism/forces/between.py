@@ -79,9 +79,7 @@ class ForceBetween(ForceElement):
         check_choice(self.frame, FRAMES, f"{what}: frame")
 
     def record(self) -> ForceRecord:
-        return ForceRecord(
-            (self.a, self.b), (self.at, self.at), option=FRAMES.index(self.frame), signals=self.force
-        )
+        return ForceRecord((self.a, self.b), (self.at, self.at), option=FRAMES.index(self.frame), signals=self.force)
 
     def acts_at(self, body: Body | Ground) -> tuple[Body | Ground, np.ndarray]:
         return self.b, self.at

@@ -100,13 +100,14 @@ class ByTable(ForceElement):
             first, last = (c[0, 2], last) if self.beyond == "line" else (0.0, 0.0)
             c = np.vstack([[0.0, 0.0, first, y[0] - first * width[0]], c, [0.0, 0.0, last, y[-1]]])
             starts, ends = np.concatenate([[x[0] - width[0]], x]), [-np.inf, np.inf]
-        s = np.diff(starts)
-        rises = (((0.25 * c[:-1, 0] * s + c[:-1, 1] / 3.0) * s + 0.5 * c[:-1, 2]) * s + c[:-1, 3]) * s
+        area = c / (4.0, 3.0, 2.0, 1.0)
+        s = np.diff(starts)[:, None]
+        rises = (area[:-1] * s ** np.arange(4, 0, -1)).sum(axis=1)
         integral = np.concatenate([[0.0], np.cumsum(rises)])
-        found = np.concatenate([[len(c), *ends], starts, np.column_stack([c, integral]).ravel()])
-        zero = float(np.clip(0.0, x[0], x[-1]))
-        found[3 + len(c) + 4 :: 5] -= from_table(found, zero)[1]
-        return locked(found)
+        zero = np.clip(0.0, x[0], x[-1])
+        k = max(int(np.searchsorted(starts, zero, side="right")) - 1, 0)
+        integral -= integral[k] + area[k] @ (zero - starts[k]) ** np.arange(4, 0, -1)
+        return locked(np.concatenate([[len(c), *ends], starts, np.column_stack([c, integral]).ravel()]))
 
 
 FORCE_CURVE = Parameters(length="m")
@@ -141,9 +142,9 @@ class ForceCurve(ByTable):
     """Spring or damper by a table, along the line between a point of body ``a`` and a point of body ``b``.
 
     The force on ``b`` is ``-F n``, with ``n`` from a to b and F read from the table over the stretch ``l - l0`` of the
-    distance l, or over its rate: F > 0 pulls the points together. The opposite force acts on ``a``. Over the stretch the
-    energy is the integral of F, and none is dissipated; over the rate all of the power ``F l_dot`` is. A spring and a
-    damper by tables are two of them.
+    distance l, or over its rate: F > 0 pulls the points together. The opposite force acts on ``a``. Over the stretch
+    the energy is the integral of F, and none is dissipated; over the rate all of the power ``F l_dot`` is. A spring
+    and a damper by tables are two of them.
 
     Parameters
     ----------
