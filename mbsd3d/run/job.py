@@ -113,6 +113,7 @@ class Job:
         try:
             with progress:
                 self.check_start()
+                check_stops(self.compiled, self.memory.y)
                 self.eliminate()
                 self.check_driven()
                 self.first_step()
@@ -239,7 +240,6 @@ class Job:
         self.functions.check_start()
         check_balance(self.compiled, self.memory.y, self.start.t)
         check_initial_penetration(self.compiled, self.memory.y)
-        check_stops(self.compiled, self.memory.y)
         if self.model.stabilisation != PROJECTION:
             return
         missed = unmet(self.compiled, self.data, self.start.v, max(1e-8, self.record.tolerance))
