@@ -1,16 +1,17 @@
 """Measures: scalar functions of the state, named by part. ``measure > value`` is a condition for ``stop_when``."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import number, shown, vector
+from ..base.checks import check_choice, number, shown, vector
 from ..base.directions import unit
 from ..base.errors import InputError, explaining
 from ..kernels import kinds
-from .bodies import GROUND, Body, Ground, Part
+from .bodies import GROUND, Body, Ground, Part, called
 from .force_element import ForceElement
 from .forces.contact import Contact
 from .joints import Joint, coordinate_of
@@ -29,15 +30,21 @@ MEASURES = {
     "state": kinds.OWN_STATE,
     "clearance": kinds.CLEARANCE,
     "normal force": kinds.PRESS,
+    "reaction force": kinds.REACTION_FORCE,
+    "reaction moment": kinds.REACTION_MOMENT,
 }
 OF_CONTACTS = ("clearance", "normal force")
 OF_JOINTS = ("coordinate", "coordinate rate")
+OF_REACTIONS = ("reaction force", "reaction moment")  # known where the equations have been solved
 OF_POSES = ("coordinate", "position", "lean", "distance", "clearance")
-UNITS = {"rad": (0.0, 0.0), "m": (1.0, 0.0), "rad/s": (-1.0, 1.0), "m/s": (0.0, 1.0), "-": (0.0, 0.0), "N": (0.0, 0.0)}
+UNITS = {
+    "rad": (0.0, 0.0), "m": (1.0, 0.0), "rad/s": (-1.0, 1.0), "m/s": (0.0, 1.0), "-": (0.0, 0.0), "N": (0.0, 0.0),
+    "N m": (0.0, 0.0),
+}  # fmt: skip
 UNITS_OF = {
     "coordinate": ("rad", "m"), "coordinate rate": ("rad/s", "m/s"), "position": ("m",), "velocity": ("m/s",),
     "omega": ("rad/s",), "lean": ("rad",), "lean rate": ("rad/s",), "distance": ("m",), "state": tuple(UNITS),
-    "clearance": ("m",), "normal force": ("N",),
+    "clearance": ("m",), "normal force": ("N",), "reaction force": ("N",), "reaction moment": ("N m",),
 }  # fmt: skip
 
 
@@ -56,6 +63,7 @@ class Measure:
     coordinate: Coordinate | None = None
     part: ForceElement | None = None  # force element it speaks of,
     index: int = 0  # and which of its own states
+    joint: Joint | None = None  # whose reaction it is, on its body b; the axis is fixed in a
 
     def __post_init__(self) -> None:
         """Also a file may describe a measure, and kernels do not check."""
@@ -64,6 +72,8 @@ class Measure:
         fits = (self.coordinate is not None) == (self.kind in OF_JOINTS)
         own = 0 <= self.index < states if self.kind == "state" else self.part is None
         own = isinstance(self.part, Contact) if self.kind in OF_CONTACTS else own
+        own &= (self.joint is not None) == (self.kind in OF_REACTIONS)
+        own &= self.joint is None or self.b is self.joint.b
         own &= all(np.shape(x) == (3,) for x in (self.point_a, self.point_b, self.axis))
         if self.unit not in UNITS_OF[self.kind] or not fits or not own:
             raise InputError(
@@ -103,10 +113,10 @@ class Condition:
 
 def check_members(system: Mechanism, measure: Measure, what: str) -> None:
     """A measure speaks of bodies and forces of this system, or a ValueError."""
-    members = {id(part) for part in (*system.bodies, *system.forces, GROUND)}
-    for part in (measure.a, measure.b, measure.part or GROUND):
+    members = {id(part) for part in (*system.bodies, *system.joints, *system.forces, GROUND)}
+    for part in (measure.a, measure.b, measure.part or GROUND, measure.joint or GROUND):
         if id(part) not in members:
-            kind = "force" if part is measure.part else "body"
+            kind = "force" if part is measure.part else "joint" if part is measure.joint else "body"
             raise InputError(
                 f"{what}: {measure.label}: {kind} '{part.name}' is not in the system; measure a part of this system"
             )
@@ -267,3 +277,40 @@ def touches(contact: ForceElement) -> Condition:
 def leaves(contact: ForceElement) -> Condition:
     """A `Contact` does not press any more; for ``stop_when``. A damper lets go before the plane has come back."""
     return of_contact(contact, "normal force", "N", "leaves") < 0.0
+
+
+@explaining
+def reaction(joint: Joint, *, axis: ArrayLike | None = None, of: str = "force", axes: str = "world") -> Measure:
+    """Reaction of a joint on its body b, as `Solution.reaction` gives it: force [N], or moment about its point [N m].
+
+    Parameters
+    ----------
+    axis : (3,) array_like or None
+        Direction of the component, world at the reference pose; None = the size of the whole vector.
+    of : "force" or "moment"
+    axes : "world", "a" or "b"
+        Where the direction is fixed: it turns with body a or b of the joint.
+
+    It stops a run, is a curve, and a column of `solution.measure`. Each look within a step solves the equations of
+    motion once. A reaction that the constraints do not determine is refused.
+    """
+    what = "measures.reaction"
+    if not isinstance(joint, Joint):
+        raise InputError(f"{what}: {shown(joint)} is not a joint; give the part itself")
+    check_choice(of, ("force", "moment"), f"{what}: of")
+    check_choice(axes, ("world", "a", "b"), f"{what}: axes")
+    if of == "moment" and type(joint).reaction_points is not Joint.reaction_points:
+        raise InputError(f"{what}: the point of {called(joint)} travels, and a moment belongs to a point; give a force")
+    fixed_in = GROUND if axes == "world" else getattr(joint, axes)
+    along = ZERO if axis is None else fixed_in.local_axis(unit(axis, f"{what}: axis"))
+    return Measure(
+        f"reaction {of}", f"reaction {of} of {label(joint)}", "N" if of == "force" else "N m", fixed_in, joint.b,
+        ZERO, joint.point(), along, joint=joint,
+    )  # fmt: skip
+
+
+def refuse_reactions(measures: Iterable[Measure], what: str, remedy: str) -> None:
+    """InputError for a reaction among measures that are read where the equations are not solved yet."""
+    for x in measures:
+        if x.kind in OF_REACTIONS:
+            raise InputError(f"{what}: {x.label} is not known before the equations are solved; {remedy}")

@@ -12,6 +12,7 @@ from ..base.rotations import matrix
 from ..compiler.cache_folder import mark_warm
 from ..compiler.first_run import announce_compilation
 from ..dynamics.auditing import AUDITED_FIELDS
+from ..dynamics.state_rates import evaluate
 from ..equations.compiled import compile_system, set_input, starts, with_history, with_own_inputs
 from ..integrators.step_control import STEP_TIME_RATIO_MIN
 from ..kernels.coordinates import measure
@@ -144,7 +145,9 @@ class Segments(Job):
 
     @property
     def measured(self) -> np.ndarray:
-        """Return the values of the measures (measures,) now."""
+        """Return the values of the measures (measures,) now; for a reaction the equations are solved."""
+        if (self.model.measure["rows"][: len(self.measures)] > 0).any():
+            evaluate(self.model, self.data, self.tree, self.t, self.memory.y, np.empty_like(self.memory.y))
         return np.array([measure(self.model, self.data, i, self.t) for i in self.measures])
 
 
