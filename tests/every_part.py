@@ -223,6 +223,7 @@ def measured():
     for measure in (measures.turn, measures.turn_rate):
         yield measure, pair | {"about": (1, 0, 0)}
     yield measures.angle_between, pair | {"axis_a": (1, 0, 0), "axis_b": (0, 1, 0), "about": (0, 0, 1)}
+    yield measures.reaction, {"joint": HINGE, "axis": (1, 0, 0.1), "of": "moment", "axes": "b"}
     for measure in (measures.clearance, measures.leaves, measures.normal_force, measures.touches):
         yield measure, {"contact": BALL}
     yield measures.length, {"spring": SPRING}

@@ -124,7 +124,7 @@ def all_determined(samples: int) -> Determined:
 
 
 def axes_of(solution: Motion, joint: Joint, axes: str) -> np.ndarray | None:
-    """Return the directions (samples, 3, 3), in rows, of the axes that components are asked along; None = the world's."""
+    """Return the directions (samples, 3, 3), in rows, of the axes asked for; None = those of the world."""
     check_choice(axes, ("world", "a", "b", "joint"), "solution.reaction: axes")
     if axes == "world":
         return None
