@@ -1,6 +1,5 @@
 """Measures: scalar functions of the state, named by part. ``measure > value`` is a condition for ``stop_when``."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -293,6 +292,15 @@ def reaction(joint: Joint, *, axis: ArrayLike | None = None, of: str = "force", 
 
     It stops a run, is a curve, and a column of `solution.measure`. Each look within a step solves the equations of
     motion once. A reaction that the constraints do not determine is refused.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Revolute, System, measures, simulate
+    >>> bob = Body("bob", mass=2.0, inertia=(0.1, 0.1, 0.1), com=(0.5, 0, 0))
+    >>> pin = Revolute(GROUND, bob, at=(0, 0, 0), axis=(0, 1, 0))
+    >>> swing = simulate(System([bob], [pin]), 1.0, stop_when=measures.reaction(pin) > 30.0)
+    >>> round(float(swing.measure(measures.reaction(pin))[-1]), 6)
+    30.0
     """
     what = "measures.reaction"
     if not isinstance(joint, Joint):
@@ -307,10 +315,3 @@ def reaction(joint: Joint, *, axis: ArrayLike | None = None, of: str = "force", 
         f"reaction {of}", f"reaction {of} of {label(joint)}", "N" if of == "force" else "N m", fixed_in, joint.b,
         ZERO, joint.point(), along, joint=joint,
     )  # fmt: skip
-
-
-def refuse_reactions(measures: Iterable[Measure], what: str, remedy: str) -> None:
-    """InputError for a reaction among measures that are read where the equations are not solved yet."""
-    for x in measures:
-        if x.kind in OF_REACTIONS:
-            raise InputError(f"{what}: {x.label} is not known before the equations are solved; {remedy}")

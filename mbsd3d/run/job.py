@@ -28,6 +28,7 @@ from ..kernels.kinds import PROJECTION
 from ..kernels.layout import Tree
 from ..mechanism.drivers import SpeedDriver
 from ..mechanism.forces.custom import check_runnable
+from ..mechanism.measures import Measure
 from ..mechanism.state import State
 from ..results.reactions import NOT_DETERMINED, RunRows, group_of, is_unique
 from ..results.record import MOST_NUMBERS, Record, RunOptions, Samples, buffer_size
@@ -262,15 +263,20 @@ class Job:
         """Arm the condition to stop, unless it just comes true at the start: then it waits until it has been false."""
         if (stop_when := self.options.stop_when) is not None:
             run = self.memory
-            if (joint := stop_when.measure.joint) is not None:
-                start = RunRows(
-                    self.compiled, self.start.t * np.ones(1), run.y[None], self.data.coordinate["value"][None].copy(),
-                    self.record,
-                )  # fmt: skip
-                if not is_unique(self.compiled, start.probes(), group_of(self.compiled, [joint])):
-                    raise InputError(f"simulate: stop_when: {stop_when.measure.label} {NOT_DETERMINED}")
+            self.check_determined(stop_when.measure, "simulate: stop_when")
             found = armed_at_start(self.compiled, self.data, self.tree, run, stop_when)
             run.now.armed, run.task.slack, run.now.hop = found
+
+    def check_determined(self, measure: Measure, what: str) -> None:
+        """Raise an InputError for a reaction that the constraints do not determine at the start."""
+        if measure.joint is None:
+            return
+        start = RunRows(
+            self.compiled, np.array([self.start.t]), self.memory.y[None], self.data.coordinate["value"][None].copy(),
+            self.record,
+        )  # fmt: skip
+        if not is_unique(self.compiled, start.probes(), group_of(self.compiled, [measure.joint])):
+            raise InputError(f"{what}: {measure.label} {NOT_DETERMINED}")
 
     def drain(self) -> None:
         """Copy the samples out of the full buffer and empty it."""

@@ -22,6 +22,7 @@ from ..mechanism.signals.input import Input
 from ..mechanism.state import State
 from ..results.record import RunOptions
 from ..results.result import RunResult, unit_quaternions
+from .initial_checks import check_stops
 from .job import Job
 from .simulation import check_signals, check_steps
 
@@ -53,7 +54,10 @@ class Segments(Job):
         task.every_step, task.t_end = 0, np.inf  # no horizon: the first step follows from the accelerations alone
         announce_compilation(f"time loop {self.options.method.loop.__name__}")
         self.check_start()
+        check_stops(self.compiled, self.memory.y)
         self.eliminate()
+        for x in measures:
+            self.check_determined(x, "Stepper: measures")
         self.check_driven()
         self.first_step()
 
