@@ -60,6 +60,7 @@ from .mechanism.forces.end_stop import EndStop as EndStop
 from .mechanism.forces.feedback import StateFeedback as StateFeedback
 from .mechanism.forces.gravitation import CentralGravity as CentralGravity
 from .mechanism.forces.gravitation import Weight as Weight
+from .mechanism.forces.linear_actuator import LinearActuator as LinearActuator
 from .mechanism.forces.springs import JointFriction as JointFriction
 from .mechanism.forces.springs import SpringDamper as SpringDamper
 from .mechanism.forces.springs import TorsionSpring as TorsionSpring

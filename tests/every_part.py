@@ -94,6 +94,9 @@ def parts():
     yield m.EndStop, {"joint": HINGE, "lower": -0.3, "upper": 9.0, "of": "angle"} | limits | name
     yield m.ConeStop, {"joint": m.Spherical(GROUND, BAR, at=(0, 0, 0)), "axis_a": (1, 0, 0), "axis_b": (1, 0, 0.1),
                        "half_angle": 0.4, "twist": (-0.3, 0.5)} | limits | name  # fmt: skip
+    yield m.LinearActuator, pair | limits | name | {
+        "at_a": (0, 0, 0), "at_b": (0, 0, 1), "thrust": 30.0, "rate": 0.4, "stroke": (0.9, 1.5)
+    }  # fmt: skip
     table = {"points": [(-1.0, -3.0), (0.0, 0.0), (2.0, 1.0)], "between": "monotone", "beyond": "hold"}
     yield m.ForceCurve, pair | table | {"at_a": (0, 0, 0), "at_b": (0, 0, 1), "over": "stretch", "length": 0.5} | name
     yield m.TorqueCurve, table | {"joint": HINGE, "over": "angle"} | name

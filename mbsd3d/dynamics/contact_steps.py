@@ -16,6 +16,7 @@ from ..mechanism.force_element import ForceElement
 from ..mechanism.forces.cone_stop import cone_stop_gap
 from ..mechanism.forces.contact import Contact
 from ..mechanism.forces.end_stop import Stop, end_stop_gap
+from ..mechanism.forces.linear_actuator import actuator_gap
 
 TURN_PER_STEP_MAX = 1.0  # [rad] of a surface in a step between two moments without contact
 TURN_ROUNDING = 1e-6  # [1] of the turn: rounding of it, which changes no clearance
@@ -59,9 +60,11 @@ def watch_contacts(m, d, run, end, t):
     """Store clearance, its rate and `changing_turn` of contacts and stops at the state in d: an end of a step."""
     for k in range(run.contacts.shape[0]):
         p, limit, seen = m.force[run.contacts[k, 0]], run.contacts[k, 1], run.gaps[k, end]
-        if limit != OF_CONTACT:  # no step turns a stop out of sight: its gap is a function of one coordinate
+        if limit != OF_CONTACT:
             if p.coordinate >= 0:
                 end_stop_gap(m, d, p, limit, t, seen)
+            elif p.option == 1:
+                actuator_gap(m, d, p, limit, seen)
             else:
                 cone_stop_gap(m, d, p, limit, seen)
             continue

@@ -32,6 +32,7 @@ from mbsd3d import (
     ForceBetween,
     ForceCurve,
     JointFriction,
+    LinearActuator,
     Polynomial,
     Prismatic,
     Revolute,
@@ -156,6 +157,11 @@ def _table(rng, a, b, **choice):
     return [], ForceCurve(a, b, **ends, points=BENT, length=0.8, **choice)
 
 
+def _actuator(rng, a, b, thrust, stroke):
+    ends = dict(at_a=a.position + 0.3 * direction(rng), at_b=b.position + 0.3 * direction(rng))
+    return [], LinearActuator(a, b, **ends, thrust=thrust, rate=9.0, stroke=stroke, **STOP)
+
+
 EXAMPLES = {
     "Force in world axes": lambda rng, a, b: ([], Force(b, _signals(rng), at=b.position + direction(rng))),
     "Force in body axes": lambda rng, a, b: ([], Force(b, _signals(rng), at=b.position + direction(rng), frame="body")),
@@ -198,6 +204,8 @@ EXAMPLES = {
     "ForceBetween in world axes": lambda rng, a, b: ([], ForceBetween(a, b, _signals(rng))),
     "TorqueBetween in axes of b": lambda rng, a, b: ([], TorqueBetween(a, b, _signals(rng), frame="b")),
     "TorqueBetween in world axes": lambda rng, a, b: ([], TorqueBetween(a, b, _signals(rng))),
+    "LinearActuator that pulls at its end": lambda rng, a, b: _actuator(rng, a, b, -2.0 + signal(rng, 0.1), (0.1, 0.2)),
+    "LinearActuator that pushes at its end": lambda rng, a, b: _actuator(rng, a, b, 2.0, (20.0, 30.0)),
     "StateFeedback": lambda rng, a, b: _seen(_hinge(rng, a, b)),
     "CustomForce": lambda rng, a, b: ([], _custom(rng, a, b)),
     "Tyre": lambda rng, a, b: ([], _tyre(rng, a, b)),
