@@ -135,6 +135,14 @@ def test_no_step_jumps_over_a_stop_that_is_touched_in_between():
     assert peaks < top - 1.2e-4  # it never gets through: v^2 I / 2 k at the limit is 3e-5 rad deep
 
 
+@pytest.mark.parametrize(("share", "restitution"), [(0.511, 0.5), (0.149, 0.8)])
+def test_the_damping_that_its_docstring_names_gives_the_restitution(share, restitution):
+    assert f"{share} sqrt(k m)" in EndStop.__doc__
+    system = drum(0.2, 3.0, upper=0.3, stiffness=500.0, damping=share * np.sqrt(500.0 * 0.2))
+    out = simulate(system, 0.5, rtol=1e-9)
+    assert out.rate("hinge")[-1] == pytest.approx(-3.0 * restitution, rel=1e-3)  # three digits of the share
+
+
 def test_cylindrical_joints_have_both():
     body = Body("rod", 1.0, (0.1, 0.1, 0.1), velocity=(0, 0, 1.0), omega=(0, 0, 2.0))
     joint = Cylindrical(GROUND, body, at=(0, 0, 0), axis=(0, 0, 1), name="joint")

@@ -134,7 +134,7 @@ def spokes(joint: Joint, length: float) -> list[tuple[Body | Ground, np.ndarray]
 
 
 def limits(stop: ForceElement, size: float) -> list[tuple[Body | Ground, np.ndarray]]:
-    """Return (body, points in its axes from O [m]) of what a stop limits: its limits in a, and the hand in b."""
+    """Return (body, points in its axes from O [m]) of what a stop limits: its limits in a, and the pointer in b."""
     if isinstance(stop, ConeStop):
         return cone(stop, 3.0 * size)
     if not isinstance(stop, EndStop):
@@ -145,8 +145,8 @@ def limits(stop: ForceElement, size: float) -> list[tuple[Body | Ground, np.ndar
     if x.kind == "angle":
         rays = [np.cos(f) * across + np.sin(f) * aside for f in ends]
         strokes = [(x.a, at, at + 3.0 * size * ray) for ray in rays]
-        hand = matched_perpendiculars(x.axis, x.axis_b)[0] if x.zero_b is None else x.zero_b
-        strokes.append((x.b, at, at + 2.4 * size * hand))
+        pointer = matched_perpendiculars(x.axis, x.axis_b)[0] if x.zero_b is None else x.zero_b
+        strokes.append((x.b, at, at + 2.4 * size * pointer))
     elif x.kind == "slide":
         bar = 0.8 * size * across
         strokes = [(x.a, at + f * x.axis - bar, at + f * x.axis + bar) for f in ends]
@@ -160,11 +160,13 @@ def cone(stop: ConeStop, length: float) -> list[tuple[Body | Ground, np.ndarray]
     """Return the rim of the cone of a stop, and the axis that stays in it."""
     a, b, at = stop.joint.a, stop.joint.b, stop.joint.point()
     x, y = perpendiculars(stop.axis_a)
-    round_ = np.linspace(0.0, 2.0 * np.pi, 37)[:, None]
-    side = np.sin(stop.half_angle) * (np.cos(round_) * x + np.sin(round_) * y)
+    around = np.linspace(0.0, 2.0 * np.pi, 37)[:, None]
+    side = np.sin(stop.half_angle) * (np.cos(around) * x + np.sin(around) * y)
     rim = at + length * (np.cos(stop.half_angle) * stop.axis_a + side)
-    hand = (at, at + length * stop.axis_b)
-    return [(body, np.array([body.local_point(point) for point in points])) for body, points in ((a, rim), (b, hand))]
+    pointer = (at, at + length * stop.axis_b)
+    return [
+        (body, np.array([body.local_point(point) for point in points])) for body, points in ((a, rim), (b, pointer))
+    ]
 
 
 def joints_of(part: Joint | ForceElement) -> list[tuple[Body | Ground, np.ndarray]]:
