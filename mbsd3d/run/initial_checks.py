@@ -83,11 +83,17 @@ def is_as_built(contact: Contact, centre: np.ndarray, depth: float) -> bool:
     return bool(np.linalg.norm(centre - contact.outline.centre) <= 1e-9 * depth)
 
 
-def check_stops(compiled: Compiled, y: np.ndarray) -> None:
-    """Raise a ValueError for a stop that starts from the reference pose of its bodies, and that beyond a limit."""
+def check_stops(compiled: Compiled, data: Data, y: np.ndarray) -> None:
+    """Raise a ValueError for a stop that starts from the reference pose of its bodies, and that beyond a limit.
+
+    ``data`` has the hinge coordinates of the start: some turns away, the pose is the same and may lie within.
+    """
     n, index = compiled.model.body.size, compiled.body_index
     for force in compiled.system.forces:
         if not isinstance(force, Stop) or (depth := force.depth_as_built()) == 0.0:
+            continue
+        x = force.record().coordinate
+        if x is not None and data.coordinate["value"][compiled.coordinate(x)] != 0.0:
             continue
         poses = [(y[7 * i : 7 * i + 7], body) for body in force.bodies() if (i := index[id(body)]) < n]
         if all(np.array_equal(pose, [*body.position, *body.orientation]) for pose, body in poses):

@@ -115,7 +115,7 @@ class Job:
         try:
             with progress:
                 self.check_start()
-                check_stops(self.compiled, self.memory.y)
+                check_stops(self.compiled, self.data, self.memory.y)
                 self.eliminate()
                 self.check_driven()
                 self.first_step()

@@ -54,7 +54,7 @@ class Segments(Job):
         task.every_step, task.t_end = 0, np.inf  # no horizon: the first step follows from the accelerations alone
         announce_compilation(f"time loop {self.options.method.loop.__name__}")
         self.check_start()
-        check_stops(self.compiled, self.memory.y)
+        check_stops(self.compiled, self.data, self.memory.y)
         self.eliminate()
         for x in measures:
             self.check_determined(x, "Stepper: measures")

@@ -1,5 +1,7 @@
 """End stops: closed forms of touch and rebound, stops at counted angles, slides, rest, short touches, refusals."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -14,6 +16,7 @@ from mbsd3d import (
     RadauIIA,
     Revolute,
     Spherical,
+    Stepper,
     System,
     Torque,
     linearize,
@@ -196,5 +199,10 @@ def test_a_start_from_the_reference_pose_beyond_a_limit_is_refused():
     system = System([body], [hinge], [EndStop(hinge, lower=0.2, upper=1.0, stiffness=1e3, name="buffer")])
     with pytest.raises(ValueError, match=r"force 'buffer' \(EndStop\): the reference pose is 0.2 beyond its limit"):
         simulate(system, 1.0)
+    with pytest.raises(ValueError, match="the reference pose is 0.2 beyond its limit"):
+        Stepper(system)
+    turned = System([body], [hinge], [EndStop(hinge, lower=6.0, upper=7.0, stiffness=1e3)])
+    around = replace(turned.state(), coordinates=np.array([2.0 * np.pi]))  # the same pose, a turn on
+    assert simulate(turned, 0.1, state=around).angle(hinge)[-1] == pytest.approx(2.0 * np.pi, abs=1e-9)
     inside = system.assemble(angles={hinge: 0.5})
     assert simulate(system, 0.1, state=inside).angle(hinge)[-1] == pytest.approx(0.5, abs=1e-9)

@@ -74,8 +74,8 @@ class EndStop(Stop):
     Energy ``k d^2 / 2``; the rest of the power is dissipated, ``c d_dot^2`` in touch.
 
     A mass m that meets a stop at speed v sinks in by about ``v sqrt(m / k)`` and is in touch for about
-    ``pi sqrt(m / k)``. It comes back with ``e v``; e = 0.5 takes ``c = 0.511 sqrt(k m)``, 0.8 takes ``0.149 sqrt(k m)``.
-    On a hinge m is the moment of inertia.
+    ``pi sqrt(m / k)``. It comes back with ``e v``: e = 0.5 takes ``c = 0.511 sqrt(k m)``, 0.8 takes
+    ``0.149 sqrt(k m)``. On a hinge m is the moment of inertia.
 
     Parameters
     ----------
