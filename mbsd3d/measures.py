@@ -24,6 +24,7 @@ from .mechanism.measures import offset_rate as offset_rate
 from .mechanism.measures import omega as omega
 from .mechanism.measures import position as position
 from .mechanism.measures import rate as rate
+from .mechanism.measures import reaction as reaction
 from .mechanism.measures import slide as slide
 from .mechanism.measures import slide_rate as slide_rate
 from .mechanism.measures import state as state

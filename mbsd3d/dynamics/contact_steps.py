@@ -1,19 +1,34 @@
-"""Contacts that a step could miss: bodies are separated at both of its ends and in contact in between.
+"""Contacts and stops that a step could miss: bodies are separated at both of its ends and in contact in between.
 
 The stages of a step see none of it if they lie before and after. So a step between two moments in the air may not turn
 a surface by more than a radian, unless it looks the same all the time; and where the clearance falls and rises again so
 that it may vanish, the step is tried anew up to where it is least.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..compiler.decorators import inner_kernel, late_kernel
 from ..kernels.surfaces import contact_parameters, meeting
 from ..kernels.vectors import arm, columns, cross, dot, sub, vec
+from ..mechanism.force_element import ForceElement
+from ..mechanism.forces.cone_stop import cone_stop_gap
+from ..mechanism.forces.contact import Contact
+from ..mechanism.forces.end_stop import Stop, end_stop_gap
+from ..mechanism.forces.linear_actuator import actuator_gap
 
 TURN_PER_STEP_MAX = 1.0  # [rad] of a surface in a step between two moments without contact
 TURN_ROUNDING = 1e-6  # [1] of the turn: rounding of it, which changes no clearance
 CLEARANCE_DIP_SHARE = 0.25  # [1] of the depth of a dip: a cubic errs by a twelfth of it if a surface turns by a radian
+OF_CONTACT = -1  # in place of the number of a limit
+
+
+def watched_gaps(forces: Sequence[ForceElement]) -> np.ndarray:
+    """Return (k, 2): number of a force that touches and lifts off, and which of its limits, for each gap to watch."""
+    found = [(i, OF_CONTACT) for i, force in enumerate(forces) if isinstance(force, Contact)]
+    found += [(i, limit) for i, force in enumerate(forces) if isinstance(force, Stop) for limit in range(force.gaps)]
+    return np.array(found, int).reshape(-1, 2)
 
 
 @inner_kernel
@@ -41,14 +56,21 @@ def changing_turn(m, d, p, normal):
 
 
 @inner_kernel
-def watch_contacts(m, d, run, end):
-    """Store clearance, its rate and `changing_turn` of the contacts at the state in d: start or end of a step."""
+def watch_contacts(m, d, run, end, t):
+    """Store clearance, its rate and `changing_turn` of contacts and stops at the state in d: an end of a step."""
     for k in range(run.contacts.shape[0]):
-        p = m.force[run.contacts[k]]
+        p, limit, seen = m.force[run.contacts[k, 0]], run.contacts[k, 1], run.gaps[k, end]
+        if limit != OF_CONTACT:
+            if p.coordinate >= 0:
+                end_stop_gap(m, d, p, limit, t, seen)
+            elif p.option == 1:
+                actuator_gap(m, d, p, limit, seen)
+            else:
+                cone_stop_gap(m, d, p, limit, seen)
+            continue
         plane, _, _, gap, velocity = meeting(
             contact_parameters(m.number, p.number), p, d.body[p.body[0]], d.body[p.body[1]]
         )
-        seen = run.gaps[k, end]
         seen[0], seen[1], seen[2] = gap, dot(plane[2], velocity), changing_turn(m, d, p, plane[2])
 
 
@@ -65,7 +87,7 @@ def begin_step(run):
 @inner_kernel
 def start_watching(m, d, run):
     """Start the watch at a state, which is in d."""
-    watch_contacts(m, d, run, 0)
+    watch_contacts(m, d, run, 0, run.now.t)
     begin_step(run)
 
 
@@ -91,7 +113,7 @@ def least_of_cubic(start, end, h):
 @late_kernel
 def step_fraction_to_retry(m, d, run, h) -> float:
     """Return the fraction of the step h, whose end is in d, to retry; 1 if the step hides no contact."""
-    watch_contacts(m, d, run, 1)
+    watch_contacts(m, d, run, 1, run.now.t + h)
     part, shallow = 1.0, run.task.rtol * m.length
     for k in range(run.contacts.shape[0]):
         start, end = run.gaps[k, 0], run.gaps[k, 1]

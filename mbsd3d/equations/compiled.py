@@ -163,6 +163,8 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
     counts = [sum(row.n_rows for row in rows) for rows in rows_of_joint]
     ends = np.cumsum([0, *counts])
     row_joint = np.repeat(np.arange(len(counts)), counts)
+    slices = [slice(int(i), int(j)) for i, j in zip(ends[:-1], ends[1:], strict=True)]
+    rows = {id(joint): part for joint, part in zip(system.joints, slices, strict=True)}
     signal, term, term_data = signals.arrays()
     model = Model(
         body=bodies,
@@ -170,7 +172,7 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
         row=per_row,
         coordinate=coordinate_table(coordinates, frames, given.size),
         force=forces,
-        measure=measure_table([*measures, *read], index, where, places),
+        measure=measure_table([*measures, *read], index, where, places, rows),
         number=np.concatenate([given, *(x.numbers for x in coordinates)]),
         signal=signal,
         term=term,
@@ -181,13 +183,12 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
         singular=int(singular),
         **switch_fields(switches),
     )
-    slices = [slice(int(i), int(j)) for i, j in zip(ends[:-1], ends[1:], strict=True)]
     drives = [int(k) for k in np.flatnonzero(per_row["drive"] >= 0)]
     return Compiled(
         system=system,
         model=model,
         body_index=index,
-        rows={id(joint): part for joint, part in zip(system.joints, slices, strict=True)},
+        rows=rows,
         coordinate_index=where,
         drives=[(system.joints[row_joint[k]], k) for k in drives if isinstance(system.joints[row_joint[k]], Driver)],
         row_joint=row_joint,

@@ -216,9 +216,12 @@ def force_table(
 
 
 def measure_table(
-    measures: list[Measure], index: dict[int, int], where: dict[tuple, int], forces: dict[int, tuple[int, int]]
-) -> np.ndarray:
-    """Return the table of measures; ``forces`` gives number and first state of each force by its id."""
+    measures: list[Measure], index: dict[int, int], where: dict[tuple, int], forces: dict[int, tuple[int, int]],
+    rows: dict[int, slice],
+) -> np.ndarray:  # fmt: skip
+    """Return the table of measures; by their id ``forces`` gives number and first state of each force, ``rows`` those
+    of each joint.
+    """
     out = table(MEASURE, len(measures))
     for i, x in enumerate(measures):
         out["kind"][i], out["body"][i], out["axis"][i] = MEASURES[x.kind], (index[id(x.a)], index[id(x.b)]), x.axis
@@ -226,6 +229,9 @@ def measure_table(
         out["coordinate"][i] = -1 if x.coordinate is None else where[key_of(x.coordinate)]
         number, first = (-1, -1) if x.part is None else forces[id(x.part)]
         out["force"][i], out["state"][i] = number, -1 if x.part is None else first + x.index
+        if x.joint is not None:
+            own = rows[id(x.joint)]
+            out["row"][i], out["rows"][i] = own.start, own.stop - own.start
     return out
 
 

@@ -156,13 +156,13 @@ def poses_to(m, run, t):
 @inner_kernel
 def watch(m, d, s, run, t_new, h):
     """Return STOPPED, RUNNING or a failure: the run ends where the stop condition comes true before the trial pose."""
-    if may_come_true(m, d, run, h, t_new):
+    if may_come_true(m, d, s, run, h, t_new):
         hermite(run, h, run.trial, run.dy, run.trial_rate)
-        x = first_crossing(m, d, run, h, t_new)
+        x = first_crossing(m, d, s, run, h, t_new)
         if x >= 0.0:
             status, t_stop = land(m, d, s, None, run, h, x * h, advance_to)
             return halt(m, d, s, run, t_stop) if status == RUNNING else status
-    watch_on(m, d, run, t_new)
+    watch_on(m, d, s, run, t_new)
     evaluate(m, d, s, t_new, run.trial, run.work_rate)  # the work space belongs to the pose again
     return RUNNING
 

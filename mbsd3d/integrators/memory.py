@@ -76,7 +76,7 @@ STIFFNESS = [
 
 
 NO_SIGNAL_KNOTS = np.zeros((0, 2))
-NONE = np.zeros(0, np.int64)
+NONE = np.zeros((0, 2), np.int64)
 
 
 @by_reference
@@ -101,7 +101,7 @@ class Run(NamedTuple):
     times: np.ndarray  # (requested,) output times
     turns: np.ndarray  # (k, 2) where signals turn: the time [s] at which a step ends, and from which the next one goes
     # on, a rounding later where a second derivative jumps
-    contacts: np.ndarray  # (k,) numbers of the forces that touch and lift off
+    contacts: np.ndarray  # (k, 2) forces that touch and lift off, and which of their limits: contact_steps.py
     gaps: np.ndarray  # (k, 2, 3) at both ends of the step: clearance [m], its rate, angular velocity that counts
     out: np.ndarray  # (capacity, width) samples: t, y, accelerations (6n), lam (m), hinge coordinates, potential and
     # power of the forces, largest |c| and |J v - b| over all rows
@@ -119,7 +119,7 @@ def allocate_run(
         unit=np.zeros(y.size - 13 * bodies), spin=np.zeros((bodies, 3)), missed=np.zeros((bodies, 4)),
         F=np.zeros((terms, y.size)),
         task=single(TASK), now=single(NOW), rows=single(ROWS), stiffness=single(STIFFNESS),
-        times=times, turns=turns, contacts=contacts, gaps=np.zeros((contacts.size, 2, 3)),
+        times=times, turns=turns, contacts=contacts, gaps=np.zeros((len(contacts), 2, 3)),
         out=np.zeros((capacity, width)), audit=np.zeros((6, audits)),
     )  # fmt: skip
 

@@ -117,45 +117,50 @@ def samples_before(m, d, s, run, h, t_last):
 
 
 @inner_kernel
-def condition(m, d, run, t, y):
-    """Return the signed distance of the stop condition, which holds when it is >= 0."""
-    kinematics(m, d, y)
+def condition(m, d, s, run, t, y):
+    """Return the signed distance of the stop condition, which holds when it is >= 0; work_rate is overwritten."""
+    if m.measure[run.task.condition].rows > 0:  # a reaction, which the equations give
+        run.now.evaluations += 1
+        if evaluate(m, d, s, t, y, run.work_rate) != SOLVED:
+            return np.nan
+    else:
+        kinematics(m, d, y)
     return run.task.direction * (measure(m, d, run.task.condition, t) - run.task.stop)
 
 
 @inner_kernel
-def slope(m, d, run, t, y, dy, h):
+def slope(m, d, s, run, t, y, dy, h):
     """Return the rate of the condition at (t, y), by a forward difference along the motion; work is overwritten."""
     dt = 1e-6 * h
     copy(run.work, y)
     add_scaled(run.work, dt, dy)
-    later = condition(m, d, run, t + dt, run.work)
-    return (later - condition(m, d, run, t, y)) / dt
+    later = condition(m, d, s, run, t + dt, run.work)
+    return (later - condition(m, d, s, run, t, y)) / dt
 
 
 @late_kernel
-def may_come_true(m, d, run, h, t_new) -> bool:
+def may_come_true(m, d, s, run, h, t_new) -> bool:
     """Return True if the condition holds at the end of the step, may hold within it, or is not armed."""
     unsure = run.now.armed == 0 or run.now.hop > 0.0 or farthest_turn(run, h) > MONOTONE_TURN_MAX
-    if unsure or condition(m, d, run, t_new, run.trial) >= 0.0:
+    if unsure or condition(m, d, s, run, t_new, run.trial) >= 0.0:
         return True
-    rises = slope(m, d, run, run.now.t, run.y, run.dy, h) > 0.0
-    return rises and slope(m, d, run, t_new, run.trial, run.trial_rate, h) < 0.0
+    rises = slope(m, d, s, run, run.now.t, run.y, run.dy, h) > 0.0
+    return rises and slope(m, d, s, run, t_new, run.trial, run.trial_rate, h) < 0.0
 
 
 @inner_kernel
-def condition_inside(m, d, run, h, x):
+def condition_inside(m, d, s, run, h, x):
     """Return the condition by dense output at the fraction x of the step."""
     interpolate(m, run, h, x, run.work)
-    return condition(m, d, run, run.now.t + x * h, run.work)
+    return condition(m, d, s, run, run.now.t + x * h, run.work)
 
 
 @inner_kernel
-def locate(m, d, run, h, low, high):
+def locate(m, d, s, run, h, low, high):
     """Return the fraction of the step at which the condition comes true between low and high, by bisection."""
     for _ in range(60):
         middle = 0.5 * (low + high)
-        if condition_inside(m, d, run, h, middle) >= 0.0:
+        if condition_inside(m, d, s, run, h, middle) >= 0.0:
             high = middle
         else:
             low = middle
@@ -165,7 +170,7 @@ def locate(m, d, run, h, low, high):
 
 
 @late_kernel
-def first_crossing(m, d, run, h, t_new) -> float:
+def first_crossing(m, d, s, run, h, t_new) -> float:
     """Return the fraction of the step at which the condition first comes true, by dense output; -1 for none.
 
     Looked for at many points and at the peak between them: two peaks less than h/SCAN apart may pass for one.
@@ -176,11 +181,11 @@ def first_crossing(m, d, run, h, t_new) -> float:
     place, greatest, first = 0.0, -np.inf, 0.0 if run.now.armed == 1 else 2.0
     for k in range(1, parts + 1):
         x = k / parts
-        g = condition_inside(m, d, run, h, x) if k < parts else condition(m, d, run, t_new, run.trial)
+        g = condition_inside(m, d, s, run, h, x) if k < parts else condition(m, d, s, run, t_new, run.trial)
         if x < first:
             first = x if g < -run.task.slack else 2.0
         elif g >= 0.0:
-            return locate(m, d, run, h, (k - 1) / parts, x)
+            return locate(m, d, s, run, h, (k - 1) / parts, x)
         if x >= first and g > greatest:
             place, greatest = x, g
     if first > 1.0:
@@ -188,9 +193,9 @@ def first_crossing(m, d, run, h, t_new) -> float:
     low, high = max(first, place - 1.0 / parts), min(1.0, place + 1.0 / parts)
     for _ in range(60):  # golden section
         x, x_high = high - GOLDEN_RATIO_INVERSE * (high - low), low + GOLDEN_RATIO_INVERSE * (high - low)
-        g, g_high = condition_inside(m, d, run, h, x), condition_inside(m, d, run, h, x_high)
+        g, g_high = condition_inside(m, d, s, run, h, x), condition_inside(m, d, s, run, h, x_high)
         if max(g, g_high) >= 0.0:
-            return locate(m, d, run, h, low, x if g >= 0.0 else x_high)
+            return locate(m, d, s, run, h, low, x if g >= 0.0 else x_high)
         if g > g_high:
             high = x_high
         else:
@@ -199,17 +204,17 @@ def first_crossing(m, d, run, h, t_new) -> float:
 
 
 @late_kernel
-def watch_on(m, d, run, t_new):
+def watch_on(m, d, s, run, t_new):
     """Arm the condition at the end of a step where it is false; the rest of a hop begins there."""
     run.now.hop = max(run.now.hop - (t_new - run.now.t), 0.0)
-    if run.now.armed == 0 and condition(m, d, run, t_new, run.trial) < -run.task.slack:
+    if run.now.armed == 0 and condition(m, d, s, run, t_new, run.trial) < -run.task.slack:
         run.now.armed = 1
 
 
 @late_kernel
-def missing_time(m, d, run, h, t) -> float:
+def missing_time(m, d, s, run, h, t) -> float:
     """Return the time from t until the condition comes true, by Newton's method from trial; 0 where that fails."""
-    dt = -condition(m, d, run, t, run.trial) / slope(m, d, run, t, run.trial, run.trial_rate, h)
+    dt = -condition(m, d, s, run, t, run.trial) / slope(m, d, s, run, t, run.trial, run.trial_rate, h)
     return dt if abs(dt) <= 0.1 * h else 0.0
 
 
@@ -224,7 +229,7 @@ def land(m, d, s, own, run, h, x, advance_to):
         status = advance_to(m, d, s, own, run, t + x, x, h)
         if status != RUNNING:
             return status, t
-        dt = missing_time(m, d, run, h, t + x)
+        dt = missing_time(m, d, s, run, h, t + x)
         if left == 1 or run.now.hop > 0.0 or abs(dt) <= 1e-16 * h:
             break
         x = min(max(x + dt, 0.0), h)
@@ -276,11 +281,11 @@ def outputs(m, d, s, own, run, t_new, h, dense, advance_to):
     """Store the samples of the accepted step; return RUNNING, STOPPED, FULL or NO_SOLUTION."""
     t_last, stopped, watched = t_new, False, run.task.condition >= 0
     inside = next_inside(run, h) < t_new
-    suspect = watched and may_come_true(m, d, run, h, t_new)
+    suspect = watched and may_come_true(m, d, s, run, h, t_new)
     if inside or suspect:
         if not dense(m, d, s, own, run, h):
             return NO_SOLUTION
-        x = first_crossing(m, d, run, h, t_new) if suspect else -1.0
+        x = first_crossing(m, d, s, run, h, t_new) if suspect else -1.0
         stopped = x >= 0.0
         if stopped:
             status, t_last = land(m, d, s, own, run, h, x * h, advance_to)
@@ -292,7 +297,7 @@ def outputs(m, d, s, own, run, t_new, h, dense, advance_to):
     if stopped:
         return halt(m, d, s, run, t_last)
     if watched:
-        watch_on(m, d, run, t_new)
+        watch_on(m, d, s, run, t_new)
     if inside or watched:
         evaluate(m, d, s, t_new, run.trial, run.work_rate)  # the work space belongs to the end of the step again
     if output_until(run, t_new):

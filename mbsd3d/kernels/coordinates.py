@@ -26,6 +26,8 @@ from .kinds import (
     PATH,
     POSITION,
     PRESS,
+    REACTION_FORCE,
+    REACTION_MOMENT,
     SLIDE,
     TURN,
     VELOCITY,
@@ -222,6 +224,25 @@ def of_contact(m, d, p) -> MeasureValue:
     return gap if p.kind == CLEARANCE else pressure(own, gap, -dot(plane[2], velocity))[0]
 
 
+@late_kernel
+def of_reaction(m, d, p) -> MeasureValue:
+    """Return a component of the force [N] or moment [N m] of a joint on its body b, or its size where no axis is given.
+
+    The multipliers and rows in ``d`` must be those of its state: see `dynamics.state_rates.evaluate`.
+    """
+    b = d.body[p.body[1]]
+    force, moment = scale(0.0, vec(b.w)), scale(0.0, vec(b.w))
+    for k in range(p.row, p.row + p.rows):
+        for slot in range(4):
+            if m.row[k].body[slot] == p.body[1]:
+                J = d.row[k].J[slot]
+                force = sub(force, scale(d.row[k].lam, (J[0], J[1], J[2])))
+                moment = sub(moment, scale(d.row[k].lam, (J[3], J[4], J[5])))
+    load = force if p.kind == REACTION_FORCE else sub(moment, cross(arm(b, p.point[1]), force))
+    axis = arm(d.body[p.body[0]], p.axis)
+    return dot(axis, load) if dot(axis, axis).real > 0.0 else np.sqrt(dot(load, load))
+
+
 @late
 @kernel
 def measure(m, d, i, t) -> MeasureValue:
@@ -235,6 +256,8 @@ def measure(m, d, i, t) -> MeasureValue:
         return d.z[p.state]
     if p.kind == CLEARANCE or p.kind == PRESS:
         return of_contact(m, d, p)
+    if p.kind == REACTION_FORCE or p.kind == REACTION_MOMENT:
+        return of_reaction(m, d, p)
     a, b, axis = d.body[p.body[0]], d.body[p.body[1]], vec(p.axis)
     sa, sb = arm(a, p.point[0]), arm(b, p.point[1])
     gap = sub(point(b, sb), point(a, sa))

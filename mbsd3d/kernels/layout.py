@@ -80,6 +80,8 @@ MEASURE = [
     ("coordinate", int),
     ("state", int),  # place in z of the state it reads
     ("force", int),  # number of the contact it speaks of, -1 = none
+    ("row", int),  # first row of the joint whose reaction it is,
+    ("rows", int),  # and their number
 ]
 STATE = [("unit", float), ("power", float)]  # error of a state of z is measured against unit speed^power
 

@@ -167,6 +167,8 @@ def checked_outputs(system: Mechanism, outputs: Sequence[Measure] | None) -> tup
         if not isinstance(x, Measure):
             raise InputError(f"linearize: outputs: {short_repr(x)} is not a measure; build one with mbsd3d.measures")
         check_members(system, x, "linearize: outputs")
+        if x.joint is not None:
+            raise InputError(f"linearize: outputs: {x.label} is no function of the states alone; give others")
     return tuple(outputs or ())
 
 

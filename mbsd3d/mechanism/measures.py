@@ -6,12 +6,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import number, short_repr, vector
+from ..base.checks import check_choice, number, short_repr, vector
 from ..base.errors import InputError, checks_arguments
 from ..base.rotations import cross, perpendiculars, unit
 from ..kernels import kinds
-from .bodies import GROUND, Body, Ground, Part
+from .bodies import GROUND, Body, Ground, Part, describe_part
 from .force_element import ForceElement
+from .forces.by_table import ForceCurve
 from .forces.contact import Contact
 from .forces.springs import SpringDamper
 from .joints import Joint, coordinate_of
@@ -30,24 +31,23 @@ MEASURES = {
     "state": kinds.OWN_STATE,
     "clearance": kinds.CLEARANCE,
     "normal force": kinds.PRESS,
+    "reaction force": kinds.REACTION_FORCE,
+    "reaction moment": kinds.REACTION_MOMENT,
 }
 COORDINATE_AXES = np.eye(3)
 PARALLEL_SINE_MAX = 1e-6  # [1] sine of the angle below which two directions span no plane
 CONTACT_MEASURES = ("clearance", "normal force")
 JOINT_MEASURES = ("coordinate", "coordinate rate")
+OF_REACTIONS = ("reaction force", "reaction moment")  # known where the equations have been solved
 POSE_MEASURES = ("coordinate", "position", "lean", "distance", "clearance")
 UNIT_EXPONENTS = {
-    "rad": (0.0, 0.0),
-    "m": (1.0, 0.0),
-    "rad/s": (-1.0, 1.0),
-    "m/s": (0.0, 1.0),
-    "-": (0.0, 0.0),
-    "N": (0.0, 0.0),
-}
+    "rad": (0.0, 0.0), "m": (1.0, 0.0), "rad/s": (-1.0, 1.0), "m/s": (0.0, 1.0), "-": (0.0, 0.0), "N": (0.0, 0.0),
+    "N m": (0.0, 0.0),
+}  # fmt: skip
 MEASURE_UNITS = {
     "coordinate": ("rad", "m"), "coordinate rate": ("rad/s", "m/s"), "position": ("m",), "velocity": ("m/s",),
     "omega": ("rad/s",), "lean": ("rad",), "lean rate": ("rad/s",), "distance": ("m",), "state": tuple(UNIT_EXPONENTS),
-    "clearance": ("m",), "normal force": ("N",),
+    "clearance": ("m",), "normal force": ("N",), "reaction force": ("N",), "reaction moment": ("N m",),
 }  # fmt: skip
 
 
@@ -66,6 +66,7 @@ class Measure:
     coordinate: Coordinate | None = None
     part: ForceElement | None = None  # force element it speaks of,
     index: int = 0  # and which of its internal states
+    joint: Joint | None = None  # whose reaction it is, on its body b; the axis is fixed in a
 
     def __post_init__(self) -> None:
         """Check the measure: a file may describe one, and kernels do not check."""
@@ -74,6 +75,8 @@ class Measure:
         fits = (self.coordinate is not None) == (self.kind in JOINT_MEASURES)
         own = 0 <= self.index < states if self.kind == "state" else self.part is None
         own = isinstance(self.part, Contact) if self.kind in CONTACT_MEASURES else own
+        own &= (self.joint is not None) == (self.kind in OF_REACTIONS)
+        own &= self.joint is None or self.b is self.joint.b
         own &= all(np.shape(x) == (3,) for x in (self.point_a, self.point_b, self.axis))
         if self.unit not in MEASURE_UNITS[self.kind] or not fits or not own:
             raise InputError(
@@ -112,11 +115,11 @@ class Condition:
 
 
 def check_members(system: Mechanism, measure: Measure, what: str) -> None:
-    """Check that a measure speaks of bodies and forces of this system."""
-    members = {id(part) for part in (*system.bodies, *system.forces, GROUND)}
-    for part in (measure.a, measure.b, measure.part or GROUND):
+    """Check that a measure speaks of bodies, joints and forces of this system."""
+    members = {id(part) for part in (*system.bodies, *system.joints, *system.forces, GROUND)}
+    for part in (measure.a, measure.b, measure.part or GROUND, measure.joint or GROUND):
         if id(part) not in members:
-            kind = "force" if part is measure.part else "body"
+            kind = "force" if part is measure.part else "joint" if part is measure.joint else "body"
             raise InputError(
                 f"{what}: {measure.label}: {kind} '{part.name}' is not in the system; measure a part of this system"
             )
@@ -279,6 +282,47 @@ def leaves(contact: ForceElement) -> Condition:
     return of_contact(contact, "normal force", "N", "leaves") < 0.0
 
 
+@checks_arguments
+def reaction(joint: Joint, *, axis: ArrayLike | None = None, of: str = "force", axes: str = "world") -> Measure:
+    """Return the reaction of a joint on its body b: force [N], or moment about the point of the joint [N m].
+
+    Parameters
+    ----------
+    axis : (3,) array_like or None
+        Direction of the component, world at the reference pose; None = the size of the whole vector.
+    of : "force" or "moment"
+    axes : "world", "a" or "b"
+        Where the direction is fixed: it turns with body a or b of the joint.
+
+    It stops a run, is a curve, and a column of `solution.measure`. Each look within a step solves the equations of
+    motion once. A reaction that the constraints do not determine is refused.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Revolute, System, measures, simulate
+    >>> bob = Body("bob", mass=2.0, inertia=(0.1, 0.1, 0.1), com=(0.5, 0, 0))
+    >>> pin = Revolute(GROUND, bob, at=(0, 0, 0), axis=(0, 1, 0))
+    >>> swing = simulate(System([bob], [pin]), 1.0, stop_when=measures.reaction(pin) > 30.0)
+    >>> round(float(swing.measure(measures.reaction(pin))[-1]), 6)
+    30.0
+    """
+    what = "measures.reaction"
+    if not isinstance(joint, Joint):
+        raise InputError(f"{what}: {short_repr(joint)} is not a joint; give the part itself")
+    check_choice(of, ("force", "moment"), f"{what}: of")
+    check_choice(axes, ("world", "a", "b"), f"{what}: axes")
+    if of == "moment" and type(joint).reaction_points is not Joint.reaction_points:
+        raise InputError(
+            f"{what}: the point of {describe_part(joint)} travels, and a moment belongs to a point; give a force"
+        )
+    fixed_in = GROUND if axes == "world" else getattr(joint, axes)
+    along = ZERO if axis is None else fixed_in.local_axis(unit(axis, f"{what}: axis"))
+    return Measure(
+        f"reaction {of}", f"reaction {of} of {label(joint)}", "N" if of == "force" else "N m", fixed_in, joint.b,
+        ZERO, joint.point(), along, joint=joint,
+    )  # fmt: skip
+
+
 def protractor(
     a: Body | Ground, b: Body | Ground, axis: np.ndarray, zero: np.ndarray, direction: np.ndarray, what: str
 ) -> Coordinate:
@@ -429,9 +473,11 @@ def between(
 
 
 @checks_arguments
-def length(spring: SpringDamper) -> Measure:
-    """Return the length of a spring [m]."""
-    if not isinstance(spring, SpringDamper):
-        raise InputError(f"measures.length: {short_repr(spring)} is not a SpringDamper; use measures.distance(a, b)")
+def length(spring: SpringDamper | ForceCurve) -> Measure:
+    """Return the length of a spring or damper between two points [m]."""
+    if not isinstance(spring, SpringDamper | ForceCurve):
+        raise InputError(
+            f"measures.length: {short_repr(spring)} is not a SpringDamper or ForceCurve; use measures.distance(a, b)"
+        )
     measure = distance(spring.a, spring.b, at_a=spring.at_a, at_b=spring.at_b)
     return replace(measure, label=f"length of {label(spring)}")

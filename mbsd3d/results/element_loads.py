@@ -17,8 +17,10 @@ from ..equations.compiled import new_data
 from ..kernels.kinematics import kinematics
 from ..mechanism.bodies import Body, Ground
 from ..mechanism.force_element import ForceElement
+from ..mechanism.forces.by_table import ForceCurve
 from ..mechanism.forces.contact import Contact
 from ..mechanism.forces.custom import SavedForce
+from ..mechanism.forces.linear_actuator import LinearActuator
 from ..mechanism.forces.springs import SpringDamper
 from ..mechanism.forces.tyre import Tyre
 from .result import RunResult
@@ -158,7 +160,7 @@ def stretch(solution: RunResult, part: ForceElement) -> dict[str, np.ndarray]:
     if x is not None:
         values = solution.arrays["coordinate"][:, solution.compiled.coordinate(x)]
         return {"angle" if x.kind == "angle" else "length": values, "rate": solution._coordinate_rate(x)}
-    if isinstance(part, SpringDamper):
+    if isinstance(part, SpringDamper | ForceCurve | LinearActuator):
         (p_a, v_a), (p_b, v_b) = (
             solution._point_motion(body, at) for body, at in ((part.a, part.at_a), (part.b, part.at_b))
         )

@@ -13,24 +13,34 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..base.checks import check_choice
+from ..base.errors import InputError
+from ..base.rotations import matrix, perpendiculars
 from ..base.style import Sampled
 from ..constraints.rank import OPEN_TOLERANCE, Analysis, orthonormal, projector, surely_independent
 from ..equations.at_state import rows_at
 from ..equations.compiled import Compiled
 from ..equations.jacobian import RANK_TOLERANCE, BlockRows, displacement_units, islands
 from ..kernels.layout import Data
+from ..mechanism.bodies import GROUND, describe_part
 from ..mechanism.joints import Joint
+from .motion import Motion
 from .record import Record
 
 PROBE_SHARES = (0.5, 0.29, 0.83)  # [1] of the samples: where a run is looked at first; no period fits them all
+NOT_DETERMINED = (
+    "is not determined by the constraints, which have redundant rows there; change the joints that check() names, or "
+    "read what is determined with solution.reaction"
+)
 ZERO_SHARE = 1e-9  # [1] of a vector: a determined part below it is none, as of the moment about a hinge's own axis
 REGULAR_MIN = 1e-6  # [1] least singular value over the largest: below it, N is wrong by more than 1e-16 / 1e-6
 
 
 @dataclass(frozen=True, repr=False)
 class Reaction(Sampled):
-    """Wrench on body b at the joint's point in world axes: force [N], moment [N m] and point [m], (samples, 3).
+    """Wrench on body b at the joint's point: force [N], moment [N m] and, in world axes, point [m], (samples, 3).
 
+    Components are along world axes, unless `Solution.reaction` was asked for others.
     ``unique`` is True where the constraints determine all of it, ``unique_force`` and ``unique_moment`` (3,) say so of
     each component. A mechanism whose plane is not aligned with the axes mixes the determined and the open directions in
     every component: ``force_projector`` and ``moment_projector`` (samples, 3, 3) are ``D = 1 - U U'`` onto the
@@ -89,10 +99,20 @@ class Determined(NamedTuple):
         left = (d - np.einsum("tij,tkj->tki", D[self.regular], d) for D in (self.force, self.moment))
         return tuple(np.abs(x).max(axis=(0, 2), initial=0.0) < self.tolerance for x in left)
 
-    def reaction(self, force: np.ndarray, moment: np.ndarray, point: np.ndarray, some: slice | np.ndarray) -> Reaction:
-        """Return the reaction at ``some`` of the samples, at which its values are given."""
-        masks = self.along(np.eye(3))
+    def reaction(
+        self, force: np.ndarray, moment: np.ndarray, point: np.ndarray, some: slice | np.ndarray,
+        axes: np.ndarray | None = None,
+    ) -> Reaction:  # fmt: skip
+        """Return the reaction at ``some`` of the samples, at which its world values are given.
+
+        ``axes`` (samples, 3, 3): directions in rows along which its components are; None = world axes.
+        """
+        masks = self.along(np.eye(3) if axes is None else axes)
         D = all_determined(len(force))[:2] if not self.tolerance else (self.force[some], self.moment[some])
+        if axes is not None:
+            turn = axes[some]
+            force, moment = (np.einsum("tij,tj->ti", turn, x) for x in (force, moment))
+            D = tuple(turn @ x @ turn.transpose(0, 2, 1) for x in D)
         return Reaction(force, moment, point, bool(np.all(masks)), *masks, *D)
 
 
@@ -100,6 +120,25 @@ def all_determined(samples: int) -> Determined:
     """Return that nothing is open at any sample."""
     one = np.broadcast_to(np.eye(3), (samples, 3, 3))
     return Determined(one, one, np.ones(samples, bool), 0.0)
+
+
+def axes_of(solution: Motion, joint: Joint, axes: str) -> np.ndarray | None:
+    """Return the directions (samples, 3, 3), in rows, of the axes asked for; None = those of the world."""
+    check_choice(axes, ("world", "a", "b", "joint"), "solution.reaction: axes")
+    if axes == "world":
+        return None
+    body = joint.b if axes == "b" else joint.a
+    if axes != "joint":
+        own = np.eye(3) if body is GROUND else matrix(body.orientation).T
+    else:
+        x = joint.angle() or joint.slide()
+        along = getattr(joint, "normal", None) if x is None or x.kind not in ("angle", "slide") else x.axis
+        if along is None or joint.partners():
+            raise InputError(
+                f"solution.reaction: {describe_part(joint)} has no axis of its own; give axes='a', 'b' or 'world'"
+            )
+        own = np.array([*perpendiculars(along), along])
+    return np.stack([solution.body_axis(body, direction) for direction in own], axis=1)
 
 
 class Open(NamedTuple):

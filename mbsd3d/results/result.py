@@ -16,6 +16,7 @@ from ..equations.compiled import Compiled, compile_system, new_data, tables_of
 from ..kernels.coordinates import coordinate_rate, measure, remember
 from ..kernels.kinematics import kinematics
 from ..kernels.layout import Data
+from ..kernels.rows import rows
 from ..mechanism.bodies import GROUND, Body, Ground
 from ..mechanism.drivers import Driver
 from ..mechanism.force_element import ForceElement
@@ -24,7 +25,18 @@ from ..mechanism.measures import Measure, check_members
 from ..mechanism.primitives import Coordinate
 from ..mechanism.state import State
 from .motion import Motion
-from .reactions import Determined, Probe, Reaction, RunRows, Shares, all_determined, group_of, is_unique
+from .reactions import (
+    NOT_DETERMINED,
+    Determined,
+    Probe,
+    Reaction,
+    RunRows,
+    Shares,
+    all_determined,
+    axes_of,
+    group_of,
+    is_unique,
+)
 from .record import Record
 
 
@@ -181,6 +193,8 @@ class RunResult(Motion):
                     f"solution.measure: {short_repr(one)} is not a measure; build one with mbsd3d.measures"
                 )
             check_members(self.system, one, "solution.measure")
+            if one.joint is not None and not self._is_unique([one.joint]):
+                raise InputError(f"solution.measure: {one.label} {NOT_DETERMINED}")
         model = compile_system(self.system, wanted).model
         data, known = new_data(model), len(tables_of(self.system).coordinate_index)
         values = np.empty((self.t.size, len(wanted)))
@@ -192,6 +206,9 @@ class RunResult(Motion):
                 data.coordinate["value"][i] += half * mean
             data.coordinate["value"][:known] = self.arrays["coordinate"][k, :known]  # those of hinges count their turns
             data.unwrap_time[0] = t
+            if any(one.joint is not None for one in wanted):
+                rows(model, data, t)
+                data.row["lam"] = self.arrays["lam"][k]
             values[k] = [measure(model, data, i, t) for i in range(len(wanted))]
             remember(model, data, t)
         return values[:, 0] if isinstance(measures, Measure) else values
@@ -235,9 +252,11 @@ class RunResult(Motion):
             return all_determined(self.t.size)
         return self._shares[1][id(parts[0])] if len(parts) == 1 else self._shares_of([parts]).determined[0]
 
-    def reaction(self, *joints: Joint | str) -> Reaction:
-        """Force [N] and moment [N m] of a joint on its body b at the joint's point, world axes.
+    def reaction(self, *joints: Joint | str, axes: str = "world") -> Reaction:
+        """Force [N] and moment [N m] of a joint on its body b at the joint's point.
 
+        Components are along the axes of the world, or with ``axes="a"`` and ``"b"`` along the body axes of a or b, with
+        ``"joint"`` along those of the joint: z its axis or normal, fixed in a, x and y across it.
         With several joints of one body b: their net wrench at the first one's point. ``unique`` says whether the
         constraints determine all of it, ``unique_force`` and ``unique_moment`` which components, ``determined_force``
         and ``determined_moment`` are the part they determine, in any direction; indeterminate shares are the ones of
@@ -254,6 +273,7 @@ class RunResult(Motion):
                     f"solution.reaction: '{system.name(part)}' acts on '{part.b.name}', "
                     f"'{system.name(parts[0])}' on '{body.name}'; net wrenches need one body b"
                 )
+        turned = axes_of(self, parts[0], axes)
         samples, lam = self.t.size, self.arrays["lam"] if self._is_unique(parts) else self._shares[0]
         total, one = np.zeros((samples, 6)), np.zeros((samples, 6))
         index, data, states = compiled.body_index[id(body)], compiled.data(), self.arrays["state"]
@@ -266,7 +286,7 @@ class RunResult(Motion):
         origin = np.zeros((samples, 3)) if body is GROUND else self.position(body)
         force = total[:, :3]
         moment = total[:, 3:] - crosses(point - origin, force)
-        return self._determined(parts).reaction(force, moment, point, slice(None))
+        return self._determined(parts).reaction(force, moment, point, slice(None), turned)
 
     def effort(self, driver: Driver | str) -> np.ndarray:
         """Return torque [N m] or force [N] of a driver on b along its motion (samples,); (samples, k) for k rows."""

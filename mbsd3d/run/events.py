@@ -4,7 +4,7 @@ motion is at its start."""
 import numpy as np
 
 from ..base.errors import InputError
-from ..dynamics.state_rates import FACTOR_FROM_OTHER_POSE, project_and_evaluate
+from ..dynamics.state_rates import FACTOR_FROM_OTHER_POSE, evaluate, project_and_evaluate
 from ..equations.compiled import Compiled
 from ..integrators.memory import Run
 from ..kernels.coordinates import measure
@@ -53,8 +53,7 @@ def armed_at_start(
     length, speed = UNIT_EXPONENTS[stop_when.measure.unit]
     model, t = compiled.model, float(run.now.t)
     slack = EVENT_VALUE_TOLERANCE * max(abs(stop_when.value), model.length**length * float(run.now.speed) ** speed)
-    kinematics(model, data, run.y)
-    now = float(measure(model, data, 0, t))
+    now = value_at(compiled, data, tree, t, run.y)
     gap = stop_when.direction * (now - stop_when.value)
     if gap > slack:
         raise InputError(
@@ -63,17 +62,35 @@ def armed_at_start(
         )
     if gap < -slack:
         return 1, slack, 0.0
-    rate = stop_when.direction * rate_of_measure(compiled, data, t, run.y, run.dy)
     soon = FIRST_STEP_SHARE * float(run.now.step)
+    rate = stop_when.direction * rate_of_measure(compiled, data, tree, t, run.y, run.dy, soon)
     y, dy = run.y + FIRST_STEP_SHARE * run.now.step * run.dy, run.dy.copy()
     project_and_evaluate(model, data, tree, t + soon, y, dy, FACTOR_FROM_OTHER_POSE)
-    back = (stop_when.direction * rate_of_measure(compiled, data, t + soon, y, dy) - rate) / soon
+    back = (stop_when.direction * rate_of_measure(compiled, data, tree, t + soon, y, dy, soon) - rate) / soon
     low = rate < 0.0 < back and 0.5 * rate * rate < LOW * slack * back
     return int(rate < 0.0), slack, -2.0 * rate / back if low else 0.0
 
 
-def rate_of_measure(compiled: Compiled, data: Data, t: float, y: np.ndarray, dy: np.ndarray) -> float:
-    """Return the rate of the measure at a state with its rate, exact to rounding: a complex step along the motion."""
+def value_at(compiled: Compiled, data: Data, tree: Tree, t: float, y: np.ndarray) -> float:
+    """Return the measure at a state; for a reaction the equations are solved."""
+    model = compiled.model
+    if model.measure["rows"][0] > 0:
+        evaluate(model, data, tree, t, y, np.empty_like(y))
+    else:
+        kinematics(model, data, y)
+    return float(measure(model, data, 0, t))
+
+
+def rate_of_measure(
+    compiled: Compiled, data: Data, tree: Tree, t: float, y: np.ndarray, dy: np.ndarray, apart: float
+) -> float:  # fmt: skip
+    """Return the rate of the measure at a state with its rate, exact to rounding: a complex step along the motion.
+
+    Of a reaction by a central difference over the time ``apart``, since its tree is one of real numbers.
+    """
+    if compiled.model.measure["rows"][0] > 0:
+        ahead, behind = (value_at(compiled, data, tree, t + h, y + h * dy) for h in (apart, -apart))
+        return (ahead - behind) / (2.0 * apart)
     varied = compiled.data(complex)
     varied.coordinate[:], varied.unwrap_time[:] = data.coordinate, data.unwrap_time
     kinematics(compiled.model, varied, y + 1j * TINY * dy)

@@ -16,6 +16,7 @@ from ..integrators import memory
 from ..integrators.memory import Run
 from ..kernels.layout import Data
 from ..mechanism.drivers import AngleDriver, Driver, LengthDriver, PositionDriver, SlideDriver
+from ..mechanism.forces.by_table import ByTable
 from ..mechanism.forces.custom import FunctionForce
 from ..mechanism.forces.feedback import StateFeedback
 from ..mechanism.joints.curve_contact import CurveContact
@@ -149,6 +150,9 @@ def what_fails(compiled: Compiled, k: int, y: np.ndarray, t: float, rates: np.nd
     force = compiled.system.forces[k]
     if isinstance(force, FunctionForce) and (error := exception_of(compiled, k, y, t)):
         return f"its function raises {type(error).__name__}{f': {error}' if str(error) else ''}"
+    if isinstance(force, ByTable) and force.beyond == "refuse":
+        low, high = force.points[[0, -1], 0]
+        return f"its table from {low:g} to {high:g} ends; give more points, or beyond='hold' or 'line'"
     if not np.isfinite(rates).all():
         names = ", ".join(
             f"'{name}'" for name, rate in zip(force.state_names(), rates, strict=True) if rate * 0.0 != 0.0

@@ -2,7 +2,7 @@
 
 A tyre must have its hub above the plane in every start. A `Contact` may be as soft as one likes and start from a state
 of a run in which it sank: as built it is judged by what presses it, elsewhere where it starts deeper than its surface
-is large, as an end stop does that a hinge has turned behind its plane.
+is large, as a plane does that a hinge has turned behind. A stop may be pressed in, but not by the reference pose.
 
 Forces by functions are asked for what every run needs of them: loads in pairs, no memory, the times at which they jump
 and the longest step.
@@ -22,6 +22,7 @@ from ..kernels.layout import Data, Model
 from ..mechanism.bodies import GROUND
 from ..mechanism.forces.contact import STANDARD_GRAVITY, Contact
 from ..mechanism.forces.custom import CustomForce, FunctionForce
+from ..mechanism.forces.end_stop import Stop
 from ..mechanism.forces.own_functions import RETURN_FLAG_INDEX, uncompiled
 from ..mechanism.forces.tyre import Tyre
 from ..mechanism.mechanism import Mechanism
@@ -64,7 +65,7 @@ def check_initial_penetration(compiled: Compiled, y: np.ndarray) -> None:
             continue
         advice = "check its size (in m), its position and the plane"
         if not built:
-            advice = "all behind a plane is solid: start on its open side, or stop it by a CustomForce of its angle"
+            advice = "all behind a plane is solid: start on its open side, or limit a hinge by an EndStop"
         raise InputError(
             f"force '{compiled.system.name(force)}' ({type(force).__name__}): '{force.b.name}' starts "
             f"{below - height:.4g} m deep in the plane, its centre at {height:.4g} m and {below:.4g} m above its "
@@ -80,6 +81,26 @@ def is_supported(contact: Contact, depth: float) -> bool:
 def is_as_built(contact: Contact, centre: np.ndarray, depth: float) -> bool:
     """Return whether the centre of the surface is where the reference pose has it."""
     return bool(np.linalg.norm(centre - contact.outline.centre) <= 1e-9 * depth)
+
+
+def check_stops(compiled: Compiled, data: Data, y: np.ndarray) -> None:
+    """Raise a ValueError for a stop that starts from the reference pose of its bodies, and that beyond a limit.
+
+    ``data`` has the hinge coordinates of the start: some turns away, the pose is the same and may lie within.
+    """
+    n, index = compiled.model.body.size, compiled.body_index
+    for force in compiled.system.forces:
+        if not isinstance(force, Stop) or (depth := force.depth_as_built()) == 0.0:
+            continue
+        x = force.record().coordinate
+        if x is not None and data.coordinate["value"][compiled.coordinate(x)] != 0.0:
+            continue
+        poses = [(y[7 * i : 7 * i + 7], body) for body in force.bodies() if (i := index[id(body)]) < n]
+        if all(np.array_equal(pose, [*body.position, *body.orientation]) for pose, body in poses):
+            raise InputError(
+                f"force '{compiled.system.name(force)}' ({type(force).__name__}): the reference pose is {depth:.4g} "
+                "beyond its limit, where angles and slides are 0; move the limit, or start inside with assemble()"
+            )
 
 
 def own_forces(system: Mechanism) -> list[tuple[int, FunctionForce]]:

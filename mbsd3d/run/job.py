@@ -13,6 +13,7 @@ from ..constraints.conflicting_drivers import rivals
 from ..constraints.idle_rotations import check_spins, find_idle_rotations
 from ..constraints.rank import choose_rows, tree_over_rows
 from ..dynamics.auditing import AUDITED_FIELDS
+from ..dynamics.contact_steps import watched_gaps
 from ..dynamics.state_rates import FACTOR_FROM_OTHER_POSE, PROJECTED, project_and_evaluate
 from ..equations.at_state import check_quaternions, driven_coordinates, load_rows, load_state, unmet, worst_joint
 from ..equations.compiled import Compiled
@@ -25,9 +26,10 @@ from ..kernels.coordinates import remember
 from ..kernels.kinds import PROJECTION
 from ..kernels.layout import Tree
 from ..mechanism.drivers import SpeedDriver
-from ..mechanism.forces.contact import Contact
 from ..mechanism.forces.custom import check_runnable
+from ..mechanism.measures import Measure
 from ..mechanism.state import State
+from ..results.reactions import NOT_DETERMINED, RunRows, group_of, is_unique
 from ..results.record import MOST_NUMBERS, Record, RunOptions, Samples, buffer_size
 from ..results.result import RunResult
 from ..solver.saddle_point import SOLVED
@@ -42,7 +44,14 @@ from .failure_causes import (
     singular_start,
     singular_there,
 )
-from .initial_checks import MemoryWatch, check_balance, check_initial_penetration, longest_step, with_jumps
+from .initial_checks import (
+    MemoryWatch,
+    check_balance,
+    check_initial_penetration,
+    check_stops,
+    longest_step,
+    with_jumps,
+)
 from .stiffness import check_forces
 
 CHUNK_SECONDS = 0.05  # s of kernel time between two returns to Python, for progress and Ctrl-C
@@ -81,7 +90,7 @@ class Job:
         run = allocate_run(
             y, self.model.body.size, np.zeros(0) if times is None else times, capacity, sum(widths), method.dense_terms,
             turns_of_signals(m, t),
-            np.flatnonzero([isinstance(force, Contact) for force in self.compiled.system.forces]),
+            watched_gaps(self.compiled.system.forces),
             m.state.size - m.z_work,
         )  # fmt: skip
         run = run._replace(turns=with_jumps(run.turns, self.compiled.system, t))
@@ -105,6 +114,7 @@ class Job:
         try:
             with progress:
                 self.check_start()
+                check_stops(self.compiled, self.data, self.memory.y)
                 self.eliminate()
                 self.check_driven()
                 self.first_step()
@@ -253,8 +263,20 @@ class Job:
         """Arm the condition to stop, unless it just comes true at the start: then it waits until it has been false."""
         if (stop_when := self.options.stop_when) is not None:
             run = self.memory
+            self.check_determined(stop_when.measure, "simulate: stop_when")
             found = armed_at_start(self.compiled, self.data, self.tree, run, stop_when)
             run.now.armed, run.task.slack, run.now.hop = found
+
+    def check_determined(self, measure: Measure, what: str) -> None:
+        """Raise an InputError for a reaction that the constraints do not determine at the start."""
+        if measure.joint is None:
+            return
+        start = RunRows(
+            self.compiled, np.array([self.start.t]), self.memory.y[None], self.data.coordinate["value"][None].copy(),
+            self.record,
+        )  # fmt: skip
+        if not is_unique(self.compiled, start.probes(), group_of(self.compiled, [measure.joint])):
+            raise InputError(f"{what}: {measure.label} {NOT_DETERMINED}")
 
     def drain(self) -> None:
         """Copy the samples out of the full buffer and empty it."""

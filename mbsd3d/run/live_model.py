@@ -26,7 +26,7 @@ LINES = 6  # of one panel that nobody asked for
 HANDS = tuple(zip(KEYS, PADS, strict=True))
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 PANELS = {
-    "rad": "angles", "m": "lengths", "rad/s": "rates", "m/s": "speeds", "N": "forces", "-": "states",
+    "rad": "angles", "m": "lengths", "rad/s": "rates", "m/s": "speeds", "N": "forces", "N m": "moments", "-": "states",
 }  # fmt: skip
 
 

@@ -12,6 +12,7 @@ from ..base.rotations import matrix
 from ..compiler.cache_folder import mark_warm
 from ..compiler.first_run import announce_compilation
 from ..dynamics.auditing import AUDITED_FIELDS
+from ..dynamics.state_rates import evaluate
 from ..equations.compiled import compile_system, set_input, starts, with_history, with_own_inputs
 from ..integrators.step_control import STEP_TIME_RATIO_MIN
 from ..kernels.coordinates import measure
@@ -21,6 +22,7 @@ from ..mechanism.signals.signal import Input
 from ..mechanism.state import State
 from ..results.record import RunOptions
 from ..results.result import RunResult, unit_quaternions
+from .initial_checks import check_stops
 from .job import Job
 from .simulation import check_signals, check_steps
 
@@ -52,7 +54,10 @@ class Segments(Job):
         task.every_step, task.t_end = 0, np.inf  # no horizon: the first step follows from the accelerations alone
         announce_compilation(f"time loop {self.options.method.loop.__name__}")
         self.check_start()
+        check_stops(self.compiled, self.data, self.memory.y)
         self.eliminate()
+        for x in measures:
+            self.check_determined(x, "Stepper: measures")
         self.check_driven()
         self.first_step()
 
@@ -144,7 +149,9 @@ class Segments(Job):
 
     @property
     def measured(self) -> np.ndarray:
-        """Return the values of the measures (measures,) now."""
+        """Return the values of the measures (measures,) now; for a reaction the equations are solved."""
+        if (self.model.measure["rows"][: len(self.measures)] > 0).any():
+            evaluate(self.model, self.data, self.tree, self.t, self.memory.y, np.empty_like(self.memory.y))
         return np.array([measure(self.model, self.data, i, self.t) for i in self.measures])
 
 

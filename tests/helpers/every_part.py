@@ -91,6 +91,18 @@ def parts():
         {"hinge": HINGE, "torque": m.Pulse(3.0, start=0.2, edge=0.1), "stiffness": 900.0, "damping": 20.0} | name,
     )
     yield m.Limit, {"joint": HINGE, "kind": "angle", "lower": -1.0, "upper": 2.0, "name": "elbow"}
+    limits = {"stiffness": 900.0, "damping": 2.0}
+    yield m.EndStop, {"joint": HINGE, "lower": -0.3, "upper": 9.0, "of": "angle"} | limits | name
+    yield m.ConeStop, {"joint": m.Spherical(GROUND, BAR, at=(0, 0, 0)), "axis_a": (1, 0, 0), "axis_b": (1, 0, 0.1),
+                       "half_angle": 0.4, "twist": (-0.3, 0.5)} | limits | name  # fmt: skip
+    yield m.LinearActuator, pair | limits | name | {
+        "at_a": (0, 0, 0), "at_b": (0, 0, 1), "thrust": 30.0, "rate": 0.4, "stroke": (0.9, 1.5)
+    }  # fmt: skip
+    table = {"points": [(-1.0, -3.0), (0.0, 0.0), (2.0, 1.0)], "between": "monotone", "beyond": "hold"}
+    yield m.ForceCurve, pair | table | {"at_a": (0, 0, 0), "at_b": (0, 0, 1), "over": "stretch", "length": 0.5} | name
+    yield m.TorqueCurve, table | {"joint": HINGE, "over": "angle"} | name
+    yield m.ForceBetween, pair | here | {"force": (0, 0, 1), "frame": "a"} | name
+    yield m.TorqueBetween, pair | {"torque": (0, 0, 1), "frame": "b"} | name
     yield m.JointFriction, {"hinge": HINGE, "coulomb": 3.0, "viscous": 0.1, "transition": 0.02} | name
     yield m.Bushing, pair | here | {
         "stiffness": 3.0, "turning_stiffness": 1.0, "damping": 0.1, "turning_damping": 0.1, "axes": (1, 0, 0, 0)
@@ -215,6 +227,7 @@ def measured():
     for measure in (measures.turn, measures.turn_rate):
         yield measure, pair | {"about": (1, 0, 0)}
     yield measures.angle_between, pair | {"axis_a": (1, 0, 0), "axis_b": (0, 1, 0), "about": (0, 0, 1)}
+    yield measures.reaction, {"joint": HINGE, "axis": (1, 0, 0.1), "of": "moment", "axes": "b"}
     for measure in (measures.clearance, measures.leaves, measures.normal_force, measures.touches):
         yield measure, {"contact": BALL}
     yield measures.length, {"spring": SPRING}

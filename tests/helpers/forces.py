@@ -15,16 +15,24 @@ from mbsd3d import (
     Brake,
     Bushing,
     CentralGravity,
+    ConeStop,
     Contact,
     CustomForce,
+    EndStop,
     Force,
+    ForceBetween,
+    ForceCurve,
     JointFriction,
+    LinearActuator,
     Polynomial,
     Prismatic,
     Revolute,
+    Spherical,
     SpringDamper,
     StateFeedback,
     Torque,
+    TorqueBetween,
+    TorqueCurve,
     TorsionSpring,
     Tyre,
     Weight,
@@ -121,6 +129,26 @@ def _tyre(rng, a, b, **given):
     return Tyre(a, b, axis=(0.3, 1.0, -0.2), plane=plane, centre=b.position + 0.2 * direction(rng), **numbers, **more)
 
 
+STOP = dict(stiffness=3.0, damping=0.4)
+BENT = [(-9.0, 4.0), (-1.0, 2.5), (0.3, 0.7), (1.5, -0.9), (4.0, -1.7), (9.0, -6.0)]
+
+
+def _cone(rng, a, b, **limits):
+    """A narrow cone that general poses leave, about axes that stand apart as built."""
+    ball, axis = Spherical(a, b, at=middle(rng, a, b)), direction(rng)
+    return [ball], ConeStop(ball, axis_a=axis, axis_b=axis + 0.2 * direction(rng), **limits, **STOP)
+
+
+def _table(rng, a, b, **choice):
+    ends = dict(at_a=a.position + 0.3 * direction(rng), at_b=b.position + 0.3 * direction(rng))
+    return [], ForceCurve(a, b, **ends, points=BENT, length=0.8, **choice)
+
+
+def _actuator(rng, a, b, thrust, stroke):
+    ends = dict(at_a=a.position + 0.3 * direction(rng), at_b=b.position + 0.3 * direction(rng))
+    return [], LinearActuator(a, b, **ends, thrust=thrust, rate=9.0, stroke=stroke, **STOP)
+
+
 EXAMPLES = {
     "Force in world axes": lambda rng, a, b: ([], Force(b, _signals(rng), at=b.position + direction(rng))),
     "Force in body axes": lambda rng, a, b: ([], Force(b, _signals(rng), at=b.position + direction(rng), frame="body")),
@@ -142,6 +170,29 @@ EXAMPLES = {
     ),
     "Brake that holds": lambda rng, a, b: _on(_hinge(rng, a, b), Brake, torque=90.0 + signal(rng, 1.0), **LINING),
     "Brake that slips": lambda rng, a, b: _on(_slider(rng, a, b), Brake, torque=Polynomial((0.3, 0.1)), **LINING),
+    "EndStop of a hinge": lambda rng, a, b: _on(_hinge(rng, a, b), EndStop, upper=-4.0, **STOP),
+    "EndStop of a slide": lambda rng, a, b: _on(_slider(rng, a, b), EndStop, lower=7.0, upper=8.0, **STOP),
+    "ConeStop of the swing": lambda rng, a, b: _cone(rng, a, b, half_angle=0.05),
+    "ConeStop of the twist": lambda rng, a, b: _cone(rng, a, b, half_angle=3.1, twist=(0.1, 0.11)),
+    "ConeStop of both": lambda rng, a, b: _cone(rng, a, b, half_angle=0.1, twist=(-0.03, 0.02)),
+    "ForceCurve over the stretch": lambda rng, a, b: _table(rng, a, b),
+    "ForceCurve over the rate": lambda rng, a, b: _table(rng, a, b, over="rate", between="monotone", beyond="line"),
+    "TorqueCurve over the angle": lambda rng, a, b: _on(
+        _hinge(rng, a, b), TorqueCurve, points=BENT, over="angle", between="monotone", beyond="hold"
+    ),
+    "TorqueCurve over the slide": lambda rng, a, b: _on(
+        _slider(rng, a, b), TorqueCurve, points=[(x, 3.0 - y) for x, y in BENT], over="slide", beyond="line"
+    ),
+    "TorqueCurve over the rate": lambda rng, a, b: _on(_hinge(rng, a, b), TorqueCurve, points=BENT),
+    "ForceBetween in axes of a": lambda rng, a, b: (
+        [],
+        ForceBetween(a, b, _signals(rng), at=b.position + direction(rng), frame="a"),
+    ),
+    "ForceBetween in world axes": lambda rng, a, b: ([], ForceBetween(a, b, _signals(rng))),
+    "TorqueBetween in axes of b": lambda rng, a, b: ([], TorqueBetween(a, b, _signals(rng), frame="b")),
+    "TorqueBetween in world axes": lambda rng, a, b: ([], TorqueBetween(a, b, _signals(rng))),
+    "LinearActuator that pulls at its end": lambda rng, a, b: _actuator(rng, a, b, -2.0 + signal(rng, 0.1), (0.1, 0.2)),
+    "LinearActuator that pushes at its end": lambda rng, a, b: _actuator(rng, a, b, 2.0, (20.0, 30.0)),
     "StateFeedback": lambda rng, a, b: _seen(_hinge(rng, a, b)),
     "CustomForce": lambda rng, a, b: ([], _custom(rng, a, b)),
     "Tyre": lambda rng, a, b: ([], _tyre(rng, a, b)),

@@ -146,12 +146,19 @@ class Model:
             lambda: m.AeroDrag(b, drag_area=self.number(), density=self.number(), wind=(self.signal(), 0, 0)),
             lambda: m.Weight(a, b, acceleration=at, name=name),
             lambda: m.CentralGravity(a, b, at=at, mu=self.number(), name=name),
+            lambda: m.ForceBetween(a, b, (self.signal(), 0, 1.0), at=at, frame=self.pick(["world", "a"]), name=name),
+            lambda: m.TorqueBetween(a, b, (self.signal(), 0, 1.0), frame=self.pick(["world", "b"]), name=name),
+            lambda: m.ForceCurve(a, b, at_a=at, at_b=self.vector(), points=[(-9.0, self.number()), (9.0, 1.0)],
+                                 beyond=self.pick(["refuse", "hold", "line"]), name=name),
         ]  # fmt: skip
         if joints:
             on = self.pick(joints)
             made += [
                 lambda: m.TorsionSpring(on, stiffness=self.number(), damping=self.number(), name=name),
                 lambda: m.Brake(on, torque=self.number(), stiffness=self.number(), damping=self.number(), name=name),
+                lambda: m.EndStop(on, lower=-self.number(), upper=self.number(), stiffness=self.number(), name=name),
+                lambda: m.ConeStop(on, axis_a=at, half_angle=self.number(), stiffness=self.number(), name=name),
+                lambda: m.TorqueCurve(on, points=[(-9.0, self.number()), (9.0, 1.0)], name=name),
                 lambda: m.JointFriction(on, coulomb=self.number(), transition=self.number(), name=name),
                 lambda: m.StateFeedback(measures=[measures.angle(on)], gains=[self.number()], on=on,
                                         time_constant=self.pick([None, self.number()]), name=name),

@@ -276,3 +276,33 @@ def test_a_table_of_noise_turns_about_as_often_as_its_values():
     extremes = np.count_nonzero(np.diff(values)[1:] * np.diff(values)[:-1] < 0.0)
     assert 0.9 * extremes < times.size < 1.2 * extremes
     assert (np.diff(times) > 0.0).all() and not jumps.any()
+
+
+def test_a_table_comes_from_a_file(tmp_path):
+    path = tmp_path / "shaker.csv"
+    path.write_text("t [s], offset, force [N]\n" + "".join(f"{t},{-t},{t**3}\n" for t in (0.0, 0.5, 1.0, 2.0)))
+    named = Table.from_csv(path, times="t [s]", values="force [N]")
+    assert float(named(1.5)) == pytest.approx(1.5**3, abs=1e-14)
+    assert float(Table.from_csv(path, values=1)(1.5)) == pytest.approx(-1.5, abs=1e-14)
+    path.write_text("0,1\n1,2\n2,3\n3,4\n")
+    assert Table.from_csv(path).interval == (0.0, 3.0)  # a first row of numbers counts
+
+
+@pytest.mark.parametrize(
+    ("text", "given", "message"),
+    [
+        ("t,f\n0,1\n", {"values": "g"}, "no column 'g'; give one of t, f, or a number from 0"),
+        ("t,f\n0,1\n", {"values": 2}, "no column 2; give one of t, f"),
+        ("t,f\n0,1\n1,x\n", {}, "row 3, '1,x', has no two numbers; correct it"),
+        ("t,f\n0,1\n1\n", {}, "row 3, '1', has no two numbers"),
+        ("t,f\n0,1\n", {}, "Table: 1 points; a cubic spline needs 4"),
+    ],
+)
+def test_files_without_a_table_are_refused(tmp_path, text, given, message):
+    path = tmp_path / "shaker.csv"
+    path.write_text(text)
+    with pytest.raises(ValueError) as error:
+        Table.from_csv(path, **given)
+    assert message in str(error.value)
+    with pytest.raises(ValueError, match="cannot be read"):
+        Table.from_csv(tmp_path / "none.csv")

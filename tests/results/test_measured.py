@@ -186,7 +186,7 @@ def test_slips_are_named(run):
         measures.heading(b, forward=(0, 0, 2))
     with pytest.raises(ValueError, match="'b' is not a body; give a Body"):
         measures.turn(a, "b", about=(0, 0, 1))
-    with pytest.raises(ValueError, match="is not a SpringDamper; use measures.distance"):
+    with pytest.raises(ValueError, match="is not a SpringDamper or ForceCurve; use measures.distance"):
         measures.length(a)
     with pytest.raises(ValueError, match="'energy' is not a measure, as others in the list are"):
         run.plot([(measures.distance(a, b), "energy")])

@@ -55,7 +55,7 @@ QUERIES = (  # what a newcomer may type for each of the questions of docs/questi
     "bicycle stable",
 )
 ASKED = {  # in the words of users of other programs: a page, or the table of terms on that of the questions
-    "joint limit end stop": "how/contacts",
+    "joint limit end stop": "how/stops",
     "singular Jacobian redundant constraints": "how/redundancy",
     "mass matrix constraint Jacobian": "api/extend",
     "loop drifts apart": "theory/projection",

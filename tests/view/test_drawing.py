@@ -11,7 +11,22 @@ from helpers.models import (
     revolute_chain,
 )
 
-from mbsd3d import GROUND, Body, GearMesh, Joint, Revolute, Rolling, RollingDisc, SpringDamper, State, System, rotation
+from mbsd3d import (
+    GROUND,
+    Body,
+    ConeStop,
+    EndStop,
+    GearMesh,
+    Joint,
+    Revolute,
+    Rolling,
+    RollingDisc,
+    Spherical,
+    SpringDamper,
+    State,
+    System,
+    rotation,
+)
 from mbsd3d.rotations import matrix, multiply
 from mbsd3d.shapes import Box, Cylinder, Disc, MeshFile
 from mbsd3d.view.page.show import page_layers
@@ -251,3 +266,23 @@ def test_names_that_would_hide_the_scene_wait_for_their_switch(places, named):
     assert ("body names" in page_layers(system, Layers())) == named
     assert "body names" in page_layers(system, Layers(shown="body names"))
     assert "body names" not in page_layers(system, Layers(hidden="body names"))
+
+
+def test_limits_of_a_stop_are_drawn_where_they_are():
+    part, axis = Body("part", 1.0, (0.1, 0.1, 0.1), position=(0.4, 0.2, 0.1)), np.array([1.0, -2.0, 2.0]) / 3.0
+    hinge = Revolute(GROUND, part, at=(0.1, -0.2, 0.3), axis=axis)
+    system = System([part], [hinge], [EndStop(hinge, lower=-0.4, upper=0.9, stiffness=400.0, name="stop")])
+    wires = [wire for wire in draw_system(system).wires if wire.name == "stop"]
+    on_a = [wire.points[1] - wire.points[0] for wire in wires if wire.body == 1]
+    angle = np.arctan2(np.cross(*on_a) @ axis, on_a[0] @ on_a[1])
+    assert angle == pytest.approx(1.3, abs=1e-12) and len(wires) == 3
+
+
+def test_the_rim_is_drawn_at_the_half_angle():
+    body = Body("arm", 1.4, (0.2, 0.3, 0.12), com=(0.1, 0.2, -0.4))
+    ball = Spherical(GROUND, body, at=(0.1, 0.2, 0.3))
+    stop = ConeStop(ball, axis_a=(1, 2, 2), half_angle=0.5, stiffness=300.0, name="stop")
+    rim, hand = (wire for wire in draw_system(System([body], [ball], [stop])).wires if wire.name == "stop")
+    away = rim.points - [0.1, 0.2, 0.3]
+    assert away @ stop.axis_a / np.linalg.norm(away, axis=1) == pytest.approx(np.cos(0.5), abs=1e-12)
+    assert rim.body == 1 and hand.body == 0

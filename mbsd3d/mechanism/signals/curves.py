@@ -1,18 +1,22 @@
 """Functions of time: ramps, sines, polynomials, tables, pulses."""
 
+import csv
 from functools import cached_property
-from typing import Any
+from pathlib import Path
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
-from ...base.checks import check_size
-from ...base.errors import InputError
+from ...base.checks import check_size, short_repr
+from ...base.errors import InputError, checks_method_arguments
 from ...base.fields import Stored, kept, part_class
+from ...base.paths import as_path, read_text
 from .signal import FiniteNumber, FiniteNumberOrNone, Row, Signal, as_row
 from .terms import POLYNOMIAL, SINE, SPLINE, Term
 
+CSV_BYTES_MAX = 64_000_000  # [bytes] of a file of points: a million of them, seconds to read
 SPLINE_COEFFICIENT_MAX = 1e90  # [1] coefficients whose squares can be computed with
 
 
@@ -87,6 +91,17 @@ class Polynomial(Signal):
         return [Term(POLYNOMIAL, np.array(self.coefficients))]
 
 
+def column_of(rows: list[list[str]], wanted: str | int, what: str) -> int:
+    """Place of a column by its number from 0, or by its name in the first row."""
+    names = [name.strip() for name in rows[0]]
+    if isinstance(wanted, str) and wanted in names:
+        return names.index(wanted)
+    if type(wanted) is int and 0 <= wanted < len(names):
+        return wanted
+    raise InputError(f"{what}: no column {short_repr(wanted)}; give one of {', '.join(names)}, or a number from 0")
+
+
+@checks_method_arguments
 @part_class()
 class Table(Signal):
     """Cubic spline through measured points (not-a-knot: the third derivative is continuous next to both ends).
@@ -101,6 +116,35 @@ class Table(Signal):
 
     times: Row = kept()
     values: Row = kept()
+
+    @classmethod
+    def from_csv(cls, path: str | Path, *, times: str | int = 0, values: str | int = 1) -> Self:
+        """The table in two columns of a CSV file, with commas between numbers, as `Solution.to_csv` writes it.
+
+        Columns by their names in the first row, or by their numbers from 0; a first row of numbers is one of the
+        table. Units are those of the file: s, and that of the quantity driven.
+
+        Raises
+        ------
+        ValueError
+            If the file or a column is not there, or a line has no number there.
+        """
+        found = as_path(path, "force.csv")
+        rows = [row for row in csv.reader(read_text(found, CSV_BYTES_MAX, "table").splitlines()) if row]
+        places = [column_of(rows, wanted, f"Table: '{found}'") for wanted in (times, values)]
+        numbers: list[list[float]] = []
+        for k, row in enumerate(rows):
+            try:
+                numbers.append([float(row[place]) for place in places])
+            except (ValueError, IndexError):
+                if k > 0:
+                    line = ",".join(row)
+                    raise InputError(
+                        f"Table: '{found}': row {k + 1}, {short_repr(line)}, has no two numbers; "
+                        "correct it, or name others"
+                    ) from None
+        both = np.array(numbers).reshape(-1, 2)
+        return cls(both[:, 0], both[:, 1])
 
     def check(self, what: str) -> None:
         times, values = self.times, self.values

@@ -16,7 +16,7 @@ from ...mechanism.shapes.homogeneous import shapes_of
 from ...mechanism.shapes.kinds import Ellipsoid, Lines
 from ...mechanism.shapes.surfaces import ball, block, joined, moved
 from .drawing import Drawing, Link, Piece, Tag, Wire, bounds, corners, poses_of
-from .glyphs import RIM_RADIUS_RATIO, Spanning, anchor, circles, joints_of, scaled, solids, spokes
+from .glyphs import RIM_RADIUS_RATIO, Spanning, anchor, circles, joints_of, limits, scaled, solids, spokes
 
 # [sizes of the mechanism] from the origin of the world: beyond it, a mechanism is drawn about an origin of its own
 ORIGIN_DISTANCE_MAX = 100.0
@@ -141,13 +141,17 @@ class Artist:
             add(Piece(body.name, "reference point", i, cross, GREY))
 
     def joints(self, size: float) -> None:
-        """Draw solids and axes of the joints."""
+        """Draw solids and axes of the joints, and the limits of their stops."""
         for joint in self.system.joints:
             name = self.system.name(joint)
             for body, mesh in solids(joint, size):
                 self.drawing.pieces.append(Piece(name, "joints", self.place[id(body)], mesh, JOINT_COLOUR))
             for body, ends in spokes(joint, 3.0 * size):
                 self.drawing.wires.append(Wire(name, "joints", self.place[id(body)], ends, JOINT_COLOUR))
+        for force in self.system.forces:
+            for body, points in limits(force, size):
+                wire = Wire(self.system.name(force), "joints", self.place[id(body)], points, JOINT_COLOUR)
+                self.drawing.wires.append(wire)
 
     def draw(self) -> Drawing:
         """Return the whole drawing: first everything to scale, which gives the size of the marks."""

@@ -8,11 +8,14 @@ from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
-from ...base.rotations import perpendiculars
+from ...base.rotations import matched_perpendiculars, perpendiculars
 from ...mechanism.bodies import Body, Ground, Part
 from ...mechanism.contacts import RollingContact, RollingDisc
 from ...mechanism.couplings import GearMesh
 from ...mechanism.drivers import SpeedDriver
+from ...mechanism.force_element import ForceElement
+from ...mechanism.forces.cone_stop import ConeStop
+from ...mechanism.forces.end_stop import EndStop
 from ...mechanism.joints import Joint
 from ...mechanism.joints.curve_contact import CurveContact
 from ...mechanism.shapes.surfaces import Mesh, ball, block, cylinder, moved, torus
@@ -156,6 +159,42 @@ def spokes(joint: Joint, length: float) -> list[tuple[Body | Ground, np.ndarray]
         middle, half = body.local_point(point), 0.5 * length * body.local_axis(axis)
         found.append((body, np.array([middle - half, middle + half])))
     return found
+
+
+def limits(stop: ForceElement, size: float) -> list[tuple[Body | Ground, np.ndarray]]:
+    """Return (body, points in its axes from O [m]) of what a stop limits: its limits in a, and the pointer in b."""
+    if isinstance(stop, ConeStop):
+        return cone(stop, 3.0 * size)
+    if not isinstance(stop, EndStop):
+        return []
+    x, at = stop.coordinate(""), stop.joint.point()
+    across, aside = perpendiculars(x.axis)
+    ends = [limit for limit in stop.limits if np.isfinite(limit)]
+    if x.kind == "angle":
+        rays = [np.cos(f) * across + np.sin(f) * aside for f in ends]
+        strokes = [(x.a, at, at + 3.0 * size * ray) for ray in rays]
+        pointer = matched_perpendiculars(x.axis, x.axis_b)[0] if x.zero_b is None else x.zero_b
+        strokes.append((x.b, at, at + 2.4 * size * pointer))
+    elif x.kind == "slide":
+        bar = 0.8 * size * across
+        strokes = [(x.a, at + f * x.axis - bar, at + f * x.axis + bar) for f in ends]
+        strokes.append((x.b, at - 0.5 * bar, at + 0.5 * bar))
+    else:
+        return []  # along a curve
+    return [(body, np.array([body.local_point(point) for point in points])) for body, *points in strokes]
+
+
+def cone(stop: ConeStop, length: float) -> list[tuple[Body | Ground, np.ndarray]]:
+    """Return the rim of the cone of a stop, and the axis that stays in it."""
+    a, b, at = stop.joint.a, stop.joint.b, stop.joint.point()
+    x, y = perpendiculars(stop.axis_a)
+    around = np.linspace(0.0, 2.0 * np.pi, 37)[:, None]
+    side = np.sin(stop.half_angle) * (np.cos(around) * x + np.sin(around) * y)
+    rim = at + length * (np.cos(stop.half_angle) * stop.axis_a + side)
+    pointer = (at, at + length * stop.axis_b)
+    return [
+        (body, np.array([body.local_point(point) for point in points])) for body, points in ((a, rim), (b, pointer))
+    ]
 
 
 def joints_of(part: Part) -> list[tuple[Body | Ground, np.ndarray]]:

@@ -1,0 +1,148 @@
+"""End stops of hinges and slides: they press back beyond a limit of a counted angle or a displacement."""
+
+from dataclasses import KW_ONLY
+from typing import ClassVar
+
+import numpy as np
+
+from ...base.checks import check_choice
+from ...base.errors import InputError
+from ...base.fields import Number, NumberOrNone, kept, part_class
+from ...compiler.decorators import inner_kernel, late_kernel
+from ...compiler.records import Parameters
+from ...kernels.coordinates import value_and_rate
+from ..force_element import ForceElement, ForceRecord, hinge_coordinate
+from ..joints import Joint, coordinate_of
+from ..primitives import Coordinate
+
+END_STOP = Parameters(
+    stiffness="N m/rad or N/m", damping="N m s/rad or N s/m", lower="rad or m", upper="rad or m"
+)  # fmt: skip
+end_stop_parameters = END_STOP.reader()
+
+
+@inner_kernel
+def stop_load(k, c, depth, rate):
+    """Return (load, its elastic part) of a stop that is pressed in by a depth: k d + c d_dot, never below 0."""
+    load, elastic = 0.0 * rate, 0.0 * rate
+    if depth.real > 0.0:
+        elastic = k * depth
+        if (elastic + c * rate).real > 0.0:
+            load = elastic + c * rate
+    return load, elastic
+
+
+@inner_kernel
+def end_stop(m, d, p, out, t):
+    """Load of two stops along a hinge coordinate, towards the inside."""
+    own = end_stop_parameters(m.number, p.number)
+    k, c = own.stiffness, own.damping
+    up, elastic_up = stop_load(k, c, own.lower - out.x, -out.rate)
+    down, elastic_down = stop_load(k, c, out.x - own.upper, out.rate)
+    out.load = up - down
+    out.potential = 0.5 * (elastic_up * elastic_up + elastic_down * elastic_down) / k
+    out.power = (up - elastic_up + elastic_down - down) * out.rate
+
+
+@late_kernel
+def end_stop_gap(m, d, p, upper, t, seen):
+    """Store how far the lower or the upper stop is away [rad or m], and the rate of that, in ``seen``."""
+    own = end_stop_parameters(m.number, p.number)
+    x, rate = value_and_rate(m, d, p.coordinate, t)
+    if upper:
+        seen[0], seen[1] = own.upper - x, -rate
+    else:
+        seen[0], seen[1] = x - own.lower, rate
+
+
+class Stop(ForceElement):
+    """Base class of stops that are watched between the stages of a step, as contacts are."""
+
+    gaps: ClassVar[int]  # distances to its limits
+
+    def depth_as_built(self) -> float:
+        """How far the reference pose is beyond a limit [rad or m]; 0 where it is not."""
+        raise NotImplementedError
+
+
+@part_class()
+class EndStop(Stop):
+    """End stops of a hinge or slide: beyond a limit of the coordinate x a load ``max(0, k d + c d_dot)`` presses back.
+
+    d is how far x is beyond ``lower`` or ``upper``. Angles count turns from the reference pose, so that a stop may
+    stand at any number of them. It never pulls: what leaves faster than the spring can follow leaves without load.
+    Energy ``k d^2 / 2``; the rest of the power is dissipated, ``c d_dot^2`` in touch.
+
+    A mass m that meets a stop at speed v sinks in by about ``v sqrt(m / k)`` and is in touch for about
+    ``pi sqrt(m / k)``. It comes back with ``e v``: e = 0.5 takes ``c = 0.511 sqrt(k m)``, 0.8 takes
+    ``0.149 sqrt(k m)``. On a hinge m is the moment of inertia.
+
+    Parameters
+    ----------
+    joint : Joint
+        A joint with an angle or a slide.
+    lower, upper : float or None
+        Limits [rad or m], counted from the reference pose; None: no stop there.
+    stiffness, damping : float
+        k > 0 [N m/rad or N/m], c >= 0 [N m s/rad or N s/m].
+    of : "angle", "slide" or None
+        What is limited where a joint has both; None: the angle, else the slide.
+
+    Raises
+    ------
+    ValueError
+        For a joint without the coordinate, no limit at all, or a lower limit that is not below the upper one. A run
+        that starts from the reference pose, and that beyond a limit, is refused at its start.
+
+    Examples
+    --------
+    >>> from math import pi
+    >>> from mbsd3d import GROUND, Body, EndStop, Revolute, System, simulate
+    >>> drum = Body("drum", mass=2.0, inertia=(0.3, 0.3, 0.5), omega=(0, 0, 5.0))
+    >>> hinge = Revolute(GROUND, drum, at=(0, 0, 0), axis=(0, 0, 1))
+    >>> stop = EndStop(hinge, upper=6 * pi, stiffness=2000.0)
+    >>> turned = simulate(System([drum], [hinge], [stop]), 8.0)
+    >>> float(turned.angle(hinge).max() > 6 * pi), round(float(turned.rate(hinge)[-1]), 6)  # three turns, and back
+    (1.0, -5.0)
+    """
+
+    law, law_parameters = staticmethod(end_stop), END_STOP
+    gaps = 2
+
+    joint: Joint
+    _: KW_ONLY
+    lower: NumberOrNone = kept(default=None)
+    upper: NumberOrNone = kept(default=None)
+    stiffness: Number = kept(positive=True)
+    damping: Number = kept(default=0.0, minimum=0.0)
+    of: str | None = None
+
+    def check(self, what: str) -> None:
+        check_choice(self.of, (None, "angle", "slide"), f"{what}: of")
+        self.coordinate(what)
+        if self.lower is None and self.upper is None:
+            raise InputError(f"{what}: neither lower nor upper; give at least one limit")
+        if self.lower is not None and self.upper is not None and not self.lower < self.upper:
+            raise InputError(
+                f"{what}: lower = {self.lower:g} is not below upper = {self.upper:g}; exchange them or set them apart"
+            )
+
+    def coordinate(self, what: str) -> Coordinate:
+        """The coordinate that is limited."""
+        return hinge_coordinate(self.joint, what) if self.of is None else coordinate_of(self.joint, self.of, what)
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Both limits [rad or m], infinite where there is none."""
+        return (-np.inf if self.lower is None else self.lower, np.inf if self.upper is None else self.upper)
+
+    def depth_as_built(self) -> float:
+        lower, upper = self.limits
+        return max(lower, -upper, 0.0)
+
+    def record(self) -> ForceRecord:
+        x, (lower, upper) = self.coordinate(""), self.limits
+        return ForceRecord((x.a, x.b), parameters=self.read_by_law(lower=lower, upper=upper), coordinate=x)
+
+    def partners(self) -> tuple:
+        return (self.joint,)
