@@ -53,6 +53,11 @@ def questions(folder):
     yield m.linearize, {
         "system": SWING, "state": None, "outputs": [measures.angle(HINGE)], "tolerance": 1e3, "gyroscopic": True,
     }  # fmt: skip
+    yield m.state_space, {
+        "system": m.System([BAR], [HINGE], [m.Torque(BAR, (0, m.Input("push"), 0))]), "state": None,
+        "outputs": [measures.angle(HINGE)], "inputs": ["push"], "driver": "position",
+        "tolerance": 1e3, "gyroscopic": True, "centripetal": True, "gamma": True,
+    }  # fmt: skip
     yield m.load, {"path": folder / "run.npz"}
     for read, name in ((m.read_mjcf, "model.xml"), (m.read_urdf, "model.urdf")):
         yield read, {"path": folder / name, "drop": ["limit"], "timeout": 30.0}
@@ -122,6 +127,12 @@ def answers(folder):
     small = m.linearize(SWING, outputs=[measures.angle(HINGE)], tolerance=1e3)
     yield small.plot, {}
     yield small.mode, {"k": 0}
+    pushed = m.System([BAR], [HINGE], [m.Torque(BAR, (0, m.Input("push"), 0))])
+    model = m.state_space(pushed, outputs=[measures.angle(HINGE)], tolerance=1e3)
+    yield model.frequency_response, {"w": [0.5, 1.0]}
+    yield model.bode, {"w": [0.5, 1.0], "dark": False}
+    yield model.step, {"t": [0.0, 0.5, 1.0]}
+    yield model.select, {"outputs": [0], "inputs": "push"}
     stepper = m.Stepper(m.System([BAR], [HINGE], [m.Torque(BAR, (0, m.Input("u"), 0))]))
     yield stepper.advance, {"t": 0.01}
     yield stepper.set, {"key": "u", "value": 1.0}
