@@ -56,7 +56,7 @@ def questions(folder):
     yield m.state_space, {
         "system": m.System([BAR], [HINGE], [m.Torque(BAR, (0, m.Input("push"), 0))]), "state": None,
         "outputs": [measures.angle(HINGE)], "inputs": ["push"], "driver": "position",
-        "tolerance": 1e3, "gyroscopic": True, "centripetal": True, "gamma": True,
+        "tolerance": 1e3,
     }  # fmt: skip
     yield m.load, {"path": folder / "run.npz"}
     for read, name in ((m.read_mjcf, "model.xml"), (m.read_urdf, "model.urdf")):

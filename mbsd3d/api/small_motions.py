@@ -276,9 +276,6 @@ def state_space(
     inputs: Sequence[Input | str] | None = None,
     driver: str = "position",
     tolerance: float = 1e-8,
-    gyroscopic: bool = True,
-    centripetal: bool = True,
-    gamma: bool = True,
 ) -> StateSpace:
     """The linear model from inputs to outputs about an equilibrium or a steady motion.
 
@@ -301,7 +298,7 @@ def state_space(
     driver : "position" or "acceleration"
         What is the input where a driver prescribes a motion: the motion u itself, so that outputs may depend on u' and
         u''; or u'', with u and u' as further states (of a speed: u', with u as a state): always a proper model.
-    tolerance, gyroscopic, centripetal, gamma
+    tolerance : float
         As in `linearize`.
 
     Returns
@@ -330,8 +327,5 @@ def state_space(
     ([[1.666667], [27.25]], [[0.0], [1.333333]])
     """
     start = start_of(system, state, "state_space")
-    switches = Switches(gyroscopic, centripetal, gamma)
-    found = models.state_space_at(
-        system, start, inputs, outputs, driver=driver, tolerance=tolerance, switches=switches
-    )  # fmt: skip
+    found = models.state_space_at(system, start, inputs, outputs, driver=driver, tolerance=tolerance)
     return StateSpace(**{x.name: getattr(found, x.name) for x in fields(found)})

@@ -298,15 +298,15 @@ def invariant_zeros(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) 
 @on_one_thread
 def state_space_at(
     system: Mechanism, state: State | None, inputs: Sequence[Input | str] | None, outputs: Sequence[Wanted], *,
-    driver: str = "position", tolerance: float = 1e-8, switches: Switches | None = None,
+    driver: str = "position", tolerance: float = 1e-8,
 ) -> StateSpace:  # fmt: skip
     """Return the state-space model; arguments and errors as `mbsd3d.state_space`."""
     check_system(system, "state_space")
     check_choice(driver, ("position", "acceleration"), "state_space: driver")
     tolerance = number(tolerance, "state_space: tolerance", positive=True)
     names, wanted = names_of(system, inputs), checked_wanted(system, outputs)
-    linear, motion = analyse(system, state, measures_of(wanted), tolerance, switches or Switches())
-    start = accelerations_at(system, linear.state, RunOptions(switches=linear.compiled.switches))
+    linear, motion = analyse(system, state, measures_of(wanted), tolerance, Switches())
+    start = accelerations_at(system, linear.state, RunOptions())
     found = outputs_of(motion.field, wanted, start)
     model = build(ModalAnalysis.of(linear), motion, names, found, tolerance)
     return driven_by_acceleration(model) if driver == "acceleration" else model
