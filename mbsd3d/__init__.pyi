@@ -92,6 +92,9 @@ from .results.bearings import RollingBearing as RollingBearing
 from .results.bearings import bearing_load as bearing_load
 from .results.bearings import bearing_pair as bearing_pair
 from .results.bearings import reliability_factor as reliability_factor
+from .results.spectrum import Density as Density
+from .results.spectrum import Spectrum as Spectrum
+from .results.spectrum import spectrum as spectrum
 from .sweeps.grids import Samples as Samples
 from .sweeps.grids import samples as samples
 from .sweeps.sweep import sweep as sweep

@@ -117,6 +117,13 @@ def answers(folder):
     yield lambda part: run.plot("angle", part), {"part": HINGE}
     yield lambda joint: run.reaction(joint), {"joint": HINGE}
     yield lambda name: run.certificate[name], {"name": "energy balance"}
+    even = m.simulate(SYSTEM, 0.02, method=m.RK4(0.005), output=5, progress=False)
+    yield even.spectrum, {"quantity": "reaction", "part": HINGE, "window": "hann", "after": 0.0}
+    yield even.density, {"quantity": "reaction", "part": HINGE, "segments": 1, "after": 0.0}
+    waves = m.spectrum(np.arange(8.0), np.arange(8.0), rate=None, window="hann")
+    yield m.spectrum, {"t": np.arange(8.0), "values": np.arange(8.0), "rate": 0.9, "window": "hann"}
+    yield waves.at, {"order": 0.125}
+    yield waves.levels, {"reference": 1e-6}
     yield run.report, {"path": folder / "report.html", "title": "run", "curves": ["energy"], "dark": False}
     yield run.save, {"path": folder / "again"}
     yield run.to_csv, {"path": folder / "run.csv"}
