@@ -10,10 +10,12 @@ from .api.load import read_mjcf as read_mjcf
 from .api.load import read_urdf as read_urdf
 from .api.simulation import accelerations as accelerations
 from .api.simulation import simulate as simulate
+from .api.small_motions import Campbell as Campbell
 from .api.small_motions import FrequencyResponse as FrequencyResponse
 from .api.small_motions import Linearization as Linearization
 from .api.small_motions import Mode as Mode
 from .api.small_motions import StateSpace as StateSpace
+from .api.small_motions import campbell as campbell
 from .api.small_motions import linearize as linearize
 from .api.small_motions import state_space as state_space
 from .api.solution import Solution as Solution

@@ -134,6 +134,12 @@ def answers(folder):
     small = m.linearize(SWING, outputs=[measures.angle(HINGE)], tolerance=1e3)
     yield small.plot, {}
     yield small.mode, {"k": 0}
+    rotor = m.Body("rotor", 20.0, (0.4, 0.4, 0.25))
+    held = [m.Bushing(GROUND, rotor, at=(0, 0, z), stiffness=1e6) for z in (-0.2, 0.3)]
+    machine = m.System([rotor], forces=held, gravity=(0, 0, 0))
+    whirl = {"system": machine, "spin": measures.omega(rotor, axis=(0, 0, 1))}
+    yield m.campbell, {**whirl, "speeds": [0.0, 200.0], "state": None}
+    yield m.campbell(**whirl, speeds=[0.0, 200.0]).critical_speeds, {"order": 1.0}
     pushed = m.System([BAR], [HINGE], [m.Torque(BAR, (0, m.Input("push"), 0))])
     model = m.state_space(pushed, outputs=[measures.angle(HINGE)], tolerance=1e3)
     yield model.frequency_response, {"w": [0.5, 1.0]}

@@ -2,18 +2,21 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
-from ..base.checks import number
-from ..base.errors import explaining, explaining_methods
+from ..base.checks import number, shown
+from ..base.errors import InputError, explaining, explaining_methods
 from ..equations.compiled import Switches
+from ..linear import campbell as diagrams
 from ..linear import modes
 from ..linear import state_space as models
 from ..linear.inputs_outputs import Wanted
 from ..linear.linearization import linearize_at
+from ..mechanism.bodies import Body
+from ..mechanism.joints import Joint, coordinate_of
 from ..mechanism.measures import Measure
 from ..mechanism.signals.input import Input
 from ..mechanism.state import State
@@ -329,3 +332,93 @@ def state_space(
     start = start_of(system, state, "state_space")
     found = models.state_space_at(system, start, inputs, outputs, driver=driver, tolerance=tolerance)
     return StateSpace(**{x.name: getattr(found, x.name) for x in fields(found)})
+
+
+@explaining_methods
+@dataclass(frozen=True, eq=False, repr=False)
+class Campbell(diagrams.Campbell):
+    """Whirl frequencies of a rotor over its speed; printed: a table of modes and critical speeds.
+
+    Attributes
+    ----------
+    speeds : (n,) array
+        [rad/s]
+    frequencies : (n, k) array
+        Whirl frequencies [rad/s], a column per mode, followed by its shape; NaN where it does not oscillate.
+    eigenvalues : (n, k) complex array
+        [1/s]; a positive real part is an unstable whirl.
+    sense : (n, k) array
+        Signed area of the orbit over that of a circle: 1 forward, with the spin, 0 a line, -1 backward.
+    whirl, labels : tuple of str
+        "forward", "backward", "planar" or "mixed" of each mode, and what moves in it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from mbsd3d import GROUND, Body, Bushing, System, campbell, measures
+    >>> disc = Body("disc", 20.0, (0.4, 0.4, 0.6))  # I_p > I_t: the forward conical whirl is never critical
+    >>> ends = [Bushing(GROUND, disc, at=(0, 0, z), stiffness=(1e6, 1e6, 1e3)) for z in (-0.25, 0.25)]
+    >>> rotor = System([disc], forces=ends, gravity=(0, 0, 0))
+    >>> found = campbell(rotor, spin=measures.omega(disc, axis=(0, 0, 1)), speeds=np.linspace(0.0, 600.0, 13))
+    >>> [(round(x.speed, 3), x.whirl) for x in found.critical_speeds() if x.whirl != "planar"]
+    [(316.228, 'backward'), (316.228, 'forward'), (353.553, 'backward')]
+    """
+
+    def plot(self, *, dark: bool = False) -> "Figure":
+        """Matplotlib figure of the whirl frequencies over the speed, with the critical speeds."""
+        from ..plotting.campbell import plot_campbell
+
+        return plot_campbell(self, dark=dark)
+
+
+@explaining
+def campbell(system: System, *, spin: Joint | Measure, speeds: ArrayLike, state: State | None = None) -> Campbell:
+    """The Campbell diagram: whirl frequencies over the speed of a rotor, sense of the orbits, critical speeds.
+
+    At each speed the system is linearised about the steady rotation. Modes are followed by their shape, from the last
+    speed, where forward and backward ones are farthest apart, to the first.
+
+    Parameters
+    ----------
+    system : System
+        Its rotors are symmetric about their axes, or the equations change as they turn and are refused.
+    spin : Joint or Measure
+        The hinge that turns at the speed, or `measures.omega` of a rotor that no joint holds, but bushings.
+    speeds : (n,) array_like
+        Two or more, ascending [rad/s]; a critical speed between two of them is found to rounding.
+    state : State or None
+        A pose at rest in which the rotor is in equilibrium; None = that of the system.
+
+    Returns
+    -------
+    Campbell
+        ``.critical_speeds(order)``: where a whirl frequency is ``order`` times the speed. ``.plot()`` draws it.
+
+    Raises
+    ------
+    ValueError
+        As `linearize`; for a ``spin`` that is neither hinge nor angular velocity, and speeds that do not ascend.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Bushing, System, campbell, measures
+    >>> disc = Body("disc", 10.0, (0.1, 0.1, 0.15))
+    >>> shaft = Bushing(GROUND, disc, at=(0, 0, 0), stiffness=(4e4, 4e4, 1e6))
+    >>> rotor = System([disc], forces=[shaft], gravity=(0, 0, 0))
+    >>> spin = measures.omega(disc, axis=(0, 0, 1))
+    >>> found = campbell(rotor, spin=spin, speeds=[0.0, 50.0, 100.0])
+    >>> [round(x.speed, 6) for x in found.critical_speeds() if x.whirl == "forward"]  # sqrt(k / m)
+    [63.245553]
+    """
+    rest = start_of(system, state, "campbell")
+    if isinstance(spin, Measure) and spin.kind == "omega" and isinstance(spin.b, Body):
+        axis, state_at = spin.axis, partial(diagrams.spinning_state, system, rest, spin.b, spin.axis)
+    elif isinstance(spin, Joint):
+        axis = coordinate_of(spin, "angle", "campbell: spin").axis
+
+        def state_at(speed: float) -> State:
+            return system.assemble(rates={spin: speed}, near=rest)
+    else:
+        raise InputError(f"campbell: spin: {shown(spin)}; give a hinge, or measures.omega(rotor, axis=...)")
+    found = diagrams.campbell_of(system, state_at, axis, speeds)
+    return Campbell(**{x.name: getattr(found, x.name) for x in fields(found)})

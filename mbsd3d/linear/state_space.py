@@ -18,7 +18,7 @@ import scipy.linalg
 import scipy.signal
 from numpy.typing import ArrayLike
 
-from ..base.checks import check_choice, floats, listed, number, shown, solvable
+from ..base.checks import check_choice, check_size, floats, listed, number, shown, solvable
 from ..base.concurrency import on_one_thread
 from ..base.errors import InputError
 from ..equations.compiled import Switches
@@ -148,6 +148,7 @@ class StateSpace:
         given = np.atleast_1d(floats(w, "frequency_response: w", "frequencies in rad/s"))
         if given.ndim != 1 or not given.size:
             raise InputError(f"frequency_response: w has shape {given.shape}; give one or more frequencies in rad/s")
+        check_size(given, "frequency_response: w")
         A, B, C = self.scaled
         values, vectors = spectrum(A)
         H, poles = np.empty((given.size, *self.D.shape), complex), []
@@ -227,7 +228,7 @@ def index(names: tuple[str, ...], wanted: Any, what: str) -> list[int]:
         return list(range(len(names)))
     found = []
     for x in [wanted] if isinstance(wanted, str | int) else listed(wanted, f"select: {what}", "names or numbers"):
-        k = names.index(x) if x in names else x
+        k = names.index(x) if isinstance(x, str) and x in names else x
         if isinstance(k, bool) or not isinstance(k, int | np.integer) or not -len(names) <= k < len(names):
             raise InputError(f"select: {what}: {shown(x)} is not one of {', '.join(map(repr, names))}")
         found.append(int(k) % len(names))

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.ticker import LogLocator
 
+from ..base.errors import InputError
 from ..base.style import RAISED, dress, new_figure
 from ..linear.state_space import FrequencyResponse
 
@@ -17,6 +18,10 @@ DECADES_MAX = 20  # [1] that are labelled each
 
 def plot_bode(response: FrequencyResponse, *, dark: bool = False) -> "Figure":
     """Draw magnitude and phase over the frequency: a column per input, a line per output."""
+    if not response.w.min() > 0.0:
+        raise InputError(
+            f"bode: frequency {response.w.min():g} rad/s has no place on a logarithmic axis; give w above 0"
+        )
     inputs = len(response.inputs)
     with new_figure(max(6.5, 4.0 * inputs), 6.0, dark) as (figure, look):
         panels = figure.subplots(2, inputs, sharex=True, squeeze=False, height_ratios=(1.5, 1.0))
@@ -24,11 +29,13 @@ def plot_bode(response: FrequencyResponse, *, dark: bool = False) -> "Figure":
             for row, (name, unit) in enumerate(zip(response.outputs, response.output_units, strict=True)):
                 H, style = response.H[:, row, column], {"color": look.colour(row)}
                 H = np.where(np.isfinite(H) & (H != 0.0), H, np.nan)
-                size.loglog(response.w, np.abs(H), label=f"{name} [{unit}]", **style)
+                size.semilogx(response.w, np.abs(H), label=f"{name} [{unit}]", **style)
                 phase.semilogx(response.w, unwrapped_degrees(H), **style)
             for axes in (size, phase):
                 dress(axes, look)
-            decades(size.yaxis)
+            if response.H[:, :, column].any():
+                size.set_yscale("log")
+                decades(size.yaxis)
             decades(phase.xaxis)
             low, high = np.array(phase.get_ylim()) / 90.0
             phase.set_yticks(90.0 * np.arange(np.ceil(low), np.floor(high) + 1.0))

@@ -22,7 +22,7 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy.signal import get_window
 
 from ..base.checks import check_choice, number, shown, whole
-from ..base.errors import InputError
+from ..base.errors import InputError, explaining, explaining_methods
 from ..mechanism.measures import Measure
 from .columns import BODY_QUANTITIES, QUANTITIES, columns_of_effort, components
 from .element_loads import load_of
@@ -44,7 +44,8 @@ class Levels(NamedTuple):
     unit: str  # e.g. "dB re 1e-06 N"
 
 
-@dataclass(frozen=True)
+@explaining_methods
+@dataclass(frozen=True, repr=False)
 class Spectrum:
     """Amplitudes of ``values = sum_k Re(c_k exp(i w_k t))``, or of ``sum_k Re(c_k exp(i order_k angle))``.
 
@@ -86,6 +87,7 @@ class Spectrum:
 
         ValueError if there is no such bin.
         """
+        order = number(order, "spectrum: order")
         k = int(np.argmin(np.abs(self.orders - order)))
         off = abs(self.orders[k] - order) / (self.orders[1] - self.orders[0])
         if off > (1e-6 if self.window == "none" else 0.5 + 1e-6):
@@ -158,6 +160,7 @@ class Density:
         return f"<density of {self.name} [{self.unit}]: {self.hertz.size} bins to {self.hertz[-1]:g} Hz>"
 
 
+@explaining
 def spectrum(t: ArrayLike, values: ArrayLike, *, rate: float | None = None, window: str = "none") -> Spectrum:
     """Compute the complex amplitudes of evenly sampled values; a last sample that repeats the first is left out.
 
@@ -180,8 +183,7 @@ def spectrum(t: ArrayLike, values: ArrayLike, *, rate: float | None = None, wind
 
 def amplitudes(t: ArrayLike, values: ArrayLike, rate: float | None, window: str, *, one_unit: bool) -> Spectrum:
     """Return the spectrum of samples; ``one_unit``: columns are components, of which a small one says nothing alone."""
-    if window not in WINDOWS:
-        raise InputError(f"spectrum: window {window!r} is unknown; give one of {', '.join(map(repr, WINDOWS))}")
+    check_choice(window, tuple(WINDOWS), "spectrum: window")
     t, values, step = _checked(t, values, "spectrum")
     size = np.abs(values).max(axis=None if one_unit else 0)
     repeats = bool((np.abs(values[-1] - values[0]) <= 1e-9 * size).all())
