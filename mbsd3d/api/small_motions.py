@@ -213,7 +213,7 @@ class FrequencyResponse(models.FrequencyResponse):
 
     def plot(self, *, dark: bool = False) -> "Figure":
         """Matplotlib figure of magnitude and phase over the frequency: a column per input, a line per output."""
-        from ..plotting.bode import plot_bode
+        from ..plotting.frequencies import plot_bode
 
         return plot_bode(self, dark=dark)
 
@@ -366,7 +366,7 @@ class Campbell(diagrams.Campbell):
 
     def plot(self, *, dark: bool = False) -> "Figure":
         """Matplotlib figure of the whirl frequencies over the speed, with the critical speeds."""
-        from ..plotting.campbell import plot_campbell
+        from ..plotting.frequencies import plot_campbell
 
         return plot_campbell(self, dark=dark)
 

@@ -198,7 +198,7 @@ def campbell_of(
     if not any(found):
         raise InputError("campbell: no mode oscillates at these speeds; give bearings stiffness")
     tracks = track(found)
-    values, sense = np.full((2, speeds.size, len(tracks)), np.nan, complex)
+    values, sense = np.full((2, speeds.size, len(tracks)), complex(np.nan, np.nan))
     for k, places in enumerate(tracks):
         for i, j in places.items():
             values[i, k], sense[i, k] = found[i][j].eigenvalue, found[i][j].sense

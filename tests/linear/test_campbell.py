@@ -141,6 +141,17 @@ def test_overhung_rotor_on_a_hinge():
     assert forward.speed == pytest.approx(np.sqrt(k * at * at / (inertia - polar)), rel=1e-9)
 
 
+def test_mode_that_oscillates_only_with_spin():
+    """A disc held at its centre of mass: no tilting stiffness, the nutation I_p W / I_t; without spin it drifts."""
+    disc = Body("disc", 10.0, (0.1, 0.1, 0.15))
+    middle = Bushing(GROUND, disc, at=(0, 0, 0), stiffness=(4e4, 4e4, 1e6))
+    system = System([disc], forces=[middle], gravity=(0, 0, 0))
+    found = campbell(system, spin=measures.omega(disc, axis=(0, 0, 1)), speeds=[-20.0, 0.0, 50.0, 100.0])
+    k = int(np.flatnonzero(np.isnan(found.frequencies[1]))[0])
+    assert found.frequencies[[0, 2, 3], k] == pytest.approx([30.0, 75.0, 150.0], rel=1e-9)
+    assert found.whirl[k] == "forward" and np.isnan(found.sense[1, k])
+
+
 def test_what_is_refused():
     system, spin = rotor(0.3, 0.2)
     with pytest.raises(InputError, match="campbell: spin: .*give a hinge, or measures.omega"):

@@ -9,8 +9,13 @@ from bicycle import Meijaard2007, whipple
 from mbsd3d import (
     GROUND,
     AeroDrag,
+    AngleDriver,
     Body,
     Force,
+    Parallel,
+    Perpendicular,
+    Polynomial,
+    PositionDriver,
     Prismatic,
     Revolute,
     SlideDriver,
@@ -20,6 +25,7 @@ from mbsd3d import (
     System,
     Torque,
     TorsionSpring,
+    accelerations,
     linearize,
     measures,
     rotation,
@@ -343,6 +349,51 @@ def test_four_bar_with_redundant_hinges():
     assert abs(abs(model.poles[0]) / 11.207940940935828 - 1.0) < 1e-8
     with pytest.raises(InputError, match="reaction of 'B' is not determined"):
         state_space(system, rest, outputs=[("reaction", hinges[1])])
+
+
+def hook(signals, torque=0.0):
+    """A spatial double pendulum, its centres off all axes, that hangs on a hook moved in three directions."""
+    top = Body("hook", 0.5, (0.1, 0.1, 0.1))
+    one = Body("one", 2.0, (0.2, 0.3, 0.15), com=(0.02, -0.01, -0.4))
+    inertia = ((0.1, 0.01, 0), (0.01, 0.12, 0.02), (0, 0.02, 0.05))
+    two = Body("two", 1.0, inertia, com=(0, 0.05, -0.2), position=(0, 0, -0.8))
+    lift = PositionDriver(top, at=(0, 0, 0), signal=signals, name="lift")
+    upright = [Parallel(GROUND, top, axis=(0, 0, 1)), Perpendicular(GROUND, top, axis_a=(1, 0, 0), axis_b=(0, 1, 0))]
+    eye = Spherical(top, one, at=(0, 0, 0), name="eye")
+    knee = Revolute(one, two, at=(0, 0, -0.8), axis=(1, 2, 0), name="knee")
+    return System([top, one, two], [lift, *upright, eye, knee], [Torque(two, (0.3 * torque, torque, 0), name="motor")])
+
+
+@pytest.mark.parametrize("k", [0, 1, 2])
+def test_a_moved_hook_beside_an_instant_of_the_mechanism(k):
+    """D2 and D of accelerations, reactions and efforts are what accelerations gain by u'' = 1 and by the torque 1."""
+    inputs = [Input(f"u{i}") for i in range(3)]
+    rest = hook(inputs).equilibrium().state
+    parts = [("acceleration", "two"), ("alpha", "one"), ("reaction", "eye"), ("effort", "lift")]
+    model = state_space(hook(inputs, Input("torque")), rest, outputs=parts)
+    still = [0.0, 0.0, 0.0]
+    moved = [Polynomial((0.0, 0.0, 0.5)) if i == k else 0.0 for i in range(3)]
+
+    def seen(system):
+        found = accelerations(system, rest)
+        eye = found.reaction("eye")
+        vectors = found.acceleration("two"), found.alpha("one"), eye.force, eye.moment, found.effort("lift")
+        return np.concatenate([x.ravel() for x in vectors])
+
+    plain = seen(hook(still))
+    assert worst(model.D2[:, model.inputs.index(f"u{k}")], seen(hook(moved)) - plain) < 1e-11  # plain: 30 N
+    torque = seen(hook(still, 1.0)) - plain
+    assert worst(model.D[:, model.inputs.index("torque")], torque) < 1e-11
+    assert model.output_units[-3:] == ("N",) * 3 and model.input_units[:3] == ("m",) * 3
+
+
+def test_driver_that_cannot_move_is_named():
+    arm, bob = Body("arm", 1.0, (0.1, 0.1, 0.1)), Body("bob", 1.0, (0.1, 0.1, 0.1), com=(0, 0, -0.3))
+    hinge = Revolute(GROUND, arm, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")
+    pin = Revolute(arm, bob, at=(0, 0, 0), axis=(0, 1, 0), name="pin")
+    drivers = [AngleDriver(hinge, Input("u"), name="motor"), AngleDriver(hinge, 0.0, name="lock")]
+    with pytest.raises(InputError, match="input 'u' prescribes a motion that other joints or drivers do not allow"):
+        state_space(System([arm, bob], [hinge, pin, *drivers]), outputs=[measures.angle(pin)])
 
 
 def test_wind_on_a_body_is_not_linear():

@@ -115,7 +115,7 @@ def test_errors_name_sample_and_remedy():
         ((t, np.exp(1j * t)), {}, "values of type complex128; give real numbers"),
         ((t[::-1], t), {}, "t goes from 0.8607.* s to 0 s; give times that increase"),
         (([0.0], [1.0]), {}, r"t \(1,\) and values \(1,\); give .* n >= 3"),
-        ((t, t), {"window": "hamming"}, "window 'hamming' is unknown; give one of 'none', 'hann', 'flat top'"),
+        ((t, t), {"window": "hamming"}, "window 'hamming' is unknown; give 'none' or 'hann' or 'flat top'"),
     ):
         with pytest.raises(ValueError, match=message):
             spectrum(*arguments, **options)

@@ -1,18 +1,20 @@
-"""Bode plots of frequency responses."""
+"""Bode plots of frequency responses, and Campbell diagrams of whirl frequencies over the speed."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.ticker import LogLocator
 
 from ..base.errors import InputError
 from ..base.style import RAISED, dress, new_figure
+from ..linear.campbell import Campbell
 from ..linear.state_space import FrequencyResponse
 
 if TYPE_CHECKING:
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
+LINE_STYLES = {"forward": "-", "backward": "--", "planar": "-.", "mixed": ":"}  # by the sense of the whirl
 DECADES_MAX = 20  # [1] that are labelled each
 
 
@@ -65,3 +67,24 @@ def decades(axis: "Axis") -> None:
     axis.set_major_locator(LogLocator(numticks=DECADES_MAX))
     axis.set_major_formatter(lambda x, _: f"10{str(round(np.log10(x))).translate(RAISED)}")
     axis.set_minor_formatter("")
+
+
+def plot_campbell(diagram: Campbell, *, dark: bool = False) -> "Figure":
+    """Draw whirl frequencies, the line of excitation by the speed, and the critical speeds."""
+    with new_figure(7.5, 5.0, dark) as (figure, look):
+        axes, speeds = figure.subplots(), diagram.speeds
+        for k, (label, whirl) in enumerate(zip(diagram.labels, diagram.whirl, strict=True)):
+            style: dict[str, Any] = {"color": look.colour(k), "linestyle": LINE_STYLES[whirl]}
+            axes.plot(speeds, diagram.frequencies[:, k], label=f"{whirl}: {label}", **style)
+        top = float(np.nanmax(diagram.frequencies))
+        axes.plot(speeds, np.abs(speeds), color=look.muted, linewidth=1.0, label="speed")
+        critical = diagram.critical_speeds()
+        axes.plot([x.speed for x in critical], [x.frequency for x in critical], color=look.ink, marker="o",
+                  markerfacecolor="none", linestyle="none", label="critical" if critical else "_")  # fmt: skip
+        dress(axes, look)
+        axes.set_ylim(0.0, 1.05 * top)
+        axes.set_xlim(speeds[0], speeds[-1])
+        axes.set_xlabel("speed [rad/s]")
+        axes.set_ylabel("whirl frequency [rad/s]")
+        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=9, labelcolor=look.ink)
+    return figure
