@@ -168,8 +168,7 @@ def particular(
 
     P0, P1 = np.zeros((2, at.F.shape[0], k))
     P0[:n] = solution(at.C[:, :n], effects.motion)
-    P0 -= space.E @ P0[space.chosen]
-    P0[n : 2 * n] += solution(at.D[:, n : 2 * n], effects.speed - at.D @ P0)
+    P0[n : 2 * n] = solution(at.D[:, n : 2 * n], effects.speed - at.D @ P0)
     P1[n : 2 * n] = solution(at.D[:, n : 2 * n], effects.motion)
     P0, P1 = (P - space.E @ P[space.chosen] for P in (P0, P1))
     left = scale * np.hstack([at.C @ P0 - effects.motion, at.D @ P0 - effects.speed, at.D @ P1 - effects.motion])

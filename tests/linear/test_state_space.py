@@ -17,6 +17,7 @@ from mbsd3d import (
     Polynomial,
     PositionDriver,
     Prismatic,
+    Ramp,
     Revolute,
     SlideDriver,
     SpeedDriver,
@@ -182,6 +183,46 @@ def test_gyroscope_in_gimbals():
     assert worst(model.frequency_response(w).H, expected) < EXACT
     assert abs(np.abs(model.poles.imag).max() - 161.69041669) < 1e-2  # nutation without damping H / sqrt(A_z A_y)
     assert model.inputs == ("tau_z", "tau_y") and model.input_units == ("N m", "N m")
+
+
+def test_gyroscope_on_a_driven_post():
+    """The axis of a spinning rotor is turned by a driver: A_y th'' = -H u', and the effort carries H^2 / A_y u."""
+    plain, posts, pivot, shaft = gyroscope()
+    forces = [plain.forces[0]]
+    system = System(
+        plain.bodies, [posts, pivot, shaft, AngleDriver(posts, Input("u"), name="motor")], forces, plain.gravity
+    )
+    start = system.assemble(rates={shaft: 400.0})
+    model = state_space(system, start, outputs=[measures.angle(pivot), ("effort", "motor"), ("alpha", "rotor")])
+    A_z, A_y, momentum, s = 0.017, 0.009, 2.0, 1j * np.array(W)
+    H = model.frequency_response(W).H[:, :, 0]
+    assert worst(H[:, 0], -momentum / (A_y * s)) < EXACT
+    assert worst(H[:, 1], A_z * s**2 + 0.002 * s + momentum**2 / A_y) < EXACT
+    across = 400.0 * s - momentum / A_y * s  # about y: the axis of the spin turns about z, and the gimbal swings
+    assert worst(H[:, 3], across) < EXACT and worst(H[:, 4], s**2) < EXACT
+    assert model.input_units == ("rad",)
+
+
+def test_turntable_whose_turning_is_driven():
+    """A mass on a radial spring of a turntable: r'' = (W^2 - k / m) r + 2 r0 W u', about a motion that turns."""
+    J, m, k, free, rate = 0.3, 2.0, 900.0, 0.4, 8.0
+    r0 = k * free / (k - m * rate**2)
+    table = Body("table", 1.0, (0.2, 0.2, J), omega=(0, 0, rate))
+    slug = Body("slug", m, (0.01, 0.01, 0.01), position=(r0, 0, 0))
+    axle = Revolute(GROUND, table, at=(0, 0, 0), axis=(0, 0, 1), name="axle")
+    slot = Prismatic(table, slug, at=(r0, 0, 0), axis=(1, 0, 0), name="slot")
+    spring = SpringDamper(table, slug, at_a=(0, 0, 0), at_b=(r0, 0, 0), stiffness=k, length=free)
+    motor = AngleDriver(axle, Ramp(rate) + Input("u"), name="motor")
+    system = System([table, slug], [axle, slot, motor], [spring], gravity=(0, 0, 0))
+    model = state_space(system, outputs=[measures.slide(slot), ("effort", "motor"), ("acceleration", slug)])
+    s = 1j * np.array(W)
+    slide = 2.0 * r0 * rate * s / (s**2 + k / m - rate**2)
+    effort = (J + 0.01 + m * r0**2) * s**2 + 2.0 * m * r0 * rate * s * slide
+    H = model.frequency_response(W).H[:, :, 0]
+    assert worst(H[:, 0], slide) < EXACT and worst(H[:, 1], effort) < EXACT
+    radial, across = (s**2 - rate**2) * slide - 2.0 * r0 * rate * s, r0 * s**2 + 2.0 * rate * s * slide
+    turned = np.stack([radial, across - r0 * rate**2], axis=1)  # in axes that turn at the rate, not with u
+    assert worst(H[:, 2:4], turned) < EXACT
 
 
 WHIPPLE = {  # speed [m/s]: lean and steer [rad/(N m)], yaw rate [rad/(N m s)] to steer torque at 1 and 5 rad/s
@@ -356,7 +397,7 @@ def hook(signals, torque=0.0):
     top = Body("hook", 0.5, (0.1, 0.1, 0.1))
     one = Body("one", 2.0, (0.2, 0.3, 0.15), com=(0.02, -0.01, -0.4))
     inertia = ((0.1, 0.01, 0), (0.01, 0.12, 0.02), (0, 0.02, 0.05))
-    two = Body("two", 1.0, inertia, com=(0, 0.05, -0.2), position=(0, 0, -0.8))
+    two = Body("two", 1.0, inertia, com=(-0.1, 0.0, -0.3), position=(0.1, 0.05, -0.7))
     lift = PositionDriver(top, at=(0, 0, 0), signal=signals, name="lift")
     upright = [Parallel(GROUND, top, axis=(0, 0, 1)), Perpendicular(GROUND, top, axis_a=(1, 0, 0), axis_b=(0, 1, 0))]
     eye = Spherical(top, one, at=(0, 0, 0), name="eye")
@@ -369,15 +410,15 @@ def test_a_moved_hook_beside_an_instant_of_the_mechanism(k):
     """D2 and D of accelerations, reactions and efforts are what accelerations gain by u'' = 1 and by the torque 1."""
     inputs = [Input(f"u{i}") for i in range(3)]
     rest = hook(inputs).equilibrium().state
-    parts = [("acceleration", "two"), ("alpha", "one"), ("reaction", "eye"), ("effort", "lift")]
+    parts = [("acceleration", "two"), ("alpha", "one"), ("reaction", "knee"), ("effort", "lift")]
     model = state_space(hook(inputs, Input("torque")), rest, outputs=parts)
     still = [0.0, 0.0, 0.0]
     moved = [Polynomial((0.0, 0.0, 0.5)) if i == k else 0.0 for i in range(3)]
 
     def seen(system):
         found = accelerations(system, rest)
-        eye = found.reaction("eye")
-        vectors = found.acceleration("two"), found.alpha("one"), eye.force, eye.moment, found.effort("lift")
+        knee = found.reaction("knee")
+        vectors = found.acceleration("two"), found.alpha("one"), knee.force, knee.moment, found.effort("lift")
         return np.concatenate([x.ravel() for x in vectors])
 
     plain = seen(hook(still))
