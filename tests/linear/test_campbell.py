@@ -6,6 +6,7 @@ import pytest
 from mbsd3d import GROUND, Body, Bushing, Cylindrical, Revolute, System, Universal, campbell, measures, rotation
 from mbsd3d.base.rotations import matrix
 from mbsd3d.errors import InputError
+from mbsd3d.linear.campbell import Whirl, track
 
 M, I_P, I_T = 20.0, 0.6, 0.4
 TILT = rotation((0.3, -0.8, 0.5), 1.1)  # of the shaft: no axis is aligned
@@ -79,6 +80,15 @@ def test_modes_are_followed_through_crossings(count):
     assert conical[0].speed == pytest.approx(np.sqrt(2e6 * 0.25**2 / (I_T + I_P)), rel=1e-9)
     assert [x.speed for x in critical if abs(x.speed - translation) < 1.0] == pytest.approx([translation] * 2, rel=1e-9)
     assert "critical at 353.553 rad/s, backward" in repr(found)
+
+
+def test_shapes_decide_where_frequencies_swap():
+    """Two modes exchange their frequencies from one speed to the next; a third appears."""
+    one, two, three = np.eye(3, dtype=complex)
+    before = [Whirl(90j, one, 1.0, "one"), Whirl(110j, two, 1.0, "two")]
+    after = [Whirl(91j, two, 1.0, "two"), Whirl(109j, one, 1.0, "one"), Whirl(300j, three, 1.0, "three")]
+    assert track([before, after]) == [{1: 0, 0: 1}, {1: 1, 0: 0}, {1: 2}]
+    assert track([after, before]) == [{1: 0, 0: 1}, {1: 1, 0: 0}, {0: 2}]
 
 
 def test_forward_conical_critical_speed_of_a_long_rotor():
