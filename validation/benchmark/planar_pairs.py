@@ -17,7 +17,7 @@ import numpy as np
 
 import mbsd3d
 from engines import planar
-from engines.balance.spectrum import spectrum
+from mbsd3d import spectrum
 
 Z = (0.0, 0.0, 1.0)
 HINGE, BALL, CROSS, GUIDE = "hinge", "ball", "cross", "guide"
