@@ -10,9 +10,14 @@ from .api.load import read_mjcf as read_mjcf
 from .api.load import read_urdf as read_urdf
 from .api.simulation import accelerations as accelerations
 from .api.simulation import simulate as simulate
+from .api.small_motions import Campbell as Campbell
+from .api.small_motions import FrequencyResponse as FrequencyResponse
 from .api.small_motions import Linearization as Linearization
 from .api.small_motions import Mode as Mode
+from .api.small_motions import StateSpace as StateSpace
+from .api.small_motions import campbell as campbell
 from .api.small_motions import linearize as linearize
+from .api.small_motions import state_space as state_space
 from .api.solution import Solution as Solution
 from .api.stepper import Stepper as Stepper
 from .api.system import System as System
@@ -97,6 +102,9 @@ from .results.bearings import RollingBearing as RollingBearing
 from .results.bearings import bearing_load as bearing_load
 from .results.bearings import bearing_pair as bearing_pair
 from .results.bearings import reliability_factor as reliability_factor
+from .results.spectrum import Density as Density
+from .results.spectrum import Spectrum as Spectrum
+from .results.spectrum import spectrum as spectrum
 from .sweeps.grids import Samples as Samples
 from .sweeps.grids import samples as samples
 from .sweeps.sweep import sweep as sweep

@@ -12,7 +12,7 @@ from engines.balance.harmonics import Harmonics, half_axes
 from engines.balance.layouts import Engine, names
 from engines.balance.published.claims import Row
 from engines.balance.published.truth import single
-from engines.balance.spectrum import spectrum
+from mbsd3d import spectrum
 
 AMPLITUDE_ROUNDING = 1e-9  # [1] of F_single and weight; smaller amplitudes are rounding and shown as 0
 WORD_COLUMNS = {

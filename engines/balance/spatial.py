@@ -15,7 +15,7 @@ import mbsd3d
 from engines.balance import looks
 from engines.balance.harmonics import Harmonics
 from engines.balance.layouts import Engine
-from engines.balance.spectrum import spectrum
+from mbsd3d import spectrum
 from mbsd3d.errors import InputError
 from mbsd3d.extend import Ground
 

@@ -1,16 +1,24 @@
 """`linearize`: small motions about an equilibrium or a steady motion, as modes that can be plotted and animated."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, Unpack, overload
 
-from ..base.checks import number
-from ..base.errors import checks_arguments, checks_method_arguments
+from numpy.typing import ArrayLike
+
+from ..base.checks import number, short_repr
+from ..base.errors import InputError, checks_arguments, checks_method_arguments
 from ..equations.compiled import Switches
+from ..linear import campbell as diagrams
 from ..linear import modes
+from ..linear import state_space as models
+from ..linear.inputs_outputs import Wanted
 from ..linear.linearization import linearize_at
+from ..mechanism.bodies import Body
+from ..mechanism.joints import Joint, coordinate_of
 from ..mechanism.measures import Measure
+from ..mechanism.signals.signal import Input
 from ..mechanism.state import State
 from .simulation import start_of
 from .system import System
@@ -182,3 +190,248 @@ def linearize(
     start = start_of(system, state, "linearize")
     switches = Switches(gyroscopic, centripetal, gamma)
     return Linearization.of(linearize_at(system, start, outputs=outputs, tolerance=tolerance, switches=switches))
+
+
+@checks_method_arguments
+@dataclass(frozen=True, eq=False, repr=False)
+class FrequencyResponse(models.FrequencyResponse):
+    """Frequency response ``H[frequency, output, input]`` of a `StateSpace`, complex.
+
+    ``H = A exp(i phase)``: an input cos(w t) is followed by the output A cos(w t + phase).
+
+    Attributes
+    ----------
+    w : (n,) array
+        Frequencies [rad/s].
+    H : (n, outputs, inputs) complex array
+        Output units per input unit; infinite where a pole on the axis is hit that the entry shows.
+    at_poles : tuple of (float, str)
+        These frequencies [rad/s], and which mode has the pole.
+
+    Examples
+    --------
+    >>> from mbsd3d import Body, Force, Input, System, measures, state_space
+    >>> stone = Body("stone", 2.0, (1, 1, 1))
+    >>> push = Force(stone, (Input("push"), 0, 0))
+    >>> place = measures.position(stone, axis=(1, 0, 0))
+    >>> free = state_space(System([stone], forces=[push], gravity=(0, 0, 0)), outputs=[place])
+    >>> print(free.frequency_response([0.0]))
+    <frequency response: 1 outputs, 1 inputs, 1 frequencies 0 ... 0 rad/s>
+    infinite at 0 rad/s, a pole: x of 'stone'
+    """
+
+    def plot(self, *, dark: bool = False) -> "Figure":
+        """Matplotlib figure of magnitude and phase over the frequency: a column per input, a line per output."""
+        from ..plotting.frequencies import plot_bode
+
+        return plot_bode(self, dark=dark)
+
+
+@checks_method_arguments
+@dataclass(frozen=True, eq=False, repr=False)
+class StateSpace(models.StateSpace):
+    """Linear model of small motions between input signals u and outputs y, as deviations from a steady motion.
+
+    ``z' = A z + B u``, ``y = C z + D u + D1 u' + D2 u''``. D1 and D2 are zero, and z are the states x of
+    `Linearization`, unless inputs prescribe motions. Then ``z = x - B2 u' - (B1 + A B2) u`` with
+    ``x' = A x + B0 u + B1 u' + B2 u''``, so that no rates of u act on z. States are not unique: compare H, D and poles.
+
+    Attributes
+    ----------
+    A, B, C, D, D1, D2 : arrays
+        In SI units.
+    states, inputs, outputs : tuple of str
+    state_units, input_units, output_units : tuple of str
+        "-" for internal states of forces, and for inputs that set different quantities or a multiple of one.
+    poles : (n,) complex array
+        Eigenvalues of A [1/s].
+    zeros : complex array
+        Invariant zeros [1/s] of a model with as many outputs as inputs, see `select`.
+    linearization : ModalAnalysis
+        The linearisation with its modes.
+
+    Examples
+    --------
+    >>> from mbsd3d import Body, Force, Prismatic, System, measures, state_space
+    >>> from mbsd3d import GROUND, Input, SpringDamper
+    >>> cart = Body("cart", 2.0, (1, 1, 1))
+    >>> rail = Prismatic(GROUND, cart, at=(0, 0, 0), axis=(1, 0, 0))
+    >>> spring = SpringDamper(GROUND, cart, at_a=(-1, 0, 0), at_b=(0, 0, 0), stiffness=50.0, damping=4.0)
+    >>> pushed = System([cart], [rail], [spring, Force(cart, (Input("push"), 0, 0))])
+    >>> model = state_space(pushed, outputs=[measures.slide(rail), ("acceleration", cart)])
+    >>> model.poles.round(6)
+    array([-1.+4.898979j, -1.-4.898979j])
+    >>> model.D[1].round(9), model.frequency_response([0.0]).H[0, 0].round(9)  # 1 / m, 1 / k
+    (array([0.5]), array([0.02+0.j]))
+    """
+
+    def frequency_response(self, w: ArrayLike) -> FrequencyResponse:
+        found = super().frequency_response(w)
+        return FrequencyResponse(**{x.name: getattr(found, x.name) for x in fields(found)})
+
+    frequency_response.__doc__ = models.StateSpace.frequency_response.__doc__
+
+    def bode(self, w: ArrayLike | None = None, *, dark: bool = False) -> "Figure":
+        """Matplotlib figure of magnitude and phase over w [rad/s], a column per input, a line per output.
+
+        ``w`` None = from a tenth of the slowest pole beside zero to ten times the fastest.
+        """
+        return self.frequency_response(models.usual_frequencies(self.poles) if w is None else w).plot(dark=dark)
+
+
+@checks_arguments
+def state_space(
+    system: System,
+    state: State | None = None,
+    *,
+    outputs: Sequence[Wanted],
+    inputs: Sequence[Input | str] | None = None,
+    driver: str = "position",
+    tolerance: float = 1e-8,
+) -> StateSpace:
+    """The linear model from inputs to outputs about an equilibrium or a steady motion.
+
+    Steady motions, nonholonomic and redundant rows as in `linearize`. Derivatives are complex steps and solutions of
+    the linear equations of the accelerations, exact to rounding; those of a force by its own input are central
+    differences of order 8, exact to rounding where it is linear in the input, to some 1e-13 where not, as wind.
+
+    Parameters
+    ----------
+    system : System
+        With `mbsd3d.Input` in forces, torques, laws or drivers; their values are those of the steady motion.
+    state : State or None
+        An equilibrium or a steady motion; None = ``system.state()``.
+    outputs : sequence
+        Of `mbsd3d.measures`; ``("derivative", measure)``, its rate of change; ``("acceleration", body)`` of the
+        reference point [m/s^2] and ``("alpha", body)`` [rad/s^2], three components each; ``("reaction", joint)``, force
+        [N] and moment [N m] on body b at the joint's point (where that travels, the force alone);
+        ``("effort", driver)``. Vectors are in world axes, turning with the mechanism if that turns as a whole.
+    inputs : sequence of Input or str, or None
+        The inputs u in their order; None = all of the system.
+    driver : "position" or "acceleration"
+        What is the input where a driver prescribes a motion: the motion u itself, so that outputs may depend on u' and
+        u''; or u'', with u and u' as further states (of a speed: u', with u as a state): always a proper model.
+    tolerance : float
+        As in `linearize`.
+
+    Returns
+    -------
+    StateSpace
+        With ``.frequency_response(w)``, ``.poles``, ``.zeros``, ``.bode()``, ``.step(t)``, ``.to_scipy()``,
+        ``.to_control()``.
+
+    Raises
+    ------
+    ValueError
+        As `linearize`; for an input that is not in the system, acts in another way at another time of the motion, or
+        prescribes what joints hold; for an output that changes along the motion, and for reactions that redundant
+        joints leave open.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Prismatic, Revolute, SlideDriver, System, measures
+    >>> from mbsd3d import Input, state_space
+    >>> cart, bob = Body("cart", 1.0, (1, 1, 1)), Body("bob", 2.0, (0.1, 0.1, 0.1), position=(0, 0, -0.5))
+    >>> rail = Prismatic(GROUND, cart, at=(0, 0, 0), axis=(1, 0, 0))
+    >>> pin = Revolute(cart, bob, at=(0, 0, 0), axis=(0, 1, 0))
+    >>> moved = System([cart, bob], [rail, pin, SlideDriver(rail, Input("shift"), name="motor")])
+    >>> model = state_space(moved, outputs=[measures.angle(pin), ("effort", "motor")])
+    >>> model.D.round(6).tolist(), model.D2.round(6).tolist()  # m l / (I + m l^2); M + m - (m l)^2 / (I + m l^2)
+    ([[1.666667], [27.25]], [[0.0], [1.333333]])
+    """
+    start = start_of(system, state, "state_space")
+    found = models.state_space_at(system, start, inputs, outputs, driver=driver, tolerance=tolerance)
+    return StateSpace(**{x.name: getattr(found, x.name) for x in fields(found)})
+
+
+@checks_method_arguments
+@dataclass(frozen=True, eq=False, repr=False)
+class Campbell(diagrams.Campbell):
+    """Whirl frequencies of a rotor over its speed; printed: a table of modes and critical speeds.
+
+    Attributes
+    ----------
+    speeds : (n,) array
+        [rad/s]
+    frequencies : (n, k) array
+        Whirl frequencies [rad/s], a column per mode, followed by its shape; NaN where it does not oscillate.
+    eigenvalues : (n, k) complex array
+        [1/s]; a positive real part is an unstable whirl.
+    sense : (n, k) array
+        Signed area of the orbit over that of a circle: 1 forward, with the spin, 0 a line, -1 backward.
+    whirl, labels : tuple of str
+        "forward", "backward", "planar" or "mixed" of each mode, and what moves in it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from mbsd3d import GROUND, Body, Bushing, System, campbell, measures
+    >>> disc = Body("disc", 20.0, (0.4, 0.4, 0.6))  # I_p > I_t: the forward conical whirl is never critical
+    >>> ends = [Bushing(GROUND, disc, at=(0, 0, z), stiffness=(1e6, 1e6, 1e3)) for z in (-0.25, 0.25)]
+    >>> rotor = System([disc], forces=ends, gravity=(0, 0, 0))
+    >>> found = campbell(rotor, spin=measures.omega(disc, axis=(0, 0, 1)), speeds=np.linspace(0.0, 600.0, 13))
+    >>> [(round(x.speed, 3), x.whirl) for x in found.critical_speeds() if x.whirl != "planar"]
+    [(316.228, 'backward'), (316.228, 'forward'), (353.553, 'backward')]
+    """
+
+    def plot(self, *, dark: bool = False) -> "Figure":
+        """Matplotlib figure of the whirl frequencies over the speed, with the critical speeds."""
+        from ..plotting.frequencies import plot_campbell
+
+        return plot_campbell(self, dark=dark)
+
+
+@checks_arguments
+def campbell(system: System, *, spin: Joint | Measure, speeds: ArrayLike, state: State | None = None) -> Campbell:
+    """The Campbell diagram: whirl frequencies over the speed of a rotor, sense of the orbits, critical speeds.
+
+    At each speed the system is linearised about the steady rotation. Modes are followed by their shape, from the last
+    speed, where forward and backward ones are farthest apart, to the first.
+
+    Parameters
+    ----------
+    system : System
+        Its rotors are symmetric about their axes, or the equations change as they turn and are refused.
+    spin : Joint or Measure
+        The hinge that turns at the speed, or `measures.omega` of a rotor that no joint holds, but bushings.
+    speeds : (n,) array_like
+        Two or more, ascending [rad/s]; a critical speed between two of them is found to rounding.
+    state : State or None
+        A pose at rest in which the rotor is in equilibrium; None = that of the system.
+
+    Returns
+    -------
+    Campbell
+        ``.critical_speeds(order)``: where a whirl frequency is ``order`` times the speed. ``.plot()`` draws it.
+
+    Raises
+    ------
+    ValueError
+        As `linearize`; for a ``spin`` that is neither hinge nor angular velocity, and speeds that do not ascend.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Bushing, System, campbell, measures
+    >>> disc = Body("disc", 10.0, (0.1, 0.1, 0.15))
+    >>> shaft = Bushing(GROUND, disc, at=(0, 0, 0), stiffness=(4e4, 4e4, 1e6))
+    >>> rotor = System([disc], forces=[shaft], gravity=(0, 0, 0))
+    >>> spin = measures.omega(disc, axis=(0, 0, 1))
+    >>> found = campbell(rotor, spin=spin, speeds=[0.0, 50.0, 100.0])
+    >>> [round(x.speed, 6) for x in found.critical_speeds() if x.whirl == "forward"]  # sqrt(k / m)
+    [63.245553]
+    """
+    rest = start_of(system, state, "campbell")
+    if isinstance(spin, Measure) and spin.kind == "omega" and isinstance(spin.b, Body):
+        axis, rotor = spin.axis, spin.b
+
+        def state_at(speed: float) -> State:
+            return diagrams.spinning_state(system, rest, rotor, axis, speed)
+    elif isinstance(spin, Joint):
+        axis = coordinate_of(spin, "angle", "campbell: spin").axis
+
+        def state_at(speed: float) -> State:
+            return system.assemble(rates={spin: speed}, near=rest)
+    else:
+        raise InputError(f"campbell: spin: {short_repr(spin)}; give a hinge, or measures.omega(rotor, axis=...)")
+    found = diagrams.campbell_of(system, state_at, axis, speeds)
+    return Campbell(**{x.name: getattr(found, x.name) for x in fields(found)})

@@ -15,11 +15,14 @@ from ..equations.compiled import Switches
 from ..integrators.dop853 import DOP853
 from ..mechanism.bodies import Body, Ground
 from ..mechanism.force_element import ForceElement
+from ..mechanism.joints import Joint
+from ..mechanism.measures import Measure
 from ..mechanism.state import State
 from ..results.certificate import Certificate, certificate_of
 from ..results.element_loads import Load, load_of
 from ..results.record import RunOptions
 from ..results.result import RunResult
+from ..results.spectrum import Density, Spectrum, density_of, orders_of, spectrum_of
 from ..run.global_error import estimate
 from ..run.repeat import options_to_repeat, repeat
 from ..run.simulation import RUN_SHARE_MIN
@@ -164,6 +167,111 @@ class Solution(RunResult, Viewable):
         from ..plotting.plots import plot_quantity
 
         return plot_quantity(self, quantity, *parts, against=against, degrees=degrees, dark=dark, axes=axes)
+
+    def spectrum(
+        self, quantity: str | Measure, part: "Part | None" = None, *, window: str = "none", after: float | None = None
+    ) -> Spectrum:
+        """Amplitudes of a quantity over frequency.
+
+        Parameters
+        ----------
+        quantity : str or Measure
+            A measure; or of bodies "position", "velocity", "omega", "acceleration", "alpha", "com" ...; of joints
+            "angle", "slide", "rate", "reaction" (force) and "reaction_moment"; of drivers "effort"; of forces "force"
+            and "force_moment", on body b.
+        part : Body, Joint, ForceElement or str
+            Whose; None for a measure.
+        window : "none", "hann" or "flat top"
+            "none" is exact over whole periods. Windows are divided by their mean: a tone on a bin has its level; half a
+            bin off "hann" shows 0.849 of it, "none" 0.637, "flat top" 0.999.
+        after : float or None
+            Samples before this time [s] are left out, as while a start dies out.
+
+        Returns
+        -------
+        Spectrum
+            Peak amplitudes c = A exp(i phase) of A cos(w t + phase); ``.at(hertz)``, ``.levels()``.
+
+        Raises
+        ------
+        ValueError
+            For samples that are not evenly spaced (run with ``output=`` a number), an unknown quantity or part, and
+            reactions that redundant joints leave open.
+
+        Examples
+        --------
+        >>> from mbsd3d import Body, Force, Sine, System, simulate
+        >>> block = Body("block", 2.0, (1, 1, 1), velocity=(0, 0, 0), omega=(0, 0, 0))
+        >>> shaken = System([block], forces=[Force(block, (Sine(6.0, 5.0), 0, 0))], gravity=(0, 0, 0))
+        >>> seen = simulate(shaken, 1.0, output=101).spectrum("acceleration", block)
+        >>> seen.at(5.0).round(6), seen.unit  # 3 sin(w t) = 3 cos(w t - pi / 2)
+        (array([-0.-3.j,  0.+0.j,  0.+0.j]), 'm/s^2')
+        """
+        return spectrum_of(self, quantity, part, window, after)
+
+    def density(
+        self, quantity: str | Measure, part: "Part | None" = None, *, segments: int = 8, after: float | None = None
+    ) -> Density:
+        """Power spectral density of a quantity by Welch's method: segments that overlap by half, Hann window.
+
+        Parameters
+        ----------
+        quantity, part, after
+            As in `spectrum`.
+        segments : int
+            Lengths of a segment in the record: more of them scatter less and resolve less.
+
+        Returns
+        -------
+        Density
+            One-sided, in units squared per Hz.
+        """
+        return density_of(self, quantity, part, segments, after)
+
+    def orders(
+        self,
+        hinge: Joint | str,
+        quantity: str | Measure,
+        part: "Part | None" = None,
+        *,
+        per_turn: int = 128,
+        after: float | None = None,
+    ) -> Spectrum:
+        """Amplitudes of a quantity over orders of a hinge, also where its speed varies.
+
+        The run is repeated with samples at equal angles of the hinge, which are hit to 1e-9 rad, over all whole turns.
+
+        Parameters
+        ----------
+        hinge : Joint or str
+            Order 1 is its turn.
+        quantity, part, after
+            As in `spectrum`.
+        per_turn : int
+            Samples a turn; orders up to half as many are seen.
+
+        Returns
+        -------
+        Spectrum
+            c = A exp(i phase) of A cos(order angle + phase), the angle counted in the sense of the turning.
+
+        Raises
+        ------
+        ValueError
+            If the hinge turns back, or less than once, or as in `spectrum`.
+
+        Examples
+        --------
+        >>> from mbsd3d import GROUND, AngleDriver, Body, Kinematic, Ramp, Revolute, System, simulate
+        >>> arm = Body("arm", 2.0, (0.1, 0.1, 0.1), com=(0.25, 0, 0))
+        >>> hinge = Revolute(GROUND, arm, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")
+        >>> system = System([arm], [hinge, AngleDriver(hinge, Ramp(3.0), name="motor")])
+        >>> run = simulate(system, 2.5, method=Kinematic(), output=50)
+        >>> run.orders(hinge, "effort", "motor", per_turn=16).at(1).round(9)  # holds the weight: -m g l cos(angle)
+        np.complex128(-4.905+0j)
+        """
+        wanted = (quantity, part)
+        return orders_of(self, lambda times: self.again(output=times), hinge, wanted, per_turn, after)
 
     def report(
         self,

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
@@ -134,13 +135,30 @@ def linearize_at(
     check_system(system, "linearize")
     tolerance = number(tolerance, "linearize: tolerance", positive=True)
     outputs = checked_outputs(system, outputs)
+    found, motion = analyse(system, state, outputs, tolerance, switches or Switches())
+    return with_outputs(replace(found, outputs=outputs), motion, tolerance) if outputs else found
+
+
+class SteadyMotion(NamedTuple):
+    """Variations of the equations at two states of one steady motion."""
+
+    field: Field
+    at: Variations
+    later: Variations
+    Q: np.ndarray  # (N, N) rotation of X up to the later state
+
+
+def analyse(
+    system: Mechanism, state: State, measures: tuple[Measure, ...], tolerance: float, switches: Switches
+) -> tuple[Linearization, SteadyMotion]:
+    """Return the linear equations of all states, and the variations they come from, with those of the measures."""
     check_signals(system)
     check_state(state, "linearize", needed=True)
-    options = RunOptions(switches=switches or Switches())
+    options = RunOptions(switches=switches)
     start = accelerations_at(system, state, options).state(0)  # refuses a state that does not meet the joints
-    compiled = compile_system(system, outputs, options.switches)
+    compiled = compile_system(system, measures, options.switches)
     announce_compilation("linearisation")
-    field = Field(compiled, start, len(outputs))
+    field = Field(compiled, start, len(measures))
     at = field.at(field.t, field.y)
     space = tangent_space(compiled, at)
     if not space.E.shape[1]:
@@ -151,8 +169,8 @@ def linearize_at(
     whole, error = matrix_of(compiled, at, space, generator, units, tolerance)
     mark_warm("linearisation")
     error = max(error, generator.residual)
-    found = Linearization(compiled, start, generator, space, units, whole, whole, error, outputs)
-    return with_outputs(found, at, later, Q, tolerance) if outputs else found
+    found = Linearization(compiled, start, generator, space, units, whole, whole, error)
+    return found, SteadyMotion(field, at, later, Q)
 
 
 def checked_outputs(system: Mechanism, outputs: Sequence[Measure] | None) -> tuple[Measure, ...]:
@@ -205,10 +223,9 @@ def matrix_of(
     return A, float(left)
 
 
-def with_outputs(
-    found: Linearization, at: Variations, later: Variations, Q: np.ndarray, tolerance: float
-) -> Linearization:
+def with_outputs(found: Linearization, motion: SteadyMotion, tolerance: float) -> Linearization:
     """Divide by what the outputs do not see: return the unique A_y with L A = A_y L."""
+    _, at, later, Q = motion
     x, E = found.units.x[found.space.chosen], found.space.E
     L = at.L @ E
     size = np.linalg.norm(L * x, axis=1)

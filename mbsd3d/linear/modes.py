@@ -124,22 +124,22 @@ def moving_poses(mode: Mode, t: np.ndarray, wave: np.ndarray) -> Motion:
 @on_one_thread
 def make_modes(linearization: "ModalAnalysis") -> tuple[Mode, ...]:
     """Return the modes of all eigenvalues, one per complex pair."""
-    n, values = linearization.compiled.model.body.size, linearization.eigenvalues
-    size = linearization.units.x
-    modes = []
-    for value, vector in zip(values, linearization.spectrum[1].T, strict=True):
-        if value.imag < 0.0:
-            continue
-        X = linearization.deviation(value, vector)
-        moves = np.abs(X / size)[: 6 * n]
-        if moves.max() <= 1e-9 * np.abs(X / size).max():  # only velocities or internal states take part
-            moves = np.abs(X / size)
-        k = int(np.argmax(moves > moves.max() * (1.0 - 1e-6)))  # of equal ones the first, whatever rounding does
-        factor = size[k] / X[k]
-        X, vector = X * factor, vector * factor
-        pose = X[: 6 * n].reshape(n, 6)
-        modes.append(Mode(linearization, complex(value), pose[:, :3], pose[:, 3:], vector))
-    return tuple(modes)
+    pairs = zip(linearization.eigenvalues, linearization.spectrum[1].T, strict=True)
+    return tuple(mode_of(linearization, value, vector) for value, vector in pairs if value.imag >= 0.0)
+
+
+def mode_of(linearization: "ModalAnalysis", value: complex, vector: np.ndarray) -> Mode:
+    """Return the mode of an eigenvalue and a vector of the states or outputs."""
+    n, size = linearization.compiled.model.body.size, linearization.units.x
+    X = linearization.deviation(value, vector)
+    moves = np.abs(X / size)[: 6 * n]
+    if moves.max() <= 1e-9 * np.abs(X / size).max():  # only velocities or internal states take part
+        moves = np.abs(X / size)
+    k = int(np.argmax(moves > moves.max() * (1.0 - 1e-6)))  # of equal ones the first, whatever rounding does
+    factor = size[k] / X[k]
+    X, vector = X * factor, vector * factor
+    pose = X[: 6 * n].reshape(n, 6)
+    return Mode(linearization, complex(value), pose[:, :3], pose[:, 3:], vector)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

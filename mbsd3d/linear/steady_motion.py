@@ -245,8 +245,8 @@ def motion_message(
     )
 
 
-def later_variations(field: Field, at: Variations, g: Generator, units: Units) -> tuple[Variations, np.ndarray]:
-    """Return the variations after a radian of the fastest rotation (or a length), and the rotation of X."""
+def later_state(field: Field, at: Variations, g: Generator, units: Units) -> tuple[float, np.ndarray, np.ndarray]:
+    """Return (time, state y, rotation of X) after a radian of the fastest rotation, or a length."""
     model = field.compiled.model
     turn, drift = max(np.abs(g.spin).max(), np.abs(g.rotation).max()), np.abs(g.translation).max() / model.length
     speed = next((x for x in (turn, drift) if x > 1e-6 * units.rate), units.rate)  # below that: rounding, at rest
@@ -255,7 +255,13 @@ def later_variations(field: Field, at: Variations, g: Generator, units: Units) -
     N = 12 * model.body.size
     whole = np.eye(at.F.shape[0])
     whole[:N, :N] = np.kron(np.eye(N // 3), Q)
-    return field.at(field.t + tau, y), whole
+    return field.t + tau, y, whole
+
+
+def later_variations(field: Field, at: Variations, g: Generator, units: Units) -> tuple[Variations, np.ndarray]:
+    """Return the variations at `later_state`, and the rotation of X."""
+    t, y, whole = later_state(field, at, g, units)
+    return field.at(t, y), whole
 
 
 def change_along(

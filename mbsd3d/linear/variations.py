@@ -88,10 +88,8 @@ class Field:
             here["centre"].reshape(n, 3), velocity, acceleration, here["z_rate"], here["c"], here["slip"],
         )  # fmt: skip
 
-    def derivatives(
-        self, tree: Tree, t: float, y: np.ndarray, moves: np.ndarray
-    ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
-        """Return (values at y, derivatives along the columns of ``moves``): one call of the kernels a column."""
+    def columns(self, tree: Tree, t: float, y: np.ndarray, moves: np.ndarray) -> dict[str, np.ndarray]:
+        """Return the tables of bodies and rows, own rates and measures at complex steps along ``moves``, a row each."""
         model, data, k = self.compiled.model, self.data, moves.shape[1]
         tables = {"body": data.body, "row": data.row}
         copies = {key: np.empty((k, table.nbytes), np.uint8) for key, table in tables.items()}  # bytes copy fastest
@@ -102,8 +100,19 @@ class Field:
                 copies[key][j] = table.view(np.uint8)
             z_rate[j] = data.state_rate[: model.z_work]
             outputs[j] = [measure(model, data, i, t) for i in range(self.outputs)]
-        body, row = (copies[key].view(table.dtype) for key, table in tables.items())
-        columns = {**values(model, body, row), "z_rate": z_rate, "outputs": outputs}
+        return {key: copies[key].view(table.dtype) for key, table in tables.items()} | {
+            "z_rate": z_rate, "outputs": outputs,
+        }  # fmt: skip
+
+    def derivatives(
+        self, tree: Tree, t: float, y: np.ndarray, moves: np.ndarray
+    ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+        """Return (values at y, derivatives along the columns of ``moves``): one call of the kernels a column."""
+        found = self.columns(tree, t, y, moves)
+        columns = {
+            **values(self.compiled.model, found["body"], found["row"]),
+            "z_rate": found["z_rate"], "outputs": found["outputs"],
+        }  # fmt: skip
         self.check_finite(columns)
         return {key: x[0].real for key, x in columns.items()}, {
             key: x.imag.T / COMPLEX_STEP for key, x in columns.items()

@@ -2,8 +2,8 @@
 
 import numpy as np
 from numba import typeof
-from numba.core.dispatcher import Dispatcher
 
+from ..compiler.numba_private import Dispatcher
 from ..equations.compiled import compile_system
 from ..equations.tree import build_spanning_tree
 from ..integrators.dop853 import DOP853

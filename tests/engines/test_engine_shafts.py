@@ -9,7 +9,7 @@ from click.testing import CliRunner
 from engines.balance import cli, gas, phasor, report, shafts, spatial
 from engines.balance.layouts import Engine, Layout, layout
 from engines.balance.shafts import Shaft
-from engines.balance.spectrum import spectrum
+from mbsd3d import spectrum
 
 LIMIT = 1e-9  # of F_single; rounding stays below 1e-12
 UNEVEN = dict(rpm=37.0, radius=0.8, rod_length=1.7, crank_centre=0.35, rod_fraction=0.37, piston_mass=4.4)
@@ -168,3 +168,18 @@ def test_counterweights_take_the_forward_half():
     rows = {row[0]: row for row in report.balance_shafts(Engine("V6_90_shared")).rows}
     assert rows["1x forward"][4] == "0" and rows["1x backward"][4] != "0"
     assert rows["2x both"][4] == "0" and rows["2x forward"][4] != "0"
+
+
+@pytest.mark.parametrize(
+    "rod_length, force", [(1.5, 23.39428502785078), (2.0, 16.44438394420787), (3.0, 10.5353), (4.0, 7.79995)]
+)
+def test_second_order_of_the_four_by_orders_of_its_solution(rod_length, force):
+    """The published 2x force over R / L, closed form: read from the mount by the public call."""
+    engine = replace(Engine("I4"), rod_length=rod_length)
+    system = spatial.build(engine, driver="block")
+    solution = spatial.turn(system, engine)
+    seen = solution.orders("main 1", "reaction", "mount", per_turn=256)
+    digits = 1e-9 if rod_length <= 2.0 else 5e-5  # given digits
+    assert abs(np.abs(seen.at(2)).max() - force) < digits and np.abs(seen.at(1)).max() < 1e-8
+    over_time = solution.spectrum("reaction", "mount").at(2 * engine.rate / (2.0 * np.pi))
+    assert np.abs(over_time).max() == pytest.approx(force, abs=digits)

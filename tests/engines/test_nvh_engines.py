@@ -8,11 +8,11 @@ import pytest
 from engines import planar
 from engines.balance import gas, layouts, phasor, planar_sum, spatial
 from engines.balance.pages.portrait import upright
-from engines.balance.spectrum import spectrum
 from engines.nvh.excitation import presets
 from engines.nvh.excitation.combustion import Cycle, cycle_of
 from engines.nvh.excitation.loads import Source
 from engines.nvh.excitation.main_bearings import cut_engine, cycle_run, main_bearings
+from mbsd3d import spectrum
 
 ROUNDING = 1e-11  # of sums over some hundred samples, relative
 

@@ -9,7 +9,6 @@ from helpers.closed_forms import slider_crank as crank_theory
 import validation
 from engines import planar
 from engines.balance.planes.shaft import bound
-from engines.balance.spectrum import spectrum
 from mbsd3d import (
     GROUND,
     AngleDriver,
@@ -35,6 +34,7 @@ from mbsd3d import (
     Universal,
     rotation,
     simulate,
+    spectrum,
 )
 from mbsd3d.rotations import matrix
 from validation.cases.inline_four import CRANK_RATE, inline_four

@@ -53,6 +53,11 @@ def questions(folder):
     yield m.linearize, {
         "system": SWING, "state": None, "outputs": [measures.angle(HINGE)], "tolerance": 1e3, "gyroscopic": True,
     }  # fmt: skip
+    yield m.state_space, {
+        "system": m.System([BAR], [HINGE], [m.Torque(BAR, (0, m.Input("push"), 0))]), "state": None,
+        "outputs": [measures.angle(HINGE)], "inputs": ["push"], "driver": "position",
+        "tolerance": 1e3,
+    }  # fmt: skip
     yield m.load, {"path": folder / "run.npz"}
     for read, name in ((m.read_mjcf, "model.xml"), (m.read_urdf, "model.urdf")):
         given = {"leave_out": ["fluid"], "strict": False, "geometry": "draw", "inertia": "as given"}
@@ -114,6 +119,13 @@ def answers(folder):
     yield lambda part: run.plot("angle", part), {"part": HINGE}
     yield lambda joint: run.reaction(joint), {"joint": HINGE}
     yield lambda name: run.certificate[name], {"name": "energy balance"}
+    even = m.simulate(SYSTEM, 0.02, method=m.RK4(0.005), output=5, progress=False)
+    yield even.spectrum, {"quantity": "reaction", "part": HINGE, "window": "hann", "after": 0.0}
+    yield even.density, {"quantity": "reaction", "part": HINGE, "segments": 1, "after": 0.0}
+    waves = m.spectrum(np.arange(8.0), np.arange(8.0), rate=None, window="hann")
+    yield m.spectrum, {"t": np.arange(8.0), "values": np.arange(8.0), "rate": 0.9, "window": "hann"}
+    yield waves.at, {"order": 0.125}
+    yield waves.levels, {"reference": 1e-6}
     yield run.report, {"path": folder / "report.html", "title": "run", "curves": ["energy"], "dark": False}
     yield run.save, {"path": folder / "again"}
     yield run.to_csv, {"path": folder / "run.csv"}
@@ -124,6 +136,18 @@ def answers(folder):
     small = m.linearize(SWING, outputs=[measures.angle(HINGE)], tolerance=1e3)
     yield small.plot, {}
     yield small.mode, {"k": 0}
+    rotor = m.Body("rotor", 20.0, (0.4, 0.4, 0.25))
+    held = [m.Bushing(GROUND, rotor, at=(0, 0, z), stiffness=1e6) for z in (-0.2, 0.3)]
+    machine = m.System([rotor], forces=held, gravity=(0, 0, 0))
+    whirl = {"system": machine, "spin": measures.omega(rotor, axis=(0, 0, 1))}
+    yield m.campbell, {**whirl, "speeds": [0.0, 200.0], "state": None}
+    yield m.campbell(**whirl, speeds=[0.0, 200.0]).critical_speeds, {"order": 1.0}
+    pushed = m.System([BAR], [HINGE], [m.Torque(BAR, (0, m.Input("push"), 0))])
+    model = m.state_space(pushed, outputs=[measures.angle(HINGE)], tolerance=1e3)
+    yield model.frequency_response, {"w": [0.5, 1.0]}
+    yield model.bode, {"w": [0.5, 1.0], "dark": False}
+    yield model.step, {"t": [0.0, 0.5, 1.0]}
+    yield model.select, {"outputs": [0], "inputs": "push"}
     stepper = m.Stepper(m.System([BAR], [HINGE], [m.Torque(BAR, (0, m.Input("u"), 0))]))
     yield stepper.advance, {"t": 0.01}
     yield stepper.set, {"key": "u", "value": 1.0}

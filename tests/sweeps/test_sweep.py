@@ -177,7 +177,7 @@ def test_cells_that_measure_different_things_stop_the_sweep():
 
 
 def test_the_bar_shows_the_time_that_remains(monkeypatch, capsys):
-    monkeypatch.setattr("mbsd3d.base.progress.DELAY", 0.0)
+    monkeypatch.setattr("mbsd3d.base.progress.BAR_DELAY_SECONDS", 0.0)
     monkeypatch.setenv("FORCE_COLOR", "1")  # rich draws a bar that changes only on a terminal
     sweep(wheel, GRID, speed, run=RUN, progress=True)
     said = capsys.readouterr().err

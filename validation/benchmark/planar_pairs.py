@@ -17,7 +17,7 @@ import numpy as np
 
 import mbsd3d
 from engines import planar
-from engines.balance.spectrum import spectrum
+from mbsd3d import spectrum
 from mbsd3d.extend import Ground
 
 Z = (0.0, 0.0, 1.0)

@@ -16,10 +16,9 @@ from engines.balance import gas as engine_gas
 from engines.balance import phasor, shafts
 from engines.balance.pages.portrait import upright
 from engines.balance.shafts import Shaft
-from engines.balance.spectrum import spectrum
 from engines.nvh.excitation.combustion import CYCLE_SAMPLES, Cycle, cycle_of
 from engines.nvh.excitation.presets import Preset
-from mbsd3d import Signal
+from mbsd3d import Signal, spectrum
 
 ORDER_MAX = 8  # [1] highest order of crank speed
 REFERENCE_RPM = 1000.0  # [1/min] speed of the computed inertia loads, which grow as its square

@@ -17,12 +17,11 @@ from scipy.linalg import block_diag
 
 from engines.balance.gas import forces as gas_forces
 from engines.balance.pages.portrait import upright
-from engines.balance.spectrum import spectrum
 from engines.nvh.excitation.loads import Source, along
 from engines.nvh.mounts.mounts import Mount, bushings
 from engines.nvh.mounts.powertrain import Equivalent, carried, moving_engine
 from engines.nvh.mounts.rigid_modes import mass_matrix
-from mbsd3d import Body, Force, Solution, State, System, Table, Torque, linearize, measures, simulate
+from mbsd3d import Body, Force, Solution, State, System, Table, Torque, linearize, measures, simulate, spectrum
 from mbsd3d.errors import InputError
 from mbsd3d.extend import DenseEquations, ForceElement, Measure, exponential, matrix, quaternion_from_matrix, skew
 

@@ -61,8 +61,8 @@ class ForceBetween(ForceElement):
     >>> probe = Body("probe", mass=2.0, inertia=(0.1, 0.1, 0.1), position=(0, 0, 1.0))
     >>> push = ForceBetween(ship, probe, (0, 0, 3.0), frame="a")
     >>> now = accelerations(System([ship, probe], forces=[push], gravity=(0, 0, 0)))
-    >>> now.acceleration(probe)[0, 2], now.acceleration(ship)[0, 2]
-    (1.5, -0.5)
+    >>> print(now.acceleration(probe)[0, 2], now.acceleration(ship)[0, 2])
+    1.5 -0.5
     """
 
     law = staticmethod(force_between)
@@ -111,11 +111,11 @@ class TorqueBetween(ForceElement):
     Examples
     --------
     >>> from mbsd3d import Body, System, TorqueBetween, accelerations
-    >>> hull = Body("hull", mass=6.0, inertia=(1, 1, 3.0))
+    >>> hull = Body("hull", mass=6.0, inertia=(2.0, 2.0, 3.0))
     >>> wheel = Body("wheel", mass=2.0, inertia=(0.1, 0.1, 0.2))
     >>> now = accelerations(System([hull, wheel], forces=[TorqueBetween(hull, wheel, (0, 0, 0.6))], gravity=(0, 0, 0)))
-    >>> now.alpha(wheel)[0, 2].round(12), now.alpha(hull)[0, 2].round(12)
-    (3.0, -0.2)
+    >>> print(now.alpha(wheel)[0, 2].round(12), now.alpha(hull)[0, 2].round(12))
+    3.0 -0.2
     """
 
     law = staticmethod(torque_between)
