@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import INTERRUPTED, load_system, ready_folder, write_atomically
+from mbsd3d.extend import INTERRUPT_EXIT_CODE, load_system, ready_folder, write_atomically
 
 if TYPE_CHECKING:
     from validation.suite.suite import Suite
@@ -97,7 +97,7 @@ def validate_model(
     for failure in check.failures:
         click.echo(f"mbsd3d: {failure}", err=True)
     if check.interrupted or not check.passed:
-        raise click.exceptions.Exit(INTERRUPTED if check.interrupted else DIFFERENCE_EXIT_CODE)
+        raise click.exceptions.Exit(INTERRUPT_EXIT_CODE if check.interrupted else DIFFERENCE_EXIT_CODE)
 
 
 def write(file: str, text: str) -> None:
@@ -138,7 +138,7 @@ def judge(suite: "Suite", folder: Path) -> None:
     except KeyboardInterrupt:
         show(suite, folder)
         click.echo(f"mbsd3d: interrupted, {len(suite.left)} cases are left; the same command goes on", err=True)
-        raise click.exceptions.Exit(INTERRUPTED) from None
+        raise click.exceptions.Exit(INTERRUPT_EXIT_CODE) from None
     show(suite, folder)
     if suite.failed:
         click.echo(f"mbsd3d: {', '.join(record.name for record in suite.failed)} differ", err=True)

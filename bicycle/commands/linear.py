@@ -9,7 +9,7 @@ import click
 import numpy as np
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import INTERRUPTED, Failure, can_view, ready_folder
+from mbsd3d.extend import INTERRUPT_EXIT_CODE, Failure, can_view, ready_folder
 
 from . import (
     bicycle_argument,
@@ -265,7 +265,7 @@ def end(missing: str, disagree: bool = False) -> None:
     """End with the exit code of a study that Ctrl-C cut short, or whose two models disagree."""
     if missing:
         click.echo(f"mbsd3d: interrupted, {missing} are missing", err=True)
-        raise click.exceptions.Exit(INTERRUPTED)
+        raise click.exceptions.Exit(INTERRUPT_EXIT_CODE)
     if disagree:
         click.echo("mbsd3d: general model and closed form disagree", err=True)
         raise click.exceptions.Exit(1)

@@ -8,7 +8,7 @@ import numpy as np
 
 from mbsd3d import IntegrationError
 from mbsd3d.errors import InputError
-from mbsd3d.extend import INTERRUPTED, can_view, keep, number, ready_folder
+from mbsd3d.extend import INTERRUPT_EXIT_CODE, can_view, keep, number, ready_folder
 
 from ..model.tyres import TYPICAL, both
 from ..parameters import fittings as own_fittings
@@ -85,7 +85,7 @@ def ride(
     if viewed:
         report(view(found, target, title=f"{parameters.name}: {chosen.title}"))
     if found.interrupted:
-        raise click.exceptions.Exit(INTERRUPTED)
+        raise click.exceptions.Exit(INTERRUPT_EXIT_CODE)
     if not found.solution.certificate.passed:
         raise click.exceptions.Exit(1)
 
@@ -151,7 +151,7 @@ def circles(
     click.echo(study.summary(families))
     report(study.to_csv(families, [turn for group in held for turn in group], target))
     if interrupted:  # tables keep what was found; a figure takes longer than who presses Ctrl-C waits
-        raise click.exceptions.Exit(INTERRUPTED)
+        raise click.exceptions.Exit(INTERRUPT_EXIT_CODE)
     report(*saved(study.plot_circles(parameters, families, held), target))
     if viewed and families:
         first = families[0]
@@ -192,5 +192,5 @@ def circles_on_tyres(parameters: "Parameters", speeds: tuple[float, ...], tyres:
     if found:
         report(to_csv([turn for group in found for turn in group], target))
     if interrupted:
-        raise click.exceptions.Exit(INTERRUPTED)
+        raise click.exceptions.Exit(INTERRUPT_EXIT_CODE)
     report(*saved(figure(found, ideal, f"{parameters.name}: steady turns on tyres"), target))

@@ -116,7 +116,7 @@ def read_urdf(
     package_paths: Sequence[str | Path] = (),
     timeout: float = 4.0,
 ) -> Imported:
-    """The mechanism of a URDF or xacro file, with all angles at zero and followers of a mimic where that puts them.
+    """Read the mechanism of a URDF or xacro file, with all angles at zero but those of followers of a mimic.
 
     What acts and what does not is told apart as by `read_mjcf`; gravity is 9.81 m/s^2 along -z. Links without mass are
     bodies without mass, joints that move nothing that has mass are welded. Fixed links are part of their parent.

@@ -60,7 +60,7 @@ def imported(file: str, suffix: str, drop: tuple[str, ...]) -> Loaded:
 
 
 def in_options(message: str) -> str:
-    """An error of an import in the syntax of the command line: leave_out=["fluid"] -> --leave-out fluid."""
+    """Return an error of an import in the syntax of the command line: leave_out=["fluid"] -> --leave-out fluid."""
     kinds = re.compile(r"leave out with leave_out=\[(.*?)\]")
     return kinds.sub(lambda found: "give --leave-out " + re.sub(r"[\" ]", "", found[1]), message)
 

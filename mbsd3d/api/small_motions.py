@@ -221,7 +221,7 @@ class FrequencyResponse(models.FrequencyResponse):
     """
 
     def plot(self, *, dark: bool = False) -> "Figure":
-        """Matplotlib figure of magnitude and phase over the frequency: a column per input, a line per output."""
+        """Draw magnitude and phase over the frequency with matplotlib: a column per input, a line per output."""
         from ..plotting.frequencies import plot_bode
 
         return plot_bode(self, dark=dark)
@@ -272,7 +272,7 @@ class StateSpace(models.StateSpace):
     frequency_response.__doc__ = models.StateSpace.frequency_response.__doc__
 
     def bode(self, w: ArrayLike | None = None, *, dark: bool = False) -> "Figure":
-        """Matplotlib figure of magnitude and phase over w [rad/s], a column per input, a line per output.
+        """Draw magnitude and phase over w [rad/s] with matplotlib: a column per input, a line per output.
 
         ``w`` None = from a tenth of the slowest pole beside zero to ten times the fastest.
         """
@@ -289,7 +289,7 @@ def state_space(
     driver: str = "position",
     tolerance: float = 1e-8,
 ) -> StateSpace:
-    """The linear model from inputs to outputs about an equilibrium or a steady motion.
+    """Return the linear model from inputs to outputs about an equilibrium or a steady motion.
 
     Steady motions, nonholonomic and redundant rows as in `linearize`. Derivatives are complex steps and solutions of
     the linear equations of the accelerations, exact to rounding; those of a force by its own input are central
@@ -375,7 +375,7 @@ class Campbell(diagrams.Campbell):
     """
 
     def plot(self, *, dark: bool = False) -> "Figure":
-        """Matplotlib figure of the whirl frequencies over the speed, with the critical speeds."""
+        """Draw the whirl frequencies over the speed with matplotlib, with the critical speeds."""
         from ..plotting.frequencies import plot_campbell
 
         return plot_campbell(self, dark=dark)
@@ -383,7 +383,7 @@ class Campbell(diagrams.Campbell):
 
 @checks_arguments
 def campbell(system: System, *, spin: Joint | Measure, speeds: ArrayLike, state: State | None = None) -> Campbell:
-    """The Campbell diagram: whirl frequencies over the speed of a rotor, sense of the orbits, critical speeds.
+    """Return the Campbell diagram: whirl frequencies of a rotor over its speed, sense of the orbits, critical speeds.
 
     At each speed the system is linearised about the steady rotation. Modes are followed by their shape, from the last
     speed, where forward and backward ones are farthest apart, to the first.

@@ -171,7 +171,7 @@ class Solution(RunResult, Viewable):
     def spectrum(
         self, quantity: str | Measure, part: "Part | None" = None, *, window: str = "none", after: float | None = None
     ) -> Spectrum:
-        """Amplitudes of a quantity over frequency.
+        """Return the amplitudes of a quantity over frequency.
 
         Parameters
         ----------
@@ -212,7 +212,7 @@ class Solution(RunResult, Viewable):
     def density(
         self, quantity: str | Measure, part: "Part | None" = None, *, segments: int = 8, after: float | None = None
     ) -> Density:
-        """Power spectral density of a quantity by Welch's method: segments that overlap by half, Hann window.
+        """Return the power spectral density of a quantity by Welch's method: half overlapping segments, Hann window.
 
         Parameters
         ----------
@@ -237,7 +237,7 @@ class Solution(RunResult, Viewable):
         per_turn: int = 128,
         after: float | None = None,
     ) -> Spectrum:
-        """Amplitudes of a quantity over orders of a hinge, also where its speed varies.
+        """Return the amplitudes of a quantity over orders of a hinge, also where its speed varies.
 
         The run is repeated with samples at equal angles of the hinge, which are hit to 1e-9 rad, over all whole turns.
 

@@ -12,7 +12,7 @@ from types import FrameType
 
 from ..base.paths import drop_pieces
 
-INTERRUPTED = 130  # of a process that Ctrl-C ended, as a shell gives it
+INTERRUPT_EXIT_CODE = 130  # of a process that Ctrl-C ended, as a shell gives it
 INTERRUPT_MESSAGE = "mbsd3d: interrupted"
 INTERRUPT_GRACE_SECONDS = 0.15  # [s] until Python has responded wherever it can; chunks of the time loop take 0.05 s
 SECOND_INTERRUPT_SECONDS = 1.0  # [s] within which a user may press again
@@ -59,7 +59,7 @@ def listen(reader: int, answered: threading.Event) -> None:
         if signs[0] == signal.SIGINT and not answered.wait(INTERRUPT_GRACE_SECONDS) and compiling():
             sys.stderr.write(f"{INTERRUPT_MESSAGE}\n")
             sys.stderr.flush()
-            os._exit(INTERRUPTED)
+            os._exit(INTERRUPT_EXIT_CODE)
         answered.clear()
     os.close(reader)
 
@@ -71,7 +71,7 @@ def end_now() -> None:
     for stream in (sys.stdout, sys.stderr):
         with suppress(OSError, ValueError):
             stream.flush()
-    os._exit(INTERRUPTED)
+    os._exit(INTERRUPT_EXIT_CODE)
 
 
 def compiling() -> bool:

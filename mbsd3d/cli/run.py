@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ..base.errors import InputError
-from .interruption import INTERRUPTED
+from .interruption import INTERRUPT_EXIT_CODE
 from .support import (
     can_view,
     drop_option,
@@ -101,7 +101,7 @@ def run(
     if (solution.record.stopped_by or "").startswith("interrupted"):
         click.echo(f"mbsd3d: {solution.record.stopped_by}", err=True)
         keep(solution, target)
-        raise click.exceptions.Exit(INTERRUPTED)
+        raise click.exceptions.Exit(INTERRUPT_EXIT_CODE)
     with undisturbed():
         saved = solution.save(target)
     for path in (saved, solution.to_csv(target), *save_figure(solution.plot(), target)):

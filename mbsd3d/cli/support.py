@@ -13,7 +13,7 @@ import click
 from ..base.errors import CONTROL_CHARACTERS
 from ..base.progress import Heartbeat
 from ..base.version import load_entry
-from .interruption import INTERRUPT_MESSAGE, INTERRUPTED, answered_at_once, end_now
+from .interruption import INTERRUPT_EXIT_CODE, INTERRUPT_MESSAGE, answered_at_once, end_now
 
 if TYPE_CHECKING:
     from ..api.solution import Solution
@@ -54,7 +54,7 @@ class Commands(click.Group):
         try:
             return super().__call__(*args, **given)
         except SystemExit as end:
-            if end.code == INTERRUPTED:
+            if end.code == INTERRUPT_EXIT_CODE:
                 end_now()
             raise
 
@@ -92,7 +92,7 @@ class Commands(click.Group):
                     raise
         except KeyboardInterrupt:
             click.echo(INTERRUPT_MESSAGE, err=True)
-            raise click.exceptions.Exit(INTERRUPTED) from None
+            raise click.exceptions.Exit(INTERRUPT_EXIT_CODE) from None
         except BrokenPipeError:
             raise  # the reader of a pipe has gone: click ends quietly
         except OSError as error:

@@ -100,7 +100,7 @@ def field(context, builder, kind, value, name):
 
 
 def pointer_call(typingctx, address, t, poses, k, z, states, numbers, n, wrench, z_dot):
-    """Code of a call to the C function at an address; arrays go as pointers to their first entry."""
+    """Generate a call to the C function at an address; arrays go as pointers to their first entry."""
 
     def generate(context, builder, signature, values):
         passed = [
@@ -115,7 +115,7 @@ def pointer_call(typingctx, address, t, poses, k, z, states, numbers, n, wrench,
 
 
 def plain_call(function, t, poses, k, z, states, numbers, n, wrench, z_dot):
-    """The same without the compiler."""
+    """Call the function without the compiler."""
     function(t, poses, k, z, states, numbers, n, wrench, z_dot)
 
 

@@ -120,6 +120,6 @@ def end_with_parent() -> None:
 
 
 def wait_for_second() -> None:
-    """Until it has ended: what it compiles need not be compiled twice."""
+    """Wait until the second process has ended: what it compiles need not be compiled twice."""
     for other in others:
         other.wait()

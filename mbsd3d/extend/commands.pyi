@@ -2,7 +2,7 @@
 from ..cli import main as main
 from ..cli.play import port_option as port_option
 from ..cli.support import Failure as Failure
-from ..cli.interruption import INTERRUPTED as INTERRUPTED
+from ..cli.interruption import INTERRUPT_EXIT_CODE as INTERRUPT_EXIT_CODE
 from ..cli.support import can_view as can_view
 from ..cli.support import keep as keep
 from ..cli.support import load_system as load_system

@@ -146,11 +146,11 @@ class Part(Checked):
     role: ClassVar[str] = "part"
 
     def bodies(self) -> Sequence[Body | Ground]:
-        """The bodies it acts on."""
+        """Return the bodies the part acts on."""
         raise NotImplementedError
 
     def partners(self) -> Sequence["Part"]:
-        """Joints and forces it refers to; they must be in the system too."""
+        """Return joints and forces the part refers to; they must be in the system too."""
         return ()
 
     def what(self) -> str:

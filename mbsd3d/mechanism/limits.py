@@ -83,7 +83,7 @@ class Limit(Checked):
 
 
 def as_limits(value: Any, what: str, part: Any) -> tuple[Limit, ...]:
-    """A sequence of limits."""
+    """Convert to a tuple of limits."""
     found = as_tuple(value, what, "a list of Limit(joint, 'angle', lower, upper)")
     for limit in found:
         if not isinstance(limit, Limit):
@@ -92,7 +92,7 @@ def as_limits(value: Any, what: str, part: Any) -> tuple[Limit, ...]:
 
 
 def as_sentences(value: Any, what: str, part: Any) -> tuple[str, ...]:
-    """Texts of one line."""
+    """Convert to texts of one line."""
     found = (value,) if isinstance(value, str) else as_tuple(value, what, "a list of sentences")
     if wrong := [text for text in found if not isinstance(text, str)]:
         raise InputError(f"{what}: {short_repr(wrong[0])} is not a text; give sentences")

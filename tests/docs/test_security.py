@@ -60,8 +60,8 @@ def test_a_file_is_refused_for_its_size_above_what_the_page_says(tmp_path, row, 
 
 def test_counts_are_those_of_the_code():
     assert f"{number(PARTS_MAX)} parts;" in ROWS["model files"]
-    assert f"{number(xml_scan.COPIES)} elements" in ROWS["MJCF, URDF"]
-    assert f"{guarded.MEMORY >> 30} GB" in ROWS["MJCF, URDF"]
+    assert f"{number(xml_scan.EXPANDED_ELEMENTS_MAX)} elements" in ROWS["MJCF, URDF"]
+    assert f"{guarded.MEMORY_BYTES_MAX >> 30} GB" in ROWS["MJCF, URDF"]
     assert f"{number(surfaces.MESH_TRIANGLES_MAX)} triangles;" in ROWS["meshes"]
     road = f"{number(POINTS_MAX)} points and {LENGTH_MAX / 1000:g} km of a road"
     assert f"{CYLINDERS_MAX} cylinders; {road}" in ROWS["engines, cars"]

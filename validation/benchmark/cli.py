@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import INTERRUPTED, Failure, ready_folder, write_atomically
+from mbsd3d.extend import INTERRUPT_EXIT_CODE, Failure, ready_folder, write_atomically
 
 PARTS = ("precision", "redundancy", "speed")
 LEDGER, DATA, TEXT, FIGURE = "precision.db", "precision.json", "precision.txt", "work_precision"
@@ -102,7 +102,7 @@ def precision(names: tuple, out: Path, fresh: bool, pictures: Path | None) -> No
         save(out / DATA, rows, where, complete=False)
         click.echo(f"\ninterrupted; {len(rows)} problems are in {store.path}, the same command goes on", err=True)
         show(rows, out, pictures)
-        sys.exit(INTERRUPTED)
+        sys.exit(INTERRUPT_EXIT_CODE)
     save(out / DATA, rows, where, complete=True)
     store.clear()
     click.echo(where)

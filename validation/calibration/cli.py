@@ -8,7 +8,7 @@ import click
 
 from mbsd3d import SweepError
 from mbsd3d.errors import InputError
-from mbsd3d.extend import INTERRUPTED, Failure, Progress, ready_folder, write_atomically
+from mbsd3d.extend import INTERRUPT_EXIT_CODE, Failure, Progress, ready_folder, write_atomically
 
 RUN_COUNT = 2100
 RECORD_FILE, TABLE_FILE = "calibration.jsonl", "calibration.txt"
@@ -61,7 +61,7 @@ def calibrate(runs: int, seed: int, names: tuple, listed: bool, out: Path, fresh
     write_atomically(out / TABLE_FILE, ("\n".join(lines) + "\n").encode())
     if len(records) < len(wanted):
         click.echo(f"\ninterrupted; {len(records)} runs are in {out / RECORD_FILE}, the same command goes on", err=True)
-        sys.exit(INTERRUPTED)
+        sys.exit(INTERRUPT_EXIT_CODE)
     if docs:
         renew(records)
 

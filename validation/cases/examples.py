@@ -153,7 +153,7 @@ def middle(rng: Generator, a: Any, b: Any) -> np.ndarray:
 
 
 def _engaged(rng: Generator, a: Any, b: Any) -> list[mbsd3d.Joint]:
-    """A hinge whose parts meet at the reference pose because it engaged where b stood elsewhere."""
+    """Return a hinge whose parts meet at the reference pose because it engaged where b stood elsewhere."""
     at, axis, shift, turn = middle(rng, a, b), direction(rng), direction(rng), random_orientation(rng)
     back = mbsd3d.rotations.matrix(turn).T
     hinge = mbsd3d.Revolute(a, b, at=at, at_b=back @ (at - shift), axis=axis, axis_b=back @ axis)

@@ -30,12 +30,12 @@ from .joints import acts_along, check_independent, has_coordinate, joint_of
 from .keyframes import Frame, state_of
 from .tree import Facts, felt_inertia, length_of
 
-SMALL = 1e-9  # [1, m] what axes and points that are taken as one may differ by: rounding, not tolerances of a part
+COINCIDENCE_ROUNDING = 1e-9  # [1, m] by which axes and points that are taken as one may differ
 MOMENT_ROUNDING = 1e-12  # [m L^2] of mass and extent of the model: a negative principal moment that is rounding
 ROTOR_MASS_SHARE = 1e-9  # [1] of the whole mass, for a rotor that stands for an armature: a body with inertia needs one
 MESH_BYTES_MAX = 50_000_000  # [bytes] of all mesh files that are drawn: some seconds
 BRAKE_YIELD = 1e-3  # [rad, m] that a brake for dry friction yields before it slips
-SIZES: dict[str, tuple[type[Shape], Callable[[float, float, float], tuple[Any, ...]]]] = {
+SHAPES_BY_KIND: dict[str, tuple[type[Shape], Callable[[float, float, float], tuple[Any, ...]]]] = {
     "box": (Box, lambda a, b, c: ((2 * a, 2 * b, 2 * c),)),
     "sphere": (Sphere, lambda a, b, c: (a,)),
     "capsule": (Capsule, lambda a, b, c: (a, 2 * b)),
@@ -114,7 +114,7 @@ class Builder:
         )  # fmt: skip
 
     def name(self, wanted: str, kind: str) -> str:
-        """A unique name: joints and bodies share one list of names here."""
+        """Return a unique name: joints and bodies share one list of names here."""
         name = wanted
         while name in self.names:
             name = f"{name} ({kind})"
@@ -128,7 +128,7 @@ class Builder:
         self.not_built.append(NotBuilt(kind, what, self.place_of(tag, name) if tag else "", **more))
 
     def body(self, i: int) -> Body:
-        """A body with all that is welded to it; R'(x_G - x_O) and R' I_G R put it into its own axes."""
+        """Build a body with all that is welded to it; R'(x_G - x_O) and R' I_G R put it into its own axes."""
         group = [self.facts["bodies"][k] for k in self.group[i]]
         r, R = np.array(group[0]["position"]), matrix(group[0]["quaternion"])
         parts = [
@@ -171,20 +171,20 @@ class Builder:
         return I, True
 
     def called(self, name: str) -> str:
-        """A body by its name and place."""
+        """Name a body and its place."""
         place = self.place_of("body", name)
         return f"body '{name}'" + (f" ({place})" if place else "")
 
     def carrier(self, i: int) -> Any:
-        """The body that stands for number i."""
+        """Return the body that stands for number i."""
         return self.bodies[self.facts["bodies"][i]["weld"]]
 
     def parent(self, i: int) -> Any:
-        """The body that carries body i."""
+        """Return the body that carries body i."""
         return self.carrier(self.facts["bodies"][i]["parent"])
 
     def join(self, i: int, places: list[int]) -> None:
-        """The joints between a body and its parent, with their springs, friction and limits."""
+        """Build the joints between a body and its parent, with their springs, friction and limits."""
         parts = [self.facts["joints"][k] for k in places]
         frames = [Frame(self.bodies[i], i, ())]
         if not parts or parts[0]["type"] == "free":
@@ -206,7 +206,7 @@ class Builder:
             self.load(i, k, part)
 
     def whole_joint(self, i: int, places: list[int], parts: list[Facts]) -> Joint | None:
-        """One joint for all those of a body; None if there is none, or something acts on a coordinate it lacks."""
+        """Return one joint for all those of a body; None if there is none, or a load needs a coordinate of its own."""
         made = joint_of(self.parent(i), self.bodies[i], parts, "-".join(part["name"] for part in parts))
         if made is None or any(
             (k in self.coupled or acts_along(part)) and not has_coordinate(made, part["type"])
@@ -218,7 +218,7 @@ class Builder:
         return joint_of(self.parent(i), self.bodies[i], parts, name)
 
     def chain(self, i: int, places: list[int], parts: list[Facts]) -> list[Frame]:
-        """Joints of a body one after the other, in the order of the file, over bodies without mass."""
+        """Build the joints of a body one after the other, in the order of the file, over bodies without mass."""
         body, inner = self.bodies[i], self.parent(i)
         check_independent(parts, body.name, self.called(body.name))
         frames = []
@@ -237,7 +237,7 @@ class Builder:
         return frames
 
     def load(self, i: int, k: int, part: Facts) -> None:
-        """What acts on a joint: springs, dampers, dry friction, limits."""
+        """Build what acts on a joint: springs, dampers, dry friction, limits."""
         joint, kind, what = self.coordinate.get(k), part["type"], f"{part['type']} {part['name']}"
         if part["stiffness"] or part["damping"]:
             self.spring(i, k, part)
@@ -260,7 +260,7 @@ class Builder:
                 self.limits.append(Limit(joint, "angle" if kind == "hinge" else "slide", lower, upper, name))
 
     def rotor(self, k: int, part: Facts, joint: Joint) -> None:
-        """An armature, T = I x_dot^2 / 2 on a coordinate x: a rotor on the ground that turns as x does.
+        """Build an armature, T = I x_dot^2 / 2 on a coordinate x: a rotor on the ground that turns as x does.
 
         A rotor that the parent carries would feel its turning too; the ground takes nothing but the rotor's own torque.
         """
@@ -280,7 +280,7 @@ class Builder:
         self.joints += [axle, gear]
 
     def spring(self, i: int, k: int, part: Facts) -> None:
-        """-k (x - x0) - c x_dot on a coordinate, x counted from the reference pose; -c w or -c v without a coordinate.
+        """Build -k (x - x0) - c x_dot on a coordinate from the reference pose; -c w or -c v without a coordinate.
 
         The damping of a free joint acts at the origin of the body.
         """
@@ -297,7 +297,7 @@ class Builder:
             self.foreign("passive", f"stiffness or damping of {part['type']} {part['name']}", "joint", part["name"])
 
     def hold_weights(self) -> None:
-        """What balances weights: -g m G upwards at the centre of mass of a body of the file."""
+        """Build what balances weights: -g m G upwards at the centre of mass of a body of the file."""
         for i, body in enumerate(self.facts["bodies"]):
             share, carrier = body.get("gravcomp", 0.0), self.carrier(i)
             if share and body["mass"] and carrier is not GROUND:
@@ -306,13 +306,13 @@ class Builder:
                 self.forces.append(Force(carrier, up, at=body["centre"], name=name))
 
     def point(self, point: Facts) -> Point:
-        """A point and its axes in those of the body that carries it."""
+        """Return a point and its axes in those of the body that carries it."""
         body = self.carrier(point["body"])
         e = matrix(body.orientation)
         return Point(body.name, e.T @ (point["position"] - body.position), e.T @ np.array(point["axes"]).reshape(3, 3))
 
     def close(self, equality: Facts) -> None:
-        """A loop closure or a coupling."""
+        """Build a loop closure or a coupling."""
         name = self.name(equality["name"], "equality")
         made = self.coupling(equality, name) if equality["type"] == "joint" else self.closure(equality, name)
         if made is None:
@@ -321,15 +321,15 @@ class Builder:
             self.joints.append(made)
 
     def closure(self, equality: Facts, name: str) -> Joint | None:
-        """Two points kept together, or two bodies kept as they are at the reference pose."""
+        """Keep two points together, or two bodies as they are at the reference pose."""
         a, b = (self.carrier(k) for k in equality["bodies"])
         at, at_b = equality["points"]
-        if a is b or equality["turn"] > SMALL:
+        if a is b or equality["turn"] > COINCIDENCE_ROUNDING:
             return None
         return (Fixed if equality["type"] == "weld" else Spherical)(a, b, at=at, at_b=at_b, name=name)
 
     def coupling(self, equality: Facts, name: str) -> Joint | None:
-        """y = a1 x of two coordinates counted from the reference pose, where y is a0; without x, y stays at a0."""
+        """Build y = a1 x of two coordinates from the reference pose, where y is a0; without x, y stays at a0."""
         y, x = equality["joints"]
         a0, a1, *rest = equality["polynomial"]
         kinds = [self.facts["joints"][k]["type"] for k in (y, x) if k >= 0]
@@ -352,7 +352,7 @@ class Builder:
         return self.racks(leader, x, follower, a1, name)
 
     def racks(self, leader: Joint, place: int, follower: Joint, ratio: float, name: str) -> Joint:
-        """Two slides in a fixed ratio: racks on a pinion without mass; ``place`` is the number of the leader."""
+        """Build two slides in a fixed ratio: racks on a pinion without mass; ``place`` is the number of the leader."""
         pinion = Body(self.name(f"{name} pinion", "body"), 0.0, np.zeros(3))
         axle = Revolute(GROUND, pinion, at=(0, 0, 0), axis=(0, 0, 1), name=self.name(f"{name} axle", "joint"))
         self.rotors.append(Frame(pinion, 0, (), place))
@@ -361,7 +361,7 @@ class Builder:
 
 
 def drawn(geoms: list[Facts], r: np.ndarray, e: np.ndarray, R: np.ndarray, meshes: "Meshes") -> list[Shape] | None:
-    """Shapes of the geometry of a body at (r, e), R = matrix(e); None where none can be drawn."""
+    """Return shapes of the geometry of a body at (r, e), R = matrix(e); None where none can be drawn."""
     found: list[Shape] = []
     for geom in geoms:
         place = {
@@ -369,8 +369,8 @@ def drawn(geoms: list[Facts], r: np.ndarray, e: np.ndarray, R: np.ndarray, meshe
             "orientation": multiply(conjugate(e), np.array(geom["quaternion"])),
             "colour": geom["colour"] and "#" + bytes(round(255 * x) for x in geom["colour"]).hex(),
         }
-        if geom["shown"] and geom["type"] in SIZES:
-            kind, sizes = SIZES[geom["type"]]
+        if geom["shown"] and geom["type"] in SHAPES_BY_KIND:
+            kind, sizes = SHAPES_BY_KIND[geom["type"]]
             found.append(kind(*sizes(*geom["size"]), **place))
         elif geom["shown"] and geom["type"] == "file":
             found += meshes.shapes(geom, place)
@@ -385,7 +385,7 @@ class Meshes:
         self.known: dict[str, bool] = {}
 
     def shapes(self, geom: Facts, place: dict[str, Any]) -> list[Shape]:
-        """The shape of a mesh file, or none."""
+        """Return the shape of a mesh file, or none."""
         shape = MeshFile(geom["path"], geom["scale"], **place) if geom["path"].lower().endswith(MESH_SUFFIXES) else None
         if geom["path"] not in self.known:
             self.known[geom["path"]] = self.is_readable(shape, geom["path"])

@@ -7,8 +7,8 @@ from typing import Any
 from ...base.checks import as_tuple, short_repr
 from ...base.errors import InputError
 
-PACKAGES = ("package://", "model://")  # the first part of what follows is the name of a package
-MARKS = ("package.xml", "model.config")  # files that make a folder a package
+PACKAGE_PREFIXES = ("package://", "model://")  # the first part of what follows is the name of a package
+PACKAGE_FILES = ("package.xml", "model.config")  # that make a folder a package
 
 
 class Folders:
@@ -33,7 +33,7 @@ class Folders:
         ``file://`` and plain paths may lead, also by "..", to where files may be. ``base``: folder of relative paths.
         """
         try:
-            for scheme in PACKAGES:
+            for scheme in PACKAGE_PREFIXES:
                 if name.startswith(scheme):
                     return self.in_package(*name.removeprefix(scheme).partition("/")[::2])
             path = (base or self.home) / name.removeprefix("file://").replace("\\", "/")
@@ -51,7 +51,7 @@ class Folders:
         return None
 
     def packages(self, name: str) -> Iterator[Path]:
-        """Folders that may be the package of a name, the likeliest first.
+        """Return folders that may be the package of a name, the likeliest first.
 
         Upwards from the model that is a folder of this name in which the model lies, or a neighbour of such folders if
         it says that it is a package.
@@ -67,7 +67,7 @@ class Folders:
             if above.name == name:
                 yield above
             beside = above / name
-            if beside.is_dir() and (above == self.home or any((beside / mark).is_file() for mark in MARKS)):
+            if beside.is_dir() and (above == self.home or any((beside / mark).is_file() for mark in PACKAGE_FILES)):
                 yield beside
 
 
@@ -81,7 +81,7 @@ def as_folders(value: Any) -> tuple[Path, ...]:
 
 
 def is_folder(path: str | Path) -> bool:
-    """Whether a path is one of a folder; the empty one is not."""
+    """Return whether a path is one of a folder; the empty one is not."""
     try:
         return bool(str(path)) and Path(path).is_dir()
     except (OSError, ValueError):  # names that no file can have

@@ -11,24 +11,24 @@ from typing import Any
 
 from ...base.errors import InputError
 
-LOADED = 5.0  # times the processor time allowed: what the clock may show on a busy machine
-OUT_OF_TIME = -getattr(signal, "SIGXCPU", 0) or None  # exit code; Windows has none
-MEMORY = 4 << 30  # [bytes] of address space, most of it never used
+WALL_OVER_CPU_TIME = 5.0  # [1] of the processor time allowed, for the clock of a busy machine
+TIMEOUT_EXIT_CODE = -getattr(signal, "SIGXCPU", 0) or None  # Windows has none
+MEMORY_BYTES_MAX = 4 << 30  # [bytes] of address space, most of it never used
 
 
 def limit(seconds: int) -> None:
-    """Bounds on memory and CPU time [s], where the system has them."""
+    """Set bounds on memory and CPU time [s], where the system has them."""
     try:
         import resource
     except ImportError:  # Windows: the parent's clock alone
         return
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES_MAX, MEMORY_BYTES_MAX))
     resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
 def answer_of(module: str, arguments: list[str], timeout: float, who: str) -> dict[str, Any]:
-    """What a guarded process prints as JSON, or an InputError if it takes too long or breaks off."""
+    """Return what a guarded process prints as JSON, or raise an InputError if it takes too long or breaks off."""
     place = str(Path(__file__).resolve().parents[3])
     extra = {"PYTHONPATH": os.pathsep.join(filter(None, (place, os.environ.get("PYTHONPATH"))))}
     extra |= {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}  # every thread takes address space
@@ -36,9 +36,9 @@ def answer_of(module: str, arguments: list[str], timeout: float, who: str) -> di
         try:
             command = [sys.executable, "-m", module, *arguments]
             done = subprocess.run(
-                command, capture_output=True, cwd=folder, env=os.environ | extra, timeout=LOADED * timeout
+                command, capture_output=True, cwd=folder, env=os.environ | extra, timeout=WALL_OVER_CPU_TIME * timeout
             )
-            slow = done.returncode == OUT_OF_TIME
+            slow = done.returncode == TIMEOUT_EXIT_CODE
         except subprocess.TimeoutExpired:
             slow = True
     if slow:

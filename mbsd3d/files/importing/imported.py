@@ -10,17 +10,17 @@ from ...base.style import counted
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.state import State
 
-ALWAYS = (
+ALWAYS_ACTING = (
     "armature", "equality", "flex", "fluid", "frictionloss", "gravcomp", "inertial", "joints", "passive", "tendon",
 )  # fmt: skip
 """Kinds that act on every motion: built, or the file is refused."""
-AT_TIMES = {
+ACTING_AT_TIMES = {
     "actuator": "actuator", "limit": "limit", "effort": "effort limit", "velocity": "velocity limit",
     "safety": "safety controller", "mocap": "mocap body", "switched-off": "switched-off equality", "contact": "contact",
 }  # fmt: skip
 """Kinds that act at times or on command, with what one is called: inactive, and said."""
-IDLE = ("extension",)  # kinds without effect, which callers of older versions left out by name
-KINDS = (*ALWAYS, *AT_TIMES, *IDLE)
+IDLE_KINDS = ("extension",)  # without effect, which callers of older versions left out by name
+KINDS = (*ALWAYS_ACTING, *ACTING_AT_TIMES, *IDLE_KINDS)
 SHOWN_MAX = 20  # [1] parts that an error lists
 
 
@@ -105,9 +105,9 @@ class Verdict(NamedTuple):
 
 def judged(found: Sequence[NotBuilt], leave_out: Sequence[str], strict: bool) -> Verdict:
     """Sort what was not built, or raise an error that names what acts always and is not left out."""
-    dropped = [part for part in found if part.kind in leave_out and part.kind not in IDLE]
-    rest = [part for part in found if part.kind not in leave_out and part.kind not in IDLE]
-    refused = [part for part in rest if strict or part.kind in ALWAYS]
+    dropped = [part for part in found if part.kind in leave_out and part.kind not in IDLE_KINDS]
+    rest = [part for part in found if part.kind not in leave_out and part.kind not in IDLE_KINDS]
+    refused = [part for part in rest if strict or part.kind in ALWAYS_ACTING]
     if refused:
         shown = "; ".join(map(str, refused[:SHOWN_MAX]))
         shown += f"; and {len(refused) - SHOWN_MAX} more" if len(refused) > SHOWN_MAX else ""
@@ -121,9 +121,9 @@ def judged(found: Sequence[NotBuilt], leave_out: Sequence[str], strict: bool) ->
 
 
 def inactive_line(parts: Sequence[NotBuilt]) -> str:
-    """One line of what acts at times or on command: "29 actuators, 29 limits (watched), contact"."""
+    """Write what acts at times or on command in a line: "29 actuators, 29 limits (watched), contact"."""
     words = []
-    for kind, noun in AT_TIMES.items():
+    for kind, noun in ACTING_AT_TIMES.items():
         found = [part for part in parts if part.kind == kind]
         count, watched = sum(part.number for part in found), sum(part.watched for part in found)
         if count:
@@ -136,7 +136,7 @@ def inactive_line(parts: Sequence[NotBuilt]) -> str:
 
 
 def grouped(keys: Any) -> dict[int, list[int]]:
-    """Key -> the places where it stands."""
+    """Return key -> the places where it stands."""
     found: dict[int, list[int]] = {}
     for place, key in enumerate(keys):
         found.setdefault(key, []).append(place)

@@ -22,8 +22,8 @@ from .tree import Facts
 from .urdf import Robot
 from .xml_scan import Scan
 
-LONGEST = 86400.0  # s
-CALLER = 5  # frames from here to the user's call of a reader
+TIMEOUT_SECONDS_MAX = 86400.0  # [s]
+CALLER_FRAMES = 5  # [frames] from here to the user's call of a reader
 
 
 def read_mujoco(path: str | Path, timeout: float, package_paths: Any, **choices: Any) -> Imported:
@@ -51,17 +51,17 @@ def read_robot(path: str | Path, timeout: float, package_paths: Any, floating: b
 
 
 def as_timeout(value: Any) -> float:
-    """A time [s] that is no more than a day."""
+    """Accept a time [s] that is no more than a day."""
     timeout = number(value, "timeout", positive=True)
-    if timeout > LONGEST:
-        raise InputError(f"timeout: {timeout:g} s is more than a day; give at most {LONGEST:g}")
+    if timeout > TIMEOUT_SECONDS_MAX:
+        raise InputError(f"timeout: {timeout:g} s is more than a day; give at most {TIMEOUT_SECONDS_MAX:g}")
     return timeout
 
 
 def chosen_of(
     path: Path, *, leave_out: Sequence[str], drop: Sequence[str], strict: bool, geometry: str, inertia: str
 ) -> Choices:
-    """The choices of a caller, checked."""
+    """Check the choices of a caller, and return them."""
     kinds: list[str] = []
     for what, given in (("leave_out", leave_out), ("drop", drop)):
         names = (given,) if isinstance(given, str) else as_tuple(given, what, "kinds of parts")
@@ -84,12 +84,12 @@ def built(path: Path, facts: Callable[[], Facts], choices: Choices, place_of: Ca
     said = [f"inactive: {found.inactive}"] if found.inactive else []
     said += read.get("chosen", ())
     if said:
-        warnings.warn(f"'{path}': {'; '.join(said)}", stacklevel=CALLER)
+        warnings.warn(f"'{path}': {'; '.join(said)}", stacklevel=CALLER_FRAMES)
     return found
 
 
 def compiled_facts(path: Path, timeout: float, folders: Folders) -> Facts:
-    """What the worker says, or why it says nothing."""
+    """Return what the worker tells, or raise an InputError that says why it tells nothing."""
     arguments = [str(path.absolute()), str(ceil(timeout)), *map(str, folders.given)]
     answer = answer_of("mbsd3d.files.importing.worker", arguments, timeout, "MuJoCo")
     if "error" in answer:

@@ -10,19 +10,19 @@ from ...mechanism.joints import Joint
 from ...mechanism.joints.pairs import Cylindrical, Planar, Prismatic, Revolute, Spherical, Universal
 from .tree import Facts
 
-SMALL = 1e-9  # [1, m] what axes and points that are taken as one may differ by: rounding, not tolerances of a part
+COINCIDENCE_ROUNDING = 1e-9  # [1, m] by which axes and points that are taken as one may differ
 INDEPENDENT_MIN = 1e-9  # [1] least over largest singular value of the twists of joints in a row, for independent ones
 
 
 def acts_along(part: Facts) -> bool:
-    """Whether something acts on the coordinate of a joint, or watches it."""
+    """Return whether something acts on the coordinate of a joint, or watches it."""
     return bool(
         part["stiffness"] or part["damping"] or part["friction"] or part["armature"] or part["limit"] is not None
     )
 
 
 def has_coordinate(joint: Joint, kind: str) -> bool:
-    """Whether a joint has the coordinate of a hinge or slide as its own, on which springs and couplings act."""
+    """Return whether a joint has the coordinate of a hinge or slide, on which springs and couplings act."""
     if kind == "hinge":
         return joint.angle() is not None
     return kind == "slide" and joint.slide() is not None and joint.angle() is None
@@ -47,7 +47,7 @@ def check_independent(parts: Sequence[Facts], name: str, called: str) -> None:
 
 
 def joint_of(a: Any, b: Any, parts: Sequence[Facts], name: str) -> Joint | None:
-    """The joint that allows the same motion as MuJoCo's joints of one body, or None."""
+    """Return the joint that allows the same motion as MuJoCo's joints of one body, or None."""
     hinges = [part for part in parts if part["type"] == "hinge"]
     slides = [part for part in parts if part["type"] == "slide"]
     first = parts[0]
@@ -59,18 +59,20 @@ def joint_of(a: Any, b: Any, parts: Sequence[Facts], name: str) -> Joint | None:
         return None
     at = (hinges or parts)[0]["anchor"]
     axes = np.array([part["axis"] for part in (*hinges, *slides)])
-    meet = all(np.linalg.norm(np.subtract(part["anchor"], at)) < SMALL for part in hinges)
+    meet = all(np.linalg.norm(np.subtract(part["anchor"], at)) < COINCIDENCE_ROUNDING for part in hinges)
     match len(hinges), len(slides):
         case 1, 0:
             return Revolute(a, b, at=at, axis=axes[0], name=name)
         case 0, 1:
             return Prismatic(a, b, at=at, axis=axes[0], name=name)
-        case 1, 1 if np.linalg.norm(axes[0] - axes[1]) < SMALL:
+        case 1, 1 if np.linalg.norm(axes[0] - axes[1]) < COINCIDENCE_ROUNDING:
             return Cylindrical(a, b, at=at, axis=axes[0], name=name)
-        case 2, 0 if meet and abs(axes[0] @ axes[1]) < SMALL:
+        case 2, 0 if meet and abs(axes[0] @ axes[1]) < COINCIDENCE_ROUNDING:
             return Universal(a, b, at=at, axis_a=axes[0], axis_b=axes[1], name=name)
         case 3, 0 if meet and abs(np.linalg.det(axes)) > 1e-3:  # at 0 the hinges are locked
             return Spherical(a, b, at=at, name=name)
-        case 1, 2 if np.abs(axes[1:] @ axes[0]).max() < SMALL and np.linalg.norm(np.cross(*axes[1:])) > 1e-3:
+        case 1, 2 if (
+            np.abs(axes[1:] @ axes[0]).max() < COINCIDENCE_ROUNDING and np.linalg.norm(np.cross(*axes[1:])) > 1e-3
+        ):
             return Planar(a, b, at=at, normal=axes[0], name=name)
     return None

@@ -19,16 +19,16 @@ from ...base.rotations import matrix, multiply, rotation
 from .folders import Folders
 from .tree import Facts, felt_inertia, length_of
 from .xacro import expanded, is_xacro
-from .xml_scan import COPIES, LIMIT, Parser
+from .xml_scan import EXPANDED_ELEMENTS_MAX, FILES_BYTES_MAX, Parser
 
-KINDS_OF_JOINTS = {
+JOINT_KINDS = {
     "revolute": "hinge", "continuous": "hinge", "prismatic": "slide", "planar": "planar", "floating": "free",
     "fixed": "fixed",
 }  # fmt: skip
 LINK_TAGS = ("inertial", "visual", "collision")
 JOINT_TAGS = ("parent", "child", "origin", "axis", "limit", "dynamics", "mimic", "safety_controller")
 WORLD = "world"  # a link of this name at the root is the ground, declared or not
-FELT_ROUNDING = 1e-12  # [m L^2] of mass and extent of the model: what a hinge turns, if it turns nothing
+HELD_INERTIA_ROUNDING = 1e-12  # [m L^2] of mass and extent of the model: what a hinge turns, if it turns nothing
 
 
 @dataclass
@@ -42,29 +42,29 @@ class Node:
 
     @property
     def place(self) -> str:
-        """Line and element."""
+        """Return line and element, for messages."""
         return f"line {self.line}, <{self.tag}>"
 
     def all(self, tag: str) -> list["Node"]:
-        """Its children of a tag."""
+        """Return the children of a tag."""
         return [child for child in self.children if child.tag == tag]
 
     def one(self, tag: str) -> "Node | None":
-        """Its only child of a tag, or None."""
+        """Return the only child of a tag, or None."""
         found = self.all(tag)
         if len(found) > 1:
             raise InputError(f"{found[1].place}: stands twice in <{self.tag}>; keep one")
         return found[0] if found else None
 
     def text(self, name: str) -> str:
-        """An attribute that must be there."""
+        """Return an attribute that must be there."""
         value = self.attributes.get(name, "").strip()
         if not value:
             raise InputError(f"{self.place}: has no {name}; give {name}=")
         return value
 
     def numbers(self, name: str, count: int, default: tuple[float, ...] | None = None) -> np.ndarray:
-        """An attribute of finite numbers; commas between those of a vector are passed over."""
+        """Return an attribute of finite numbers; commas between those of a vector are passed over."""
         text = self.attributes.get(name)
         if text is None and default is not None:
             return np.array(default)
@@ -81,20 +81,22 @@ class Node:
         return found
 
     def number(self, name: str, default: float | None = None) -> float:
-        """An attribute of one number."""
+        """Return an attribute of one number."""
         return float(self.numbers(name, 1, None if default is None else (default,))[0])
 
 
 def tree_of(path: Path, text: str) -> Node:
-    """The root element of a text, with all below it."""
+    """Return the root element of a text, with all below it."""
     root, count, parser = Node("", {}, 0), 0, Parser(path)
     stack = [root]
 
     def start(name: str, attributes: dict[str, str]) -> None:
         nonlocal count
         count += 1
-        if count > COPIES:
-            raise InputError(f"{parser.place(f'<{name}>')} is one of more than {COPIES} elements; use fewer")
+        if count > EXPANDED_ELEMENTS_MAX:
+            raise InputError(
+                f"{parser.place(f'<{name}>')} is one of more than {EXPANDED_ELEMENTS_MAX} elements; use fewer"
+            )
         stack.append(Node(name, attributes, parser.line))
         stack[-2].children.append(stack[-1])
 
@@ -137,7 +139,7 @@ class Robot:
     """A URDF file; xacro is run where it is used."""
 
     def __init__(self, path: Path, folders: Folders, floating: bool | None, timeout: float) -> None:
-        text = read_text(path, LIMIT)
+        text = read_text(path, FILES_BYTES_MAX)
         root = tree_of(path, expanded(path, folders, timeout) if is_xacro(path, text) else text)
         if root.tag != "robot":
             raise InputError(f"'{path}': its root is <{root.tag}>, not <robot>; use the reader of its format")
@@ -150,11 +152,11 @@ class Robot:
         self.places: dict[tuple[str, str], str] = {}
 
     def place_of(self, tag: str, name: str) -> str:
-        """Line and element of a link ("body"), joint or mimic ("equality")."""
+        """Return line and element of a link ("body"), joint or mimic ("equality")."""
         return self.places.get((tag, name), "")
 
     def facts(self) -> Facts:
-        """Bodies, joints and couplings for the builder."""
+        """Return bodies, joints and couplings for the builder."""
         self.idle.update(child.tag for child in self.root.children if child.tag not in ("link", "joint"))
         self.links = {link.name: link for link in self.read_links()}
         self.joints = {joint.name: joint for joint in self.read_joints()}
@@ -183,7 +185,7 @@ class Robot:
         }  # fmt: skip
 
     def read_links(self) -> Iterator[Link]:
-        """Every link, and `world` where a joint needs it undeclared."""
+        """Read every link, and `world` where a joint needs it undeclared."""
         names: set[str] = set()
         for node in self.root.all("link"):
             link = self.link(node)
@@ -198,7 +200,7 @@ class Robot:
             yield Link(WORLD, None)
 
     def link(self, node: Node) -> Link:
-        """A link with its mass, and inertia about its centre of mass in its own axes."""
+        """Read a link with its mass, and inertia about its centre of mass in its own axes."""
         link = Link(node.text("name"), node)
         self.places["body", link.name] = node.place
         self.idle.update(child.tag for child in node.children if child.tag != "inertial")
@@ -221,7 +223,7 @@ class Robot:
         return link
 
     def read_joints(self) -> Iterator[Connection]:
-        """Every joint, between links that are there."""
+        """Read every joint, between links that are there."""
         names: set[str] = set()
         for node in self.root.all("joint"):
             joint = self.joint(node)
@@ -231,12 +233,12 @@ class Robot:
             yield joint
 
     def joint(self, node: Node) -> Connection:
-        """A joint."""
+        """Read a joint."""
         name, kind = node.text("name"), node.text("type")
         self.places["joint", name] = node.place
         self.idle.update(child.tag for child in node.children if child.tag not in JOINT_TAGS)
-        if kind not in KINDS_OF_JOINTS:
-            have = ", ".join(KINDS_OF_JOINTS)
+        if kind not in JOINT_KINDS:
+            have = ", ".join(JOINT_KINDS)
             raise InputError(f"{node.place}: joint '{name}' is of the type '{kind[:40]}'; give one of {have}")
         ends = [node.one(tag) for tag in ("parent", "child")]
         links = [end.text("link") if end else "" for end in ends]
@@ -251,10 +253,10 @@ class Robot:
             axis, length = np.array([1.0, 0.0, 0.0]), 1.0
         if length == 0.0:
             raise InputError(f"{node.place}: the axis of joint '{name}' has no length; give a direction")
-        return Connection(name, node, KINDS_OF_JOINTS[kind], links[0], links[1], origin, turn, axis / length)
+        return Connection(name, node, JOINT_KINDS[kind], links[0], links[1], origin, turn, axis / length)
 
     def in_order(self) -> list[str]:
-        """Names of the links, parents before children; they must be a tree."""
+        """Return the names of the links, parents before children; they must be a tree."""
         above: dict[str, Connection] = {}
         for joint in self.joints.values():
             if joint.child in above:
@@ -279,7 +281,7 @@ class Robot:
         return order
 
     def set_starts(self) -> None:
-        """Values of followers where their leaders are at zero: y = multiplier x + offset."""
+        """Set the values of followers where their leaders are at zero: y = multiplier x + offset."""
         for joint in self.joints.values():
             line: list[Connection] = []
             leader: Connection | None = joint
@@ -297,7 +299,7 @@ class Robot:
                 self.said.append(f"'{joint.name}' counts from {value:g}, where it starts")
 
     def leader(self, joint: Connection) -> Connection | None:
-        """The joint that a joint follows, or None."""
+        """Return the joint that a joint follows, or None."""
         mimic = joint.node.one("mimic")
         if mimic is None or joint.kind == "fixed":
             return None
@@ -307,7 +309,7 @@ class Robot:
         return self.joints[name]
 
     def set_poses(self, order: list[str]) -> None:
-        """Where the links are at the start."""
+        """Set where the links are at the start."""
         for name in order[1:]:
             joint, link = self.above[name], self.links[name]
             parent = self.links[joint.parent]
@@ -320,7 +322,7 @@ class Robot:
             link.e = link.e / np.linalg.norm(link.e)
 
     def bodies(self, order: list[str]) -> tuple[list[Facts], dict[str, int]]:
-        """The world and all links, welded where joints are fixed, and the number of every link."""
+        """Return the world and all links, welded where joints are fixed, and the number of every link."""
         nothing = {"mass": 0.0, "centre": np.zeros(3), "inertia": np.zeros((3, 3)), "gravcomp": 0.0}
         world = {"name": WORLD, "parent": 0, "weld": 0, "position": np.zeros(3), "quaternion": [1.0, 0.0, 0.0, 0.0]}
         found, number = [world | nothing | {"link": None}], {}
@@ -350,7 +352,10 @@ class Robot:
             i, joint = number[name], self.above[name]
             felt = mass[i] > 0.0
             if felt and joint.kind == "hinge" and not moves[i]:
-                felt = felt_inertia(facts, {"type": "hinge", "body": i} | self.line_of(joint)) > FELT_ROUNDING * largest
+                felt = (
+                    felt_inertia(facts, {"type": "hinge", "body": i} | self.line_of(joint))
+                    > HELD_INERTIA_ROUNDING * largest
+                )
             if joint.kind != "fixed" and not felt and joint.name not in coupled:
                 joint.kind = "fixed"
                 unfelt.append(f"'{joint.name}'")
@@ -364,7 +369,7 @@ class Robot:
             self.said.append(f"welded, as nothing that has mass can feel it: {', '.join(reversed(unfelt))}")
 
     def line_of(self, joint: Connection) -> Facts:
-        """Point and direction of the axis of a joint, world."""
+        """Return point and direction of the axis of a joint, world."""
         link = self.links[joint.child]
         return {"anchor": link.r, "axis": matrix(link.e) @ joint.axis}
 
@@ -389,7 +394,7 @@ class Robot:
             body["weld"] = 0 if body["weld"] == 1 else body["weld"]
 
     def list_joints(self, facts: Facts, number: dict[str, int]) -> dict[str, int]:
-        """Joints that move, with dampers, friction and limits; returns the number of each."""
+        """List joints that move, with dampers, friction and limits; return the number of each."""
         places = {}
         for joint in self.joints.values():
             if joint.kind == "fixed":
@@ -401,7 +406,7 @@ class Robot:
         return places
 
     def load(self, joint: Connection, fact: Facts) -> None:
-        """Dynamics and limits of a joint."""
+        """Return dynamics and limits of a joint."""
         node, single = joint.node, joint.kind in ("hinge", "slide")
         dynamics, limits = node.one("dynamics"), node.one("limit")
         if dynamics is not None:
@@ -432,7 +437,7 @@ class Robot:
         self.foreign.append({"kind": kind, "what": what, "element": ("joint", joint.name), "count": count})
 
     def list_mimics(self, facts: Facts, places: dict[str, int]) -> None:
-        """Couplings of followers to their leaders."""
+        """List couplings of followers to their leaders."""
         for name, place in places.items():
             joint = self.joints[name]
             leader = self.leader(joint)
@@ -450,7 +455,7 @@ class Robot:
             )
 
     def list_contacts(self, bodies: list[Facts]) -> None:
-        """Bodies that could collide."""
+        """List bodies that could collide."""
         able = [b for b in bodies if b["link"] is not None and b["link"].node and b["link"].node.all("collision")]
         if len({body["weld"] for body in able}) > 1:
             what = f"{able[0]['name']} with {able[-1]['name']}, and perhaps others"
@@ -458,7 +463,7 @@ class Robot:
             self.foreign.append({"kind": "contact", "what": what, "element": element, "count": 0})
 
     def geoms(self, link: Link | None) -> list[Facts]:
-        """What is drawn of a link; a look that is not understood is missing, and no more."""
+        """Return what is drawn of a link; a look that is not understood is missing, and no more."""
         found = []
         for visual in link.node.all("visual") if link and link.node else []:
             try:
@@ -476,7 +481,7 @@ class Robot:
         return found
 
     def geom(self, visual: Node) -> Facts | None:
-        """Kind and sizes of a visual; None, and the file missing, for a mesh that is not there or not plain."""
+        """Return kind and sizes of a visual; None, and the file missing, for a mesh that is not there or not plain."""
         geometry = visual.one("geometry")
         shape = geometry.children[0] if geometry and geometry.children else visual
         match shape.tag:
@@ -497,7 +502,7 @@ class Robot:
         raise InputError(f"{shape.place}: is no shape that is drawn; give box, sphere, cylinder or mesh")
 
     def colour(self, visual: Node) -> list[float] | None:
-        """Red, green, blue of a visual, or of the material of its name; None where it has none."""
+        """Return red, green, blue of a visual, or of the material of its name; None where it has none."""
         material = next(iter(visual.all("material")), None)
         if material is None:
             return None
@@ -513,13 +518,13 @@ class Robot:
 
 
 def mimic_of(joint: Connection) -> tuple[float, float]:
-    """Multiplier and offset of a follower."""
+    """Return multiplier and offset of a follower."""
     mimic = joint.node.one("mimic") or joint.node
     return mimic.number("multiplier", 1.0), mimic.number("offset", 0.0)
 
 
 def place_in_parent(origin: Node | None) -> tuple[np.ndarray, np.ndarray]:
-    """Position and quaternion of an <origin>: roll about x, then pitch about y, then yaw about z, all fixed axes."""
+    """Return position and quaternion of an <origin>: roll about x, then pitch about y, then yaw about z, fixed axes."""
     if origin is None:
         return np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])
     roll, pitch, yaw = origin.numbers("rpy", 3, (0.0, 0.0, 0.0))
@@ -528,7 +533,7 @@ def place_in_parent(origin: Node | None) -> tuple[np.ndarray, np.ndarray]:
 
 
 def positive(node: Node, name: str, count: int) -> np.ndarray:
-    """Lengths > 0 [m]."""
+    """Return lengths > 0 [m]."""
     found = node.numbers(name, count)
     if found.min() <= 0.0:
         raise InputError(f"{node.place}: {name} is not positive; give lengths > 0")
@@ -536,6 +541,6 @@ def positive(node: Node, name: str, count: int) -> np.ndarray:
 
 
 def unloaded(name: str, kind: str, body: int) -> dict[str, Any]:
-    """A joint on which nothing acts."""
+    """Return a joint on which nothing acts."""
     loads = {"stiffness": 0.0, "damping": 0.0, "friction": 0.0, "armature": 0.0, "rest": 0.0, "limit": None}
     return {"name": name, "type": kind, "body": body, "axis": np.array([1.0, 0.0, 0.0])} | loads

@@ -19,9 +19,9 @@ from ...base.errors import InputError
 from .folders import Folders
 from .guarded import limit
 
-SHOWN = 3  # groups of geoms below this are shown by MuJoCo; shapes for contacts alone are usually in group 3
+VISIBLE_GROUPS = 3  # [1] groups of geoms below this are shown by MuJoCo; contact shapes are usually in group 3
 POSES_MAX = 100_000  # [1] of bodies in all key frames
-BALL = 1e-3  # [m] radius of what stands for a mesh that is not needed
+STAND_IN_RADIUS = 1e-3  # [m] of the ball that stands for a mesh that is not needed
 
 
 class Facts:
@@ -67,7 +67,7 @@ class Facts:
         self.foreign.append({"kind": kind, "what": what, "element": element, "count": count})
 
     def off(self, flag: str) -> bool:
-        """Whether the file switches a part of the physics off."""
+        """Return whether the file switches a part of the physics off."""
         flags = self.mujoco.mjtDisableBit
         constraints = ("CONTACT", "LIMIT", "EQUALITY", "FRICTIONLOSS")
         names = (flag, "CONSTRAINT") if flag in constraints else (flag,)
@@ -79,7 +79,7 @@ class Facts:
         return found or otherwise or f"{kind} {i}"
 
     def bodies(self) -> list[dict[str, Any]]:
-        """Poses, masses, centres of mass and inertias about them, all in world axes."""
+        """Return poses, masses, centres of mass and inertias about them, all in world axes."""
         m, d, found = self.model, self.data, []
         for i in range(m.nbody):
             C = d.ximat[i].reshape(3, 3)
@@ -100,7 +100,7 @@ class Facts:
         return found
 
     def geom(self, i: int) -> dict[str, Any]:
-        """Kind, sizes and pose of a geom, in world axes; whether MuJoCo would show it, and its colour if it has one."""
+        """Return kind, sizes and pose of a geom, in world axes; whether MuJoCo would show it, and its colour if any."""
         m, d, quaternion = self.model, self.data, np.zeros(4)
         self.mujoco.mju_mat2Quat(quaternion, d.geom_xmat[i])
         rgba, file = m.geom_rgba[i], self.files.get(i, ())
@@ -111,12 +111,12 @@ class Facts:
             "size": m.geom_size[i],
             "position": d.geom_xpos[i],
             "quaternion": quaternion,
-            "shown": bool(m.geom_group[i] < SHOWN and rgba[3] > 0.0 and file is not None),
+            "shown": bool(m.geom_group[i] < VISIBLE_GROUPS and rgba[3] > 0.0 and file is not None),
             "colour": None if np.allclose(rgba[:3], 0.5) else rgba[:3].clip(0.0, 1.0),
         }
 
     def joints(self) -> list[dict[str, Any]]:
-        """Joints in the order of MuJoCo, which nests them from the parent to the body."""
+        """Return joints in the order of MuJoCo, which nests them from the parent to the body."""
         m, d, found = self.model, self.data, []
         springs, dampers = not self.off("SPRING"), not self.off("DAMPER")
         for i in range(m.njnt):
@@ -141,7 +141,7 @@ class Facts:
         return found
 
     def equalities(self) -> list[dict[str, Any]]:
-        """Active loop closures and couplings."""
+        """Return active loop closures and couplings."""
         m, found, active = self.model, [], set(self.active_equalities())
         for i in range(0 if self.off("EQUALITY") else m.neq):
             kind, parts = self.mujoco.mjtEq(m.eq_type[i]).name.removeprefix("mjEQ_").lower(), []
@@ -160,7 +160,7 @@ class Facts:
         return found
 
     def ends(self, i: int, kind: str) -> dict[str, Any]:
-        """Bodies and world points of a connection, and by how much a weld is turned at qpos0."""
+        """Return bodies and world points of a connection, and by how much a weld is turned at qpos0."""
         m, d = self.model, self.data
         ids, data = (int(m.eq_obj1id[i]), int(m.eq_obj2id[i])), m.eq_data[i]
         if m.eq_objtype[i] == self.mujoco.mjtObj.mjOBJ_SITE:
@@ -176,7 +176,7 @@ class Facts:
         return {"bodies": list(ids), "points": points, "turn": turn}
 
     def list_foreign(self) -> None:
-        """Everything that acts on the motion, always or at times, and is not among the facts."""
+        """List everything that acts on the motion, always or at times, and is not among the facts."""
         m = self.model
         for kind in ("actuator", "flex"):
             count = getattr(m, f"n{kind}")
@@ -203,7 +203,7 @@ class Facts:
             self.list_contacts()
 
     def list_tendon(self, i: int) -> None:
-        """A tendon that pulls always, or whose length is limited; others only measure."""
+        """List a tendon that pulls always, or whose length is limited; others only measure."""
         m, name = self.model, self.name("tendon", i)
         loads = ("stiffness", "damping", "frictionloss", "armature")
         if acts := [load for load in loads if np.any(getattr(m, f"tendon_{load}")[i])]:
@@ -212,7 +212,7 @@ class Facts:
             self.add("limit", f"length of tendon {name}, from which nothing hangs here", ("tendon", name))
 
     def list_contacts(self) -> None:
-        """Geoms that could collide; MuJoCo leaves out those of one rigid group and of neighbours."""
+        """List geoms that could collide; MuJoCo leaves out those of one rigid group and of neighbours."""
         m = self.model
         if m.npair:
             self.add("contact", ", ".join(self.name("pair", i) for i in range(min(m.npair, 10))), count=0)
@@ -234,7 +234,7 @@ class Facts:
                     return
 
     def keys(self) -> list[dict[str, Any]]:
-        """Key frames: poses and velocities of all bodies, and of all joints what they have moved since the start."""
+        """Return key frames: poses and velocities of all bodies, and what joints have moved since the start."""
         m = self.model
         found: list[dict[str, Any]] = []
         if m.nkey * m.nbody > POSES_MAX:
@@ -256,7 +256,7 @@ class Facts:
         return found
 
     def moved(self, d: Any, i: int) -> dict[str, Any]:
-        """What a joint has moved since the start, and its rate."""
+        """Return what a joint has moved since the start, and its rate."""
         m = self.model
         q, v = m.jnt_qposadr[i], m.jnt_dofadr[i]
         slides, turns = (m.jnt_type[i] == getattr(self.mujoco.mjtJoint, f"mjJNT_{kind}") for kind in ("SLIDE", "HINGE"))
@@ -266,7 +266,7 @@ class Facts:
         }  # fmt: skip
 
     def points(self) -> list[dict[str, Any]]:
-        """Sites at the reference pose."""
+        """Return sites at the reference pose."""
         m, d = self.model, self.data
         return [
             {
@@ -277,7 +277,7 @@ class Facts:
         ]  # fmt: skip
 
     def all(self) -> dict[str, Any]:
-        """Everything the parent needs."""
+        """Return everything the parent needs."""
         m = self.model
         self.list_foreign()
         facts: dict[str, Any] = {"bodies": self.bodies(), "joints": self.joints(), "equalities": self.equalities()}
@@ -317,7 +317,7 @@ class Undressed:
                 spec.delete(mesh)
 
     def walk(self) -> Iterator[tuple[Any, bool]]:
-        """Every body, and whether it can move."""
+        """Visit every body, and say whether it can move."""
         waiting = [(self.spec.worldbody, False)]
         while waiting:
             body, moves = waiting.pop()
@@ -326,7 +326,7 @@ class Undressed:
             waiting += [(child, moves) for child in body.bodies]
 
     def gives_mass(self, geom: Any, body: Any) -> bool:
-        """Whether the mass of a body comes from this geom."""
+        """Return whether the mass of a body comes from this geom."""
         choices, wanted = self.mujoco.mjtInertiaFromGeom, self.spec.compiler.inertiafromgeom
         first, last = self.spec.compiler.inertiagrouprange
         weightless = geom.mass == 0.0 or geom.density == 0.0 or not first <= geom.group <= last
@@ -362,7 +362,7 @@ class Undressed:
                 file = (str(path), float(scale[0]))
             else:
                 self.missing.append(f"{mesh.file}: {'mirrored, stretched or moved' if path else 'not found'}")
-        geom.type, geom.size = self.mujoco.mjtGeom.mjGEOM_SPHERE, [BALL, BALL, BALL]
+        geom.type, geom.size = self.mujoco.mjtGeom.mjGEOM_SPHERE, [STAND_IN_RADIUS, STAND_IN_RADIUS, STAND_IN_RADIUS]
         geom.meshname = geom.hfieldname = ""
         self.geoms.append((geom, file))
 
@@ -378,7 +378,7 @@ class Undressed:
 
 
 def plain(value: Any, what: str) -> Any:
-    """The value as JSON can hold it; numbers that are not finite are a ValueError naming their part."""
+    """Return the value as JSON can hold it; numbers that are not finite are a ValueError naming their part."""
     if isinstance(value, dict):
         name = value.get("name")
         return {key: plain(x, f"{key} of '{name}'" if name else f"{what} {key}") for key, x in value.items()}

@@ -17,15 +17,16 @@ from ...base.errors import InputError
 from .folders import Folders
 from .guarded import answer_of, limit
 
-COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
-USED = ("${", "$(", "<xacro:")
-FORBIDDEN = ("os.", "subprocess.", "socket.", "shutil.", "ctypes.", "pty.")  # events of Python: nothing is run or sent
-HARMLESS = ("os.listdir", "os.scandir", "os.walk", "os.fwalk")  # of importing a module
+COMMENT_PATTERN = re.compile(r"<!--.*?-->", re.DOTALL)
+XACRO_MARKS = ("${", "$(", "<xacro:")
+# events of Python: nothing is run or sent
+FORBIDDEN_EVENTS = ("os.", "subprocess.", "socket.", "shutil.", "ctypes.", "pty.")
+IMPORT_EVENTS = ("os.listdir", "os.scandir", "os.walk", "os.fwalk")  # of importing a module
 
 
 def is_xacro(path: Path, text: str) -> bool:
-    """Whether a text has to go through xacro: by what is in it; what xacro has written keeps its name space only."""
-    return any(mark in COMMENT.sub("", text) for mark in USED)
+    """Return whether a text has to go through xacro, by what is in it; its output keeps the name space only."""
+    return any(mark in COMMENT_PATTERN.sub("", text) for mark in XACRO_MARKS)
 
 
 def expanded(path: Path, folders: Folders, timeout: float) -> str:
@@ -81,20 +82,20 @@ def watch(folders: Folders) -> None:
             inside = path.suffix in (".py", ".pyc", ".so") and within(path, libraries)
             if writes or not (folders.allow(path) or any_package(path, folders) or inside):
                 raise InputError(f"it opens '{path}', outside of its folder and of package_paths; give the folder")
-        elif event.startswith(FORBIDDEN) and event not in HARMLESS:
+        elif event.startswith(FORBIDDEN_EVENTS) and event not in IMPORT_EVENTS:
             raise InputError(f"it asks for '{event}', which is not done; leave it out")
 
     sys.addaudithook(hook)
 
 
 def within(path: Path, folders: Iterable[Path]) -> bool:
-    """Whether a path lies in one of some folders."""
+    """Return whether a path lies in one of some folders."""
     real = path.resolve()
     return any(real.is_relative_to(folder) for folder in folders)
 
 
 def any_package(path: Path, folders: Folders) -> bool:
-    """Whether a path lies in a package that the file lies in, or a neighbour of it."""
+    """Return whether a path lies in a package that the file lies in, or a neighbour of it."""
     real = path.resolve()
     return any(real.is_relative_to(folder) for part in real.parts for folder in folders.packages(part))
 

@@ -14,14 +14,16 @@ from ...base.errors import InputError
 from ...base.paths import read_text
 from .folders import Folders
 
-LIMIT = 8_000_000  # [bytes] of all files together
-COPIES = 20_000  # elements after all copies are made
-FILES, NAMED, BASES = 100, 2000, 10  # models that are included, other files, and folders they are looked for in
+FILES_BYTES_MAX = 8_000_000  # [bytes] of all files together
+EXPANDED_ELEMENTS_MAX = 20_000  # [elements] after all copies are made
+INCLUDED_FILES_MAX = 100  # [files] models that are included
+NAMED_FILES_MAX, FOLDERS_MAX = 2000, 10  # [1] other files, and folders they are looked for in
 MESH_FOLDERS = ("meshdir", "texturedir", "assetdir")
-COUNTED = ("replicate", "composite", "flexcomp")
-OPENED = ("include", "model")  # elements whose files are models again
-LOOKS = ("mesh", "texture", "hfield", "skin", "material")  # what they name is opened where it is needed, or not at all
-SECTIONS = ("equality", "tendon", "actuator", "contact")  # whose elements have names of their own
+COPYING_ELEMENTS = ("replicate", "composite", "flexcomp")
+INCLUDING_ELEMENTS = ("include", "model")  # their files are models again
+# what they name is opened where it is needed, or not at all
+LOOK_ELEMENTS = ("mesh", "texture", "hfield", "skin", "material")
+NAMING_SECTIONS = ("equality", "tendon", "actuator", "contact")  # whose elements have names of their own
 
 
 class Parser:
@@ -45,15 +47,15 @@ class Parser:
 
     @property
     def line(self) -> int:
-        """Line that is being read."""
+        """Return the line that is being read."""
         return self.parser.CurrentLineNumber + self.above
 
     def place(self, what: str) -> str:
-        """File, line and element for messages."""
+        """Return file, line and element for messages."""
         return f"'{self.path}', line {self.line}: {what}"
 
     def entity(self, name: str, *rest: Any) -> None:
-        """Models need no entities."""
+        """Refuse entities: models need none."""
         raise InputError(f"{self.place(f'entity {name}')} is declared; write its text where it is used")
 
 
@@ -74,16 +76,18 @@ class Scan:
     def read(self, path: Path, times: int = 1) -> None:
         """Scan one file that is copied ``times`` times."""
         self.files += 1
-        if self.files > FILES:
-            raise InputError(f"'{self.root}': more than {FILES} files are included; put them into one")
-        text = read_text(path, LIMIT - self.bytes)
+        if self.files > INCLUDED_FILES_MAX:
+            raise InputError(f"'{self.root}': more than {INCLUDED_FILES_MAX} files are included; put them into one")
+        text = read_text(path, FILES_BYTES_MAX - self.bytes)
         self.bytes += path.stat().st_size
         File(self, path, times).parse(text)
 
     def check_named(self) -> None:
-        """Every file that is named lies where files may be, links followed."""
-        if len(self.named) > NAMED or len(self.bases) > BASES:
-            raise InputError(f"'{self.root}': names more than {NAMED} files or {BASES} folders; use fewer")
+        """Check that every file that is named lies where files may be, links followed."""
+        if len(self.named) > NAMED_FILES_MAX or len(self.bases) > FOLDERS_MAX:
+            raise InputError(
+                f"'{self.root}': names more than {NAMED_FILES_MAX} files or {FOLDERS_MAX} folders; use fewer"
+            )
         for name, place in self.named.items():
             for base in self.bases:
                 for candidate in {name, PurePosixPath(name).name}:
@@ -98,7 +102,7 @@ class Scan:
             )
 
     def place_of(self, tag: str, name: str) -> str:
-        """Line and element of a part by its name, "" if nobody knows."""
+        """Return line and element of a part by its name, "" if nobody knows."""
         return self.places.get((tag, name), "")
 
 
@@ -122,27 +126,27 @@ class File:
         self.parser.parse(text, self.start, self.end)
 
     def start(self, name: str, attributes: dict[str, str]) -> None:
-        """One element."""
+        """Read the start of an element."""
         scan, place = self.scan, self.parser.place(f"<{name}>")
         if not self.stack:
             scan.kind = scan.kind or name
         if name in ("plugin", "extension"):
             raise InputError(f"{place} asks for a plugin; plugins run foreign code and are not loaded")
-        self.times.append(self.times[-1] * (copies(attributes, place) if name in COUNTED else 1))
+        self.times.append(self.times[-1] * (copies(attributes, place) if name in COPYING_ELEMENTS else 1))
         scan.copies += self.times[-1]
-        if scan.copies > COPIES:
-            raise InputError(f"{place} makes more than {COPIES} elements of the model; use fewer copies")
+        if scan.copies > EXPANDED_ELEMENTS_MAX:
+            raise InputError(f"{place} makes more than {EXPANDED_ELEMENTS_MAX} elements of the model; use fewer copies")
         file = "" if self.path == scan.root else f"'{self.path.name}', "
-        section = self.stack[-1] if self.stack and self.stack[-1] in SECTIONS else name
+        section = self.stack[-1] if self.stack and self.stack[-1] in NAMING_SECTIONS else name
         key = ("joint" if section == "freejoint" else section, attributes.get("name", ""))
         scan.places.setdefault(key, f"{file}line {self.parser.line}, <{name}>")
         self.stack.append(name)
         for attribute, value in attributes.items():
             if attribute in MESH_FOLDERS:
                 scan.bases.add(value)
-            elif attribute.startswith("file") and name not in LOOKS:
+            elif attribute.startswith("file") and name not in LOOK_ELEMENTS:
                 relative(value, f"{place} {attribute}")
-                if name in OPENED:
+                if name in INCLUDING_ELEMENTS:
                     self.open(value, place)
                 if name != "include":  # MuJoCo looks for it beside the model, for others in the folders of meshes too
                     scan.named.setdefault(value, f"{place} {attribute}")
@@ -156,13 +160,13 @@ class File:
                 self.scan.read(folder / name, self.times[-1])
 
     def end(self, name: str) -> None:
-        """The end of an element."""
+        """Read the end of an element."""
         self.stack.pop()
         self.times.pop()
 
 
 def copies(attributes: dict[str, str], place: str) -> int:
-    """How often an element is copied: the product of its counts."""
+    """Return how often an element is copied: the product of its counts."""
     product = 1
     for word in attributes.get("count", "1").split():
         try:

@@ -87,7 +87,7 @@ class ForceBetween(ForceElement):
 
 @inner_kernel
 def torque_between(m, d, p, out, t):
-    """Torque on b, and the opposite one on a."""
+    """Apply a torque on b, and the opposite one on a."""
     a, b, load = d.body[p.body[0]], d.body[p.body[1]], given_by_frame(m, d, p, t)
     add_moment(b, load)
     add_moment(a, scale(-1.0, load))

@@ -45,7 +45,7 @@ def from_table(numbers, x):
 
 
 def as_points(value: Any, what: str, part: Any) -> np.ndarray:
-    """Own copy of (k, 2) points with ascending first numbers."""
+    """Convert to a new array of (k, 2) points with ascending first numbers."""
     points = floats(value, what, "(k, 2) numbers: pairs of x and y")
     if points.ndim != 2 or points.shape[1] != 2 or len(points) < 2:
         raise InputError(f"{what} has shape {points.shape}; give two or more pairs of x and y, (k, 2)")
@@ -80,7 +80,7 @@ class ByTable(ForceElement):
 
     @cached_property
     def numbers(self) -> np.ndarray:
-        """What `from_table` reads: number of pieces n, ends, n starts of pieces, then c3, c2, c1, c0 and integral each.
+        """Return what `from_table` reads: number n of pieces, ends, n starts, then c3 to c0 and integral of each.
 
         The value is ``c3 s^3 + c2 s^2 + c1 s + c0`` at s behind the start; the integral is 0 at x = 0, or at the end
         that is nearer. What goes on beyond the ends are pieces too, the first of which starts a piece's width earlier.
@@ -268,7 +268,7 @@ class TorqueCurve(ByTable):
         self.coordinate(what)
 
     def coordinate(self, what: str) -> Coordinate:
-        """The coordinate along which it acts."""
+        """Return the coordinate along which the load acts."""
         return hinge_coordinate(self.joint, what) if self.over == "rate" else coordinate_of(self.joint, self.over, what)
 
     def record(self) -> ForceRecord:

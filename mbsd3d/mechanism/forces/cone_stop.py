@@ -20,8 +20,8 @@ from ..joints.conditions import ConstantVelocity
 from ..joints.pairs import Spherical, Universal
 from .end_stop import Stop, stop_load
 
-OPPOSITE = -1.0 + 1e-12  # [1] cosine of axes that are opposite to 1e-6 rad: a swing between them has no axis
-WITH_A_SWING = (Spherical, Universal, ConstantVelocity)
+OPPOSITE_COSINE = -1.0 + 1e-12  # [1] of axes that are opposite to 1e-6 rad: a swing between them has no axis
+SWINGING_JOINTS = (Spherical, Universal, ConstantVelocity)
 CONE_STOP = Parameters(
     stiffness="N m/rad", damping="N m s/rad", half_angle="rad", middle_twist="rad", half_twist="rad"
 )  # fmt: skip
@@ -51,7 +51,7 @@ def twist(A, B, middle):
 
 @inner_kernel
 def cone_stop(m, d, p, out, t):
-    """Moments against swing and twist beyond their limits."""
+    """Apply moments against swing and twist beyond their limits."""
     own = cone_stop_parameters(m.number, p.number)
     a, b = d.body[p.body[0]], d.body[p.body[1]]
     A, B, k = columns(a, p.frame[0]), columns(b, p.frame[1]), own.stiffness
@@ -92,7 +92,7 @@ def cone_stop_gap(m, d, p, limit, seen):
 
 
 def as_range(value: Any, what: str, part: Any) -> tuple[float, float]:
-    """Two finite numbers, the first below the second, less than a turn apart."""
+    """Convert to two finite numbers, the first below the second, less than a turn apart."""
     try:
         low, high = (float(x) for x in value)
     except (TypeError, ValueError):
@@ -164,7 +164,7 @@ class ConeStop(Stop):
     damping: Number = kept(default=0.0, minimum=0.0)
 
     def check(self, what: str) -> None:
-        if not isinstance(self.joint, WITH_A_SWING):
+        if not isinstance(self.joint, SWINGING_JOINTS):
             kind = type(self.joint).__name__ if isinstance(self.joint, Joint) else short_repr(self.joint)
             raise InputError(
                 f"{what}: {kind} does not swing; give a Spherical, Universal or ConstantVelocity, and limit the angle "
@@ -172,7 +172,7 @@ class ConeStop(Stop):
             )
         if not self.half_angle < np.pi:
             raise InputError(f"{what}: half_angle = {self.half_angle:g} limits nothing; give less than pi")
-        if self.axis_a @ self.axis_b < OPPOSITE:
+        if self.axis_a @ self.axis_b < OPPOSITE_COSINE:
             raise InputError(f"{what}: axis_a and axis_b are opposite, so the swing has no way; turn one of them round")
 
     def depth_as_built(self) -> float:

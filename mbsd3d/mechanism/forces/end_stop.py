@@ -34,7 +34,7 @@ def stop_load(k, c, depth, rate):
 
 @inner_kernel
 def end_stop(m, d, p, out, t):
-    """Load of two stops along a hinge coordinate, towards the inside."""
+    """Apply the load of two stops along a hinge coordinate, towards the inside."""
     own = end_stop_parameters(m.number, p.number)
     k, c = own.stiffness, own.damping
     up, elastic_up = stop_load(k, c, own.lower - out.x, -out.rate)
@@ -61,7 +61,7 @@ class Stop(ForceElement):
     gaps: ClassVar[int]  # distances to its limits
 
     def depth_as_built(self) -> float:
-        """How far the reference pose is beyond a limit [rad or m]; 0 where it is not."""
+        """Return how far the reference pose is beyond a limit [rad or m]; 0 where it is not."""
         raise NotImplementedError
 
 
@@ -128,12 +128,12 @@ class EndStop(Stop):
             )
 
     def coordinate(self, what: str) -> Coordinate:
-        """The coordinate that is limited."""
+        """Return the coordinate that is limited."""
         return hinge_coordinate(self.joint, what) if self.of is None else coordinate_of(self.joint, self.of, what)
 
     @property
     def limits(self) -> tuple[float, float]:
-        """Both limits [rad or m], infinite where there is none."""
+        """Return both limits [rad or m], infinite where there is none."""
         return (-np.inf if self.lower is None else self.lower, np.inf if self.upper is None else self.upper)
 
     def depth_as_built(self) -> float:
