@@ -16,7 +16,7 @@ from mbsd3d.base.style import COLOURS
 from mbsd3d.demos import gallery
 from mbsd3d.demos.shafts import cardan
 from mbsd3d.demos.tops import heavy_top
-from mbsd3d.mechanism.shapes.kinds import Cylinder
+from mbsd3d.mechanism.shapes.solids import Cylinder
 from mbsd3d.view.scene.drawing import NAMES
 
 BARE = (*NAMES, "ground grid")

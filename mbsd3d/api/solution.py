@@ -313,7 +313,7 @@ class Solution(RunResult, Viewable):
             Dimensions time, body, joint, driver, own_state (of forces), axis (x, y, z) and quaternion (e0 ... e3);
             every variable carries units, frame and description. Quantities a joint does not have are NaN.
         """
-        from ..files.tables import to_xarray
+        from ..files.table_files import to_xarray
 
         return to_xarray(self)
 
@@ -323,13 +323,13 @@ class Solution(RunResult, Viewable):
         The numbers read back equal. ".csv" is appended if missing; an existing file is replaced atomically. Returns the
         file; ValueError if the folder cannot be written.
         """
-        from ..files.tables import to_csv
+        from ..files.table_files import to_csv
 
         return to_csv(self, path)
 
     def to_dataframe(self) -> "DataFrame":
         """Return a pandas DataFrame, one row a sample, indexed by the time, with the columns of `to_csv`."""
-        from ..files.tables import to_dataframe
+        from ..files.table_files import to_dataframe
 
         return to_dataframe(self)
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ..plotting.panels import Wanted
     from ..view.page.html import View
     from ..view.page.live import LiveView
-    from ..view.scene.motion import Points
+    from ..view.scene.overlays import Points
 
 LayerNames = str | Sequence[str]
 

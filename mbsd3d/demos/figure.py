@@ -13,7 +13,7 @@ from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import ArrayLike
 
 from ..base.style import COLOURS, GREY, LIGHT, with_superscripts
-from .drawing import (
+from .panel_drawing import (
     GLOBE_VIEW,
     every,
     legend_below,

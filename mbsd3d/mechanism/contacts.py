@@ -25,7 +25,7 @@ from ..base.rotations import perpendiculars, unit
 from ..kernels import kinds
 from .bodies import GROUND, Body, Ground, as_body
 from .joints import Joint, PointJoint
-from .motion import Motion
+from .motion_protocols import Motion
 from .primitives import ZERO, Primitive
 from .rounded import Rounded, circle, rounded
 from .shapes import Shape

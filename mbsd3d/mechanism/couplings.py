@@ -10,7 +10,7 @@ from ..base.fields import Number, Vector, kept, part_class
 from ..kernels import kinds
 from .bodies import GROUND, Body, Ground
 from .joints import AxisJoint, Joint, angle_of, coordinate_of, slide_of
-from .motion import LoadedMotion, Motion
+from .motion_protocols import LoadedMotion, Motion
 from .primitives import ZERO, Coordinate, Primitive, ratio
 from .tooth_contact import Axle, line_of_action
 

@@ -10,7 +10,7 @@ from ..kernels import kinds
 from .bodies import Body, Ground
 from .couplings import Coupling
 from .joints import Joint
-from .motion import LoadedMotion, Motion
+from .motion_protocols import LoadedMotion, Motion
 from .primitives import Coordinate, Primitive
 from .signals import Constant
 

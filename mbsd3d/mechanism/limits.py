@@ -8,7 +8,7 @@ from ..base.checks import as_tuple, check_choice, check_name, short_repr
 from ..base.errors import InputError
 from ..base.fields import Checked, NumberOrNone, kept, part_class
 from .joints import Joint, coordinate_of
-from .motion import LoadedMotion
+from .motion_protocols import LoadedMotion
 
 LIMIT_EXCESS_MIN = 1e-9  # [rad, m] beyond a limit that is said: less is rounding of a start that lies on the limit
 UNITS = {"angle": "rad", "slide": "m"}

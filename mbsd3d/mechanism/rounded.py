@@ -9,9 +9,9 @@ from ..base.checks import short_repr
 from ..base.errors import InputError
 from ..base.rotations import matrix, perpendiculars
 from .bodies import Body, Ground
-from .motion import Motion
-from .shapes.base import along
-from .shapes.kinds import Ellipsoid, Sphere, Torus
+from .motion_protocols import Motion
+from .shapes.shape import along
+from .shapes.solids import Ellipsoid, Sphere, Torus
 
 Smooth = Sphere | Ellipsoid | Torus
 """Surfaces that roll and touch: a sphere, an ellipsoid, the outside of a torus."""

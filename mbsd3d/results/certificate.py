@@ -20,7 +20,7 @@ from .checks.between_stages import signal_checks, stage_notes
 from .checks.check import DRIFT_LIMIT_MAX, PASSED, Check, drift_limit
 from .checks.equations import equation_checks, joint_checks, lost, residuals
 from .checks.rounding import rounding, rounding_checks, singular_notes
-from .checks.turning import turning_checks
+from .checks.turns import turning_checks
 from .record import HasOptions, RankEvent, Record, RunOptions
 from .result import RunResult
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mbsd3d.demos.drawing import new_figure, spectrum_bars
 from mbsd3d.demos.figure import Line, Panel, figure_of, same
+from mbsd3d.demos.panel_drawing import new_figure, spectrum_bars
 from mbsd3d.extend import Curve, inline_svg, theme
 
 T = np.linspace(0.0, 2.0, 41)

@@ -15,7 +15,7 @@ from engines.nvh.road.measured import LENGTH_MAX, POINTS_MAX, read_road
 from mbsd3d import System, read_mjcf, shapes
 from mbsd3d.files.description import PARTS_MAX
 from mbsd3d.files.importing import guarded, xml_scan
-from mbsd3d.mechanism.shapes import surfaces
+from mbsd3d.mechanism.shapes import triangles
 
 ROOT = Path(__file__).parents[2]
 README, SECURITY, MAKEFILE = (
@@ -62,7 +62,7 @@ def test_counts_are_those_of_the_code():
     assert f"{number(PARTS_MAX)} parts;" in ROWS["model files"]
     assert f"{number(xml_scan.EXPANDED_ELEMENTS_MAX)} elements" in ROWS["MJCF, URDF"]
     assert f"{guarded.MEMORY_BYTES_MAX >> 30} GB" in ROWS["MJCF, URDF"]
-    assert f"{number(surfaces.MESH_TRIANGLES_MAX)} triangles;" in ROWS["meshes"]
+    assert f"{number(triangles.MESH_TRIANGLES_MAX)} triangles;" in ROWS["meshes"]
     road = f"{number(POINTS_MAX)} points and {LENGTH_MAX / 1000:g} km of a road"
     assert f"{CYLINDERS_MAX} cylinders; {road}" in ROWS["engines, cars"]
     assert f"within {watchdog.SECONDS:.0f} s and {watchdog.MEGABYTES:.0f} MB" in SECURITY

@@ -7,7 +7,7 @@ from helpers.solids import SOLIDS, solid
 
 from mbsd3d import Body, inertia, rotation
 from mbsd3d.mechanism.shapes.homogeneous import shapes_of
-from mbsd3d.mechanism.shapes.surfaces import normals
+from mbsd3d.mechanism.shapes.triangles import normals
 from mbsd3d.rotations import matrix
 from mbsd3d.shapes import Box, Capsule, Cylinder, Disc, Ellipsoid, Hull, Lines, MeshFile, Sphere, Torus
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from mbsd3d.view.scene.overlays_record_record import arrows_of
 
 from mbsd3d import (
     GROUND,
@@ -32,7 +33,6 @@ from mbsd3d import (
 )
 from mbsd3d.rotations import matrix
 from mbsd3d.view.scene.frames import frames_of
-from mbsd3d.view.scene.motion import arrows_of
 
 R = matrix(rotation((0.3, -1.0, 0.7), 0.9))
 ORIGIN, NORMAL = np.array([0.4, -1.2, 2.3]), R[:, 2]

@@ -17,7 +17,7 @@ from PIL import Image
 from mbsd3d import GROUND, Body, Revolute, System, accelerations, linearize, simulate
 from mbsd3d.extend import theme
 from mbsd3d.view.film import film
-from mbsd3d.view.film.frames import FilmFrames
+from mbsd3d.view.film.images import FilmFrames
 from mbsd3d.view.scene.drawing import Layers
 
 MAKE_PICTURES = Path(__file__).parents[2] / "docs" / "make_pictures.py"

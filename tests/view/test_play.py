@@ -17,8 +17,8 @@ from helpers.pages import SETTLED
 
 from mbsd3d import GROUND, Body, Input, Revolute, Solution, System, Torque
 from mbsd3d.view.page.stage import swing
-from mbsd3d.view.play.page import pivot_of
 from mbsd3d.view.play.play import Play, parsed, ride_so_far
+from mbsd3d.view.play.play_page import pivot_of
 from mbsd3d.view.play.server import Outlet
 from mbsd3d.view.scene.camera import directions, sight
 

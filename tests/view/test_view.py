@@ -13,21 +13,21 @@ import numpy as np
 import pytest
 import trimesh
 from helpers.models import pair_at
+from mbsd3d.view.scene.overlays_record_record import arrows_of, curves_of
 
 from mbsd3d import GROUND, Body, Revolute, Spherical, SpringDamper, System, linearize, simulate
-from mbsd3d.mechanism.shapes.surfaces import ball, block, capsule, cylinder, normals, torus
+from mbsd3d.mechanism.shapes.triangles import ball, block, capsule, cylinder, normals, torus
 from mbsd3d.rotations import matrix
 from mbsd3d.view.page import html as page
 from mbsd3d.view.page import show
 from mbsd3d.view.page.content import pack
 from mbsd3d.view.page.recorder import Recording, import_viser
 from mbsd3d.view.page.stage import Stage
-from mbsd3d.view.play.page import shapes_of
+from mbsd3d.view.play.play_page import shapes_of
 from mbsd3d.view.scene.artist import draw_system
 from mbsd3d.view.scene.camera import length_text, round_down, round_up
 from mbsd3d.view.scene.frames import frames_of, sensible_speed
 from mbsd3d.view.scene.meshes import arrow, flat_normals, laid
-from mbsd3d.view.scene.motion import arrows_of, curves_of
 
 # steps of what a page holds: [sizes of the mechanism], [1], [lengths of the longest arrow], [ranges of the curve]
 POSITION_RESOLUTION, QUATERNION_RESOLUTION, ARROW_RESOLUTION, CURVE_RESOLUTION = 1e-5, 1e-5, 2e-4, 1e-6

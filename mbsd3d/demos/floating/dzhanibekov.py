@@ -7,9 +7,9 @@ from scipy.special import ellipkm1
 from mbsd3d import Body, System, rotation, shapes, simulate
 from mbsd3d.base.rotations import matrix
 
-from ..drawing import rim
 from ..figure import Line, Path
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..panel_drawing import rim
 
 NAMES, SAMPLES = ("least moment", "middle moment", "greatest moment"), 1501
 UPRIGHT_ORIENTATIONS = (rotation("y", -np.pi / 2), rotation("x", np.pi / 2), rotation("z", 0.0))

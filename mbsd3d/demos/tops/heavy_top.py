@@ -6,9 +6,9 @@ from scipy.special import ellipk
 from mbsd3d import GROUND, Body, Spherical, System, measures, rotation, shapes, simulate
 from mbsd3d.base.style import GREY
 
-from ..drawing import lower_net
 from ..figure import Line, Path
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..panel_drawing import lower_net
 from ..quadrature import cross, motion
 
 G = 9.81  # m/s^2

@@ -22,13 +22,13 @@ from ...mechanism.joints import Joint
 from ...mechanism.joints.pairs import Fixed, Revolute, Spherical
 from ...mechanism.limits import Limit
 from ...mechanism.mechanism import Mechanism
-from ...mechanism.shapes.base import Shape
-from ...mechanism.shapes.kinds import Box, Capsule, Cylinder, Ellipsoid, MeshFile, Sphere
-from ...mechanism.shapes.surfaces import MESH_SUFFIXES
+from ...mechanism.shapes.shape import Shape
+from ...mechanism.shapes.solids import Box, Capsule, Cylinder, Ellipsoid, MeshFile, Sphere
+from ...mechanism.shapes.triangles import MESH_SUFFIXES
+from .facts import Facts, felt_inertia, length_of
 from .imported import Imported, NotBuilt, Point, grouped, judged
 from .joints import acts_along, check_independent, has_coordinate, joint_of
 from .keyframes import Frame, state_of
-from .tree import Facts, felt_inertia, length_of
 
 COINCIDENCE_ROUNDING = 1e-9  # [1, m] by which axes and points that are taken as one may differ
 MOMENT_ROUNDING = 1e-12  # [m L^2] of mass and extent of the model: a negative principal moment that is rounding

@@ -15,10 +15,10 @@ from ...base.errors import InputError
 from ...base.fields import true_or_false
 from ...base.paths import as_path
 from .builder import Builder, Choices
+from .facts import Facts
 from .folders import Folders, as_folders
 from .guarded import answer_of
 from .imported import KINDS, Imported
-from .tree import Facts
 from .urdf import Robot
 from .xml_scan import Scan
 

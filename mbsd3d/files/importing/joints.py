@@ -8,7 +8,7 @@ import numpy as np
 from ...base.errors import InputError
 from ...mechanism.joints import Joint
 from ...mechanism.joints.pairs import Cylindrical, Planar, Prismatic, Revolute, Spherical, Universal
-from .tree import Facts
+from .facts import Facts
 
 COINCIDENCE_ROUNDING = 1e-9  # [1, m] by which axes and points that are taken as one may differ
 INDEPENDENT_MIN = 1e-9  # [1] least over largest singular value of the twists of joints in a row, for independent ones

@@ -11,7 +11,7 @@ from ...mechanism.bodies import Body
 from ...mechanism.joints import Joint, coordinate_of
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.state import State
-from .tree import Facts
+from .facts import Facts
 
 
 class Frame(NamedTuple):

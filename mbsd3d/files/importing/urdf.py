@@ -16,8 +16,8 @@ from ...base.checks import check_size
 from ...base.errors import InputError
 from ...base.paths import read_text
 from ...base.rotations import matrix, multiply, rotation
+from .facts import Facts, felt_inertia, length_of
 from .folders import Folders
-from .tree import Facts, felt_inertia, length_of
 from .xacro import expanded, is_xacro
 from .xml_scan import EXPANDED_ELEMENTS_MAX, FILES_BYTES_MAX, Parser
 

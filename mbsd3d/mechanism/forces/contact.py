@@ -15,7 +15,7 @@ from ...kernels.vectors import add, dot, scale, sub, vec
 from ..bodies import Body, Ground, as_body
 from ..contacts import Plane, level_plane
 from ..force_element import ForceElement, ForceRecord, check_pair
-from ..motion import Motion
+from ..motion_protocols import Motion
 from ..rounded import Rounded, rounded
 from ..shapes import Shape
 

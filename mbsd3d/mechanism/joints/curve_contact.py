@@ -14,7 +14,7 @@ from ...base.fields import Array, DirectionOrNone, NumberOrNone, Stored, Vector,
 from ...base.rotations import NORM_ROUNDING
 from ...kernels import kinds
 from ..bodies import Body, Ground
-from ..motion import LoadedMotion
+from ..motion_protocols import LoadedMotion
 from ..primitives import ZERO, Coordinate, Primitive
 from .curve import NEAREST_POINT_STARTS, Curve
 from .joint import Joint

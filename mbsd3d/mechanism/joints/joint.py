@@ -15,7 +15,7 @@ from ...base.errors import InputError
 from ...base.fields import Direction, DirectionOrDerived, Vector, VectorOrDerived, kept, part_class
 from ...base.rotations import matched_perpendiculars, perpendiculars
 from ..bodies import Body, Ground, Part, as_body_or_ground, describe_part
-from ..motion import LoadedMotion, Motion
+from ..motion_protocols import LoadedMotion, Motion
 from ..primitives import Coordinate, Primitive, in_plane, perpendicular
 
 

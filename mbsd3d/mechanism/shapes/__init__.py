@@ -5,12 +5,12 @@ centre of mass of its body and aligned with its axes unless ``at`` and ``orienta
 shapes is drawn as the homogeneous ellipsoid of its mass and inertia (`guesses`).
 """
 
-from .base import (
+from .shape import (
     Shape as Shape,
 )
-from .base import (
+from .shape import (
     Solid as Solid,
 )
-from .surfaces import (
+from .triangles import (
     Mesh as Mesh,
 )

@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 from ...base.errors import InputError
 from ...base.fields import Stored
 from ...base.rotations import quaternion_from_matrix
-from .base import Shape, Shaped
-from .kinds import Box, Cylinder, Ellipsoid, Lines
+from .shape import Shape, Shaped
+from .solids import Box, Cylinder, Ellipsoid, Lines
 
 HOMOGENEOUS_SHAPES = ("ellipsoid", "box", "cylinder")
 SHAPE_CHOICES = (

@@ -18,7 +18,7 @@ from ...base.progress import Progress
 from ...base.style import channels
 from ...base.version import loading
 from ...results.motion import Motion
-from .frames import FilmFrames, FilmOptions
+from .images import FilmFrames, FilmOptions
 
 GIF_SECONDS = 6.0, 4.0  # [s] longest run that is shown in real time, and length of the films of other runs
 GIF_FRAME_RATE_MAX = 50.0  # [1/s] frames; viewers show faster films slower

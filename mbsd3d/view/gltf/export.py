@@ -20,7 +20,7 @@ from ..scene.artist import draw_system
 from ..scene.drawing import Drawing, Piece, Wire, poses_of, title_of
 from ..scene.frames import Frames, frames_of
 from ..scene.meshes import COIL_RADIUS_RATIO, ROD_RADIUS_RATIO, rolled, unit_coil, unit_rod
-from ..scene.motion import Points, Trace, moved, nearby, traces_of
+from ..scene.overlays import Points, Trace, moved, nearby, traces_of
 from .asset import LINE_STRIP, LINES, TRIANGLES, Asset, Primitive
 
 LAYERS = ("bodies", "joints")  # marks of centres and reference points belong to switches, which glTF does not have

@@ -16,7 +16,7 @@ from ...base.style import DARK, GROUND_GRID_GREYS, LIGHT, with_superscripts
 from ..scene.camera import length_text
 from ..scene.drawing import DEFAULT_LAYERS, MARKS, Drawing
 from ..scene.frames import Frames
-from ..scene.motion import Arrows, Curve, Trace
+from ..scene.overlays import Arrows, Curve, Trace
 from .recorder import Recording
 from .stage import Links, Reach, Stage
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from ...base.style import Theme, theme
 from ..scene.frames import Frames
-from ..scene.motion import Arrows, Curve
+from ..scene.overlays import Arrows, Curve
 from .content import Content
 from .recorder import printable
 from .stage import Stage

@@ -20,7 +20,7 @@ from ..scene.artist import draw_system
 from ..scene.camera import directions
 from ..scene.drawing import DEFAULT_LAYERS, Layers, poses_of, title_of
 from ..scene.frames import Frames, frames_of, sensible_speed
-from ..scene.motion import Points, arrows_of, curves_of, nearby, traces_of
+from ..scene.overlays import Points, arrows_of, curves_of, nearby, traces_of
 from .content import Content, weight_of
 from .html import View, make_page
 from .live import LiveView

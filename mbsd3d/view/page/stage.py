@@ -13,7 +13,7 @@ import numpy as np
 from ...base.rotations import matrix
 from ...base.style import GREY, GROUND_GRID_GREYS, SECTOR_BRIGHTNESS, channels, linear, muted_colour, rgb
 from ...mechanism.shapes import Mesh
-from ...mechanism.shapes.surfaces import joined
+from ...mechanism.shapes.triangles import joined
 from ..scene.camera import directions, frame_camera, round_up, sight
 from ..scene.drawing import DEFAULT_LAYERS, LAYERS, WORLD_AXES, Drawing, Link, bounds
 from ..scene.frames import Frames
@@ -28,7 +28,7 @@ from ..scene.meshes import (
     unit_rod,
     with_shade,
 )
-from ..scene.motion import Arrows, Trace, moved
+from ..scene.overlays import Arrows, Trace, moved
 from .recorder import printable
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ from ...base.rotations import matrix
 from ...base.style import LIGHT, Theme, channels
 from ..scene.camera import NEAR_PLANE_SHARE, Lens, length_text, round_down, window
 from ..scene.drawing import DEFAULT_LAYERS, Drawing, Tag
-from ..scene.motion import Trace
+from ..scene.overlays import Trace
 from .shading import SEAM_WIDTH, Items, Pointers, Solids, join, outlines, split_strokes, strokes_as_items
 
 POINTS_PER_INCH = 72.0  # [points/inch]

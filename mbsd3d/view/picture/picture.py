@@ -17,7 +17,7 @@ from ..scene.artist import draw_system
 from ..scene.camera import frame_camera, lens_of, pair, seen_from, stood_back
 from ..scene.drawing import ARROWS, DEFAULT_LAYERS, MARKS, NAMES, USUAL_LAYERS, Layers, bounds, poses_of
 from ..scene.frames import Frames, frames_at, frames_of
-from ..scene.motion import Arrows, Points, Trace, arrows_of, traces_of
+from ..scene.overlays import Arrows, Points, Trace, arrows_of, traces_of
 from .painter import NONE, TRIANGLE_SIZE_MAX, Painter, new_sheet
 from .shading import pointers_of, tips_of
 

@@ -12,12 +12,12 @@ from numpy.typing import ArrayLike
 from ...base.rotations import matrix
 from ...base.style import SECTOR_BRIGHTNESS, channels, with_superscripts
 from ...mechanism.shapes import Mesh
-from ...mechanism.shapes.surfaces import moved
-from ...mechanism.shapes.surfaces import normals as vertex_normals
+from ...mechanism.shapes.triangles import moved
+from ...mechanism.shapes.triangles import normals as vertex_normals
 from ..scene.camera import Lens
 from ..scene.drawing import Piece
 from ..scene.meshes import arrow, edges_of, flat_normals, laid, unit, welded
-from ..scene.motion import Arrows
+from ..scene.overlays import Arrows
 
 CREASE = np.cos(np.radians(35.0))  # edges with a sharper bend are drawn
 # [1] brightness of a face turned away from the light and towards it, and of highlights

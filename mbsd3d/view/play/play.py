@@ -20,7 +20,7 @@ from ...run.live_run import PERIOD, Frame, Playing
 from ..page.served import Served
 from ..page.show import MotionOptions, motion_content, page_of
 from ..scene.drawing import DEFAULT_LAYERS, Layers
-from .page import NO_SHAPES, SECONDS, Look, ride_page, shapes_of
+from .play_page import NO_SHAPES, SECONDS, Look, ride_page, shapes_of
 from .server import Server
 
 PACE_RANGE = (0.01, 10.0)  # [s/s] of the model in a second

@@ -11,10 +11,10 @@ from ...mechanism.force_element import ForceElement
 from ...mechanism.forces.contact import Contact
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes import Shape
-from ...mechanism.shapes.base import Solid
 from ...mechanism.shapes.homogeneous import shapes_of
-from ...mechanism.shapes.kinds import Ellipsoid, Lines
-from ...mechanism.shapes.surfaces import ball, block, joined, moved
+from ...mechanism.shapes.shape import Solid
+from ...mechanism.shapes.solids import Ellipsoid, Lines
+from ...mechanism.shapes.triangles import ball, block, joined, moved
 from .drawing import Drawing, Link, Piece, Tag, Wire, bounds, corners, poses_of
 from .glyphs import RIM_RADIUS_RATIO, Spanning, anchor, circles, joints_of, limits, scaled, solids, spokes
 

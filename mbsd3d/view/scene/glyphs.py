@@ -18,7 +18,7 @@ from ...mechanism.forces.cone_stop import ConeStop
 from ...mechanism.forces.end_stop import EndStop
 from ...mechanism.joints import Joint
 from ...mechanism.joints.curve_contact import CurveContact
-from ...mechanism.shapes.surfaces import Mesh, ball, block, cylinder, moved, torus
+from ...mechanism.shapes.triangles import Mesh, ball, block, cylinder, moved, torus
 from ...mechanism.tooth_contact import Axle
 
 AXES_OF_A, AXES_OF_B = ("axis", "axis_a", "normal"), ("axis_b", "lateral")

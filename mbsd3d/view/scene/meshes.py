@@ -1,7 +1,7 @@
 """Triangles: normals, edges and shades of meshes, and the coils, rods and arrows that are laid along vectors.
 
-The meshes of shapes share vertices across smooth edges only, see `mbsd3d.mechanism.shapes.surfaces`: so a mean over the
-faces of a vertex is its normal, here as in any viewer.
+The meshes of shapes share vertices across smooth edges only, see `mbsd3d.mechanism.shapes.triangles`: so a mean over
+the faces of a vertex is its normal, here as in any viewer.
 """
 
 from typing import NamedTuple
@@ -10,7 +10,7 @@ import numpy as np
 
 from ...base.rotations import multiply
 from ...mechanism.shapes import Mesh
-from ...mechanism.shapes.surfaces import joined, normals, revolved
+from ...mechanism.shapes.triangles import joined, normals, revolved
 
 COIL_TURNS_COUNT, COIL_POINTS_COUNT, WIRE_SIDES_COUNT = 10, 12, 6  # of a coil, along each turn, around the wire
 ROD_RADIUS_RATIO = 0.005  # [sizes of the mechanism] radius of a rod, and the least one of a spring

@@ -11,7 +11,7 @@ from ...base.checks import short_repr, vector
 from ...base.errors import InputError
 from ...base.fields import FILE_VECTOR, Checked, Orientation, Stored, VectorOrNone, kept, part_class
 from ...base.rotations import AXES, matrix, perpendiculars
-from .surfaces import Mesh, moved
+from .triangles import Mesh, moved
 
 HEX_COLOUR_PATTERN = re.compile(r"#[0-9a-fA-F]{6}")
 CYCLE_COLOUR_PATTERN = re.compile(r"C\d+")  # colours of matplotlib that depend on its settings

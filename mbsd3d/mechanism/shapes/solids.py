@@ -10,8 +10,8 @@ from ...base.checks import short_repr
 from ...base.errors import InputError
 from ...base.fields import Array, Number, NumberOrDerived, Stored, kept, locked, part_class
 from ...base.rotations import matrix
-from .base import AxisOrLetter, Round, Shape, Shaped, Sizes, Solid
-from .surfaces import MESH_SUFFIXES, Mesh, ball, block, capsule, cylinder, hull, moved, read_mesh, torus
+from .shape import AxisOrLetter, Round, Shape, Shaped, Sizes, Solid
+from .triangles import MESH_SUFFIXES, Mesh, ball, block, capsule, cylinder, hull, moved, read_mesh, torus
 
 HULL_CORNERS_MAX = 1000  # [corners] of a hull
 FLAT_DEPTH_RATIO = 1e-6  # [1] depth over width of points that lie in a plane

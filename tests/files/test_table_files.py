@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from mbsd3d import GROUND, Body, Revolute, SpringDamper, System, load, simulate
-from mbsd3d.files.tables import harmless
+from mbsd3d.files.table_files import harmless
 
 
 @pytest.fixture(scope="module")

@@ -20,7 +20,7 @@ from ..page.stage import Stage
 from ..scene.artist import draw_system
 from ..scene.drawing import poses_of
 from ..scene.frames import Frames
-from ..scene.motion import nearby
+from ..scene.overlays import nearby
 
 SCENE_SCRIPTS = ("unpack.js", "scene.js", "curves.js", "common.js")
 LIVE_RUN_SCRIPTS = ("strips.js", "gamepad.js", "ride.js")

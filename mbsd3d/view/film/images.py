@@ -19,7 +19,7 @@ from ..picture.picture import painter_of, picture_layers
 from ..picture.shading import pointers_of
 from ..scene.drawing import ARROWS, USUAL_LAYERS, Layers
 from ..scene.frames import FILM_SECONDS, REAL_TIME_SECONDS_MAX, frames_of, sensible_speed
-from ..scene.motion import Curve, Points, arrows_of, curves_of, traces_of
+from ..scene.overlays import Curve, Points, arrows_of, curves_of, traces_of
 
 PAPER_WIDTH_MAX = 7.2  # [inch] of a frame; a film of more than 720 pixels has finer lines, not smaller letters
 PLOT_HEIGHT_SHARE = 0.27  # [1] of the width: height of a plot below the scene
