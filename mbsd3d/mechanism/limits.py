@@ -56,11 +56,13 @@ class Limit(Checked):
     @property
     def called(self) -> str:
         """Name of the limited joint."""
-        return self.name or str(getattr(self.joint, "name", None) or type(self.joint).__name__)
+        if isinstance(self.name, str) and self.name:
+            return self.name
+        return str(getattr(self.joint, "name", None) or type(self.joint).__name__)
 
     def check(self, what: str) -> None:
         check_choice(self.kind, tuple(UNITS), f"{what}: kind")
-        if self.name != "":
+        if not (isinstance(self.name, str) and self.name == ""):
             check_name(self.name, "limit:")
         coordinate_of(self.joint, self.kind, what)
         if self.lower is not None and self.upper is not None and self.lower > self.upper:

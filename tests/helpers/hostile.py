@@ -156,7 +156,8 @@ class Model:
             made += [
                 lambda: m.TorsionSpring(on, stiffness=self.number(), damping=self.number(), name=name),
                 lambda: m.Brake(on, torque=self.number(), stiffness=self.number(), damping=self.number(), name=name),
-                lambda: m.EndStop(on, lower=-self.number(), upper=self.number(), stiffness=self.number(), name=name),
+                lambda: m.EndStop(on, lower=self.pick([None, -0.6]), upper=self.number(), stiffness=self.number(),
+                                  name=name),
                 lambda: m.ConeStop(on, axis_a=at, half_angle=self.number(), stiffness=self.number(), name=name),
                 lambda: m.TorqueCurve(on, points=[(-9.0, self.number()), (9.0, 1.0)], name=name),
                 lambda: m.JointFriction(on, coulomb=self.number(), transition=self.number(), name=name),
