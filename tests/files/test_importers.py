@@ -168,13 +168,41 @@ def test_couplings_that_no_gear_has_are_named(tmp_path, polynomial):
 
 
 def test_a_coordinate_held_by_an_equality_is_driven(tmp_path):
+    """It starts where it is held."""
     text = f"""<mujoco>
     <worldbody><body name="arm"><joint name="arm" axis="1 2 3"/>{INERTIAL.format(1)}</body></worldbody>
     <equality><joint name="held" joint1="arm" polycoef="0.1 0 0 0 0"/></equality></mujoco>"""
     found = read_mjcf(written(tmp_path, text))
     hinge, held = found.system.joints
     assert found.renamed == {"arm (joint)": "arm"} and hinge.name == "arm (joint)"
-    assert isinstance(held, AngleDriver) and float(held.signal(0.0)) == 0.1
+    assert isinstance(held, AngleDriver) and found.said == ("'arm' counts from 0.1, where it starts",)
+    axis = np.array([1, 2, 3]) / np.sqrt(14)
+    turned = np.concatenate([[np.cos(0.05)], np.sin(0.05) * axis])
+    assert np.allclose(found.system.bodies[0].orientation, turned, rtol=0, atol=1e-15)
+    assert simulate(found.system, 0.1, output=2).angle(hinge)[-1] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("second", "message"),
+    [
+        (
+            'joint1="b" joint2="a" polycoef="0.3 1 0 0 0"',
+            "'equality 0' puts 'b' at 0.1, others put it at 0.3; take one",
+        ),
+        ('joint1="a" joint2="b" polycoef="0.3 0.5 0 0 0"', "puts 'b' at 1.5, others put it at 0.8; take one out"),
+        ('joint1="b" polycoef="0.2 0 0 0 0"', "'equality 0' puts 'b' at 0.1, others put it at 0.2"),
+        ('joint1="a" joint2="b" polycoef="-0.05 0.5 0 0 0"', None),
+    ],
+)
+def test_equalities_that_contradict_each_other_are_refused(tmp_path, second, message):
+    arms = "".join(f'<body name="arm {k}"><joint name="{k}" axis="1 2 2"/>{INERTIAL.format(1)}</body>' for k in "ab")
+    text = f"""<mujoco><worldbody>{arms}</worldbody><equality>
+      <joint joint1="b" joint2="a" polycoef="0.1 2 0 0 0"/><joint {second}/></equality></mujoco>"""
+    if message is None:
+        assert read_mjcf(written(tmp_path, text)).system.check().mobility == 1  # they say the same
+        return
+    with pytest.raises(ValueError, match=message):
+        read_mjcf(written(tmp_path, text))
 
 
 def test_a_body_is_merged_into_one_of_the_system(tmp_path):

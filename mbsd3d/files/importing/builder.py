@@ -329,9 +329,9 @@ class Builder:
         return (Fixed if equality["type"] == "weld" else Spherical)(a, b, at=at, at_b=at_b, name=name)
 
     def coupling(self, equality: Facts, name: str) -> Joint | None:
-        """Build y = a1 x of two coordinates from the reference pose, where y is a0; without x, y stays at a0."""
+        """Build y = a1 x of two coordinates from the reference pose, where a0 has put y; without x, y stays there."""
         y, x = equality["joints"]
-        a0, a1, *rest = equality["polynomial"]
+        _, a1, *rest = equality["polynomial"]
         kinds = [self.facts["joints"][k]["type"] for k in (y, x) if k >= 0]
         if y not in self.coordinate or (x >= 0 and x not in self.coordinate):
             return None
@@ -340,7 +340,7 @@ class Builder:
             return None
         if x < 0 or a1 == 0.0:
             driver = AngleDriver if kinds[0] == "hinge" else SlideDriver
-            return driver(follower, a0 if x < 0 else 0.0, name=name)
+            return driver(follower, 0.0, name=name)
         leader = self.coordinate[x]
         match kinds:
             case ["hinge", "hinge"]:

@@ -23,6 +23,7 @@ from .guarded import limit
 
 VISIBLE_GROUPS = 3  # [1] groups of geoms below this are shown by MuJoCo; contact shapes are usually in group 3
 POSES_MAX = 100_000  # [1] of bodies in all key frames
+RULE_ROUNDING = 1e-9  # [1] of the largest coordinate, by which equalities of one joint may differ: their digits
 STAND_IN_RADIUS = 1e-3  # [m] of the ball that stands for a mesh that is not needed
 TENDON_LOADS = {
     "stiffness": "SPRING", "stiffnesspoly": "SPRING", "damping": "DAMPER", "dampingpoly": "DAMPER",
@@ -53,17 +54,30 @@ class Facts:
     def reference(self) -> np.ndarray:
         """Return the reference pose: qpos0, with followers of joint equalities where these put them."""
         m, start = self.model, self.model.qpos0.copy()
-        pairs = [i for i in self.active_equalities() if m.eq_type[i] == self.mujoco.mjtEq.mjEQ_JOINT]
-        pairs = [i for i in pairs if m.eq_obj2id[i] >= 0 and not m.eq_data[i, 2:5].any()]  # others are not built
-        for _ in pairs:  # a follower may lead another
-            for i in pairs:
-                y, x = (m.jnt_qposadr[k[i]] for k in (m.eq_obj1id, m.eq_obj2id))
-                start[y] = m.qpos0[y] + m.eq_data[i, 0] + m.eq_data[i, 1] * (start[x] - m.qpos0[x])
-        for i in pairs:
-            y = m.jnt_qposadr[m.eq_obj1id[i]]
+        rules = [i for i in self.active_equalities() if m.eq_type[i] == self.mujoco.mjtEq.mjEQ_JOINT]
+        rules = [i for i in rules if m.eq_obj2id[i] < 0 or not m.eq_data[i, 2:5].any()]  # others are not built
+        followers = {i: m.jnt_qposadr[m.eq_obj1id[i]] for i in rules}
+        for _ in rules:  # a follower may lead another
+            for i, y in followers.items():
+                start[y] = self.followed(i, start)
+        for i, y in followers.items():
+            name, wanted = self.name("joint", m.eq_obj1id[i]), self.followed(i, start)
+            if abs(start[y] - wanted) > RULE_ROUNDING * max(1.0, np.abs(start).max()):
+                raise InputError(
+                    f"joint equality '{self.name('equality', i)}' puts '{name}' at {wanted:g}, others put it at "
+                    f"{start[y]:g}; take one out"
+                )
             if start[y] != m.qpos0[y]:
-                self.said.append(f"'{self.name('joint', m.eq_obj1id[i])}' counts from {start[y]:g}, where it starts")
+                self.said.append(f"'{name}' counts from {start[y]:g}, where it starts")
+        self.said = list(dict.fromkeys(self.said))
         return start
+
+    def followed(self, i: int, q: np.ndarray) -> float:
+        """Return where a joint equality puts its follower: y0 + a0 + a1 (x - x0), or y0 + a0 without a leader."""
+        m, (a0, a1) = self.model, self.model.eq_data[i, :2]
+        y, x = m.jnt_qposadr[m.eq_obj1id[i]], m.jnt_qposadr[m.eq_obj2id[i]]
+        led = a1 * (q[x] - m.qpos0[x]) if m.eq_obj2id[i] >= 0 else 0.0
+        return float(m.qpos0[y] + a0 + led)
 
     def active_equalities(self) -> list[int]:
         """Return the numbers of the equalities that hold at the start."""
