@@ -275,6 +275,7 @@ AT_TIMES = [
     ("", "", "", '<actuator><motor name="motor" joint="hinge"/></actuator>', "1 actuator"),
     ("", "", "", '<tendon><fixed name="cord" range="0 1"><joint joint="hinge" coef="1"/></fixed></tendon>', "1 limit"),
     ("", "", '<body name="marker" mocap="true"/>', "", "1 mocap body"),
+    ("", "", "", '<option><flag sleep="enable"/></option>', "sleep"),
     ("", "", "", '<equality><joint joint1="hinge" polycoef="0 0 1 0 0" active="false"/></equality>',
      "1 switched-off equality"),
 ]  # fmt: skip
@@ -304,6 +305,14 @@ def test_what_acts_at_times_is_inactive_and_said(tmp_path, joint, more, beside, 
     assert f"inactive: {line}" in accelerations(found.system).certificate.notes
     with pytest.raises(ValueError, match="cannot import .*; leave out with leave_out="):
         read_mjcf(path, strict=True)
+
+
+@pytest.mark.parametrize("load", ["stiffness", "damping", "frictionloss", "armature"])
+def test_negative_loads_are_refused_at_their_joint(tmp_path, load):
+    text = f"<mujoco><worldbody>{BODY.format(joint=f'{load}="-1"', more='')}</worldbody></mujoco>"
+    message = rf"joint 'hinge' \(line 1, <joint>\): {load.removesuffix('loss')} -1 < 0; give >= 0"
+    with pytest.raises(ValueError, match=message):
+        read_mjcf(written(tmp_path, text))
 
 
 def test_limits_are_watched_from_the_zero_of_the_file(tmp_path):

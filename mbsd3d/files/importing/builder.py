@@ -170,10 +170,10 @@ class Builder:
         self.said.append(f"{text}; taken as given")
         return I, True
 
-    def called(self, name: str) -> str:
-        """Name a body and its place."""
-        place = self.place_of("body", name)
-        return f"body '{name}'" + (f" ({place})" if place else "")
+    def called(self, name: str, tag: str = "body") -> str:
+        """Name a body, or another part, and its place."""
+        place = self.place_of(tag, name)
+        return f"{tag} '{name}'" + (f" ({place})" if place else "")
 
     def carrier(self, i: int) -> Any:
         """Return the body that stands for number i."""
@@ -239,6 +239,9 @@ class Builder:
     def load(self, i: int, k: int, part: Facts) -> None:
         """Build what acts on a joint: springs, dampers, dry friction, limits."""
         joint, kind, what = self.coordinate.get(k), part["type"], f"{part['type']} {part['name']}"
+        for load in ("stiffness", "damping", "friction", "armature"):
+            if part[load] < 0.0:
+                raise InputError(f"{self.called(part['name'], 'joint')}: {load} {part[load]:g} < 0; give >= 0")
         if part["stiffness"] or part["damping"]:
             self.spring(i, k, part)
         if part["armature"] and joint is not None:

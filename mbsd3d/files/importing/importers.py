@@ -36,7 +36,8 @@ def read_mujoco(path: str | Path, timeout: float, package_paths: Any, **choices:
     if path.suffix not in (".xml", ".mjcf"):
         raise InputError(f"'{path}': MuJoCo reads files by their name; give it one that ends in .xml")
     if scan.kind != "mujoco":
-        raise InputError(f"'{path}': its root is <{scan.kind}>, not <mujoco>; use the reader of its format")
+        other = "name it .urdf, read_urdf reads it" if scan.kind == "robot" else "give a model of MuJoCo"
+        raise InputError(f"'{path}': its root is <{scan.kind}>, not <mujoco>; {other}")
     return built(path, lambda: compiled_facts(path, timeout, folders, scan.whole), chosen, scan.place_of)
 
 

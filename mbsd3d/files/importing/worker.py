@@ -253,6 +253,8 @@ class Facts:
             self.add("passive", f"{m.nplastic} plastic joints")
         if self.passive and (m.opt.density or m.opt.viscosity):
             self.add("fluid", f"density {m.opt.density:g}, viscosity {m.opt.viscosity:g}", ("option", ""))
+        if m.opt.enableflags & self.mujoco.mjtEnableBit.mjENBL_SLEEP:
+            self.add("sleep", "of bodies at rest", ("option", ""), count=0)
         if not self.off("CONTACT"):
             self.list_contacts()
 
