@@ -309,10 +309,10 @@ def test_what_acts_at_times_is_inactive_and_said(tmp_path, joint, more, beside, 
 
 @pytest.mark.parametrize("load", ["stiffness", "damping", "frictionloss", "armature"])
 def test_negative_loads_are_refused_at_their_joint(tmp_path, load):
-    text = f"<mujoco><worldbody>{BODY.format(joint=f'{load}="-1"', more='')}</worldbody></mujoco>"
+    body = BODY.format(joint=f'{load}="-1"', more="")
     message = rf"joint 'hinge' \(line 1, <joint>\): {load.removesuffix('loss')} -1 < 0; give >= 0"
     with pytest.raises(ValueError, match=message):
-        read_mjcf(written(tmp_path, text))
+        read_mjcf(written(tmp_path, f"<mujoco><worldbody>{body}</worldbody></mujoco>"))
 
 
 def test_limits_are_watched_from_the_zero_of_the_file(tmp_path):
