@@ -420,7 +420,9 @@ QUIET = [  # what acts beside the joints and bodies themselves, without a comman
     # weights are not balanced where springs and dampers are off
     ('<option><flag spring="disable" damper="disable"/></option>', ""),
     # the mass of a body that cannot move is a share of the whole
-    ('<compiler settotalmass="3"/><asset>' + CUBE + "</asset>", '<body><geom type="mesh" mesh="cube"/></body>'),
+    ('<compiler settotalmass="3"/><asset><hfield name="hill" nrow="2" ncol="2" size="1 1 1 0.1"/>' + CUBE + "</asset>",
+     '<body><geom type="mesh" mesh="cube"/></body><body><inertial mass="2" pos="0 0 0" diaginertia="1 1 1"/>'
+     '<geom type="hfield" hfield="hill"/></body>'),
 ]  # fmt: skip
 
 

@@ -126,7 +126,7 @@ class Facts:
     def bodies(self) -> list[dict[str, Any]]:
         """Return poses, masses, centres of mass and inertias about them, all in world axes."""
         m, d, found = self.model, self.data, []
-        weightless = self.passive and not self.weak_motors()
+        balanced = self.passive and not self.weak_motors()
         for i in range(m.nbody):
             C = d.ximat[i].reshape(3, 3)
             found.append(
@@ -139,7 +139,7 @@ class Facts:
                     "mass": m.body_mass[i],
                     "centre": d.xipos[i],
                     "inertia": C @ np.diag(m.body_inertia[i]) @ C.T,
-                    "gravcomp": m.body_gravcomp[i] if weightless else 0.0,
+                    "gravcomp": m.body_gravcomp[i] if balanced else 0.0,
                     "geoms": [self.geom(k) for k in range(m.body_geomadr[i], m.body_geomadr[i] + m.body_geomnum[i])],
                 }
             )
@@ -415,6 +415,10 @@ class Undressed:
 
     def resolve(self, geom: Any, body: Any) -> None:
         """Let a mesh that gives a mass be read from where it lies."""
+        if geom.hfieldname:
+            raise InputError(
+                f"height field '{geom.hfieldname}' gives the mass of body '{body.name}'; give the body an <inertial>"
+            )
         mesh = self.meshes.get(geom.meshname)
         if mesh is None or not mesh.file:
             return  # MuJoCo says what is wrong, or makes the mesh itself
@@ -427,7 +431,7 @@ class Undressed:
         mesh.file = str(path)
 
     def undress(self, geom: Any) -> None:
-        """Put a small ball in the place of a mesh, which collides as the mesh would for all that is asked here."""
+        """Put a small ball without mass in the place of a mesh: it collides as that would, for what is asked here."""
         mesh, file = self.meshes.get(geom.meshname), None
         if mesh is not None and mesh.file and geom.type == self.mujoco.mjtGeom.mjGEOM_MESH:
             path, scale = self.file_of(mesh), np.unique(mesh.scale)
@@ -437,7 +441,7 @@ class Undressed:
             else:
                 self.missing.append(f"{mesh.file}: {'mirrored, stretched or moved' if path else 'not found'}")
         geom.type, geom.size = self.mujoco.mjtGeom.mjGEOM_SPHERE, [STAND_IN_RADIUS, STAND_IN_RADIUS, STAND_IN_RADIUS]
-        geom.meshname = geom.hfieldname = ""
+        geom.meshname, geom.hfieldname, geom.mass = "", "", 0.0
         self.geoms.append((geom, file))
 
     def colour(self) -> None:

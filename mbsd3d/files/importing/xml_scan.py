@@ -143,7 +143,7 @@ class File:
         scan.places.setdefault(key, f"{file}line {self.parser.line}, <{name}>")
         self.stack.append(name)
         for attribute, value in attributes.items():
-            scan.whole = scan.whole or attribute == "settotalmass"
+            scan.whole = scan.whole or (attribute == "settotalmass" and not value.strip().startswith("-"))
             if attribute in MESH_FOLDERS:
                 scan.bases.add(value)
             elif attribute.startswith("file") and name not in LOOK_ELEMENTS:
