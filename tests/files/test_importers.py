@@ -14,6 +14,7 @@ from scipy.linalg import null_space
 from mbsd3d import (
     AngleDriver,
     Cylindrical,
+    Fixed,
     Gear,
     Planar,
     Prismatic,
@@ -167,13 +168,41 @@ def test_couplings_that_no_gear_has_are_named(tmp_path, polynomial):
 
 
 def test_a_coordinate_held_by_an_equality_is_driven(tmp_path):
+    """It starts where it is held."""
     text = f"""<mujoco>
     <worldbody><body name="arm"><joint name="arm" axis="1 2 3"/>{INERTIAL.format(1)}</body></worldbody>
     <equality><joint name="held" joint1="arm" polycoef="0.1 0 0 0 0"/></equality></mujoco>"""
     found = read_mjcf(written(tmp_path, text))
     hinge, held = found.system.joints
     assert found.renamed == {"arm (joint)": "arm"} and hinge.name == "arm (joint)"
-    assert isinstance(held, AngleDriver) and float(held.signal(0.0)) == 0.1
+    assert isinstance(held, AngleDriver) and found.said == ("'arm' counts from 0.1, where it starts",)
+    axis = np.array([1, 2, 3]) / np.sqrt(14)
+    turned = np.concatenate([[np.cos(0.05)], np.sin(0.05) * axis])
+    assert np.allclose(found.system.bodies[0].orientation, turned, rtol=0, atol=1e-15)
+    assert simulate(found.system, 0.1, output=2).angle(hinge)[-1] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("second", "message"),
+    [
+        (
+            'joint1="b" joint2="a" polycoef="0.3 1 0 0 0"',
+            "'equality 0' puts 'b' at 0.1, others put it at 0.3; take one",
+        ),
+        ('joint1="a" joint2="b" polycoef="0.3 0.5 0 0 0"', "puts 'b' at 1.5, others put it at 0.8; take one out"),
+        ('joint1="b" polycoef="0.2 0 0 0 0"', "'equality 0' puts 'b' at 0.1, others put it at 0.2"),
+        ('joint1="a" joint2="b" polycoef="-0.05 0.5 0 0 0"', None),
+    ],
+)
+def test_equalities_that_contradict_each_other_are_refused(tmp_path, second, message):
+    arms = "".join(f'<body name="arm {k}"><joint name="{k}" axis="1 2 2"/>{INERTIAL.format(1)}</body>' for k in "ab")
+    text = f"""<mujoco><worldbody>{arms}</worldbody><equality>
+      <joint joint1="b" joint2="a" polycoef="0.1 2 0 0 0"/><joint {second}/></equality></mujoco>"""
+    if message is None:
+        assert read_mjcf(written(tmp_path, text)).system.check().mobility == 1  # they say the same
+        return
+    with pytest.raises(ValueError, match=message):
+        read_mjcf(written(tmp_path, text))
 
 
 def test_a_body_is_merged_into_one_of_the_system(tmp_path):
@@ -230,6 +259,14 @@ ALWAYS = [
     ('type="ball" armature="0.1"', "", "", r"armature: hinge \(line 1, <joint>\)"),
     ("", "", '<tendon><fixed name="cord" stiffness="3"><joint joint="hinge" coef="1"/></fixed></tendon>',
      r"tendon: cord, which has stiffness \(line 1, <fixed>\)"),
+    ("", "", '<tendon><fixed name="cord" damping="0 2"><joint joint="hinge" coef="1"/></fixed></tendon>',
+     r"tendon: cord, which has damping \(line 1, <fixed>\)"),
+    ('type="ball"', "", '<actuator><motor name="m" joint="hinge" armature="0.1"/></actuator>',
+     r"armature: of m, an actuator of no single hinge or slide \(line 1, <motor>\)"),
+    ("", "", '<actuator><motor name="m" joint="hinge" damping="0.1 0.2"/></actuator>',
+     r"passive: damping of m, an actuator \(line 1, <motor>\)"),
+    ('actuatorgravcomp="true"', '<body gravcomp="1"><geom size="0.1"/></body>', "",
+     r"gravcomp: by the actuators of hinge, which are off or limited \(line 1, <joint>\)"),
     ("", "", '<option density="1.2"/>', r"fluid: density 1.2, viscosity 0 \(line 1, <option>\)"),
 ]  # fmt: skip
 AT_TIMES = [
@@ -238,6 +275,7 @@ AT_TIMES = [
     ("", "", "", '<actuator><motor name="motor" joint="hinge"/></actuator>', "1 actuator"),
     ("", "", "", '<tendon><fixed name="cord" range="0 1"><joint joint="hinge" coef="1"/></fixed></tendon>', "1 limit"),
     ("", "", '<body name="marker" mocap="true"/>', "", "1 mocap body"),
+    ("", "", "", '<option><flag sleep="enable"/></option>', "sleep"),
     ("", "", "", '<equality><joint joint1="hinge" polycoef="0 0 1 0 0" active="false"/></equality>',
      "1 switched-off equality"),
 ]  # fmt: skip
@@ -267,6 +305,14 @@ def test_what_acts_at_times_is_inactive_and_said(tmp_path, joint, more, beside, 
     assert f"inactive: {line}" in accelerations(found.system).certificate.notes
     with pytest.raises(ValueError, match="cannot import .*; leave out with leave_out="):
         read_mjcf(path, strict=True)
+
+
+@pytest.mark.parametrize("load", ["stiffness", "damping", "frictionloss", "armature"])
+def test_negative_loads_are_refused_at_their_joint(tmp_path, load):
+    body = BODY.format(joint=f'{load}="-1"', more="")
+    message = rf"joint 'hinge' \(line 1, <joint>\): {load.removesuffix('loss')} -1 < 0; give >= 0"
+    with pytest.raises(ValueError, match=message):
+        read_mjcf(written(tmp_path, f"<mujoco><worldbody>{body}</worldbody></mujoco>"))
 
 
 def test_limits_are_watched_from_the_zero_of_the_file(tmp_path):
@@ -363,6 +409,53 @@ def test_joints_in_any_combination_follow_each_other(tmp_path):
     R = matrix(pose[3:])
     assert np.allclose(pose[:3] + R @ tip.position, site.xpos, rtol=0, atol=1e-13)
     assert np.allclose(R @ tip.axes, site.xmat.reshape(3, 3), rtol=0, atol=1e-13)
+
+
+CUBE = '<mesh name="cube" vertex="0 0 0 1 0 0 0 1 0 0 0 1" scale="0.3 0.4 0.2"/>'
+QUIET = [  # what acts beside the joints and bodies themselves, without a command
+    # an actuator's armature and damping, felt by the joint with the square of the gear, off or not
+    ('<actuator><orientation joint="socket" kp="0"/><motor joint="a" armature="0.3" damping="2" gear="3"/>'
+     '<motor jointinparent="b" armature="0.2" damping="0.4" gear="-2"/><motor joint="a" armature="0.1"/>'
+     "</actuator>", ""),
+    # weights are not balanced where springs and dampers are off
+    ('<option><flag spring="disable" damper="disable"/></option>', ""),
+    # the mass of a body that cannot move is a share of the whole
+    ('<compiler settotalmass="3"/><asset><hfield name="hill" nrow="2" ncol="2" size="1 1 1 0.1"/>' + CUBE + "</asset>",
+     '<body><geom type="mesh" mesh="cube"/></body><body><inertial mass="2" pos="0 0 0" diaginertia="1 1 1"/>'
+     '<geom type="hfield" hfield="hill"/></body>'),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("beside", "body"), QUIET)
+def test_what_acts_without_command_is_that_of_mujoco(tmp_path, beside, body):
+    text = f"""<mujoco><option gravity="0.7 -0.4 -9.6"/>{beside}<worldbody>{body}
+      <body name="one" quat="0.5 0.1 0.7 0.3" gravcomp="0.6"><joint name="a" axis="0.2 1 0.3" pos="0.1 0.2 0"
+      armature="0.2" damping="0.3"/>{INERTIAL.format(1.3)}<body name="two" pos="0.4 0.1 -0.5">
+      <joint name="b" type="slide" axis="1 0.1 -0.4"/>{INERTIAL.format(0.7)}</body></body>
+      <body name="three" pos="3 0 0"><joint name="socket" type="ball"/>{INERTIAL.format(0.4)}</body></worldbody>
+      {{keys}}</mujoco>"""
+    text = with_keys(text, 1, angle=5.0)
+    model, found = mujoco.MjModel.from_xml_string(text), read_mjcf(written(tmp_path, text))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_forward(model, data)
+    mujoco.mj_rnePostConstraint(model, data)
+    assert difference(found.system, found.states["k0"], model, data, ["one", "two", "three"]) < TOLERANCE
+
+
+def test_a_weld_without_torque_holds_a_point(tmp_path):
+    """Its mobility is that of MuJoCo's constraint matrix."""
+    text = f"""<mujoco><worldbody><body name="a" pos="0.2 1 0"><freejoint/>{INERTIAL.format(1)}</body>
+      <body name="b"><joint axis="1 2 3"/>{INERTIAL.format(1)}</body></worldbody>
+      <equality><weld body1="a" body2="b" anchor="0.1 0.2 0.3" torquescale="{{}}"/></equality></mujoco>"""
+    for scale, joint in (("0", Spherical), ("0.5", Fixed)):
+        system = read_mjcf(written(tmp_path, text.format(scale))).system
+        model = mujoco.MjModel.from_xml_string(text.format(scale))
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        J = data.efc_J.reshape(-1, model.nv)
+        assert type(system.joints[-1]) is joint
+        assert system.check().mobility == model.nv - np.linalg.matrix_rank(J)
 
 
 def test_armatures_have_the_accelerations_of_published_numbers(tmp_path):

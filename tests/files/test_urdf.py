@@ -527,6 +527,18 @@ WRONG = {
         link("a", 1.0) + link("b", 1.0) + joint("j", "planar", "a", "b", 1, '<dynamics damping="1"/>'),
         r'passive: damping or friction of j \(line 1, <joint>\); leave out with leave_out=\["passive"\]',
     ),
+    "turn as a quaternion": (
+        link("a", 1.0).replace("<origin", '<origin quat_xyzw="1 0 0 0"'),
+        "line 1, <origin>: quat_xyzw is not read; give xyz, rpy, or remove it",
+    ),
+    "misspelled axis": (
+        link("a", 1.0) + link("b", 1.0) + joint("j", "revolute", "a", "b", 1, '<axis xzy="0 1 0"/>', axis=False),
+        "line 1, <axis>: xzy is not read; give xyz, or remove it",
+    ),
+    "spring": (
+        link("a", 1.0) + link("b", 1.0) + joint("j", "revolute", "a", "b", 1, '<dynamics spring_stiffness="3"/>'),
+        r"passive: spring_stiffness of j, which is not read \(line 1, <joint>\); leave out with leave_out=\[.passive",
+    ),
     "entities": ("&b;", "undefined entity|no XML"),
     "deep": ("<a>" * 30_000, "more than 20000 elements"),
     "many": ("<a/>" * 30_000, "more than 20000 elements"),

@@ -32,6 +32,13 @@ HOSTILE = {
     ),
     "model above": (hostile('<compiler meshdir=".."/><asset><model file="a.xml"/></asset>'), "leads out of the folder"),
     "mesh that is a link": (needed('<mesh name="m" file="x/secret.stl"/>'), "secret.stl' gives the mass of body 'b'"),
+    "height field that has mass": (
+        hostile(
+            '<compiler settotalmass="3"/><asset><hfield name="h" nrow="2" ncol="2" size="1 1 1 1"/></asset><worldbody>'
+            '<body name="hill"><geom type="hfield" hfield="h"/></body></worldbody>'
+        ),
+        "height field 'h' gives the mass of body 'hill'; give the body an <inertial>",
+    ),
     "mesh elsewhere": (needed('<mesh name="m" file="/tmp/a.stl"/>'), "'/tmp/a.stl' gives the mass"),
     "mesh above": (needed('<mesh name="m" file="../secret.stl"/>'), "'../secret.stl' gives the mass"),
     "meshdir elsewhere": (needed('<mesh name="m" file="a.stl"/>', 'meshdir="/tmp"'), "'a.stl' gives the mass"),

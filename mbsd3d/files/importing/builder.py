@@ -170,10 +170,10 @@ class Builder:
         self.said.append(f"{text}; taken as given")
         return I, True
 
-    def called(self, name: str) -> str:
-        """Name a body and its place."""
-        place = self.place_of("body", name)
-        return f"body '{name}'" + (f" ({place})" if place else "")
+    def called(self, name: str, tag: str = "body") -> str:
+        """Name a body, or another part, and its place."""
+        place = self.place_of(tag, name)
+        return f"{tag} '{name}'" + (f" ({place})" if place else "")
 
     def carrier(self, i: int) -> Any:
         """Return the body that stands for number i."""
@@ -239,6 +239,9 @@ class Builder:
     def load(self, i: int, k: int, part: Facts) -> None:
         """Build what acts on a joint: springs, dampers, dry friction, limits."""
         joint, kind, what = self.coordinate.get(k), part["type"], f"{part['type']} {part['name']}"
+        for load in ("stiffness", "damping", "friction", "armature"):
+            if part[load] < 0.0:
+                raise InputError(f"{self.called(part['name'], 'joint')}: {load} {part[load]:g} < 0; give >= 0")
         if part["stiffness"] or part["damping"]:
             self.spring(i, k, part)
         if part["armature"] and joint is not None:
@@ -329,9 +332,9 @@ class Builder:
         return (Fixed if equality["type"] == "weld" else Spherical)(a, b, at=at, at_b=at_b, name=name)
 
     def coupling(self, equality: Facts, name: str) -> Joint | None:
-        """Build y = a1 x of two coordinates from the reference pose, where y is a0; without x, y stays at a0."""
+        """Build y = a1 x of two coordinates from the reference pose, where a0 has put y; without x, y stays there."""
         y, x = equality["joints"]
-        a0, a1, *rest = equality["polynomial"]
+        _, a1, *rest = equality["polynomial"]
         kinds = [self.facts["joints"][k]["type"] for k in (y, x) if k >= 0]
         if y not in self.coordinate or (x >= 0 and x not in self.coordinate):
             return None
@@ -340,7 +343,7 @@ class Builder:
             return None
         if x < 0 or a1 == 0.0:
             driver = AngleDriver if kinds[0] == "hinge" else SlideDriver
-            return driver(follower, a0 if x < 0 else 0.0, name=name)
+            return driver(follower, 0.0, name=name)
         leader = self.coordinate[x]
         match kinds:
             case ["hinge", "hinge"]:

@@ -16,7 +16,8 @@ ALWAYS_ACTING = (
 """Kinds that act on every motion: built, or the file is refused."""
 ACTING_AT_TIMES = {
     "actuator": "actuator", "limit": "limit", "effort": "effort limit", "velocity": "velocity limit",
-    "safety": "safety controller", "mocap": "mocap body", "switched-off": "switched-off equality", "contact": "contact",
+    "safety": "safety controller", "mocap": "mocap body", "switched-off": "switched-off equality", "sleep": "sleep",
+    "contact": "contact",
 }  # fmt: skip
 """Kinds that act at times or on command, with what one is called: inactive, and said."""
 IDLE_KINDS = ("extension",)  # without effect, which callers of older versions left out by name

@@ -36,8 +36,9 @@ def read_mujoco(path: str | Path, timeout: float, package_paths: Any, **choices:
     if path.suffix not in (".xml", ".mjcf"):
         raise InputError(f"'{path}': MuJoCo reads files by their name; give it one that ends in .xml")
     if scan.kind != "mujoco":
-        raise InputError(f"'{path}': its root is <{scan.kind}>, not <mujoco>; use the reader of its format")
-    return built(path, lambda: compiled_facts(path, timeout, folders), chosen, scan.place_of)
+        other = "name it .urdf, read_urdf reads it" if scan.kind == "robot" else "give a model of MuJoCo"
+        raise InputError(f"'{path}': its root is <{scan.kind}>, not <mujoco>; {other}")
+    return built(path, lambda: compiled_facts(path, timeout, folders, scan.whole), chosen, scan.place_of)
 
 
 def read_robot(path: str | Path, timeout: float, package_paths: Any, floating: bool | None, **choices: Any) -> Imported:
@@ -88,9 +89,9 @@ def built(path: Path, facts: Callable[[], Facts], choices: Choices, place_of: Ca
     return found
 
 
-def compiled_facts(path: Path, timeout: float, folders: Folders) -> Facts:
+def compiled_facts(path: Path, timeout: float, folders: Folders, whole: bool) -> Facts:
     """Return what the worker tells, or raise an InputError that says why it tells nothing."""
-    arguments = [str(path.absolute()), str(ceil(timeout)), *map(str, folders.given)]
+    arguments = [str(path.absolute()), str(ceil(timeout)), "whole" if whole else "parts", *map(str, folders.given)]
     answer = answer_of("mbsd3d.files.importing.worker", arguments, timeout, "MuJoCo")
     if "error" in answer:
         raise InputError(f"MuJoCo cannot read it: {answer['error']}")

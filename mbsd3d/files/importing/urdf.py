@@ -27,6 +27,11 @@ JOINT_KINDS = {
 }  # fmt: skip
 LINK_TAGS = ("inertial", "visual", "collision")
 JOINT_TAGS = ("parent", "child", "origin", "axis", "limit", "dynamics", "mimic", "safety_controller")
+READ_ATTRIBUTES = {
+    "origin": ("xyz", "rpy"), "axis": ("xyz",), "mass": ("value",), "mimic": ("joint", "multiplier", "offset"),
+    "inertia": ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"),
+}  # fmt: skip
+"""Elements of which another attribute would mean another motion, as quat_xyzw of an origin does."""
 WORLD = "world"  # a link of this name at the root is the ground, declared or not
 HELD_INERTIA_ROUNDING = 1e-12  # [m L^2] of mass and extent of the model: what a hinge turns, if it turns nothing
 
@@ -54,7 +59,15 @@ class Node:
         found = self.all(tag)
         if len(found) > 1:
             raise InputError(f"{found[1].place}: stands twice in <{self.tag}>; keep one")
+        for node in found:
+            if other := node.others(READ_ATTRIBUTES.get(tag, tuple(node.attributes))):
+                have = ", ".join(READ_ATTRIBUTES[tag])
+                raise InputError(f"{node.place}: {other[0]} is not read; give {have}, or remove it")
         return found[0] if found else None
+
+    def others(self, known: tuple[str, ...]) -> list[str]:
+        """Return the attributes beside those known, but for zeros and those of vendors, which have a prefix."""
+        return [name for name, value in self.attributes.items() if name not in known and not is_idle(name, value)]
 
     def text(self, name: str) -> str:
         """Return an attribute that must be there."""
@@ -414,6 +427,8 @@ class Robot:
             for name, value in values.items():
                 if value < 0.0:
                     raise InputError(f"{dynamics.place}: {name} of joint '{joint.name}' is {value:g} < 0; give >= 0")
+            for name in dynamics.others(tuple(values)):
+                self.add("passive", f"{name} of {joint.name}, which is not read", joint)
             if single:
                 fact |= values
             elif any(values.values()):
@@ -515,6 +530,14 @@ class Robot:
                 except InputError:
                     return None
         return None
+
+
+def is_idle(name: str, value: str) -> bool:
+    """Return whether an attribute has a prefix, or is nothing but zeros."""
+    try:
+        return ":" in name or not any(float(word) for word in value.split())
+    except ValueError:
+        return False
 
 
 def mimic_of(joint: Connection) -> tuple[float, float]:

@@ -1,5 +1,7 @@
-"""The guarded process that lets MuJoCo read a file: ``python -m mbsd3d.files.importing.worker FILE SECONDS FOLDER ...``
-prints facts as JSON.
+"""The guarded process that lets MuJoCo read a file.
+
+``python -m mbsd3d.files.importing.worker FILE SECONDS MASS FOLDER ...`` prints facts as JSON;
+MASS is "whole" where the file gives the mass of all bodies together, else "parts".
 
 It holds limits on time and memory, and gives numbers and names only. Points and axes are world
 coordinates at the pose MuJoCo calls qpos0, with followers of joint equalities where these put them.
@@ -21,22 +23,29 @@ from .guarded import limit
 
 VISIBLE_GROUPS = 3  # [1] groups of geoms below this are shown by MuJoCo; contact shapes are usually in group 3
 POSES_MAX = 100_000  # [1] of bodies in all key frames
+RULE_ROUNDING = 1e-9  # [1] of the largest coordinate, by which equalities of one joint may differ: their digits
 STAND_IN_RADIUS = 1e-3  # [m] of the ball that stands for a mesh that is not needed
+TENDON_LOADS = {
+    "stiffness": "SPRING", "stiffnesspoly": "SPRING", "damping": "DAMPER", "dampingpoly": "DAMPER",
+    "frictionloss": "FRICTIONLOSS", "armature": "",
+}  # fmt: skip
+"""What makes a tendon pull always, and the flag that switches it off."""
 
 
 class Facts:
     """What the compiled model says."""
 
-    def __init__(self, mujoco: Any, path: str, folders: Folders) -> None:
+    def __init__(self, mujoco: Any, path: str, folders: Folders, whole: bool) -> None:
         spec = mujoco.MjSpec.from_file(path)
         spec.compiler.fusestatic = spec.compiler.discardvisual = 0  # merged here by name, not there in silence
         self.mujoco = mujoco
         self.foreign: list[dict[str, Any]] = []  # what acts and is not among the facts
         self.said: list[str] = []
-        looks = Undressed(mujoco, spec, folders)
+        looks = Undressed(mujoco, spec, folders, whole)
         self.model = spec.compile()
         self.files = {geom.id: file for geom, file in looks.geoms}
         self.missing = looks.missing
+        self.gears = [int(getattr(mujoco.mjtTrn, f"mjTRN_{kind}")) for kind in ("JOINT", "JOINTINPARENT")]
         self.data = mujoco.MjData(self.model)
         self.start = self.reference()
         self.data.qpos[:] = self.start
@@ -45,17 +54,30 @@ class Facts:
     def reference(self) -> np.ndarray:
         """Return the reference pose: qpos0, with followers of joint equalities where these put them."""
         m, start = self.model, self.model.qpos0.copy()
-        pairs = [i for i in self.active_equalities() if m.eq_type[i] == self.mujoco.mjtEq.mjEQ_JOINT]
-        pairs = [i for i in pairs if m.eq_obj2id[i] >= 0 and not m.eq_data[i, 2:5].any()]  # others are not built
-        for _ in pairs:  # a follower may lead another
-            for i in pairs:
-                y, x = (m.jnt_qposadr[k[i]] for k in (m.eq_obj1id, m.eq_obj2id))
-                start[y] = m.qpos0[y] + m.eq_data[i, 0] + m.eq_data[i, 1] * (start[x] - m.qpos0[x])
-        for i in pairs:
-            y = m.jnt_qposadr[m.eq_obj1id[i]]
+        rules = [i for i in self.active_equalities() if m.eq_type[i] == self.mujoco.mjtEq.mjEQ_JOINT]
+        rules = [i for i in rules if m.eq_obj2id[i] < 0 or not m.eq_data[i, 2:5].any()]  # others are not built
+        followers = {i: m.jnt_qposadr[m.eq_obj1id[i]] for i in rules}
+        for _ in rules:  # a follower may lead another
+            for i, y in followers.items():
+                start[y] = self.followed(i, start)
+        for i, y in followers.items():
+            name, wanted = self.name("joint", m.eq_obj1id[i]), self.followed(i, start)
+            if abs(start[y] - wanted) > RULE_ROUNDING * max(1.0, np.abs(start).max()):
+                raise InputError(
+                    f"joint equality '{self.name('equality', i)}' puts '{name}' at {wanted:g}, others put it at "
+                    f"{start[y]:g}; take one out"
+                )
             if start[y] != m.qpos0[y]:
-                self.said.append(f"'{self.name('joint', m.eq_obj1id[i])}' counts from {start[y]:g}, where it starts")
+                self.said.append(f"'{name}' counts from {start[y]:g}, where it starts")
+        self.said = list(dict.fromkeys(self.said))
         return start
+
+    def followed(self, i: int, q: np.ndarray) -> float:
+        """Return where a joint equality puts its follower: y0 + a0 + a1 (x - x0), or y0 + a0 without a leader."""
+        m, (a0, a1) = self.model, self.model.eq_data[i, :2]
+        y, x = m.jnt_qposadr[m.eq_obj1id[i]], m.jnt_qposadr[m.eq_obj2id[i]]
+        led = a1 * (q[x] - m.qpos0[x]) if m.eq_obj2id[i] >= 0 else 0.0
+        return float(m.qpos0[y] + a0 + led)
 
     def active_equalities(self) -> list[int]:
         """Return the numbers of the equalities that hold at the start."""
@@ -73,6 +95,29 @@ class Facts:
         names = (flag, "CONSTRAINT") if flag in constraints else (flag,)
         return any(self.model.opt.disableflags & getattr(flags, f"mjDSBL_{name}") for name in names)
 
+    @property
+    def passive(self) -> bool:
+        """Return whether forces that are neither springs nor dampers act: MuJoCo leaves them out where both are off."""
+        return not (self.off("SPRING") and self.off("DAMPER"))
+
+    def is_single(self, i: int) -> bool:
+        """Return whether a joint is a hinge or slide, of one coordinate."""
+        kinds = self.mujoco.mjtJoint
+        return self.model.jnt_type[i] in (int(kinds.mjJNT_HINGE), int(kinds.mjJNT_SLIDE))
+
+    def weak_motors(self) -> list[int]:
+        """Return joints whose actuators balance weights, but are off or may be too weak for it."""
+        m = self.model
+        off = self.off("ACTUATION") or not m.nactuator
+        return [i for i in range(m.njnt) if m.jnt_actgravcomp[i] and (off or m.jnt_actfrclimited[i])]
+
+    def geared(self, i: int, load: str) -> float:
+        """Return armature or damping that a hinge or slide has from its actuators: gear^2 times theirs."""
+        m = self.model
+        own = [k for k in range(m.nactuator) if m.actuator_trntype[k] in self.gears and m.actuator_trnid[k, 0] == i]
+        gears = m.actuator_gear[m.actuator_outadr[own], 0]
+        return float(gears**2 @ getattr(m, f"actuator_{load}")[own])
+
     def name(self, kind: str, i: int, otherwise: str = "") -> str:
         """Name of an element, or what else says which it is, or its kind and number."""
         found = self.mujoco.mj_id2name(self.model, getattr(self.mujoco.mjtObj, f"mjOBJ_{kind.upper()}"), i)
@@ -81,6 +126,7 @@ class Facts:
     def bodies(self) -> list[dict[str, Any]]:
         """Return poses, masses, centres of mass and inertias about them, all in world axes."""
         m, d, found = self.model, self.data, []
+        balanced = self.passive and not self.weak_motors()
         for i in range(m.nbody):
             C = d.ximat[i].reshape(3, 3)
             found.append(
@@ -93,7 +139,7 @@ class Facts:
                     "mass": m.body_mass[i],
                     "centre": d.xipos[i],
                     "inertia": C @ np.diag(m.body_inertia[i]) @ C.T,
-                    "gravcomp": m.body_gravcomp[i],
+                    "gravcomp": m.body_gravcomp[i] if balanced else 0.0,
                     "geoms": [self.geom(k) for k in range(m.body_geomadr[i], m.body_geomadr[i] + m.body_geomnum[i])],
                 }
             )
@@ -121,7 +167,7 @@ class Facts:
         springs, dampers = not self.off("SPRING"), not self.off("DAMPER")
         for i in range(m.njnt):
             kind = self.mujoco.mjtJoint(m.jnt_type[i]).name.removeprefix("mjJNT_").lower()
-            q, v, single = m.jnt_qposadr[i], m.jnt_dofadr[i], kind in ("hinge", "slide")
+            q, v, single = m.jnt_qposadr[i], m.jnt_dofadr[i], self.is_single(i)
             limited = single and m.jnt_limited[i] and not self.off("LIMIT")
             found.append(
                 {
@@ -131,8 +177,8 @@ class Facts:
                     "anchor": d.xanchor[i],
                     "axis": d.xaxis[i],
                     "stiffness": m.jnt_stiffness.ravel()[i] if springs else 0.0,
-                    "damping": m.dof_damping.ravel()[v] if dampers else 0.0,
-                    "armature": m.dof_armature[v] if single else 0.0,
+                    "damping": m.dof_damping.ravel()[v] + single * self.geared(i, "damping") if dampers else 0.0,
+                    "armature": m.dof_armature[v] + self.geared(i, "armature") if single else 0.0,
                     "friction": 0.0 if self.off("FRICTIONLOSS") else m.dof_frictionloss[v],
                     "rest": m.qpos_spring[q] - self.start[q] if single else 0.0,
                     "limit": m.jnt_range[i] - self.start[q] if limited else None,
@@ -154,7 +200,10 @@ class Facts:
             elif kind == "joint":
                 found.append({"name": name, "type": kind, "joints": parts, "polynomial": m.eq_data[i, :5]})
             elif kind in ("connect", "weld"):
-                found.append({"name": name, "type": kind, **self.ends(i, kind)})
+                held = self.ends(i, kind)
+                if kind == "weld" and m.eq_data[i, 10] == 0.0:  # its torque is scaled by 0: it holds points only
+                    kind, held["turn"] = "connect", 0.0
+                found.append({"name": name, "type": kind, **held})
             else:
                 self.add("equality", f"{name} ({kind})", element)
         return found
@@ -191,23 +240,47 @@ class Facts:
                 self.add("limit", f"range of {name}", ("joint", name))
             if m.dof_armature[v].any() and v.stop - v.start > 1:
                 self.add("armature", name, ("joint", name))
-            if m.jnt_stiffnesspoly[i].any() or m.dof_dampingpoly[v].any():
+            if self.curved(m.jnt_stiffnesspoly[i], m.dof_dampingpoly[v]):
                 self.add("passive", f"polynomial stiffness or damping of {name}", ("joint", name))
+        for i in range(m.nactuator):
+            self.list_motor(i)
+        for i in self.weak_motors() if self.passive and m.body_gravcomp.any() else ():
+            name = self.name("joint", i)
+            self.add("gravcomp", f"by the actuators of {name}, which are off or limited", ("joint", name))
         for i in np.flatnonzero(m.body_mocapid >= 0).tolist():
             self.add("mocap", self.name("body", i), ("body", self.name("body", i)))
         if m.nplastic:
             self.add("passive", f"{m.nplastic} plastic joints")
-        if m.opt.density or m.opt.viscosity:
+        if self.passive and (m.opt.density or m.opt.viscosity):
             self.add("fluid", f"density {m.opt.density:g}, viscosity {m.opt.viscosity:g}", ("option", ""))
+        if m.opt.enableflags & self.mujoco.mjtEnableBit.mjENBL_SLEEP:
+            self.add("sleep", "of bodies at rest", ("option", ""), count=0)
         if not self.off("CONTACT"):
             self.list_contacts()
+
+    def curved(self, stiffness: Any, damping: Any) -> bool:
+        """Return whether coefficients of higher powers act."""
+        return bool(np.any(stiffness) and not self.off("SPRING") or np.any(damping) and not self.off("DAMPER"))
+
+    def list_motor(self, i: int) -> None:
+        """List armature and damping of an actuator, which act without command, where no single joint carries them."""
+        m, name = self.model, self.name("actuator", i)
+        single = m.actuator_trntype[i] in self.gears and self.is_single(m.actuator_trnid[i, 0])
+        if m.actuator_armature[i] and not single:
+            self.add("armature", f"of {name}, an actuator of no single hinge or slide", ("actuator", name))
+        if self.curved(0.0, (m.actuator_dampingpoly[i].any(), m.actuator_damping[i] and not single)):
+            self.add("passive", f"damping of {name}, an actuator", ("actuator", name))
 
     def list_tendon(self, i: int) -> None:
         """List a tendon that pulls always, or whose length is limited; others only measure."""
         m, name = self.model, self.name("tendon", i)
-        loads = ("stiffness", "damping", "frictionloss", "armature")
-        if acts := [load for load in loads if np.any(getattr(m, f"tendon_{load}")[i])]:
-            self.add("tendon", f"{name}, which has {' and '.join(acts)}", ("tendon", name))
+        acts = [
+            load.removesuffix("poly")
+            for load, flag in TENDON_LOADS.items()
+            if np.any(getattr(m, f"tendon_{load}")[i]) and not (flag and self.off(flag))
+        ]
+        if acts:
+            self.add("tendon", f"{name}, which has {' and '.join(dict.fromkeys(acts))}", ("tendon", name))
         if m.tendon_limited[i] and not self.off("LIMIT"):
             self.add("limit", f"length of tendon {name}, from which nothing hangs here", ("tendon", name))
 
@@ -290,20 +363,21 @@ class Facts:
 class Undressed:
     """A specification without its looks: meshes, textures and materials are left where they give a mass only.
 
+    ``whole``: the mass of all bodies is given, so that fixed ones matter.
     ``geoms``: those whose mesh was taken out, each with (path, scale) of its file, or None if it cannot be drawn.
     """
 
-    def __init__(self, mujoco: Any, spec: Any, folders: Folders) -> None:
-        self.mujoco, self.spec, self.folders = mujoco, spec, folders
+    def __init__(self, mujoco: Any, spec: Any, folders: Folders, whole: bool) -> None:
+        self.mujoco, self.spec, self.folders, self.whole = mujoco, spec, folders, whole
         self.missing: list[str] = []
         self.geoms: list[tuple[Any, tuple[str, float] | None]] = []
         self.meshes = {mesh.name or PurePosixPath(mesh.file).stem: mesh for mesh in spec.meshes}
         self.stripped, spec.strippath = bool(spec.strippath), False
         needed = set()
-        for body, moves in self.walk():
+        for body, matters in self.walk():
             for geom in body.geoms:
                 named = geom.meshname or geom.hfieldname
-                if named and moves and self.gives_mass(geom, body):
+                if named and matters and self.gives_mass(geom, body):
                     self.resolve(geom, body)
                     needed.add(geom.meshname)
                 elif named or geom.type in (mujoco.mjtGeom.mjGEOM_MESH, mujoco.mjtGeom.mjGEOM_HFIELD):
@@ -317,13 +391,13 @@ class Undressed:
                 spec.delete(mesh)
 
     def walk(self) -> Iterator[tuple[Any, bool]]:
-        """Visit every body, and say whether it can move."""
+        """Visit every body, and say whether its mass matters: it can move, or shares in a whole that is given."""
         waiting = [(self.spec.worldbody, False)]
         while waiting:
-            body, moves = waiting.pop()
-            moves = moves or bool(body.joints)
-            yield body, moves
-            waiting += [(child, moves) for child in body.bodies]
+            body, matters = waiting.pop()
+            matters = matters or bool(body.joints)
+            yield body, matters
+            waiting += [(child, matters or self.whole) for child in body.bodies]
 
     def gives_mass(self, geom: Any, body: Any) -> bool:
         """Return whether the mass of a body comes from this geom."""
@@ -341,6 +415,10 @@ class Undressed:
 
     def resolve(self, geom: Any, body: Any) -> None:
         """Let a mesh that gives a mass be read from where it lies."""
+        if geom.hfieldname:
+            raise InputError(
+                f"height field '{geom.hfieldname}' gives the mass of body '{body.name}'; give the body an <inertial>"
+            )
         mesh = self.meshes.get(geom.meshname)
         if mesh is None or not mesh.file:
             return  # MuJoCo says what is wrong, or makes the mesh itself
@@ -353,7 +431,7 @@ class Undressed:
         mesh.file = str(path)
 
     def undress(self, geom: Any) -> None:
-        """Put a small ball in the place of a mesh, which collides as the mesh would for all that is asked here."""
+        """Put a small ball without mass in the place of a mesh: it collides as that would, for what is asked here."""
         mesh, file = self.meshes.get(geom.meshname), None
         if mesh is not None and mesh.file and geom.type == self.mujoco.mjtGeom.mjGEOM_MESH:
             path, scale = self.file_of(mesh), np.unique(mesh.scale)
@@ -363,7 +441,7 @@ class Undressed:
             else:
                 self.missing.append(f"{mesh.file}: {'mirrored, stretched or moved' if path else 'not found'}")
         geom.type, geom.size = self.mujoco.mjtGeom.mjGEOM_SPHERE, [STAND_IN_RADIUS, STAND_IN_RADIUS, STAND_IN_RADIUS]
-        geom.meshname = geom.hfieldname = ""
+        geom.meshname, geom.hfieldname, geom.mass = "", "", 0.0
         self.geoms.append((geom, file))
 
     def colour(self) -> None:
@@ -401,7 +479,8 @@ def main() -> None:
     try:
         import mujoco
 
-        answer = {"facts": plain(Facts(mujoco, sys.argv[1], Folders(Path(sys.argv[1]), sys.argv[3:])).all(), "")}
+        path, _, whole, *given = sys.argv[1:]
+        answer = {"facts": plain(Facts(mujoco, path, Folders(Path(path), given), whole == "whole").all(), "")}
     except ImportError as error:
         answer = {"error": f"needs the package mujoco ({error}); install it: pip install 'mbsd3d[import]'"}
     except (Exception, MemoryError) as error:

@@ -69,6 +69,7 @@ class Scan:
     copies: int = 0
     files: int = 0
     kind: str = ""
+    whole: bool = False  # whether the mass of all bodies together is given, which MuJoCo does not tell
     bases: set[str] = field(default_factory=lambda: {"."})
     named: dict[str, str] = field(default_factory=dict)  # file -> place, of everything but looks that is opened
     places: dict[tuple[str, str], str] = field(default_factory=dict)  # (tag or section, name) -> line and element
@@ -142,6 +143,7 @@ class File:
         scan.places.setdefault(key, f"{file}line {self.parser.line}, <{name}>")
         self.stack.append(name)
         for attribute, value in attributes.items():
+            scan.whole = scan.whole or (attribute == "settotalmass" and not value.strip().startswith("-"))
             if attribute in MESH_FOLDERS:
                 scan.bases.add(value)
             elif attribute.startswith("file") and name not in LOOK_ELEMENTS:
