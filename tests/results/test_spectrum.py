@@ -114,6 +114,9 @@ def test_errors_name_sample_and_remedy():
         ((t, t), {"rate": 0.0}, "rate is 0, so there are no orders; give the speed"),
         ((t, np.exp(1j * t)), {}, "values of type complex128; give real numbers"),
         ((t[::-1], t), {}, "t goes from 0.8607.* s to 0 s; give times that increase"),
+        ((t, [[1.0], [1.0, 2.0]]), {}, "values: .* has rows of different lengths"),
+        ((t, np.zeros((33, 0))), {}, r"values \(33, 0\); give .* k >= 1"),
+        ((t, 1e308 * np.cos(t)), {}, "values: 1e\\+308 is beyond the largest magnitude 1e\\+60; check the units"),
         (([0.0], [1.0]), {}, r"t \(1,\) and values \(1,\); give .* n >= 3"),
         ((t, t), {"window": "hamming"}, "window 'hamming' is unknown; give 'none' or 'hann' or 'flat top'"),
     ):
