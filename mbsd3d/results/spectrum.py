@@ -332,8 +332,8 @@ def density_of(solution: RunResult, quantity: str | Measure, part: Any, segments
 class Turns(NamedTuple):
     """Angles at which a run over whole turns of a hinge is sampled."""
 
-    targets: np.ndarray  # (samples,) [rad] counted in the sense of the turning
-    times: np.ndarray  # (samples,) [s] that are near them
+    targets: np.ndarray  # (samples + 1,) [rad] counted in the sense of the turning, with the end of the last turn
+    times: np.ndarray  # (samples + 1,) [s] that are near them
     whole: int  # turns
 
 
@@ -356,7 +356,7 @@ def whole_turns(solution: RunResult, hinge: Any, per_turn: int, after: float | N
         raise InputError(
             f"orders: {count} turns of {per_turn} samples are too many; give a smaller per_turn, or after="
         )
-    targets = angle[0] + 2.0 * np.pi / per_turn * np.arange(count * per_turn)
+    targets = angle[0] + 2.0 * np.pi / per_turn * np.arange(count * per_turn + 1)
     return Turns(targets, np.clip(CubicHermiteSpline(angle, t, 1.0 / rate)(targets), t[0], t[-1]), count)
 
 
@@ -378,12 +378,12 @@ def orders_of(
         run = again(times)
         _, angle, rate = turning(run, hinge)
         off = turns.targets - angle
-        if np.abs(off).max() <= ANGLE_TOLERANCE:
+        if np.abs(off[:-1]).max() <= ANGLE_TOLERANCE:  # the end, which may be that of the run, only says the mean speed
             break
         times = np.clip(times + off / rate, solution.t[0], solution.t[-1])
     else:
         raise InputError(f"orders: the samples are {np.abs(off).max():.2g} rad off their angles; give a tighter rtol")
     found = samples_of(run, *wanted, "orders")
-    seen = spectrum(turns.targets, found.values, rate=1.0)
+    seen = spectrum(turns.targets[:-1], found.values[:-1], rate=1.0)
     mean = (turns.targets[-1] - turns.targets[0]) / (times[-1] - times[0])
     return replace(seen, frequency=seen.orders * mean, name=found.name, unit=found.unit, names=found.names)

@@ -232,6 +232,16 @@ def test_orders_where_the_speed_varies():
     assert uneven.frequency[2] == pytest.approx(7.0, rel=0.2)
 
 
+@pytest.mark.parametrize("rate", [10.0, -10.0])
+def test_frequency_of_an_order_over_a_single_uneven_turn(rate):
+    """The mean speed is that of whole turns: angle = rate t + 0.5 sin(rate t) takes 2 pi / |rate| for each."""
+    disc = Body("disc", 1.0, (0.1, 0.1, 0.1))
+    hinge = Revolute(GROUND, disc, at=(0, 0, 0), axis=(0, 0, 1), name="hinge")
+    driver = AngleDriver(hinge, Ramp(rate) + Sine(0.5 * np.sign(rate), abs(rate) / (2 * np.pi)))
+    run = simulate(System([disc], [hinge, driver]), 2.001 * np.pi / abs(rate), method=Kinematic(), output=100)
+    assert run.orders(hinge, "rate", hinge).frequency[1] == pytest.approx(10.0, rel=1e-8)
+
+
 def slider_crank(ratio):
     """Crank of radius 0.05 m at a constant speed with a piston along x, r / l = ratio, no offset."""
     r, rate = 0.05, 20.0
