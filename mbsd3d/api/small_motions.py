@@ -16,7 +16,7 @@ from ..linear import state_space as models
 from ..linear.inputs_outputs import Wanted
 from ..linear.linearization import linearize_at
 from ..mechanism.bodies import Body
-from ..mechanism.joints import Joint, coordinate_of
+from ..mechanism.joints import Joint
 from ..mechanism.measures import Measure
 from ..mechanism.signals.signal import Input
 from ..mechanism.state import State
@@ -393,7 +393,8 @@ def campbell(system: System, *, spin: Joint | Measure, speeds: ArrayLike, state:
     system : System
         Its rotors are symmetric about their axes, or the equations change as they turn and are refused.
     spin : Joint or Measure
-        The hinge that turns at the speed, or `measures.omega` of a rotor that no joint holds, but bushings.
+        The hinge that turns at the speed, or `measures.omega` of a rotor that no joint holds, but bushings. Body a of
+        the hinge stands still, as a pedestal on springs; body b is the rotor.
     speeds : (n,) array_like
         Two or more, ascending [rad/s]; a critical speed between two of them is found to rounding.
     state : State or None
@@ -427,10 +428,11 @@ def campbell(system: System, *, spin: Joint | Measure, speeds: ArrayLike, state:
         def state_at(speed: float) -> State:
             return diagrams.spinning_state(system, rest, rotor, axis, speed)
     elif isinstance(spin, Joint):
-        axis = coordinate_of(spin, "angle", "campbell: spin").axis
+        pose = system.assemble(near=rest)
+        axis, hinge = diagrams.axis_of(system, pose, spin), spin
 
         def state_at(speed: float) -> State:
-            return system.assemble(rates={spin: speed}, near=rest)
+            return diagrams.turning_state(system, pose, hinge, speed)
     else:
         raise InputError(f"campbell: spin: {short_repr(spin)}; give a hinge, or measures.omega(rotor, axis=...)")
     found = diagrams.campbell_of(system, state_at, axis, speeds)

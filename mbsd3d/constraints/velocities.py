@@ -3,7 +3,7 @@
 v_0 is zero, or the motion of a known state, carried over to another pose.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import scipy.linalg
@@ -17,6 +17,7 @@ from ..equations.compiled import Compiled
 from ..equations.dense_solvers import mass_matrix_of
 from ..equations.jacobian import block_rows, displacement_units, largest_in_rows, scaled
 from ..kernels.layout import Data
+from ..mechanism.bodies import Body
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .conflicting_drivers import find_contradiction
@@ -55,12 +56,13 @@ def carried_velocities(compiled: Compiled, near: State, pose: State) -> np.ndarr
 
 
 def with_velocities(
-    compiled: Compiled, data: Data, pose: State, rates: Mapping, tolerance: float = 1e-8, near: State | None = None
-) -> State:
+    compiled: Compiled, data: Data, pose: State, rates: Mapping, tolerance: float = 1e-8, near: State | None = None,
+    still: Sequence[Body] = (),
+) -> State:  # fmt: skip
     """Return the pose, loaded in ``data``, with velocities that meet J v = b, the given ones and ``rates``.
 
     They change the motion of ``near`` least, in the sense of kinetic energy; None = rest. A velocity that a body was
-    given counts as long as ``near`` has it.
+    given counts as long as ``near`` has it. Bodies that are ``still`` have none.
     """
     system, model = compiled.system, compiled.model
     if model.singular:
@@ -83,6 +85,9 @@ def with_velocities(
     if near is not None:
         kept = np.repeat((given == near.v).reshape(-1, 3).all(axis=1), 3)
         given, start = np.where(kept, given, np.nan), carried_velocities(compiled, near, pose)
+    for body in still:
+        k = 6 * compiled.body_index[id(system.part(body))]
+        given[k : k + 6] = 0.0
     with one_thread(), reporting_linalg_errors("velocities at the start"):
         try:
             v = least_energy(compiled, pose, J[0], b, given, start, asked, tolerance)

@@ -16,9 +16,13 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq, linear_sum_assignment
 
 from ..base.checks import floats, number, reporting_linalg_errors
-from ..base.errors import InputError
+from ..base.errors import AssemblyError, InputError
 from ..base.rotations import matrix
+from ..constraints.velocities import with_velocities
+from ..equations.at_state import load_state
+from ..equations.compiled import compile_system
 from ..mechanism.bodies import Body
+from ..mechanism.joints import Joint, coordinate_of
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .linearization import linearize_at
@@ -144,6 +148,37 @@ def spinning_state(system: Mechanism, rest: State, rotor: Body, axis: np.ndarray
     return replace(rest, v=v.ravel())
 
 
+def pedestal(hinge: Joint) -> list[Body]:
+    """Return the body that stands still while a hinge turns: body a, if neither is the ground."""
+    return [hinge.a] if isinstance(hinge.a, Body) and isinstance(hinge.b, Body) else []
+
+
+def turning_state(system: Mechanism, rest: State, hinge: Joint, speed: float) -> State:
+    """Return a state in which a hinge turns at a speed [rad/s] and its pedestal stands still."""
+    compiled = compile_system(system)
+    data = compiled.data()
+    load_state(compiled, data, rest)
+    still = pedestal(hinge)
+    try:
+        return with_velocities(compiled, data, rest, {hinge: speed}, near=rest, still=still)
+    except AssemblyError as error:
+        if not still:
+            raise
+        raise InputError(
+            f"campbell: spin: '{system.name(hinge)}' cannot turn while its body a, '{still[0].name}', stands still "
+            f"({error}); give the pedestal as body a of the hinge, the rotor as b"
+        ) from None
+
+
+def axis_of(system: Mechanism, rest: State, hinge: Joint) -> np.ndarray:
+    """Return the axis (3,) of a hinge as it stands in a pose, in the sense in which its rotor turns."""
+    axis = coordinate_of(hinge, "angle", "campbell: spin").axis
+    for body in pedestal(hinge):
+        k = next(i for i, one in enumerate(system.bodies) if one is system.part(body))
+        axis = matrix(rest.q.reshape(-1, 7)[k, 3:]) @ body.local_axis(axis)
+    return axis if isinstance(hinge.b, Body) else -axis
+
+
 def whirls(system: Mechanism, state: State, axis: np.ndarray, speed: float) -> list[Whirl]:
     """Return the oscillating modes at a speed [rad/s] about an axis (3,), by frequency."""
     linear = ModalAnalysis.of(linearize_at(system, state))
@@ -154,7 +189,7 @@ def whirls(system: Mechanism, state: State, axis: np.ndarray, speed: float) -> l
     found = []
     for group in groups([x.eigenvalue for x in modes], EQUAL_FREQUENCY * linear.units.rate):
         shapes = np.array([np.hstack([modes[k].translation / length, modes[k].rotation]) for k in group])
-        senses, turns = orbits(shapes[:, rotors], axis, speed)
+        senses, turns = orbits(shapes, rotors, axis, speed)
         for sense, mixed in zip(senses, np.einsum("ji,jbk->ibk", turns, shapes), strict=True):
             shape = mixed.ravel() / np.linalg.norm(mixed)
             found.append(Whirl(modes[group[0]].eigenvalue, shape, float(sense), modes[group[0]].label))
@@ -172,12 +207,13 @@ def groups(values: list[complex], tolerance: float) -> list[list[int]]:
     return found
 
 
-def orbits(shapes: np.ndarray, axis: np.ndarray, speed: float) -> tuple[np.ndarray, np.ndarray]:
+def orbits(shapes: np.ndarray, rotors: np.ndarray, axis: np.ndarray, speed: float) -> tuple[np.ndarray, np.ndarray]:
     """Return (areas that orbits sweep in the sense of the spin over those of circles, (k, k) mixtures that do so).
 
-    ``shapes`` (k, rotors, 6): displacements in model lengths and rotations of modes of one frequency.
+    ``shapes`` (k, n, 6): displacements in model lengths and rotations of modes of one frequency.
     """
-    d = np.concatenate([shapes[..., :3], np.cross(shapes[..., 3:], axis)], axis=1)
+    own = shapes[:, rotors]
+    d = np.concatenate([own[..., :3], np.cross(own[..., 3:], axis)], axis=1)
     area = 1j * np.einsum("ibk,jbk->ij", d.conj(), np.cross(d, axis)) * (-1.0 if speed < 0.0 else 1.0)
     size = np.einsum("ibk,jbk->ij", d.conj(), d) + ORBIT_MIN * np.einsum("ibk,jbk->ij", shapes.conj(), shapes)
     return scipy.linalg.eigh(area, size + ORBIT_MIN * np.trace(size).real * np.eye(len(size)))

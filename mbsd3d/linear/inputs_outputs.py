@@ -32,7 +32,9 @@ from ..kernels.layout import Tree
 from ..mechanism.bodies import GROUND, Body
 from ..mechanism.drivers import Driver
 from ..mechanism.forces.applied import AeroDrag, Force, Torque
+from ..mechanism.forces.between import ForceBetween, TorqueBetween
 from ..mechanism.forces.brake import Brake
+from ..mechanism.forces.linear_actuator import LinearActuator
 from ..mechanism.forces.tyre import Tyre
 from ..mechanism.joints import Joint
 from ..mechanism.measures import Measure, check_members
@@ -98,7 +100,8 @@ def input_unit(compiled: Compiled, name: str) -> str:
     for force, table in zip(compiled.system.forces, model.force, strict=True):
         coordinate = force.record().coordinate
         along = "N m" if coordinate is None or coordinate.kind == "angle" else "N"
-        kinds = ((Force, "N"), (Torque, "N m"), (AeroDrag, "m/s"), (Tyre, "1"), (Brake, along))
+        kinds = ((Force, "N"), (ForceBetween, "N"), (LinearActuator, "N"), (Torque, "N m"), (TorqueBetween, "N m"),
+                 (AeroDrag, "m/s"), (Tyre, "1"), (Brake, along))  # fmt: skip
         unit = next((unit for kind, unit in kinds if isinstance(force, kind)), "-")
         found += [(unit, x) for signal in table["signal"] for x in factors(compiled, signal, name)]
     units = {unit if abs(factor) == 1.0 else "-" for unit, factor in found}

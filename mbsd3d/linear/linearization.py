@@ -1,8 +1,8 @@
 """Equations of small motions about an equilibrium or a steady motion, as one matrix A."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -14,17 +14,22 @@ from ..base.errors import InputError
 from ..compiler.cache_folder import mark_warm
 from ..compiler.first_run import announce_compilation
 from ..constraints.poses.pose_equations import closed
-from ..equations.compiled import Compiled, Switches, compile_system
+from ..dynamics.applied_forces import loads
+from ..equations.compiled import Compiled, Switches, compile_system, new_data
 from ..equations.jacobian import RANK_TOLERANCE, displacement_units
 from ..equations.tree import build_spanning_tree
+from ..kernels.kinematics import kinematics
 from ..mechanism.measures import Measure, check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from ..results.record import RunOptions
 from ..run.simulation import accelerations_at, check_state, check_system
 from .steady_motion import Generator, Units, check_signals, find_generator, natural_units
-from .variations import Field, Tangent, Variations, tangent_space
+from .variations import COMPLEX_STEP, Field, Tangent, Variations, directions, solve, tangent_space
 
+CORNER_STEP = 1e-8  # [m, rad, m/s, rad/s, 1] to both sides of a state: far above rounding, far below any motion
+CORNER_JUMP = 1e-6  # [1] of the slopes: far above rounding; smooth laws differ by less, or by what falls with the step
+SLOPE_MIN = 1e-3  # [1] of the largest slope: smaller ones may be rounding, as forces along an axis that is not loaded
 SINGULAR_VALUE_ROUNDING = 1e-13  # [1] of the norm of A: singular values that rounding makes of zero
 
 
@@ -165,6 +170,7 @@ def analyse(
         raise InputError("linearize: joints and drivers leave no degree of freedom, nothing can deviate; free a joint")
     check_regular(field, space)
     units = natural_units(compiled.model, at, space)
+    check_corners(field, space, units)
     generator, later, Q = find_generator(field, at, space, units, tolerance)
     whole, error = matrix_of(compiled, at, space, generator, units, tolerance)
     mark_warm("linearisation")
@@ -205,6 +211,59 @@ def check_regular(field: Field, space: Tangent) -> None:
                 f"linearize: singular position: the joints' rows have rank {chosen.size} here and {there} beside it, "
                 "so small motions are not linear; move away from the dead centre"
             )
+
+
+def check_corners(field: Field, space: Tangent, units: Units) -> None:
+    """Raise an error for a force whose law has a corner at the state, as a damper with two slopes at rest.
+
+    Derivatives along a displacement, and along a change of velocities, are compared on both sides: of a smooth law
+    their difference falls with the step.
+    """
+    compiled = field.compiled
+    tree = build_spanning_tree(compiled.model, field.real, field.rows_at(field.t, field.y), complex)
+
+    def of_all(y: np.ndarray) -> np.ndarray:
+        solve(compiled.model, field.data, tree, field.t, y)
+        moving = field.data.body["acceleration"][: compiled.model.body.size].ravel()
+        return np.concatenate([moving, field.data.state_rate[: compiled.model.z_work]]).imag
+
+    x = np.random.default_rng(0).normal(size=space.chosen.size) * units.x[space.chosen]
+    moves = directions(compiled.model, field.y) @ space.E
+    for part in (slice(0, space.configuration), slice(space.configuration, None)):
+        move = moves[:, part] @ x[part]
+        move /= np.abs(move).max(initial=1e-300)
+        if not has_corner(of_all, field.y, move):
+            continue
+        for i, force in enumerate(compiled.system.forces):
+            if has_corner(partial(slope_of_force, field, i), field.y, move):
+                raise InputError(
+                    f"linearize: the law of {type(force).__name__} '{compiled.system.name(force)}' has a corner at "
+                    "this state, with another slope on each side, so small motions are not linear; linearise beside "
+                    "it, or give a law that is smooth there"
+                )
+
+
+def has_corner(slope: Callable[[np.ndarray], np.ndarray], y: np.ndarray, move: np.ndarray) -> bool:
+    """Return True where slopes (imaginary parts) along a move differ on both sides of y, however small the step is."""
+
+    def jump(step: float) -> np.ndarray:
+        after, before = (slope(y + (side * step + 1j * COMPLEX_STEP) * move) for side in (1.0, -1.0))
+        size = np.abs(after) + np.abs(before)
+        return np.abs(after - before) / np.maximum(size, max(SLOPE_MIN * size.max(initial=0.0), 1e-300))
+
+    wide, narrow = jump(CORNER_STEP), jump(0.01 * CORNER_STEP)
+    return bool(((narrow > CORNER_JUMP) & (narrow > 0.5 * wide)).any())
+
+
+def slope_of_force(field: Field, i: int, y: np.ndarray) -> np.ndarray:
+    """Return the imaginary parts of the loads and own rates of force element i alone at a complex state."""
+    model = field.compiled.model
+    alone, n = model._replace(force=model.force[i : i + 1], gravity=np.zeros(3)), model.body.size
+    data = new_data(alone, complex)
+    data.coordinate[:], data.unwrap_time[:] = field.real.coordinate, field.real.unwrap_time
+    kinematics(alone, data, y)
+    loads(alone, data, field.t)
+    return np.concatenate([data.body["Q"][:n].ravel(), data.state_rate[: model.z_work]]).imag
 
 
 def matrix_of(

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import CubicHermiteSpline
 from scipy.signal import get_window
 
-from ..base.checks import check_choice, number, short_repr, whole
+from ..base.checks import check_choice, check_size, number, short_repr, whole
 from ..base.errors import InputError, checks_arguments, checks_method_arguments
 from ..mechanism.measures import Measure
 from .columns import BODY_QUANTITIES, QUANTITIES, columns_of_effort, components
@@ -200,19 +200,27 @@ def amplitudes(t: ArrayLike, values: ArrayLike, rate: float | None, window: str,
     return Spectrum(orders, c.reshape(len(c), *values.shape[1:]), frequency, window)
 
 
+def real_numbers(values: ArrayLike, what: str) -> np.ndarray:
+    """Return an array of floats, or raise an error for what is no array of real numbers."""
+    try:
+        array = np.asarray(values)
+    except ValueError:
+        raise InputError(f"{what}: {short_repr(values)} has rows of different lengths; give an array") from None
+    if array.dtype.kind not in "iuf":
+        raise InputError(f"{what} of type {array.dtype}; give real numbers")
+    return array.astype(float)
+
+
 def _checked(t: ArrayLike, values: ArrayLike, what: str) -> tuple[np.ndarray, np.ndarray, float]:
     """Check that times and values are finite and evenly spaced; return them with the step [s]."""
-    t, values = np.asarray(t), np.asarray(values)
-    for name, array in (("t", t), ("values", values)):
-        if array.dtype.kind not in "iuf":
-            raise InputError(f"{what}: {name} of type {array.dtype}; give real numbers")
-    t, values = t.astype(float), values.astype(float)
-    if t.ndim != 1 or t.size < 3 or values.ndim not in (1, 2) or len(values) != t.size:
-        raise InputError(f"{what}: t {t.shape} and values {values.shape}; give (n,) and (n,) or (n, k), n >= 3")
+    t, values = real_numbers(t, f"{what}: t"), real_numbers(values, f"{what}: values")
+    if t.ndim != 1 or t.size < 3 or values.ndim not in (1, 2) or len(values) != t.size or not values.size:
+        raise InputError(f"{what}: t {t.shape} and values {values.shape}; give (n,) and (n,) or (n, k), n >= 3, k >= 1")
     for name, array in (("t", t), ("values", values)):
         if not np.isfinite(array).all():
             bad = int(np.flatnonzero(~np.isfinite(array).reshape(t.size, -1).all(axis=1))[0])
             raise InputError(f"{what}: {name} is not finite at sample {bad}; leave such samples out of the run")
+        check_size(array, f"{what}: {name}")
     step = (t[-1] - t[0]) / (t.size - 1)
     if not step > 0:
         raise InputError(f"{what}: t goes from {t[0]:g} s to {t[-1]:g} s; give times that increase")
@@ -324,8 +332,8 @@ def density_of(solution: RunResult, quantity: str | Measure, part: Any, segments
 class Turns(NamedTuple):
     """Angles at which a run over whole turns of a hinge is sampled."""
 
-    targets: np.ndarray  # (samples,) [rad] counted in the sense of the turning
-    times: np.ndarray  # (samples,) [s] that are near them
+    targets: np.ndarray  # (samples + 1,) [rad] counted in the sense of the turning, with the end of the last turn
+    times: np.ndarray  # (samples + 1,) [s] that are near them
     whole: int  # turns
 
 
@@ -348,7 +356,7 @@ def whole_turns(solution: RunResult, hinge: Any, per_turn: int, after: float | N
         raise InputError(
             f"orders: {count} turns of {per_turn} samples are too many; give a smaller per_turn, or after="
         )
-    targets = angle[0] + 2.0 * np.pi / per_turn * np.arange(count * per_turn)
+    targets = angle[0] + 2.0 * np.pi / per_turn * np.arange(count * per_turn + 1)
     return Turns(targets, np.clip(CubicHermiteSpline(angle, t, 1.0 / rate)(targets), t[0], t[-1]), count)
 
 
@@ -370,12 +378,12 @@ def orders_of(
         run = again(times)
         _, angle, rate = turning(run, hinge)
         off = turns.targets - angle
-        if np.abs(off).max() <= ANGLE_TOLERANCE:
+        if np.abs(off[:-1]).max() <= ANGLE_TOLERANCE:  # the end, which may be that of the run, only says the mean speed
             break
         times = np.clip(times + off / rate, solution.t[0], solution.t[-1])
     else:
         raise InputError(f"orders: the samples are {np.abs(off).max():.2g} rad off their angles; give a tighter rtol")
     found = samples_of(run, *wanted, "orders")
-    seen = spectrum(turns.targets, found.values, rate=1.0)
+    seen = spectrum(turns.targets[:-1], found.values[:-1], rate=1.0)
     mean = (turns.targets[-1] - turns.targets[0]) / (times[-1] - times[0])
     return replace(seen, frequency=seen.orders * mean, name=found.name, unit=found.unit, names=found.names)

@@ -3,7 +3,19 @@
 import numpy as np
 import pytest
 
-from mbsd3d import GROUND, Body, Bushing, Cylindrical, Revolute, System, Universal, campbell, measures, rotation
+from mbsd3d import (
+    GROUND,
+    Body,
+    Bushing,
+    Cylindrical,
+    Revolute,
+    System,
+    TorsionSpring,
+    Universal,
+    campbell,
+    measures,
+    rotation,
+)
 from mbsd3d.errors import InputError
 from mbsd3d.linear.campbell import Whirl, track
 from mbsd3d.rotations import matrix
@@ -175,3 +187,46 @@ def test_what_is_refused():
         campbell(System(system.bodies, [slider], gravity=(0, 0, 0)), spin=slider, speeds=[0.0, 1.0])
     figure = campbell(system, spin=spin, speeds=[0.0, 200.0, 400.0]).plot()
     assert figure.axes[0].get_ylabel() == "whirl frequency [rad/s]" and len(figure.axes[0].lines) == 7
+
+
+def on_a_pedestal(polar):
+    """A rotor in a hinge of a housing on two bushings, and a vane on a coil spring that turns about the same axis."""
+    housing = Body("housing", 7.0, (0.3, 0.3, 0.5), orientation=TILT, com=(0, 0, 0.1))
+    disc = Body("disc", 5.0, (0.1, 0.1, polar), orientation=TILT, position=0.25 * AXIS, com=(0, 0, 0.05))
+    vane = Body("vane", 1.0, (0.01, 0.01, 0.02), orientation=TILT, position=-0.2 * AXIS)
+    hinge = Revolute(housing, disc, at=0.25 * AXIS, axis=AXIS, name="spin")
+    swing = Revolute(housing, vane, at=-0.2 * AXIS, axis=AXIS, name="swing")
+    mounts = [Bushing(GROUND, housing, at=z * AXIS, stiffness=(k, k, 1e5), axes=TILT, turning_stiffness=(0, 0, 50.0),
+                      name=f"mount {z}") for z, k in ((0.3, 2e5), (-0.1, 3e5))]  # fmt: skip
+    coil = TorsionSpring(swing, stiffness=300.0, name="coil")
+    return System([housing, disc, vane], [hinge, swing], [*mounts, coil], gravity=(0, 0, 0)), hinge
+
+
+def test_rotor_in_a_housing_on_springs():
+    """The housing stands still while its rotor spins; turning modes about the axis are planar.
+
+    Criticals: (K - w^2 (M -+ J)) q = 0 of the slope and displacement of housing and rotor, which move as one.
+    """
+    polar = 0.15
+    system, hinge = on_a_pedestal(polar)
+    found = campbell(system, spin=hinge, speeds=np.linspace(0.0, 1500.0, 7))
+    K, mass = np.zeros((2, 2)), np.diag([0.0, 0.3 + 0.1 + 0.01])
+    for z, k in ((0.3, 2e5), (-0.1, 3e5)):
+        K += k * np.outer((1.0, z), (1.0, z))
+    for z, m in ((0.1, 7.0), (0.3, 5.0), (-0.2, 1.0)):
+        mass += m * np.outer((1.0, z), (1.0, z))
+    gyro = np.diag([0.0, polar])
+    for word, sign in (("forward", -1.0), ("backward", 1.0)):
+        squares = np.linalg.eigvals(np.linalg.solve(mass + sign * gyro, K)).real
+        expected = np.sort(np.sqrt(squares[squares > 0.0]))
+        speeds = [x.speed for x in found.critical_speeds() if x.whirl == word]
+        assert speeds == pytest.approx(expected, rel=1e-9)
+    assert found.whirl.count("planar") == 3  # along the axis, and two of turning about it
+
+
+def test_pedestal_given_as_body_b():
+    housing, disc, joints, *_ = overhung(0.09)
+    hinge = Revolute(disc, housing, at=(0, 0, 0), axis=(0, 0, 1), name="shaft")
+    system = System([housing, disc], [joints[0], hinge], gravity=(0, 0, 0))
+    with pytest.raises(InputError, match="'shaft' cannot turn while its body a, 'disc', stands still"):
+        campbell(system, spin=hinge, speeds=[0.0, 100.0])

@@ -12,6 +12,8 @@ from mbsd3d import (
     AngleDriver,
     Body,
     Force,
+    ForceBetween,
+    LinearActuator,
     Parallel,
     Perpendicular,
     Polynomial,
@@ -25,6 +27,7 @@ from mbsd3d import (
     SpringDamper,
     System,
     Torque,
+    TorqueBetween,
     TorsionSpring,
     accelerations,
     linearize,
@@ -601,3 +604,23 @@ def test_shaken_top_in_steady_precession():
         return simulate(pushed, 0.3, rtol=1e-12, output=times).measure(measures.lean(top, lateral=tilt(0.5)[:, 2]))
 
     assert worst((run(torque) - run(0.0)) / torque, model.step(times)[:, 0, 0]) < 1e-4  # torque^2 and 1e-12 / torque
+
+
+def test_units_of_loads_between_bodies():
+    cart, arm = Body("cart", 1.0, (0.1, 0.1, 0.1)), Body("arm", 0.5, (0.1, 0.1, 0.1), com=(0.3, 0, -0.2))
+    rail = Prismatic(GROUND, cart, at=(0, 0, 0), axis=(1, 0, 0), name="rail")
+    pin = Revolute(cart, arm, at=(0, 0, 0), axis=(0, 1, 0), name="pin")
+    loads = [
+        ForceBetween(GROUND, cart, (Input("push"), 0, 0)),
+        TorqueBetween(cart, arm, (0, Input("motor"), 0)),
+        LinearActuator(GROUND, cart, at_a=(-1, 0, 0), at_b=(0, 0, 0), thrust=Input("ram"), stroke=(0.5, 2),
+                       stiffness=1e4),
+    ]  # fmt: skip
+    system = System(
+        [cart, arm],
+        [rail, pin],
+        [*loads, SpringDamper(GROUND, arm, at_a=(0, 0, 1), at_b=(0.3, 0, -0.2), stiffness=20.0)],
+    )
+    model = state_space(system, system.equilibrium().state, outputs=[("derivative", measures.slide_rate(rail))])
+    assert dict(zip(model.inputs, model.input_units, strict=True)) == {"push": "N", "motor": "N m", "ram": "N"}
+    assert model.D[0, 0] == pytest.approx(model.D[0, 2], rel=1e-12)  # both push the cart along its rail

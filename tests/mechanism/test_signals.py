@@ -296,6 +296,7 @@ def test_a_table_comes_from_a_file(tmp_path):
         ("t,f\n0,1\n1,x\n", {}, "row 3, '1,x', has no two numbers; correct it"),
         ("t,f\n0,1\n1\n", {}, "row 3, '1', has no two numbers"),
         ("t,f\n0,1\n", {}, "Table: 1 points; a cubic spline needs 4"),
+        ("0,x\n1,2\n2,3\n3,4\n4,5\n", {}, "row 1, '0,x', has no two numbers"),  # no row of titles
     ],
 )
 def test_files_without_a_table_are_refused(tmp_path, text, given, message):

@@ -114,6 +114,9 @@ def test_errors_name_sample_and_remedy():
         ((t, t), {"rate": 0.0}, "rate is 0, so there are no orders; give the speed"),
         ((t, np.exp(1j * t)), {}, "values of type complex128; give real numbers"),
         ((t[::-1], t), {}, "t goes from 0.8607.* s to 0 s; give times that increase"),
+        ((t, [[1.0], [1.0, 2.0]]), {}, "values: .* has rows of different lengths"),
+        ((t, np.zeros((33, 0))), {}, r"values \(33, 0\); give .* k >= 1"),
+        ((t, 1e308 * np.cos(t)), {}, "values: 1e\\+308 is beyond the largest magnitude 1e\\+60; check the units"),
         (([0.0], [1.0]), {}, r"t \(1,\) and values \(1,\); give .* n >= 3"),
         ((t, t), {"window": "hamming"}, "window 'hamming' is unknown; give 'none' or 'hann' or 'flat top'"),
     ):
@@ -227,6 +230,16 @@ def test_orders_where_the_speed_varies():
     assert count > 60 and uneven.orders[1] == even.orders[1] == 0.5
     assert np.abs(uneven.amplitudes[:count] - even.amplitudes[:count]).max() < 1e-8
     assert uneven.frequency[2] == pytest.approx(7.0, rel=0.2)
+
+
+@pytest.mark.parametrize("rate", [10.0, -10.0])
+def test_frequency_of_an_order_over_a_single_uneven_turn(rate):
+    """The mean speed is that of whole turns: angle = rate t + 0.5 sin(rate t) takes 2 pi / |rate| for each."""
+    disc = Body("disc", 1.0, (0.1, 0.1, 0.1))
+    hinge = Revolute(GROUND, disc, at=(0, 0, 0), axis=(0, 0, 1), name="hinge")
+    driver = AngleDriver(hinge, Ramp(rate) + Sine(0.5 * np.sign(rate), abs(rate) / (2 * np.pi)))
+    run = simulate(System([disc], [hinge, driver]), 2.001 * np.pi / abs(rate), method=Kinematic(), output=100)
+    assert run.orders(hinge, "rate", hinge).frequency[1] == pytest.approx(10.0, rel=1e-8)
 
 
 def slider_crank(ratio):

@@ -101,6 +101,15 @@ def column_of(rows: list[list[str]], wanted: str | int, what: str) -> int:
     raise InputError(f"{what}: no column {short_repr(wanted)}; give one of {', '.join(names)}, or a number from 0")
 
 
+def is_number(text: str) -> bool:
+    """Return True if a cell of a table holds a number."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
 @checks_method_arguments
 @part_class()
 class Table(Signal):
@@ -132,12 +141,14 @@ class Table(Signal):
         found = as_path(path, "force.csv")
         rows = [row for row in csv.reader(read_text(found, CSV_BYTES_MAX, "table").splitlines()) if row]
         places = [column_of(rows, wanted, f"Table: '{found}'") for wanted in (times, values)]
+        counts = [is_number(rows[0][place]) for place in places]
+        titles = not any(counts) or isinstance(times, str) or isinstance(values, str)
         numbers: list[list[float]] = []
         for k, row in enumerate(rows):
             try:
                 numbers.append([float(row[place]) for place in places])
             except (ValueError, IndexError):
-                if k > 0:
+                if k > 0 or not titles:
                     line = ",".join(row)
                     raise InputError(
                         f"Table: '{found}': row {k + 1}, {short_repr(line)}, has no two numbers; "
