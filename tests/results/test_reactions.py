@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from mbsd3d.view.scene.overlays_record_record import arrows_of
+from mbsd3d.view.scene.overlays import arrows_of
 
 from mbsd3d import (
     GROUND,

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.double_pendulum import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
-from mbsd3d.view.scene.overlays_record_record import arrows_of, curve, curves_of, every_reaction, traces_of
+from mbsd3d.view.scene.overlays import arrows_of, curve, curves_of, every_reaction, traces_of
 
 from mbsd3d import (
     GROUND,

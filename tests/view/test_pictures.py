@@ -10,7 +10,7 @@ from helpers.double_pendulum import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
-from mbsd3d.view.scene.overlays_record_record import arrows_of, traces_of
+from mbsd3d.view.scene.overlays import arrows_of, traces_of
 from PIL import Image
 
 from mbsd3d import GROUND, AngleDriver, Body, Ramp, Revolute, System, inertia, save_figure, simulate

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import trimesh
 from helpers.models import pair_at
-from mbsd3d.view.scene.overlays_record_record import arrows_of, curves_of
+from mbsd3d.view.scene.overlays import arrows_of, curves_of
 
 from mbsd3d import GROUND, Body, Revolute, Spherical, SpringDamper, System, linearize, simulate
 from mbsd3d.mechanism.shapes.triangles import ball, block, capsule, cylinder, normals, torus
