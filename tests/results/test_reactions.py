@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from mbsd3d.view.scene.overlays import arrows_of
 
 from mbsd3d import (
     GROUND,
@@ -33,6 +32,7 @@ from mbsd3d import (
 )
 from mbsd3d.rotations import matrix
 from mbsd3d.view.scene.frames import frames_of
+from mbsd3d.view.scene.overlays import arrows_of
 
 R = matrix(rotation((0.3, -1.0, 0.7), 0.9))
 ORIGIN, NORMAL = np.array([0.4, -1.2, 2.3]), R[:, 2]

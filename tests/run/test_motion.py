@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.double_pendulum import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
-from mbsd3d.view.scene.overlays import arrows_of, curve, curves_of, every_reaction, traces_of
 
 from mbsd3d import (
     GROUND,
@@ -26,6 +25,7 @@ from mbsd3d import (
 from mbsd3d.plotting.panels import Panel
 from mbsd3d.rotations import matrix
 from mbsd3d.view.scene.frames import frames_of
+from mbsd3d.view.scene.overlays import arrows_of, curve, curves_of, every_reaction, traces_of
 
 ROUNDING = 1e-13  # of metres, rad/s, N ... of order 1 ... 20
 

@@ -10,7 +10,6 @@ from helpers.double_pendulum import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
-from mbsd3d.view.scene.overlays import arrows_of, traces_of
 from PIL import Image
 
 from mbsd3d import GROUND, AngleDriver, Body, Ramp, Revolute, System, inertia, save_figure, simulate
@@ -25,6 +24,7 @@ from mbsd3d.view.scene.artist import draw_system
 from mbsd3d.view.scene.camera import Camera, frame_camera, lens_of, round_down, turned, window
 from mbsd3d.view.scene.drawing import bounds, poses_of
 from mbsd3d.view.scene.frames import frames_of
+from mbsd3d.view.scene.overlays import arrows_of, traces_of
 
 NAMES = ("body names", "joint names")
 

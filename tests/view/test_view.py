@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 import trimesh
 from helpers.models import pair_at
-from mbsd3d.view.scene.overlays import arrows_of, curves_of
 
 from mbsd3d import GROUND, Body, Revolute, Spherical, SpringDamper, System, linearize, simulate
 from mbsd3d.mechanism.shapes.triangles import ball, block, capsule, cylinder, normals, torus
@@ -28,6 +27,7 @@ from mbsd3d.view.scene.artist import draw_system
 from mbsd3d.view.scene.camera import length_text, round_down, round_up
 from mbsd3d.view.scene.frames import frames_of, sensible_speed
 from mbsd3d.view.scene.meshes import arrow, flat_normals, laid
+from mbsd3d.view.scene.overlays import arrows_of, curves_of
 
 # steps of what a page holds: [sizes of the mechanism], [1], [lengths of the longest arrow], [ranges of the curve]
 POSITION_RESOLUTION, QUATERNION_RESOLUTION, ARROW_RESOLUTION, CURVE_RESOLUTION = 1e-5, 1e-5, 2e-4, 1e-6
