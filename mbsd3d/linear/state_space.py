@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 import scipy.linalg
-import scipy.signal
 from numpy.typing import ArrayLike
 
 from ..base.checks import as_tuple, check_choice, check_size, floats, number, reporting_linalg_errors, short_repr
@@ -47,6 +46,7 @@ from .steady_motion import later_state
 from .variations import Variations
 
 if TYPE_CHECKING:
+    import scipy.signal
     from control import StateSpace as ControlModel
 
 POLE_ROUNDING = 1e-12  # [1] of the fastest rate: a frequency nearer to a pole than that is at the pole
@@ -176,16 +176,20 @@ class StateSpace:
         t = floats(t, "step: t", "times [s]")
         if t.ndim != 1 or t.size < 2 or t[0] != 0.0 or not np.allclose(np.diff(t), t[-1] / (t.size - 1), rtol=1e-9):
             raise InputError("step: t must start at 0 with equal steps; give e.g. numpy.linspace(0.0, 5.0, 501)")
+        from scipy import signal  # a quarter of a second: only who asks for it waits for it
+
         A, B, C, D = self.proper_matrices("step")
         found = np.empty((t.size, *D.shape))
         for j in range(D.shape[1]):
-            one = scipy.signal.StateSpace(A, B[:, [j]], C, D[:, [j]])
-            found[:, :, j] = scipy.signal.lsim(one, np.ones(t.size), t)[1].reshape(t.size, -1)
+            one = signal.StateSpace(A, B[:, [j]], C, D[:, [j]])
+            found[:, :, j] = signal.lsim(one, np.ones(t.size), t)[1].reshape(t.size, -1)
         return found
 
-    def to_scipy(self) -> scipy.signal.StateSpace:
+    def to_scipy(self) -> "scipy.signal.StateSpace":
         """Return the `scipy.signal.StateSpace`."""
-        return scipy.signal.StateSpace(*self.proper_matrices("to_scipy"))
+        from scipy import signal  # only who asks for it waits for it
+
+        return signal.StateSpace(*self.proper_matrices("to_scipy"))
 
     def to_control(self) -> "ControlModel":
         """Return the `control.StateSpace` of the package python-control, with the names of states, inputs, outputs."""

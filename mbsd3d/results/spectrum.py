@@ -16,10 +16,8 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.signal
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicHermiteSpline
-from scipy.signal import get_window
 
 from ..base.checks import check_choice, check_size, number, short_repr, whole
 from ..base.errors import InputError, checks_arguments, checks_method_arguments
@@ -189,6 +187,8 @@ def amplitudes(t: ArrayLike, values: ArrayLike, rate: float | None, window: str,
     repeats = bool((np.abs(values[-1] - values[0]) <= 1e-9 * size).all())
     n, length, turn = _extent(t.size, step, repeats, rate, window)
     used = values[:n].reshape(n, -1)
+    from scipy.signal import get_window  # a quarter of a second: only who asks for a spectrum waits for it
+
     weights = get_window(WINDOWS[window], n)
     c = np.fft.rfft(weights[:, None] * used, axis=0) * 2 / weights.sum()
     c[0] /= 2
@@ -325,7 +325,9 @@ def density_of(solution: RunResult, quantity: str | Measure, part: Any, segments
     t, found = later_samples(solution, samples_of(solution, quantity, part, "density"), after, "density")
     t, values, step = _checked(t, found.values, "density")
     length = t.size // whole(segments, "density: segments", 1, t.size // 3)
-    hertz, density = scipy.signal.welch(values, 1.0 / step, nperseg=length, axis=0)
+    from scipy.signal import welch  # only who asks for a density waits for it
+
+    hertz, density = welch(values, 1.0 / step, nperseg=length, axis=0)
     return Density(hertz, density, found.name, f"({found.unit})^2/Hz", found.names)
 
 
