@@ -29,7 +29,7 @@ try:
 except ImportError as error:  # pragma: no cover - another numba than pyproject.toml allows
     raise ImportError(
         f"numba {numba.__version__} lacks what mbsd3d compiles with ({error}); install a version that pyproject.toml "
-        "allows: pip install 'numba>=0.61,<0.69'"
+        "allows: pip install 'numba>=0.62,<0.69'"
     ) from error
 
 __all__ = [
