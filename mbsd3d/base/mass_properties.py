@@ -57,15 +57,19 @@ def combine(parts: Iterable[tuple[Any, ...] | MassProperties]) -> MassProperties
     (4.0, array([1.016, 1.016, 0.016]))
     """
     given = as_tuple(parts, "combine: parts", "a list of (mass, com, inertia)")
-    return put_together([_part(i, part) for i, part in enumerate(given)])
+    whole = put_together([_part(i, part) for i, part in enumerate(given)])
+    if whole.mass == 0.0:
+        raise InputError(f"combine: the mass of {len(given)} parts is 0, without a centre of mass; give one a mass")
+    return whole
 
 
 def put_together(parts: list[tuple[float, np.ndarray, np.ndarray]]) -> MassProperties:
-    """Return the rigid body made of (mass, com, inertia about it) in common axes; the inertias are not checked."""
+    """Return the rigid body made of (mass, com, inertia about it) in common axes; the inertias are not checked.
+
+    Without mass its centre is the origin.
+    """
     mass = sum(m for m, _, _ in parts)
-    if mass == 0.0:
-        raise InputError(f"combine: the mass of {len(parts)} parts is 0, without a centre of mass; give one a mass")
-    com = sum((m * c for m, c, _ in parts), np.zeros(3)) / mass
+    com = sum((m * c for m, c, _ in parts), np.zeros(3)) / (mass or 1.0)
     total = sum((I + steiner(m, c - com) for m, c, I in parts), np.zeros((3, 3)))
     return MassProperties(mass, com, total)
 

@@ -1,6 +1,7 @@
 """A system from the facts of a model, whichever format they come from, and what of them has no counterpart here."""
 
 from collections.abc import Callable
+from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -25,12 +26,11 @@ from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes.shape import Shape
 from ...mechanism.shapes.solids import Box, Capsule, Cylinder, Ellipsoid, MeshFile, Sphere
 from ...mechanism.shapes.triangles import MESH_SUFFIXES
-from .facts import Facts, felt_inertia, length_of
+from .facts import Facts, carried, felt_inertia, length_of
 from .imported import Imported, NotBuilt, Point, grouped, judged
-from .joints import acts_along, check_independent, has_coordinate, joint_of
+from .joints import COINCIDENCE_ROUNDING, acts_along, check_independent, has_coordinate, joint_of
 from .keyframes import Frame, state_of
 
-COINCIDENCE_ROUNDING = 1e-9  # [1, m] by which axes and points that are taken as one may differ
 MOMENT_ROUNDING = 1e-12  # [m L^2] of mass and extent of the model: a negative principal moment that is rounding
 ROTOR_MASS_SHARE = 1e-9  # [1] of the whole mass, for a rotor that stands for an armature: a body with inertia needs one
 MESH_BYTES_MAX = 50_000_000  # [bytes] of all mesh files that are drawn: some seconds
@@ -80,6 +80,11 @@ class Builder:
         self.limits: list[Limit] = []
         self.made: dict[int, Joint] = {}  # number of a joint of the file -> joint it has become, or become a part of
         self.coordinate: dict[int, Joint] = {}  # number of a hinge or slide whose angle or slide is that of a joint
+
+    @cached_property
+    def carried(self) -> list[MassProperties]:
+        """Return mass properties of each body of the file with all that hangs on it."""
+        return carried(self.facts)
 
     def build(self) -> Imported:
         """Build all parts, or raise an error that names the rest."""
@@ -134,8 +139,7 @@ class Builder:
         parts = [
             (part["mass"], R.T @ (np.array(part["centre"]) - r), R.T @ np.array(part["inertia"]) @ R) for part in group
         ]
-        massive = any(mass > 0.0 for mass, _, _ in parts)
-        whole = put_together(parts) if massive else MassProperties(0.0, np.zeros(3), sum(I for _, _, I in parts))
+        whole = put_together(parts)
         name, e = self.name(group[0]["name"], "body"), np.array(group[0]["quaternion"])
         look = None
         if self.choices.geometry == "draw":
@@ -251,7 +255,8 @@ class Builder:
                 self.foreign("frictionloss", what, "joint", part["name"])
             else:
                 stiffness = part["friction"] / BRAKE_YIELD
-                damping = np.sqrt(stiffness * max(felt_inertia(self.facts, part) + part["armature"], MOMENT_ROUNDING))
+                felt = felt_inertia(self.carried[part["body"]], part) + part["armature"]
+                damping = np.sqrt(stiffness * max(felt, MOMENT_ROUNDING))
                 values = {"torque": part["friction"], "stiffness": stiffness, "damping": damping}
                 self.forces.append(Brake(joint, **values, name=self.name(f"{part['name']} friction", "friction")))
         if part["limit"] is not None:
@@ -268,7 +273,7 @@ class Builder:
         A rotor that the parent carries would feel its turning too; the ground takes nothing but the rotor's own torque.
         """
         title, I = f"{part['name']} armature", part["armature"]
-        mass = ROTOR_MASS_SHARE * sum(body["mass"] for body in self.facts["bodies"])
+        mass = ROTOR_MASS_SHARE * self.carried[0].mass
         look = Sphere(BRAKE_YIELD * self.length)
         at = np.array(part["anchor"])
         rotor = Body(self.name(title, "body"), mass, (I, I, I), position=at, shape=look)

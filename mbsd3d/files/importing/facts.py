@@ -8,30 +8,31 @@ from typing import Any
 
 import numpy as np
 
+from ...base.mass_properties import MassProperties, put_together
+
 Facts = dict[str, Any]
 LENGTH_MIN = 0.01  # [m] that a model has at least, for what rounding may leave of its inertias
 
 
-def carried(facts: Facts, body: int) -> list[int]:
-    """Return the numbers of a body and of all that hang on it; parents stand before their children."""
-    found = {body}
-    for i, other in enumerate(facts["bodies"]):
-        if i and other["parent"] in found:
-            found.add(i)
-    return sorted(found)
+def carried(facts: Facts) -> list[MassProperties]:
+    """Return mass, centre of mass and inertia, world axes, of each body with all that hangs on it."""
+    bodies = facts["bodies"]
+    parts = [[(float(x["mass"]), np.array(x["centre"], float), np.array(x["inertia"], float))] for x in bodies]
+    found = []
+    for i in reversed(range(len(bodies))):  # parents stand before their children
+        found.append(put_together(parts[i]))
+        if i:
+            parts[bodies[i]["parent"]].append((found[-1].mass, found[-1].com, found[-1].inertia))
+    return found[::-1]
 
 
-def felt_inertia(facts: Facts, joint: Facts) -> float:
+def felt_inertia(whole: MassProperties, joint: Facts) -> float:
     """Return what a hinge (or slide) turns (or moves) at the reference pose: a' I a [kg m^2], or the mass [kg]."""
-    axis, total = np.array(joint["axis"]), 0.0
-    for i in carried(facts, joint["body"]):
-        body = facts["bodies"][i]
-        if joint["type"] == "slide":
-            total += body["mass"]
-        else:
-            arm = np.cross(axis, np.subtract(body["centre"], joint["anchor"]))
-            total += float(axis @ np.array(body["inertia"]) @ axis + body["mass"] * (arm @ arm))
-    return total
+    if joint["type"] == "slide":
+        return whole.mass
+    axis = np.array(joint["axis"])
+    arm = np.cross(axis, whole.com - np.array(joint["anchor"]))
+    return float(axis @ whole.inertia @ axis + whole.mass * (arm @ arm))
 
 
 def length_of(facts: Facts) -> float:

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,20 @@ def limit(seconds: int) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES_MAX, MEMORY_BYTES_MAX))
     resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+
+def reply(seconds: int, work: Callable[[], dict[str, Any]]) -> None:
+    """Print what ``work()`` returns, or its error, as JSON on the former standard output; all else is dropped."""
+    out, quiet = os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(quiet, 1)
+    os.dup2(quiet, 2)
+    limit(seconds)
+    try:
+        answer = work()
+    except (Exception, MemoryError) as error:
+        answer = {"error": " ".join(str(error).split()) or type(error).__name__}
+    with os.fdopen(out, "w") as stream:
+        json.dump(answer, stream)
 
 
 def answer_of(module: str, arguments: list[str], timeout: float, who: str) -> dict[str, Any]:

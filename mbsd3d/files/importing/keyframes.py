@@ -37,9 +37,10 @@ def state_of(system: Mechanism, frames: Sequence[Frame], coordinate: Mapping[int
         joint_key = key["joints"][k]
         kind = "angle" if joint_key["turns"] else "slide"
         known[compiled.coordinate(coordinate_of(joint, kind, "key frame"))] = joint_key["value"]
+    axles = {id(joint.b): joint for joint in reversed(system.joints)}  # the first joint that carries a rotor
     for frame in frames:
         if frame.turned_by is not None:
-            axle = next(joint for joint in system.joints if joint.b is frame.made)
+            axle = axles[id(frame.made)]
             place = compiled.coordinate(coordinate_of(axle, "angle", "key frame"))
             known[place] = key["joints"][frame.turned_by]["value"]
     return State(key["time"], q, v, coordinates=known)

@@ -4,11 +4,12 @@ Followers of a mimic start where their leaders put them. What acts on no motion 
 """
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from ...base.checks import check_size
 from ...base.errors import InputError
 from ...base.paths import read_text
 from ...base.rotations import matrix, multiply, rotation
-from .facts import Facts, felt_inertia, length_of
+from .facts import Facts, carried, felt_inertia, length_of
 from .folders import Folders
 from .xacro import expanded, is_xacro
 from .xml_scan import EXPANDED_ELEMENTS_MAX, FILES_BYTES_MAX, Parser
@@ -148,6 +149,9 @@ class Connection:
     start: float = 0.0
 
 
+Named = TypeVar("Named", Link, Connection)
+
+
 class Robot:
     """A URDF file; xacro is run where it is used."""
 
@@ -172,7 +176,7 @@ class Robot:
         """Return bodies, joints and couplings for the builder."""
         self.idle.update(child.tag for child in self.root.children if child.tag not in ("link", "joint"))
         self.links = {link.name: link for link in self.read_links()}
-        self.joints = {joint.name: joint for joint in self.read_joints()}
+        self.joints = {joint.name: joint for joint in once_each(self.root.all("joint"), self.joint)}
         order = self.in_order()
         self.set_starts()
         self.set_poses(order)
@@ -199,17 +203,12 @@ class Robot:
 
     def read_links(self) -> Iterator[Link]:
         """Read every link, and `world` where a joint needs it undeclared."""
-        names: set[str] = set()
-        for node in self.root.all("link"):
-            link = self.link(node)
-            if link.name in names:
-                raise InputError(f"{node.place}: a second link is named '{link.name}'; give each its own name")
-            names.add(link.name)
-            yield link
+        links = once_each(self.root.all("link"), self.link)
+        yield from links
         wanted = {end.attributes.get("link") for node in self.root.all("joint") for end in node.all("parent")}
-        if not names:
+        if not links:
             raise InputError("it has no <link>; give links")
-        if WORLD in wanted - names:
+        if WORLD in wanted - {link.name for link in links}:
             yield Link(WORLD, None)
 
     def link(self, node: Node) -> Link:
@@ -235,18 +234,8 @@ class Robot:
         link.inertia = matrix(turn) @ I @ matrix(turn).T
         return link
 
-    def read_joints(self) -> Iterator[Connection]:
-        """Read every joint, between links that are there."""
-        names: set[str] = set()
-        for node in self.root.all("joint"):
-            joint = self.joint(node)
-            if joint.name in names:
-                raise InputError(f"{node.place}: a second joint is named '{joint.name}'; give each its own name")
-            names.add(joint.name)
-            yield joint
-
     def joint(self, node: Node) -> Connection:
-        """Read a joint."""
+        """Read a joint, between links that are there."""
         name, kind = node.text("name"), node.text("type")
         self.places["joint", name] = node.place
         self.idle.update(child.tag for child in node.children if child.tag not in JOINT_TAGS)
@@ -289,7 +278,8 @@ class Robot:
         for name in order:
             order += [joint.child for joint in self.below[name]]
         if len(order) < len(self.links):
-            lost = next(name for name in self.links if name not in set(order))
+            reached = set(order)
+            lost = next(name for name in self.links if name not in reached)
             raise InputError(f"link '{lost}' hangs on itself by its joints; let joints connect all links to one root")
         return order
 
@@ -360,15 +350,13 @@ class Robot:
             leader = self.leader(joint)
             coupled |= {joint.name, leader.name} if leader else set()
         mass, moves = [body["mass"] for body in bodies], [False] * len(bodies)
-        largest, unfelt = sum(mass) * length_of(facts) ** 2, []
+        largest, unfelt, whole = sum(mass) * length_of(facts) ** 2, [], carried(facts)
         for name in reversed(order[1:]):
             i, joint = number[name], self.above[name]
             felt = mass[i] > 0.0
             if felt and joint.kind == "hinge" and not moves[i]:
-                felt = (
-                    felt_inertia(facts, {"type": "hinge", "body": i} | self.line_of(joint))
-                    > HELD_INERTIA_ROUNDING * largest
-                )
+                turned = felt_inertia(whole[i], {"type": "hinge"} | self.line_of(joint))
+                felt = turned > HELD_INERTIA_ROUNDING * largest
             if joint.kind != "fixed" and not felt and joint.name not in coupled:
                 joint.kind = "fixed"
                 unfelt.append(f"'{joint.name}'")
@@ -516,20 +504,37 @@ class Robot:
                 return None
         raise InputError(f"{shape.place}: is no shape that is drawn; give box, sphere, cylinder or mesh")
 
+    @cached_property
+    def materials(self) -> dict[str | None, list[Node]]:
+        """Return the materials of the file by name."""
+        found: dict[str | None, list[Node]] = {}
+        for material in self.root.all("material"):
+            found.setdefault(material.attributes.get("name"), []).append(material)
+        return found
+
     def colour(self, visual: Node) -> list[float] | None:
         """Return red, green, blue of a visual, or of the material of its name; None where it has none."""
         material = next(iter(visual.all("material")), None)
         if material is None:
             return None
-        name = material.attributes.get("name")
-        others = [other for other in self.root.all("material") if other.attributes.get("name") == name]
-        for source in (material, *others):
+        for source in (material, *self.materials.get(material.attributes.get("name"), ())):
             for colour in source.all("color"):
                 try:
                     return [float(x) for x in colour.numbers("rgba", 4)[:3].clip(0.0, 1.0)]
                 except InputError:
                     return None
         return None
+
+
+def once_each(nodes: Sequence[Node], read: Callable[[Node], Named]) -> list[Named]:
+    """Read all elements of a tag; their names differ."""
+    found: dict[str, Named] = {}
+    for node in nodes:
+        part = read(node)
+        if part.name in found:
+            raise InputError(f"{node.place}: a second {node.tag} is named '{part.name}'; give each its own name")
+        found[part.name] = part
+    return list(found.values())
 
 
 def is_idle(name: str, value: str) -> bool:

@@ -7,8 +7,6 @@ It holds limits on time and memory, and gives numbers and names only. Points and
 coordinates at the pose MuJoCo calls qpos0, with followers of joint equalities where these put them.
 """
 
-import json
-import os
 import sys
 from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
@@ -19,7 +17,7 @@ import numpy as np
 from ...base.checks import check_size
 from ...base.errors import InputError
 from .folders import Folders
-from .guarded import limit
+from .guarded import reply
 
 VISIBLE_GROUPS = 3  # [1] groups of geoms below this are shown by MuJoCo; contact shapes are usually in group 3
 POSES_MAX = 100_000  # [1] of bodies in all key frames
@@ -470,23 +468,19 @@ def plain(value: Any, what: str) -> Any:
     return value
 
 
-def main() -> None:
-    """Print ``{"facts": ...}`` or ``{"error": ...}`` on the former standard output; MuJoCo's messages are dropped."""
-    out, quiet = os.dup(1), os.open(os.devnull, os.O_WRONLY)
-    os.dup2(quiet, 1)
-    os.dup2(quiet, 2)
-    limit(int(sys.argv[2]))
+def facts_of(path: str, whole: str, given: list[str]) -> dict[str, Any]:
+    """Return the facts of a file as JSON can hold them."""
     try:
         import mujoco
-
-        path, _, whole, *given = sys.argv[1:]
-        answer = {"facts": plain(Facts(mujoco, path, Folders(Path(path), given), whole == "whole").all(), "")}
     except ImportError as error:
-        answer = {"error": f"needs the package mujoco ({error}); install it: pip install 'mbsd3d[import]'"}
-    except (Exception, MemoryError) as error:
-        answer = {"error": " ".join(str(error).split()) or type(error).__name__}
-    with os.fdopen(out, "w") as stream:
-        json.dump(answer, stream)
+        raise InputError(f"needs the package mujoco ({error}); install it: pip install 'mbsd3d[import]'") from None
+    return plain(Facts(mujoco, path, Folders(Path(path), given), whole == "whole").all(), "")
+
+
+def main() -> None:
+    """Print ``{"facts": ...}`` or ``{"error": ...}``; MuJoCo's messages are dropped."""
+    path, seconds, whole, *given = sys.argv[1:]
+    reply(int(seconds), lambda: {"facts": facts_of(path, whole, given)})
 
 
 if __name__ == "__main__":

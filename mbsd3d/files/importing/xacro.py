@@ -3,7 +3,6 @@
 It runs in a process with limits on time and memory that may open files in the folders given only.
 """
 
-import json
 import os
 import re
 import sys
@@ -15,7 +14,7 @@ from typing import Any
 
 from ...base.errors import InputError
 from .folders import Folders
-from .guarded import answer_of, limit
+from .guarded import answer_of, reply
 
 COMMENT_PATTERN = re.compile(r"<!--.*?-->", re.DOTALL)
 XACRO_MARKS = ("${", "$(", "<xacro:")
@@ -37,7 +36,7 @@ def expanded(path: Path, folders: Folders, timeout: float) -> str:
     except InputError as error:
         raise InputError(f"'{path}': {error}") from error
     if "error" in answer:
-        raise InputError(f"'{path}': {answer['error']}")
+        raise InputError(f"'{path}': xacro: {answer['error']}")
     return answer["text"]
 
 
@@ -101,17 +100,9 @@ def any_package(path: Path, folders: Folders) -> bool:
 
 
 def main() -> None:
-    """Print ``{"text": ...}`` or ``{"error": ...}`` on the former standard output."""
-    out, quiet = os.dup(1), os.open(os.devnull, os.O_WRONLY)
-    os.dup2(quiet, 1)
-    os.dup2(quiet, 2)
-    limit(int(sys.argv[2]))
-    try:
-        answer = {"text": run(sys.argv[1], Folders(Path(sys.argv[1]), sys.argv[3:]))}
-    except (Exception, MemoryError, RecursionError) as error:
-        answer = {"error": f"xacro: {' '.join(str(error).split()) or type(error).__name__}"}
-    with os.fdopen(out, "w") as stream:
-        json.dump(answer, stream)
+    """Print ``{"text": ...}`` or ``{"error": ...}``."""
+    path, seconds, *given = sys.argv[1:]
+    reply(int(seconds), lambda: {"text": run(path, Folders(Path(path), given))})
 
 
 if __name__ == "__main__":
