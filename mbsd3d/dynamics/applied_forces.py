@@ -18,17 +18,20 @@ from ..mechanism import forces
 from ..mechanism.force_element import ForceElement
 
 
-def laws_of_all_forces() -> tuple[Callable, ...]:
-    """Return the law of every class in the files of `mechanism.forces`, each once, in the order of their names."""
+def kernels_of_all_forces(name: str) -> tuple[Callable, ...]:
+    """Return the kernels of a name that classes in the files of `mechanism.forces` have, in the order of the classes.
+
+    ``name`` is "law", or "gap" of stops.
+    """
     found = {}
     for module in pkgutil.iter_modules(forces.__path__, f"{forces.__name__}."):
         for cls in vars(import_module(module.name)).values():
-            if isinstance(cls, type) and issubclass(cls, ForceElement) and cls.law is not None:
-                found[cls.__qualname__] = cls.law
-    return tuple({id(law): law for _, law in sorted(found.items())}.values())
+            if isinstance(cls, type) and issubclass(cls, ForceElement) and getattr(cls, name, None) is not None:
+                found[cls.__qualname__] = getattr(cls, name)
+    return tuple({id(one): one for _, one in sorted(found.items())}.values())
 
 
-LAWS = laws_of_all_forces()
+LAWS = kernels_of_all_forces("law")
 
 
 def number_of_law(force: ForceElement, name: str) -> int:

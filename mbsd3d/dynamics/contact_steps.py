@@ -10,25 +10,31 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..compiler.decorators import inner_kernel, late_kernel
+from ..compiler.late import late_choice
 from ..kernels.surfaces import contact_parameters, meeting
 from ..kernels.vectors import arm, columns, cross, dot, sub, vec
 from ..mechanism.force_element import ForceElement
-from ..mechanism.forces.cone_stop import cone_stop_gap
 from ..mechanism.forces.contact import Contact
-from ..mechanism.forces.end_stop import Stop, end_stop_gap
-from ..mechanism.forces.linear_actuator import actuator_gap
+from ..mechanism.forces.end_stop import Stop
+from .applied_forces import kernels_of_all_forces
 
 TURN_PER_STEP_MAX = 1.0  # [rad] of a surface in a step between two moments without contact
 TURN_ROUNDING = 1e-6  # [1] of the turn: rounding of it, which changes no clearance
 CLEARANCE_DIP_SHARE = 0.25  # [1] of the depth of a dip: a cubic errs by a twelfth of it if a surface turns by a radian
-OF_CONTACT = -1  # in place of the number of a limit
+OF_CONTACT = -1  # in place of the number of a gap
+GAPS = kernels_of_all_forces("gap")
 
 
 def watched_gaps(forces: Sequence[ForceElement]) -> np.ndarray:
-    """Return (k, 2): number of a force that touches and lifts off, and which of its limits, for each gap to watch."""
-    found = [(i, OF_CONTACT) for i, force in enumerate(forces) if isinstance(force, Contact)]
-    found += [(i, limit) for i, force in enumerate(forces) if isinstance(force, Stop) for limit in range(force.gaps)]
-    return np.array(found, int).reshape(-1, 2)
+    """Return (k, 3): numbers of a force that touches and lifts off, of its kernel of a gap, and of the limit."""
+    found = [(i, OF_CONTACT, 0) for i, force in enumerate(forces) if isinstance(force, Contact)]
+    for i, force in enumerate(forces):
+        if isinstance(force, Stop):
+            found += [(i, GAPS.index(type(force).gap), limit) for limit in range(force.gaps)]
+    return np.array(found, int).reshape(-1, 3)
+
+
+store_gap = late_choice(__name__, "store_gap", GAPS)
 
 
 @inner_kernel
@@ -59,14 +65,9 @@ def changing_turn(m, d, p, normal):
 def watch_contacts(m, d, run, end, t):
     """Store clearance, its rate and `changing_turn` of contacts and stops at the state in d: an end of a step."""
     for k in range(run.contacts.shape[0]):
-        p, limit, seen = m.force[run.contacts[k, 0]], run.contacts[k, 1], run.gaps[k, end]
-        if limit != OF_CONTACT:
-            if p.coordinate >= 0:
-                end_stop_gap(m, d, p, limit, t, seen)
-            elif p.option == 1:
-                actuator_gap(m, d, p, limit, seen)
-            else:
-                cone_stop_gap(m, d, p, limit, seen)
+        p, gap_of, seen = m.force[run.contacts[k, 0]], run.contacts[k, 1], run.gaps[k, end]
+        if gap_of != OF_CONTACT:
+            store_gap(gap_of, m, d, p, run.contacts[k, 2], t, seen)
             continue
         plane, _, _, gap, velocity = meeting(
             contact_parameters(m.number, p.number), p, d.body[p.body[0]], d.body[p.body[1]]

@@ -91,6 +91,10 @@ class Compiled:
         """Return the number of hinge coordinates of the system itself; those that only measures read come after."""
         return len(tables_of(self.system).coordinate_index)
 
+    def forces_alone(self, which: slice | np.ndarray) -> Model:
+        """Return the tables with some of the force elements, by their places, and no other load."""
+        return self.model._replace(force=self.model.force[which], gravity=np.zeros(3))
+
     def data(self, dtype: type = float) -> Data:
         """Return a new work space; the functions of custom forces are compiled for ``dtype`` here."""
         link(self.system, self.model, dtype)

@@ -76,7 +76,7 @@ STIFFNESS = [
 
 
 NO_SIGNAL_KNOTS = np.zeros((0, 2))
-NONE = np.zeros((0, 2), np.int64)
+NONE = np.zeros((0, 3), np.int64)
 
 
 @by_reference
@@ -101,7 +101,7 @@ class Run(NamedTuple):
     times: np.ndarray  # (requested,) output times
     turns: np.ndarray  # (k, 2) where signals turn: the time [s] at which a step ends, and from which the next one goes
     # on, a rounding later where a second derivative jumps
-    contacts: np.ndarray  # (k, 2) forces that touch and lift off, and which of their limits: contact_steps.py
+    contacts: np.ndarray  # (k, 3) forces that touch and lift off: see `contact_steps.watched_gaps`
     gaps: np.ndarray  # (k, 2, 3) at both ends of the step: clearance [m], its rate, angular velocity that counts
     out: np.ndarray  # (capacity, width) samples: t, y, accelerations (6n), lam (m), hinge coordinates, potential and
     # power of the forces, largest |c| and |J v - b| over all rows

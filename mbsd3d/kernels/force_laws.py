@@ -10,7 +10,7 @@ import numpy as np
 
 from ..compiler.decorators import inner_kernel, merged_kernel
 from .signals import signal
-from .vectors import add6, cross, scale
+from .vectors import add6, arm, cross, dot, point, point_velocity, scale, sub
 
 TANH_SATURATION = 20.0  # [1] argument from which on tanh is 1 to rounding
 
@@ -36,6 +36,17 @@ def add_force(body, force, s):
 def add_moment(body, moment):
     """Add a moment to a body."""
     add6(body.Q, scale(0.0, moment), moment)
+
+
+@inner_kernel
+def line_between(d, p):
+    """Return (length, its rate, unit vector from a to b, arms on a and b) of an element; NaN where points meet."""
+    a, b = d.body[p.body[0]], d.body[p.body[1]]
+    sa, sb = arm(a, p.point[0]), arm(b, p.point[1])
+    gap, rate = sub(point(b, sb), point(a, sa)), sub(point_velocity(b, sb), point_velocity(a, sa))
+    length = np.sqrt(dot(gap, gap))
+    n = scale(1.0 / length, gap)
+    return length, dot(n, rate), n, sa, sb
 
 
 @merged_kernel

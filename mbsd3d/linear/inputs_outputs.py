@@ -21,21 +21,14 @@ import scipy.linalg
 from ..base.checks import as_tuple, short_repr
 from ..base.errors import AssemblyError, InputError
 from ..constraints.rank import choose_rows
-from ..dynamics.applied_forces import loads
 from ..equations.at_state import load_rows
-from ..equations.compiled import Compiled, new_data, set_input, with_own_inputs
+from ..equations.compiled import Compiled, set_input, with_own_inputs
 from ..equations.jacobian import RANK_TOLERANCE, displacement_units
 from ..equations.tables import signals_of
 from ..equations.tree import build_spanning_tree
-from ..kernels.kinematics import kinematics
 from ..kernels.layout import Tree
 from ..mechanism.bodies import GROUND, Body
 from ..mechanism.drivers import Driver
-from ..mechanism.forces.applied import AeroDrag, Force, Torque
-from ..mechanism.forces.between import ForceBetween, TorqueBetween
-from ..mechanism.forces.brake import Brake
-from ..mechanism.forces.linear_actuator import LinearActuator
-from ..mechanism.forces.tyre import Tyre
 from ..mechanism.joints import Joint
 from ..mechanism.measures import Measure, check_members
 from ..mechanism.mechanism import Mechanism
@@ -43,7 +36,7 @@ from ..mechanism.signals.signal import Input
 from ..results.result import RunResult
 from ..solver.saddle_point import SOLVED, refine
 from ..solver.saddle_point import solve as solve_saddle_point
-from .variations import COMPLEX_STEP, Field, Tangent, Variations, directions, solve, values
+from .variations import COMPLEX_STEP, Field, Tangent, Variations, directions, loads_and_rates, solve, values
 
 DIFFERENCE_WEIGHTS = (4 / 5, -1 / 5, 4 / 105, -1 / 280)  # [1] of f(u + k h) - f(u - k h), k = 1 ... 4: error O(h^8)
 DIFFERENCE_STEP = 2.0**-6  # [1] h over the larger of |u| and 1: h^8 is some 4e-15, rounding over h 7e-15
@@ -98,12 +91,7 @@ def input_unit(compiled: Compiled, name: str) -> str:
         unit = ("m" if row["metres"] else "rad") + ("" if row["holonomic"] else "/s")
         found += [(unit, x) for x in factors(compiled, primitive["signal"], name)]
     for force, table in zip(compiled.system.forces, model.force, strict=True):
-        coordinate = force.record().coordinate
-        along = "N m" if coordinate is None or coordinate.kind == "angle" else "N"
-        kinds = ((Force, "N"), (ForceBetween, "N"), (LinearActuator, "N"), (Torque, "N m"), (TorqueBetween, "N m"),
-                 (AeroDrag, "m/s"), (Tyre, "1"), (Brake, along))  # fmt: skip
-        unit = next((unit for kind, unit in kinds if isinstance(force, kind)), "-")
-        found += [(unit, x) for signal in table["signal"] for x in factors(compiled, signal, name)]
+        found += [(force.signal_unit(), x) for signal in table["signal"] for x in factors(compiled, signal, name)]
     units = {unit if abs(factor) == 1.0 else "-" for unit, factor in found}
     return units.pop() if len(units) == 1 else "-"
 
@@ -130,20 +118,16 @@ def change_of_loads(field: Field, t: float, y: np.ndarray, name: str) -> tuple[n
     """
     model = field.compiled.model
     reads = [any(factors(field.compiled, signal, name) for signal in own) for own in model.force["signal"]]
-    alone = model._replace(force=model.force[np.array(reads, bool)], gravity=np.zeros(3))
+    alone = field.compiled.forces_alone(np.array(reads, bool))
     n = model.body.size
     if not alone.force.size:
         return np.zeros((n, 6)), np.zeros(model.z_work)
-    own, data = with_own_inputs(replace(field.compiled, model=alone)), new_data(alone)
-    data.coordinate[:], data.unwrap_time[:] = field.real.coordinate, field.real.unwrap_time
-    kinematics(own.model, data, y)
+    own, data = with_own_inputs(replace(field.compiled, model=alone)), field.loaded_alone(alone, y)
     start = next(x.start for x in field.compiled.inputs if x.name == name)
 
     def at(u: float) -> np.ndarray:
         set_input(own, name, u)
-        data.state_rate[:] = 0.0
-        loads(own.model, data, t)
-        return np.concatenate([data.body["Q"][:n].ravel(), data.state_rate[: model.z_work]])
+        return loads_and_rates(own.model, data, t)
 
     def slope(h: float) -> np.ndarray:
         return sum(c * (at(start + k * h) - at(start - k * h)) for k, c in enumerate(DIFFERENCE_WEIGHTS, 1)) / h

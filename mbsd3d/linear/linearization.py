@@ -14,18 +14,25 @@ from ..base.errors import InputError
 from ..compiler.cache_folder import mark_warm
 from ..compiler.first_run import announce_compilation
 from ..constraints.poses.pose_equations import closed
-from ..dynamics.applied_forces import loads
-from ..equations.compiled import Compiled, Switches, compile_system, new_data
+from ..equations.compiled import Compiled, Switches, compile_system
 from ..equations.jacobian import RANK_TOLERANCE, displacement_units
 from ..equations.tree import build_spanning_tree
-from ..kernels.kinematics import kinematics
 from ..mechanism.measures import Measure, check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from ..results.record import RunOptions
 from ..run.simulation import accelerations_at, check_state, check_system
 from .steady_motion import Generator, Units, check_signals, find_generator, natural_units
-from .variations import COMPLEX_STEP, Field, Tangent, Variations, directions, solve, tangent_space
+from .variations import (
+    COMPLEX_STEP,
+    Field,
+    Tangent,
+    Variations,
+    directions,
+    loads_and_rates,
+    solve,
+    tangent_space,
+)
 
 CORNER_STEP = 1e-8  # [m, rad, m/s, rad/s, 1] to both sides of a state: far above rounding, far below any motion
 CORNER_JUMP = 1e-6  # [1] of the slopes: far above rounding; smooth laws differ by less, or by what falls with the step
@@ -257,13 +264,8 @@ def has_corner(slope: Callable[[np.ndarray], np.ndarray], y: np.ndarray, move: n
 
 def slope_of_force(field: Field, i: int, y: np.ndarray) -> np.ndarray:
     """Return the imaginary parts of the loads and own rates of force element i alone at a complex state."""
-    model = field.compiled.model
-    alone, n = model._replace(force=model.force[i : i + 1], gravity=np.zeros(3)), model.body.size
-    data = new_data(alone, complex)
-    data.coordinate[:], data.unwrap_time[:] = field.real.coordinate, field.real.unwrap_time
-    kinematics(alone, data, y)
-    loads(alone, data, field.t)
-    return np.concatenate([data.body["Q"][:n].ravel(), data.state_rate[: model.z_work]]).imag
+    alone = field.compiled.forces_alone(slice(i, i + 1))
+    return loads_and_rates(alone, field.loaded_alone(alone, y, complex), field.t).imag
 
 
 def matrix_of(

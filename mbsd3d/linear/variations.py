@@ -20,9 +20,10 @@ import scipy.linalg
 from ..base.errors import AssemblyError, InputError
 from ..base.rotations import H, matrix, skew
 from ..constraints.rank import choose_rows
+from ..dynamics.applied_forces import loads
 from ..dynamics.state_rates import accelerate
 from ..equations.at_state import load_rows, load_state, worst_joint
-from ..equations.compiled import Compiled
+from ..equations.compiled import Compiled, new_data
 from ..equations.jacobian import RANK_TOLERANCE, displacement_units
 from ..equations.tree import build_spanning_tree
 from ..kernels.coordinates import measure, remember
@@ -65,6 +66,13 @@ class Field:
         remember(compiled.model, self.real, state.t)  # hinge angles go on from here, also at a later time
         self.data.coordinate[:] = self.real.coordinate
         self.data.unwrap_time[:] = self.real.unwrap_time
+
+    def loaded_alone(self, model: Model, y: np.ndarray, dtype: type = float) -> Data:
+        """Return a work space of force elements alone at a real or complex state; its hinges count turns as here."""
+        data = new_data(model, dtype)
+        data.coordinate[:], data.unwrap_time[:] = self.real.coordinate, self.real.unwrap_time
+        kinematics(model, data, y)
+        return data
 
     def rows_at(self, t: float, y: np.ndarray) -> np.ndarray:
         """Return independent rows at a state; they are fixed while the state is varied."""
@@ -270,3 +278,10 @@ def check_consistent(compiled: Compiled, left: np.ndarray, size: float) -> None:
             f"linearize: singular position: at neighbouring positions no velocities meet {part} (residual "
             f"{residual:.2g}); move away from the dead centre"
         )
+
+
+def loads_and_rates(model: Model, data: Data, t: float) -> np.ndarray:
+    """Return forces and moments about O (6 n,) and rates of internal states (z_work,) of all force elements."""
+    data.state_rate[:] = 0.0
+    loads(model, data, t)
+    return np.concatenate([data.body["Q"][: model.body.size].ravel(), data.state_rate[: model.z_work]])

@@ -38,7 +38,8 @@ class ForceElement(Part):
     """Base class of force elements.
 
     ``law(m, d, p, out, t)`` is the kernel of a class, as a static method (see `kernels.force_laws`); ``record()`` is
-    what it reads of one element. A class in a file of `mechanism.forces` needs no more: `dynamics.loads` finds its law.
+    what it reads of one element. A class in a file of `mechanism.forces` needs no more: `dynamics.applied_forces` finds
+    its law.
     """
 
     role = "force"
@@ -53,6 +54,10 @@ class ForceElement(Part):
     def read_by_law(self, **own: Any) -> dict[str, Any]:
         """Return the parameters of the law by name: ``own`` ones, else the attributes of that name."""
         return {name: own[name] if name in own else getattr(self, name) for name in self.law_parameters.units}
+
+    def signal_unit(self) -> str:
+        """Return the unit of its signals; "-" without one, or with different ones."""
+        return "-"
 
     def bodies(self) -> tuple[Any, ...]:
         """Return the bodies the element acts on."""

@@ -139,7 +139,7 @@ def wrenches_about_O(
     compiled, arrays, samples = solution.compiled, solution.arrays, solution.t.size
     compiled.data()  # a custom function is compiled and its address in the table
     k = solution.system.forces.index(part)
-    alone = compiled.model._replace(force=compiled.model.force[k : k + 1], gravity=np.zeros(3))
+    alone = compiled.forces_alone(slice(k, k + 1))
     data, index = new_data(alone), compiled.body_index[id(body)]
     wrench, power, shown = np.empty((samples, 6)), np.empty(samples), np.empty((samples, 12))
     own = slice(int(alone.force["state"][0]), int(alone.force["state"][0] + alone.force["states"][0]))

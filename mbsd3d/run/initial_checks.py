@@ -131,7 +131,7 @@ def longest_step(method: Method, system: Mechanism) -> float:
 
 def alone(compiled: Compiled, k: int) -> tuple[Model, Data]:
     """Return (model, work space) in which force k and nothing else acts."""
-    model = compiled.model._replace(force=compiled.model.force[k : k + 1], gravity=np.zeros(3))
+    model = compiled.forces_alone(slice(k, k + 1))
     return model, new_data(model)
 
 

@@ -43,7 +43,7 @@ def check_forces(compiled: Compiled, y: np.ndarray, t: float, h: float, solution
 
 def force_rate(compiled: Compiled, data: Data, y: np.ndarray, t: float, k: int) -> float:
     """Return the largest |eigenvalue| of M x_ddot = K x + D x_dot: element k alone, linearised, its bodies free."""
-    model = compiled.model._replace(force=compiled.model.force[k : k + 1], gravity=np.zeros(3))
+    model = compiled.forces_alone(slice(k, k + 1))
     bodies = [b for b in element_bodies(model) if 0 <= b < model.body.size]
     if not bodies or (model.body["mass"][bodies] == 0.0).any():
         return 0.0

@@ -56,6 +56,9 @@ class Force(ForceElement):
     def check(self, what: str) -> None:
         in_body_frame(self.frame, what)
 
+    def signal_unit(self) -> str:
+        return "N"
+
     def record(self) -> ForceRecord:
         option = in_body_frame(self.frame, "")
         return ForceRecord((GROUND, self.body), (self.at, self.at), option=option, signals=self.force)
@@ -90,6 +93,9 @@ class Torque(ForceElement):
 
     def check(self, what: str) -> None:
         in_body_frame(self.frame, what)
+
+    def signal_unit(self) -> str:
+        return "N m"
 
     def record(self) -> ForceRecord:
         return ForceRecord((GROUND, self.body), option=in_body_frame(self.frame, ""), signals=self.torque)
@@ -143,6 +149,9 @@ class AeroDrag(ForceElement):
     density: Number = kept(default=1.225, positive=True)
     at: VectorOrDerived = kept(default=None, derived=attrgetter("body.centre"))
     wind: ThreeSignals = kept(default=(0.0, 0.0, 0.0))
+
+    def signal_unit(self) -> str:
+        return "m/s"
 
     def record(self) -> ForceRecord:
         return ForceRecord((GROUND, self.body), (self.at, self.at), parameters=self.read_by_law(), signals=self.wind)

@@ -78,6 +78,9 @@ class ForceBetween(ForceElement):
         check_pair(self.a, self.b, what)
         check_choice(self.frame, FRAMES, f"{what}: frame")
 
+    def signal_unit(self) -> str:
+        return "N"
+
     def record(self) -> ForceRecord:
         return ForceRecord((self.a, self.b), (self.at, self.at), option=FRAMES.index(self.frame), signals=self.force)
 
@@ -129,6 +132,9 @@ class TorqueBetween(ForceElement):
     def check(self, what: str) -> None:
         check_pair(self.a, self.b, what)
         check_choice(self.frame, FRAMES, f"{what}: frame")
+
+    def signal_unit(self) -> str:
+        return "N m"
 
     def record(self) -> ForceRecord:
         return ForceRecord((self.a, self.b), option=FRAMES.index(self.frame), signals=self.torque)

@@ -78,6 +78,9 @@ class Brake(ForceElement):
         if isinstance(self.torque, Constant) and self.torque.value < 0.0:
             raise InputError(f"{what}: torque = {self.torque.value:g}; a brake has none below 0")
 
+    def signal_unit(self) -> str:
+        return "N m" if hinge_coordinate(self.hinge, "").kind == "angle" else "N"
+
     def record(self) -> ForceRecord:
         x = hinge_coordinate(self.hinge, "")
         return ForceRecord(

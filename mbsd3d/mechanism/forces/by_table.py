@@ -13,8 +13,8 @@ from ...base.errors import InputError
 from ...base.fields import NumberOrDerived, Stored, Vector, kept, locked, part_class
 from ...compiler.decorators import inner_kernel
 from ...compiler.records import Parameters
-from ...kernels.force_laws import add_force
-from ...kernels.vectors import arm, dot, point, point_velocity, scale, sub
+from ...kernels.force_laws import add_force, line_between
+from ...kernels.vectors import scale
 from ..bodies import Body, Ground
 from ..force_element import ForceElement, ForceRecord, check_pair, hinge_coordinate
 from ..joints import Joint, coordinate_of
@@ -119,12 +119,7 @@ def force_curve(m, d, p, out, t):
     """Pull by a table along the line from a to b: over the stretch l - l0, or over its rate (option)."""
     own = force_curve_parameters(m.number, p.number)
     numbers = m.number[p.number + p.named : p.number + p.numbers]
-    a, b = d.body[p.body[0]], d.body[p.body[1]]
-    sa, sb = arm(a, p.point[0]), arm(b, p.point[1])
-    gap, rate = sub(point(b, sb), point(a, sa)), sub(point_velocity(b, sb), point_velocity(a, sa))
-    length = np.sqrt(dot(gap, gap))
-    n = scale(1.0 / length, gap)  # NaN where the ends meet: the run names the part
-    speed = dot(n, rate)
+    length, speed, n, sa, sb = line_between(d, p)  # NaN where the ends meet: the run names the part
     if p.option == OVER_RATE:
         pull, _ = from_table(numbers, speed)
         out.potential = 0.0 * pull
@@ -133,8 +128,8 @@ def force_curve(m, d, p, out, t):
         pull, stored = from_table(numbers, length - own.length)
         out.potential = stored
         out.power = 0.0 * pull
-    add_force(a, scale(pull, n), sa)
-    add_force(b, scale(-pull, n), sb)
+    add_force(d.body[p.body[0]], scale(pull, n), sa)
+    add_force(d.body[p.body[1]], scale(-pull, n), sb)
 
 
 @part_class()

@@ -9,7 +9,7 @@ from ...base.checks import short_repr
 from ...base.errors import InputError
 from ...base.fields import Direction, DirectionOrDerived, Number, Stored, kept, or_none, part_class
 from ...base.rotations import perpendiculars
-from ...compiler.decorators import inner_kernel, late_kernel
+from ...compiler.decorators import inner_kernel
 from ...compiler.records import Parameters
 from ...kernels.coordinates import arctan2
 from ...kernels.force_laws import add_moment
@@ -76,8 +76,8 @@ def cone_stop(m, d, p, out, t):
     add_moment(b, scale(-1.0, moment))
 
 
-@late_kernel
-def cone_stop_gap(m, d, p, limit, seen):
+@inner_kernel
+def cone_stop_gap(m, d, p, limit, t, seen):
     """Store how far the limit of the swing (0), or that of the lower (1) or upper twist, is away, and the rate."""
     own = cone_stop_parameters(m.number, p.number)
     a, b = d.body[p.body[0]], d.body[p.body[1]]
@@ -152,7 +152,7 @@ class ConeStop(Stop):
     """
 
     law, law_parameters = staticmethod(cone_stop), CONE_STOP
-    gaps = 3
+    gap, gaps = staticmethod(cone_stop_gap), 3
 
     joint: Joint
     _: KW_ONLY

@@ -1,5 +1,6 @@
 """End stops of hinges and slides: they press back beyond a limit of a counted angle or a displacement."""
 
+from collections.abc import Callable
 from dataclasses import KW_ONLY
 from typing import ClassVar
 
@@ -8,7 +9,7 @@ import numpy as np
 from ...base.checks import check_choice
 from ...base.errors import InputError
 from ...base.fields import Number, NumberOrNone, kept, part_class
-from ...compiler.decorators import inner_kernel, late_kernel
+from ...compiler.decorators import inner_kernel
 from ...compiler.records import Parameters
 from ...kernels.coordinates import value_and_rate
 from ..force_element import ForceElement, ForceRecord, hinge_coordinate
@@ -33,32 +34,47 @@ def stop_load(k, c, depth, rate):
 
 
 @inner_kernel
+def range_load(k, c, lower, upper, x, rate):
+    """Return (load towards the inside, stored energy, dissipating part of the load) of stops at both ends."""
+    up, elastic_up = stop_load(k, c, lower - x, -rate)
+    down, elastic_down = stop_load(k, c, x - upper, rate)
+    stored = 0.5 * (elastic_up * elastic_up + elastic_down * elastic_down) / k
+    return up - down, stored, up - elastic_up + elastic_down - down
+
+
+@inner_kernel
+def range_gap(lower, upper, limit, x, rate, seen):
+    """Store how far x is from the lower (0) or the upper limit (1), and the rate of that, in ``seen``."""
+    if limit == 0:
+        seen[0], seen[1] = x - lower, rate
+    else:
+        seen[0], seen[1] = upper - x, -rate
+
+
+@inner_kernel
 def end_stop(m, d, p, out, t):
     """Apply the load of two stops along a hinge coordinate, towards the inside."""
     own = end_stop_parameters(m.number, p.number)
-    k, c = own.stiffness, own.damping
-    up, elastic_up = stop_load(k, c, own.lower - out.x, -out.rate)
-    down, elastic_down = stop_load(k, c, out.x - own.upper, out.rate)
-    out.load = up - down
-    out.potential = 0.5 * (elastic_up * elastic_up + elastic_down * elastic_down) / k
-    out.power = (up - elastic_up + elastic_down - down) * out.rate
+    out.load, out.potential, lost = range_load(own.stiffness, own.damping, own.lower, own.upper, out.x, out.rate)
+    out.power = lost * out.rate
 
 
-@late_kernel
-def end_stop_gap(m, d, p, upper, t, seen):
-    """Store how far the lower or the upper stop is away [rad or m], and the rate of that, in ``seen``."""
+@inner_kernel
+def end_stop_gap(m, d, p, limit, t, seen):
+    """Store how far the lower (0) or the upper stop (1) is away [rad or m], and the rate of that."""
     own = end_stop_parameters(m.number, p.number)
     x, rate = value_and_rate(m, d, p.coordinate, t)
-    if upper:
-        seen[0], seen[1] = own.upper - x, -rate
-    else:
-        seen[0], seen[1] = x - own.lower, rate
+    range_gap(own.lower, own.upper, limit, x, rate, seen)
 
 
 class Stop(ForceElement):
-    """Base class of stops that are watched between the stages of a step, as contacts are."""
+    """Base class of stops that are watched between the stages of a step, as contacts are.
 
-    gaps: ClassVar[int]  # distances to its limits
+    ``gap(m, d, p, limit, t, seen)`` is a kernel that stores how far a limit is away, and the rate of that, in ``seen``.
+    """
+
+    gap: ClassVar[Callable | None] = None
+    gaps: ClassVar[int]  # number of its limits
 
     def depth_as_built(self) -> float:
         """Return how far the reference pose is beyond a limit [rad or m]; 0 where it is not."""
@@ -107,7 +123,7 @@ class EndStop(Stop):
     """
 
     law, law_parameters = staticmethod(end_stop), END_STOP
-    gaps = 2
+    gap, gaps = staticmethod(end_stop_gap), 2
 
     joint: Joint
     _: KW_ONLY

@@ -6,30 +6,19 @@ import numpy as np
 
 from ...base.errors import InputError
 from ...base.fields import Number, NumberOrNone, Numbers, Vector, kept, part_class
-from ...compiler.decorators import inner_kernel, late_kernel
+from ...compiler.decorators import inner_kernel
 from ...compiler.records import Parameters
-from ...kernels.force_laws import add_force
+from ...kernels.force_laws import add_force, line_between
 from ...kernels.signals import signal
-from ...kernels.vectors import arm, dot, point, point_velocity, scale, sub
+from ...kernels.vectors import scale
 from ..bodies import Body, Ground
 from ..force_element import ForceRecord, check_pair
 from ..joints.conditions import ends_coincide, span
 from ..signals import SignalField
-from .end_stop import Stop, stop_load
+from .end_stop import Stop, range_gap, range_load
 
 LINEAR_ACTUATOR = Parameters(shortest="m", longest="m", rate="m/s", stiffness="N/m", damping="N s/m")
 actuator_parameters = LINEAR_ACTUATOR.reader()
-
-
-@inner_kernel
-def stroke(d, p):
-    """Return (length, its rate, unit vector from a to b, arms on a and b)."""
-    a, b = d.body[p.body[0]], d.body[p.body[1]]
-    sa, sb = arm(a, p.point[0]), arm(b, p.point[1])
-    gap, rate = sub(point(b, sb), point(a, sa)), sub(point_velocity(b, sb), point_velocity(a, sa))
-    length = np.sqrt(dot(gap, gap))
-    n = scale(1.0 / length, gap)
-    return length, dot(n, rate), n, sa, sb
 
 
 @inner_kernel
@@ -48,27 +37,21 @@ def thrust_at(thrust, rate, most):
 def linear_actuator(m, d, p, out, t):
     """Push along the line from a to b: thrust at the rate, and the stops at both ends of the stroke."""
     own = actuator_parameters(m.number, p.number)
-    k = own.stiffness
-    length, rate, n, sa, sb = stroke(d, p)
+    length, rate, n, sa, sb = line_between(d, p)
     thrust = thrust_at(signal(m, p.signal[0], t)[0] + 0.0 * rate, rate, own.rate)
-    up, elastic_up = stop_load(k, own.damping, own.shortest - length, -rate)
-    down, elastic_down = stop_load(k, own.damping, length - own.longest, rate)
-    push = thrust + up - down
-    out.potential = 0.5 * (elastic_up * elastic_up + elastic_down * elastic_down) / k
-    out.power = (push - elastic_up + elastic_down) * rate
+    load, out.potential, lost = range_load(own.stiffness, own.damping, own.shortest, own.longest, length, rate)
+    push = thrust + load
+    out.power = (thrust + lost) * rate
     add_force(d.body[p.body[0]], scale(-push, n), sa)
     add_force(d.body[p.body[1]], scale(push, n), sb)
 
 
-@late_kernel
-def actuator_gap(m, d, p, limit, seen):
+@inner_kernel
+def actuator_gap(m, d, p, limit, t, seen):
     """Store how far the length is from its least (0) or its greatest (1), and the rate of that."""
     own = actuator_parameters(m.number, p.number)
-    length, rate, _, _, _ = stroke(d, p)
-    if limit == 0:
-        seen[0], seen[1] = length - own.shortest, rate
-    else:
-        seen[0], seen[1] = own.longest - length, -rate
+    length, rate, _, _, _ = line_between(d, p)
+    range_gap(own.shortest, own.longest, limit, length, rate, seen)
 
 
 @part_class()
@@ -113,7 +96,7 @@ class LinearActuator(Stop):
     """
 
     law, law_parameters = staticmethod(linear_actuator), LINEAR_ACTUATOR
-    gaps = 2
+    gap, gaps = staticmethod(actuator_gap), 2
 
     a: Body | Ground
     b: Body | Ground
@@ -137,10 +120,13 @@ class LinearActuator(Stop):
         shortest, longest = self.stroke
         return max(shortest - span(self), span(self) - longest, 0.0)
 
+    def signal_unit(self) -> str:
+        return "N"
+
     def record(self) -> ForceRecord:
         rate = np.inf if self.rate is None else self.rate
         shortest, longest = self.stroke
         return ForceRecord(
             (self.a, self.b), (self.at_a, self.at_b), signals=(self.thrust, None, None),
-            parameters=self.read_by_law(shortest=shortest, longest=longest, rate=rate), option=1,
+            parameters=self.read_by_law(shortest=shortest, longest=longest, rate=rate),
         )  # fmt: skip

@@ -279,6 +279,9 @@ class Tyre(ForceElement):
         """Return the unloaded torus, world at the reference pose."""
         return circle(self.centre, self.axis, self.radius - self.crown, self.crown)
 
+    def signal_unit(self) -> str:
+        return "1"
+
     def record(self) -> ForceRecord:
         C_x, s_x = self.ahead
         return ForceRecord(
