@@ -18,7 +18,16 @@ from numpy.typing import ArrayLike
 
 from mbsd3d import System, Torque, accelerations, linearize
 from mbsd3d.errors import InputError
-from mbsd3d.extend import GRID_WIDTH_POINTS, LINE_WIDTH_POINTS, SUPERSCRIPTS, Measure, Theme, new_figure, style_axes
+from mbsd3d.extend import (
+    GRID_WIDTH_POINTS,
+    LINE_WIDTH_POINTS,
+    Measure,
+    Theme,
+    label_decades,
+    label_quarter_turns,
+    new_figure,
+    style_axes,
+)
 
 from ..model.mechanism import outputs, whipple
 from ..model.tyres import Tyres
@@ -30,7 +39,6 @@ from .tyre_equations import matrix, sideways
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
 
@@ -188,16 +196,6 @@ def draw_lines(size: "Axes", phase: "Axes", found: Response, H: np.ndarray, look
         degrees = np.degrees(np.unwrap(np.angle(H[k])))
         turns = np.round((degrees[0] - 10.0) / 360.0)  # begins in -170 ... 190: against the torque is 180 on both sides
         phase.semilogx(found.frequencies, degrees - 360.0 * turns, **style)
-    decades(size.yaxis)
-    decades(size.xaxis)
-    low, high = np.array(phase.get_ylim()) / 90.0
-    phase.set_yticks(90.0 * np.arange(np.ceil(low), np.floor(high) + 1.0))
-
-
-def decades(axis: "Axis") -> None:
-    """Label every decade like 10⁻²: the figure style writes texts as they are, without mathematics."""
-    from matplotlib.ticker import LogLocator  # only who draws waits for it
-
-    axis.set_major_locator(LogLocator(numticks=20))
-    axis.set_major_formatter(lambda x, _: f"10{str(round(np.log10(x))).translate(SUPERSCRIPTS)}")
-    axis.set_minor_formatter("")
+    label_decades(size.yaxis)
+    label_decades(size.xaxis)
+    label_quarter_turns(phase)

@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import GRID_WIDTH_POINTS, LINE_WIDTH_POINTS, Theme, new_figure, number, style_axes
+from mbsd3d.extend import GRID_WIDTH_POINTS, LINE_WIDTH_POINTS, Theme, label_decades, new_figure, number, style_axes
 
 from ..linear import frequency
-from ..linear.frequency import decades
 from ..linear.general import eigenvalues
 from ..linear.tyre_equations import Affine, SpeedBySpeed, equations
 from ..model.mechanism import whipple
@@ -91,7 +90,7 @@ def draw_steering(axes: "Axes", parameters: Parameters, fittings: Mapping[str, A
     ):
         axes.loglog(FREQUENCIES, np.abs(H[0, :, 1, 1]), color=colour, linewidth=LINE_WIDTH_POINTS)
     for axis in (axes.xaxis, axes.yaxis):
-        decades(axis)
+        label_decades(axis)
     axes.set_xlabel("frequency ω [rad/s]")
     axes.set_ylabel(f"steer by torque at {speed:g} m/s [rad/(N m)]")
 

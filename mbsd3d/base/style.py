@@ -17,6 +17,7 @@ from .checks import check_choice
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
 FONT = "DejaVu Sans"  # comes with matplotlib, so it is the same on every machine
@@ -65,6 +66,7 @@ JOINT_COLOUR = "#6b6b6b"  # is seen on white and on dark paper
 COM_COLOUR = "#e0e0e0"  # is seen inside bodies
 GROUND_GRID_GREYS = {"light": (190, 150), "dark": (52, 84)}  # [0 to 255] of thin and thick lines
 SECTOR_BRIGHTNESS = 0.72  # [1] of the darker sectors of round bodies, by which one sees them turn
+DECADES_MAX = 20  # [1] of a logarithmic axis, each with its label
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 MUTED_COLOUR, MUTED_SHARE = "#bebebe", 0.55  # grey that uncertain and auxiliary things are mixed with, and its share
 
@@ -140,6 +142,21 @@ def style_axes(axes: "Axes", look: Theme = LIGHT) -> None:
     axes.set_axisbelow(True)
     axes.spines[:].set_color(look.ink)
     axes.spines[["top", "right"]].set_visible(False)
+
+
+def label_decades(axis: "Axis") -> None:
+    """Label every decade like 10⁻²: the figure style writes texts as they are, without mathematics."""
+    from matplotlib.ticker import LogLocator  # only who draws waits for it
+
+    axis.set_major_locator(LogLocator(numticks=DECADES_MAX))
+    axis.set_major_formatter(lambda x, _: f"10{str(round(np.log10(x))).translate(SUPERSCRIPTS)}")
+    axis.set_minor_formatter("")
+
+
+def label_quarter_turns(axes: "Axes") -> None:
+    """Label every 90 degrees of the vertical axis, as it is drawn now."""
+    low, high = np.array(axes.get_ylim()) / 90.0
+    axes.set_yticks(90.0 * np.arange(np.ceil(low), np.floor(high) + 1.0))
 
 
 def with_superscripts(text: str) -> str:

@@ -22,6 +22,7 @@ from typing import Any
 from ..base.errors import InputError
 from ..base.paths import atomic_write
 from .cache_folder import conditions, make_private, weak_folders, weakness
+from .first_run import write_message
 from .late import LATE_SYMBOLS, Late
 from .numba_private import (
     CompileResult,
@@ -183,5 +184,4 @@ def keep_code(compiled: Callable, folder: Path, apart: bool = False) -> Callable
 @cache
 def say_once(text: str) -> None:
     """Write a line to stderr, once a process."""
-    sys.stderr.write(f"mbsd3d: {text}\n")
-    sys.stderr.flush()
+    write_message(text)

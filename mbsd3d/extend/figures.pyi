@@ -1,11 +1,12 @@
 # figures
 from ..base.style import LINE_WIDTH_POINTS as LINE_WIDTH_POINTS
-from ..base.style import SUPERSCRIPTS as SUPERSCRIPTS
 from ..base.style import GRID_WIDTH_POINTS as GRID_WIDTH_POINTS
 from ..base.style import Theme as Theme
 from ..base.style import aligned as aligned
 from ..base.style import style_axes as style_axes
 from ..base.style import figure_style as figure_style
+from ..base.style import label_decades as label_decades
+from ..base.style import label_quarter_turns as label_quarter_turns
 from ..base.style import new_figure as new_figure
 from ..base.style import theme as theme
 from ..view.scene.camera import VIEW_AXES as VIEW_AXES

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from ..base.checks import check_choice, number, short_repr, vector
 from ..base.errors import InputError, checks_arguments
-from ..base.rotations import cross, perpendiculars, unit
+from ..base.rotations import WORLD_AXES, cross, perpendiculars, unit
 from ..kernels import kinds
 from .bodies import GROUND, Body, Ground, Part, describe_part
 from .force_element import ForceElement
@@ -34,7 +34,6 @@ MEASURES = {
     "reaction force": kinds.REACTION_FORCE,
     "reaction moment": kinds.REACTION_MOMENT,
 }
-COORDINATE_AXES = np.eye(3)
 PARALLEL_SINE_MAX = 1e-6  # [1] sine of the angle below which two directions span no plane
 CONTACT_MEASURES = ("clearance", "normal force")
 JOINT_MEASURES = ("coordinate", "coordinate rate")
@@ -353,7 +352,7 @@ def heading_rate(body: Body, *, forward: ArrayLike = (1.0, 0.0, 0.0)) -> Measure
 
 def _heading(body: Body, forward: ArrayLike, what: str) -> Coordinate:
     body_or_error(body, what)
-    return protractor(GROUND, body, COORDINATE_AXES[2], COORDINATE_AXES[0], unit(forward, f"{what}: forward"), what)
+    return protractor(GROUND, body, WORLD_AXES[2], WORLD_AXES[0], unit(forward, f"{what}: forward"), what)
 
 
 @checks_arguments
@@ -465,9 +464,9 @@ def between(
     """
     names = f"{label(b)} from {label(a)}"
     found = {}
-    for name, axis in zip("xyz", COORDINATE_AXES, strict=True):
+    for name, axis in zip("xyz", WORLD_AXES, strict=True):
         found[name] = replace(offset(a, b, along=axis, at_a=at_a, at_b=at_b), label=f"{name} of {names}")
-    for name, axis in zip("xyz", COORDINATE_AXES, strict=True):
+    for name, axis in zip("xyz", WORLD_AXES, strict=True):
         found[f"turn_{name}"] = replace(turn(a, b, about=axis), label=f"turn about {name} of {names}")
     return found
 

@@ -3,19 +3,16 @@
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.ticker import LogLocator
 
 from ..base.errors import InputError
-from ..base.style import SUPERSCRIPTS, new_figure, style_axes
+from ..base.style import label_decades, label_quarter_turns, new_figure, style_axes
 from ..linear.campbell import Campbell
 from ..linear.state_space import FrequencyResponse
 
 if TYPE_CHECKING:
-    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
 LINE_STYLES = {"forward": "-", "backward": "--", "planar": "-.", "mixed": ":"}  # by the sense of the whirl
-DECADES_MAX = 20  # [1] that are labelled each
 
 
 def plot_bode(response: FrequencyResponse, *, dark: bool = False) -> "Figure":
@@ -37,10 +34,9 @@ def plot_bode(response: FrequencyResponse, *, dark: bool = False) -> "Figure":
                 style_axes(axes, look)
             if response.H[:, :, column].any():
                 size.set_yscale("log")
-                decades(size.yaxis)
-            decades(phase.xaxis)
-            low, high = np.array(phase.get_ylim()) / 90.0
-            phase.set_yticks(90.0 * np.arange(np.ceil(low), np.floor(high) + 1.0))
+                label_decades(size.yaxis)
+            label_decades(phase.xaxis)
+            label_quarter_turns(phase)
             size.set_title(f"to {response.inputs[column]} [{response.input_units[column]}]")
             phase.set_xlabel("frequency ω [rad/s]")
         panels[0, 0].set_ylabel("magnitude")
@@ -60,13 +56,6 @@ def unwrapped_degrees(H: np.ndarray) -> np.ndarray:
         degrees = np.degrees(np.unwrap(np.angle(H[there])))
         found[there] = degrees - 360.0 * np.round((degrees[0] + 10.0) / 360.0)
     return found
-
-
-def decades(axis: "Axis") -> None:
-    """Label decades like 10⁻²: the figure style writes texts as they are, without mathematics."""
-    axis.set_major_locator(LogLocator(numticks=DECADES_MAX))
-    axis.set_major_formatter(lambda x, _: f"10{str(round(np.log10(x))).translate(SUPERSCRIPTS)}")
-    axis.set_minor_formatter("")
 
 
 def plot_campbell(diagram: Campbell, *, dark: bool = False) -> "Figure":
