@@ -15,7 +15,7 @@ from helpers.models import revolute_chain
 from helpers.sweep_models import ratio, shafts
 
 from bicycle import TYPICAL, Meijaard2007, whipple
-from mbsd3d import RK4, Kinematic, Stepper, simulate, sweep
+from mbsd3d import RK4, Kinematic, Stepper, read_urdf, simulate, sweep
 from mbsd3d.view.scene.artist import draw_system
 from validation.benchmark.precision import measure
 from validation.benchmark.problems import PROBLEMS
@@ -84,6 +84,21 @@ def test_a_thousand_bodies_are_drawn_in_three_seconds():
     chain = revolute_chain(1000)
     with within(3.0):  # 0.4 s on a free machine
         draw_system(chain)
+
+
+def test_a_robot_of_a_thousand_links_is_read_in_time_that_grows_with_its_links(tmp_path):
+    """Each joint has friction, whose damping asks for what hangs on it: summed anew for each, it takes 8 s."""
+    mass = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial>'
+    links = "".join(f'<link name="l{i}">{mass}</link>' for i in range(1001))
+    joints = "".join(
+        f'<joint name="j{i}" type="continuous"><parent link="l{i}"/><child link="l{i + 1}"/><axis xyz="0 0 1"/>'
+        '<dynamics friction="0.1"/></joint>'
+        for i in range(1000)
+    )
+    path = tmp_path / "robot.urdf"
+    path.write_text(f'<robot name="r">{links}{joints}</robot>')
+    with within(3.0):  # 0.3 s on a free machine
+        read_urdf(path, floating=False)
 
 
 @pytest.mark.parametrize(("build", "n"), [(revolute_chain, 1000), (ladder, 100)])
