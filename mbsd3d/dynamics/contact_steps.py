@@ -3,6 +3,10 @@
 The stages of a step see none of it if they lie before and after. So a step between two moments in the air may not turn
 a surface by more than a radian, unless it looks the same all the time; and where the clearance falls and rises again so
 that it may vanish, the step is tried anew up to where it is least.
+
+The load of a contact jumps or kinks where bodies touch and lift off. Adaptive steps find that by their error. Fixed
+steps would lose their order there: explicit ones are split at that time; implicit ones, which have no solution with an
+end at a jump, are not, and the certificate judges by how much the load changed.
 """
 
 from collections.abc import Sequence
@@ -21,6 +25,8 @@ from .applied_forces import kernels_of_all_forces
 TURN_PER_STEP_MAX = 1.0  # [rad] of a surface in a step between two moments without contact
 TURN_ROUNDING = 1e-6  # [1] of the turn: rounding of it, which changes no clearance
 CLEARANCE_DIP_SHARE = 0.25  # [1] of the depth of a dip: a cubic errs by a twelfth of it if a surface turns by a radian
+LANDING_SHARE_MIN = 1e-6  # [1] of a fixed step: it is split no nearer to its start
+LANDING_TRIES_MAX = 10  # [1] for the place where a fixed step is split; each errs by the fourth power of the one before
 OF_CONTACT = -1  # in place of the number of a gap
 GAPS = kernels_of_all_forces("gap")
 
@@ -77,8 +83,11 @@ def watch_contacts(m, d, run, end, t):
 
 @inner_kernel
 def begin_step(run):
-    """Set the longest next step from the angular velocities of separated bodies at its start."""
+    """Set the longest next step from the angular velocities of separated bodies at its start; fixed ones have none."""
     run.now.longest = np.inf
+    if run.task.steps > 0:
+        run.now.retried = 0
+        return
     for k in range(run.contacts.shape[0]):
         seen = run.gaps[k, 0]
         if seen[0] > 0.0 and seen[2] > 0.0:
@@ -130,13 +139,84 @@ def step_fraction_to_retry(m, d, run, h) -> float:
 
 
 @inner_kernel
-def may_hide_contact(m, d, run, h):
-    """Return True for an adaptive step h, whose end is in d, that could hide a contact; the step is rejected."""
-    if run.contacts.shape[0] == 0 or run.task.steps > 0:
+def fraction_to_level(start, end, h, level):
+    """Return the fraction of a step where the cubic of a clearance passes a level that lies between both ends."""
+    a, rise = start[1] * h, end[0] - start[0]
+    b = 3.0 * rise - h * (2.0 * start[1] + end[1])
+    c = h * (start[1] + end[1]) - 2.0 * rise
+    low, high = 0.0, 1.0
+    for _ in range(52):  # bits of a double
+        x = 0.5 * (low + high)
+        if (start[0] + x * (a + x * (b + x * c)) > level) == (start[0] > level):
+            low = x
+        else:
+            high = x
+    return high
+
+
+@late_kernel
+def landing_fraction(m, d, run, h) -> float:
+    """Return the fraction of the fixed step h, whose end is in d, up to where bodies touch or lift off; 1 if none do.
+
+    The load jumps as bodies touch. So that no stage lies on the wrong side, one step ends less than rtol lengths before
+    that, and the next one, which is short, as close behind it.
+    """
+    part, slack = 1.0, run.task.rtol * m.length
+    for k in range(run.contacts.shape[0]):
+        start, end = run.gaps[k, 0], run.gaps[k, 1]
+        if start[0] > slack and end[0] < 0.0:
+            part = min(part, fraction_to_level(start, end, h, 0.5 * slack))
+        elif start[0] > 0.0 and end[0] < -slack:
+            part = min(part, fraction_to_level(start, end, h, -0.5 * slack))
+        elif start[0] <= 0.0 and end[0] > slack:
+            part = min(part, fraction_to_level(start, end, h, 0.5 * slack))
+        elif start[0] > 0.0 and end[0] > 0.0 and start[1] < 0.0 and end[1] > 0.0:
+            x, least = least_of_cubic(start, end, h)
+            if least < CLEARANCE_DIP_SHARE * (min(start[0], end[0]) - least) - slack:
+                part = min(part, x)
+    apart = (run.task.t_end - run.task.t_start) / run.task.steps
+    return max(part, LANDING_SHARE_MIN * apart / h)
+
+
+@inner_kernel
+def note_jump(m, run, h):
+    """Keep the largest change of acceleration times h, per greatest velocity, over a step in which bodies touch."""
+    touching = -1
+    for k in range(run.contacts.shape[0]):
+        if run.gaps[k, 0, 0] > 0.0 and run.gaps[k, 1, 0] < -run.task.rtol * m.length:
+            touching = run.contacts[k, 0]
+    if touching < 0:
+        return
+    n, most = m.body.shape[0], 0.0
+    for i in range(n):
+        u = 7 * n + 6 * i
+        for j in range(3):
+            linear, angular = run.trial_rate[u + j] - run.dy[u + j], run.trial_rate[u + 3 + j] - run.dy[u + 3 + j]
+            most = max(most, abs(linear) / run.now.speed, abs(angular) / run.now.turn)
+    if h * most > run.now.jump:
+        run.now.jump, run.now.jump_by = h * most, touching
+
+
+@inner_kernel
+def may_hide_contact(m, d, run, h, implicit):
+    """Return True for a step h, whose end is in d, that is rejected for a contact.
+
+    An adaptive one could hide it; in a fixed one, which is split, it begins or ends.
+    """
+    if run.contacts.shape[0] == 0:
         return False
-    part = step_fraction_to_retry(m, d, run, h)
+    fixed = run.task.steps > 0
+    if not fixed:
+        part = step_fraction_to_retry(m, d, run, h)
+        run.now.step = part * h if part < 1.0 else run.now.step
+    else:
+        watch_contacts(m, d, run, 1, run.now.t + h)
+        part = landing_fraction(m, d, run, h) if not implicit and run.now.retried < LANDING_TRIES_MAX else 1.0
+        if part < 1.0:
+            run.now.longest = part * h
+        else:
+            note_jump(m, run, h)
     if part < 1.0:
-        run.now.step = part * h
         run.now.rejected += 1
-        run.now.retried = 1
+        run.now.retried += 1
     return part < 1.0

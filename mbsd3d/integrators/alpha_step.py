@@ -277,7 +277,7 @@ def step(m, d, s, g, run):
         return NOT_CLOSING
     if solved != SOLVED:
         return NO_SOLUTION
-    if not turns_are_certain(m, d, run, t_new, h) or may_hide_contact(m, d, run, h):
+    if not turns_are_certain(m, d, run, t_new, h) or may_hide_contact(m, d, run, h, True):
         return RUNNING
     end_rates(m, run, g, h)
     note_rows(s, run)

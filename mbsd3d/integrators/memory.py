@@ -39,7 +39,9 @@ NOW = [
     ("grid", int),  # of the equal steps those that are done: a signal that turns splits one
     ("rejected", int),
     ("evaluations", int),
-    ("longest", float),  # s, of the next step, where contacts in the air turn: touching.py
+    ("longest", float),  # s, of the next step, where contacts in the air turn, touch or lift off: contact_steps.py
+    ("jump", float),  # the most that velocities change in a fixed step, relative to the greatest, as bodies touch,
+    ("jump_by", int),  # and the force
     ("fresh", int),  # nothing has been evaluated since: 1, the tree is new; 2, a signal has jumped
     ("forced", int),  # 1: the step at hand has the least length, as over a jump of a force; 2: the last one had
     ("retried", int),  # 1: the step at hand has been rejected before: it may not grow

@@ -275,7 +275,7 @@ def step(m, d, s, g, run):
         return NOT_CLOSING
     if solved != SOLVED or not finite(run.trial_rate):
         return NO_SOLUTION
-    if not turns_are_certain(m, d, run, t_new, h) or may_hide_contact(m, d, run, h):
+    if not turns_are_certain(m, d, run, t_new, h) or may_hide_contact(m, d, run, h, True):
         return RUNNING
     note_rows(s, run)
     find_turns(m, run, h)

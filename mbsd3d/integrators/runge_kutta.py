@@ -219,7 +219,7 @@ def attempt(m, d, s, own, run):
             few = h * run.now.fastest < UNCOUNTED_TURN_MAX * m.length and not (
                 fixed and starts_to_turn(m, run, h, UNCOUNTED_TURN_MAX)
             )
-            if (few or turns_are_certain(m, d, run, t_new, h)) and not may_hide_contact(m, d, run, h):
+            if (few or turns_are_certain(m, d, run, t_new, h)) and not may_hide_contact(m, d, run, h, False):
                 return RUNNING, t_new, h, error
             continue
         if fixed:

@@ -81,7 +81,7 @@ def on_grid(run):
 
 @inner_kernel
 def end_of_step(run):
-    """Return (t_new, h) of the next step, which lands on t_end and where a signal turns.
+    """Return (t_new, h) of the next step, which lands on t_end, where a signal turns and, if fixed, where bodies touch.
 
     H = 0: none is short enough.
     """
@@ -89,6 +89,7 @@ def end_of_step(run):
     if task.steps > 0:
         end, close = on_grid(run)
         t_new = turn if turn <= end + close else end
+        t_new = min(t_new, t + run.now.longest)
         return t_new, max(t_new - t, least)
     h = min(run.now.step, task.max_step, run.now.longest)
     if h < least:

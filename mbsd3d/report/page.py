@@ -30,6 +30,8 @@ MEANING = {
     "joint velocities": "the joints are not torn apart",
     "orientations": "bodies turn by their angular velocities",
     "turns of hinges": "no turn is miscounted",
+    "signals": "steps follow the sines",
+    "contacts": "steps see bodies touch",
     "energy balance": "energy changes by the work done",
     "momentum balance": "momentum changes by the impulse",
     "angular momentum": "it changes by the angular impulse",

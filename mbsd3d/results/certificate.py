@@ -16,7 +16,7 @@ from ..equations.plausibility import loose_bodies
 from ..mechanism.joints import Joint
 from ..mechanism.limits import Limit
 from .checks.balances import balance_checks, work_note
-from .checks.between_stages import signal_checks, stage_notes
+from .checks.between_stages import signal_checks, stage_notes, touch_checks
 from .checks.check import DRIFT_LIMIT_MAX, PASSED, Check, drift_limit
 from .checks.equations import equation_checks, joint_checks, lost, residuals
 from .checks.rounding import rounding, rounding_checks, singular_notes
@@ -134,6 +134,7 @@ def certify(solution: RunResult) -> Certificate:
     if solution.t.size:
         missed, opened = residuals(solution), rounding(solution)
         joints = joint_checks(solution, missed) + turning_checks(solution) + signal_checks(solution)
+        joints += touch_checks(solution)
         equations = equation_checks(solution, missed, opened.singular)
         met = all(check.passed for check in joints + equations)
         checks = [*joints, *balance_checks(solution, limit, met), *equations]

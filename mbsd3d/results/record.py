@@ -12,6 +12,7 @@ from ..equations.compiled import History, Switches
 from ..integrators.dop853 import DOP853
 from ..integrators.method import Method
 from ..mechanism.measures import Condition
+from ..mechanism.mechanism import Mechanism
 
 RankEvent = tuple[float, int, str, bool]  # time [s], rows kept, reason, whether the row set changed
 
@@ -91,6 +92,8 @@ class Record(HasOptions):
     missed_by: str = ""  # that body
     farthest: float = 0.0  # rad, the farthest a body turned in a step
     farthest_by: str = ""  # that body
+    jump: float = 0.0  # the most that velocities change in a fixed step, relative to the greatest, as bodies touch
+    jump_by: str = ""  # the contact or stop
     stopped_by: str | None = None
     never_armed: str | None = None  # the condition to stop that has not been false since the start
     inputs: History = field(default_factory=dict)
@@ -105,10 +108,13 @@ class Record(HasOptions):
         """Return whether nothing is integrated: the poses follow from the drivers."""
         return self.method.order == 0
 
-    def note_turning(self, now: np.record, bodies: list[str]) -> None:
-        """Take over how far bodies turned, and how well turns and orientations follow from angular velocities."""
+    def note_extremes(self, now: np.record, system: Mechanism) -> None:
+        """Take over how far bodies turned, how well orientations follow from rates, and what contacts changed."""
+        bodies = [body.name for body in system.bodies]
         self.miscount, self.missed, self.farthest = (float(now[x]) for x in ("miscount", "missed", "farthest"))
         self.missed_by, self.farthest_by = bodies[int(now["missed_by"])], bodies[int(now["farthest_by"])]
+        if now["jump"] > 0.0:
+            self.jump, self.jump_by = float(now["jump"]), system.name(system.forces[int(now["jump_by"])])
 
 
 MOST_NUMBERS = 2**30  # that the samples of a run may hold: 8 GB

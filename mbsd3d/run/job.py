@@ -102,7 +102,7 @@ class Job:
         task["every_step"], task["condition"] = times is None, -1
         if (stop_when := self.options.stop_when) is not None:
             task["condition"], task["stop"], task["direction"] = 0, stop_when.value, stop_when.direction
-        now["t"], now["fresh"] = t, 1
+        now["t"], now["fresh"], now["longest"] = t, 1, np.inf
         run.rows["pivot"], run.rows["lowest"], run.rows["ahead"] = 1.0, 1.0, np.inf
         run.stiffness["patience"] = method.patience
         return run
@@ -292,7 +292,7 @@ class Job:
         record.evaluations, record.nearest = int(now["evaluations"]), float(run.rows["lowest"])
         record.speed = float(now["fastest"])
         record.open_audit = tuple(float(now[x]) for x in AUDITED_FIELDS)
-        record.note_turning(now, [body.name for body in self.compiled.system.bodies])
+        record.note_extremes(now, self.compiled.system)
         if self.options.stop_when is not None and now["armed"] == 0 and record.steps:
             record.never_armed = str(self.options.stop_when)
         arrays = self.samples.finished()

@@ -125,7 +125,7 @@ class Segments(Job):
             inputs={name: tuple(changes) for name, changes in self.history.items()},
         )  # fmt: skip
         record.open_audit = tuple(float(run.now[x]) for x in AUDITED_FIELDS)
-        record.note_turning(run.now, [body.name for body in self.compiled.system.bodies])
+        record.note_extremes(run.now, self.compiled.system)
         arrays = {name: array[:count].copy() for name, array in self.samples.arrays.items()}
         arrays["t"] = arrays["t"][:, 0]
         compiled = with_history(self.compiled, self.history)

@@ -7,11 +7,13 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from mbsd3d import (
+    DOP853,
     GROUND,
     RK4,
     Body,
     Cylindrical,
     EndStop,
+    GeneralizedAlpha,
     Prismatic,
     RadauIIA,
     Revolute,
@@ -123,6 +125,24 @@ def test_small_motions_on_the_stop_have_its_stiffness_and_damping():
     roots = np.roots([inertia, c, k])
     values = linearize(system, rest).eigenvalues
     assert all(min(abs(values - root)) < 1e-6 * abs(root) for root in roots)  # the rest is left to rtol
+
+
+@pytest.mark.parametrize("method", [RK4, DOP853])
+@pytest.mark.parametrize("dt", [0.00031, 0.0011, 0.0043])
+def test_explicit_fixed_steps_are_split_where_the_stop_is_touched(method, dt):
+    """Closed form of the rebound. Order 2 is left, where the stop lets go while it is pressed in; unsplit it is 1."""
+    inertia, w0, k, c, limit = 0.2, 3.0, 500.0, 4.0, 2.0 * np.pi * 0.2
+    system = drum(inertia, w0, stiffness=k, damping=c, upper=limit)
+    run = simulate(system, limit / w0 + 0.5, method=method(dt=dt))
+    assert run.rate("hinge")[-1] == pytest.approx(-1.7152200827543305, rel=60.0 * dt**2)  # twice the worst
+
+
+def test_implicit_fixed_steps_that_a_touch_falls_into_do_not_pass():
+    system = drum(0.2, 3.0, stiffness=500.0, damping=4.0, upper=0.4 * np.pi)
+    coarse = simulate(system, 0.9, method=GeneralizedAlpha(dt=0.0043)).certificate
+    assert not coarse["contacts"].passed and "'stop'" in coarse["contacts"].meaning
+    fine = simulate(system, 0.9, method=GeneralizedAlpha(dt=0.0002)).certificate
+    assert fine["contacts"].passed
 
 
 def test_no_step_jumps_over_a_stop_that_is_touched_in_between():

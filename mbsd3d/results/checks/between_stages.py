@@ -1,4 +1,4 @@
-"""What acts between the stages of steps without being seen: own forces that jump, and sines faster than fixed steps."""
+"""What acts between the stages of steps without being seen: own forces that jump, fast sines, contacts that touch."""
 
 from typing import NamedTuple
 
@@ -11,6 +11,7 @@ from ..result import RunResult
 from .check import Check
 
 STEPS_PER_PERIOD_MIN = 10  # [1] fixed steps in a period of a sine, for a resolved one
+TOUCH_CHANGE_MAX = 0.01  # [1] of the velocities in a fixed step in which bodies touch: when is open by up to a step
 PERIODS_PER_STEP_MAX = 0.5  # [1] of a sine in a fixed step: beyond, the stages may all see one phase (Nyquist)
 
 
@@ -51,6 +52,15 @@ def signal_checks(solution: RunResult) -> list[Check]:
     fastest = min(sines, key=lambda sine: sine.period)
     periods = dt / fastest.period
     return [Check("signals", periods, PERIODS_PER_STEP_MAX, f"'{fastest.part}' swings within a step; shorten dt")]
+
+
+def touch_checks(solution: RunResult) -> list[Check]:
+    """Return the check of contacts and stops whose load changed the velocities within implicit fixed steps."""
+    record = solution.record
+    if record.jump == 0.0:
+        return []
+    meaning = f"'{record.jump_by}' presses from somewhere within a step on; shorten dt, or use adaptive steps"
+    return [Check("contacts", record.jump, TOUCH_CHANGE_MAX, meaning)]
 
 
 def unseen_parts(solution: RunResult) -> list[str]:
