@@ -5,7 +5,32 @@ from collections.abc import Callable
 from importlib import import_module
 from importlib.util import resolve_name
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
+
+# What other programs call parts and functions: name -> what that is here.
+NAMES_ELSEWHERE = MappingProxyType({
+    "Hinge": "Revolute", "HingeJoint": "Revolute", "RevoluteJoint": "Revolute", "Pin": "Revolute",
+    "PinJoint": "Revolute", "Continuous": "Revolute", "Weld": "Fixed", "WeldJoint": "Fixed", "FixedJoint": "Fixed",
+    "Rigid": "Fixed", "Ball": "Spherical", "BallJoint": "Spherical", "SphericalJoint": "Spherical",
+    "Slide": "Prismatic", "Slider": "Prismatic", "SliderJoint": "Prismatic", "PrismaticJoint": "Prismatic",
+    "Translational": "Prismatic", "Hooke": "Universal", "Cardan": "Universal", "UniversalJoint": "Universal",
+    "Convel": "ConstantVelocity", "Rod": "Distance", "DistanceJoint": "Distance", "Inline": "PointOnLine",
+    "Inplane": "PointOnPlane", "CylindricalJoint": "Cylindrical", "PlanarJoint": "Planar", "ScrewJoint": "Screw",
+    "Helical": "Screw",
+    "Motor": "AngleDriver or SpeedDriver (a motion), Torque with an Input or TorqueCurve (a torque)",
+    "Motion": "AngleDriver, SlideDriver or PositionDriver", "Actuator": "LinearActuator, or a Torque with an Input",
+    "Servo": "StateFeedback, or a Torque with an Input set through Stepper",
+    "PID": "StateFeedback, or a Torque with an Input set through Stepper", "Spring": "SpringDamper",
+    "Damper": "SpringDamper", "TSDA": "SpringDamper", "RSDA": "TorsionSpring", "RotationalSpring": "TorsionSpring",
+    "Mount": "Bushing", "Bush": "Bushing", "BISTOP": "EndStop", "Stop": "EndStop",
+    "Friction": "Brake or JointFriction", "Mate": "a joint: Revolute, Prismatic, Fixed, ...", "Link": "Body",
+    "Part": "Body", "RigidBody": "Body", "Model": "System", "MultibodySystem": "System",
+    "World": "GROUND, in a System", "Ground": "GROUND", "Marker": "none: joints take at= and axis=",
+    "Track": "CurveContact", "Cam": "CurveContact", "Wheel": "Rolling, RollingDisc or Tyre", "Tire": "Tyre",
+    "Chart": "solution.plot()", "solve": "simulate", "integrate": "simulate", "run": "simulate",
+    "eigenfrequencies": "linearize(system, state).modes", "eigenvalues": "linearize(system, state).eigenvalues",
+})  # fmt: skip
 
 
 def attach(module: dict[str, Any]) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
@@ -21,7 +46,7 @@ def attach(module: dict[str, Any]) -> tuple[Callable[[str], Any], Callable[[], l
     def load(name: str) -> Any:
         """The object of a name."""
         if name not in places:
-            raise AttributeError(f"module {module['__name__']!r} has no attribute {name!r}")
+            raise unknown(module["__name__"], name)
         place, own = places[name]
         package = module["__spec__"].parent
         if place == ".":
@@ -31,6 +56,16 @@ def attach(module: dict[str, Any]) -> tuple[Callable[[str], Any], Callable[[], l
         return module[name]
 
     return load, names.copy, names
+
+
+def unknown(module: str, name: str) -> Exception:
+    """Return the error of a name that a module does not have.
+
+    Of names of other programs it is an ImportError: ``from mbsd3d import Weld`` keeps no text of an AttributeError.
+    """
+    if module == __package__ and name in NAMES_ELSEWHERE:
+        return ImportError(f"{module} has no {name!r}; here that is {NAMES_ELSEWHERE[name]}", name=name)
+    return AttributeError(f"module {module!r} has no attribute {name!r}")
 
 
 def places_of(stub: Path) -> dict[str, tuple[str, str]]:

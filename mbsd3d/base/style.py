@@ -202,7 +202,7 @@ def html_table(caption: str, head: Sequence[str], rows: Iterable[Sequence[str]])
 @contextmanager
 def new_figure(width: float, height: float, dark: bool = False) -> Iterator[tuple["Figure", Theme]]:
     """Make an empty figure [inch] with its colours, to be filled within the block."""
-    from matplotlib.figure import Figure  # takes half a second to load: only who draws waits for it
+    from .figure import Figure  # takes half a second to load: only who draws waits for it
 
     look = theme(dark)
     with figure_style(look):

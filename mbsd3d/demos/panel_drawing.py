@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import ArrayLike
 
+from ..base.figure import Figure
 from ..base.style import COLOURS, LIGHT, figure_style, style_axes
 
 GLOBE_VIEW = (25.0, 55.0)  # [deg] elevation and azimuth from which a sphere is seen

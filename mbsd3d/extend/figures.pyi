@@ -1,4 +1,5 @@
 # figures
+from ..base.figure import Figure as Figure
 from ..base.style import LINE_WIDTH_POINTS as LINE_WIDTH_POINTS
 from ..base.style import GRID_WIDTH_POINTS as GRID_WIDTH_POINTS
 from ..base.style import Theme as Theme

@@ -5,10 +5,10 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from ..base.checks import short_repr
 from ..base.errors import InputError
+from ..base.figure import Figure
 from ..base.style import LIGHT, figure_style, style_axes, with_superscripts
 from ..linear.modes import ModalAnalysis
 from ..mechanism.bodies import Body

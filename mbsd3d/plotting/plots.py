@@ -9,15 +9,16 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import matplotlib.figure
 import numpy as np
 from cycler import cycler
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullFormatter
 
 from ..base.checks import check_choice, short_repr
 from ..base.errors import InputError, checks_arguments
+from ..base.figure import Figure
 from ..base.paths import as_path, write_atomically
 from ..base.style import LINE_WIDTH_POINTS, Theme, figure_style, style_axes, theme
 from ..results.result import RunResult
@@ -171,13 +172,13 @@ def set_range(axes: Axes, panel: Panel, size: float) -> None:
 
 
 @checks_arguments
-def save_figure(figure: Figure, path: str | Path, *, pdf: bool = False) -> list[Path]:
+def save_figure(figure: matplotlib.figure.Figure, path: str | Path, *, pdf: bool = False) -> list[Path]:
     """Write a figure as PNG (150 dpi), SVG and, if ``pdf``, PDF; the same figure gives the same bytes.
 
     ``path`` is the name of all of them, without suffix or with one of theirs; ".pdf" asks for PDF too. Returns the
     files. ValueError if the folder cannot be written.
     """
-    if not isinstance(figure, Figure):
+    if not isinstance(figure, matplotlib.figure.Figure):
         raise InputError(
             f"save_figure: {short_repr(figure)} is not a figure; give one of matplotlib, e.g. of solution.plot()"
         )

@@ -1,9 +1,11 @@
 """The pages of docs/: their blocks print what they show, and what they name exists."""
 
+import ast
 import doctest
 import inspect
 import json
 import re
+import subprocess
 import sys
 import tomllib
 from importlib import import_module
@@ -57,6 +59,24 @@ def test_blocks_of_other_programs_print_what_is_shown(name, tmp_path, monkeypatc
     pytest.importorskip(PEERS[name], reason=f"{name} is run where it is installed")
     monkeypatch.chdir(tmp_path)
     assert run(PAGES[name], "python|py") > len(blocks(PAGES[name]))
+
+
+def test_a_picture_of_a_lesson_is_the_value_of_its_cell():
+    for lesson in sorted((DOCS / "notebooks").glob("*.ipynb")):
+        for cell in json.loads(lesson.read_text(encoding="utf-8"))["cells"]:
+            if any("image/png" in output.get("data", {}) for output in cell.get("outputs", ())):
+                assert isinstance(ast.parse("".join(cell["source"])).body[-1], ast.Expr), lesson.name
+
+
+def test_figures_show_themselves_in_a_fresh_process_without_pyplot():
+    code = (
+        "import sys; from mbsd3d import Body, System, simulate; from mbsd3d.extend import new_figure\n"
+        "run = simulate(System([Body('b', 1.0, (1, 2, 3), omega=(1, 2, 3))]), 0.1)\n"
+        "with new_figure(3, 2) as (figure, look): figure.subplots()\n"
+        "for shown in (run.plot(), run.picture(), figure):\n"
+        "    assert shown._repr_png_().startswith(b'\\x89PNG') and 'matplotlib.pyplot' not in sys.modules\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
 
 
 def test_blocks_that_are_not_run_say_so():

@@ -4,10 +4,9 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import GRID_WIDTH_POINTS, LINE_WIDTH_POINTS, figure_style, style_axes, theme
+from mbsd3d.extend import GRID_WIDTH_POINTS, LINE_WIDTH_POINTS, Figure, figure_style, style_axes, theme
 from validation.benchmark.candidates import CONSTRAINTS_LABEL, ENGINES, PEERS
 from validation.benchmark.precision import TARGET_ERRORS, Point, Reached, Row, time_to
 

@@ -3,10 +3,9 @@
 from collections.abc import Sequence
 
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from mbsd3d.extend import GRID_WIDTH_POINTS, LINE_WIDTH_POINTS, Theme, figure_style, style_axes, theme
+from mbsd3d.extend import GRID_WIDTH_POINTS, LINE_WIDTH_POINTS, Figure, Theme, figure_style, style_axes, theme
 
 Curves = Sequence[tuple[str, Sequence[float], Sequence[float]]]
 """Quantity, steps and differences of each."""

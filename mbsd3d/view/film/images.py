@@ -7,10 +7,10 @@ from typing import TypedDict
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
-from matplotlib.figure import Figure
 
 from ...base.checks import number, whole
 from ...base.errors import InputError
+from ...base.figure import Figure
 from ...base.style import Theme, figure_style, style_axes, theme
 from ...plotting.panels import Wanted
 from ...results.motion import Motion

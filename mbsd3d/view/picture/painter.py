@@ -10,10 +10,10 @@ from matplotlib.artist import Artist, allow_rasterization
 from matplotlib.axes import Axes
 from matplotlib.backend_bases import RendererBase
 from matplotlib.collections import LineCollection, PolyCollection
-from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.transforms import IdentityTransform
 
+from ...base.figure import Figure
 from ...base.rotations import matrix
 from ...base.style import LIGHT, Theme, channels
 from ..scene.camera import NEAR_PLANE_SHARE, Lens, length_text, round_down, window
