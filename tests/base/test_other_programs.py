@@ -5,7 +5,6 @@ import re
 import pytest
 
 import mbsd3d
-from mbsd3d.lazy import NAMES_ELSEWHERE
 
 
 def test_names_of_other_programs_say_what_they_are_called_here():
@@ -16,7 +15,7 @@ def test_names_of_other_programs_say_what_they_are_called_here():
 
 
 def test_what_they_are_called_here_exists():
-    for other, own in NAMES_ELSEWHERE.items():
+    for other, own in mbsd3d.lazy.NAMES_ELSEWHERE.items():
         assert other not in mbsd3d.__all__
         for name in re.findall(r"\b[A-Z][a-z]\w+", own):
             assert name in mbsd3d.__all__, other
