@@ -67,6 +67,16 @@ ASKED = {  # in the words of users of other programs: a page, or the table of te
     "prescribed base motion shaker": "how/drivers",
     "rope slack cable": "how/own_force",
     "hinge angle several turns": "conventions",
+    "crank slider": "examples",
+    "scissor lift": "examples",
+    "gripper": "examples",
+    "Grashof": "how/loops",
+    "eigenfrequency": "how/small_motions",
+    "Jupyter": "how/see",
+    "widget": "how/see",
+    "PID": "how/stepping",
+    "PSD": "how/spectra",
+    "conveyor": "how/small_motions",
 }
 SHOWN = 5  # results that one looks at
 
