@@ -2,34 +2,39 @@
 
 import numpy as np
 
-from mbsd3d import AngleDriver, Body, Polynomial, Revolute, System, rotation, shapes, simulate
+from mbsd3d import GROUND, AngleDriver, Body, Fixed, Polynomial, Revolute, System, rotation, shapes, simulate
+from mbsd3d.rotations import multiply
 
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity
 
-ROLL_SECONDS = 1.0  # [s] a roll by 360 degrees; the turn does not depend on it
+FALL_SECONDS = 0.6  # [s] for a roll by 360 degrees; the turn depends neither on it nor on the fall
+FALL_HEIGHT = 0.5 * 9.81 * FALL_SECONDS**2  # [m]
+PAWS_HEIGHT = 0.39  # [m] of the waist above the floor, feet down
 FUR_COLOUR = "peru"
 
 
 def mechanism(*, A=0.12, C=0.03, bend_deg=60.0) -> System:
     """Build halves (C, A, A) [kg m^2] along their own axes, bent by an angle at a massless waist about which both
-    roll."""
-    g, bodies, joints = np.radians(bend_deg) / 2, [], []
-    waist = Body("waist", 0.0, (0, 0, 0), shape=shapes.Sphere(0.09, colour=FUR_COLOUR))
+    roll, dropped upside down."""
+    g, bodies, joints, upside_down = np.radians(bend_deg) / 2, [], [], rotation("x", np.pi)
+    waist = Body("waist", 0.0, (0, 0, 0), orientation=upside_down, shape=shapes.Sphere(0.09, colour=FUR_COLOUR))
+    floor = Body("floor", 0.0, (0, 0, 0), position=(0, 0, -FALL_HEIGHT - PAWS_HEIGHT),
+                 shape=shapes.Box((1.4, 1.0, 0.02), colour="lightgrey"))  # fmt: skip
     for name, side in (("fore", 1), ("hind", -1)):
-        along = np.array([side * np.cos(g), 0, -np.sin(g)])  # away from the waist
+        along = np.array([side * np.cos(g), 0, np.sin(g)])  # away from the waist
         axis = side * along  # both roll the same way about the cat's length
-        turned = rotation("y", side * np.degrees(g), degrees=True)
+        turned = multiply(upside_down, rotation("y", side * g))
         legs = [shapes.Cylinder(0.03, 0.2, at=(side * 0.28, y, -0.16)) for y in (-0.08, 0.08)]
         form: list[shapes.Shape] = [shapes.Capsule(0.11, 0.3, "x", at=(side * 0.2, 0, 0), colour=FUR_COLOUR), *legs]
         form += [shapes.Sphere(0.1, at=(0.46, 0, 0.06), colour=FUR_COLOUR)] if side > 0 else []
         half = Body(name, 2.0, (C, A, A), orientation=turned, shape=form)
         hinge = Revolute(waist, half, at=(0, 0, 0), axis=axis, name=f"{name} roll")
         roll = AngleDriver(
-            hinge, Polynomial((0, 0, -6 * np.pi / ROLL_SECONDS**2, 4 * np.pi / ROLL_SECONDS**3)), name=f"{name} muscle"
+            hinge, Polynomial((0, 0, -6 * np.pi / FALL_SECONDS**2, 4 * np.pi / FALL_SECONDS**3)), name=f"{name} muscle"
         )
         bodies.append(half)
         joints += [hinge, roll]
-    return System([waist, *bodies], joints, gravity=(0, 0, 0))
+    return System([waist, *bodies, floor], [*joints, Fixed(GROUND, floor, at=floor.position)])
 
 
 def theory(*, A, C, bend_deg):
@@ -42,10 +47,11 @@ def theory(*, A, C, bend_deg):
 
 def measure(build, terms) -> Measured:
     """Measure the turn of the waist about the length of the cat, less the roll of the halves."""
-    run = simulate(build(), ROLL_SECONDS, rtol=1e-12, output=201, **terms)
+    run = simulate(build(), FALL_SECONDS, rtol=1e-12, output=201, **terms)
     R = run.rotation("waist")
     turn = np.degrees(np.unwrap(np.arctan2(R[:, 2, 1], R[:, 1, 1])))
     rolled = np.degrees(run.angle("fore roll"))
+    turn -= turn[0]
     known = -build.theory["net_turn_deg"] / 360 * rolled
     curve = Curve("turn of the cat beyond its roll [deg]", run.t, turn + rolled, (run.t, known))
     return Measured({"net_turn_deg": turn[-1] + rolled[-1]}, [run], [curve])
@@ -64,6 +70,6 @@ demo = Demo(
     quantities={"net_turn_deg": Quantity("turn of the cat after one roll", "deg")},
     ablation=Ablation("bend", "a straight cat does not turn", {"bend_deg": 0.0}),
     against=Against("bend_deg", 0.0, 120.0, "bend at the waist [deg]"),
-    show={"curves": [("angle", "fore roll"), "momentum"], "shown": [], "traces": [], "speed": 0.25},
+    show={"curves": [("angle", "fore roll"), "momentum"], "shown": [], "traces": [], "speed": 0.25, "view": (-70, 10)},
     ranges={"A": (0.09, 0.15), "C": (0.02, 0.05)},
 )
