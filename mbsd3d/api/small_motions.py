@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal, Unpack, overload
+from typing import TYPE_CHECKING, Any, Literal, TypeVar, Unpack, overload
 
 from numpy.typing import ArrayLike
 
@@ -29,6 +29,13 @@ if TYPE_CHECKING:
 
     from ..view.page.html import View
     from ..view.page.live import LiveView
+
+Public = TypeVar("Public")
+
+
+def as_public(cls: type[Public], found: Any) -> Public:
+    """Return what was found as the public class of the same fields."""
+    return cls(**{x.name: getattr(found, x.name) for x in fields(found)})
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -216,7 +223,7 @@ class FrequencyResponse(models.FrequencyResponse):
     >>> place = measures.position(stone, axis=(1, 0, 0))
     >>> free = state_space(System([stone], forces=[push], gravity=(0, 0, 0)), outputs=[place])
     >>> print(free.frequency_response([0.0]))
-    <frequency response: 1 outputs, 1 inputs, 1 frequencies 0 ... 0 rad/s>
+    <frequency response: 1 output, 1 input, 1 frequency 0 ... 0 rad/s>
     infinite at 0 rad/s, a pole: x of 'stone'
     """
 
@@ -266,8 +273,7 @@ class StateSpace(models.StateSpace):
     """
 
     def frequency_response(self, w: ArrayLike) -> FrequencyResponse:
-        found = super().frequency_response(w)
-        return FrequencyResponse(**{x.name: getattr(found, x.name) for x in fields(found)})
+        return as_public(FrequencyResponse, super().frequency_response(w))
 
     frequency_response.__doc__ = models.StateSpace.frequency_response.__doc__
 
@@ -341,7 +347,7 @@ def state_space(
     """
     start = start_of(system, state, "state_space")
     found = models.state_space_at(system, start, inputs, outputs, driver=driver, tolerance=tolerance)
-    return StateSpace(**{x.name: getattr(found, x.name) for x in fields(found)})
+    return as_public(StateSpace, found)
 
 
 @checks_method_arguments
@@ -435,5 +441,4 @@ def campbell(system: System, *, spin: Joint | Measure, speeds: ArrayLike, state:
             return diagrams.turning_state(system, pose, hinge, speed)
     else:
         raise InputError(f"campbell: spin: {short_repr(spin)}; give a hinge, or measures.omega(rotor, axis=...)")
-    found = diagrams.campbell_of(system, state_at, axis, speeds)
-    return Campbell(**{x.name: getattr(found, x.name) for x in fields(found)})
+    return as_public(Campbell, diagrams.campbell_of(system, state_at, axis, speeds))

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 from ..base.checks import as_tuple, check_choice, check_size, floats, number, reporting_linalg_errors, short_repr
 from ..base.concurrency import on_one_thread
 from ..base.errors import InputError
+from ..base.style import counted
 from ..equations.compiled import Switches
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.signals.signal import Input
@@ -70,8 +71,9 @@ class FrequencyResponse:
 
     def __repr__(self) -> str:
         """Return size and range, and where H is infinite."""
-        lines = [f"<frequency response: {len(self.outputs)} outputs, {len(self.inputs)} inputs, {self.w.size} "
-                 f"frequencies {self.w.min():g} ... {self.w.max():g} rad/s>"]  # fmt: skip
+        sizes = counted(len(self.outputs), "output"), counted(len(self.inputs), "input")
+        count = counted(self.w.size, "frequency")
+        lines = [f"<frequency response: {', '.join(sizes)}, {count} {self.w.min():g} ... {self.w.max():g} rad/s>"]
         return "\n".join([*lines, *(f"infinite at {w:g} rad/s, a pole: {mode}" for w, mode in self.at_poles)])
 
 
@@ -215,7 +217,8 @@ class StateSpace:
 
     def __repr__(self) -> str:
         """Return names, units and poles."""
-        rows = [f"{len(self.states)} states, {len(self.inputs)} inputs, {len(self.outputs)} outputs"]
+        sizes = (len(self.states), "state"), (len(self.inputs), "input"), (len(self.outputs), "output")
+        rows = [", ".join(counted(*size) for size in sizes)]
         for title, names, units in (
             ("input", self.inputs, self.input_units), ("output", self.outputs, self.output_units),
         ):  # fmt: skip
