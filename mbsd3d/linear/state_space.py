@@ -54,6 +54,7 @@ POLE_ROUNDING = 1e-12  # [1] of the fastest rate: a frequency nearer to a pole t
 RESIDUE_ROUNDING = 1e-9  # [1] of the sizes of its factors: a residue below that is none, the pole does not show
 FEEDTHROUGH_ROUNDING = 1e-12  # [1] of the size of an output: what rounding makes of no dependence on u' or u''
 FREQUENCY_COUNT = 601  # [1] frequencies of a Bode plot: lightly damped peaks show
+SEEN_ROUNDING = 1e-12  # [1] of A: what rounding leaves of a state that no output sees, some 1e-15, is below it
 RANK_ROUNDING = 1e-10  # [1] of the largest singular value: rank decisions for zeros
 
 
@@ -125,6 +126,16 @@ class StateSpace:
         return self.A * x / x[:, None] / self.rate, self.B / x[:, None] / self.rate, self.C * x
 
     @cached_property
+    def seen(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return dimensionless (A, B, C) of the combinations of states that outputs depend on.
+
+        A heading or a place that no output sees would leave its own rounding over w, to the power of its drift.
+        """
+        A, B, C = self.scaled
+        V = seen_states(A, C)
+        return V @ A @ V.T, V @ B, C @ V.T
+
+    @cached_property
     def poles(self) -> np.ndarray:
         """Return the eigenvalues of A [1/s], by frequency, then real part; zeros are exact."""
         return spectrum(self.scaled[0])[0] * self.rate
@@ -152,6 +163,7 @@ class StateSpace:
             raise InputError(f"frequency_response: w has shape {given.shape}; give one or more frequencies in rad/s")
         check_size(given, "frequency_response: w")
         A, B, C = self.scaled
+        seen_A, seen_B, seen_C = self.seen
         values, vectors = spectrum(A)
         H, poles = np.empty((given.size, *self.D.shape), complex), []
         for k, omega in enumerate(given.tolist()):
@@ -162,7 +174,7 @@ class StateSpace:
                 if motion is not None:
                     poles.append((omega, self.name_of(1j * omega, motion * self.scale)))
             else:
-                H[k] = C @ np.linalg.solve(s * np.eye(len(A)) - A, B.astype(complex))
+                H[k] = seen_C @ np.linalg.solve(s * np.eye(len(seen_A)) - seen_A, seen_B.astype(complex))
             H[k] += self.D + 1j * omega * self.D1 - omega**2 * self.D2
         return FrequencyResponse(given, H, self.outputs, self.inputs, self.output_units, self.input_units, tuple(poles))
 
@@ -240,6 +252,21 @@ def index(names: tuple[str, ...], wanted: Any, what: str) -> list[int]:
             raise InputError(f"select: {what}: {short_repr(x)} is not one of {', '.join(map(repr, names))}")
         found.append(int(k) % len(names))
     return found
+
+
+def seen_states(A: np.ndarray, C: np.ndarray) -> np.ndarray:
+    """Return an orthonormal basis (k, n), in rows, of what C, C A, C A^2, ... depend on."""
+    size, least = np.linalg.norm(C, axis=1), SEEN_ROUNDING * max(1.0, float(np.linalg.norm(A, 2)))
+    V, new = np.zeros((0, len(A))), C[size > 0.0] / size[size > 0.0, None]
+    while len(V) < len(A):
+        for _ in range(2):  # a second time for what rounding leaves of the first
+            new = new - new @ V.T @ V
+        _, s, rows = np.linalg.svd(new, full_matrices=False)
+        fresh = rows[s > least]
+        if not len(fresh):
+            break
+        V, new = np.vstack([V, fresh]), fresh @ A
+    return V
 
 
 def at_pole(

@@ -240,6 +240,8 @@ WHIPPLE = {  # speed [m/s]: lean and steer [rad/(N m)], yaw rate [rad/(N m s)] t
            0.7910834010933074 - 0.6928839918461562j)),
 }  # fmt: skip
 
+WHIPPLE_STEADY = {3.0: (-0.15742927500955423, -0.18831509679909428), 5.0: (-1.0829319076142712, -0.45515116121310417)}
+
 
 @pytest.mark.parametrize("speed", WHIPPLE)
 def test_benchmark_bicycle(speed):
@@ -254,6 +256,8 @@ def test_benchmark_bicycle(speed):
     B = state_space(bicycle, plain.state(), outputs=[("derivative", measures.lean_rate(frame)),
                                                      ("derivative", measures.rate(steer))]).D  # fmt: skip
     assert worst(B[:, 0], (-0.12409202541157413, 4.323840180804228)) < 1e-9  # published digits
+    slow = model.frequency_response([1e-6]).H[0, :2, 0]  # heading and place drift as 1 / w^3, and no output sees them
+    assert worst(slow.real, WHIPPLE_STEADY[speed]) < 1e-8 and np.abs(slow.imag).max() < 1e-4
 
 
 def quarter_car(ct):
