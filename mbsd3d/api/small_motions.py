@@ -311,7 +311,8 @@ def state_space(
         Of `mbsd3d.measures`; ``("derivative", measure)``, its rate of change; ``("acceleration", body)`` of the
         reference point [m/s^2] and ``("alpha", body)`` [rad/s^2], three components each; ``("reaction", joint)``, force
         [N] and moment [N m] on body b at the joint's point (where that travels, the force alone);
-        ``("effort", driver)``. Vectors are in world axes, turning with the mechanism if that turns as a whole.
+        ``("effort", driver)``; ``("force", element)``, force and moment of a force element on its last body but the
+        ground, as of a reaction. Vectors are in world axes, turning with the mechanism if that turns as a whole.
     inputs : sequence of Input or str, or None
         The inputs u in their order; None = all of the system.
     driver : "position" or "acceleration"
