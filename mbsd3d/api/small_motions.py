@@ -1,10 +1,11 @@
 """`linearize`: small motions about an equilibrium or a steady motion, as modes that can be plotted and animated."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, Unpack, overload
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import number, short_repr
@@ -18,6 +19,7 @@ from ..linear.linearization import linearize_at
 from ..mechanism.bodies import Body
 from ..mechanism.joints import Joint
 from ..mechanism.measures import Measure
+from ..mechanism.mechanism import Mechanism
 from ..mechanism.signals.signal import Input
 from ..mechanism.state import State
 from .simulation import start_of
@@ -401,7 +403,8 @@ def campbell(system: System, *, spin: Joint | Measure, speeds: ArrayLike, state:
         Its rotors are symmetric about their axes, or the equations change as they turn and are refused.
     spin : Joint or Measure
         The hinge that turns at the speed, or `measures.omega` of a rotor that no joint holds, but bushings. Body a of
-        the hinge stands still, as a pedestal on springs; body b is the rotor.
+        the hinge stands still, as a pedestal on springs; body b is the rotor. Where an AngleDriver or a SpeedDriver
+        turns the hinge it turns it at each of the speeds, whatever its signal.
     speeds : (n,) array_like
         Two or more, ascending [rad/s]; a critical speed between two of them is found to rounding.
     state : State or None
@@ -432,14 +435,15 @@ def campbell(system: System, *, spin: Joint | Measure, speeds: ArrayLike, state:
     if isinstance(spin, Measure) and spin.kind == "omega" and isinstance(spin.b, Body):
         axis, rotor = spin.axis, spin.b
 
-        def state_at(speed: float) -> State:
-            return diagrams.spinning_state(system, rest, rotor, axis, speed)
+        def at(speed: float) -> tuple[Mechanism, State]:
+            return system, diagrams.spinning_state(system, rest, rotor, axis, speed)
     elif isinstance(spin, Joint):
-        pose = system.assemble(near=rest)
+        pose = replace(system.assemble(near=rest), v=np.zeros(rest.v.size))
         axis, hinge = diagrams.axis_of(system, pose, spin), spin
 
-        def state_at(speed: float) -> State:
-            return diagrams.turning_state(system, pose, hinge, speed)
+        def at(speed: float) -> tuple[Mechanism, State]:
+            driven = diagrams.driven_at(system, hinge, speed, pose.t)
+            return driven, diagrams.turning_state(driven, pose, hinge, speed)
     else:
         raise InputError(f"campbell: spin: {short_repr(spin)}; give a hinge, or measures.omega(rotor, axis=...)")
-    return as_public(Campbell, diagrams.campbell_of(system, state_at, axis, speeds))
+    return as_public(Campbell, diagrams.campbell_of(at, axis, speeds))
