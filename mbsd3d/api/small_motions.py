@@ -1,15 +1,16 @@
 """`linearize`: small motions about an equilibrium or a steady motion, as modes that can be plotted and animated."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal, TypeVar, Unpack, overload
+from typing import TYPE_CHECKING, Any, Literal, Unpack, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import number, short_repr
 from ..base.errors import InputError, checks_arguments, checks_method_arguments
+from ..base.fields import as_public
 from ..equations.compiled import Switches
 from ..linear import campbell as diagrams
 from ..linear import modes
@@ -31,13 +32,6 @@ if TYPE_CHECKING:
 
     from ..view.page.html import View
     from ..view.page.live import LiveView
-
-Public = TypeVar("Public")
-
-
-def as_public(cls: type[Public], found: Any) -> Public:
-    """Return what was found as the public class of the same fields."""
-    return cls(**{x.name: getattr(found, x.name) for x in fields(found)})
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -126,6 +126,8 @@ def answers(folder):
     yield m.spectrum, {"t": np.arange(8.0), "values": np.arange(8.0), "rate": 0.9, "window": "hann"}
     yield waves.at, {"order": 0.125}
     yield waves.levels, {"reference": 1e-6}
+    yield waves.plot, {"dark": False}
+    yield even.density("reaction", HINGE, segments=1).plot, {"dark": False}
     yield run.report, {"path": folder / "report.html", "title": "run", "curves": ["energy"], "dark": False}
     yield run.save, {"path": folder / "again"}
     yield run.to_csv, {"path": folder / "run.csv"}
