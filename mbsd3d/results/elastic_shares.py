@@ -61,15 +61,16 @@ def by_row(compiled: Compiled, given: PairsOfJoints, name: str) -> np.ndarray:
     """Return for every row the number of its joint that has its unit; NaN where a joint is not given."""
     system, metres = compiled.system, compiled.model.row["metres"] == 1
     pairs = given if isinstance(given, Mapping) else {None: given}
-    joints = {id(joint): pair_of(pairs[None], name, "every joint") for joint in system.joints if None in pairs}
+    found, seen = np.full(metres.size, np.nan), set[str]()
+    if None in pairs:
+        found[:] = np.where(metres, *pair_of(pairs[None], name, "every joint"))
     for key in (key for key in pairs if key is not None):
         joint: Joint = system.part(key, "joints")
-        joints[id(joint)] = pair_of(pairs[key], name, f"'{system.name(joint)}'")
-    found = np.full(metres.size, np.nan)
-    for joint in system.joints:
-        if pair := joints.get(id(joint)):
-            rows = compiled.rows[id(joint)]
-            found[rows] = np.where(metres[rows], *pair)
+        joint_name, rows = system.name(joint), compiled.rows[id(joint)]
+        if joint_name in seen:
+            raise InputError(f"solution.reaction: {name}: '{joint_name}' is given twice; give each joint once")
+        seen.add(joint_name)
+        found[rows] = np.where(metres[rows], *pair_of(pairs[key], name, f"'{joint_name}'"))
     return found
 
 

@@ -265,6 +265,9 @@ def test_a_bent_constant_velocity_joint_takes_half_of_the_torque_beside_a_weld_a
 )  # fmt: skip
 def test_what_is_missing_or_wrong_is_named(given, said):
     run = accelerations(on_hinges(door))
+    with pytest.raises(ValueError) as twice:
+        run.reaction("top", shares="elastic", stiffness={"low": (1, 1), run.system.joints[0]: (1, 1)})
+    assert "'low' is given twice" in str(twice.value)
     with pytest.raises(ValueError) as caught:
         run.reaction("top", **given)
     assert said in str(caught.value)
