@@ -5,6 +5,7 @@ Prints::
     counted -4 freedoms, there is 1; first cure: remove 'upper' (Revolute) (5 rows, all independent)
     share of the upper hinge unique: False
     both together: [ -7.898  -4.315 196.2  ] N
+    of equal stiffness: [-59.282 -32.386  98.1  ] N above, up to 100 N more for 10 um along the axis
     hung on one: [-67.564   0.      0.   ] N above; True
     statics and spin: -67.564 N above
 """
@@ -21,6 +22,9 @@ print(f"counted {found.gruebler} freedoms, there is {found.mobility}; first cure
 swing = simulate(door, 0.5)
 print("share of the upper hinge unique:", swing.reaction(upper).unique)
 print("both together:", swing.reaction(upper, lower).force[-1].round(3), "N")
+alike = swing.reaction(upper, shares="range", stiffness=(1e7, 1e3), tolerances=(1e-5, 0.0))
+print("of equal stiffness:", alike.force[-1].round(3), "N above, ", end="")
+print(f"up to {alike.force_margin[-1, 2]:.0f} N more for 10 um along the axis")
 
 carrying = Spherical(GROUND, leaf, at=(0, 0, -0.7), name="lower")  # as doors are hung: one hinge carries
 guiding = PointOnLine(GROUND, leaf, at=(0, 0, 0.7), axis=(0, 0, 1), name="upper")

@@ -19,6 +19,10 @@ from .api.small_motions import campbell as campbell
 from .api.small_motions import linearize as linearize
 from .api.small_motions import state_space as state_space
 from .api.solution import Solution as Solution
+from .api.spectra import Density as Density
+from .api.spectra import Spectrum as Spectrum
+from .api.spectra import Waterfall as Waterfall
+from .api.spectra import spectrum as spectrum
 from .api.stepper import Stepper as Stepper
 from .api.system import System as System
 from .base.errors import AssemblyError as AssemblyError
@@ -102,9 +106,6 @@ from .results.bearings import RollingBearing as RollingBearing
 from .results.bearings import bearing_load as bearing_load
 from .results.bearings import bearing_pair as bearing_pair
 from .results.bearings import reliability_factor as reliability_factor
-from .results.spectrum import Density as Density
-from .results.spectrum import Spectrum as Spectrum
-from .results.spectrum import spectrum as spectrum
 from .sweeps.grids import Samples as Samples
 from .sweeps.grids import samples as samples
 from .sweeps.sweep import sweep as sweep

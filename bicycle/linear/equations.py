@@ -48,6 +48,11 @@ class Canonical:
         A[..., 2:, 2:] = -np.linalg.solve(self.M, v * self.C1)
         return A
 
+    def dynamic_stiffness(self, speed: float, frequencies: np.ndarray) -> np.ndarray:
+        """Return the torques per lean and steer that oscillate at n frequencies [rad/s], shape (n, 2, 2) [N m/rad]."""
+        s = 1j * frequencies[:, None, None]
+        return s**2 * self.M + s * speed * self.C1 + self.g * self.K0 + speed**2 * self.K2
+
     def eigenvalues(self, speeds: ArrayLike) -> np.ndarray:
         """Return the eigenvalues [1/s] at n speeds [m/s], each row by real part, conjugates together, shape (n, 4)."""
         return np.sort_complex(np.linalg.eigvals(self.A(checked_speeds(speeds))))

@@ -1,14 +1,11 @@
 """Frequency response of a bicycle: lean and steer to lean and steer torque, from the general model, with a Bode plot.
 
-    x' = A x + B u,   H(omega) = C (i omega - A)^-1 B,   x = (lean, steer, rates),   u = (lean torque, steer torque)
-
-A comes from `mbsd3d.linearize`; on tyres x has more states, see `bicycle.linear.tyre_equations`. Accelerations are
-affine in torques, so the columns of B are what the rates in x gain by the accelerations of 1 N m, exact to rounding.
+The general model is that of `mbsd3d.state_space`; growth is that of lean and steer alone, or of what
+`bicycle.linear.tyre_equations` keeps. The closed form is the inverse of its dynamic stiffness.
 Positive to the right; the lean torque acts on the frame about the forward direction, the steer torque on the fork from
 the frame about the steer axis.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,12 +13,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mbsd3d import System, Torque, accelerations, linearize
+from mbsd3d import Input, StateSpace, System, Torque, linearize, state_space
 from mbsd3d.errors import InputError
 from mbsd3d.extend import (
     GRID_WIDTH_POINTS,
     LINE_WIDTH_POINTS,
-    Measure,
     Theme,
     label_decades,
     label_quarter_turns,
@@ -35,11 +31,13 @@ from ..output import write_table
 from ..parameters import Parameters
 from .equations import canonical, checked_list, checked_speeds
 from .general import Build
-from .tyre_equations import matrix, sideways
+from .tyre_equations import GROWTH_ROUNDING, growth, matrix
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+TORQUES = ("lean torque", "steer torque")
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +54,7 @@ class Response:
     H: np.ndarray  # (k, n, 2, 2) complex
     growth: np.ndarray  # (k,) [1/s]
     outputs: tuple[str, str] = ("lean", "steer")
-    inputs: tuple[str, str] = ("lean torque", "steer torque")
+    inputs: tuple[str, str] = TORQUES
 
     def to_csv(self, path: str | Path) -> Path:
         """Write one row per speed and frequency; return the file."""
@@ -105,51 +103,30 @@ def response(
         raise InputError("response: the closed form has ideal wheels; leave out tyres, or give a model")
     if fittings and tyres is None:
         raise InputError(f"response: {', '.join(fittings)} without tyres; give tyres, e.g. bicycle.TYPICAL")
-    found, growth = [], []
+    found, grows = [], []
     for v in speeds.tolist():
         if build is None:
-            A, B = closed_form(parameters, v)
+            linear = canonical(parameters)
+            H, fastest = np.linalg.inv(linear.dynamic_stiffness(v, omega)), growth(linear.A(v))
         else:
-            A, B = model(build(parameters, speed=v, **({"tyres": tyres} | fittings if tyres else {})), v)
-        found.append(np.linalg.solve(1j * omega[:, None, None] * np.eye(len(A)) - A, B.astype(complex))[:, :2])
-        growth.append(np.linalg.eigvals(A).real.max())
-    return Response(parameters, speeds, omega, np.array(found), np.array(growth))
+            model, fastest = torqued(build(parameters, speed=v, **({"tyres": tyres} | fittings if tyres else {})), v)
+            H = model.frequency_response(omega).H
+        found.append(H)
+        grows.append(fastest)
+    return Response(parameters, speeds, omega, np.array(found), np.array(grows))
 
 
-def closed_form(parameters: Parameters, speed: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return A (4, 4) and B (4, 2) of the equations of the paper."""
-    linear = canonical(parameters)
-    return linear.A(speed), np.vstack([np.zeros((2, 2)), np.linalg.inv(linear.M)])
-
-
-def model(bicycle: System, speed: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return A (k, k) and B (k, 2) of a model that runs straight at a speed [m/s]."""
-    if any(force.name == "rear tyre" for force in bicycle.forces):
-        return matrix(bicycle, speed), inputs(bicycle, sideways(bicycle)[:-1])
-    seen = outputs(bicycle)
-    return linearize(bicycle, outputs=seen).A, inputs(bicycle, seen)
-
-
-def inputs(bicycle: System, seen: Sequence[Measure]) -> np.ndarray:
-    """Return B, the effect of 1 N m of lean torque and of steer torque on the rates of measures (k,), shape (k, 2).
-
-    Those of places and deflections follow from the state, so only rates gain something; they are linear in velocities:
-    their own rates gain what they would show if the velocities were larger by the accelerations.
-    """
-    frame, fork, steer = bicycle.part("frame"), bicycle.part("fork"), bicycle.part("steer", "joints")
-    forward, down = (1.0, 0.0, 0.0), steer.axis
-    torques = ([Torque(frame, forward)], [Torque(fork, down), Torque(frame, -down)])
-    start = bicycle.state()
-
-    def moved(forces: list[Torque]) -> np.ndarray:
-        """Return the measures with the accelerations under additional torques as further velocities."""
-        found = accelerations(replace(bicycle, forces=[*bicycle.forces, *forces]), start)
-        gain = [x for body in bicycle.bodies for x in (found.acceleration(body)[0], found.alpha(body)[0])]
-        faster = accelerations(bicycle, replace(start, v=start.v + np.concatenate(gain)))
-        return np.array([faster.measure(one)[0] for one in seen])
-
-    rest = moved([])
-    return np.array([moved(forces) - rest for forces in torques]).T
+def torqued(bicycle: System, speed: float) -> tuple[StateSpace, float]:
+    """Return the model from torques to lean and steer of a straight run at a speed [m/s], and its fastest growth."""
+    on_tyres = any(force.name == "rear tyre" for force in bicycle.forces)
+    A = matrix(bicycle, speed) if on_tyres else linearize(bicycle, outputs=outputs(bicycle)).A
+    frame, fork, down = bicycle.part("frame"), bicycle.part("fork"), bicycle.part("steer", "joints").axis
+    lean, steer = map(Input, TORQUES)
+    torques = [Torque(frame, (lean, 0.0, 0.0)), Torque(fork, tuple(x * steer for x in down)),
+               Torque(frame, tuple(-x * steer for x in down))]  # fmt: skip
+    driven = replace(bicycle, forces=[*bicycle.forces, *torques])
+    found = state_space(driven, driven.state(), inputs=TORQUES, outputs=outputs(driven)[:2], tolerance=GROWTH_ROUNDING)
+    return found, growth(A)
 
 
 def plot_response(found: Response, *, beside: Response | None = None, dark: bool = False) -> "Figure":
@@ -184,8 +161,8 @@ def plot_response(found: Response, *, beside: Response | None = None, dark: bool
 
 def draw_lines(size: "Axes", phase: "Axes", found: Response, H: np.ndarray, look: Theme, *, thin: bool = False) -> None:
     """Draw magnitude and phase of one output to one input, (speeds, frequencies)."""
-    for k, (v, growth) in enumerate(zip(found.speeds, found.growth, strict=True)):
-        falls = growth > 0.0
+    for k, (v, fastest) in enumerate(zip(found.speeds, found.growth, strict=True)):
+        falls = fastest > 0.0
         style = {
             "color": look.colour(k),
             "linestyle": "--" if falls else "-",

@@ -167,7 +167,7 @@ class Study:
         """
         rate, (_, off) = self.preset.engine(self.rpm).rate, self.differences
         order = float(self.here.orders[1:][off.argmax()])
-        values = np.linalg.eigvals(self.on_mounts.turning(rate))
+        values = self.on_mounts.model(rate).poles
         values = values[values.imag > 0.0]
         w, z = np.abs(values), -values.real / np.abs(values)
         r = order * rate / w

@@ -1,14 +1,16 @@
 """`linearize`: small motions about an equilibrium or a steady motion, as modes that can be plotted and animated."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, Unpack, overload
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import number, short_repr
 from ..base.errors import InputError, checks_arguments, checks_method_arguments
+from ..base.fields import as_public
 from ..equations.compiled import Switches
 from ..linear import campbell as diagrams
 from ..linear import modes
@@ -18,6 +20,7 @@ from ..linear.linearization import linearize_at
 from ..mechanism.bodies import Body
 from ..mechanism.joints import Joint
 from ..mechanism.measures import Measure
+from ..mechanism.mechanism import Mechanism
 from ..mechanism.signals.signal import Input
 from ..mechanism.state import State
 from .simulation import start_of
@@ -216,7 +219,7 @@ class FrequencyResponse(models.FrequencyResponse):
     >>> place = measures.position(stone, axis=(1, 0, 0))
     >>> free = state_space(System([stone], forces=[push], gravity=(0, 0, 0)), outputs=[place])
     >>> print(free.frequency_response([0.0]))
-    <frequency response: 1 outputs, 1 inputs, 1 frequencies 0 ... 0 rad/s>
+    <frequency response: 1 output, 1 input, 1 frequency 0 ... 0 rad/s>
     infinite at 0 rad/s, a pole: x of 'stone'
     """
 
@@ -266,8 +269,7 @@ class StateSpace(models.StateSpace):
     """
 
     def frequency_response(self, w: ArrayLike) -> FrequencyResponse:
-        found = super().frequency_response(w)
-        return FrequencyResponse(**{x.name: getattr(found, x.name) for x in fields(found)})
+        return as_public(FrequencyResponse, super().frequency_response(w))
 
     frequency_response.__doc__ = models.StateSpace.frequency_response.__doc__
 
@@ -305,7 +307,8 @@ def state_space(
         Of `mbsd3d.measures`; ``("derivative", measure)``, its rate of change; ``("acceleration", body)`` of the
         reference point [m/s^2] and ``("alpha", body)`` [rad/s^2], three components each; ``("reaction", joint)``, force
         [N] and moment [N m] on body b at the joint's point (where that travels, the force alone);
-        ``("effort", driver)``. Vectors are in world axes, turning with the mechanism if that turns as a whole.
+        ``("effort", driver)``; ``("force", element)``, force and moment of a force element on its last body but the
+        ground, as of a reaction. Vectors are in world axes, turning with the mechanism if that turns as a whole.
     inputs : sequence of Input or str, or None
         The inputs u in their order; None = all of the system.
     driver : "position" or "acceleration"
@@ -341,7 +344,7 @@ def state_space(
     """
     start = start_of(system, state, "state_space")
     found = models.state_space_at(system, start, inputs, outputs, driver=driver, tolerance=tolerance)
-    return StateSpace(**{x.name: getattr(found, x.name) for x in fields(found)})
+    return as_public(StateSpace, found)
 
 
 @checks_method_arguments
@@ -394,7 +397,8 @@ def campbell(system: System, *, spin: Joint | Measure, speeds: ArrayLike, state:
         Its rotors are symmetric about their axes, or the equations change as they turn and are refused.
     spin : Joint or Measure
         The hinge that turns at the speed, or `measures.omega` of a rotor that no joint holds, but bushings. Body a of
-        the hinge stands still, as a pedestal on springs; body b is the rotor.
+        the hinge stands still, as a pedestal on springs; body b is the rotor. Where an AngleDriver or a SpeedDriver
+        turns the hinge it turns it at each of the speeds, whatever its signal.
     speeds : (n,) array_like
         Two or more, ascending [rad/s]; a critical speed between two of them is found to rounding.
     state : State or None
@@ -425,15 +429,15 @@ def campbell(system: System, *, spin: Joint | Measure, speeds: ArrayLike, state:
     if isinstance(spin, Measure) and spin.kind == "omega" and isinstance(spin.b, Body):
         axis, rotor = spin.axis, spin.b
 
-        def state_at(speed: float) -> State:
-            return diagrams.spinning_state(system, rest, rotor, axis, speed)
+        def at(speed: float) -> tuple[Mechanism, State]:
+            return system, diagrams.spinning_state(system, rest, rotor, axis, speed)
     elif isinstance(spin, Joint):
-        pose = system.assemble(near=rest)
+        pose = replace(system.assemble(near=rest), v=np.zeros(rest.v.size))
         axis, hinge = diagrams.axis_of(system, pose, spin), spin
 
-        def state_at(speed: float) -> State:
-            return diagrams.turning_state(system, pose, hinge, speed)
+        def at(speed: float) -> tuple[Mechanism, State]:
+            driven = diagrams.driven_at(system, hinge, speed, pose.t)
+            return driven, diagrams.turning_state(driven, pose, hinge, speed)
     else:
         raise InputError(f"campbell: spin: {short_repr(spin)}; give a hinge, or measures.omega(rotor, axis=...)")
-    found = diagrams.campbell_of(system, state_at, axis, speeds)
-    return Campbell(**{x.name: getattr(found, x.name) for x in fields(found)})
+    return as_public(Campbell, diagrams.campbell_of(at, axis, speeds))

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..base.checks import number
 from ..base.errors import InputError, IntegrationError, argument_error, checks_method_arguments
+from ..base.fields import as_public
 from ..base.style import html_text
 from ..equations.compiled import Switches
 from ..integrators.dop853 import DOP853
@@ -22,10 +23,11 @@ from ..results.certificate import Certificate, certificate_of
 from ..results.element_loads import Load, load_of
 from ..results.record import RunOptions
 from ..results.result import RunResult
-from ..results.spectrum import Density, Spectrum, density_of, orders_of, spectrum_of
+from ..results.spectrum import density_of, orders_of, spectrum_of, waterfall_of
 from ..run.global_error import estimate
 from ..run.repeat import options_to_repeat, repeat
 from ..run.simulation import RUN_SHARE_MIN
+from .spectra import Density, Spectrum, Waterfall
 from .viewable import Viewable
 
 if TYPE_CHECKING:
@@ -190,7 +192,7 @@ class Solution(RunResult, Viewable):
         Returns
         -------
         Spectrum
-            Peak amplitudes c = A exp(i phase) of A cos(w t + phase); ``.at(hertz)``, ``.levels()``.
+            Peak amplitudes c = A exp(i phase) of A cos(w t + phase); ``.at(hertz)``, ``.levels()``, ``.plot()``.
 
         Raises
         ------
@@ -207,7 +209,7 @@ class Solution(RunResult, Viewable):
         >>> seen.at(5.0).round(6), seen.unit  # 3 sin(w t) = 3 cos(w t - pi / 2)
         (array([-0.-3.j,  0.+0.j,  0.+0.j]), 'm/s^2')
         """
-        return spectrum_of(self, quantity, part, window, after)
+        return as_public(Spectrum, spectrum_of(self, quantity, part, window, after))
 
     def density(
         self, quantity: str | Measure, part: "Part | None" = None, *, segments: int = 8, after: float | None = None
@@ -226,7 +228,7 @@ class Solution(RunResult, Viewable):
         Density
             One-sided, in units squared per Hz.
         """
-        return density_of(self, quantity, part, segments, after)
+        return as_public(Density, density_of(self, quantity, part, segments, after))
 
     def orders(
         self,
@@ -271,7 +273,44 @@ class Solution(RunResult, Viewable):
         np.complex128(-4.905+0j)
         """
         wanted = (quantity, part)
-        return orders_of(self, lambda times: self.again(output=times), hinge, wanted, per_turn, after)
+        return as_public(
+            Spectrum, orders_of(self, lambda times: self.again(output=times), hinge, wanted, per_turn, after)
+        )
+
+    def waterfall(
+        self,
+        hinge: Joint | str,
+        quantity: str | Measure,
+        part: "Part | None" = None,
+        *,
+        turns: int = 8,
+        per_turn: int = 128,
+        after: float | None = None,
+    ) -> Waterfall:
+        """Return the amplitudes of a quantity over orders of a hinge and its speed, as it runs up or down.
+
+        As `orders`, in windows ("hann") of some turns each that overlap by half.
+
+        Parameters
+        ----------
+        hinge, quantity, part, per_turn, after
+            As in `orders`.
+        turns : int
+            Of a window: orders are resolved to 2 / turns, while the speed changes over as many turns.
+
+        Returns
+        -------
+        Waterfall
+            ``.at(order)`` over the speed; ``.plot()``, a map over frequency and speed.
+
+        Raises
+        ------
+        ValueError
+            As in `orders`, and if the hinge turns less often than a window.
+        """
+        wanted = (quantity, part)
+        found = waterfall_of(self, lambda times: self.again(output=times), hinge, wanted, turns, per_turn, after)
+        return as_public(Waterfall, found)
 
     def report(
         self,

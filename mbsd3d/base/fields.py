@@ -34,9 +34,15 @@ from .rotations import as_quaternion, unit
 Accepted = TypeVar("Accepted")  # by the constructor
 Kept = TypeVar("Kept")  # by the part
 P = TypeVar("P")
+Public = TypeVar("Public")
 FILE_VECTOR = Annotated[list[float], msgspec.Meta(min_length=3, max_length=3)]  # in files
 # in files: (3,), (4,) or (3, 3)
 FILE_ROWS = Annotated[list[float | FILE_VECTOR], msgspec.Meta(min_length=3, max_length=4)]
+
+
+def as_public(cls: type[Public], found: Any) -> Public:
+    """Return what was found as the public class of the same fields."""
+    return cls(**{x.name: getattr(found, x.name) for x in fields(cls)})  # type: ignore[arg-type]  # a dataclass
 
 
 def kept(

@@ -22,8 +22,10 @@ from ..constraints.velocities import with_velocities
 from ..equations.at_state import load_state
 from ..equations.compiled import compile_system
 from ..mechanism.bodies import Body
+from ..mechanism.drivers import AngleDriver, SpeedDriver
 from ..mechanism.joints import Joint, coordinate_of
 from ..mechanism.mechanism import Mechanism
+from ..mechanism.signals.curves import Ramp
 from ..mechanism.state import State
 from .linearization import linearize_at
 from .modes import ModalAnalysis, make_modes
@@ -153,6 +155,21 @@ def pedestal(hinge: Joint) -> list[Body]:
     return [hinge.a] if isinstance(hinge.a, Body) and isinstance(hinge.b, Body) else []
 
 
+def driven_at(system: Mechanism, hinge: Joint, speed: float, t: float) -> Mechanism:
+    """Return a system whose drivers of a hinge turn it at a constant speed [rad/s] from where it is at a time [s]."""
+
+    def driven(joint: Joint) -> Joint:
+        if isinstance(joint, AngleDriver) and joint.hinge is hinge:
+            return replace(joint, signal=Ramp(speed, float(joint.signal(t)) - speed * t))
+        if isinstance(joint, SpeedDriver) and joint.joint is hinge:
+            return replace(joint, speed=speed)
+        return joint
+
+    joints = [driven(joint) for joint in system.joints]
+    changed = any(new is not old for new, old in zip(joints, system.joints, strict=True))
+    return replace(system, joints=joints) if changed else system
+
+
 def turning_state(system: Mechanism, rest: State, hinge: Joint, speed: float) -> State:
     """Return a state in which a hinge turns at a speed [rad/s] and its pedestal stands still."""
     compiled = compile_system(system)
@@ -220,14 +237,14 @@ def orbits(shapes: np.ndarray, rotors: np.ndarray, axis: np.ndarray, speed: floa
 
 
 @reporting_linalg_errors("campbell")
-def campbell_of(system: Mechanism, state_at: Callable[[float], State], axis: np.ndarray, speeds: ArrayLike) -> Campbell:
-    """Return the diagram; ``state_at``: the steady motion at a speed [rad/s] about an axis (3,)."""
+def campbell_of(at: Callable[[float], tuple[Mechanism, State]], axis: np.ndarray, speeds: ArrayLike) -> Campbell:
+    """Return the diagram; ``at``: the system and its steady motion at a speed [rad/s] about an axis (3,)."""
     speeds = floats(speeds, "campbell: speeds", "two or more speeds in rad/s, ascending")
     if speeds.ndim != 1 or speeds.size < 2 or not (np.diff(speeds) > 0.0).all():
         raise InputError("campbell: speeds: give two or more speeds in rad/s, ascending")
 
     def whirls_at(speed: float) -> list[Whirl]:
-        return whirls(system, state_at(speed), axis, speed)
+        return whirls(*at(speed), axis, speed)
 
     found = [whirls_at(speed) for speed in speeds.tolist()]
     if not any(found):

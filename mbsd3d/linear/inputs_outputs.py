@@ -26,9 +26,12 @@ from ..equations.compiled import Compiled, set_input, with_own_inputs
 from ..equations.jacobian import RANK_TOLERANCE, displacement_units
 from ..equations.tables import signals_of
 from ..equations.tree import build_spanning_tree
+from ..kernels.kinematics import kinematics
 from ..kernels.layout import Tree
 from ..mechanism.bodies import GROUND, Body
 from ..mechanism.drivers import Driver
+from ..mechanism.force_element import ForceElement
+from ..mechanism.forces.contact import Contact
 from ..mechanism.joints import Joint
 from ..mechanism.measures import Measure, check_members
 from ..mechanism.mechanism import Mechanism
@@ -111,14 +114,17 @@ def effects_of(field: Field, t: float, y: np.ndarray, names: Sequence[str]) -> E
     return Effects(load, z_rate, motion, speed)
 
 
-def change_of_loads(field: Field, t: float, y: np.ndarray, name: str) -> tuple[np.ndarray, np.ndarray]:
+def change_of_loads(
+    field: Field, t: float, y: np.ndarray, name: str, only: int | None = None
+) -> tuple[np.ndarray, np.ndarray]:
     """Return d(force and moment about O)/du (n, 6) and d(rates of internal states)/du of all laws that read an input.
 
     Central differences of order 8 of these laws alone: exact to rounding where a law is linear in u, as nearly all are.
+    ``only``: of one force element.
     """
     model = field.compiled.model
-    reads = [any(factors(field.compiled, signal, name) for signal in own) for own in model.force["signal"]]
-    alone = field.compiled.forces_alone(np.array(reads, bool))
+    reads = np.array([any(factors(field.compiled, x, name) for x in own) for own in model.force["signal"]], bool)
+    alone = field.compiled.forces_alone(reads if only is None else reads & (np.arange(reads.size) == only))
     n = model.body.size
     if not alone.force.size:
         return np.zeros((n, 6)), np.zeros(model.z_work)
@@ -177,11 +183,13 @@ class Output(NamedTuple):
     derivative: bool = False  # or whose rate
     read: Callable[[np.ndarray, np.ndarray], np.ndarray] | None = None  # tables of bodies and rows -> (columns, k)
     vector: bool = False  # whether three components each turn with a mechanism that turns as a whole
+    element: int | None = None  # which force element alone the table of bodies belongs to
 
 
 VECTORS = {"acceleration": ("m/s^2", (1.0, 2.0, 0.0)), "alpha": ("rad/s^2", (0.0, 2.0, 0.0))}
 KINDS = (
-    "a measure, ('derivative', measure), ('acceleration' or 'alpha', body), ('reaction', joint) or ('effort', driver)"
+    "a measure, ('derivative', measure), ('acceleration' or 'alpha', body), ('reaction', joint), ('effort', driver) or "
+    "('force', element)"
 )
 
 
@@ -201,6 +209,8 @@ def checked_wanted(system: Mechanism, outputs: Sequence[Wanted]) -> list[Wanted]
             found.append((x[0], system.part(x[1], "bodies")))
         elif pair and x[0] in ("reaction", "effort"):
             found.append((x[0], system.part(x[1], "joints")))
+        elif pair and x[0] == "force":
+            found.append((x[0], system.part(x[1], "forces")))
         else:
             raise InputError(f"state_space: outputs: {short_repr(x)} is no output; give {KINDS}")
     if not found:
@@ -231,6 +241,8 @@ def outputs_of(field: Field, wanted: Sequence[Wanted], start: RunResult) -> list
             found.append(vector_output(field, *x))
         elif x[0] == "effort":
             found.append(effort_output(field, x[1], start))
+        elif x[0] == "force":
+            found += force_outputs(field, x[1])
         else:
             found += reaction_outputs(field, x[1], start)
     return found
@@ -264,16 +276,47 @@ def effort_output(field: Field, driver: Joint, start: RunResult) -> Output:
 
 def reaction_outputs(field: Field, joint: Joint, start: RunResult) -> list[Output]:
     """Return force and moment of a joint on its body b at the joint's point; the force alone where that travels."""
-    name = field.compiled.system.name(joint)
     check_unique(start, joint, "reaction")
     wrench = partial(wrench_on_b, field, joint)
+    both = wrench_outputs(field.compiled.system.name(joint), wrench)
+    return both if type(joint).reaction_points is Joint.reaction_points else both[:1]
+
+
+def wrench_outputs(
+    name: str, wrench: Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]], element: int | None = None
+) -> list[Output]:
+    """Return force and moment of a part; ``wrench``: of the tables of bodies and rows, (columns, 3) each."""
     force = Output(tuple(f"force {axis} of {name}" for axis in "xyz"), ("N",) * 3, (1.0, 2.0, 1.0),
-                   read=lambda *tables: wrench(*tables)[0], vector=True)  # fmt: skip
-    if type(joint).reaction_points is not Joint.reaction_points:
-        return [force]
+                   read=lambda *tables: wrench(*tables)[0], vector=True, element=element)  # fmt: skip
     moment = Output(tuple(f"moment {axis} of {name}" for axis in "xyz"), ("N m",) * 3, (2.0, 2.0, 1.0),
-                    read=lambda *tables: wrench(*tables)[1], vector=True)  # fmt: skip
+                    read=lambda *tables: wrench(*tables)[1], vector=True, element=element)  # fmt: skip
     return [force, moment]
+
+
+def force_outputs(field: Field, part: ForceElement) -> list[Output]:
+    """Return force and moment of an element on its last body but the ground; the force alone if its point travels."""
+    compiled = field.compiled
+    body = [x for x in part.record().bodies if x is not GROUND][-1]
+    index, point = compiled.body_index[id(body)], fixed_point(part, body)
+    place = np.zeros(3) if point is None else body.local_point(point)
+
+    def wrench(bodies: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        load = bodies["Q"][:, index]
+        arm = bodies["R"][:, index].reshape(-1, 3, 3) @ place
+        return load[:, :3], load[:, 3:] - np.cross(arm, load[:, :3])
+
+    both = wrench_outputs(compiled.system.name(part), wrench, compiled.system.forces.index(part))
+    return both[:1] if point is None else both
+
+
+def fixed_point(part: ForceElement, body: Body) -> np.ndarray | None:
+    """Return the point of a body at which an element acts on it, world at the reference pose; None where it travels."""
+    x = part.record().coordinate
+    if x is not None:
+        joint = part.partners()[0]
+        return body.position if x.kind == "angle" else joint.point() if body is joint.b else None
+    carrier, point = part.acts_at(body)
+    return None if part.shows or isinstance(part, Contact) or carrier is not body else point
 
 
 def wrench_on_b(field: Field, joint: Joint, bodies: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -316,8 +359,7 @@ def matrices(
     tree = build_spanning_tree(model, field.real, chosen, complex)
     effects = effects_of(field, t, y, names)
     n, N, k = model.body.size, moves.shape[1], len(names)
-    reads = [x for x in outputs if x.read]
-    table = field.columns(tree, t, y, moves) if reads else {}
+    table = field.columns(tree, t, y, moves) if any(x.read for x in outputs) else {}
     forced = forced_columns(field, tree, t, y, effects)
     G = np.zeros((ORDERS, N, k))
     G[:, 6 * n : 12 * n] = forced_change(values(model, *forced)["acceleration"], k)
@@ -325,13 +367,40 @@ def matrices(
     Y, Z = [], []
     for x in outputs:
         p = len(x.names)
-        if x.read:
+        if x.element is not None and x.read:
+            bodies = element_columns(field, x.element, t, y[:, None] + 1j * COMPLEX_STEP * moves)
+            Y.append(x.read(bodies, table["row"]).imag.T / COMPLEX_STEP)
+            Z.append(forced_change(x.read(forced_element(field, x.element, t, y, names), forced[1]), k))
+        elif x.read:
             Y.append(x.read(table["body"], table["row"]).imag.T / COMPLEX_STEP)
             Z.append(forced_change(x.read(*forced), k))
         else:
             Y.append(at.L[[x.measure]])
             Z.append(np.zeros((ORDERS, p, k)))
     return Matrices(effects, G, np.vstack(Y), np.concatenate(Z, axis=1))
+
+
+def element_columns(field: Field, element: int, t: float, states: np.ndarray) -> np.ndarray:
+    """Return tables of bodies (c, n + 1) with the loads of one force element alone at complex states (ny, c)."""
+    alone = field.compiled.forces_alone(slice(element, element + 1))
+    data = field.loaded_alone(alone, states[:, 0], complex)
+    found = []
+    for y in states.T:
+        kinematics(alone, data, np.ascontiguousarray(y))
+        loads_and_rates(alone, data, t)
+        found.append(data.body.copy())
+    return np.array(found)
+
+
+def forced_element(field: Field, element: int, t: float, y: np.ndarray, names: Sequence[str]) -> np.ndarray:
+    """Return tables of bodies (3 k, n + 1) whose imaginary parts are what unit u, u', u'' change of one element."""
+    body = element_columns(field, element, t, y[:, None].astype(complex))
+    found = np.repeat(body, ORDERS * len(names), axis=0)
+    for j, name in enumerate(names):
+        found["Q"][j, : field.compiled.model.body.size] += (
+            1j * COMPLEX_STEP * change_of_loads(field, t, y, name, element)[0]
+        )
+    return found
 
 
 def forced_change(columns: np.ndarray, k: int) -> np.ndarray:

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 from ..base.checks import as_tuple, check_choice, check_size, floats, number, reporting_linalg_errors, short_repr
 from ..base.concurrency import on_one_thread
 from ..base.errors import InputError
+from ..base.style import counted
 from ..equations.compiled import Switches
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.signals.signal import Input
@@ -53,6 +54,7 @@ POLE_ROUNDING = 1e-12  # [1] of the fastest rate: a frequency nearer to a pole t
 RESIDUE_ROUNDING = 1e-9  # [1] of the sizes of its factors: a residue below that is none, the pole does not show
 FEEDTHROUGH_ROUNDING = 1e-12  # [1] of the size of an output: what rounding makes of no dependence on u' or u''
 FREQUENCY_COUNT = 601  # [1] frequencies of a Bode plot: lightly damped peaks show
+SEEN_ROUNDING = 1e-12  # [1] of A: what rounding leaves of a state that no output sees, some 1e-15, is below it
 RANK_ROUNDING = 1e-10  # [1] of the largest singular value: rank decisions for zeros
 
 
@@ -70,8 +72,9 @@ class FrequencyResponse:
 
     def __repr__(self) -> str:
         """Return size and range, and where H is infinite."""
-        lines = [f"<frequency response: {len(self.outputs)} outputs, {len(self.inputs)} inputs, {self.w.size} "
-                 f"frequencies {self.w.min():g} ... {self.w.max():g} rad/s>"]  # fmt: skip
+        sizes = counted(len(self.outputs), "output"), counted(len(self.inputs), "input")
+        count = counted(self.w.size, "frequency")
+        lines = [f"<frequency response: {', '.join(sizes)}, {count} {self.w.min():g} ... {self.w.max():g} rad/s>"]
         return "\n".join([*lines, *(f"infinite at {w:g} rad/s, a pole: {mode}" for w, mode in self.at_poles)])
 
 
@@ -123,6 +126,16 @@ class StateSpace:
         return self.A * x / x[:, None] / self.rate, self.B / x[:, None] / self.rate, self.C * x
 
     @cached_property
+    def seen(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return dimensionless (A, B, C) of the combinations of states that outputs depend on.
+
+        A heading or a place that no output sees would leave its own rounding over w, to the power of its drift.
+        """
+        A, B, C = self.scaled
+        V = seen_states(A, C)
+        return V @ A @ V.T, V @ B, C @ V.T
+
+    @cached_property
     def poles(self) -> np.ndarray:
         """Return the eigenvalues of A [1/s], by frequency, then real part; zeros are exact."""
         return spectrum(self.scaled[0])[0] * self.rate
@@ -150,6 +163,7 @@ class StateSpace:
             raise InputError(f"frequency_response: w has shape {given.shape}; give one or more frequencies in rad/s")
         check_size(given, "frequency_response: w")
         A, B, C = self.scaled
+        seen_A, seen_B, seen_C = self.seen
         values, vectors = spectrum(A)
         H, poles = np.empty((given.size, *self.D.shape), complex), []
         for k, omega in enumerate(given.tolist()):
@@ -160,7 +174,7 @@ class StateSpace:
                 if motion is not None:
                     poles.append((omega, self.name_of(1j * omega, motion * self.scale)))
             else:
-                H[k] = C @ np.linalg.solve(s * np.eye(len(A)) - A, B.astype(complex))
+                H[k] = seen_C @ np.linalg.solve(s * np.eye(len(seen_A)) - seen_A, seen_B.astype(complex))
             H[k] += self.D + 1j * omega * self.D1 - omega**2 * self.D2
         return FrequencyResponse(given, H, self.outputs, self.inputs, self.output_units, self.input_units, tuple(poles))
 
@@ -215,7 +229,8 @@ class StateSpace:
 
     def __repr__(self) -> str:
         """Return names, units and poles."""
-        rows = [f"{len(self.states)} states, {len(self.inputs)} inputs, {len(self.outputs)} outputs"]
+        sizes = (len(self.states), "state"), (len(self.inputs), "input"), (len(self.outputs), "output")
+        rows = [", ".join(counted(*size) for size in sizes)]
         for title, names, units in (
             ("input", self.inputs, self.input_units), ("output", self.outputs, self.output_units),
         ):  # fmt: skip
@@ -237,6 +252,21 @@ def index(names: tuple[str, ...], wanted: Any, what: str) -> list[int]:
             raise InputError(f"select: {what}: {short_repr(x)} is not one of {', '.join(map(repr, names))}")
         found.append(int(k) % len(names))
     return found
+
+
+def seen_states(A: np.ndarray, C: np.ndarray) -> np.ndarray:
+    """Return an orthonormal basis (k, n), in rows, of what C, C A, C A^2, ... depend on."""
+    size, least = np.linalg.norm(C, axis=1), SEEN_ROUNDING * max(1.0, float(np.linalg.norm(A, 2)))
+    V, new = np.zeros((0, len(A))), C[size > 0.0] / size[size > 0.0, None]
+    while len(V) < len(A):
+        for _ in range(2):  # a second time for what rounding leaves of the first
+            new = new - new @ V.T @ V
+        _, s, rows = np.linalg.svd(new, full_matrices=False)
+        fresh = rows[s > least]
+        if not len(fresh):
+            break
+        V, new = np.vstack([V, fresh]), fresh @ A
+    return V
 
 
 def at_pole(

@@ -47,6 +47,9 @@ class Reaction(Sampled):
     determined directions, U the open ones, and `determined_force` and `determined_moment` are what is certain.
 
     At a singular pose less is determined than beside it: the projectors say so, the masks are those of all other poses.
+
+    ``force_margin`` and ``moment_margin`` (samples, 3), with ``shares="range"``: by how much tolerances of assembly
+    move each component up or down; else None.
     """
 
     force: np.ndarray
@@ -57,6 +60,8 @@ class Reaction(Sampled):
     unique_moment: np.ndarray = field(repr=False)
     force_projector: np.ndarray = field(repr=False)
     moment_projector: np.ndarray = field(repr=False)
+    force_margin: np.ndarray | None = None
+    moment_margin: np.ndarray | None = None
 
     @property
     def determined_force(self) -> np.ndarray:
@@ -175,6 +180,16 @@ class Group(NamedTuple):
 
     rows: np.ndarray  # (m,) of all of them
     on_b: np.ndarray  # (m, 4) slots of their rows that act on b
+
+    def wrench(self, J: np.ndarray, rows: np.ndarray, arm: np.ndarray) -> np.ndarray:
+        """Return force [N] and moment [N m] (6, m) on b of unit multipliers of rows, about the end of an arm from O.
+
+        ``J`` (rows, 4, 6) blocks of all rows at a pose.
+        """
+        T = np.zeros((6, len(J)))
+        T[:, self.rows] = -np.where(self.on_b[:, :, None], J[self.rows], 0.0).sum(axis=1).T
+        T[3:] -= np.cross(arm, T[:3], axisb=0, axisc=0)
+        return T[:, rows]
 
     def open_wrench(self, compiled: Compiled, J: np.ndarray, found: list[Open]) -> np.ndarray:
         """Return W N (6, k): force in units of the model's length and moment about O, of unit combinations of rows.

@@ -1,7 +1,7 @@
 """The result of a run: every quantity by part, in world axes and SI units."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -24,6 +24,7 @@ from ..mechanism.joints import Joint, coordinate_of
 from ..mechanism.measures import Measure, check_members
 from ..mechanism.primitives import Coordinate
 from ..mechanism.state import State
+from .elastic_shares import Elasticity, PairsOfJoints, elastic_shares
 from .motion import Motion
 from .reactions import (
     NOT_DETERMINED,
@@ -252,7 +253,14 @@ class RunResult(Motion):
             return all_determined(self.t.size)
         return self._shares[1][id(parts[0])] if len(parts) == 1 else self._shares_of([parts]).determined[0]
 
-    def reaction(self, *joints: Joint | str, axes: str = "world") -> Reaction:
+    def reaction(
+        self,
+        *joints: Joint | str,
+        axes: str = "world",
+        shares: str = "least norm",
+        stiffness: PairsOfJoints | None = None,
+        tolerances: PairsOfJoints | None = None,
+    ) -> Reaction:
         """Force [N] and moment [N m] of a joint on its body b at the joint's point.
 
         Components are along the axes of the world, or with ``axes="a"`` and ``"b"`` along the body axes of a or b, with
@@ -260,8 +268,38 @@ class RunResult(Motion):
         With several joints of one body b: their net wrench at the first one's point. ``unique`` says whether the
         constraints determine all of it, ``unique_force`` and ``unique_moment`` which components, ``determined_force``
         and ``determined_moment`` are the part they determine, in any direction; indeterminate shares are the ones of
-        least norm, which depends on the length unit.
+        least norm, which depends on the length unit, or what ``shares`` says.
+
+        Parameters
+        ----------
+        shares : "least norm", "elastic" or "range"
+            How redundant joints share what is not determined. "elastic": as stiff joints do, with the least energy
+            ``sum lam_i^2 / (2 stiffness_i)`` over their rows. "range": "elastic", and in ``force_margin`` and
+            ``moment_margin`` by how much each component may lie above or below, if rows are assembled as far apart as
+            ``tolerances`` allow.
+        stiffness : (translational [N/m], rotational [N m/rad]) or mapping of joints to such pairs
+            Of one joint along and about the directions it holds, at its point; one pair counts for all joints, the key
+            None for all that a mapping does not name. Only joints that share loads must be given. Couplings over
+            several hinges: of their row, in its own unit.
+        tolerances : (position [m], direction [rad]) or mapping of joints to such pairs
+            By how much b may be off at most, in each row of a joint; a point has rows along the world axes.
+
+        Raises
+        ------
+        ValueError
+            For an unknown joint, several joints of several bodies b, and a joint that shares loads and is not given.
+
+        Examples
+        --------
+        >>> from mbsd3d import GROUND, Body, Revolute, System, accelerations
+        >>> door = Body("door", 20.0, (2.0, 2.0, 2.0), com=(0.4, 0, 0))
+        >>> hinges = [Revolute(GROUND, door, at=(0, 0, z), axis=(0, 0, 1), name=f"hinge {z}") for z in (-0.5, 0.5)]
+        >>> hung = accelerations(System([door], hinges))
+        >>> found = hung.reaction("hinge 0.5", shares="range", stiffness=(1e7, 1e3), tolerances=(1e-5, 1e-4))
+        >>> found.force.round(2), found.force_margin.round(2)  # m g / 2 and 1e7 N/m 1e-5 m lengthwise
+        (array([[-78.45,   0.  ,  98.1 ]]), array([[  0.24,   0.24, 100.  ]]))
         """
+        given = Elasticity.of(self.compiled, shares, stiffness, tolerances)
         system, compiled = self.system, self.compiled
         parts = [system.part(joint, "joints") for joint in joints]
         if not parts:
@@ -274,7 +312,14 @@ class RunResult(Motion):
                     f"'{system.name(parts[0])}' on '{body.name}'; net wrenches need one body b"
                 )
         turned = axes_of(self, parts[0], axes)
-        samples, lam = self.t.size, self.arrays["lam"] if self._is_unique(parts) else self._shares[0]
+        point = parts[0].reaction_points(self)
+        origin = np.zeros((self.t.size, 3)) if body is GROUND else self.position(body)
+        samples, lam, apart = self.t.size, self.arrays["lam"], np.zeros((self.t.size, 6, 0))
+        if not self._is_unique(parts):
+            if given is None:
+                lam = self._shares[0]
+            else:
+                lam, apart = elastic_shares(self._rows, lam, group_of(compiled, parts), given, point - origin)
         total, one = np.zeros((samples, 6)), np.zeros((samples, 6))
         index, data, states = compiled.body_index[id(body)], compiled.data(), self.arrays["state"]
         coordinates = np.ascontiguousarray(self.arrays["coordinate"])
@@ -282,11 +327,13 @@ class RunResult(Motion):
             rows = compiled.rows[id(part)]
             wrenches(compiled.model, data, self.t, states, coordinates, lam, rows.start, rows.stop, index, one)
             total += one
-        point = parts[0].reaction_points(self)
-        origin = np.zeros((samples, 3)) if body is GROUND else self.position(body)
         force = total[:, :3]
         moment = total[:, 3:] - crosses(point - origin, force)
-        return self._determined(parts).reaction(force, moment, point, slice(None), turned)
+        found = self._determined(parts).reaction(force, moment, point, slice(None), turned)
+        if shares != "range":
+            return found
+        margins = [np.abs(x if turned is None else turned @ x).sum(axis=2) for x in (apart[:, :3], apart[:, 3:])]
+        return replace(found, force_margin=margins[0], moment_margin=margins[1])
 
     def effort(self, driver: Driver | str) -> np.ndarray:
         """Return torque [N m] or force [N] of a driver on b along its motion (samples,); (samples, k) for k rows."""

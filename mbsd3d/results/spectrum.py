@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import CubicHermiteSpline
 
 from ..base.checks import check_choice, check_size, number, short_repr, whole
-from ..base.errors import InputError, checks_arguments, checks_method_arguments
+from ..base.errors import InputError
 from ..mechanism.measures import Measure
 from .columns import BODY_QUANTITIES, QUANTITIES, columns_of_effort, components
 from .element_loads import load_of
@@ -42,39 +42,13 @@ class Levels(NamedTuple):
     unit: str  # e.g. "dB re 1e-06 N"
 
 
-@checks_method_arguments
 @dataclass(frozen=True, repr=False)
 class Spectrum:
-    """Amplitudes of ``values = sum_k Re(c_k exp(i w_k t))``, or of ``sum_k Re(c_k exp(i order_k angle))``.
+    """Amplitudes of ``values = sum_k Re(c_k exp(i w_k t))``, or over orders; see `mbsd3d.Spectrum`."""
 
-    c = A exp(i phase) belongs to A cos(w t + phase): peak amplitudes, one-sided; c of order 0 is the mean.
-
-    Attributes
-    ----------
-    orders : (bins,) array
-        Multiples of the shaft speed; of a spectrum over time the frequency [Hz].
-    amplitudes : (bins,) or (bins, k) complex array
-        c in ``unit``.
-    frequency : (bins,) array
-        w [rad/s]; over orders that of the mean speed.
-    window : str
-    name, unit : str
-        Quantity and part, and the unit of the amplitudes; empty for plain samples.
-    names : tuple of str
-        Of the k components.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from mbsd3d import spectrum
-    >>> t = np.arange(100) / 100.0
-    >>> spectrum(t, 2.0 + 3.0 * np.sin(2.0 * np.pi * 7.0 * t))
-    <spectrum: 51 bins to 50, window 'none'; 2 at 0, 3 at 7>
-    """
-
-    orders: np.ndarray
-    amplitudes: np.ndarray
-    frequency: np.ndarray
+    orders: np.ndarray  # (bins,)
+    amplitudes: np.ndarray  # (bins,) or (bins, k) complex
+    frequency: np.ndarray  # (bins,) [rad/s]
     window: str
     name: str = ""
     unit: str = ""
@@ -122,30 +96,7 @@ class Spectrum:
 
 @dataclass(frozen=True, repr=False)
 class Density:
-    """One-sided power spectral density.
-
-    Attributes
-    ----------
-    hertz : (bins,) array
-        Frequency [Hz].
-    density : (bins,) or (bins, k) array
-        In ``unit``, the square of that of the quantity per Hz: its sum times the step is the variance.
-    name, unit : str
-    names : tuple of str
-        Of the k components.
-
-    Examples
-    --------
-    >>> from mbsd3d import Body, Force, Sine, System, simulate
-    >>> block = Body("block", 2.0, (1, 1, 1), velocity=(0, 0, 0), omega=(0, 0, 0))
-    >>> shaken = System([block], forces=[Force(block, (Sine(6.0, 5.0), 0, 0), name="push")])
-    >>> found = simulate(shaken, 8.0, output=801).density("force", "push", segments=1)
-    >>> found
-    <density of force of push [(N)^2/Hz]: 401 bins to 49.9376 Hz>
-    >>> variance = found.density[:, 0].sum() * found.hertz[1]  # A^2 / 2
-    >>> round(float(variance), 1)
-    18.0
-    """
+    """One-sided power spectral density; see `mbsd3d.Density`."""
 
     hertz: np.ndarray
     density: np.ndarray
@@ -158,25 +109,41 @@ class Density:
         return f"<density of {self.name} [{self.unit}]: {self.hertz.size} bins to {self.hertz[-1]:g} Hz>"
 
 
-@checks_arguments
-def spectrum(t: ArrayLike, values: ArrayLike, *, rate: float | None = None, window: str = "none") -> Spectrum:
-    """Compute the complex amplitudes of evenly sampled values; a last sample that repeats the first is left out.
+@dataclass(frozen=True, repr=False)
+class Waterfall:
+    """Amplitudes over orders and the speed of a shaft; see `mbsd3d.Waterfall`."""
 
-    ``t`` (n,): evenly spaced times [s]; ``values`` (n,) or (n, k): real; ``rate``: of the shaft whose turn is order 1
-    [rad/s], of either sign, amplitudes are those of time; without it orders are frequencies in Hz, and the last sample
-    repeats the first if it equals it to 1e-9 of the largest value of each column; ``window``: "none" (whole periods
-    only), "hann" or "flat top". ValueError for uneven samples, numbers that are not real or not finite, a record of a
-    broken number of periods without a window.
+    t: np.ndarray  # (n,) [s]
+    speeds: np.ndarray  # (n,) [rad/s]
+    orders: np.ndarray  # (bins,)
+    amplitudes: np.ndarray  # (n, bins) or (n, bins, k) complex
+    name: str
+    unit: str
+    names: tuple[str, ...] = ()
 
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from mbsd3d import spectrum
-    >>> t = np.linspace(0, 1, 65)
-    >>> spectrum(t, 3 * np.cos(4 * np.pi * t + 0.5), rate=2 * np.pi).at(2).round(6) == np.round(3 * np.exp(0.5j), 6)
-    np.True_
-    """
-    return amplitudes(t, values, rate, window, one_unit=False)
+    @property
+    def frequencies(self) -> np.ndarray:
+        """Return the frequency (n, bins) [rad/s] of each order at each speed."""
+        return self.speeds[:, None] * self.orders
+
+    def at(self, order: float) -> np.ndarray:
+        """Return c (n,) or (n, k) of an order over the speed; ValueError if there is no such bin."""
+        order = number(order, "waterfall: order")
+        k = int(np.argmin(np.abs(self.orders - order)))
+        if abs(self.orders[k] - order) > 1e-6 * self.orders[1]:
+            raise InputError(
+                f"waterfall: no bin at order {order:g}, the nearest is {self.orders[k]:g} and the last "
+                f"{self.orders[-1]:g}; give more turns a window, or a larger per_turn"
+            )
+        return self.amplitudes[:, k]
+
+    def __repr__(self) -> str:
+        """Return what it is of, and over which speeds and orders."""
+        first, last = self.speeds[[0, -1]]
+        return (
+            f"<waterfall of {self.name} [{self.unit}]: {self.t.size} windows from {first:g} to {last:g} rad/s, "
+            f"orders to {self.orders[-1]:g}>"
+        )
 
 
 def amplitudes(t: ArrayLike, values: ArrayLike, rate: float | None, window: str, *, one_unit: bool) -> Spectrum:
@@ -369,11 +336,10 @@ def turning(solution: RunResult, hinge: Any) -> tuple[float, np.ndarray, np.ndar
     return sign, sign * angle, sign * rate
 
 
-def orders_of(
-    solution: RunResult, again: Callable[[np.ndarray], RunResult], hinge: Any, wanted: tuple[str | Measure, Any],
-    per_turn: int, after: float | None,
-) -> Spectrum:  # fmt: skip
-    """See `Solution.orders`; ``again``: the same run with samples at other times."""
+def over_angle(
+    solution: RunResult, again: Callable[[np.ndarray], RunResult], hinge: Any, per_turn: int, after: float | None
+) -> tuple[RunResult, Turns]:
+    """Return a run with samples at equal angles of a hinge, and these; ``again``: the run with samples at times."""
     turns = whole_turns(solution, hinge, per_turn, after)
     times = turns.times
     for _ in range(RUNS_MAX):
@@ -381,11 +347,42 @@ def orders_of(
         _, angle, rate = turning(run, hinge)
         off = turns.targets - angle
         if np.abs(off[:-1]).max() <= ANGLE_TOLERANCE:  # the end, which may be that of the run, only says the mean speed
-            break
+            return run, turns._replace(times=times)
         times = np.clip(times + off / rate, solution.t[0], solution.t[-1])
-    else:
-        raise InputError(f"orders: the samples are {np.abs(off).max():.2g} rad off their angles; give a tighter rtol")
+    raise InputError(f"orders: the samples are {np.abs(off).max():.2g} rad off their angles; give a tighter rtol")
+
+
+def orders_of(
+    solution: RunResult, again: Callable[[np.ndarray], RunResult], hinge: Any, wanted: tuple[str | Measure, Any],
+    per_turn: int, after: float | None,
+) -> Spectrum:  # fmt: skip
+    """See `Solution.orders`; ``again``: the same run with samples at other times."""
+    run, (targets, times, _) = over_angle(solution, again, hinge, per_turn, after)
     found = samples_of(run, *wanted, "orders")
-    seen = spectrum(turns.targets[:-1], found.values[:-1], rate=1.0)
-    mean = (turns.targets[-1] - turns.targets[0]) / (times[-1] - times[0])
+    seen = amplitudes(targets[:-1], found.values[:-1], 1.0, "none", one_unit=False)
+    mean = (targets[-1] - targets[0]) / (times[-1] - times[0])
     return replace(seen, frequency=seen.orders * mean, name=found.name, unit=found.unit, names=found.names)
+
+
+def waterfall_of(
+    solution: RunResult, again: Callable[[np.ndarray], RunResult], hinge: Any, wanted: tuple[str | Measure, Any],
+    turns: int, per_turn: int, after: float | None,
+) -> Waterfall:  # fmt: skip
+    """See `Solution.waterfall`; ``again``: the same run with samples at other times."""
+    turns = whole(turns, "waterfall: turns", 1, SAMPLES_MAX)
+    run, (targets, times, count) = over_angle(solution, again, hinge, per_turn, after)
+    if count < turns:
+        raise InputError(
+            f"waterfall: the run has {count} whole turns and a window {turns}; give a longer run, or fewer turns"
+        )
+    found = samples_of(run, *wanted, "waterfall")
+    length = turns * per_turn
+    starts = np.arange(0, targets.size - length, max(1, length // 2))
+    seen = [
+        amplitudes(targets[k : k + length], found.values[k : k + length], 1.0, "hann", one_unit=True) for k in starts
+    ]
+    span = times[starts + length] - times[starts]
+    return Waterfall(
+        t=times[starts] + 0.5 * span, speeds=2.0 * np.pi * turns / span, orders=seen[0].orders,
+        amplitudes=np.array([x.amplitudes for x in seen]), name=found.name, unit=found.unit, names=found.names,
+    )  # fmt: skip

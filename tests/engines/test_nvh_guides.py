@@ -112,12 +112,12 @@ def test_the_load_of_a_strut_is_part_of_the_stiffness_at_its_wheel(kind):
 def test_small_motions_of_a_linked_quarter_car_are_those_with_an_inerter(car):
     """What the links let the wheel move sideways and turn adds b (z_s'' - z_u''), b from the twist alone."""
     linked, w = Vehicle("quarter", mounts.car(car).ride, linked=True), 2 * np.pi * np.geomspace(0.3, 40.0, 17)
-    (corner,), (A, B) = linked.corners, linked.equations
+    (corner,) = linked.corners
     twist = theory.five_link_twist(linked.guides[0].links.values(), linked.guides[0].centre, np.eye(3), np.zeros(3))
     inerter = corner.mass * (twist[0] ** 2 + twist[1] ** 2 + WHEEL_INERTIA_RATIO * twist[3:] @ twist[3:])
     assert inerter > 0.005 * corner.mass
     push = corner.tyre + 1j * w * corner.tyre_damping
-    found = np.array([np.linalg.solve(1j * x * np.eye(4) - A, B[:, 0] * p) for x, p in zip(w, push, strict=True)])
+    found = linked.small_motions.frequency_response(w).H[..., 0] * push[:, None]
     rates = (corner.spring, corner.damper), (corner.tyre, corner.tyre_damping)
     for column, known in enumerate(closed_forms.quarter_car(w, (linked.mass, corner.mass), *rates, inerter)):
         # the motion ratio is read from the rig at rest to 1e-12, the strut has no preload
@@ -128,7 +128,7 @@ def test_a_tyre_that_rolls_damps_what_links_make_of_its_travel():
     """The side force of its slip angle at the lowest point, by the twist alone: a damper beside the strut."""
     ride, speed = mounts.car("compact").ride | {"cornering": [63e3, 0.0]}, 17.0
     rolling, w = Vehicle("quarter", ride, linked=True, speed=speed), 2 * np.pi * np.geomspace(0.3, 40.0, 17)
-    (corner,), (A, B) = rolling.corners, rolling.equations
+    (corner,) = rolling.corners
     held = rolling.guides[0]
     twist = theory.five_link_twist(held.links.values(), held.centre, np.eye(3), np.zeros(3))
     inerter = corner.mass * (twist[0] ** 2 + twist[1] ** 2 + WHEEL_INERTIA_RATIO * twist[3:] @ twist[3:])
@@ -136,7 +136,7 @@ def test_a_tyre_that_rolls_damps_what_links_make_of_its_travel():
     damper = corner.damper + 63e3 / speed * aside**2
     assert damper > 1.005 * corner.damper
     push = corner.tyre + 1j * w * corner.tyre_damping
-    found = np.array([np.linalg.solve(1j * x * np.eye(4) - A, B[:, 0] * p) for x, p in zip(w, push, strict=True)])
+    found = rolling.small_motions.frequency_response(w).H[..., 0] * push[:, None]
     rates = (corner.spring, damper), (corner.tyre, corner.tyre_damping)
     for column, known in enumerate(closed_forms.quarter_car(w, (rolling.mass, corner.mass), *rates, inerter)):
         assert found[:, column] == pytest.approx(known, rel=1e-7)
@@ -146,7 +146,7 @@ def test_a_tyre_that_rolls_damps_what_links_make_of_its_travel():
 def test_a_half_car_has_the_modes_of_a_whole_one_that_does_not_roll(linked):
     """Mirrored links on the right: heave and pitch of the whole car are those of its left half."""
     ride = mounts.car("saloon").ride
-    half, whole = (np.linalg.eigvals(Vehicle(kind, ride, linked).equations[0]) for kind in ("half", "whole"))
+    half, whole = (Vehicle(kind, ride, linked).small_motions.poles for kind in ("half", "whole"))
     assert half.size == 8 and whole.size == 14
     for value in half:
         # accelerations of five bodies on twenty links hold 1e-10

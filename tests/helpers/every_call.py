@@ -118,6 +118,13 @@ def answers(folder):
     yield run.plot, {"quantity": "energy", "against": None, "degrees": False, "dark": False, "axes": None}
     yield lambda part: run.plot("angle", part), {"part": HINGE}
     yield lambda joint: run.reaction(joint), {"joint": HINGE}
+    shared = {
+        "axes": "b",
+        "shares": "range",
+        "stiffness": (1e8, 1e5),
+        "tolerances": {HINGE: (1e-5, 1e-4), None: (0, 0)},
+    }
+    yield lambda **given: run.reaction(HINGE, **given), shared
     yield lambda name: run.certificate[name], {"name": "energy balance"}
     even = m.simulate(SYSTEM, 0.02, method=m.RK4(0.005), output=5, progress=False)
     yield even.spectrum, {"quantity": "reaction", "part": HINGE, "window": "hann", "after": 0.0}
@@ -126,6 +133,8 @@ def answers(folder):
     yield m.spectrum, {"t": np.arange(8.0), "values": np.arange(8.0), "rate": 0.9, "window": "hann"}
     yield waves.at, {"order": 0.125}
     yield waves.levels, {"reference": 1e-6}
+    yield waves.plot, {"dark": False}
+    yield even.density("reaction", HINGE, segments=1).plot, {"dark": False}
     yield run.report, {"path": folder / "report.html", "title": "run", "curves": ["energy"], "dark": False}
     yield run.save, {"path": folder / "again"}
     yield run.to_csv, {"path": folder / "run.csv"}

@@ -5,10 +5,14 @@ import pytest
 
 from mbsd3d import (
     GROUND,
+    AngleDriver,
     Body,
     Bushing,
     Cylindrical,
+    Ramp,
     Revolute,
+    Sine,
+    SpeedDriver,
     System,
     TorsionSpring,
     Universal,
@@ -146,12 +150,14 @@ def overhung(polar):
     return housing, disc, joints, reach, at, k
 
 
-def test_overhung_rotor_on_a_hinge():
-    """I about the joint: I w^2 - I_p W w = k a^2 forward, I w^2 + I_p W w = k a^2 backward."""
+@pytest.mark.parametrize("motor", [None, lambda x: AngleDriver(x, Sine(0.3, 2.0)), lambda x: SpeedDriver(x, Ramp(7.0))])
+def test_overhung_rotor_on_a_hinge(motor):
+    """I about the joint: I w^2 - I_p W w = k a^2 forward, I w^2 + I_p W w = k a^2 backward; a motor keeps the speed."""
     polar = 0.09
     housing, disc, joints, reach, at, k = overhung(polar)
     mount = Bushing(GROUND, housing, at=(0, 0, at), stiffness=(k, k, 0.0))
-    system = System([housing, disc], joints, [mount], gravity=(0, 0, 0))
+    drives = [motor(joints[1])] if motor else []
+    system = System([housing, disc], [*joints, *drives], [mount], gravity=(0, 0, 0))
     speeds = [0.0, 200.0, 400.0]
     found = campbell(system, spin=joints[1], speeds=speeds)
     inertia = 0.05 + 8.0 * reach**2

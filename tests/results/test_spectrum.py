@@ -11,6 +11,7 @@ from mbsd3d import (
     Distance,
     Force,
     Kinematic,
+    Polynomial,
     Prismatic,
     Ramp,
     Revolute,
@@ -282,6 +283,51 @@ def test_orders_of_a_run_whose_speed_varies_by_itself():
     turns = round(1.0 / seen.orders[1])
     for order in range(4):
         assert abs(seen.amplitudes[order * turns, 2] - expected[order]) < 1e-6  # rtol of the run, forces of some 40 N
+
+
+def running_up(quantity, part, **options):
+    """A slider-crank at angle = 9 t + 4 t^2, and the waterfall of one of its quantities."""
+    plain, _ = slider_crank(0.3)
+    joints = [*plain.joints[:3], AngleDriver(plain.joints[0], Polynomial((0.0, 9.0, 4.0)), name="motor")]
+    run = simulate(System(plain.bodies, joints), 6.0, method=Kinematic(), output=200)
+    return run, run.waterfall("main", quantity, part, **options)
+
+
+def test_waterfall_of_a_run_up():
+    """What depends on the angle alone has the same orders in every window; the speed is that of its middle."""
+    run, seen = running_up("position", "piston", turns=4, per_turn=64)
+    turns = int((9.0 * 6.0 + 4.0 * 36.0) / (2.0 * np.pi))
+    assert seen.t.size == (turns - 4) // 2 + 1 and seen.orders[1] == 0.25 and seen.unit == "m"
+    assert np.abs(seen.speeds - (9.0 + 8.0 * seen.t)).max() < 1e-8  # of constant acceleration exact
+    whole = run.orders("main", "position", "piston", per_turn=64)
+    for order in (1, 2, 4):
+        assert np.abs(seen.at(order) - whole.at(order)).max() < 1e-9
+    assert np.array_equal(seen.frequencies[3], seen.speeds[3] * seen.orders)
+    with pytest.raises(ValueError, match="no bin at order 1.1"):
+        seen.at(1.1)
+    with pytest.raises(ValueError, match="has 31 whole turns and a window 40"):
+        run.waterfall("main", "position", "piston", turns=40)
+
+
+def test_figures_of_spectra():
+    """Units on all axes, no bins beyond the last that counts, the orders named at the edge of a waterfall."""
+    run, seen = running_up("acceleration", "piston", turns=4, per_turn=64)
+    figure = seen.plot()
+    axes, bar = figure.axes
+    assert axes.get_ylabel() == "speed [rev/min]" and bar.get_ylabel() == "amplitude of acceleration of piston [m/s²]"
+    assert {text.get_text() for text in axes.texts} == {"1×", "2×"}  # 4x is below 2 % of the first
+    steady = simulate(slider_crank(0.3)[0], 2.0, method=Kinematic(), output=801)
+    spectrum_of = steady.spectrum("acceleration", "piston", window="hann").plot(dark=True).axes[0]
+    assert spectrum_of.get_xlabel() == "frequency [Hz]" and spectrum_of.get_xlim()[1] < 30.0  # 20 rad/s, sixth order
+    assert [x.get_text() for x in spectrum_of.get_legend().get_texts()] == ["x", "y", "z"]
+    orders = steady.orders("main", "effort", "motor").plot().axes[0]
+    assert orders.get_xlabel() == "order" and orders.get_ylabel() == "amplitude of effort of motor [N m]"
+    density = steady.density("acceleration", "piston").plot().axes[0]
+    assert density.get_yscale() == "log" and density.get_ylabel() == "density of acceleration of piston [(m/s²)²/Hz]"
+    with pytest.raises(ValueError, match="the speed is 20 rad/s all the time"):
+        steady.waterfall("main", "effort", "motor", turns=2).plot()
+    still = spectrum(np.arange(8.0), np.zeros(8)).plot()
+    assert still.axes[0].get_ylabel() == "amplitude"
 
 
 def test_what_solutions_refuse():

@@ -11,7 +11,8 @@ from helpers import every_call, hostile
 from helpers.watchdog import TooLong, watched
 
 OWNERS = (
-    "", "Solution", "System", "Body", "Linearization", "StateSpace", "Campbell", "Spectrum", "Stepper", "Signal",
+    "", "Solution", "System", "Body", "Linearization", "StateSpace", "Campbell", "Spectrum", "Density", "Stepper",
+    "Signal",
 )  # fmt: skip
 LONGEST = 500  # characters; the names of many parts may be among them
 

@@ -13,8 +13,8 @@ from engines.nvh.excitation.loads import Source
 from engines.nvh.mounts import mounts
 from engines.nvh.mounts.checks import Pairs
 from engines.nvh.mounts.powertrain import equivalent
-from engines.nvh.mounts.response import Map, OnMounts, shift, six_freedoms
-from mbsd3d import Body, Bushing, System, linearize
+from engines.nvh.mounts.response import LOADS, Map, OnMounts, pushed, shift, six_freedoms
+from mbsd3d import Body, Bushing, System, state_space
 
 
 def free_plate(ratio: float = 2.3) -> Pairs:
@@ -56,20 +56,14 @@ def of_bodies(cabin: Cabin, answer: Map) -> np.ndarray:
     m, rate = r["mass"], 2 * np.pi * answer.rpm[0] / 60
     bent = m * r["length"] ** 2 / 12
     shell = Body("shell", m, R.T @ np.diag([r["roll_inertia"], bent, bent]) @ R, com=-R.T @ r["engine"])
-    apart = held.body.system(lambda body: [], rate)
+    apart = held.body.system(pushed, rate)
     powertrain, rotor = apart.bodies
     forces = [
         Bushing(shell, powertrain, at=x.at, stiffness=x.rates, damping=x.damping, axes=x.axes) for x in held.placed
     ]
     both = System([powertrain, rotor, shell], apart.joints, [*forces, *apart.forces], gravity=(0, 0, 0))
-    A = linearize(both, outputs=six_freedoms(powertrain) + six_freedoms(shell)).A
-    order = np.r_[0:6, 12:18, 6:12, 18:24]  # displacements of both, then rates of both
-    A, B = A[np.ix_(order, order)], np.zeros((24, 6))
-    B[12:18] = np.linalg.inv(held.mass)
-    to_seat = shift(np.array(R.T @ (np.array(r["seat"]) - r["engine"])))[:3]
-    found = np.zeros((answer.orders.size, 3), dtype=complex)
-    for k, W in enumerate(answer.orders * rate):
-        if k:
-            x = np.linalg.solve(1j * W * np.eye(24) - A, B @ answer.load[0, k])
-            found[k] = -(W**2) * R @ to_seat @ x[6:12]
+    W, found = answer.orders[1:] * rate, np.zeros((answer.orders.size, 3), dtype=complex)
+    H = state_space(both, inputs=LOADS, outputs=six_freedoms(shell)[:6]).frequency_response(W).H
+    to_seat = R @ shift(np.array(R.T @ (np.array(r["seat"]) - r["engine"])))[:3]
+    found[1:] = -(W[:, None] ** 2) * (to_seat @ H @ answer.load[0, 1:, :, None])[..., 0]
     return found

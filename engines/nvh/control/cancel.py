@@ -115,13 +115,14 @@ class Cancel:
     @cached_property
     def path(self) -> Path:
         """Return the path from the actuator to the force on the car, held over a sample."""
-        n, head = 12, self.held.head(self.mount)[2]
-        B = self.held.pushed @ head  # + u on the powertrain, - u on the car
+        head, model = self.held.head(self.mount)[2], self.held.model(self.turning)
+        A, B, C = model.seen  # dimensionless, without the angle of the crank
+        n = len(A)
         both = np.zeros((n + 1, n + 1))
-        both[:n, :n], both[:n, n] = self.held.turning(self.turning), B
-        sampled = expm(both / self.rate)
-        C = np.concatenate([self.mount.rates[2] * head, self.mount.damping[2] * head])
-        return Path(sampled[:n, :n], sampled[:n, n], C, -1.0, 1 / self.rate)
+        both[:n, :n], both[:n, n] = A, B @ head  # + u on the powertrain, - u on the car
+        sampled = expm(both * (model.rate / self.rate))
+        seen = np.concatenate([self.mount.rates[2] * head, self.mount.damping[2] * head]) @ C
+        return Path(sampled[:n, :n], sampled[:n, n], seen, -1.0, 1 / self.rate)
 
     @cached_property
     def force(self) -> complex:
@@ -135,22 +136,23 @@ class Cancel:
         cancelled.
         """
         u = -self.force / self.path.gain(self.W)
-        x = np.linalg.solve(1j * self.W * np.eye(12) - self.held.turning(self.turning), self.held.pushed)
+        (H,) = self.held.receptance(self.turning, np.array([self.W]))
         head = self.held.head(self.mount)[2]
         found = self.held.answer(self.source, [self.rpm]).motion[0, int(2 * self.order)]
-        v = 1j * self.W * head @ (found + x[:6] @ (head * u))
+        v = 1j * self.W * head @ (found + H @ (head * u))
         return abs(u), float((u * np.conj(v)).real / 2)
 
     def predicted(self, step: float, count: int) -> np.ndarray:
         """Return the error e of the linear loop from rest [N], shape (count,)."""
-        L, state, found = self.path.loop(self.W, step), np.zeros(14), np.empty(count)
+        L, n, found = self.path.loop(self.W, step), self.path.B.size, np.empty(count)
+        state = np.zeros(n + 2)
         g = step * self.path.gain(self.W).conjugate()
         back = np.exp(1j * self.W / self.rate) * g
         for k in range(count):
             given = (self.force * np.exp(1j * self.W * k / self.rate)).real
-            found[k] = self.path.C @ state[:12] + self.path.D * state[12] + given
+            found[k] = self.path.C @ state[:n] + self.path.D * state[n] + given
             state = L @ state
-            state[12:] -= np.array([back.real, back.imag]) * given
+            state[n:] -= np.array([back.real, back.imag]) * given
         return found
 
     def system(self) -> System:

@@ -1,9 +1,10 @@
 """Forces of an engine on its mounts: the linear map over speed and orders, and the full run it must agree with.
 
-Small motions of rigid body and rotor on the mounts (`linearize`) give ``x_dot = A(w) x``, A = A_0 + w A_1 as the rotor
-turns evenly. A load F about the middle of the crank enters through the mass matrix, and what the mounts hand on is
+Small motions of rigid body and rotor on the mounts (`state_space`) answer a load F about the middle of the crank by the
+motion ``x = H F``. The rotor turns evenly at w and adds gyroscopic terms, so the dynamic stiffness H^-1 is linear in w,
+and two rates hold all. What the mounts hand on is
 
-    x = (i W - A)^-1 [0; M^-1 F],   f = (K_j + i W C_j) u_j     W = order * w,  u_j of the point of mount j
+    f = (K_j + i W C_j) u_j,     W = order * w,  u_j of the point of mount j
 """
 
 from collections.abc import Sequence
@@ -21,13 +22,28 @@ from engines.nvh.excitation.loads import Source, along
 from engines.nvh.mounts.mounts import Mount, bushings
 from engines.nvh.mounts.powertrain import Equivalent, carried, moving_engine
 from engines.nvh.mounts.rigid_modes import mass_matrix
-from mbsd3d import Body, Force, Solution, State, System, Table, Torque, linearize, measures, simulate, spectrum
+from mbsd3d import (
+    Body,
+    Force,
+    Input,
+    Solution,
+    State,
+    StateSpace,
+    System,
+    Table,
+    Torque,
+    measures,
+    simulate,
+    spectrum,
+    state_space,
+)
 from mbsd3d.errors import InputError
 from mbsd3d.extend import DenseEquations, ForceElement, Measure, exponential, matrix, quaternion_from_matrix, skew
 
 GAS_TABLE_POINTS = 720  # [1] points of the gas force over a cycle
 RTOL = 1e-8
-REFERENCE_RATE = 100.0  # [rad/s] of the second matrix; A is linear in the rate
+REFERENCE_RATE = 100.0  # [rad/s] of the second model; the dynamic stiffness is linear in the rate
+LOADS = tuple(f"{kind} {axis}" for kind in ("force", "moment") for axis in "xyz")
 
 
 @dataclass(frozen=True)
@@ -80,50 +96,45 @@ class OnMounts:
         """Return the roll angle of `rest` about x [rad]."""
         return float(2.0 * np.arctan2(self.rest[4], self.rest[3]))
 
-    def matrix(self, rate: float) -> np.ndarray:
-        """Return the matrix A of displacements, rotations and their rates at the middle of the crank, about `rest`,
-        shape (12, 12).
+    def model(self, rate: float) -> StateSpace:
+        """Return the linear model about `rest` from force and moment at the middle of the crank, car axes, to its
+        displacement and rotation and to their rates, the crank turning at a rate [rad/s].
         """
         spin = rate if self.gyroscopic else 0.0
-        system, axis = self.body.system(self.forces, spin), matrix(self.rest[3:])[:, 0]
+        system = self.body.system(lambda body: [*self.forces(body), *pushed(body)], spin)
+        axis = matrix(self.rest[3:])[:, 0]
         v = np.concatenate([np.zeros(9), axis * spin / axis[0]])
         start = State(0.0, np.tile(self.rest, 2), v)
-        return linearize(system, start, outputs=six_freedoms(system.bodies[0])).A
+        return state_space(system, start, inputs=LOADS, outputs=six_freedoms(system.bodies[0]))
 
     @cached_property
-    def ends(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return `matrix` at rest and at `REFERENCE_RATE`."""
-        return self.matrix(0.0), self.matrix(REFERENCE_RATE)
+    def ends(self) -> tuple[StateSpace, StateSpace]:
+        """Return `model` at rest and at `REFERENCE_RATE`."""
+        return self.model(0.0), self.model(REFERENCE_RATE)
 
-    def turning(self, rate: float) -> np.ndarray:
-        """Return `matrix` at a rate [rad/s] by linear interpolation of `ends`, which is exact."""
-        still, turning = self.ends
-        return still + (turning - still) * (rate / REFERENCE_RATE)
-
-    @cached_property
-    def pushed(self) -> np.ndarray:
-        """Return the effect of forces and moments about the middle of the crank, car axes, on the rates, shape (12,
-        6)."""
-        turn = np.kron(np.eye(2), matrix(self.rest[3:]))
-        return np.vstack([np.zeros((6, 6)), turn @ np.linalg.inv(self.mass) @ turn.T])
+    def receptance(self, rate: float, W: np.ndarray) -> np.ndarray:
+        """Return the motions (6) of the middle of the crank by loads (6) there at rates W, the crank turning at a rate
+        [rad/s], shape (n, 6, 6).
+        """
+        still, turning = (np.linalg.inv(end.frequency_response(W).H[:, :6]) for end in self.ends)
+        return np.linalg.inv(still + (turning - still) * (rate / REFERENCE_RATE))
 
     def answer(self, source: Source, rpm: ArrayLike) -> Map:
         """Compute the linear map over speeds [1/min] > 0; raise ValueError for others."""
         speeds = np.asarray(rpm, dtype=float)
         if speeds.size == 0 or not (speeds > 0).all():
             raise InputError(f"map: rpm from {speeds.min(initial=0.0):g}; give speeds above 0, the crank turns")
-        turn, B = np.kron(np.eye(2), matrix(self.rest[3:])), self.pushed
+        turn = np.kron(np.eye(2), matrix(self.rest[3:]))
         force, load, motion = [], [], []
         for speed in speeds:
             rate, given = 2 * np.pi * speed / 60, source.at(speed)
             late = np.exp(-1j * given.orders * self.roll)[:, None]  # a crank angle counts from the block
-            A, push = self.turning(rate), late * (given.six @ turn.T)
-            W = given.orders * rate
-            x = np.linalg.solve(1j * W[:, None, None] * np.eye(12) - A, (push @ B.T)[..., None])[..., 0]
+            W, push = given.orders * rate, late * (given.six @ turn.T)
+            x = (self.receptance(rate, W) @ push[..., None])[..., 0]
             x[0] = 0.0  # the mean is in `rest`
-            motion.append(x[:, :6])
+            motion.append(x)
             load.append(given.six)
-            force.append(np.stack([self.handed_on(mount, x[:, :6], W) for mount in self.placed], axis=1))
+            force.append(np.stack([self.handed_on(mount, x, W) for mount in self.placed], axis=1))
         return Map(speeds, given.orders, np.array(force), np.array(load), np.array(motion))
 
     def handed_on(self, mount: Mount, motion: np.ndarray, W: np.ndarray) -> np.ndarray:
@@ -144,10 +155,9 @@ class OnMounts:
         With Z of the mounts alone and Y the receptance of the mounted powertrain at their heads, ``D = Z - Z Y Z``.
         """
         heads = np.vstack([self.head(mount) for mount in self.placed])
-        A, W = self.turning(rate), np.asarray(W)[:, None, None]
-        Y = heads @ np.linalg.solve(1j * W * np.eye(12) - A, self.pushed @ heads.T)[:, :6]
+        Y = heads @ self.receptance(rate, np.asarray(W)) @ heads.T
         k, c = (block_diag(*[getattr(mount, part) for mount in self.placed]) for part in ("stiffness", "dampers"))
-        Z = k + 1j * W * c
+        Z = k + 1j * np.asarray(W)[:, None, None] * c
         return Z - Z @ Y @ Z
 
     @property
@@ -155,6 +165,12 @@ class OnMounts:
         """Return the mass matrix about the middle of the crank, axes of the block, shape (6, 6)."""
         rigid = shift(self.body.com)
         return rigid.T @ mass_matrix(self.body) @ rigid
+
+
+def pushed(body: Body) -> list[ForceElement]:
+    """Return the force and the moment on a body at the origin whose components are the inputs `LOADS`."""
+    signals = tuple(Input(name) for name in LOADS)
+    return [Force(body, signals[:3], at=(0, 0, 0), name="load"), Torque(body, signals[3:], name="load moment")]
 
 
 def six_freedoms(body: Body) -> list[Measure]:

@@ -1,9 +1,10 @@
 """Car on a rough road: vibration at the seat, wave by wave and in the full motion.
 
 A wave n of the road reaches a wheel x ahead of the centre of mass as ``c exp(2 pi i n (v t + x))`` and pushes it by
-``(k + i w c_t)`` of its height, w = 2 pi n v. Through the small motions of the car the acceleration at the seat is
+``(k + i w c_t)`` of its height, w = 2 pi n v. By the small motions H of the car (`mbsd3d.state_space`) the acceleration
+at the seat is
 
-    a = -w^2 s' (i w - A)^-1 B f,     a_w^2 = sum |W_k a|^2 / 2
+    a = -w^2 s' H(w) f,     a_w^2 = sum |W_k a|^2 / 2
 
 for the very road that the full motion runs over, so that both can be compared wave by wave. W_k weighs vertical
 vibration of seated people by ISO 2631-1:
@@ -77,12 +78,8 @@ class Ride:
     @cached_property
     def heights(self) -> np.ndarray:
         """Return the phasors of the heights of the vehicle's points [m], shape (k, outputs)."""
-        A, B = self.vehicle.equations
-        w, n = self.rates, A.shape[0]
-        push = [self.pushed(corner) for corner in self.vehicle.corners]
-        systems = 1j * w[:, None, None] * np.eye(n) - A
-        found = np.linalg.solve(systems, (np.array(push).T @ B.T)[..., None])[..., 0]
-        return found[:, : n // 2]
+        push = np.transpose([self.pushed(corner) for corner in self.vehicle.corners])
+        return (self.vehicle.small_motions.frequency_response(self.rates).H @ push[..., None])[..., 0]
 
     @cached_property
     def seat(self) -> np.ndarray:

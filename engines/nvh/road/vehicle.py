@@ -22,15 +22,16 @@ from mbsd3d import (
     Body,
     Bushing,
     Force,
+    Input,
     Perpendicular,
     PointOnLine,
     Prismatic,
     SpringDamper,
+    StateSpace,
     System,
-    accelerations,
-    linearize,
     measures,
     shapes,
+    state_space,
 )  # fmt: skip
 from mbsd3d.errors import InputError
 from mbsd3d.extend import Measure, matrix, number
@@ -239,16 +240,13 @@ class Vehicle:
         ahead = matrix(self.system(loads).equilibrium().state.q[3:7])[:, 0]
         return float(-np.arcsin(ahead[2]))
 
-    def outputs(self, system: System) -> list[Measure]:
-        """Return heights of as many points as there are degrees of freedom, then their velocities: of the body, then of
-        the wheels.
-        """
-        body = system.bodies[0]
-        points = [(body, (x, y, body.position[2])) for x, y in OUTPUT_PLACES[self.kind]] + [
-            (wheel, None) for wheel in system.bodies[1:]
+    def heights(self, system: System) -> list[Measure]:
+        """Return the heights of as many points as there are degrees of freedom: of the body, then of the wheels."""
+        body, *wheels = system.bodies
+        places = [(x, y, body.position[2]) for x, y in OUTPUT_PLACES[self.kind]]
+        return [measures.position(body, axis=Z, at=at) for at in places] + [
+            measures.position(wheel, axis=Z) for wheel in wheels
         ]
-        places = [measures.position(part, axis=Z, at=at) for part, at in points]
-        return places + [measures.velocity(part, axis=Z, at=at) for part, at in points]
 
     @cached_property
     def at_seat(self) -> np.ndarray:
@@ -259,17 +257,7 @@ class Vehicle:
         return np.concatenate([weights, np.zeros(len(self.corners))])
 
     @cached_property
-    def equations(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return (A (2 n, 2 n), B (2 n, wheels)): small motions of the outputs, and the effect of an upward force on a
-        wheel.
-        """
-        system = self.system()
-        A = linearize(system, outputs=self.outputs(system)).A
-        columns = []
-        for corner in self.corners:
-            pushed = accelerations(self.system([(corner.name, (0, 0, 1.0), None)]))
-            (up,), (turn,) = pushed.acceleration("body"), pushed.alpha("body")
-            body = [up[2] + turn[0] * y - turn[1] * x for x, y in OUTPUT_PLACES[self.kind]]
-            wheels = [pushed.acceleration(other.name)[0, 2] for other in self.corners]
-            columns.append(np.concatenate([np.zeros(A.shape[0] // 2), body, wheels]))
-        return A, np.array(columns).T
+    def small_motions(self) -> StateSpace:
+        """Return the linear model from upward forces on the wheels [N] to the heights of points [m]."""
+        system = self.system([(corner.name, (0, 0, Input(corner.name)), None) for corner in self.corners])
+        return state_space(system, outputs=self.heights(system))
