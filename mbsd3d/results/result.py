@@ -11,7 +11,7 @@ from ..base.checks import short_repr
 from ..base.errors import InputError
 from ..base.rotations import crosses, matrix
 from ..base.style import Sampled
-from ..dynamics.batch import wrenches
+from ..dynamics.batch import at_body_point, joint_wrenches
 from ..equations.compiled import Compiled, compile_system, new_data, tables_of
 from ..kernels.coordinates import coordinate_rate, measure, remember
 from ..kernels.kinematics import kinematics
@@ -38,6 +38,8 @@ from .reactions import (
     is_unique,
 )
 from .record import Record
+
+WRENCH_NUMBERS_MAX = 2**17  # [numbers] of the wrenches of all joints that a result keeps: 1 MB
 
 
 @dataclass(frozen=True, repr=False)
@@ -246,10 +248,15 @@ class RunResult(Motion):
         """Return whether all of the net wrench of joints is determined wherever the run was looked at first."""
         return not self._probes or is_unique(self.compiled, self._probes, group_of(self.compiled, parts))
 
+    @cached_property
+    def _all_determined(self) -> Determined:
+        """Return that nothing of a wrench is open at any sample."""
+        return all_determined(self.t.size)
+
     def _determined(self, parts: list[Joint]) -> Determined:
         """Return directions in which the constraints determine the net wrench of joints of one body b."""
         if self._is_unique(parts):
-            return all_determined(self.t.size)
+            return self._all_determined
         return self._shares[1][id(parts[0])] if len(parts) == 1 else self._shares_of([parts]).determined[0]
 
     def reaction(self, *joints: Joint | str, axes: str = "world") -> Reaction:
@@ -262,7 +269,7 @@ class RunResult(Motion):
         and ``determined_moment`` are the part they determine, in any direction; indeterminate shares are the ones of
         least norm, which depends on the length unit.
         """
-        system, compiled = self.system, self.compiled
+        system = self.system
         parts = [system.part(joint, "joints") for joint in joints]
         if not parts:
             raise InputError("solution.reaction: no joint given; give one or more joints")
@@ -274,19 +281,43 @@ class RunResult(Motion):
                     f"'{system.name(parts[0])}' on '{body.name}'; net wrenches need one body b"
                 )
         turned = axes_of(self, parts[0], axes)
-        samples, lam = self.t.size, self.arrays["lam"] if self._is_unique(parts) else self._shares[0]
-        total, one = np.zeros((samples, 6)), np.zeros((samples, 6))
-        index, data, states = compiled.body_index[id(body)], compiled.data(), self.arrays["state"]
-        coordinates = np.ascontiguousarray(self.arrays["coordinate"])
-        for part in parts:
-            rows = compiled.rows[id(part)]
-            wrenches(compiled.model, data, self.t, states, coordinates, lam, rows.start, rows.stop, index, one)
-            total += one
-        point = parts[0].reaction_points(self)
-        origin = np.zeros((samples, 3)) if body is GROUND else self.position(body)
-        force = total[:, :3]
-        moment = total[:, 3:] - crosses(point - origin, force)
+        wrenches = self._wrenches(parts) if self._is_unique(parts) else self._wrenches_by(self._shares[0], parts)
+        force, moment, point = self._at_point(parts[0], sum(wrenches[1:], wrenches[0]))
         return self._determined(parts).reaction(force, moment, point, slice(None), turned)
+
+    def _wrenches(self, joints: Sequence[Joint]) -> list[np.ndarray]:
+        """Return force and moment about O of their bodies b of joints, (samples, 6) each, by the run's multipliers.
+
+        The first call of a run of few samples computes and keeps those of all joints: rows are evaluated once.
+        """
+        every = self.system.joints
+        if 6 * len(every) * self.t.size > WRENCH_NUMBERS_MAX:
+            return list(self._wrenches_by(self.arrays["lam"], joints))
+        if "wrenches" not in self.derived:
+            found = self._wrenches_by(self.arrays["lam"], every)
+            self.derived["wrenches"] = dict(zip(map(id, every), found, strict=True))
+        return [self.derived["wrenches"][id(joint)] for joint in joints]
+
+    def _wrenches_by(self, lam: np.ndarray, joints: Sequence[Joint]) -> np.ndarray:
+        """Return force and moment about O of their bodies b of k joints (k, samples, 6), by multipliers."""
+        compiled, out = self.compiled, np.empty((len(joints), self.t.size, 6))
+        rows = [(compiled.rows[id(joint)], compiled.body_index[id(joint.b)]) for joint in joints]
+        parts = np.array([(own.start, own.stop, body) for own, body in rows], np.int64).reshape(-1, 3)
+        coordinates = np.ascontiguousarray(self.arrays["coordinate"])
+        joint_wrenches(compiled.model, compiled.data(), self.t, self.arrays["state"], coordinates, lam, parts, out)
+        return out
+
+    def _at_point(self, joint: Joint, wrench: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return force, moment about the point of a joint, and that point, from force and moment about O of body b."""
+        body, states = self.compiled.body_index[id(joint.b)], self.arrays["state"]
+        if type(joint).reaction_points is Joint.reaction_points:
+            out = np.empty((self.t.size, 9))
+            at_body_point(self.compiled.model, states, body, joint.b.local_point(joint.point()), wrench, out)
+            return out[:, :3], out[:, 3:6], out[:, 6:]
+        point = joint.reaction_points(self)
+        origin = np.zeros((self.t.size, 3)) if joint.b is GROUND else self.position(joint.b)
+        force = wrench[:, :3].copy()
+        return force, wrench[:, 3:] - crosses(point - origin, force), point
 
     def effort(self, driver: Driver | str) -> np.ndarray:
         """Return torque [N m] or force [N] of a driver on b along its motion (samples,); (samples, k) for k rows."""

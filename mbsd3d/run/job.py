@@ -56,6 +56,9 @@ from .stiffness import check_forces
 
 CHUNK_SECONDS = 0.05  # s of kernel time between two returns to Python, for progress and Ctrl-C
 BUFFER_SAMPLES = 1024  # between two returns to Python where every step is a sample
+# [mu] pivot of a loop row that repeats no others for certain: a thousandth of the compliance of the heaviest body in its
+# loop. Rounding leaves 1e-6 of mu; the rank decision asks for 1e-10 of a singular value, which is a root of a pivot
+INDEPENDENT_PIVOT_MIN = 1e5
 SINGULAR_EXIT_CODES = memory.STEP_TOO_SMALL, memory.NOT_CONVERGED  # which a singular pose may cause
 
 
@@ -116,6 +119,7 @@ class Job:
                 self.check_start()
                 check_stops(self.compiled, self.data, self.memory.y)
                 self.eliminate()
+                self.accelerate()
                 self.check_driven()
                 self.first_step()
                 self.check_condition()
@@ -134,6 +138,7 @@ class Job:
         model, data, run, t = self.model, self.data, self.memory, self.start.t
         projected, solved = project_and_evaluate(model, data, self.tree, t, run.y, run.dy, FACTOR_FROM_OTHER_POSE)
         run.now.evaluations += 1
+        self.note_independence()
         if projected != PROJECTED:
             self.fail(memory.NOT_CLOSING)
         if solved != SOLVED or not np.isfinite(run.dy).all():
@@ -200,12 +205,28 @@ class Job:
                 (float(self.memory.now.t), self.tree.used.size, "rows left out violated", True)
             )
 
+    def accelerate(self) -> None:
+        """Compute the accelerations at the start, and with their factorisation whether rows repeat others."""
+        run = self.memory
+        project_and_evaluate(
+            self.model, self.data, self.tree, self.start.t, run.y.copy(), run.dy, FACTOR_FROM_OTHER_POSE
+        )
+        self.note_independence()
+
+    def note_independence(self) -> None:
+        """Record that no row repeats others where all pivots of the factor at hand say so: no rank is needed then."""
+        tree = self.tree
+        regular = not (tree.skipped.size or self.record.tolerance or tree.state["dense"] or tree.state["worn"])
+        if regular and (tree.loop["pivot"] > INDEPENDENT_PIVOT_MIN).all():
+            self.record.rows_left_out = 0
+
     def check_driven(self) -> None:
         """Raise an InputError where Kinematic() lacks rows that determine all positions."""
         if not (self.record.kinematic and self.model.stabilisation):
             return
-        need = 6 * self.model.body.size
-        holonomic = int(self.model.row["holonomic"][choose_rows(self.model, self.data)].sum())
+        need, known = 6 * self.model.body.size, self.record.rows_left_out == 0
+        independent = slice(None) if known else choose_rows(self.model, self.data)
+        holonomic = int(self.model.row["holonomic"][independent].sum())
         if holonomic < need:
             speed = [j for j in self.compiled.system.joints if isinstance(j, SpeedDriver)]
             hint = "replace SpeedDriver by AngleDriver" if speed else "add drivers, or use DOP853()"
@@ -225,7 +246,6 @@ class Job:
         run, model, n = self.memory, self.model, self.model.body.size
         now, task = run.now, run.task
         horizon = task["t_end"] - now["t"]
-        project_and_evaluate(model, self.data, self.tree, now["t"], run.y.copy(), run.dy, FACTOR_FROM_OTHER_POSE)
         v, a = (x[7 * n : 13 * n].reshape(n, 6) for x in (run.y, run.dy))
         rate = max(rate_of_motion(v, a, model.length), 1.0 / horizon) or 1.0  # a run without horizon may start at rest
         if self.options.stop_when is None:
