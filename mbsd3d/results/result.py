@@ -9,15 +9,15 @@ import numpy as np
 
 from ..base.checks import short_repr
 from ..base.errors import InputError
-from ..base.rotations import crosses, matrix
+from ..base.rotations import crosses
 from ..base.style import Sampled
 from ..dynamics.batch import at_body_point, joint_wrenches
 from ..equations.compiled import Compiled, compile_system, new_data, tables_of
 from ..kernels.coordinates import coordinate_rate, measure, remember
-from ..kernels.kinematics import kinematics
+from ..kernels.kinematics import kinematics, world_velocities
 from ..kernels.layout import Data
 from ..kernels.rows import rows
-from ..mechanism.bodies import GROUND, Body, Ground
+from ..mechanism.bodies import Body, Ground
 from ..mechanism.drivers import Driver
 from ..mechanism.force_element import ForceElement
 from ..mechanism.joints import Joint, coordinate_of
@@ -109,11 +109,11 @@ class RunResult(Motion):
         states = arrays.pop("y")
         arrays["state"] = states
         arrays["q"] = states[:, : 7 * n].reshape(-1, n, 7)
-        arrays["v"] = world_velocities(states, n)
+        arrays["v"] = world_velocities_of(states, n)
         arrays["z"] = states[:, 13 * n :]
         arrays["acceleration"] = arrays["acceleration"].reshape(-1, n, 6)
         at_end = len(states) > 0 and np.array_equal(states[-1], y)
-        v = arrays["v"][-1] if at_end else world_velocities(y[None], n)[0]
+        v = arrays["v"][-1] if at_end else world_velocities_of(y[None], n)[0]
         own = y[13 * n : 13 * n + compiled.model.z_work]
         coordinates = data.coordinate["value"][: compiled.own_coordinates].copy()
         end = State(t, unit_quaternions(y[: 7 * n]), v.ravel(), own, coordinates)
@@ -315,7 +315,7 @@ class RunResult(Motion):
             at_body_point(self.compiled.model, states, body, joint.b.local_point(joint.point()), wrench, out)
             return out[:, :3], out[:, 3:6], out[:, 6:]
         point = joint.reaction_points(self)
-        origin = np.zeros((self.t.size, 3)) if joint.b is GROUND else self.position(joint.b)
+        origin = np.zeros((self.t.size, 3)) if isinstance(joint.b, Ground) else self.position(joint.b)
         force = wrench[:, :3].copy()
         return force, wrench[:, 3:] - crosses(point - origin, force), point
 
@@ -420,14 +420,8 @@ def unit_quaternions(q: np.ndarray) -> np.ndarray:
     return poses.ravel()
 
 
-def world_velocities(states: np.ndarray, n: int) -> np.ndarray:
+def world_velocities_of(states: np.ndarray, n: int) -> np.ndarray:
     """Return world velocities (r_dot, w) (samples, n, 6) from states y with u = (r_dot, R'w)."""
     v = np.empty((states.shape[0], n, 6))
-    some = max(1, 2**14 // n)  # samples at a time: their rotation matrices take 1 MB
-    for k in range(0, states.shape[0], some):
-        y = states[k : k + some]
-        u = y[:, 7 * n : 13 * n].reshape(-1, n, 6)
-        R = matrix(y[:, : 7 * n].reshape(-1, n, 7)[..., 3:])
-        v[k : k + some, :, :3] = u[..., :3]
-        v[k : k + some, :, 3:] = np.einsum("tbij,tbj->tbi", R, u[..., 3:])
+    world_velocities(states, v)
     return v

@@ -18,6 +18,7 @@ from ..dynamics.state_rates import FACTOR_FROM_OTHER_POSE, PROJECTED, project_an
 from ..equations.at_state import check_quaternions, driven_coordinates, load_rows, load_state, unmet, worst_joint
 from ..equations.compiled import Compiled
 from ..equations.jacobian import scaled_rows
+from ..equations.tree import surely_regular, tree_at_start
 from ..integrators import memory
 from ..integrators.memory import Run, allocate_run
 from ..integrators.outputs import write
@@ -56,9 +57,6 @@ from .stiffness import check_forces
 
 CHUNK_SECONDS = 0.05  # s of kernel time between two returns to Python, for progress and Ctrl-C
 BUFFER_SAMPLES = 1024  # between two returns to Python where every step is a sample
-# [mu] pivot of a loop row that repeats no others for certain: a thousandth of the compliance of the heaviest body in its
-# loop. Rounding leaves 1e-6 of mu; the rank decision asks for 1e-10 of a singular value, which is a root of a pivot
-INDEPENDENT_PIVOT_MIN = 1e5
 SINGULAR_EXIT_CODES = memory.STEP_TOO_SMALL, memory.NOT_CONVERGED  # which a singular pose may cause
 
 
@@ -189,8 +187,11 @@ class Job:
         load_rows(self.compiled, self.data, run.y, run.now.t)
         if not np.isfinite(self.data.row["J"]).all():
             self.fail(memory.NO_SOLUTION)
-        self.record.svd_calls += self.record.tolerance > 0.0
-        self.tree = tree_over_rows(self.model, self.data, self.record.tolerance)
+        if self.record.tolerance == 0.0 and run.now["steps"] == 0:
+            self.tree = tree_at_start(self.compiled, self.data, run.y[: self.start.q.size], self.start.t)
+        else:
+            self.record.svd_calls += self.record.tolerance > 0.0
+            self.tree = tree_over_rows(self.model, self.data, self.record.tolerance)
         self.record.rows_left_out = int(self.tree.skipped.size + self.tree.loop.size)
         run.now.fresh = max(run.now.fresh, 1)
 
@@ -215,9 +216,7 @@ class Job:
 
     def note_independence(self) -> None:
         """Record that no row repeats others where all pivots of the factor at hand say so: no rank is needed then."""
-        tree = self.tree
-        regular = not (tree.skipped.size or self.record.tolerance or tree.state["dense"] or tree.state["worn"])
-        if regular and (tree.loop["pivot"] > INDEPENDENT_PIVOT_MIN).all():
+        if self.record.tolerance == 0.0 and surely_regular(self.tree):
             self.record.rows_left_out = 0
 
     def check_driven(self) -> None:
