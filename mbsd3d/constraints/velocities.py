@@ -110,8 +110,8 @@ def with_velocities(
 def velocities_by_tree(compiled: Compiled, data: Data, pose: State) -> np.ndarray | None:
     """Return the velocities (6 n,) of least kinetic energy with J v = b by the factor that runs use.
 
-    None where a body was given a velocity or the factor leaves a doubt that rows are independent; v is projected twice,
-    the second time from rounding.
+    None where a body was given a velocity, where the factor leaves a doubt that rows are independent, and where S has
+    lost digits. v is projected twice, the second time from rounding.
     """
     model, n, bodies = compiled.model, compiled.model.body.size, compiled.system.bodies
     if not model.row.size or any(body.velocity is not None or body.omega is not None for body in bodies):
@@ -120,7 +120,7 @@ def velocities_by_tree(compiled: Compiled, data: Data, pose: State) -> np.ndarra
     y[: 7 * n] = pose.q
     tree = tree_at_start(compiled, data, pose.q, pose.t)
     factor(model, data, tree)
-    if not surely_regular(tree):
+    if not surely_regular(tree) or tree.state["graded"]:
         return None
     for _ in range(2):
         if project_velocities(model, data, tree, y) != PROJECTED:

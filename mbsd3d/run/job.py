@@ -223,9 +223,11 @@ class Job:
         """Raise an InputError where Kinematic() lacks rows that determine all positions."""
         if not (self.record.kinematic and self.model.stabilisation):
             return
-        need, known = 6 * self.model.body.size, self.record.rows_left_out == 0
-        independent = slice(None) if known else choose_rows(self.model, self.data)
-        holonomic = int(self.model.row["holonomic"][independent].sum())
+        need, rows = 6 * self.model.body.size, self.model.row["holonomic"]
+        if self.record.rows_left_out != 0:
+            load_rows(self.compiled, self.data, self.memory.y, self.start.t)
+            rows = rows[choose_rows(self.model, self.data)]
+        holonomic = int(rows.sum())
         if holonomic < need:
             speed = [j for j in self.compiled.system.joints if isinstance(j, SpeedDriver)]
             hint = "replace SpeedDriver by AngleDriver" if speed else "add drivers, or use DOP853()"
