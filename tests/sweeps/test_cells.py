@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from bicycle import Meijaard2007, whipple
-from mbsd3d import GROUND, Body, Cylindrical, Kinematic, Revolute, Spherical, SpringDamper, System, simulate
+from mbsd3d import GROUND, Body, Cylindrical, Kinematic, Revolute, Spherical, SpringDamper, System, simulate, sweep
 from mbsd3d.demos.shafts.cardan import mechanism
-from validation.cases.inline_four import CRANK_RATE, inline_four
+from validation.cases.inline_four import CRANK_RATE, inline_four, orders
 
 
 def four_bar(x):
@@ -93,3 +93,16 @@ def test_reactions_of_one_joint_are_those_of_all():
         one, other = short.reaction(name), long.reaction(name)
         for x in ("force", "moment", "point"):
             assert np.array_equal(getattr(one, x), getattr(other, x)[shared])
+
+
+@pytest.mark.slow
+def test_engines_have_the_same_bits_on_threads_and_in_new_processes():
+    grid = {"radius": [0.5, 0.61, 0.83], "rod_length": [1.5, 2.7]}
+    run = {"t_end": 2 * np.pi / CRANK_RATE, "method": Kinematic(), "output": 37}
+    threads, processes = (sweep(inline_four, grid, orders, run=run, executor=kind) for kind in ("threads", "processes"))
+    for name in ("force_1x", "force_2x", "force_4x", "torque_2x"):
+        single = [
+            orders(simulate(inline_four(r, length), progress=False, **run))[name]
+            for r in grid["radius"] for length in grid["rod_length"]
+        ]  # fmt: skip
+        assert threads[name].values.ravel().tolist() == processes[name].values.ravel().tolist() == single
