@@ -303,13 +303,13 @@ class RunResult(Motion):
         compiled, out = self.compiled, np.empty((len(joints), self.t.size, 6))
         rows = [(compiled.rows[id(joint)], compiled.body_index[id(joint.b)]) for joint in joints]
         parts = np.array([(own.start, own.stop, body) for own, body in rows], np.int64).reshape(-1, 3)
-        coordinates = np.ascontiguousarray(self.arrays["coordinate"])
-        joint_wrenches(compiled.model, compiled.data(), self.t, self.arrays["state"], coordinates, lam, parts, out)
+        samples = [self.t, *(self.arrays[name] for name in ("state", "coordinate")), lam]
+        joint_wrenches(compiled.model, compiled.data(), *map(np.ascontiguousarray, samples), parts, out)
         return out
 
     def _at_point(self, joint: Joint, wrench: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return force, moment about the point of a joint, and that point, from force and moment about O of body b."""
-        body, states = self.compiled.body_index[id(joint.b)], self.arrays["state"]
+        body, states = self.compiled.body_index[id(joint.b)], np.ascontiguousarray(self.arrays["state"])
         if type(joint).reaction_points is Joint.reaction_points:
             out = np.empty((self.t.size, 9))
             at_body_point(self.compiled.model, states, body, joint.b.local_point(joint.point()), wrench, out)
