@@ -7,6 +7,7 @@ and front wheel at the front hub.
 
 from collections.abc import Sequence
 from dataclasses import field
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -214,17 +215,23 @@ def steer_torque(system: Bicycle, parameters: Parameters, torque: Signal | float
     ]
 
 
-def shape_of(p: Parameters, part: str) -> list[shapes.Shape]:
+@lru_cache(maxsize=64)
+def spoked_wheel(radius: float, tube: float) -> tuple[shapes.Shape, ...]:
+    """Return a tyre and spokes about the hub [m]; made once for all bicycles that share it."""
+    angles = np.linspace(0.0, 2.0 * np.pi, 9)[:-1]
+    rim = [(radius * np.cos(a), 0.0, radius * np.sin(a)) for a in angles]
+    spokes = [point for end in rim for point in ((0.0, 0.0, 0.0), end)]
+    return shapes.Torus(radius - tube, tube, "y"), shapes.Lines(spokes)
+
+
+def shape_of(p: Parameters, part: str) -> Sequence[shapes.Shape]:
     """Return the shapes of a part, from its hub [m]: wheels with rims and spokes, tubes of frame and fork, the rider's
     mass.
     """
     if part in "RF":
         r = getattr(p, f"r{part}")
         tube = max(getattr(p, f"t{part}") if getattr(p, f"t{part}") < 0.3 * r else 0.0, 0.04 * r)
-        angles = np.linspace(0.0, 2.0 * np.pi, 9)[:-1]
-        rim = [(r * np.cos(a), 0.0, r * np.sin(a)) for a in angles]
-        spokes = [point for end in rim for point in ((0.0, 0.0, 0.0), end)]
-        return [shapes.Torus(r - tube, tube, "y"), shapes.Lines(spokes)]
+        return spoked_wheel(float(r), float(tube))
     (rear, front), (head, axis), height = hubs(p), steer_axis(p), 2.0 * max(p.rR, p.rF)
     if part == "H":
         return [shapes.Lines(np.array([front, head, head - 0.15 * height * axis]) - front)]

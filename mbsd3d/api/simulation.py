@@ -3,7 +3,7 @@
 from numpy.typing import ArrayLike
 
 from ..base.errors import IntegrationError, checks_arguments
-from ..equations.compiled import Switches
+from ..equations.compiled import BAUMGARTE_FACTORS, Switches
 from ..integrators.dop853 import DOP853
 from ..integrators.method import Method
 from ..mechanism.measures import Condition
@@ -28,7 +28,7 @@ def simulate(
     centripetal: bool = True,
     gamma: bool = True,
     stabilisation: str = "projection",
-    baumgarte: tuple[float, float] = (20.0, 100.0),
+    baumgarte: tuple[float, float] = BAUMGARTE_FACTORS,
     as_built: float | None = None,
     progress: bool | str | None = None,
 ) -> Solution:

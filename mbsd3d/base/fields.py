@@ -26,7 +26,7 @@ import msgspec
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import as_tuple, number, sequence, short_repr, vector
+from .checks import as_tuple, number, plain_three, sequence, short_repr, vector
 from .errors import ChecksArguments, InputError
 from .mass_properties import check_inertia
 from .rotations import as_quaternion, unit
@@ -137,7 +137,11 @@ class Frozen(metaclass=ChecksArguments):
         for name, convert, rules, default, ready, derived in conversions(type(self)):
             value = values[name]
             if value is not default:
-                values[name] = convert(value, f"{what}: {name}", self, **rules)
+                plain = plain_three(value) if convert is as_vector else None
+                if plain is None:
+                    values[name] = convert(value, f"{what}: {name}", self, **rules)
+                else:
+                    values[name] = locked(plain)
             elif derived is None:
                 values[name] = ready
             else:

@@ -5,6 +5,7 @@ Functions of quaternions but `as_quaternion` work on stacks: any leading dimensi
 """
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -44,8 +45,7 @@ def as_quaternion(orientation: ArrayLike, what: str = "orientation") -> np.ndarr
     """
     values = floats(orientation, what, ORIENTATION_FORMS)
     if values.shape == (3, 3):
-        _check_rotation(values, what)
-        return _largest_column(values)
+        return _quaternion_of_one(values, what)
     if values.shape != (4,):
         raise InputError(f"{what}: shape {values.shape} is not an orientation; give {ORIENTATION_FORMS}")
     norm = math.sqrt(values @ values)
@@ -141,6 +141,29 @@ def _largest_column(R: np.ndarray) -> np.ndarray:
     column = np.take_along_axis(products, largest[..., None, None], axis=-1)[..., 0]
     column = np.where(column[..., :1] < 0.0, -column, column)
     return column / np.linalg.norm(column, axis=-1, keepdims=True)
+
+
+def _quaternion_of_one(R: np.ndarray, what: str) -> np.ndarray:
+    """Return the unit quaternion (4,) of one matrix (3, 3) as `_largest_column` does, or refuse it; in plain numbers.
+
+    Small arrays would take ten times as long, and a cell of a sweep makes many.
+    """
+    (a, b, c), (d, f, g), (h, i, j) = R.tolist()
+    lengths = abs(a * a + d * d + h * h - 1.0), abs(b * b + f * f + i * i - 1.0), abs(c * c + g * g + j * j - 1.0)
+    cosines = abs(a * b + d * f + h * i), abs(a * c + d * g + h * j), abs(b * c + f * g + i * j)
+    determinant = a * (f * j - g * i) - b * (d * j - g * h) + c * (d * i - f * h)
+    if not (max(*lengths, *cosines) <= NORM_TOLERANCE and determinant > 0.0):
+        _check_rotation(R, what)
+    squares = 1.0 + a + f + j, 1.0 + a - f - j, 1.0 - a + f - j, 1.0 - a - f + j
+    k = squares.index(max(squares))
+    column = (
+        (squares[0], i - g, c - h, d - b),
+        (i - g, squares[1], b + d, c + h),
+        (c - h, b + d, squares[2], g + i),
+        (d - b, c + h, g + i, squares[3]),
+    )[k]
+    norm = math.hypot(*column) if column[0] >= 0.0 else -math.hypot(*column)
+    return np.array([x / norm for x in column])
 
 
 def _text(values: np.ndarray) -> str:
@@ -264,16 +287,35 @@ def make_perpendicular(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def perpendiculars(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return x and y with (x, y, axis) right-handed and orthonormal; axis is a unit vector."""
-    size = [abs(a) for a in axis.tolist()]
-    x = cross(axis, WORLD_AXES[size.index(min(size))])
-    x /= np.sqrt(x @ x)
-    return x, cross(axis, x)
+    """Return x and y, read-only, with (x, y, axis) right-handed and orthonormal; axis (3,) is a unit vector."""
+    return _perpendiculars(np.asarray(axis, float).tobytes())
+
+
+@lru_cache(maxsize=1024)
+def _perpendiculars(axis: bytes) -> tuple[np.ndarray, np.ndarray]:
+    """Return the perpendiculars, read-only, of an axis by its bytes: parts of a mechanism share few axes."""
+    z = np.frombuffer(axis)
+    size = [abs(a) for a in z.tolist()]
+    x = cross(z, WORLD_AXES[size.index(min(size))])
+    x /= math.sqrt(x @ x)
+    y = cross(z, x)
+    x.setflags(write=False)
+    y.setflags(write=False)
+    return x, y
 
 
 def matched_perpendiculars(axis: np.ndarray, axis_b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the perpendiculars of axis_b that are nearest to those of axis."""
-    x, _ = perpendiculars(axis)
-    x_b = x - axis_b * (x @ axis_b)
-    x_b /= np.sqrt(x_b @ x_b)
-    return x_b, cross(axis_b, x_b)
+    """Return the perpendiculars of axis_b, read-only, that are nearest to those of axis."""
+    return _matched_perpendiculars(np.asarray(axis, float).tobytes(), np.asarray(axis_b, float).tobytes())
+
+
+@lru_cache(maxsize=1024)
+def _matched_perpendiculars(axis: bytes, axis_b: bytes) -> tuple[np.ndarray, np.ndarray]:
+    """Return them, read-only, by the bytes of both axes."""
+    (x, _), z = _perpendiculars(axis), np.frombuffer(axis_b)
+    x = x - z * (x @ z)
+    x /= math.sqrt(x @ x)
+    y = cross(z, x)
+    x.setflags(write=False)
+    y.setflags(write=False)
+    return x, y

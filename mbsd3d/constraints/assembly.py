@@ -27,7 +27,7 @@ from .velocities import with_velocities
 
 def reference_pose(system: Mechanism, t: float = 0.0) -> State:
     """Return poses and internal states as described; velocities are zero."""
-    q = np.concatenate([np.concatenate([b.position, b.orientation]) for b in system.bodies])
+    q = np.concatenate([x for body in system.bodies for x in (body.position, body.orientation)])
     return State(t, q, np.zeros(6 * len(system.bodies)), initial_states(system))
 
 

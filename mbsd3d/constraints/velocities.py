@@ -12,18 +12,24 @@ from scipy.sparse import csr_array, vstack
 from ..base.checks import number, reporting_linalg_errors
 from ..base.concurrency import one_thread
 from ..base.errors import AssemblyError, InputError
+from ..dynamics.state_rates import PROJECTED, project_velocities
 from ..equations.at_state import coordinate_row, load_state
 from ..equations.compiled import Compiled
 from ..equations.dense_solvers import mass_matrix_of
 from ..equations.jacobian import block_rows, displacement_units, largest_in_rows, scaled
+from ..equations.tree import surely_regular, tree_at_start
+from ..kernels.kinematics import kinematics
 from ..kernels.layout import Data
 from ..mechanism.bodies import Body
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
+from ..solver.saddle_point import factor
 from .conflicting_drivers import find_contradiction
 from .idle_rotations import check_spins
 from .least_squares import SMALL_SYSTEM_BODIES_MAX, Matrix, least
 from .poses.joint_motion import joint_graph
+
+VELOCITY_ROUNDING = 1e-12  # [rad/s, model lengths/s] of J v - b at unit speed: a factor that leaves more is not trusted
 
 
 def given_velocities(system: Mechanism) -> np.ndarray:
@@ -67,6 +73,10 @@ def with_velocities(
     system, model = compiled.system, compiled.model
     if model.singular:
         check_spins(compiled, data)
+    elif not rates and near is None and not still:
+        v = velocities_by_tree(compiled, data, pose)
+        if v is not None:
+            return State(pose.t, pose.q, v, pose.z, pose.coordinates)
     rows, few, b = block_rows(model, data), model.body.size < SMALL_SYSTEM_BODIES_MAX, data.row["b"].copy()
     J = [rows.dense() if few else rows.sparse()]
     asked = []
@@ -95,6 +105,31 @@ def with_velocities(
             clash = find_contradiction(compiled, data, pose.t, pose.t)
             raise (clash.error() if clash else error) from None
     return State(pose.t, pose.q, v, pose.z, pose.coordinates)
+
+
+def velocities_by_tree(compiled: Compiled, data: Data, pose: State) -> np.ndarray | None:
+    """Return the velocities (6 n,) of least kinetic energy with J v = b by the factor that runs use.
+
+    None where a body was given a velocity, where the factor leaves a doubt that rows are independent, and where S has
+    lost digits. v is projected twice, the second time from rounding.
+    """
+    model, n, bodies = compiled.model, compiled.model.body.size, compiled.system.bodies
+    if not model.row.size or any(body.velocity is not None or body.omega is not None for body in bodies):
+        return None
+    y = np.zeros(13 * n + model.state.size)
+    y[: 7 * n] = pose.q
+    tree = tree_at_start(compiled, data, pose.q, pose.t)
+    factor(model, data, tree)
+    if not surely_regular(tree) or tree.state["graded"]:
+        return None
+    for _ in range(2):
+        if project_velocities(model, data, tree, y) != PROJECTED:
+            return None
+        kinematics(model, data, y)
+    v = np.concatenate([data.body["velocity"][:n], data.body["w"][:n]], axis=1).ravel()
+    b, scale = data.row["b"], model.row["scale"]
+    slip = np.abs((block_rows(model, data).times(v) - b) * scale).max()
+    return v if slip <= VELOCITY_ROUNDING * max(1.0, float(np.abs(b * scale).max())) else None
 
 
 def least_energy(

@@ -1,9 +1,24 @@
 """Post-processing of all samples of a run: wrenches of rows on a body, and residuals of the equations."""
 
 from ..compiler.decorators import inner_kernel, kernel
-from ..kernels.kinematics import kinematics
+from ..kernels.kinematics import kinematics, rotation_matrix
 from ..kernels.rows import row_speed, rows
-from ..kernels.vectors import add, clear, cross, dot, mat, pair, rotate, rotate_back, scale, sub, turning, vec
+from ..kernels.vectors import (
+    add,
+    clear,
+    cross,
+    dot,
+    mat,
+    pair,
+    put,
+    put6,
+    rotate,
+    rotate_back,
+    scale,
+    sub,
+    turning,
+    vec,
+)
 from ..solver.saddle_point import factor, solve, subtract_known
 from .applied_forces import loads
 from .state_rates import right_sides
@@ -20,17 +35,38 @@ def rows_of_sample(m, d, t, state, coordinates):
 
 
 @kernel
-def wrenches(m, d, times, states, coordinates, lam, first, last, body, out):
-    """Set out (samples, 6) = force and moment about O of body from rows first:last: minus the sum of J' lam."""
+def joint_wrenches(m, d, times, states, coordinates, lam, parts, out):
+    """Set out (k, samples, 6) = force and moment about O of k joints on their bodies b: minus the sum of J' lam.
+
+    parts (k, 3): first row of the joint, end of its rows, index of b.
+    """
     for i in range(times.shape[0]):
         rows_of_sample(m, d, times[i], states[i], coordinates[i])
-        for j in range(6):
-            out[i, j] = 0.0
-        for k in range(first, last):
-            for slot in range(4):
-                if m.row[k].body[slot] == body:
-                    for j in range(6):
-                        out[i, j] -= d.row[k].J[slot, j] * lam[i, k]
+        for part in range(parts.shape[0]):
+            for j in range(6):
+                out[part, i, j] = 0.0
+            for k in range(parts[part, 0], parts[part, 1]):
+                for slot in range(4):
+                    if m.row[k].body[slot] == parts[part, 2]:
+                        for j in range(6):
+                            out[part, i, j] -= d.row[k].J[slot, j] * lam[i, k]
+
+
+@kernel
+def at_body_point(m, states, body, local, wrenches, out):
+    """Set out (samples, 9) = force, moment about a point of a body, and that point, world.
+
+    local (3,): the point, body axes from O; wrenches (samples, 6): force and moment about O.
+    """
+    for i in range(states.shape[0]):
+        arm, origin, q = vec(local), (0.0, 0.0, 0.0), 7 * body
+        if body < m.body.shape[0]:
+            y = states[i]
+            arm = rotate(rotation_matrix(y[q + 3], y[q + 4], y[q + 5], y[q + 6]), arm)
+            origin = (y[q], y[q + 1], y[q + 2])
+        force, moment = pair(wrenches[i])
+        put6(out[i], force, sub(moment, cross(arm, force)))
+        put(out[i, 6:], add(origin, arm))
 
 
 @inner_kernel

@@ -3,9 +3,8 @@
 import numpy as np
 
 from ..base.errors import InputError
-from ..base.rotations import matrix
 from ..kernels.coordinates import coordinate
-from ..kernels.kinematics import kinematics
+from ..kernels.kinematics import kinematics, pack_motion
 from ..kernels.layout import Data
 from ..kernels.rows import rows
 from ..mechanism.joints import Joint
@@ -20,10 +19,8 @@ def pack(compiled: Compiled, state: State) -> np.ndarray:
     n = len(compiled.system.bodies)
     if state.q.size != 7 * n:
         raise InputError(f"state: {state.q.size // 7} bodies, the system has {n}; give a state of this system")
-    v = state.v.reshape(n, 6)
-    R = matrix(state.q.reshape(n, 7)[:, 3:])
-    u = np.concatenate([v[:, :3], np.einsum("nji,nj->ni", R, v[:, 3:])], axis=1)
-    z = np.zeros(compiled.model.state.size)
+    y = np.zeros(13 * n + compiled.model.state.size)
+    pack_motion(state.q, state.v, y)
     own = state.z if state.z.size else initial_states(compiled.system)
     if own.size != compiled.model.z_work:
         raise InputError(
@@ -31,8 +28,8 @@ def pack(compiled: Compiled, state: State) -> np.ndarray:
             "give a state "
             "of this system, or none"
         )
-    z[: own.size] = own
-    return np.concatenate([state.q, u.ravel(), z])
+    y[13 * n : 13 * n + own.size] = own
+    return y
 
 
 def load_state(compiled: Compiled, data: Data, state: State) -> np.ndarray:

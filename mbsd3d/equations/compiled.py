@@ -34,6 +34,8 @@ from .tables import (
     state_layout,
 )
 
+BAUMGARTE_FACTORS = (20.0, 100.0)  # [1/s, 1/s^2] a and b of gamma -= a (J v - b) + b c unless others are given
+
 
 @dataclass(frozen=True)
 class Switches:
@@ -43,17 +45,18 @@ class Switches:
     centripetal: bool = True
     gamma: bool = True
     stabilisation: str = "projection"
-    baumgarte: tuple[float, float] = (20.0, 100.0)
+    baumgarte: tuple[float, float] = BAUMGARTE_FACTORS
 
     def __post_init__(self) -> None:
         if not isinstance(self.stabilisation, str) or self.stabilisation not in STABILISATIONS:
             names = ", ".join(f"'{name}'" for name in STABILISATIONS)
             raise InputError(f"stabilisation {short_repr(self.stabilisation)} is unknown; give one of {names}")
-        remedy = "two factors a [1/s] >= 0 and b [1/s^2] >= 0"
-        factors = floats(self.baumgarte, "baumgarte", remedy)
-        if factors.shape != (2,) or (factors < 0.0).any():
-            raise InputError(f"baumgarte {short_repr(self.baumgarte)}: give {remedy}")
-        object.__setattr__(self, "baumgarte", tuple(factors.tolist()))
+        if self.baumgarte is not BAUMGARTE_FACTORS:
+            remedy = "two factors a [1/s] >= 0 and b [1/s^2] >= 0"
+            factors = floats(self.baumgarte, "baumgarte", remedy)
+            if factors.shape != (2,) or (factors < 0.0).any():
+                raise InputError(f"baumgarte {short_repr(self.baumgarte)}: give {remedy}")
+            object.__setattr__(self, "baumgarte", tuple(factors.tolist()))
         for name in ("gyroscopic", "centripetal", "gamma"):
             if not isinstance(getattr(self, name), bool | np.bool_):
                 raise InputError(f"{name} = {short_repr(getattr(self, name))}; give True or False")
@@ -157,8 +160,8 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
     read = [x for r in records for x in r.measures]
     coordinates = coordinates_of(system, primitives, records, [*read, *measures])
     where = {key_of(x): i for i, x in enumerate(coordinates)}
-    signals, length = Signals(), own_length(system, records, frames)
-    bodies, singular = body_table(system)
+    bodies, singular, gyration = body_table(system)
+    signals, length = Signals(), own_length(system, records, frames, gyration)
     forces = force_table(system, records, parameters, index, where, signals, len(measures))
     places = {id(force): (i, int(forces["state"][i])) for i, force in enumerate(system.forces)}
     numbers = tuple([tuple([where[key_of(x)] for x in row.coordinates]) for row in primitives])

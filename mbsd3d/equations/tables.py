@@ -1,5 +1,6 @@
 """Tables of the kernels from the parts of a system: one function per table of `Model`."""
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,31 +15,26 @@ from ..mechanism.measures import MEASURES, Measure
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.primitives import COORDINATES, Coordinate
 from ..mechanism.signals import Signal
-from .row_tables import Frames
+from .row_tables import Frames, stacked
 
 EQUAL_MOMENT_TOLERANCE = 1e-6  # [1] of the largest moment of inertia: difference of moments that counts as none
 
 
 def key_of(x: Coordinate) -> tuple:
     """Return a key: two coordinates are the same when kind, bodies and geometry are."""
-    zeros = () if x.zero_a is None else (x.zero_a, x.zero_b)
-    geometry = np.concatenate([x.axis, x.axis_b, x.point_a, x.point_b, *zeros, x.numbers])
-    return (x.kind, id(x.a), id(x.b), geometry.tobytes())
+    return (x.kind, id(x.a), id(x.b), x.geometry)
 
 
-def own_length(system: Mechanism, records: list[ForceRecord], frames: Frames) -> float:
+def own_length(system: Mechanism, records: list[ForceRecord], frames: Frames, gyration: float) -> float:
     """Return the length of the largest body [m]: farthest joint or force point from its centre of mass, or gyration."""
-    largest = 0.0
-    heavy = [body for body in system.bodies if body.mass > 0.0]
-    if heavy:
-        moments = np.linalg.eigvalsh([body.inertia for body in heavy])[:, -1]
-        largest = float(np.sqrt((moments / [body.mass for body in heavy]).max()))
+    largest = gyration
     pairs = [pair for r in records if r.points for pair in zip(r.bodies, r.points, strict=True)]
     pairs += [(body, joint.point()) for joint in system.joints for body in joint.bodies()]
     pairs = [(frames.index[id(body)], point) for body, point in pairs if body is not GROUND]
     if pairs:
         on, points = zip(*pairs, strict=True)
-        largest = max(largest, float(np.linalg.norm(np.array(points) - frames.centre[list(on)], axis=1).max()))
+        arms = stacked(points) - frames.centre[list(on)]
+        largest = max(largest, math.sqrt((arms * arms).sum(axis=1).max()))
     return largest or 1.0
 
 
@@ -106,24 +102,28 @@ class Signals:
         return signal, term, np.concatenate([np.zeros(0), *self.data])
 
 
-def body_table(system: Mechanism) -> tuple[np.ndarray, bool]:
-    """Return (masses, inertias and their inverses, whether one of them is singular)."""
-    out = table(BODY, len(system.bodies))
-    out["mass"] = [body.mass for body in system.bodies]
-    out["com"] = [body.com for body in system.bodies]
-    inertia = np.array([body.inertia for body in system.bodies])
+def body_table(system: Mechanism) -> tuple[np.ndarray, bool, float]:
+    """Return (masses, inertias and their inverses; whether one of them is singular; largest radius of gyration [m])."""
+    out, bodies = table(BODY, len(system.bodies)), system.bodies
+    mass = out["mass"] = np.array([body.mass for body in bodies])
+    out["com"] = stacked([body.com for body in bodies])
+    inertia = np.concatenate([body.inertia for body in bodies]).reshape(-1, 3, 3)
     out["inertia"] = inertia.reshape(-1, 9)
     moments, C = np.linalg.eigh(inertia)
-    regular = (out["mass"] > 0.0) & (moments[:, 0] > 1e-12 * moments[:, -1])
-    out["inv_mass"][regular] = 1.0 / out["mass"][regular]
+    heavy = mass > 0.0
+    regular = heavy & (moments[:, 0] > 1e-12 * moments[:, -1])
+    out["inv_mass"][regular] = 1.0 / mass[regular]
     out["inv_inertia"][regular] = np.linalg.inv(inertia[regular]).reshape(-1, 9)
-    arms = out["com"] * np.sqrt(out["mass"])[:, None]
+    low_to_high = moments.tolist()
+    arms = out["com"] * np.sqrt(mass)[:, None]
     for i in np.flatnonzero(regular).tolist():
-        out["symmetry"][i], out["axis"][i] = symmetry(moments[i], C[i], arms[i])
-    return out, not regular.all()
+        if (kind := symmetry(low_to_high[i], C[i], arms[i]))[0]:
+            out["symmetry"][i], out["axis"][i] = kind
+    gyration = math.sqrt((moments[heavy, 2] / mass[heavy]).max(initial=0.0))
+    return out, not regular.all(), gyration
 
 
-def symmetry(moments: np.ndarray, C: np.ndarray, arm: np.ndarray) -> tuple[int, np.ndarray]:
+def symmetry(moments: list[float], C: np.ndarray, arm: np.ndarray) -> tuple[int, np.ndarray]:
     """Return (kind, axis) in the table of bodies; ``arm`` is the centre of mass [m] times the root of the mass.
 
     What is taken for symmetric decides on the length of steps only.

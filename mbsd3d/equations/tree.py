@@ -7,6 +7,7 @@ the end of a branch would yield to loop rows by its own small inertia, and S wou
 
 import heapq
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -17,10 +18,14 @@ from ..kernels.layout import TREE_STATE, Data, Model, Tree, single, table, tree_
 from ..solver.joint_basis import choose_blocks, choose_joint_rows
 from ..solver.loop_rows import PROXIMAL_FACTOR
 from ..solver.row_rank import PIVOT_UNKNOWN
+from .compiled import Compiled
 
 # [1] of the heaviest inertia: bodies below it, and below each further power of it, are lighter by a class
 INERTIA_CLASS_RATIO = 1e-3
 INERTIA_CLASSES = 8  # [classes]; lighter bodies belong to the last one
+# [mu] pivot of a loop row that surely repeats no others: a thousandth of the compliance of the heaviest body in its
+# loop. Rounding leaves 1e-6 of mu; the rank decision asks for 1e-10 of a singular value, the root of a pivot
+INDEPENDENT_PIVOT_MIN = 1e5
 
 
 def build_spanning_tree(model: Model, data: Data, rows: np.ndarray | None = None, dtype: type = float) -> Tree:
@@ -55,6 +60,31 @@ def build_spanning_tree(model: Model, data: Data, rows: np.ndarray | None = None
     )  # fmt: skip
     choose_blocks(data, tree)
     return tree
+
+
+def surely_regular(tree: Tree) -> bool:
+    """Return whether the factor at hand leaves no doubt that no row of a tree over all rows repeats others."""
+    if tree.skipped.size or tree.state["dense"] or tree.state["worn"]:
+        return False
+    return bool((tree.loop["pivot"] > INDEPENDENT_PIVOT_MIN).all())
+
+
+def tree_at_start(compiled: Compiled, data: Data, q: np.ndarray, t: float) -> Tree:
+    """Return a new tree over all rows at a start loaded in ``data``; one built there before is copied.
+
+    A start is asked for its velocities and then run from. ``q`` (7 n,): its poses, ``t`` [s].
+    """
+    derived, own = compiled.system.derived, data.coordinate["value"][: compiled.own_coordinates]
+    start = (q.tobytes(), t, own.tobytes())
+    known = derived.get("tree")
+    if known is None or known[0] != start:
+        known = derived["tree"] = (start, build_spanning_tree(compiled.model, data))
+    return Tree(*[copied(x) for x in known[1]])
+
+
+def copied(x: Any) -> Any:
+    """Return a copy of a table, by its bytes where it is large: numpy copies records field by field."""
+    return np.frombuffer(bytearray(x.tobytes()), x.dtype) if isinstance(x, np.ndarray) and x.dtype.names else x.copy()
 
 
 @lru_cache(maxsize=32)

@@ -6,7 +6,7 @@
 import numpy as np
 
 from ..compiler.decorators import inner_kernel, kernel
-from .vectors import add, pair, put, rotate, vec
+from .vectors import add, pair, put, put6, rotate, rotate_back, vec
 
 SERIES_ANGLE_SQUARE_MAX = 1e-9  # [rad^2] of half an angle: below it two terms of sine and cosine are exact to rounding
 
@@ -53,6 +53,30 @@ def kinematics(m, d, y):
         put(body.w, rotate(R, w_body))
     for j in range(m.z_work):
         d.z[j] = y[13 * n + j]
+
+
+@kernel
+def world_velocities(states, out):
+    """Set the world velocities (r_dot, w) out (samples, n, 6) of the states y (samples, 13 n + states of forces)."""
+    n = out.shape[1]
+    for k in range(states.shape[0]):
+        y = states[k]
+        for i in range(n):
+            q, u = 7 * i, 7 * n + 6 * i
+            R = rotation_matrix(y[q + 3], y[q + 4], y[q + 5], y[q + 6])
+            put6(out[k, i], (y[u], y[u + 1], y[u + 2]), rotate(R, (y[u + 3], y[u + 4], y[u + 5])))
+
+
+@kernel
+def pack_motion(q, v, y):
+    """Set y[:13 n] = (q, u) from poses q (7 n,) and world velocities v (6 n,), u = (r_dot, R'w)."""
+    n = v.shape[0] // 6
+    for i in range(7 * n):
+        y[i] = q[i]
+    for i in range(n):
+        R = rotation_matrix(q[7 * i + 3], q[7 * i + 4], q[7 * i + 5], q[7 * i + 6])
+        velocity, w = pair(v[6 * i : 6 * i + 6])
+        put6(y[7 * n + 6 * i :], velocity, rotate_back(R, w))
 
 
 @inner_kernel

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,11 @@ from .bodies import Body, Ground
 from .signals import Signal
 
 ZERO = np.zeros(3)
+# By kind of primitive: which of its rows have a residual c(q, t).
+HOLONOMIC_ROWS = tuple(
+    (True, False, False) if kind == kinds.ROLL else (kind not in (kinds.TURN_RATE, kinds.NO_SIDESLIP),) * rows
+    for kind, rows in enumerate(kinds.ROWS_OF)
+)
 COORDINATES = {"angle": kinds.ANGLE, "slide": kinds.SLIDE, "path": kinds.PATH, "touch": kinds.FACE_CONTACT}
 CURVE_COORDINATES = ("path", "touch")
 AXIS_FIELDS = ("axis", "axis_b", "zero_a", "zero_b")
@@ -66,6 +72,13 @@ class Coordinate:
         if self.kind in CURVE_COORDINATES and not is_curve(self.numbers):
             raise InputError(f"Coordinate: {self.numbers.size} numbers are not those of a curve; {MEASURE_REMEDY}")
 
+    @cached_property
+    def geometry(self) -> bytes:
+        """Return all numbers of the coordinate: equal bytes between the same bodies are the same coordinate."""
+        zeros = () if self.zero_a is None or self.zero_b is None else (self.zero_a, self.zero_b)
+        given = (self.axis, self.axis_b, self.point_a, self.point_b, *zeros, self.numbers)
+        return b"".join([np.asarray(x, float).tobytes() for x in given])
+
 
 def is_curve(x: np.ndarray) -> bool:
     """Return whether numbers are as many as `kernels.surfaces` reads of a curve."""
@@ -95,9 +108,7 @@ class Primitive:
     @property
     def holonomic(self) -> tuple[bool, ...]:
         """Return which rows have a residual c(q, t)."""
-        if self.kind == kinds.ROLL:
-            return (True, False, False)
-        return (self.kind not in (kinds.TURN_RATE, kinds.NO_SIDESLIP),) * self.n_rows
+        return HOLONOMIC_ROWS[self.kind]
 
 
 def coincide(a: Body | Ground, b: Body | Ground, at: np.ndarray, at_b: np.ndarray) -> Primitive:

@@ -113,7 +113,7 @@ class Determined(NamedTuple):
         ``axes`` (samples, 3, 3): directions in rows along which its components are; None = world axes.
         """
         masks = self.along(np.eye(3) if axes is None else axes)
-        D = all_determined(len(force))[:2] if not self.tolerance else (self.force[some], self.moment[some])
+        D = (self.force[some], self.moment[some])
         if axes is not None:
             turn = axes[some]
             force, moment = (np.einsum("tij,tj->ti", turn, x) for x in (force, moment))

@@ -9,15 +9,15 @@ import numpy as np
 
 from ..base.checks import short_repr
 from ..base.errors import InputError
-from ..base.rotations import crosses, matrix
+from ..base.rotations import crosses
 from ..base.style import Sampled
-from ..dynamics.batch import wrenches
+from ..dynamics.batch import at_body_point, joint_wrenches
 from ..equations.compiled import Compiled, compile_system, new_data, tables_of
 from ..kernels.coordinates import coordinate_rate, measure, remember
-from ..kernels.kinematics import kinematics
+from ..kernels.kinematics import kinematics, world_velocities
 from ..kernels.layout import Data
 from ..kernels.rows import rows
-from ..mechanism.bodies import GROUND, Body, Ground
+from ..mechanism.bodies import Body, Ground
 from ..mechanism.drivers import Driver
 from ..mechanism.force_element import ForceElement
 from ..mechanism.joints import Joint, coordinate_of
@@ -39,6 +39,8 @@ from .reactions import (
     is_unique,
 )
 from .record import Record
+
+WRENCH_NUMBERS_MAX = 2**17  # [numbers] of the wrenches of all joints that a result keeps: 1 MB
 
 
 @dataclass(frozen=True, repr=False)
@@ -108,11 +110,11 @@ class RunResult(Motion):
         states = arrays.pop("y")
         arrays["state"] = states
         arrays["q"] = states[:, : 7 * n].reshape(-1, n, 7)
-        arrays["v"] = world_velocities(states, n)
+        arrays["v"] = world_velocities_of(states, n)
         arrays["z"] = states[:, 13 * n :]
         arrays["acceleration"] = arrays["acceleration"].reshape(-1, n, 6)
         at_end = len(states) > 0 and np.array_equal(states[-1], y)
-        v = arrays["v"][-1] if at_end else world_velocities(y[None], n)[0]
+        v = arrays["v"][-1] if at_end else world_velocities_of(y[None], n)[0]
         own = y[13 * n : 13 * n + compiled.model.z_work]
         coordinates = data.coordinate["value"][: compiled.own_coordinates].copy()
         end = State(t, unit_quaternions(y[: 7 * n]), v.ravel(), own, coordinates)
@@ -247,10 +249,15 @@ class RunResult(Motion):
         """Return whether all of the net wrench of joints is determined wherever the run was looked at first."""
         return not self._probes or is_unique(self.compiled, self._probes, group_of(self.compiled, parts))
 
+    @cached_property
+    def _all_determined(self) -> Determined:
+        """Return that nothing of a wrench is open at any sample."""
+        return all_determined(self.t.size)
+
     def _determined(self, parts: list[Joint]) -> Determined:
         """Return directions in which the constraints determine the net wrench of joints of one body b."""
         if self._is_unique(parts):
-            return all_determined(self.t.size)
+            return self._all_determined
         return self._shares[1][id(parts[0])] if len(parts) == 1 else self._shares_of([parts]).determined[0]
 
     def reaction(
@@ -300,7 +307,7 @@ class RunResult(Motion):
         (array([[-78.45,   0.  ,  98.1 ]]), array([[  0.24,   0.24, 100.  ]]))
         """
         given = Elasticity.of(self.compiled, shares, stiffness, tolerances)
-        system, compiled = self.system, self.compiled
+        system = self.system
         parts = [system.part(joint, "joints") for joint in joints]
         if not parts:
             raise InputError("solution.reaction: no joint given; give one or more joints")
@@ -312,28 +319,57 @@ class RunResult(Motion):
                     f"'{system.name(parts[0])}' on '{body.name}'; net wrenches need one body b"
                 )
         turned = axes_of(self, parts[0], axes)
-        point = parts[0].reaction_points(self)
-        origin = np.zeros((self.t.size, 3)) if body is GROUND else self.position(body)
-        samples, lam, apart = self.t.size, self.arrays["lam"], np.zeros((self.t.size, 6, 0))
-        if not self._is_unique(parts):
-            if given is None:
-                lam = self._shares[0]
-            else:
-                lam, apart = elastic_shares(self._rows, lam, group_of(compiled, parts), given, point - origin)
-        total, one = np.zeros((samples, 6)), np.zeros((samples, 6))
-        index, data, states = compiled.body_index[id(body)], compiled.data(), self.arrays["state"]
-        coordinates = np.ascontiguousarray(self.arrays["coordinate"])
-        for part in parts:
-            rows = compiled.rows[id(part)]
-            wrenches(compiled.model, data, self.t, states, coordinates, lam, rows.start, rows.stop, index, one)
-            total += one
-        force = total[:, :3]
-        moment = total[:, 3:] - crosses(point - origin, force)
+        apart = np.zeros((self.t.size, 6, 0))
+        wrenches: Sequence[np.ndarray] | np.ndarray
+        if self._is_unique(parts):
+            wrenches = self._wrenches(parts)
+        elif given is None:
+            wrenches = self._wrenches_by(self._shares[0], parts)
+        else:
+            origin = np.zeros((self.t.size, 3)) if isinstance(body, Ground) else self.position(body)
+            arm, group = parts[0].reaction_points(self) - origin, group_of(self.compiled, parts)
+            lam, apart = elastic_shares(self._rows, self.arrays["lam"], group, given, arm)
+            wrenches = self._wrenches_by(lam, parts)
+        force, moment, point = self._at_point(parts[0], sum(wrenches[1:], wrenches[0]))
         found = self._determined(parts).reaction(force, moment, point, slice(None), turned)
         if shares != "range":
             return found
         margins = [np.abs(x if turned is None else turned @ x).sum(axis=2) for x in (apart[:, :3], apart[:, 3:])]
         return replace(found, force_margin=margins[0], moment_margin=margins[1])
+
+    def _wrenches(self, joints: Sequence[Joint]) -> list[np.ndarray]:
+        """Return force and moment about O of their bodies b of joints, (samples, 6) each, by the run's multipliers.
+
+        The first call of a run of few samples computes and keeps those of all joints: rows are evaluated once.
+        """
+        every = self.system.joints
+        if 6 * len(every) * self.t.size > WRENCH_NUMBERS_MAX:
+            return list(self._wrenches_by(self.arrays["lam"], joints))
+        if "wrenches" not in self.derived:
+            found = self._wrenches_by(self.arrays["lam"], every)
+            self.derived["wrenches"] = dict(zip(map(id, every), found, strict=True))
+        return [self.derived["wrenches"][id(joint)] for joint in joints]
+
+    def _wrenches_by(self, lam: np.ndarray, joints: Sequence[Joint]) -> np.ndarray:
+        """Return force and moment about O of their bodies b of k joints (k, samples, 6), by multipliers."""
+        compiled, out = self.compiled, np.empty((len(joints), self.t.size, 6))
+        rows = [(compiled.rows[id(joint)], compiled.body_index[id(joint.b)]) for joint in joints]
+        parts = np.array([(own.start, own.stop, body) for own, body in rows], np.int64).reshape(-1, 3)
+        samples = [self.t, *(self.arrays[name] for name in ("state", "coordinate")), lam]
+        joint_wrenches(compiled.model, compiled.data(), *map(np.ascontiguousarray, samples), parts, out)
+        return out
+
+    def _at_point(self, joint: Joint, wrench: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return force, moment about the point of a joint, and that point, from force and moment about O of body b."""
+        body, states = self.compiled.body_index[id(joint.b)], np.ascontiguousarray(self.arrays["state"])
+        if type(joint).reaction_points is Joint.reaction_points:
+            out = np.empty((self.t.size, 9))
+            at_body_point(self.compiled.model, states, body, joint.b.local_point(joint.point()), wrench, out)
+            return out[:, :3], out[:, 3:6], out[:, 6:]
+        point = joint.reaction_points(self)
+        origin = np.zeros((self.t.size, 3)) if isinstance(joint.b, Ground) else self.position(joint.b)
+        force = wrench[:, :3].copy()
+        return force, wrench[:, 3:] - crosses(point - origin, force), point
 
     def effort(self, driver: Driver | str) -> np.ndarray:
         """Return torque [N m] or force [N] of a driver on b along its motion (samples,); (samples, k) for k rows."""
@@ -436,14 +472,8 @@ def unit_quaternions(q: np.ndarray) -> np.ndarray:
     return poses.ravel()
 
 
-def world_velocities(states: np.ndarray, n: int) -> np.ndarray:
+def world_velocities_of(states: np.ndarray, n: int) -> np.ndarray:
     """Return world velocities (r_dot, w) (samples, n, 6) from states y with u = (r_dot, R'w)."""
     v = np.empty((states.shape[0], n, 6))
-    some = max(1, 2**14 // n)  # samples at a time: their rotation matrices take 1 MB
-    for k in range(0, states.shape[0], some):
-        y = states[k : k + some]
-        u = y[:, 7 * n : 13 * n].reshape(-1, n, 6)
-        R = matrix(y[:, : 7 * n].reshape(-1, n, 7)[..., 3:])
-        v[k : k + some, :, :3] = u[..., :3]
-        v[k : k + some, :, 3:] = np.einsum("tbij,tbj->tbi", R, u[..., 3:])
+    world_velocities(states, v)
     return v

@@ -110,7 +110,10 @@ def own_forces(system: Mechanism) -> list[tuple[int, FunctionForce]]:
 
 def with_jumps(turns: np.ndarray, system: Mechanism, t_start: float) -> np.ndarray:
     """Return times [s] (k, 2) at which steps end and the next ones begin: those given, and beside each jump."""
-    jumps = np.array([t for _, force in own_forces(system) for t in force.times], float)
+    times = [t for _, force in own_forces(system) for t in force.times]
+    if not times:
+        return turns
+    jumps = np.array(times, float)
     beside = EVENT_TIME_ROUNDING * np.maximum(np.abs(jumps), abs(t_start))
     found = [*map(tuple, turns), *zip(jumps - beside, jumps + beside, strict=True)]
     return np.array(sorted(found), float).reshape(-1, 2)

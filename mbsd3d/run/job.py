@@ -18,6 +18,7 @@ from ..dynamics.state_rates import FACTOR_FROM_OTHER_POSE, PROJECTED, project_an
 from ..equations.at_state import check_quaternions, driven_coordinates, load_rows, load_state, unmet, worst_joint
 from ..equations.compiled import Compiled
 from ..equations.jacobian import scaled_rows
+from ..equations.tree import surely_regular, tree_at_start
 from ..integrators import memory
 from ..integrators.memory import Run, allocate_run
 from ..integrators.outputs import write
@@ -116,6 +117,7 @@ class Job:
                 self.check_start()
                 check_stops(self.compiled, self.data, self.memory.y)
                 self.eliminate()
+                self.accelerate()
                 self.check_driven()
                 self.first_step()
                 self.check_condition()
@@ -134,6 +136,7 @@ class Job:
         model, data, run, t = self.model, self.data, self.memory, self.start.t
         projected, solved = project_and_evaluate(model, data, self.tree, t, run.y, run.dy, FACTOR_FROM_OTHER_POSE)
         run.now.evaluations += 1
+        self.note_independence()
         if projected != PROJECTED:
             self.fail(memory.NOT_CLOSING)
         if solved != SOLVED or not np.isfinite(run.dy).all():
@@ -184,8 +187,11 @@ class Job:
         load_rows(self.compiled, self.data, run.y, run.now.t)
         if not np.isfinite(self.data.row["J"]).all():
             self.fail(memory.NO_SOLUTION)
-        self.record.svd_calls += self.record.tolerance > 0.0
-        self.tree = tree_over_rows(self.model, self.data, self.record.tolerance)
+        if self.record.tolerance == 0.0 and run.now["steps"] == 0:
+            self.tree = tree_at_start(self.compiled, self.data, run.y[: self.start.q.size], self.start.t)
+        else:
+            self.record.svd_calls += self.record.tolerance > 0.0
+            self.tree = tree_over_rows(self.model, self.data, self.record.tolerance)
         self.record.rows_left_out = int(self.tree.skipped.size + self.tree.loop.size)
         run.now.fresh = max(run.now.fresh, 1)
 
@@ -200,12 +206,28 @@ class Job:
                 (float(self.memory.now.t), self.tree.used.size, "rows left out violated", True)
             )
 
+    def accelerate(self) -> None:
+        """Compute the accelerations at the start, and with their factorisation whether rows repeat others."""
+        run = self.memory
+        project_and_evaluate(
+            self.model, self.data, self.tree, self.start.t, run.y.copy(), run.dy, FACTOR_FROM_OTHER_POSE
+        )
+        self.note_independence()
+
+    def note_independence(self) -> None:
+        """Record that no row repeats others where all pivots of the factor at hand say so: no rank is needed then."""
+        if self.record.tolerance == 0.0 and surely_regular(self.tree):
+            self.record.rows_left_out = 0
+
     def check_driven(self) -> None:
         """Raise an InputError where Kinematic() lacks rows that determine all positions."""
         if not (self.record.kinematic and self.model.stabilisation):
             return
-        need = 6 * self.model.body.size
-        holonomic = int(self.model.row["holonomic"][choose_rows(self.model, self.data)].sum())
+        need, rows = 6 * self.model.body.size, self.model.row["holonomic"]
+        if self.record.rows_left_out != 0:
+            load_rows(self.compiled, self.data, self.memory.y, self.start.t)
+            rows = rows[choose_rows(self.model, self.data)]
+        holonomic = int(rows.sum())
         if holonomic < need:
             speed = [j for j in self.compiled.system.joints if isinstance(j, SpeedDriver)]
             hint = "replace SpeedDriver by AngleDriver" if speed else "add drivers, or use DOP853()"
@@ -225,7 +247,6 @@ class Job:
         run, model, n = self.memory, self.model, self.model.body.size
         now, task = run.now, run.task
         horizon = task["t_end"] - now["t"]
-        project_and_evaluate(model, self.data, self.tree, now["t"], run.y.copy(), run.dy, FACTOR_FROM_OTHER_POSE)
         v, a = (x[7 * n : 13 * n].reshape(n, 6) for x in (run.y, run.dy))
         rate = max(rate_of_motion(v, a, model.length), 1.0 / horizon) or 1.0  # a run without horizon may start at rest
         if self.options.stop_when is None:

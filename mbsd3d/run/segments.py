@@ -56,6 +56,7 @@ class Segments(Job):
         self.check_start()
         check_stops(self.compiled, self.data, self.memory.y)
         self.eliminate()
+        self.accelerate()
         for x in measures:
             self.check_determined(x, "Stepper: measures")
         self.check_driven()

@@ -157,6 +157,15 @@ def test_as_quaternion_takes_both_forms_and_keeps_the_sign(e):
         np.testing.assert_allclose(matrix(as_quaternion(matrix(one))), matrix(one), rtol=0, atol=ROUNDING)
 
 
+@pytest.mark.parametrize("turn", [(0, 0, 0), (np.pi, 0, 0), (0, np.pi, 0), (0, 0, np.pi), (1.9, 1.9, -1.8)])
+def test_one_matrix_has_the_quaternion_of_a_stack(turn):
+    """Each of the four components is the largest one somewhere: half turns, and near them."""
+    rng = np.random.default_rng(7)
+    for off in (np.zeros(3), 1e-3 * rng.normal(size=3), 0.3 * rng.normal(size=3)):
+        R = matrix(exponential(turn + off))
+        np.testing.assert_allclose(as_quaternion(R), quaternion_from_matrix(R), rtol=0, atol=ROUNDING)
+
+
 def test_as_quaternion_normalises_what_was_typed_with_seven_digits():
     typed = as_quaternion([0.9238795, 0.0, 0.3826834, 0.0])
     assert abs(np.linalg.norm(typed) - 1.0) < ROUNDING

@@ -1,6 +1,7 @@
 """Massless shafts that meet at an angle and turn slowly: the moments of their joint."""
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -37,8 +38,12 @@ def shaft(sign: float) -> tuple[shapes.Shape, ...]:
     )
 
 
-def forked(outer: float | None, *forks: tuple[float, str]) -> list[shapes.Shape]:
-    """Draw a shaft along x about its middle: a disc at the end ``outer``, and forks (end, axis of their pin)."""
+@lru_cache(maxsize=64)
+def forked(outer: float | None, *forks: tuple[float, str]) -> tuple[shapes.Shape, ...]:
+    """Draw a shaft along x about its middle: a disc at the end ``outer``, and forks (end, axis of their pin).
+
+    Drawn once, since the shafts of many bends look alike.
+    """
     ends = [end - np.sign(end) * 0.16 for end, _ in forks] + ([] if outer is None else [outer])
     made: list[shapes.Shape] = [
         shapes.Cylinder(0.04, abs(ends[0] - ends[1]), "x", at=(0.5 * (ends[0] + ends[1]), 0, 0))
@@ -53,7 +58,7 @@ def forked(outer: float | None, *forks: tuple[float, str]) -> list[shapes.Shape]
             place = side * across + [0.5 * (inner + end) + 0.01 * np.sign(end), 0, 0]
             made.append(shapes.Box(np.array([0.22, 0.06, 0.06]) - 0.03 * across, at=place))
         made.append(shapes.Cylinder(0.02, 0.28, pin, at=(end, 0, 0), colour=GREY))
-    return made
+    return tuple(made)
 
 
 def shaft_pair(joint: Callable[..., Joint], bend_deg: float, torque: float, **axes: object) -> System:

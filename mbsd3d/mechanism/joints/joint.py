@@ -50,9 +50,14 @@ class Joint(Part):
         if self.a is self.b:
             raise InputError(f"{what}: joins '{self.a.name}' to itself; give two different bodies")
 
-    def bodies(self) -> list[Body | Ground]:
+    def bodies(self) -> tuple[Body | Ground, ...]:
         """Return all bodies the joint acts on."""
-        return list({id(body): body for row in self.primitives for body in row.bodies}.values())
+        return self._bodies
+
+    @cached_property
+    def _bodies(self) -> tuple[Body | Ground, ...]:
+        """Return `bodies`, collected once."""
+        return tuple({id(body): body for row in self.primitives for body in row.bodies}.values())
 
     def rows(self) -> list[Primitive]:
         """Return the primitives of the joint."""

@@ -31,7 +31,8 @@ def as_shape(shape: Any, what: str, body: Shaped) -> str | Shape | tuple[Shape, 
     if isinstance(shape, list | tuple) and shape and all(isinstance(item, Shape) for item in shape):
         return tuple(shape)
     if isinstance(shape, str) and shape in HOMOGENEOUS_SHAPES:
-        homogeneous(body, shape)
+        if shape == "cylinder" or not body.inertia.any():  # any other inertia has an ellipsoid and a box
+            homogeneous(body, shape)
         return shape
     try:
         return Lines(shape)

@@ -10,7 +10,7 @@ from ...dynamics.state_rates import FACTOR_FROM_OTHER_POSE, project_and_evaluate
 from ...equations.at_state import load_state
 from ...integrators.method import Method
 from ...kernels.kinds import PROJECTION
-from ..result import RunResult, world_velocities
+from ..result import RunResult, world_velocities_of
 from .check import DRIFT_LIMIT_MAX, Check, Scales, largest, longest, rounding_of, scales_of
 
 QUADRATURE = 0.3  # of the momenta is what quadratures of fixed steps may leave open: of gears in steps of 1.6 rad,
@@ -30,7 +30,7 @@ def since_start(solution: RunResult) -> RunResult:
     project_and_evaluate(model, data, tree, start.t, y, np.zeros_like(y), FACTOR_FROM_OTHER_POSE)
     n, arrays = model.body.size, solution.arrays
     first = {
-        "t": start.t, "q": y[: 7 * n].reshape(n, 7), "v": world_velocities(y[None], n)[0], "z": y[13 * n :],
+        "t": start.t, "q": y[: 7 * n].reshape(n, 7), "v": world_velocities_of(y[None], n)[0], "z": y[13 * n :],
         "potential": data.force["potential"], "acceleration": data.body["acceleration"][:n],
     }  # fmt: skip
     return replace(solution, arrays={name: np.concatenate([[x], arrays[name]]) for name, x in first.items()})
