@@ -105,6 +105,7 @@ from .results.bearings import reliability_factor as reliability_factor
 from .results.spectrum import Density as Density
 from .results.spectrum import Spectrum as Spectrum
 from .results.spectrum import spectrum as spectrum
+from .run.segments import Snapshot as Snapshot
 from .sweeps.grids import Samples as Samples
 from .sweeps.grids import samples as samples
 from .sweeps.sweep import sweep as sweep

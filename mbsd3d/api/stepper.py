@@ -12,7 +12,7 @@ from ..mechanism.measures import Measure
 from ..mechanism.signals.signal import Input
 from ..mechanism.state import State
 from ..results.record import RunOptions
-from ..run.segments import Segments
+from ..run.segments import Segments, Snapshot
 from .simulation import start_of
 from .solution import Solution, publish_solution
 from .system import System
@@ -102,6 +102,39 @@ class Stepper(metaclass=ChecksArguments):
         except IntegrationError as error:
             publish_solution(error)
             raise
+
+    def snapshot(self) -> Snapshot:
+        """Return where the run is now, to `restore` later: for trials, predictive control, masters that step back.
+
+        It costs a copy of the work space and of the samples kept so far; with ``keep=False`` there are none of these.
+
+        Examples
+        --------
+        >>> from mbsd3d import Body, Force, Input, Stepper, System
+        >>> sled = Body("sled", 2.0, (0.1, 0.1, 0.1), velocity=(0, 0, 0), omega=(0, 0, 0))
+        >>> stepper = Stepper(System([sled], forces=[Force(sled, (Input("push"), 0, 19.62))]))
+        >>> start = stepper.snapshot()
+        >>> for push in (4.0, -2.0):
+        ...     stepper.restore(start)
+        ...     stepper.set("push", push)
+        ...     stepper.advance(1.0)
+        ...     print(round(float(stepper.q[0]), 9), stepper.inputs)
+        1.0 {'push': 4.0}
+        -0.5 {'push': -2.0}
+        """
+        return self._run.snapshot()
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Continue from a snapshot of this stepper, to the last bit as it would have gone on from there.
+
+        Inputs have the values they had, `solution` has the samples kept until then. Also after an `IntegrationError`.
+
+        Raises
+        ------
+        ValueError
+            For a snapshot of another stepper.
+        """
+        self._run.restore(snapshot)
 
     @property
     def t(self) -> float:
