@@ -8,6 +8,7 @@ from . import signals as signals
 from .api.load import load as load
 from .api.load import read_mjcf as read_mjcf
 from .api.load import read_urdf as read_urdf
+from .api.pins import pin_stress as pin_stress
 from .api.simulation import accelerations as accelerations
 from .api.simulation import simulate as simulate
 from .api.small_motions import Campbell as Campbell
@@ -102,6 +103,9 @@ from .results.bearings import RollingBearing as RollingBearing
 from .results.bearings import bearing_load as bearing_load
 from .results.bearings import bearing_pair as bearing_pair
 from .results.bearings import reliability_factor as reliability_factor
+from .results.fatigue import SNCurve as SNCurve
+from .results.fatigue import miner as miner
+from .results.fatigue import rainflow as rainflow
 from .results.spectrum import Density as Density
 from .results.spectrum import Spectrum as Spectrum
 from .results.spectrum import spectrum as spectrum
