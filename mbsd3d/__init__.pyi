@@ -109,6 +109,7 @@ from .results.fatigue import rainflow as rainflow
 from .results.spectrum import Density as Density
 from .results.spectrum import Spectrum as Spectrum
 from .results.spectrum import spectrum as spectrum
+from .run.controllers import FmuController as FmuController
 from .run.segments import Snapshot as Snapshot
 from .sweeps.grids import Samples as Samples
 from .sweeps.grids import samples as samples

@@ -94,6 +94,7 @@ class Record(HasOptions):
     stopped_by: str | None = None
     never_armed: str | None = None  # the condition to stop that has not been false since the start
     inputs: History = field(default_factory=dict)
+    coupled: tuple[str, ...] = ()  # how controllers in FMUs were coupled, and the energy that passed
 
     def copy(self) -> "Record":
         """Return a record that does not change when this one does."""
