@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import short_repr
+from ..base.checks import check_choice, short_repr
 from ..base.errors import InputError, checks_arguments
 from ..mechanism.joints import Joint
 from ..results.bearings import loads_across
@@ -77,6 +77,7 @@ def pin_stress(
     """
     if not isinstance(solution, Solution):
         raise InputError(f"pin_stress: {short_repr(solution)} is not a solution; give one of simulate(...)")
+    check_choice(holder, ("a", "b"), "pin_stress: holder")
     pin = Pin(diameter=diameter, cheek=cheek, link=link, gap=gap, shear=shear, lever=lever)
 
     def read(run: Solution) -> PinStress:

@@ -75,7 +75,8 @@ class Stepper(metaclass=ChecksArguments):
         check_choice(keep, (True, False), "Stepper: keep")
         options = RunOptions(DOP853() if method is None else method, rtol, as_built=as_built)
         measures = as_tuple(measures, "Stepper: measures", "a list of mbsd3d.measures")
-        read = [x for controller in checked(controllers) for x in controller.reads.values()]
+        controllers = checked(controllers)
+        read = [x for controller in controllers for x in controller.reads.values()]
         start = start_of(system, state, "Stepper", options.as_built)
         self._run, self._shown = Segments(system, start, options, (*measures, *read)), len(measures)
         self._run.keep = keep
@@ -122,7 +123,7 @@ class Stepper(metaclass=ChecksArguments):
             raise
 
     def snapshot(self) -> Snapshot:
-        """Return where the run is now, to `restore` later: for trials, predictive control, masters that step back.
+        """Return where the run is now, to `restore` later: for trials, predictive control, FMUs that step back.
 
         It costs a copy of the work space and of the samples kept so far; with ``keep=False`` there are none of these.
 

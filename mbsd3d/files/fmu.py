@@ -1,7 +1,7 @@
 """Write a system as an FMU: FMI 3.0 co-simulation, run by the Python of the host in which mbsd3d is installed.
 
 The FMU holds the description of the system as `System.to_file` writes it, a script of two lines that hands it to
-`mbsd3d.files.fmu_slave`, and the binaries of pythonfmu3, which call that script.
+`mbsd3d.files.fmu_instance`, and the binaries of pythonfmu3, which call that script.
 """
 
 import hashlib
@@ -37,11 +37,11 @@ from .description import Writer, describe, read_system
 DOCUMENT = "mbsd3d_fmu.json"  # in the resources of an FMU
 HOST = "it runs where the host is Python with mbsd3d installed, as with FMPy; other hosts must load libpython first"
 SCRIPT = '''"""Run by the Python of the host, in which mbsd3d must be installed."""
-from mbsd3d.files.fmu_slave import MechanismSlave
+from mbsd3d.files.fmu_instance import FmuInstance
 from pythonfmu3 import Fmi3Slave
 
 
-class {name}(MechanismSlave, Fmi3Slave):
+class {name}(FmuInstance, Fmi3Slave):
     pass
 '''
 IDENTIFIER = re.compile(r"[A-Za-z_]\w*", re.ASCII)
@@ -91,10 +91,12 @@ def named_outputs(system: Mechanism, outputs: Outputs | None) -> dict[str, Measu
 
 def unique(found: Sequence[tuple[str, Any]], what: str) -> dict[str, Any]:
     """Return pairs as a dict; a ValueError for a name that two have."""
-    names = [name for name, _ in found]
-    if twice := [name for name in names if names.count(name) > 1]:
-        raise InputError(f"{what}: two are named '{twice[0]}'; give a dict with a name for each")
-    return dict(found)
+    made: dict[str, Any] = {}
+    for name, x in found:
+        if name in made:
+            raise InputError(f"{what}: two are named '{name}'; give a dict with a name for each")
+        made[name] = x
+    return made
 
 
 def input_entries(system: Mechanism, inputs: Sequence[Input | str] | None) -> list[dict[str, Any]]:
@@ -102,7 +104,7 @@ def input_entries(system: Mechanism, inputs: Sequence[Input | str] | None) -> li
     compiled = compile_system(system)
     have = starts(compiled)
     entries: list[dict[str, Any]] = []
-    if inputs is None and not have or inputs == ():
+    if inputs is None and not have or (isinstance(inputs, list | tuple) and not inputs):
         return entries
     for name in names_of(system, inputs, "to_fmu"):
         if (driver := driver_of(system, name)) is not None:

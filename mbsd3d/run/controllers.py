@@ -233,7 +233,6 @@ class Coupling:
                     f"FmuController: '{controller.name}' sets {short_repr(name)}, which is no input of this system; "
                     f"there are {have}"
                 )
-            run.set(name, run.inputs[name])
             if run.driving[name] is not None:
                 raise InputError(
                     f"FmuController: '{controller.name}' sets '{name}', which prescribes the motion of driver "

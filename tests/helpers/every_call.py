@@ -70,7 +70,7 @@ def questions(folder):
     }  # fmt: skip
     yield m.Stepper, {
         "system": SYSTEM, "state": None, "measures": (measures.angle(HINGE),), "method": m.RK4(0.01), "rtol": 1e-6,
-        "as_built": 1e-3, "keep": True,
+        "as_built": 1e-3, "keep": True, "controllers": (),
     }  # fmt: skip
     yield SYSTEM.check, {"as_built": 1e-3}
     yield SYSTEM.state, {}

@@ -214,7 +214,7 @@ def test_refusals_and_words():
         ({"diameter": 0.0}, "pin_stress: diameter"),
         ({"gap": -0.1}, "pin_stress: gap"),
         ({"shear": "triple"}, "pin_stress: shear 'triple' is unknown; give"),
-        ({"holder": "c"}, "frame"),
+        ({"holder": "c"}, "pin_stress: holder 'c' is unknown; give 'a' or 'b'"),
         ({"axis": None}, r"pin_stress: 'ball' \(Spherical\) has no axis; give axis="),
     ):
         with pytest.raises(ValueError, match=message):

@@ -280,6 +280,14 @@ def test_errors_are_errors_with_their_sentence(tmp_path):
         host.fmu.setFloat64([host.places["'the pole'.mass"].valueReference], [-1.0])
         host.start()
         failing(host, lambda: host.step(0.0, 0.1), "mass")
+        assert not host.passed and host.get("certificate.worst") == [np.inf]
+    with hosted(path, tmp_path / "four") as host:
+        host.start()
+        host.step(0.0, 0.1)
+        host.fmu.setFloat64([host.places["'the pole'.mass"].valueReference], [2.0])
+        failing(host, lambda: host.step(0.1, 0.1), "parameter ''the pole'.mass' is set after the start")
+        host.fmu.terminate()
+        assert not host.passed and "failed: parameter" in host.lines[-1][1] and "joint gaps" in host.lines[-1][1]
     with hosted(path, tmp_path / "three") as host:
         host.start(push=np.nan)
         failing(host, lambda: host.step(0.0, 0.1), "input 'push': not finite")

@@ -38,7 +38,7 @@ UNITS = {
 """Units here -> exponents of the base units of FMI."""
 
 
-class MechanismSlave:
+class FmuInstance:
     """A mechanism in an FMU; the script in the FMU derives its class from this and from `pythonfmu3.Fmi3Slave`."""
 
     guid: Any  # this and the next ones are those of pythonfmu3
@@ -59,7 +59,7 @@ class MechanismSlave:
         start = self.document["start"] or {}
         self.failure, self.start_time, self.longest, self.rollbacks = "", float(start.get("t", 0.0)), 0.0, 0
         self.default_experiment = DefaultExperiment(start_time=self.start_time)
-        self.segments, self.passed, self.worst = 0, False, np.inf
+        self.segments, self.passed, self.worst, self.started = 0, False, np.inf, False
         self.seen: dict[str, float] = {}
         self.given = {x["name"]: x["start"] for x in self.document["inputs"]}
         self.chosen = {x["name"]: x["start"] for x in self.document["parameters"]}
@@ -91,13 +91,19 @@ class MechanismSlave:
         self.variable(f"{CERTIFICATE}.worst", worst, Fmi3Causality.output, discrete, "-", lambda: self.worst)
 
     def number(self, values: dict[str, float], entry: Mapping[str, Any], causality: Any, variability: Any) -> None:
-        """Register a number that the master sets."""
+        """Register a number that the host sets."""
         name = entry["name"]
 
         def set_value(value: float) -> None:
+            fixed = causality == Fmi3Causality.parameter
+            if fixed and self.started and value != values[name]:
+                self.fail(
+                    InputError(f"parameter '{name}' is set after the start; set it before the initialization ends")
+                )
+                return
             values[name] = float(value)
             self.seen = {}
-            if causality == Fmi3Causality.parameter:
+            if fixed and not self.started:
                 self.run = None
 
         def get_value() -> float:
@@ -153,12 +159,14 @@ class MechanismSlave:
         """Log why there is no result; nothing but an error is returned from now on."""
         kind = "" if isinstance(error, ValueError | RuntimeError) else f"{type(error).__name__}: "
         self.failure, self.seen = f"{kind}{error}", {}
+        self.passed, self.worst = False, np.inf
         self.log(self.failure, Fmi3Status.error)
         return Fmi3StepResult(status=Fmi3Status.error)
 
     def exit_initialization_mode(self) -> None:
         """Make the model with its parameters, which are fixed from now on."""
         self.outputs()
+        self.started = True
 
     def do_step(self, current_time: float, step_size: float) -> Fmi3StepResult:
         """Integrate over a communication step, in which inputs hold what they are set to."""
@@ -198,7 +206,7 @@ class MechanismSlave:
         except Exception as error:
             text = f"no certificate: {error}"
         if self.failure:
-            text = f"failed: {self.failure}\n{text}"
+            text, self.passed, self.worst = f"failed: {self.failure}\n{text}", False, np.inf
         self.log(f"{self.document['title']}, mbsd3d {package_version()}\n{text}\n  {self.coupling()}")
 
     def coupling(self) -> str:
@@ -212,6 +220,7 @@ class MechanismSlave:
             "snapshot": self.run and self.run.snapshot(), "given": dict(self.given),
             "chosen": dict(self.chosen), "failure": self.failure, "segments": self.segments,
             "judged": (self.passed, self.worst), "run": self.run, "start_time": self.start_time,
+            "started": self.started,
         }  # fmt: skip
 
     def _set_fmu_state(self, state: Mapping[str, Any]) -> None:
@@ -222,5 +231,5 @@ class MechanismSlave:
         self.given.update(state["given"])
         self.chosen.update(state["chosen"])
         self.failure, self.segments, self.start_time = state["failure"], state["segments"], state["start_time"]
-        self.passed, self.worst = state["judged"]
+        self.started, (self.passed, self.worst) = state["started"], state["judged"]
         self.seen, self.rollbacks = {}, self.rollbacks + 1
