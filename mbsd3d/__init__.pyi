@@ -8,6 +8,7 @@ from . import signals as signals
 from .api.load import load as load
 from .api.load import read_mjcf as read_mjcf
 from .api.load import read_urdf as read_urdf
+from .api.pins import pin_stress as pin_stress
 from .api.simulation import accelerations as accelerations
 from .api.simulation import simulate as simulate
 from .api.small_motions import Campbell as Campbell
@@ -106,6 +107,11 @@ from .results.bearings import RollingBearing as RollingBearing
 from .results.bearings import bearing_load as bearing_load
 from .results.bearings import bearing_pair as bearing_pair
 from .results.bearings import reliability_factor as reliability_factor
+from .results.fatigue import SNCurve as SNCurve
+from .results.fatigue import miner as miner
+from .results.fatigue import rainflow as rainflow
+from .run.controllers import FmuController as FmuController
+from .run.segments import Snapshot as Snapshot
 from .sweeps.grids import Samples as Samples
 from .sweeps.grids import samples as samples
 from .sweeps.sweep import sweep as sweep

@@ -4,15 +4,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..base.checks import check_choice
-from ..base.errors import ChecksArguments, IntegrationError, checks_method_arguments
+from ..base.checks import as_tuple, check_choice, short_repr
+from ..base.errors import ChecksArguments, InputError, IntegrationError, checks_method_arguments
 from ..integrators.dop853 import DOP853
 from ..integrators.method import Method
 from ..mechanism.measures import Measure
 from ..mechanism.signals.signal import Input
 from ..mechanism.state import State
 from ..results.record import RunOptions
-from ..run.segments import Segments
+from ..run.controllers import Coupling, FmuController, advance_coupled
+from ..run.segments import Segments, Snapshot
 from .simulation import start_of
 from .solution import Solution, publish_solution
 from .system import System
@@ -36,6 +37,8 @@ class Stepper(metaclass=ChecksArguments):
         As for `simulate`. Steps of ``dt`` are fitted to each segment.
     keep : bool
         Whether the end of each segment is a sample of `solution`.
+    controllers : sequence of FmuController
+        Sampled controllers in FMUs; `advance` goes from sample to sample.
 
     Raises
     ------
@@ -67,11 +70,20 @@ class Stepper(metaclass=ChecksArguments):
         rtol: float = 1e-8,
         as_built: float | None = None,
         keep: bool = True,
+        controllers: Sequence[FmuController] = (),
     ) -> None:
         check_choice(keep, (True, False), "Stepper: keep")
         options = RunOptions(DOP853() if method is None else method, rtol, as_built=as_built)
-        self._run = Segments(system, start_of(system, state, "Stepper", options.as_built), options, measures)
+        measures = as_tuple(measures, "Stepper: measures", "a list of mbsd3d.measures")
+        controllers = checked(controllers)
+        read = [x for controller in controllers for x in controller.reads.values()]
+        start = start_of(system, state, "Stepper", options.as_built)
+        self._run, self._shown = Segments(system, start, options, (*measures, *read)), len(measures)
         self._run.keep = keep
+        self._coupled: list[Coupling] = []
+        for x in controllers:
+            first = self._shown + sum(len(other.controller.reads) for other in self._coupled)
+            self._coupled.append(Coupling(x, self._run, first))
 
     def __repr__(self) -> str:
         return f"<stepper: at t = {self.t:g} s, by {self._run.options.method}>"
@@ -85,6 +97,10 @@ class Stepper(metaclass=ChecksArguments):
             If the system has no such input, the value is not finite, or the input prescribes a motion, which must not
             jump.
         """
+        name = key.name if isinstance(key, Input) else key
+        for x in self._coupled:
+            if name in x.controller.inputs.values():
+                raise InputError(f"Stepper: input '{name}' is set by '{x.controller.name}'; leave it to it")
         self._run.set(key, value)
 
     def advance(self, t: float) -> None:
@@ -98,10 +114,51 @@ class Stepper(metaclass=ChecksArguments):
             With time, part and advice; ``error.solution`` holds what was kept.
         """
         try:
-            self._run.advance(t)
+            if self._coupled:
+                advance_coupled(self._run, self._coupled, t)
+            else:
+                self._run.advance(t)
         except IntegrationError as error:
             publish_solution(error)
             raise
+
+    def snapshot(self) -> Snapshot:
+        """Return where the run is now, to `restore` later: for trials, predictive control, FMUs that step back.
+
+        It costs a copy of the work space and of the samples kept so far; with ``keep=False`` there are none of these.
+
+        Examples
+        --------
+        >>> from mbsd3d import Body, Force, Input, Stepper, System
+        >>> sled = Body("sled", 2.0, (0.1, 0.1, 0.1), velocity=(0, 0, 0), omega=(0, 0, 0))
+        >>> stepper = Stepper(System([sled], forces=[Force(sled, (Input("push"), 0, 19.62))]))
+        >>> start = stepper.snapshot()
+        >>> for push in (4.0, -2.0):
+        ...     stepper.restore(start)
+        ...     stepper.set("push", push)
+        ...     stepper.advance(1.0)
+        ...     print(round(float(stepper.q[0]), 9), stepper.inputs)
+        1.0 {'push': 4.0}
+        -0.5 {'push': -2.0}
+        """
+        if self._coupled:
+            raise InputError(
+                f"Stepper: snapshot: '{self._coupled[0].controller.name}' does not go back; take snapshots of runs "
+                "without controllers"
+            )
+        return self._run.snapshot()
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Continue from a snapshot of this stepper, to the last bit as it would have gone on from there.
+
+        Inputs have the values they had, `solution` has the samples kept until then. Also after an `IntegrationError`.
+
+        Raises
+        ------
+        ValueError
+            For a snapshot of another stepper.
+        """
+        self._run.restore(snapshot)
 
     @property
     def t(self) -> float:
@@ -127,7 +184,7 @@ class Stepper(metaclass=ChecksArguments):
     @property
     def measured(self) -> np.ndarray:
         """Return the values of the measures asked for, now (measures,)."""
-        return self._run.measured
+        return self._run.measured[: self._shown]
 
     @property
     def inputs(self) -> dict[str, float]:
@@ -144,4 +201,18 @@ class Stepper(metaclass=ChecksArguments):
 
         Its certificate judges the motion under the inputs as they were set; `estimate` and `at` repeat the segments.
         """
-        return Solution.of(self._run.solution())
+        run = self._run.solution()
+        run.record.coupled = tuple(x.note() for x in self._coupled)
+        return Solution.of(run)
+
+
+def checked(controllers: Sequence[FmuController]) -> tuple[FmuController, ...]:
+    """Return controllers; a ValueError for anything else, and for an input that two of them set."""
+    found = as_tuple(controllers, "Stepper: controllers", "a list of FmuController")
+    for x in found:
+        if not isinstance(x, FmuController):
+            raise InputError(f"Stepper: controllers: {short_repr(x)} is none; give an FmuController")
+    names = [name for x in found for name in x.inputs.values()]
+    if twice := [name for name in names if names.count(name) > 1]:
+        raise InputError(f"Stepper: controllers: two set the input '{twice[0]}'; let one set it")
+    return found

@@ -24,7 +24,10 @@ if TYPE_CHECKING:
     from ..constraints.engagement import Engagement
     from ..constraints.redundancy import Diagnosis
     from ..equations.compiled import Compiled
+    from ..files.fmu import Outputs, Parameter
+    from ..integrators.method import Method
     from ..linear.equilibrium import Equilibrium
+    from ..mechanism.signals.signal import Input
 
 
 @checks_method_arguments
@@ -288,6 +291,62 @@ class System(Drawable):
         from ..files.model_files import write_model
 
         return write_model(self, path, replace=replace)
+
+    def to_fmu(
+        self,
+        path: str | Path,
+        *,
+        state: State | None = None,
+        inputs: "Sequence[Input | str] | None" = None,
+        outputs: "Outputs | None" = None,
+        parameters: "Sequence[Parameter]" = (),
+        method: "Method | None" = None,
+        rtol: float = 1e-8,
+        replace: bool = False,
+    ) -> Path:
+        """Write the system as an FMU for co-simulation by FMI 3.0; it needs the extra ``fmu``.
+
+        It runs where the host is Python with mbsd3d installed, as with FMPy; other hosts must load libpython first.
+        Inputs hold over a communication step; ``getFMUState`` and ``setFMUState`` go back and on as
+        `Stepper.snapshot` does. Units are base units and radians.
+
+        Parameters
+        ----------
+        path : str or Path
+            Ends in .fmu.
+        state : State or None
+            Start; None = `state()`, made anew with the parameters.
+        inputs : sequence of Input or str
+            `Input` signals of forces or references; None = all. One that prescribes a motion is refused.
+        outputs : dict of name and measure, sequence of measures, or None
+            None = ``hinge.angle``, ``hinge.rate``, ``rail.slide``, ``rail.slide_rate`` of all joints, and
+            ``cart.position[1]``, ``cart.velocity[1]``, ``cart.omega[1]`` ... of all bodies. ``certificate.passed`` and
+            ``certificate.worst`` are always there.
+        parameters : sequence of str or (part, str)
+            Numbers that the host may set before the start, e.g. "spring.stiffness", "bob.mass".
+        method, rtol
+            As for `simulate`.
+        replace : bool
+            Whether to replace an existing file.
+
+        Returns
+        -------
+        Path
+
+        Raises
+        ------
+        ValueError
+            Without pythonfmu3; for a part with a function, an unknown input, output or parameter, and whatever
+            `Stepper` refuses.
+        AssemblyError
+            If the state does not meet the joints.
+        """
+        from ..files.fmu import write_fmu
+        from ..integrators.dop853 import DOP853
+        from ..results.record import RunOptions
+
+        options = RunOptions(DOP853() if method is None else method, rtol)
+        return write_fmu(self, path, state, inputs, outputs, parameters, options, replace)
 
     @classmethod
     def from_file(cls, path: str | Path) -> "System":

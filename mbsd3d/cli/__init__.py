@@ -6,6 +6,7 @@ from ..base.version import __version__
 from .check import check
 from .demo import demo
 from .doctor import doctor
+from .fmu import fmu
 from .gallery import gallery
 from .play import play
 from .run import run
@@ -26,5 +27,5 @@ def version() -> None:
     click.echo(f"mbsd3d {__version__}")
 
 
-for command in (check, demo, doctor, gallery, play, run, show, warmup):
+for command in (check, demo, doctor, fmu, gallery, play, run, show, warmup):
     main.add_command(command)

@@ -59,24 +59,26 @@ class Effects:
     speed: np.ndarray  # (rows, k) of f in J v = f
 
 
-def names_of(system: Mechanism, inputs: Sequence[Input | str] | None) -> tuple[str, ...]:
-    """Return the names of the inputs that are asked for; all of the system for None."""
+def names_of(
+    system: Mechanism, inputs: Sequence[Input | str] | None, asked: str = "state_space"
+) -> tuple[str, ...]:  # fmt: skip
+    """Return the names of the inputs that are asked for, all of the system for None; errors name who asked."""
     have = dict.fromkeys(term.input[0] for _, signal in signals_of(system) for term in signal.terms() if term.input)
     inputs = tuple(have) if inputs is None else (inputs,) if isinstance(inputs, Input | str) else inputs
     names = []
-    for x in as_tuple(inputs, "state_space: inputs", "a list of Input signals or their names"):
+    for x in as_tuple(inputs, f"{asked}: inputs", "a list of Input signals or their names"):
         name = x.name if isinstance(x, Input) else x
         if not isinstance(name, str) or name not in have:
             there = ", ".join(f"'{x}'" for x in have) or "none"
             raise InputError(
-                f"state_space: inputs: {short_repr(name)} is not an input of this system; there are {there}: "
+                f"{asked}: inputs: {short_repr(name)} is not an input of this system; there are {there}: "
                 "give a force, torque or driver an mbsd3d.Input"
             )
         if name in names:
-            raise InputError(f"state_space: inputs: '{name}' is given twice; give each input once")
+            raise InputError(f"{asked}: inputs: '{name}' is given twice; give each input once")
         names.append(name)
     if not names:
-        raise InputError("state_space: no input; give a force, torque or driver an mbsd3d.Input")
+        raise InputError(f"{asked}: no input; give a force, torque or driver an mbsd3d.Input")
     return tuple(names)
 
 

@@ -99,10 +99,17 @@ def bearing_load(
     >>> round(float(load.radial[0]), 6), round(float(load.axial[0]), 6)
     (58.86, 78.48)
     """
+    return loads_across(solution, joint, axis, frame, "bearing_load")
+
+
+def loads_across(
+    solution: RunResult, joint: Joint | str, axis: ArrayLike | None, frame: str, asked: str
+) -> BearingLoad:  # fmt: skip
+    """See `bearing_load`; ``asked``: the function that errors name."""
     if not isinstance(solution, RunResult):
-        raise InputError(f"bearing_load: {short_repr(solution)} is not a solution; give one of simulate(...)")
+        raise InputError(f"{asked}: {short_repr(solution)} is not a solution; give one of simulate(...)")
     part = solution.system.part(joint, "joints")
-    what = f"bearing_load: '{solution.system.name(part)}' ({type(part).__name__})"
+    what = f"{asked}: '{solution.system.name(part)}' ({type(part).__name__})"
     if not isinstance(part, PointJoint) or isinstance(part, Prismatic | Fixed):
         raise InputError(f"{what} does not turn like a bearing; give a Revolute, Cylindrical, Spherical or the like")
     check_choice(frame, ("a", "b"), f"{what}: frame")

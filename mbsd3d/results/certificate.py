@@ -174,7 +174,7 @@ def start_notes(solution: RunResult) -> list[str]:
 
 def notes(solution: RunResult) -> list[str]:
     """Return notes of the system, choices in the start, singular positions, rank events and missing checks."""
-    found = [*solution.system.notes, *(f"start: {text}" for text in solution.start.notes)]
+    found = [*solution.system.notes, *solution.record.coupled, *(f"start: {text}" for text in solution.start.notes)]
     events = solution.record.rank_events
     found += [f"rank event at t = {t:.6g} s: {rank} rows kept ({why})" for t, rank, why, _ in events]
     if solution.record.nearest < PASSED:

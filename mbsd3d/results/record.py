@@ -1,6 +1,6 @@
 """Options and record of a run: what was asked for, and statistics of what was done, which the certificate judges."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -97,6 +97,11 @@ class Record(HasOptions):
     stopped_by: str | None = None
     never_armed: str | None = None  # the condition to stop that has not been false since the start
     inputs: History = field(default_factory=dict)
+    coupled: tuple[str, ...] = ()  # how controllers in FMUs were coupled, and the energy that passed
+
+    def copy(self) -> "Record":
+        """Return a record that does not change when this one does."""
+        return replace(self, rank_events=list(self.rank_events))
 
     @property
     def method(self) -> Method:
@@ -149,6 +154,13 @@ class Samples:
             array[self.count : count] = rows[:, column : column + width]
             column += width
         self.count = count
+
+    def copy(self) -> "Samples":
+        """Return the samples so far with memory of their own, without spare room."""
+        other = Samples(tuple(array.shape[1] for array in self.arrays.values()), 0)
+        other.count = self.count
+        other.arrays = {name: array[: self.count].copy() for name, array in self.arrays.items()}
+        return other
 
     def finished(self) -> dict[str, np.ndarray]:
         """Return the arrays without spare room; no samples can be taken after this."""

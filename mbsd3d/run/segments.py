@@ -1,7 +1,8 @@
 """A run in segments: it goes on where it is, with inputs that are set between two segments."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -20,13 +21,54 @@ from ..mechanism.measures import Measure, check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.signals.signal import Input
 from ..mechanism.state import State
-from ..results.record import RunOptions
+from ..results.record import Record, RunOptions, Samples
 from ..results.result import RunResult, unit_quaternions
 from .initial_checks import check_stops
 from .job import Job
 from .simulation import check_signals, check_steps
 
 SILENT = Progress("", 0.0, 1.0, False)
+NO_BUFFER = np.zeros((0, 0))  # in a snapshot: samples in the buffer are taken out before
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Snapshot:
+    """Where a `Stepper` was at a time, by `Stepper.snapshot`; it never changes, so it can be restored again and again.
+
+    It holds all that later steps depend on: the state with the internal states of forces, turns of hinges, the choice
+    of rows, factors and history of the method, its next step, the next turn of a signal, gaps of contacts and limits,
+    what inputs are set to; and the samples kept so far.
+
+    >>> from mbsd3d import Body, Stepper, System
+    >>> Stepper(System([Body("stone", mass=2.0, inertia=(0.1, 0.1, 0.1))])).snapshot()
+    <snapshot: at t = 0 s>
+    """
+
+    t: float  # [s]
+    owner: "Segments"
+    working: tuple  # memory of the run, work space, tree, memory of the method
+    inputs: dict[str, float]
+    history: dict[str, list[tuple[float, float]]]
+    record: Record
+    samples: Samples
+    seen: list[tuple[int, float, float]]  # by the watch for divergence
+    last_event: int
+
+    def __repr__(self) -> str:
+        return f"<snapshot: at t = {self.t:g} s>"
+
+    def __reduce__(self) -> tuple:
+        raise InputError(
+            "a snapshot is neither copied nor pickled: it belongs to its stepper; give other processes Stepper.state"
+        )
+
+
+def duplicate(x: Any) -> Any:
+    """Return a named tuple of arrays, records, numbers and further ones with memory of its own."""
+    if isinstance(x, tuple):
+        made = [duplicate(one) for one in x]
+        return type(x)(*made) if hasattr(x, "_fields") else tuple(made)
+    return x.copy() if isinstance(x, np.ndarray | np.void) else x
 
 
 class Segments(Job):
@@ -115,12 +157,38 @@ class Segments(Job):
         if not self.keep:
             now["written"] = 0
 
+    def snapshot(self) -> Snapshot:
+        """Return where the run is, with memory of its own."""
+        self.drain()
+        working = self.memory._replace(out=NO_BUFFER), self.data, self.tree, self.own
+        return Snapshot(
+            self.t, self, duplicate(working), dict(self.inputs), copied(self.history), self.record.copy(),
+            self.samples.copy(), list(self.divergence.seen), self.last_event,
+        )  # fmt: skip
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Go back, or on, to where the run was."""
+        if not isinstance(snapshot, Snapshot):
+            raise InputError(f"Stepper: restore: {short_repr(snapshot)} is no snapshot; give one of Stepper.snapshot()")
+        if snapshot.owner is not self:
+            raise InputError(
+                f"Stepper: restore: {snapshot!r} is of another stepper; restore it there, or start this one from the "
+                "State of the other: Stepper(system, other.state)"
+            )
+        memory, self.data, self.tree, self.own = duplicate(snapshot.working)
+        self.memory = memory._replace(out=self.memory.out)
+        self.inputs, self.history = dict(snapshot.inputs), copied(snapshot.history)
+        for name, value in self.inputs.items():
+            set_input(self.compiled, name, value)
+        self.record, self.samples = snapshot.record.copy(), snapshot.samples.copy()
+        self.divergence.seen, self.last_event = list(snapshot.seen), snapshot.last_event
+
     def solution(self) -> RunResult:
         """Return the result up to the last sample that was kept."""
         self.drain()
         run, count = self.memory, self.samples.count
         record = replace(
-            self.record, rank_events=list(self.record.rank_events), steps=int(run.now.steps),
+            self.record.copy(), steps=int(run.now.steps),
             rejected=int(run.now.rejected), evaluations=int(run.now.evaluations), seconds=self.record.loop_seconds,
             speed=float(run.now.fastest),
             inputs={name: tuple(changes) for name, changes in self.history.items()},
@@ -154,6 +222,11 @@ class Segments(Job):
         if (self.model.measure["rows"][: len(self.measures)] > 0).any():
             evaluate(self.model, self.data, self.tree, self.t, self.memory.y, np.empty_like(self.memory.y))
         return np.array([measure(self.model, self.data, i, self.t) for i in self.measures])
+
+
+def copied(history: dict[str, list[tuple[float, float]]]) -> dict[str, list[tuple[float, float]]]:
+    """Return a history of inputs whose later changes leave this one as it is."""
+    return {name: list(changes) for name, changes in history.items()}
 
 
 def driver_of(system: Mechanism, name: str) -> str | None:

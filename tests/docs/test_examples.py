@@ -13,6 +13,7 @@ from helpers.page_blocks import agrees
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
+NEEDS = {"fmu_in_fmpy": "fmpy"}  # examples of extras
 SLOW = {"bicycle_with_rider", "clock_escapement", "geneva", "gyro_monorail", "valve_train"}
 
 
@@ -26,6 +27,7 @@ def said(path):
     "path", [pytest.param(p, id=p.stem, marks=pytest.mark.slow if p.stem in SLOW else ()) for p in EXAMPLES]
 )
 def test_example_prints_what_it_says(path, tmp_path, monkeypatch):
+    pytest.importorskip(NEEDS.get(path.stem, "numpy"), reason="the extra that it shows is not installed")
     monkeypatch.chdir(tmp_path)
     printed = io.StringIO()
     with contextlib.redirect_stdout(printed):

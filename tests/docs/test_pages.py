@@ -33,7 +33,7 @@ WITH_BLOCKS = [
 ]
 PEERS = {  # pages whose ``py`` blocks need a package that the tests do without
     "coming_from/bicycle_parameters.md": "bicycleparameters",
-    "coming_from/drake.md": "pydrake", "coming_from/sympy.md": "sympy",
+    "coming_from/drake.md": "pydrake", "coming_from/sympy.md": "sympy", "how/fmus.md": "fmpy",
 }  # fmt: skip
 NEVER_RUN = {"coming_from/chrono.md"}  # no package index has PyChrono
 THEORY = sorted((DOCS / "theory").glob("*.md"))

@@ -70,7 +70,7 @@ def questions(folder):
     }  # fmt: skip
     yield m.Stepper, {
         "system": SYSTEM, "state": None, "measures": (measures.angle(HINGE),), "method": m.RK4(0.01), "rtol": 1e-6,
-        "as_built": 1e-3, "keep": True,
+        "as_built": 1e-3, "keep": True, "controllers": (),
     }  # fmt: skip
     yield SYSTEM.check, {"as_built": 1e-3}
     yield SYSTEM.state, {}
@@ -141,6 +141,15 @@ def answers(folder):
     yield run.picture, {"t": [0.0, 0.01], "traces": [BAR], "size": (3, 2), "dark": True}
     yield run.export_glb, {"path": folder / "run.glb", "frames": 2, "traces": [BAR]}
     yield m.bearing_load, {"solution": run, "joint": HINGE, "axis": (0, 1, 0), "frame": "a"}
+    yield m.pin_stress, {
+        "solution": run, "joint": HINGE, "diameter": 0.02, "cheek": 0.01, "link": 0.03, "gap": 0.001,
+        "shear": "single", "lever": 0.01, "axis": (0, 1, 0), "holder": "a",
+    }  # fmt: skip
+    yield m.rainflow, {"history": [0.0, 1.0, 0.0]}
+    yield m.SNCurve, {"amplitude": 1e8, "cycles": 1e6, "slope": 5.0, "slope_below": 9.0, "limit": False}
+    yield m.miner, {
+        "cycles": m.rainflow([0.0, 1.0]), "life": m.SNCurve(amplitude=1e8, cycles=1e6, slope=5), "strength": 1e9,
+    }  # fmt: skip
     yield m.bearing_pair, {"solution": run, "joint": HINGE, "fixed": (0, 0.1, 0), "floating": (0, -0.1, 0)}
     small = m.linearize(SWING, outputs=[measures.angle(HINGE)], tolerance=1e3)
     yield small.plot, {}

@@ -12,7 +12,7 @@ from helpers.watchdog import TooLong, watched
 
 OWNERS = (
     "", "Solution", "System", "Body", "Linearization", "StateSpace", "Campbell", "Spectrum", "Density", "Stepper",
-    "Signal",
+    "Signal", "Snapshot",
 )  # fmt: skip
 LONGEST = 500  # characters; the names of many parts may be among them
 
