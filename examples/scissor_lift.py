@@ -36,7 +36,7 @@ joints = [
     PointOnPlane(platform, rising, at=(reach, 0, rise), normal=(0, 0, 1), name="head roller"),
 ]
 ends = np.array([FOOT * ARM, 0, 0]), HEAD * np.array([reach, 0, rise])
-first = np.linalg.norm(ends[1] - ends[0])
+first = float(np.linalg.norm(ends[1] - ends[0]))
 pump = LengthDriver(GROUND, rising, at_a=ends[0], at_b=ends[1], length=Ramp(0.003, first), name="cylinder")
 lift = System([rising, falling, platform], [*joints, pump], name="scissor lift")
 found = lift.check()

@@ -48,8 +48,7 @@ class Reaction(Sampled):
 
     At a singular pose less is determined than beside it: the projectors say so, the masks are those of all other poses.
 
-    ``force_margin`` and ``moment_margin`` (samples, 3), with ``shares="range"``: by how much tolerances of assembly
-    move each component up or down; else None.
+    ``margins``: with ``shares="range"`` the pair (`force_margin`, `moment_margin`), else None.
     """
 
     force: np.ndarray
@@ -60,8 +59,23 @@ class Reaction(Sampled):
     unique_moment: np.ndarray = field(repr=False)
     force_projector: np.ndarray = field(repr=False)
     moment_projector: np.ndarray = field(repr=False)
-    force_margin: np.ndarray | None = None
-    moment_margin: np.ndarray | None = None
+    margins: tuple[np.ndarray, np.ndarray] | None = field(default=None, repr=False)
+
+    @property
+    def force_margin(self) -> np.ndarray:
+        """Return by how much tolerances of assembly move each component of the force up or down (samples, 3) [N]."""
+        return self._margins()[0]
+
+    @property
+    def moment_margin(self) -> np.ndarray:
+        """Return by how much tolerances of assembly move each component of the moment (samples, 3) [N m]."""
+        return self._margins()[1]
+
+    def _margins(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return both margins; InputError where no range was asked for."""
+        if self.margins is None:
+            raise InputError('this reaction has no margin; ask for reaction(joint, shares="range", tolerances=...)')
+        return self.margins
 
     @property
     def determined_force(self) -> np.ndarray:

@@ -334,8 +334,9 @@ class RunResult(Motion):
         found = self._determined(parts).reaction(force, moment, point, slice(None), turned)
         if shares != "range":
             return found
-        margins = [np.abs(x if turned is None else turned @ x).sum(axis=2) for x in (apart[:, :3], apart[:, 3:])]
-        return replace(found, force_margin=margins[0], moment_margin=margins[1])
+        moved = (x if turned is None else turned @ x for x in np.split(apart, 2, axis=1))
+        of_force, of_moment = (np.abs(x).sum(axis=2) for x in moved)
+        return replace(found, margins=(of_force, of_moment))
 
     def _wrenches(self, joints: Sequence[Joint]) -> list[np.ndarray]:
         """Return force and moment about O of their bodies b of joints, (samples, 6) each, by the run's multipliers.

@@ -116,7 +116,7 @@ def test_shares_are_those_of_bushings_as_their_stiffness_grows(model):
         loads = []
         for joint in rigid.joints:
             found, load = run.reaction(joint, shares="elastic", stiffness=given), rest.force(joint.name)
-            assert not found.unique and found.force_margin is None
+            assert not found.unique and found.margins is None
             loads.append([found.force - load.force, found.moment - load.moment])
         off.append(np.array(loads))
     largest = max(np.abs(run.reaction(joint).force).max() for joint in rigid.joints)
