@@ -49,6 +49,8 @@ from .mechanism.drivers import PositionDriver as PositionDriver
 from .mechanism.drivers import SlideDriver as SlideDriver
 from .mechanism.drivers import SpeedDriver as SpeedDriver
 from .mechanism.engaged import Engaged as Engaged
+from .mechanism.switched import Breaks as Breaks
+from .mechanism.switched import Switched as Switched
 from .mechanism.forces.applied import AeroDrag as AeroDrag
 from .mechanism.forces.applied import Force as Force
 from .mechanism.forces.applied import Torque as Torque

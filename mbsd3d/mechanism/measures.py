@@ -116,6 +116,7 @@ class Condition:
 def check_members(system: Mechanism, measure: Measure, what: str) -> None:
     """Check that a measure speaks of bodies, joints and forces of this system."""
     members = {id(part) for part in (*system.bodies, *system.joints, *system.forces, GROUND)}
+    members |= {id(joint.held()) for joint in system.joints}
     for part in (measure.a, measure.b, measure.part or GROUND, measure.joint or GROUND):
         if id(part) not in members:
             kind = "force" if part is measure.part else "joint" if part is measure.joint else "body"

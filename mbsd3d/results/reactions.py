@@ -80,6 +80,14 @@ class Reaction(Sampled):
         return (part, "part") if known else (values, "none")
 
 
+def joined_reactions(pieces: list[Reaction]) -> Reaction:
+    """Return the reaction of a run in pieces; it is unique where it is in all of them."""
+    vectors = (np.concatenate([getattr(one, name) for one in pieces]) for name in ("force", "moment", "point"))
+    masks = [np.all([getattr(one, name) for one in pieces], axis=0) for name in ("unique_force", "unique_moment")]
+    projectors = (np.concatenate([getattr(one, f"{name}_projector") for one in pieces]) for name in ("force", "moment"))
+    return Reaction(*vectors, all(one.unique for one in pieces), *masks, *projectors)
+
+
 class Determined(NamedTuple):
     """Directions in which the constraints determine the wrench of one or more joints on their body b."""
 
