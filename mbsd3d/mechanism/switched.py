@@ -67,6 +67,8 @@ class SwitchedJoint(Switching, Joint):
     def engaged_in(self, mode: Mode) -> Engaged:
         """Return the joint as it engaged."""
         x = mode.numbers
+        if mode.name != "engaged" or len(x) != 9:
+            raise InputError(f"{self.what()}: mode {short_repr(tuple(mode))} is unknown; give a state of a run")
         return Engaged(self.joint, shift=x[:3], turn=x[3:7], length=x[7] or None, offset=x[8])
 
     @property

@@ -44,16 +44,16 @@ def joined(pieces: list[RunResult], jumps: list[Jump]) -> RunResult:
     arrays["state"], arrays["lam"] = np.concatenate(states), np.concatenate(multipliers)
     events = tuple(jump.event for jump in jumps)
     whole = replace(first, arrays=arrays, record=joined_record(pieces), final=pieces[-1].final, events=events)
-    return in_pieces(whole, pieces)
+    return in_pieces(whole, pieces, [piece.t.size for piece in pieces])
 
 
-def in_pieces(whole: RunResult, pieces: list[RunResult]) -> RunResult:
-    """Return a result whose pieces read their share of its samples."""
+def in_pieces(whole: RunResult, pieces: list[RunResult], counts: list[int]) -> RunResult:
+    """Return a result whose pieces read their share of its samples, so many of each."""
     n, arrays, made, begin = len(whole.system.bodies), whole.arrays, [], 0
     arrays["q"] = arrays["state"][:, : 7 * n].reshape(-1, n, 7)
     arrays["z"] = arrays["state"][:, 13 * n :]
-    for piece in pieces:
-        some = slice(begin, begin + piece.t.size)
+    for piece, count in zip(pieces, counts, strict=True):
+        some = slice(begin, begin + count)
         own = {name: array[some] for name, array in arrays.items()}
         own["lam"] = np.ascontiguousarray(own["lam"][:, : piece.compiled.model.row.size])
         made.append(replace(piece, arrays=own))

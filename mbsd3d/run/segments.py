@@ -13,13 +13,14 @@ from ..compiler.cache_folder import mark_warm
 from ..compiler.first_run import announce_compilation
 from ..dynamics.auditing import AUDITED_FIELDS
 from ..dynamics.state_rates import evaluate
-from ..equations.compiled import compile_system, set_input, starts, with_history, with_own_inputs
+from ..equations.compiled import compile_system, holders_of, set_input, starts, with_history, with_own_inputs
 from ..integrators.step_control import STEP_TIME_RATIO_MIN
 from ..kernels.coordinates import measure
 from ..mechanism.measures import Measure, check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.signals.signal import Input
 from ..mechanism.state import State
+from ..mechanism.switching import Switching
 from ..results.record import RunOptions
 from ..results.result import RunResult, unit_quaternions
 from .initial_checks import check_stops
@@ -42,6 +43,7 @@ class Segments(Job):
             if not isinstance(x, Measure):
                 raise InputError(f"Stepper: measures: {short_repr(x)} is not a measure; build one with mbsd3d.measures")
             check_members(system, x, "Stepper: measures")
+        check_no_switching(system)
         compiled = with_own_inputs(compile_system(system, tuple(measures), options.switches))
         self.inputs, self.keep, self.progress = starts(compiled), True, SILENT
         self.history = {name: [(start.t, value)] for name, value in self.inputs.items()}
@@ -153,6 +155,16 @@ class Segments(Job):
         if (self.model.measure["rows"][: len(self.measures)] > 0).any():
             evaluate(self.model, self.data, self.tree, self.t, self.memory.y, np.empty_like(self.memory.y))
         return np.array([measure(self.model, self.data, i, self.t) for i in self.measures])
+
+
+def check_no_switching(system: Mechanism) -> None:
+    """Refuse parts that switch at events: rows stay what they are in all segments."""
+    for part in holders_of(system):
+        if isinstance(part, Switching):
+            raise InputError(
+                f"Stepper: '{system.name(part)}' ({type(part).__name__}) switches at events, which a run in segments "
+                "does not look for; use simulate from state to state, or system.engage and release"
+            )
 
 
 def driver_of(system: Mechanism, name: str) -> str | None:
