@@ -61,6 +61,9 @@ from .mechanism.forces.bushing import Bushing as Bushing
 from .mechanism.forces.by_table import ForceCurve as ForceCurve
 from .mechanism.forces.by_table import TorqueCurve as TorqueCurve
 from .mechanism.forces.cone_stop import ConeStop as ConeStop
+from .mechanism.forces.clutches import Clutch as Clutch
+from .mechanism.forces.clutches import Freewheel as Freewheel
+from .mechanism.forces.clutches import Ratchet as Ratchet
 from .mechanism.forces.contact import Contact as Contact
 from .mechanism.forces.custom import CustomForce as CustomForce
 from .mechanism.forces.end_stop import EndStop as EndStop

@@ -33,7 +33,7 @@ from ..mechanism.force_element import ForceElement
 from ..mechanism.joints import Joint
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
-from ..mechanism.switching import Switching
+from ..mechanism.switching import is_switching
 from .least_squares import SMALL_SYSTEM_BODIES_MAX, Matrix, deficient, least
 from .poses.pose_equations import CLOSED_GAP_MAX, gap_size
 from .rank import redundant_combinations
@@ -274,15 +274,16 @@ def impulses(compiled: Compiled, data: Data, rows: BlockRows, lam: np.ndarray) -
     system, scale = compiled.system, compiled.model.row["scale"]
     N = redundant_combinations(rows.scaled(scale, compiled.model.length)) * scale[:, None]
     found = {}
-    for k, joint in enumerate(system.joints):
+    for k, part in enumerate(compiled.holders):
+        joint = part if isinstance(part, Joint) else part.partners()[0]
         own, body = np.flatnonzero(compiled.row_joint == k), compiled.body_index[id(joint.b)]
-        if isinstance(joint, Switching) and not own.size:
-            continue  # open
+        if is_switching(part) and not lam[own].any():
+            continue  # open, or not struck
         W = -np.where((rows.body[own] == body)[:, :, None], rows.J[own], 0.0).sum(axis=1)  # (k, 6) of unit multipliers
         point = joint_point(compiled, data, joint)
         force, moment = np.split(W.T @ lam[own], [3])
         moment = moment - np.cross(point - data.body["r"][body], force)
         open_share = np.abs(W.T @ N[own]).max(initial=0.0)
         unique = bool(open_share <= OPEN_SHARE_MAX * np.abs(W).max(initial=0.0))
-        found[system.name(joint)] = Impulse(force, moment, point, unique)
+        found[system.name(part)] = Impulse(force, moment, point, unique)
     return found

@@ -21,7 +21,7 @@ from ..mechanism.measures import Measure
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.primitives import Coordinate, Primitive
 from ..mechanism.state import State
-from ..mechanism.switching import Mode, Modes, Switching
+from ..mechanism.switching import Mode, Modes, is_switching
 from .row_tables import Frames, row_tables
 from .tables import (
     InputTerm,
@@ -136,12 +136,12 @@ def switch_fields(switches: Switches) -> dict[str, Any]:
 
 def holders_of(system: Mechanism) -> tuple[Joint | ForceElement, ...]:
     """Return the parts of a system that may have rows: joints, and forces that switch."""
-    return (*system.joints, *(force for force in system.forces if isinstance(force, Switching)))
+    return (*system.joints, *(force for force in system.forces if is_switching(force)))
 
 
 def first_modes(system: Mechanism) -> dict[str, Mode]:
     """Return the modes at the reference pose of all parts that switch, by name."""
-    return {system.name(x): x.first_mode() for x in holders_of(system) if isinstance(x, Switching)}
+    return {system.name(x): x.first_mode() for x in holders_of(system) if is_switching(x)}
 
 
 def modes_at(system: Mechanism, state: State) -> dict[str, Mode]:
@@ -187,10 +187,12 @@ def lower(
     index, holders = frames.index, holders_of(system)
     modes = modes or first_modes(system)
     rows_of_joint = [
-        x.rows_in(modes[system.name(x)]) if isinstance(x, Switching) else x.primitives for x in holders
+        x.rows_in(modes[system.name(x)]) if is_switching(x) else x.primitives for x in holders
     ]
     primitives = [row for rows in rows_of_joint for row in rows]
-    records = [force.record() for force in system.forces]
+    records = [
+        x.record_in(modes[system.name(x)]) if is_switching(x) else x.record() for x in system.forces
+    ]
     parameters = parameters_of(system, records)
     given = np.array([x for own in parameters for x in own], float)
     read = [x for r in records for x in r.measures]
@@ -210,7 +212,7 @@ def lower(
     rows = {id(x): part for x, part in zip(holders, slices, strict=True)}
     rows |= {id(x.held()): rows[id(x)] for x in system.joints}
     if modes:
-        number_drives(per_row, np.array([isinstance(x, Switching) for x in holders])[row_joint])
+        number_drives(per_row, np.array([is_switching(x) for x in holders])[row_joint])
     signal, term, term_data = signals.arrays()
     model = Model(
         body=bodies,

@@ -27,6 +27,8 @@ class Watch(NamedTuple):
 class Switching:
     """A part, joint or force, whose rows depend on its mode."""
 
+    switches: Any = True  # False: a part of the class that never does
+
     def first_mode(self) -> Mode:
         """Return the mode at the reference pose."""
         raise NotImplementedError
@@ -38,3 +40,8 @@ class Switching:
     def watched(self, mode: Mode) -> list[Watch]:
         """Return what is watched in a mode."""
         raise NotImplementedError
+
+
+def is_switching(part: Any) -> bool:
+    """Return whether the rows of a part are switched at events."""
+    return isinstance(part, Switching) and bool(part.switches)

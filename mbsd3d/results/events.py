@@ -10,7 +10,8 @@ class Event:
     """A change of what holds at a time t [s]; of an impact also energy [J] and impulses.
 
     ``lost`` [J] is the energy that the impact took, ``work`` [J] what drivers gave in it, ``impulses`` those of the
-    joints on their bodies b, by name. The samples of the run have the time twice, before and after it.
+    parts on their bodies b, by name. ``rest`` [s] is when bounces would have ended that grew too low to be seen, by
+    the measured ratio of the times between them; the motion is at rest from t on. The samples of the run have the time twice, before and after it.
     """
 
     t: float
@@ -19,6 +20,7 @@ class Event:
     lost: float = 0.0
     work: float = 0.0
     impulses: dict[str, Impulse] = field(default_factory=dict)
+    rest: float | None = None
 
     @property
     def what(self) -> str:

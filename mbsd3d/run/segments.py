@@ -20,7 +20,7 @@ from ..mechanism.measures import Measure, check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.signals.signal import Input
 from ..mechanism.state import State
-from ..mechanism.switching import Switching
+from ..mechanism.switching import is_switching
 from ..results.record import RunOptions
 from ..results.result import RunResult, unit_quaternions
 from .initial_checks import check_stops
@@ -160,7 +160,7 @@ class Segments(Job):
 def check_no_switching(system: Mechanism) -> None:
     """Refuse parts that switch at events: rows stay what they are in all segments."""
     for part in holders_of(system):
-        if isinstance(part, Switching):
+        if is_switching(part):
             raise InputError(
                 f"Stepper: '{system.name(part)}' ({type(part).__name__}) switches at events, which a run in segments "
                 "does not look for; use simulate from state to state, or system.engage and release"

@@ -8,21 +8,26 @@ import numpy as np
 from ..base.errors import InputError, IntegrationError
 from ..base.progress import Progress
 from ..constraints.engagement import Strike, check_closed, impulses, joint_at, strike
-from ..equations.at_state import load_state
+from ..equations.at_state import coordinate_row, load_state
 from ..equations.compiled import Compiled, compile_system, holders_of, modes_at
 from ..kernels.layout import Data
 from ..mechanism.engaged import Engaged
-from ..mechanism.mechanism import Mechanism
+from ..mechanism.forces.clutches import CLOSED, Clutch
+from ..mechanism.lock import Lock
 from ..mechanism.measures import check_members
+from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from ..mechanism.switched import SwitchedJoint, engaged_mode
-from ..mechanism.switching import OPEN, Mode, Switching, Watch
+from ..mechanism.switching import OPEN, Mode, Watch, is_switching
 from ..results.events import Event
 from ..results.joined import Jump, joined
 from ..results.record import RunOptions
 from ..results.result import RunResult
+from .closed_stops import Touching, at_rest, struck
+from .events import EVENT_VALUE_TOLERANCE
 from .job import Job
 
+HOP_SLACKS = 10.0  # [1] times what counts as no distance: lower hops end in rest
 EVENTS_AT_ONCE_MAX = 20  # [events] at one time and part: more undo each other
 
 
@@ -46,12 +51,15 @@ class SwitchedRun:
             )
         self.system, self.start, self.t_end, self.times, self.options = system, start, t_end, times, options
         self.state, self.modes = start, modes_at(system, start)
+        self.compiled = compile_system(system)
+        self.locks = [part for part in switching(system) if isinstance(part, Lock)]
         self.pieces: list[RunResult] = []
         self.jumps: list[Jump] = []
         self.at_once: dict[str, int] = {}
 
     def run(self) -> RunResult:
         """Integrate from event to event until the end, a stop, an error or Ctrl-C."""
+        self.begin()
         while True:
             job, watched = self.job()
             try:
@@ -70,6 +78,25 @@ class SwitchedRun:
             self.state = piece.final
             self.count(watched[number])
             self.jumps.append(self.jump(watched[number]))
+
+    def begin(self) -> None:
+        """Set the modes of locks at the start, with the impact if the motion starts against a stop."""
+        if not self.locks:
+            return
+        compiled, data, pose = self.loaded()
+        for part in self.locks:
+            name, (x, _) = self.system.name(part), self.motion_of(compiled, data, pose, part)
+            slack = self.slack(part, x)
+            self.modes = self.modes | {name: part.placed(self.modes[name], x, slack)}
+            if (beyond := part.depth(x)) > slack:
+                raise InputError(
+                    f"{part.what()}: the run starts {beyond:.4g} beyond its limit; start inside, or move the limit"
+                )
+        before = self.evaluate(self.modes)
+        jump = self.settle(self.system.name(self.locks[0]), "is struck at the start")
+        if jump.event.impulses:
+            self.pieces.append(before)
+            self.jumps.append(jump)
 
     def job(self) -> tuple[Job, list[Watched]]:
         """Return the job of the next piece, and what it watches besides the condition to stop."""
@@ -112,19 +139,134 @@ class SwitchedRun:
 
     def jump(self, one: Watched) -> Jump:
         """Switch a part, and return what that does to the motion."""
-        name = self.system.name(one.part)
-        if self.modes[name].name != OPEN.name:
-            self.modes = self.modes | {name: OPEN}
-            self.state = replace(self.state, modes=dict(self.modes), notes=())
-            return Jump(Event(self.state.t, name, one.watch.action))
-        self.modes = self.modes | {name: self.engaged(one.part)}
+        name, mode, action = self.system.name(one.part), self.modes[self.system.name(one.part)], one.watch.action
+        if isinstance(one.part, Lock):
+            self.turn_to(one.part, one.watch)
+            return self.settle(name, action, leaving=one.part if one.part.holds(mode) else None)
+        joins = mode.name == OPEN.name
+        self.modes = self.modes | {name: self.engaged(one.part) if joins else OPEN}
+        return self.settle(name, action, joins)
+
+    def turn_to(self, part: Lock, watch: Watch) -> None:
+        """Set the mode of a lock at what it watched for, as far as it follows from that alone."""
+        name, mode = self.system.name(part), self.modes[self.system.name(part)]
+        if isinstance(part, Clutch):
+            if watch.action == "is released":
+                self.modes = self.modes | {name: OPEN}
+            elif part.holds(mode):
+                self.modes = self.modes | {name: part.yielding(mode, watch.condition.direction)}
+            else:
+                self.modes = self.modes | {name: CLOSED}
+        elif part.holds(mode):
+            self.modes = self.modes | {name: part.opened(mode)}
+        elif watch.action == "passes a tooth":
+            self.modes = self.modes | {name: Mode(OPEN.name, (mode.numbers[0] + part.pitch,))}
+
+    def settle(self, name: str, action: str, joins: bool = False, leaving: Lock | None = None) -> Jump:
+        """Return the jump where a part switches: first the impact, if there is one, then what holds after it."""
+        hit: Strike | None = None
+        found = self.touching()
+        bounce = np.array([x.bounce for x in found.locks])
+        slow = np.array([self.slow(x) for x in found.locks])
+        before = found.rates(found.pose.v)
+        one_sided = np.array([x.one_sided for x in found.locks], bool)
+        if joins:
+            check_closed(found.compiled, found.data, name, found.pose.t)
+        if joins or (one_sided & (before < -slow)).any():
+            hit, _ = struck(found, bounce)
+            self.state = replace(found.pose, v=hit.v)
+        rest = self.hold(leaving)
+        if hit is not None and (low := self.low_hops(*rest)).any():
+            names = [x for x, ends in zip(rest[0].locks, low, strict=True) if ends]
+            hit, _ = struck(found, np.where([x in names for x in found.locks], 0.0, bounce))
+            self.state = replace(found.pose, v=hit.v)
+            self.hold(leaving)
+            action = f"{action} and comes to rest"
+        self.state = replace(self.state, modes=dict(self.modes), notes=())
+        if hit is None:
+            return Jump(Event(self.state.t, name, action))
+        parts = impulses(found.compiled, found.data, hit.rows, hit.lam)
+        others = [self.system.name(x) for x in found.locks if self.system.name(x) in {*parts} - {name}]
+        if others and not joins:
+            action += ", with " + ", ".join(f"'{x}'" for x in others)
+        event = Event(self.state.t, name, action, hit.lost, hit.work, parts, self.time_of_rest(name, action))
+        return Jump(event, *outer(found.compiled, found.data, hit))
+
+    def time_of_rest(self, name: str, action: str) -> float | None:
+        """Return when bounces have ended that are too low to be seen, by the last two times between them."""
+        times = [*(jump.event.t for jump in self.jumps if name in jump.event.impulses), self.state.t]
+        if not action.endswith("comes to rest"):
+            return None
+        if len(times) < 3:
+            return self.state.t
+        last, before = times[-1] - times[-2], times[-2] - times[-3]
+        ratio = last / before
+        return self.state.t + last * ratio / (1.0 - ratio) if ratio < 1.0 else self.state.t
+
+    def touching(self) -> Touching:
+        """Return the locks that may hold at the state, with tables in which they do."""
         compiled, data, pose = self.loaded()
-        check_closed(compiled, data, name, pose.t)
-        struck = strike(compiled, data, pose)
-        self.state = replace(pose, v=struck.v)
-        parts = impulses(compiled, data, struck.rows, struck.lam)
-        event = Event(pose.t, name, one.watch.action, struck.lost, struck.work, parts)
-        return Jump(event, *outer(compiled, data, struck))
+        locks, modes = [], []
+        for part in self.locks:
+            x, rate = self.motion_of(compiled, data, pose, part)
+            mode = self.modes[self.system.name(part)]
+            held = part.touching(mode, x, rate, self.slack(part, x), self.slow(part))
+            if held is not None:
+                locks.append(part)
+                modes.append(held)
+        whole = self.modes | dict(zip(map(self.system.name, locks), modes, strict=True))
+        compiled = compile_system(self.system, (), self.options.switches, whole)
+        data = compiled.data()
+        load_state(compiled, data, pose)
+        return Touching(locks, modes, compiled, data, pose)
+
+    def hold(self, leaving: Lock | None) -> tuple[Touching, np.ndarray, np.ndarray]:
+        """Set the modes of all locks by rates, loads and accelerations; return locks, rates and accelerations."""
+        compiled, data, pose = self.loaded()
+        for part in self.locks:
+            name, rate = self.system.name(part), self.motion_of(compiled, data, pose, part)[1]
+            self.modes = self.modes | {name: part.moving(self.modes[name], rate, self.slow(part))}
+        found = self.touching()
+        rates = found.rates(found.pose.v)
+        may = np.abs(rates) <= [self.slow(x) for x in found.locks]
+        begin = np.array([x is not leaving for x in found.locks], bool)
+        free = [x.opened(self.modes[self.system.name(x)]) for x in found.locks]
+        if not found.locks:
+            return found, rates, rates
+        rest = at_rest(found, free, self.evaluate, may, begin)
+        self.modes = rest.modes
+        return found, rates, rest.away
+
+    def low_hops(self, found: Touching, rates: np.ndarray, away: np.ndarray) -> np.ndarray:
+        """Return which stops the motion leaves for hops lower than what is seen of them."""
+        one_sided = np.array([x.one_sided for x in found.locks], bool)
+        slow = np.array([self.slow(x) for x in found.locks])
+        low = HOP_SLACKS * np.array([self.slack(x, m.numbers[0]) for x, m in zip(found.locks, found.modes, strict=True)])
+        return one_sided & (rates > slow) & (away < 0.0) & (rates**2 < -2.0 * away * low)
+
+    def evaluate(self, modes: dict[str, Mode]) -> RunResult:
+        """Return accelerations and loads at the state in some modes."""
+        compiled = compile_system(self.system, (), self.options.switches, modes)
+        pose = replace(self.state, modes=modes, notes=())
+        options = RunOptions(rtol=self.options.rtol, switches=self.options.switches)
+        return Job(compiled, pose, pose.t, np.array([pose.t]), options).evaluate()
+
+    def motion_of(self, compiled: Compiled, data: Data, pose: State, part: Lock) -> tuple[float, float]:
+        """Return value and rate of the coordinate of a lock at a state, which is loaded in ``data``."""
+        x, row = coordinate_row(compiled, data, compiled.coordinate(part.coordinate()), pose.t)
+        return float(x), float(row @ pose.v)
+
+    def slack(self, part: Lock, x: float) -> float:
+        """Return what counts as no distance [rad or m] from the value x."""
+        length = self.compiled.model.length if part.coordinate().kind != "angle" else 1.0
+        return EVENT_VALUE_TOLERANCE * max(abs(x), length)
+
+    def slow(self, part: Lock) -> float:
+        """Return what counts as no rate [rad/s or m/s]."""
+        length, v = self.compiled.model.length, np.abs(self.state.v.reshape(-1, 6))
+        gravity = np.sqrt(float(np.linalg.norm(self.system.gravity)) * length)
+        speed = max(float(v[:, :3].max()), length * float(v[:, 3:].max()), gravity) or length
+        return EVENT_VALUE_TOLERANCE * speed / (length if part.coordinate().kind == "angle" else 1.0)
 
     def loaded(self) -> tuple[Compiled, Data, State]:
         """Return the tables of the modes now, and their work space at the state."""
@@ -147,7 +289,7 @@ class SwitchedRun:
 
 def switching(system: Mechanism) -> list[Any]:
     """Return the parts of a system that switch."""
-    return [part for part in holders_of(system) if isinstance(part, Switching)]
+    return [part for part in holders_of(system) if is_switching(part)]
 
 
 def outer(compiled: Compiled, data: Data, struck: Strike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
