@@ -13,12 +13,13 @@ from ..equations.jacobian import BlockRows, block_rows
 from ..kernels.layout import Data
 from ..mechanism.lock import Lock
 from ..mechanism.state import State
-from ..mechanism.switching import Mode
+from ..mechanism.switching import OPEN, Mode
 from ..results.result import RunResult
 
 TOGETHER_MAX = 8  # [stops] that may be struck at once: all choices among them are tried
 IMPULSE_ROUNDING = 1e-9  # [1] of the greatest impulse or rate of an impact: rounding
 LOAD_ROUNDING = 1e-9  # [1] of the greatest load or acceleration of the rows: rounding
+CONTRADICTION_MIN = 1e-6  # [1] of the accelerations by which rows are missed that contradict each other
 CHANGES_MAX = 3  # [1] times the locks: changes of what holds, by loads and accelerations in turn
 
 
@@ -106,7 +107,20 @@ def at_rest(
     for _ in range(CHANGES_MAX * (row.size + 1)):
         modes = modes_with(found, holds, free)
         now = evaluate(modes)
-        a = found.rows.times(now.arrays["acceleration"][0].ravel())[row] - gamma
+        missed = found.rows.times(now.arrays["acceleration"][0].ravel()) - found.data.row["gamma"]
+        a = missed[row]
+        if contradicts(found, missed, holds, now):
+            yielding = [k for k in np.flatnonzero(holds) if not found.locks[k].one_sided]
+            if not yielding:
+                break
+            holds = holds & [x.one_sided for x in found.locks]
+            for k in yielding:  # they slip as the rest of the mechanism moves
+                free[k] = OPEN
+            moved = evaluate(modes_with(found, holds, free)).arrays["acceleration"][0].ravel()
+            for k in yielding:
+                along = (found.rows.times(moved) - found.data.row["gamma"])[row[k]]
+                free[k] = found.locks[k].yielding(found.modes[k], -float(along))
+            continue
         lam, rows = now.arrays["lam"][0], now.compiled.rows
         load = np.array([-lam[rows[id(x)].start] if held else 0.0 for x, held in zip(found.locks, holds, strict=True)])
         little = LOAD_ROUNDING * max(float(np.abs(lam).max(initial=0.0)), 1e-300)
@@ -125,6 +139,14 @@ def at_rest(
     raise IntegrationError(
         f"it is not determined which of {names} hold", time=found.pose.t, advice="give stops stiffness= instead"
     )
+
+
+def contradicts(found: Touching, missed: np.ndarray, holds: np.ndarray, now: RunResult) -> bool:
+    """Return whether accelerations miss rows that are there, since these ask for different ones."""
+    there = np.ones(missed.size, bool)
+    there[found.row[~holds]] = False
+    size = largest(now.arrays["acceleration"]) + largest(found.data.row["gamma"])
+    return bool(largest(missed[there]) > CONTRADICTION_MIN * size)
 
 
 def modes_with(found: Touching, holds: np.ndarray, free: list[Mode]) -> dict[str, Mode]:

@@ -229,7 +229,7 @@ class SwitchedRun:
         found = self.touching()
         rates = found.rates(found.pose.v)
         may = np.abs(rates) <= [self.slow(x) for x in found.locks]
-        begin = np.array([x is not leaving for x in found.locks], bool)
+        begin = np.array([x is not leaving and x.holds(self.modes[self.system.name(x)]) for x in found.locks], bool)
         free = [x.opened(self.modes[self.system.name(x)]) for x in found.locks]
         if not found.locks:
             return found, rates, rates
