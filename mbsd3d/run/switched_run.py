@@ -60,10 +60,11 @@ class SwitchedRun:
     def run(self) -> RunResult:
         """Integrate from event to event until the end, a stop, an error or Ctrl-C."""
         self.begin()
+        title = f"simulate to {self.t_end:g} s"
         while True:
             job, watched = self.job()
             try:
-                piece = job.run(Progress(f"simulate to {self.t_end:g} s", self.start.t, self.t_end, self.options.progress))
+                piece = job.run(Progress(title, self.start.t, self.t_end, self.options.progress))
             except IntegrationError as error:
                 if error.solution is not None and self.pieces:
                     error.solution = joined([*self.pieces, self.plain(error.solution)], self.jumps)
@@ -165,6 +166,7 @@ class SwitchedRun:
     def settle(self, name: str, action: str, joins: bool = False, leaving: Lock | None = None) -> Jump:
         """Return the jump where a part switches: first the impact, if there is one, then what holds after it."""
         hit: Strike | None = None
+        held = {id(x) for x in self.locks if x.holds(self.modes[self.system.name(x)])}
         found = self.touching()
         bounce = np.array([x.bounce for x in found.locks])
         slow = np.array([self.slow(x) for x in found.locks])
@@ -183,19 +185,30 @@ class SwitchedRun:
             self.hold(leaving)
             action = f"{action} and comes to rest"
         self.state = replace(self.state, modes=dict(self.modes), notes=())
+        parts = {} if hit is None else impulses(found.compiled, found.data, hit.rows, hit.lam)
+        action += self.besides(name, held, set(parts))
         if hit is None:
             return Jump(Event(self.state.t, name, action))
-        parts = impulses(found.compiled, found.data, hit.rows, hit.lam)
-        others = [self.system.name(x) for x in found.locks if self.system.name(x) in {*parts} - {name}]
-        if others and not joins:
-            action += ", with " + ", ".join(f"'{x}'" for x in others)
         event = Event(self.state.t, name, action, hit.lost, hit.work, parts, self.time_of_rest(name, action))
         return Jump(event, *outer(found.compiled, found.data, hit))
+
+    def besides(self, name: str, held: set[int], struck_too: set[str]) -> str:
+        """Return what other locks do at the event of one, in words; ``held``: those that held before it."""
+        found = ""
+        for x in self.locks:
+            other, holds = self.system.name(x), x.holds(self.modes[self.system.name(x)])
+            if other == name:
+                continue
+            if other in struck_too and id(x) not in held:
+                found += f", '{other}' is struck"
+            if holds != (id(x) in held):
+                found += f", '{other}' {'holds' if holds else x.leaves}"
+        return found
 
     def time_of_rest(self, name: str, action: str) -> float | None:
         """Return when bounces have ended that are too low to be seen, by the last two times between them."""
         times = [*(jump.event.t for jump in self.jumps if name in jump.event.impulses), self.state.t]
-        if not action.endswith("comes to rest"):
+        if "comes to rest" not in action:
             return None
         if len(times) < 3:
             return self.state.t

@@ -176,6 +176,7 @@ class Clutch(HingeLock):
     """
 
     one_sided: ClassVar[bool] = False
+    leaves: ClassVar[str] = "slips"
 
     _: KW_ONLY
     torque: Number = kept(positive=True)
