@@ -141,7 +141,8 @@ def holders_of(system: Mechanism) -> tuple[Joint | ForceElement, ...]:
 
 def first_modes(system: Mechanism) -> dict[str, Mode]:
     """Return the modes at the reference pose of all parts that switch, by name."""
-    return {system.name(x): x.first_mode() for x in holders_of(system) if is_switching(x)}
+    parts: list[Any] = [x for x in holders_of(system) if is_switching(x)]
+    return {system.name(x): x.first_mode() for x in parts}
 
 
 def modes_at(system: Mechanism, state: State) -> dict[str, Mode]:
@@ -178,21 +179,15 @@ def tables_of(system: Mechanism) -> Compiled:
     return system.derived["tables"]
 
 
-def lower(
-    system: Mechanism, measures: tuple[Measure, ...], switches: Switches, modes: Modes | None = None
-) -> Compiled:
+def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches, modes: Modes | None = None) -> Compiled:
     """Lower a system to arrays."""
     check_inputs(system)
     frames = Frames(system)
     index, holders = frames.index, holders_of(system)
     modes = modes or first_modes(system)
-    rows_of_joint = [
-        x.rows_in(modes[system.name(x)]) if is_switching(x) else x.primitives for x in holders
-    ]
+    rows_of_joint = [rows_in(x, modes, system.name(x)) for x in holders]
     primitives = [row for rows in rows_of_joint for row in rows]
-    records = [
-        x.record_in(modes[system.name(x)]) if is_switching(x) else x.record() for x in system.forces
-    ]
+    records = [record_in(x, modes, system.name(x)) for x in system.forces]
     parameters = parameters_of(system, records)
     given = np.array([x for own in parameters for x in own], float)
     read = [x for r in records for x in r.measures]
@@ -244,6 +239,16 @@ def lower(
         inputs=tuple(signals.inputs),
         modes=modes,
     )
+
+
+def rows_in(part: Any, modes: Modes, name: str) -> Sequence[Primitive]:
+    """Return the rows of a joint or of a force that switches, in the mode of its name."""
+    return part.rows_in(modes[name]) if is_switching(part) else part.primitives
+
+
+def record_in(force: Any, modes: Modes, name: str) -> ForceRecord:
+    """Return what the law of a force reads, in the mode of its name if it switches."""
+    return force.record_in(modes[name]) if is_switching(force) else force.record()
 
 
 def number_drives(row: np.ndarray, fixed: np.ndarray) -> None:

@@ -71,6 +71,10 @@ class Lock(Switching, ForceElement):
         """Return the mode that fits a rate of the coordinate, after an impact or where it has just closed."""
         return mode
 
+    def after(self, mode: Mode, watch: Watch) -> Mode:
+        """Return the mode after what it watched for, as far as it follows from that alone."""
+        return self.opened(mode) if self.holds(mode) else mode
+
     def excess(self, load: float, mode: Mode) -> float:
         """Return by how much the load of a held mode is beyond what it holds; > 0: it lets go."""
         return -self.sense(mode) * load
@@ -107,5 +111,5 @@ class Lock(Switching, ForceElement):
         """Return that a one-sided row lets go where its load changes sign."""
         return [Watch(Condition(self.load_measure(), 0.0, -self.sense(mode)), self.leaves)]
 
-    def partners(self) -> tuple:
+    def partners(self) -> tuple[Joint, ...]:
         return (self.through(),)

@@ -185,4 +185,3 @@ class Breaks(SwitchedJoint):
 
     def watched(self, mode: Mode) -> list[Watch]:
         return [] if mode.name == OPEN.name else [Watch(reaction(self) > self.force, "breaks")]
-

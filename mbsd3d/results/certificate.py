@@ -17,7 +17,7 @@ from ..mechanism.joints import Joint
 from ..mechanism.limits import Limit
 from .checks.balances import BALANCES, balance_checks, work_note
 from .checks.between_stages import signal_checks, stage_notes
-from .checks.check import DRIFT_LIMIT_MAX, PASSED, Check, drift_limit
+from .checks.check import DRIFT_LIMIT_MAX, PASSED, Check, drift_limit, scales_of
 from .checks.equations import equation_checks, joint_checks, lost, residuals
 from .checks.rounding import rounding, rounding_checks, singular_notes
 from .checks.turns import turning_checks
@@ -164,6 +164,7 @@ def worst_of_pieces(solution: RunResult) -> list[Check]:
     """Return every check of the pieces between events, but balances, of the piece that is nearest to failing it."""
     worst: dict[str, Check] = {}
     for piece in solution.pieces:
+        piece.derived["scales"] = scales_of(solution)
         for check in certificate_of(piece).checks if piece.t.size else ():
             known = worst.get(check.name)
             if check.name not in BALANCES and (known is None or check.error * known.limit > known.error * check.limit):

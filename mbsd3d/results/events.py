@@ -11,7 +11,8 @@ class Event:
 
     ``lost`` [J] is the energy that the impact took, ``work`` [J] what drivers gave in it, ``impulses`` those of the
     parts on their bodies b, by name. ``rest`` [s] is when bounces would have ended that grew too low to be seen, by
-    the measured ratio of the times between them; the motion is at rest from t on. The samples of the run have the time twice, before and after it.
+    the measured ratio of the times between them; the motion is at rest from t on. The samples of the run have the time
+    twice, before and after it.
     """
 
     t: float

@@ -1,6 +1,7 @@
 """A run through events as one result: the samples of its pieces one after the other."""
 
 from dataclasses import dataclass, field, replace
+from operator import attrgetter
 
 import numpy as np
 
@@ -64,7 +65,7 @@ def in_pieces(whole: RunResult, pieces: list[RunResult], counts: list[int]) -> R
 def joined_record(pieces: list[RunResult]) -> Record:
     """Return the record of a whole run: sums and extremes over its pieces."""
     records = [piece.record for piece in pieces]
-    farthest, missed = (max(records, key=lambda x, name=name: getattr(x, name)) for name in ("farthest", "missed"))
+    farthest, missed = (max(records, key=attrgetter(name)) for name in ("farthest", "missed"))
     sums = {name: sum(getattr(x, name) for x in records) for name in ADDED}
     miscounts = [x.miscount for x in records if x.miscount is not None]
     return replace(

@@ -36,6 +36,9 @@ ZERO_SHARE = 1e-9  # [1] of a vector: a determined part below it is none, as of 
 REGULAR_MIN = 1e-6  # [1] least singular value over the largest: below it, N is wrong by more than 1e-16 / 1e-6
 
 
+SAMPLED = ("force", "moment", "point", "force_projector", "moment_projector")  # what a reaction has at every sample
+
+
 @dataclass(frozen=True, repr=False)
 class Reaction(Sampled):
     """Wrench on body b at the joint's point: force [N], moment [N m] and, in world axes, point [m], (samples, 3).
@@ -82,10 +85,9 @@ class Reaction(Sampled):
 
 def joined_reactions(pieces: list[Reaction]) -> Reaction:
     """Return the reaction of a run in pieces; it is unique where it is in all of them."""
-    vectors = (np.concatenate([getattr(one, name) for one in pieces]) for name in ("force", "moment", "point"))
-    masks = [np.all([getattr(one, name) for one in pieces], axis=0) for name in ("unique_force", "unique_moment")]
-    projectors = (np.concatenate([getattr(one, f"{name}_projector") for one in pieces]) for name in ("force", "moment"))
-    return Reaction(*vectors, all(one.unique for one in pieces), *masks, *projectors)
+    whole = {name: np.concatenate([getattr(one, name) for one in pieces]) for name in SAMPLED}
+    masks = {name: np.all([getattr(one, name) for one in pieces], axis=0) for name in ("unique_force", "unique_moment")}
+    return Reaction(**whole, **masks, unique=all(one.unique for one in pieces))
 
 
 class Determined(NamedTuple):

@@ -100,7 +100,8 @@ def at_rest(
     """Return which of the locks hold: each presses or its coordinate leaves, ``0 <= load``, ``a >= 0``, one of both 0.
 
     One that holds both ways does so up to its torque, and slips in the sense in which it yields. ``may``: which may
-    hold; ``free``: their modes where they do not; ``begin``: those that are tried first; ``evaluate(modes)``: accelerations and loads at once.
+    hold; ``free``: their modes where they do not; ``begin``: those that are tried first; ``evaluate(modes)``:
+    accelerations and loads at once.
     """
     row, sense, gamma = found.row, found.sense, found.data.row["gamma"][found.row]
     free, holds = list(free), begin & may
@@ -110,16 +111,16 @@ def at_rest(
         missed = found.rows.times(now.arrays["acceleration"][0].ravel()) - found.data.row["gamma"]
         a = missed[row]
         if contradicts(found, missed, holds, now):
-            yielding = [k for k in np.flatnonzero(holds) if not found.locks[k].one_sided]
+            yielding = [i for i in np.flatnonzero(holds).tolist() if not found.locks[i].one_sided]
             if not yielding:
                 break
             holds = holds & [x.one_sided for x in found.locks]
-            for k in yielding:  # they slip as the rest of the mechanism moves
-                free[k] = OPEN
+            for i in yielding:  # they slip as the rest of the mechanism moves
+                free[i] = OPEN
             moved = evaluate(modes_with(found, holds, free)).arrays["acceleration"][0].ravel()
-            for k in yielding:
-                along = (found.rows.times(moved) - found.data.row["gamma"])[row[k]]
-                free[k] = found.locks[k].yielding(found.modes[k], -float(along))
+            for i in yielding:
+                along = (found.rows.times(moved) - found.data.row["gamma"])[row[i]]
+                free[i] = found.locks[i].yielding(found.modes[i], -float(along))
             continue
         lam, rows = now.arrays["lam"][0], now.compiled.rows
         load = np.array([-lam[rows[id(x)].start] if held else 0.0 for x, held in zip(found.locks, holds, strict=True)])

@@ -41,7 +41,12 @@ def estimate(solution: RunResult) -> Certificate:
         float(x.max(initial=0.0)) for x in (distances(solution, finest), distances(solution, finer), last)
     )
     order = float(np.log(first / second) / np.log(factor)) if 0.0 < second < first else None
-    known = replace(certificate_of(solution), error=error, order=order, doubling=doubling_time(np.intersect1d(finer.t, finest.t), last))
+    known = replace(
+        certificate_of(solution),
+        error=error,
+        order=order,
+        doubling=doubling_time(np.intersect1d(finer.t, finest.t), last),
+    )
     unseen = unseen_parts(solution)
     missed = float(distances(solution, probed(solution)).max(initial=0.0)) if unseen else 0.0
     if not missed > max(SEEN * error, ROUNDING):

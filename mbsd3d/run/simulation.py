@@ -32,6 +32,7 @@ def run_to(system: Mechanism, start: State, t_end: float, options: RunOptions) -
     stop_when = options.stop_when
     if stop_when is not None:
         check_members(system, stop_when.measure, "simulate: stop_when")
+    modes_at(system, start)  # refuses those of other parts
     compiled = compile_system(system, () if stop_when is None else (stop_when.measure,), options.switches)
     check_signals(compiled, start.t, t_end)
     width = 19 * len(system.bodies) + compiled.model.state.size + 2 * compiled.model.row.size

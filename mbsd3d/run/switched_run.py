@@ -7,12 +7,12 @@ import numpy as np
 
 from ..base.errors import InputError, IntegrationError
 from ..base.progress import Progress
-from ..constraints.engagement import Strike, check_closed, impulses, joint_at, strike
+from ..constraints.engagement import Strike, check_closed, impulses, joint_at
 from ..equations.at_state import coordinate_row, load_state
 from ..equations.compiled import Compiled, compile_system, holders_of, modes_at
+from ..equations.dense_solvers import mass_matrix_of
 from ..kernels.layout import Data
 from ..mechanism.engaged import Engaged
-from ..mechanism.forces.clutches import CLOSED, Clutch
 from ..mechanism.lock import Lock
 from ..mechanism.measures import check_members
 from ..mechanism.mechanism import Mechanism
@@ -28,6 +28,8 @@ from .events import EVENT_VALUE_TOLERANCE
 from .job import Job
 
 HOP_SLACKS = 10.0  # [1] times what counts as no distance: lower hops end in rest
+ENERGY_ROUNDING = 1e-9  # [1] of the kinetic energy after an impact: rounding
+EVENTS_MAX, CROWDED_SHARE = 1000, 1e-6  # [events] within this share of a run: they do not come to an end
 EVENTS_AT_ONCE_MAX = 20  # [events] at one time and part: more undo each other
 
 
@@ -94,7 +96,7 @@ class SwitchedRun:
                     f"{part.what()}: the run starts {beyond:.4g} beyond its limit; start inside, or move the limit"
                 )
         before = self.evaluate(self.modes)
-        jump = self.settle(self.system.name(self.locks[0]), "is struck at the start")
+        jump = self.settle("", "is struck at the start")
         if jump.event.impulses:
             self.pieces.append(before)
             self.jumps.append(jump)
@@ -130,38 +132,25 @@ class SwitchedRun:
         if self.state.t > last:
             self.at_once = {}
         self.at_once[name] = self.at_once.get(name, 0) + 1
-        if self.at_once[name] > EVENTS_AT_ONCE_MAX:
+        span = CROWDED_SHARE * (self.t_end - self.start.t)
+        crowded = len(self.jumps) >= EVENTS_MAX and self.state.t - self.jumps[-EVENTS_MAX].event.t < span
+        if self.at_once[name] > EVENTS_AT_ONCE_MAX or crowded:
             names = " and ".join(f"'{other}'" for other in self.at_once)
             raise IntegrationError(
                 f"{names} switch again and again at one time", time=self.state.t, part=f"'{name}'",
-                solution=joined(self.pieces, self.jumps) if self.pieces else None,
-                advice="their conditions undo each other: set the values apart at which they engage and release",
+                solution=joined(self.pieces, self.jumps),
+                advice="set the values apart at which they engage and release; give stops stiffness=",
             )  # fmt: skip
 
     def jump(self, one: Watched) -> Jump:
         """Switch a part, and return what that does to the motion."""
         name, mode, action = self.system.name(one.part), self.modes[self.system.name(one.part)], one.watch.action
         if isinstance(one.part, Lock):
-            self.turn_to(one.part, one.watch)
+            self.modes = self.modes | {name: one.part.after(mode, one.watch)}
             return self.settle(name, action, leaving=one.part if one.part.holds(mode) else None)
         joins = mode.name == OPEN.name
         self.modes = self.modes | {name: self.engaged(one.part) if joins else OPEN}
         return self.settle(name, action, joins)
-
-    def turn_to(self, part: Lock, watch: Watch) -> None:
-        """Set the mode of a lock at what it watched for, as far as it follows from that alone."""
-        name, mode = self.system.name(part), self.modes[self.system.name(part)]
-        if isinstance(part, Clutch):
-            if watch.action == "is released":
-                self.modes = self.modes | {name: OPEN}
-            elif part.holds(mode):
-                self.modes = self.modes | {name: part.yielding(mode, watch.condition.direction)}
-            else:
-                self.modes = self.modes | {name: CLOSED}
-        elif part.holds(mode):
-            self.modes = self.modes | {name: part.opened(mode)}
-        elif watch.action == "passes a tooth":
-            self.modes = self.modes | {name: Mode(OPEN.name, (mode.numbers[0] + part.pitch,))}
 
     def settle(self, name: str, action: str, joins: bool = False, leaving: Lock | None = None) -> Jump:
         """Return the jump where a part switches: first the impact, if there is one, then what holds after it."""
@@ -184,13 +173,27 @@ class SwitchedRun:
             self.state = replace(found.pose, v=hit.v)
             self.hold(leaving)
             action = f"{action} and comes to rest"
+        if hit is not None:
+            self.check_energy(found, hit)
         self.state = replace(self.state, modes=dict(self.modes), notes=())
         parts = {} if hit is None else impulses(found.compiled, found.data, hit.rows, hit.lam)
+        name = name or next((x for x in map(self.system.name, self.locks) if x in parts), name)
         action += self.besides(name, held, set(parts))
         if hit is None:
             return Jump(Event(self.state.t, name, action))
         event = Event(self.state.t, name, action, hit.lost, hit.work, parts, self.time_of_rest(name, action))
         return Jump(event, *outer(found.compiled, found.data, hit))
+
+    def check_energy(self, found: Touching, hit: Strike) -> None:
+        """Refuse an impact that gives energy, as Newton's law may with several stops of different restitution."""
+        kinetic = 0.5 * float(hit.v @ (mass_matrix_of(found.compiled.model, found.pose, False) @ hit.v))
+        if hit.lost < -ENERGY_ROUNDING * kinetic:
+            names = ", ".join(f"'{self.system.name(x)}'" for x in found.locks)
+            raise IntegrationError(
+                f"the impact of {names} would give {-hit.lost:.3g} J", time=self.state.t,
+                solution=joined(self.pieces, self.jumps) if self.pieces else None,
+                advice="Newton's law of impact does so with several stops: give them one restitution, or stiffness=",
+            )  # fmt: skip
 
     def besides(self, name: str, held: set[int], struck_too: set[str]) -> str:
         """Return what other locks do at the event of one, in words; ``held``: those that held before it."""
@@ -254,7 +257,9 @@ class SwitchedRun:
         """Return which stops the motion leaves for hops lower than what is seen of them."""
         one_sided = np.array([x.one_sided for x in found.locks], bool)
         slow = np.array([self.slow(x) for x in found.locks])
-        low = HOP_SLACKS * np.array([self.slack(x, m.numbers[0]) for x, m in zip(found.locks, found.modes, strict=True)])
+        low = HOP_SLACKS * np.array(
+            [self.slack(x, m.numbers[0]) for x, m in zip(found.locks, found.modes, strict=True)]
+        )
         return one_sided & (rates > slow) & (away < 0.0) & (rates**2 < -2.0 * away * low)
 
     def evaluate(self, modes: dict[str, Mode]) -> RunResult:

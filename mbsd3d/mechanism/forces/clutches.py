@@ -18,6 +18,7 @@ from ..switched import as_condition
 from ..switching import OPEN, Mode, Watch
 
 CLOSED = Mode("closed")  # of a clutch, before it is known whether it slips or holds
+PASSES, RELEASED = "passes a tooth", "is released"
 SLIPPING_LOAD = Parameters(load="N m or N")
 slipping_load_parameters = SLIPPING_LOAD.reader()
 
@@ -61,7 +62,7 @@ class HingeLock(Lock):
 
 @part_class()
 class Freewheel(HingeLock):
-    """A hinge or slide that moves ahead and not back: b overruns a freely, and takes a along where it would fall behind.
+    """A hinge or slide that moves ahead and not back: b overruns a freely, and a takes b along where it falls behind.
 
     The rate of the coordinate is never below 0. Where it would be, the coordinate is held by a row, until the load of
     the row changes sign. Two parts on one axis need a joint between them for it: ``Revolute(lever, shaft)``.
@@ -137,6 +138,11 @@ class Ratchet(HingeLock):
     def opened(self, mode: Mode) -> Mode:
         return Mode("open", mode.numbers)
 
+    def after(self, mode: Mode, watch: Watch) -> Mode:
+        if watch.action == PASSES:
+            return Mode("open", (mode.numbers[0] + self.pitch,))
+        return Lock.after(self, mode, watch)
+
     def touching(self, mode: Mode, x: float, rate: float, slack: float, slow: float) -> Mode | None:
         return Mode("held", mode.numbers) if self.holds(mode) or x <= mode.numbers[0] + slack else None
 
@@ -144,7 +150,7 @@ class Ratchet(HingeLock):
         if self.holds(mode):
             return self.watch_load(mode)
         tooth, x = mode.numbers[0], self.value_measure()
-        return [Watch(x < tooth, "catches"), Watch(x > tooth + self.pitch, "passes a tooth")]
+        return [Watch(x < tooth, "catches"), Watch(x > tooth + self.pitch, PASSES)]
 
 
 @part_class()
@@ -204,6 +210,11 @@ class Clutch(HingeLock):
     def yielding(self, mode: Mode, load: float) -> Mode:
         return Mode("slipping", (-float(np.sign(load)),))
 
+    def after(self, mode: Mode, watch: Watch) -> Mode:
+        if watch.action == RELEASED:
+            return OPEN
+        return self.yielding(mode, watch.condition.direction) if self.holds(mode) else CLOSED
+
     def excess(self, load: float, mode: Mode) -> float:
         return abs(load) - self.torque
 
@@ -218,7 +229,7 @@ class Clutch(HingeLock):
     def watched(self, mode: Mode) -> list[Watch]:
         if mode.name == OPEN.name:
             return [] if self.engage is None else [Watch(self.engage, "engages")]
-        found = [] if self.release is None else [Watch(self.release, "is released")]
+        found = [] if self.release is None else [Watch(self.release, RELEASED)]
         if self.holds(mode):
             load = self.load_measure()
             return [*found, Watch(load > self.torque, "slips"), Watch(load < -self.torque, "slips")]

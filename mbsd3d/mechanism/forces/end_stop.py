@@ -154,9 +154,7 @@ class EndStop(Lock, Stop):
         check_choice(self.of, (None, "angle", "slide"), f"{what}: of")
         self.coordinate(what)
         if (self.stiffness is None) == (self.restitution is None):
-            raise InputError(
-                f"{what}: give either stiffness= of a stop that yields, or restitution= of a rigid one"
-            )
+            raise InputError(f"{what}: give either stiffness= of a stop that yields, or restitution= of a rigid one")
         if self.restitution is not None and (self.restitution > 1.0 or self.damping):
             raise InputError(
                 f"{what}: restitution = {self.restitution:g} with damping = {self.damping:g}; give 0 ... 1, and no "

@@ -87,7 +87,9 @@ def balance_checks(solution: RunResult, limit: float, equations_met: bool) -> li
         (scale.angular_momentum, QUADRATURE, inertial),
     )
     checks = []
-    for name, (size, most, meaning), found, open_ in zip(BALANCES, kinds, balances(whole, scale), record.open_audit, strict=True):
+    for name, (size, most, meaning), found, open_ in zip(
+        BALANCES, kinds, balances(whole, scale), record.open_audit, strict=True
+    ):
         known = max(min(rounding * found.terms / size, DRIFT_LIMIT_MAX), min(DIFFERENCES * open_ / size, most))
         checks.append(Check(name, found.gap / size, max(limit, known), meaning))
     checks = checks if record.about_centre else checks[:2]
