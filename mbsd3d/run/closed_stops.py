@@ -47,6 +47,14 @@ class Touching(NamedTuple):
         """Return all rows."""
         return block_rows(self.compiled.model, self.data)
 
+    @property
+    def acceleration_scale(self) -> float:
+        """Return the size of accelerations that gravity, the motion and drivers lead to expect [m/s^2, rad/s^2]."""
+        model, v = self.compiled.model, np.abs(self.pose.v.reshape(-1, 6))
+        rate = max(largest(v[:, 3:]), largest(v[:, :3]) / model.length)
+        gravity = float(np.linalg.norm(model.gravity))
+        return max(gravity, rate * rate * max(model.length, 1.0), largest(self.data.row["gamma"]))
+
     def rates(self, v: np.ndarray) -> np.ndarray:
         """Return the rates at which the coordinates leave what they are held by."""
         return self.sense * self.rows.times(v)[self.row]
@@ -103,14 +111,14 @@ def at_rest(
     hold; ``free``: their modes where they do not; ``begin``: those that are tried first; ``evaluate(modes)``:
     accelerations and loads at once.
     """
-    row, sense, gamma = found.row, found.sense, found.data.row["gamma"][found.row]
-    free, holds = list(free), begin & may
+    row, sense = found.row, found.sense
+    free, holds, size = list(free), begin & may, found.acceleration_scale
     for _ in range(CHANGES_MAX * (row.size + 1)):
         modes = modes_with(found, holds, free)
         now = evaluate(modes)
         missed = found.rows.times(now.arrays["acceleration"][0].ravel()) - found.data.row["gamma"]
-        a = missed[row]
-        if contradicts(found, missed, holds, now):
+        a, size = missed[row], max(size, largest(now.arrays["acceleration"]))
+        if contradicts(found, missed, holds, size):
             yielding = [i for i in np.flatnonzero(holds).tolist() if not found.locks[i].one_sided]
             if not yielding:
                 break
@@ -125,7 +133,7 @@ def at_rest(
         lam, rows = now.arrays["lam"][0], now.compiled.rows
         load = np.array([-lam[rows[id(x)].start] if held else 0.0 for x, held in zip(found.locks, holds, strict=True)])
         little = LOAD_ROUNDING * max(float(np.abs(lam).max(initial=0.0)), 1e-300)
-        slow = LOAD_ROUNDING * max(largest(now.arrays["acceleration"]), largest(gamma))
+        slow = LOAD_ROUNDING * size
         excess = np.array([x.excess(y, mode) for x, y, mode in zip(found.locks, load, found.modes, strict=True)])
         yields = holds & (excess > little)
         back = np.array([x.returns(y, *both) for x, y, *both in zip(found.locks, a, found.modes, free, strict=True)])
@@ -142,11 +150,10 @@ def at_rest(
     )
 
 
-def contradicts(found: Touching, missed: np.ndarray, holds: np.ndarray, now: RunResult) -> bool:
-    """Return whether accelerations miss rows that are there, since these ask for different ones."""
+def contradicts(found: Touching, missed: np.ndarray, holds: np.ndarray, size: float) -> bool:
+    """Return whether accelerations, of a ``size``, miss rows that are there, since these ask for different ones."""
     there = np.ones(missed.size, bool)
     there[found.row[~holds]] = False
-    size = largest(now.arrays["acceleration"]) + largest(found.data.row["gamma"])
     return bool(largest(missed[there]) > CONTRADICTION_MIN * size)
 
 

@@ -258,8 +258,8 @@ class Job:
             raise AssemblyError(
                 f"the state does not meet a joint ({unit})",
                 part=part, residual=size, time=self.start.t,
-                advice="start from system.assemble(), or close a joint in a motion by system.engage(joint, state); simulate "
-                "parts out of line with as_built or stabilisation='none'",
+                advice="start from system.assemble(), or close a joint in a motion by system.engage(joint, state); "
+                "simulate parts out of line with as_built or stabilisation='none'",
             )  # fmt: skip
         if self.model.singular:
             check_spins(self.compiled, self.data)

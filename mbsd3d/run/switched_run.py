@@ -57,6 +57,7 @@ class SwitchedRun:
         self.locks = [part for part in switching(system) if isinstance(part, Lock)]
         self.pieces: list[RunResult] = []
         self.jumps: list[Jump] = []
+        self.speed = 0.0  # m/s, the greatest so far, or that accelerations at the start lead to expect
         self.at_once: dict[str, int] = {}
 
     def run(self) -> RunResult:
@@ -78,7 +79,7 @@ class SwitchedRun:
             if piece.final.t >= self.t_end:
                 return joined(self.pieces, self.jumps)
             self.pieces[-1].record.stopped_by = None
-            self.state = piece.final
+            self.state, self.speed = piece.final, max(self.speed, piece.record.speed)
             self.count(watched[number])
             self.jumps.append(self.jump(watched[number]))
 
@@ -86,6 +87,8 @@ class SwitchedRun:
         """Set the modes of locks at the start, with the impact if the motion starts against a stop."""
         if not self.locks:
             return
+        before = self.evaluate(self.modes)
+        self.speed = speed_of(before, self.system, self.compiled.model.length)
         compiled, data, pose = self.loaded()
         for part in self.locks:
             name, (x, _) = self.system.name(part), self.motion_of(compiled, data, pose, part)
@@ -95,7 +98,6 @@ class SwitchedRun:
                 raise InputError(
                     f"{part.what()}: the run starts {beyond:.4g} beyond its limit; start inside, or move the limit"
                 )
-        before = self.evaluate(self.modes)
         jump = self.settle("", "is struck at the start")
         if jump.event.impulses:
             self.pieces.append(before)
@@ -281,10 +283,8 @@ class SwitchedRun:
 
     def slow(self, part: Lock) -> float:
         """Return what counts as no rate [rad/s or m/s]."""
-        length, v = self.compiled.model.length, np.abs(self.state.v.reshape(-1, 6))
-        gravity = np.sqrt(float(np.linalg.norm(self.system.gravity)) * length)
-        speed = max(float(v[:, :3].max()), length * float(v[:, 3:].max()), gravity) or length
-        return EVENT_VALUE_TOLERANCE * speed / (length if part.coordinate().kind == "angle" else 1.0)
+        length = self.compiled.model.length
+        return EVENT_VALUE_TOLERANCE * self.speed / (length if part.coordinate().kind == "angle" else 1.0)
 
     def loaded(self) -> tuple[Compiled, Data, State]:
         """Return the tables of the modes now, and their work space at the state."""
@@ -303,6 +303,14 @@ class SwitchedRun:
         data = compiled.data()
         load_state(compiled, data, self.state)
         return engaged_mode(Engaged(part.joint, offset=float(data.row["c"][compiled.rows[id(part)]][0])))
+
+
+def speed_of(now: RunResult, system: Mechanism, length: float) -> float:
+    """Return the speed [m/s] of a motion at its start, or that it has after the length of the model."""
+    v, a = (np.abs(now.arrays[name][0]) for name in ("v", "acceleration"))
+    turn, pull = length * float(v[:, 3:].max()), float(a[:, :3].max()) + length * float(a[:, 3:].max())
+    expected = np.sqrt(max(pull, float(np.linalg.norm(system.gravity))) * length)
+    return max(float(v[:, :3].max()), turn, float(expected)) or length
 
 
 def switching(system: Mechanism) -> list[Any]:

@@ -101,8 +101,8 @@ def test_balances_see_an_impulse_or_a_loss_that_is_left_out(monkeypatch):
 def test_free_bodies_are_joined_in_flight_and_keep_their_momenta():
     one = Body("one", 2.0, (0.1, 0.2, 0.25), com=(0.1, -0.05, 0.07), velocity=(1, 0.5, -0.2), omega=(0, 0.4, 3.0))
     two = Body(
-        "two", 3.0, (0.3, 0.15, 0.2), com=(-0.02, 0.1, 0), position=(0.6, 0.3, 0.1), orientation=rotation((1, 2, 1), 0.4),
-        velocity=(-0.5, 0, 0.3), omega=(1.0, -2.0, 0),
+        "two", 3.0, (0.3, 0.15, 0.2), com=(-0.02, 0.1, 0), position=(0.6, 0.3, 0.1),
+        orientation=rotation((1, 2, 1), 0.4), velocity=(-0.5, 0, 0.3), omega=(1.0, -2.0, 0),
     )  # fmt: skip
     near = measures.distance(one, two)
     weld = Switched(Fixed(one, two, at=(9.0, 1.0, 2.0)), engage=near < 0.5, release=near > 9.0, name="weld")
