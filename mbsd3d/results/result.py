@@ -52,6 +52,10 @@ class Energy(Sampled):
     work: np.ndarray
     lost: np.ndarray
 
+    def shown(self) -> dict[str, np.ndarray]:
+        """Return the energies by name, for tables and curves; those lost in impacts only where there were any."""
+        return {name: values for name, values in vars(self).items() if name != "lost" or values.any()}
+
 
 @dataclass(frozen=True, repr=False)
 class Momentum(Sampled):
