@@ -15,7 +15,7 @@ from .switching import OPEN, Mode, Switching, Watch
 class Lock(Switching, ForceElement):
     """Base class of what holds an angle or slide x at a value, one row x - x_held = 0, by its mode.
 
-    ``one_sided``: it presses one way only, and is closed by impacts; else it holds both ways up to `most`.
+    ``one_sided``: it presses one way only, and is closed by impacts; else it holds both ways, up to a load.
     """
 
     one_sided: ClassVar[bool] = True

@@ -64,6 +64,7 @@ class Job:
     """A run: the compiled time loop is called in chunks; between them samples are collected."""
 
     tree: Tree  # of the equations; `eliminate` makes it
+    interrupted = False  # by Ctrl-C
 
     def __init__(
         self, compiled: Compiled, start: State, t_end: float, times: np.ndarray | None, options: RunOptions,
@@ -130,6 +131,7 @@ class Job:
                 mark_warm(loop)
                 mark_warm()
         except KeyboardInterrupt:
+            self.interrupted = True
             self.record.stopped_by = f"interrupted at t = {self.memory.now.t:.6g} s"
         self.record.seconds = time.perf_counter() - began
         return self.solution()

@@ -8,7 +8,7 @@ import numpy as np
 from ..base.errors import InputError, IntegrationError
 from ..base.progress import Progress
 from ..constraints.engagement import Strike, check_closed, impulses, joint_at
-from ..equations.at_state import coordinate_row, load_state
+from ..equations.at_state import coordinate_row, driven_coordinates, load_state
 from ..equations.compiled import Compiled, compile_system, holders_of, modes_at
 from ..equations.dense_solvers import mass_matrix_of
 from ..kernels.layout import Data
@@ -54,6 +54,8 @@ class SwitchedRun:
         self.system, self.start, self.t_end, self.times, self.options = system, start, t_end, times, options
         self.state, self.modes = start, modes_at(system, start)
         self.compiled = compile_system(system)
+        if start.coordinates is None:
+            self.state = replace(start, coordinates=driven_coordinates(self.compiled, start.t))
         self.locks = [part for part in switching(system) if isinstance(part, Lock)]
         self.pieces: list[RunResult] = []
         self.jumps: list[Jump] = []
@@ -74,11 +76,11 @@ class SwitchedRun:
                 raise
             self.pieces.append(self.plain(piece))
             number = job.fired - (self.options.stop_when is not None)
-            if job.fired < 0 or number < 0 or piece.record.stopped_by is None:
+            if job.fired < 0 or number < 0 or job.interrupted:
                 return joined(self.pieces, self.jumps)
+            piece.record.stopped_by = None
             if piece.final.t >= self.t_end:
                 return joined(self.pieces, self.jumps)
-            self.pieces[-1].record.stopped_by = None
             self.state, self.speed = piece.final, max(self.speed, piece.record.speed)
             self.count(watched[number])
             self.jumps.append(self.jump(watched[number]))

@@ -1,5 +1,7 @@
 """Joints that engage, let go and break in a run, and what holds for every event: balances, files, restart, methods."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -86,9 +88,7 @@ def test_a_door_falls_into_its_latch():
     assert run.certificate["energy balance"].error < 1e-12 and run.certificate["momentum balance"].error < 1e-9
 
 
-def test_balances_see_an_impulse_or_a_loss_that_is_left_out(monkeypatch):
-    from dataclasses import replace
-
+def test_balances_see_an_impulse_or_a_loss_that_is_left_out():
     house, _, _, start = door_and_latch()
     run = simulate(house, 1.0, state=start)
     without = replace(run, events=tuple(replace(event, lost=0.0) for event in run.events))
