@@ -63,6 +63,9 @@ from .mechanism.forces.brake import Brake as Brake
 from .mechanism.forces.bushing import Bushing as Bushing
 from .mechanism.forces.by_table import ForceCurve as ForceCurve
 from .mechanism.forces.by_table import TorqueCurve as TorqueCurve
+from .mechanism.forces.clutches import Clutch as Clutch
+from .mechanism.forces.clutches import Freewheel as Freewheel
+from .mechanism.forces.clutches import Ratchet as Ratchet
 from .mechanism.forces.cone_stop import ConeStop as ConeStop
 from .mechanism.forces.contact import Contact as Contact
 from .mechanism.forces.custom import CustomForce as CustomForce
@@ -101,6 +104,8 @@ from .mechanism.signals.signal import Constant as Constant
 from .mechanism.signals.signal import Input as Input
 from .mechanism.signals.signal import Signal as Signal
 from .mechanism.state import State as State
+from .mechanism.switched import Breaks as Breaks
+from .mechanism.switched import Switched as Switched
 from .plotting.plots import save_figure as save_figure
 from .results.bearings import DeepGrooveBallBearing as DeepGrooveBallBearing
 from .results.bearings import RollingBearing as RollingBearing

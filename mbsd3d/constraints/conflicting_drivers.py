@@ -117,7 +117,7 @@ def judged(
     if gap.max() <= slack * max(1.0, np.abs(values).max()):
         return None
     own = [k for k in range(where.size) if gap[k] > 1e-6 * gap.max() and compiled.model.row["drive"][where[k]] >= 0]
-    joints = [compiled.system.joints[compiled.row_joint[where[k]]] for k in own]
+    joints = [compiled.holders[compiled.row_joint[where[k]]] for k in own]
     names = tuple(dict.fromkeys(f"{type(joint).__name__} '{compiled.system.name(joint)}'" for joint in joints))
     return Contradiction(names, float(t), float((gap[own] / compiled.model.row["scale"][where[own]]).sum()), rates)
 

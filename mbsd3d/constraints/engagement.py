@@ -10,6 +10,7 @@ kinetic energy, so momentum is kept and energy is lost. Where rows are redundant
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_array, eye_array
@@ -23,7 +24,7 @@ from ..equations.compiled import Compiled, compile_system
 from ..equations.dense_solvers import mass_matrix_of
 from ..equations.jacobian import BlockRows, block_rows, displacement_units, scaled
 from ..kernels import kinds
-from ..kernels.layout import Data
+from ..kernels.layout import Data, Model
 from ..mechanism.bodies import GROUND, Body, Ground
 from ..mechanism.couplings import Coupling
 from ..mechanism.drivers import Driver
@@ -32,7 +33,8 @@ from ..mechanism.force_element import ForceElement
 from ..mechanism.joints import Joint
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
-from .least_squares import SMALL_SYSTEM_BODIES_MAX, deficient, least
+from ..mechanism.switching import is_switching
+from .least_squares import SMALL_SYSTEM_BODIES_MAX, Matrix, deficient, least
 from .poses.pose_equations import CLOSED_GAP_MAX, gap_size
 from .rank import redundant_combinations
 from .velocities import least_energy
@@ -102,13 +104,21 @@ def engage(system: Mechanism, joint: Joint, state: State) -> Engagement:
     pose = replace(state, coordinates=carried_coordinates(compiled, data, after), moved={}, notes=())
     data = after.data()
     load_state(after, data, pose)
-    if not gap_size(after, data.row["c"]) <= CLOSED_GAP_MAX:
-        part, gap = worst_joint(after, data.row["c"])
+    check_closed(after, data, new.name(made), state.t)
+    struck = strike(after, data, pose)
+    return Engagement(
+        new, made, replace(pose, v=struck.v), struck.lost, struck.work, impulses(after, data, struck.rows, struck.lam)
+    )
+
+
+def check_closed(compiled: Compiled, data: Data, name: str, t: float) -> None:
+    """Raise an AssemblyError for a joint with which the joints do not close at a state, which is loaded in ``data``."""
+    if not gap_size(compiled, data.row["c"]) <= CLOSED_GAP_MAX:
+        part, gap = worst_joint(compiled, data.row["c"])
         raise AssemblyError(
-            f"'{new.name(made)}' cannot engage: the joints do not close at this state (m or rad)", part=part,
-            residual=gap, time=state.t, advice="give a state of a run of this system, or one from assemble",
+            f"'{name}' cannot engage: the joints do not close at this state (m or rad)", part=part,
+            residual=gap, time=t, advice="give a state of a run of this system, or one from assemble",
         )  # fmt: skip
-    return impact(after, data, pose, made)
 
 
 def release(system: Mechanism, joint: Joint | str, state: State) -> Engagement:
@@ -214,27 +224,45 @@ def carried_coordinates(before: Compiled, data: Data, after: Compiled) -> np.nda
     return np.array([known.get(key, 0.0) for key in after.coordinate_index])
 
 
-def impact(compiled: Compiled, data: Data, pose: State, joint: Joint) -> Engagement:
-    """Return the motion after the joint has engaged at a pose, which is loaded in ``data``."""
-    model = compiled.model
+class Strike(NamedTuple):
+    """What an impact does: velocities (6 n,) after it, impulses of the rows (m,), energies [J], and the rows."""
+
+    v: np.ndarray
+    lam: np.ndarray
+    lost: float
+    work: float  # of drivers
+    rows: BlockRows
+    momenta: np.ndarray  # (6 n,) N s, N m s about O: what the rows give to each body, -J' L
+
+
+def strike(
+    compiled: Compiled, data: Data, pose: State, active: np.ndarray | None = None, goal: np.ndarray | None = None
+) -> Strike:
+    """Return the impact M (u - v) + J' L = 0, J u = b at a pose, which is loaded in ``data``.
+
+    ``active``: the rows that take part, None = all; ``goal`` (m,): what stands for b, as -e (J v - b) of a stop.
+    """
+    model, row = compiled.model, data.row
     rows, few = block_rows(model, data), model.body.size < SMALL_SYSTEM_BODIES_MAX
     J, M = rows.dense() if few else rows.sparse(), mass_matrix_of(model, pose, few)
+    which = np.arange(row.size) if active is None else np.flatnonzero(active)
+    b = row["b"].copy() if goal is None else goal
     free = np.full(6 * model.body.size, np.nan)
+    lam = np.zeros(row.size)
     with one_thread():
-        u = least_energy(compiled, pose, J, data.row["b"].copy(), free, pose.v, [], 1e-8)
+        u = least_energy(compiled, pose, J[which], b[which], free, pose.v, [], 1e-8)
         change = M @ (u - pose.v)
-        lam = multipliers(compiled, rows, change)
-    lost = 0.5 * float((u - pose.v) @ change)
-    work = 0.5 * float((u + pose.v) @ change) + lost
-    return Engagement(compiled.system, joint, replace(pose, v=u), lost, work, impulses(compiled, data, rows, lam))
+        lam[which] = multipliers(model, J[which], model.row["scale"][which], change)
+    driven = model.row["drive"] >= 0
+    work = -float(lam[driven] @ b[driven])
+    return Strike(u, lam, work - 0.5 * float((u + pose.v) @ change), work, rows, -(J.T @ lam))
 
 
-def multipliers(compiled: Compiled, rows: BlockRows, change: np.ndarray) -> np.ndarray:
+def multipliers(model: Model, J: Matrix, scale: np.ndarray, change: np.ndarray) -> np.ndarray:
     """Return the impulses L (m,) of the rows with J' L = -change of the momenta, of least norm in scaled rows."""
-    model, n = compiled.model, compiled.model.body.size
-    scale, units = model.row["scale"], displacement_units(model.length, n)
-    few = n < SMALL_SYSTEM_BODIES_MAX
-    A = scaled(rows.dense() if few else rows.sparse(), scale, units).T
+    n = model.body.size
+    units, few = displacement_units(model.length, n), n < SMALL_SYSTEM_BODIES_MAX
+    A = scaled(J, scale, units).T
     b = -change * units
     size = max(float(np.abs(b).max(initial=0.0)), 1e-300)
     found = deficient(A, b / size)[0] if few else least(eye_array(scale.size), csr_array(A), b / size, passes=3)
@@ -246,13 +274,16 @@ def impulses(compiled: Compiled, data: Data, rows: BlockRows, lam: np.ndarray) -
     system, scale = compiled.system, compiled.model.row["scale"]
     N = redundant_combinations(rows.scaled(scale, compiled.model.length)) * scale[:, None]
     found = {}
-    for k, joint in enumerate(system.joints):
+    for k, part in enumerate(compiled.holders):
+        joint = part if isinstance(part, Joint) else part.partners()[0]
         own, body = np.flatnonzero(compiled.row_joint == k), compiled.body_index[id(joint.b)]
+        if is_switching(part) and not lam[own].any():
+            continue  # open, or not struck
         W = -np.where((rows.body[own] == body)[:, :, None], rows.J[own], 0.0).sum(axis=1)  # (k, 6) of unit multipliers
         point = joint_point(compiled, data, joint)
         force, moment = np.split(W.T @ lam[own], [3])
         moment = moment - np.cross(point - data.body["r"][body], force)
         open_share = np.abs(W.T @ N[own]).max(initial=0.0)
         unique = bool(open_share <= OPEN_SHARE_MAX * np.abs(W).max(initial=0.0))
-        found[system.name(joint)] = Impulse(force, moment, point, unique)
+        found[system.name(part)] = Impulse(force, moment, point, unique)
     return found

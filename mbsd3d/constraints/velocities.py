@@ -179,7 +179,7 @@ def part_of(compiled: Compiled, asked: list[str], row: int) -> str:
     """Return the joint that a row belongs to, or what was asked besides."""
     if row >= compiled.row_joint.size:
         return asked[row - compiled.row_joint.size]
-    joint = compiled.system.joints[compiled.row_joint[row]]
+    joint = compiled.holders[compiled.row_joint[row]]
     return f"{type(joint).__name__} '{compiled.system.name(joint)}'"
 
 

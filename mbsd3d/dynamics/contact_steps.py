@@ -20,6 +20,7 @@ from ..kernels.vectors import arm, columns, cross, dot, sub, vec
 from ..mechanism.force_element import ForceElement
 from ..mechanism.forces.contact import Contact
 from ..mechanism.forces.end_stop import Stop
+from ..mechanism.switching import is_switching
 from .applied_forces import kernels_of_all_forces
 
 TURN_PER_STEP_MAX = 1.0  # [rad] of a surface in a step between two moments without contact
@@ -35,7 +36,7 @@ def watched_gaps(forces: Sequence[ForceElement]) -> np.ndarray:
     """Return (k, 3): numbers of a force that touches and lifts off, of its kernel of a gap, and of the limit."""
     found = [(i, OF_CONTACT, 0) for i, force in enumerate(forces) if isinstance(force, Contact)]
     for i, force in enumerate(forces):
-        if isinstance(force, Stop):
+        if isinstance(force, Stop) and not is_switching(force):
             found += [(i, GAPS.index(type(force).gap), limit) for limit in range(force.gaps)]
     return np.array(found, int).reshape(-1, 3)
 

@@ -118,7 +118,7 @@ def worst_joint(compiled: Compiled, residual: np.ndarray) -> tuple[str, float]:
     """Return (text naming the joint with the largest residual, its size)."""
     size = np.abs(residual) * compiled.model.row["scale"]
     k = int(np.argmax(size))
-    joint = compiled.system.joints[compiled.row_joint[k]]
+    joint = compiled.holders[compiled.row_joint[k]]
     group = residual[compiled.rows[id(joint)]]
     largest = np.linalg.norm(group[:3]) if compiled.model.row["metres"][k] else np.abs(residual[k])
     return f"{type(joint).__name__} '{compiled.system.name(joint)}'", float(largest)

@@ -1,7 +1,7 @@
 """Compiled mechanisms: the description as arrays of the kernels."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any
 
@@ -14,11 +14,14 @@ from ..kernels import kinds
 from ..kernels.kinds import SPLINE
 from ..kernels.layout import CUSTOM_FORCE_BODIES_MAX, Data, Model, data_records, table
 from ..mechanism.drivers import Driver
-from ..mechanism.force_element import ForceRecord
+from ..mechanism.force_element import ForceElement, ForceRecord
 from ..mechanism.forces.custom import FunctionForce
+from ..mechanism.joints import Joint
 from ..mechanism.measures import Measure
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.primitives import Coordinate, Primitive
+from ..mechanism.state import State
+from ..mechanism.switching import Mode, Modes, is_switching
 from .row_tables import Frames, row_tables
 from .tables import (
     InputTerm,
@@ -75,15 +78,21 @@ class Compiled:
     rows: dict[int, slice]  # id(joint) -> its rows
     coordinate_index: dict[tuple, int]  # key of a Coordinate -> index
     drives: list[tuple[Driver, int]]  # (driver, row) of every driven row
-    row_joint: np.ndarray  # (m,) index into system.joints
+    row_joint: np.ndarray  # (m,) index into holders
     switches: Switches
     inputs: tuple[InputTerm, ...] = ()  # where the values of signals stand that are set from outside
+    modes: Modes = field(default_factory=dict)  # of the parts that switch at events
 
     def __reduce__(self) -> tuple:
         raise InputError(
             "results are neither copied nor pickled: they are read by the parts of their system; copy the system, "
             "return numbers from other processes, or write a run by solution.save(path) for mbsd3d.load(path)"
         )
+
+    @property
+    def holders(self) -> tuple[Joint | ForceElement, ...]:
+        """Return the parts that may have rows: joints, and forces that switch."""
+        return holders_of(self.system)
 
     def coordinate(self, coordinate: Coordinate) -> int:
         """Return the index of a hinge coordinate."""
@@ -128,12 +137,38 @@ def switch_fields(switches: Switches) -> dict[str, Any]:
     }
 
 
-def compile_system(system: Mechanism, measures: tuple[Measure, ...] = (), switches: Switches | None = None) -> Compiled:
-    """Return the arrays of a system; what depends on neither measures nor switches is lowered once a system."""
+def holders_of(system: Mechanism) -> tuple[Joint | ForceElement, ...]:
+    """Return the parts of a system that may have rows: joints, and forces that switch."""
+    return (*system.joints, *(force for force in system.forces if is_switching(force)))
+
+
+def first_modes(system: Mechanism) -> dict[str, Mode]:
+    """Return the modes at the reference pose of all parts that switch, by name."""
+    parts: list[Any] = [x for x in holders_of(system) if is_switching(x)]
+    return {system.name(x): x.first_mode() for x in parts}
+
+
+def modes_at(system: Mechanism, state: State) -> dict[str, Mode]:
+    """Return the modes at a state of all parts that switch, by name; ValueError for modes of other parts."""
+    modes = first_modes(system)
+    for name, (mode, numbers) in state.modes.items():
+        if name not in modes:
+            raise InputError(f"state: modes: '{name}' does not switch in this system; give a state of this system")
+        modes[name] = Mode(mode, tuple(numbers))
+    return modes
+
+
+def compile_system(
+    system: Mechanism, measures: tuple[Measure, ...] = (), switches: Switches | None = None, modes: Modes | None = None
+) -> Compiled:
+    """Return the arrays of a system; what depends on nothing else is lowered once a system.
+
+    ``modes`` of the parts that switch at events: None = as at the reference pose.
+    """
     announce_compilation()
     switches = switches or Switches()
-    if measures:
-        return lower(system, measures, switches)
+    if measures or modes:
+        return lower(system, measures, switches, modes)
     known = tables_of(system)
     if switches == known.switches:
         return known
@@ -147,14 +182,15 @@ def tables_of(system: Mechanism) -> Compiled:
     return system.derived["tables"]
 
 
-def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) -> Compiled:
+def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches, modes: Modes | None = None) -> Compiled:
     """Lower a system to arrays."""
     check_inputs(system)
     frames = Frames(system)
-    index = frames.index
-    rows_of_joint = [joint.primitives for joint in system.joints]
+    index, holders = frames.index, holders_of(system)
+    modes = modes or first_modes(system)
+    rows_of_joint = [rows_in(x, modes, system.name(x)) for x in holders]
     primitives = [row for rows in rows_of_joint for row in rows]
-    records = [force.record() for force in system.forces]
+    records = [record_in(x, modes, system.name(x)) for x in system.forces]
     parameters = parameters_of(system, records)
     given = np.array([x for own in parameters for x in own], float)
     read = [x for r in records for x in r.measures]
@@ -171,7 +207,10 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
     ends = np.cumsum([0, *counts])
     row_joint = np.repeat(np.arange(len(counts)), counts)
     slices = [slice(int(i), int(j)) for i, j in zip(ends[:-1], ends[1:], strict=True)]
-    rows = {id(joint): part for joint, part in zip(system.joints, slices, strict=True)}
+    rows = {id(x): part for x, part in zip(holders, slices, strict=True)}
+    rows |= {id(x.held()): rows[id(x)] for x in system.joints}
+    if modes:
+        number_drives(per_row, np.array([is_switching(x) for x in holders])[row_joint])
     signal, term, term_data = signals.arrays()
     model = Model(
         body=bodies,
@@ -197,11 +236,28 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
         body_index=index,
         rows=rows,
         coordinate_index=where,
-        drives=[(system.joints[row_joint[k]], k) for k in drives if isinstance(system.joints[row_joint[k]], Driver)],
+        drives=[(x, k) for k in drives if isinstance(x := holders[row_joint[k]], Driver)],
         row_joint=row_joint,
         switches=switches,
         inputs=tuple(signals.inputs),
+        modes=modes,
     )
+
+
+def rows_in(part: Any, modes: Modes, name: str) -> Sequence[Primitive]:
+    """Return the rows of a joint or of a force that switches, in the mode of its name."""
+    return part.rows_in(modes[name]) if is_switching(part) else part.primitives
+
+
+def record_in(force: Any, modes: Modes, name: str) -> ForceRecord:
+    """Return what the law of a force reads, in the mode of its name if it switches."""
+    return force.record_in(modes[name]) if is_switching(force) else force.record()
+
+
+def number_drives(row: np.ndarray, fixed: np.ndarray) -> None:
+    """Number the driven rows anew without the ``fixed`` ones, whose signal is constant and does no work."""
+    driven = (row["drive"] >= 0) & ~fixed
+    row["drive"] = np.where(driven, np.cumsum(driven) - 1, -1)
 
 
 def coordinates_of(

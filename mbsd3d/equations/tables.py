@@ -229,8 +229,9 @@ def measure_table(
         out["coordinate"][i] = -1 if x.coordinate is None else where[key_of(x.coordinate)]
         number, first = (-1, -1) if x.part is None else forces[id(x.part)]
         out["force"][i], out["state"][i] = number, -1 if x.part is None else first + x.index
-        if x.joint is not None:
-            own = rows[id(x.joint)]
+        holder = x.part if x.kind == "holding load" else x.joint
+        if holder is not None:
+            own = rows[id(holder)]
             out["row"][i], out["rows"][i] = own.start, own.stop - own.start
     return out
 

@@ -18,6 +18,7 @@ import numpy as np
 from .. import integrators, mechanism
 from ..base.errors import InputError
 from ..base.fields import FILE_VECTOR, kind_of
+from ..constraints.engagement import Impulse
 from ..equations.compiled import Switches
 from ..integrators.method import Method
 from ..mechanism.bodies import Body, Ground
@@ -29,6 +30,7 @@ from ..mechanism.primitives import Coordinate
 from ..mechanism.shapes import Shape
 from ..mechanism.signals import Signal
 from ..mechanism.state import State
+from ..results.events import Event
 from ..results.record import Record, RunOptions
 
 TAGGED_CLASSES: tuple[type, ...] = (Joint, ForceElement, Signal, Shape, Method)
@@ -49,7 +51,10 @@ def types() -> Mapping[str, type]:
         for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
             import_module(module.name)
     found: dict[str, type] = {kind.__name__: kind for base in TAGGED_CLASSES for kind in below(base) if not below(kind)}
-    others: tuple[type, ...] = (Body, Limit, Measure, Condition, Coordinate, State, Switches, RunOptions, Record)
+    others: tuple[type, ...] = (
+        Body, Limit, Measure, Condition, Coordinate, State, Switches, RunOptions, Record,
+        Event, Impulse,
+    )  # fmt: skip
     return MappingProxyType(found | {kind.__name__: kind for kind in others})
 
 

@@ -4,6 +4,7 @@ import io
 import json
 import zipfile
 import zlib
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,11 +13,13 @@ import numpy as np
 
 from ..base.errors import InputError
 from ..base.paths import as_path, package_version, with_suffix, write_atomically
-from ..equations.compiled import Compiled, compile_system, with_history
+from ..equations.compiled import Compiled, compile_system, modes_at, with_history
 from ..mechanism.state import State
+from ..results.events import Event
+from ..results.joined import in_pieces
 from ..results.record import Record, RunOptions
 from ..results.result import RunResult
-from .description import MODEL_FORMAT_VERSION, Writer, check_format, describe, read_system
+from .description import MODEL_FORMAT_VERSION, Reader, Writer, check_format, describe, read_system
 
 SOLUTION_KIND = "mbsd3d solution"
 STORED_OPTIONS = ("method", "rtol", "switches")  # of `RunOptions`, which a file keeps
@@ -47,6 +50,16 @@ def save(solution: RunResult, path: str | Path) -> Path:
         "final": write.part(final, "final state"),
         "estimate": {"error": error, "order": order, "doubling": doubling},
     }
+    if solution.pieces:
+        document["events"] = [write.part(event, "event") for event in solution.events]
+        document["pieces"] = [
+            {
+                "samples": piece.t.size,
+                "modes": write.value(dict(piece.compiled.modes), "modes"),
+                "record": record_entry(write, piece.record),
+            }
+            for piece in solution.pieces
+        ]
     arrays = {name: np.asarray(array, float) for name, array in solution.arrays.items() if name not in STATE_SLICES}
     arrays["coordinate"] = arrays["coordinate"][:, :count]
     text = np.frombuffer(json.dumps(document, allow_nan=False).encode(), np.uint8)
@@ -106,14 +119,37 @@ def read_solution(handle: Any) -> RunResult:
     compiled = with_history(compile_system(system, (), record.switches), record.inputs)
     if record.tolerance:
         record.options = replace(record.options, as_built=record.tolerance * compiled.model.length)
-    check_arrays(compiled, arrays, [final] if start is None else [start, final])
+    pieces = [read_piece(reader, entry, compiled, final) for entry in document.get("pieces", [])]
+    check_arrays(compiled, arrays, [final] if start is None else [start, final], [one for _, one in pieces])
     n = len(system.bodies)
     arrays["q"] = arrays["state"][:, : 7 * n].reshape(-1, n, 7)
     arrays["z"] = arrays["state"][:, 13 * n :]
     estimate = document["estimate"]
     estimated = estimate["error"], estimate["order"], estimate.get("doubling")
     run = RunResult(compiled, arrays, record, start or final, final, estimated)
+    if pieces and start is not None:
+        return with_pieces(run, pieces, [reader.part(x, ("events",), Event) for x in document["events"]])
     return run if start is not None or not run.t.size else replace(run, start=run.state(0))
+
+
+def read_piece(reader: Reader, entry: dict[str, Any], compiled: Compiled, final: State) -> tuple[int, RunResult]:
+    """Return the number of samples of a piece of a run with events, and the piece without them."""
+    record = reader.part(nested_options(entry["record"]), ("pieces",), Record)
+    record.rank_events = list(record.rank_events)
+    modes = modes_at(compiled.system, replace(final, modes=reader.value(entry["modes"], ("pieces",))))
+    own = compile_system(compiled.system, (), record.switches, modes)
+    return int(entry["samples"]), RunResult(own, {}, record, final, final)
+
+
+def with_pieces(run: RunResult, pieces: list[tuple[int, RunResult]], events: list[Event]) -> RunResult:
+    """Return a run whose pieces read their share of its samples, and start with the first of them."""
+    if sum(count for count, _ in pieces) != run.t.size or len(events) != len(pieces) - 1:
+        raise InputError("its pieces and events do not fit its samples")
+    whole = in_pieces(replace(run, events=tuple(events)), [piece for _, piece in pieces], [n for n, _ in pieces])
+    begins = np.cumsum([0, *(n for n, _ in pieces)])
+    starts = [run.start, *(whole.state(int(k)) for k in begins[1:-1])]
+    made = (replace(piece, start=start) for piece, start in zip(whole.pieces, starts, strict=True))
+    return replace(whole, pieces=tuple(made))
 
 
 def check_entries(handle: Any) -> None:
@@ -130,10 +166,13 @@ def check_entries(handle: Any) -> None:
             raise InputError(f"'{entry.filename}' is compressed, which solution.save never does")
 
 
-def check_arrays(compiled: Compiled, arrays: dict[str, Any], states: list[State]) -> None:
+def check_arrays(
+    compiled: Compiled, arrays: dict[str, Any], states: list[State], pieces: Sequence[RunResult] = ()
+) -> None:
     """Check that every array is there with the shape the model gives it."""
     model, system, n = compiled.model, compiled.system, len(compiled.system.bodies)
-    rows, coordinates, elements = compiled.row_joint.size, len(compiled.coordinate_index), len(system.forces)
+    rows = max([one.compiled.row_joint.size for one in pieces], default=compiled.row_joint.size)
+    coordinates, elements = len(compiled.coordinate_index), len(system.forces)
     shapes = {
         "t": (), "state": (13 * n + model.z_impulse + 6,), "v": (n, 6), "acceleration": (n, 6), "lam": (rows,),
         "coordinate": (coordinates,), "potential": (elements,), "power": (elements,), "residual": (2,),

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..compiler.arguments import by_reference
-from ..kernels.layout import single
+from ..kernels.layout import single, table
 
 RUNNING, DONE, STOPPED, FULL, NEW_TREE, STEP_TOO_SMALL, NOT_CLOSING, NO_SOLUTION = range(8)
 NOT_CONVERGED, STIFF = 8, 9
@@ -19,10 +19,19 @@ TASK = [  # constant during the run
     ("rtol", float),
     ("tolerance", float),  # within which rows left out may be violated, in model lengths and radians
     ("every_step", int),  # 1: every accepted step is a sample
-    ("condition", int),  # measure that ends the run, -1 = none,
+    ("condition", int),  # measure of the condition at hand, -1 = none,
     ("stop", float),  # the value it must reach,
     ("direction", float),  # 1: from below, -1: from above
     ("slack", float),  # within which the measure counts as that value
+]
+WATCH = [  # conditions that end the run, each with its own of the fields above and below
+    ("measure", int),
+    ("stop", float),
+    ("direction", float),
+    ("slack", float),
+    ("hop", float),  # s
+    ("armed", int),
+    ("suspect", int),  # 1: it may come true in the step at hand
 ]
 NOW = [
     ("t", float),  # s, time of the state y
@@ -53,6 +62,7 @@ NOW = [
     ("next_turn", int),  # index of the next time at which a signal turns
     ("hop", float),  # s, after which the condition comes true that a run starts from, if the measure does not show it
     ("armed", int),  # 1: the condition has been false since the start, so that it can come true
+    ("fired", int),  # number of the condition that has come true, -1 = none
     ("rates", int),  # at the ends of equal steps that are known: auditing.py,
     ("audited", float),  # s, their length
     ("open_work", float),  # J, the most by which two quadratures of fixed steps differ,
@@ -99,6 +109,7 @@ class Run(NamedTuple):
     task: np.record  # TASK
     now: np.record  # NOW
     rows: np.record  # ROWS
+    watch: np.ndarray  # (k,) WATCH
     stiffness: np.record  # STIFFNESS
     times: np.ndarray  # (requested,) output times
     turns: np.ndarray  # (k, 2) where signals turn: the time [s] at which a step ends, and from which the next one goes
@@ -113,6 +124,7 @@ class Run(NamedTuple):
 def allocate_run(
     y: np.ndarray, bodies: int, times: np.ndarray, capacity: int, width: int, terms: int,
     turns: np.ndarray = NO_SIGNAL_KNOTS, contacts: np.ndarray = NONE, audits: int = 6,
+    conditions: int = 0,
 ) -> Run:  # fmt: skip
     """Allocate the memory of a run that starts at y; the fields of its records are zero."""
     dy, trial, trial_rate, work, work_rate = np.zeros((5, y.size))
@@ -120,7 +132,8 @@ def allocate_run(
         y=y, dy=dy, trial=trial, trial_rate=trial_rate, work=work, work_rate=work_rate,
         unit=np.zeros(y.size - 13 * bodies), spin=np.zeros((bodies, 3)), missed=np.zeros((bodies, 4)),
         F=np.zeros((terms, y.size)),
-        task=single(TASK), now=single(NOW), rows=single(ROWS), stiffness=single(STIFFNESS),
+        task=single(TASK), now=single(NOW), rows=single(ROWS), watch=table(WATCH, conditions),
+        stiffness=single(STIFFNESS),
         times=times, turns=turns, contacts=contacts, gaps=np.zeros((len(contacts), 2, 3)),
         out=np.zeros((capacity, width)), audit=np.zeros((6, audits)),
     )  # fmt: skip

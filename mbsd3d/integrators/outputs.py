@@ -276,16 +276,59 @@ def along_cubic(m, d, s, own, run, t, x, h):
     return RUNNING if status == PROJECTED and result == SOLVED and finite(run.trial_rate) else NO_SOLUTION
 
 
+@late_kernel
+def select(run, k):
+    """Make condition k the one at hand."""
+    one, task, now = run.watch[k], run.task, run.now
+    task.condition, task.stop, task.direction, task.slack = one.measure, one.stop, one.direction, one.slack
+    now.hop, now.armed = one.hop, one.armed
+
+
+@late_kernel
+def suspects(m, d, s, run, h, t_new) -> int:
+    """Return how many conditions may come true in the step, and mark them."""
+    found = 0
+    for k in range(run.watch.shape[0]):
+        select(run, k)
+        run.watch[k].suspect = int(may_come_true(m, d, s, run, h, t_new))
+        found += run.watch[k].suspect
+    return found
+
+
+@late_kernel
+def first_of_all(m, d, s, run, h, t_new) -> float:
+    """Return the fraction of the step at which the first condition comes true, which is then at hand; -1 for none."""
+    run.now.fired, first = -1, -1.0
+    for k in range(run.watch.shape[0]):
+        if run.watch[k].suspect == 1:
+            select(run, k)
+            x = first_crossing(m, d, s, run, h, t_new)
+            if x >= 0.0 and (first < 0.0 or x < first):
+                run.now.fired, first = k, x
+    if run.now.fired >= 0:
+        select(run, run.now.fired)
+    return first
+
+
+@late_kernel
+def watch_all_on(m, d, s, run, t_new):
+    """Arm conditions that are false at the end of a step; the first one is at hand then."""
+    for k in range(run.watch.shape[0] - 1, -1, -1):
+        select(run, k)
+        watch_on(m, d, s, run, t_new)
+        run.watch[k].hop, run.watch[k].armed = run.now.hop, run.now.armed
+
+
 @merged_kernel
 def outputs(m, d, s, own, run, t_new, h, dense, advance_to):
     """Store the samples of the accepted step; return RUNNING, STOPPED, FULL or NO_SOLUTION."""
-    t_last, stopped, watched = t_new, False, run.task.condition >= 0
+    t_last, stopped, watched = t_new, False, run.watch.shape[0] > 0
     inside = next_inside(run, h) < t_new
-    suspect = watched and may_come_true(m, d, s, run, h, t_new)
+    suspect = watched and suspects(m, d, s, run, h, t_new) > 0
     if inside or suspect:
         if not dense(m, d, s, own, run, h):
             return NO_SOLUTION
-        x = first_crossing(m, d, s, run, h, t_new) if suspect else -1.0
+        x = first_of_all(m, d, s, run, h, t_new) if suspect else -1.0
         stopped = x >= 0.0
         if stopped:
             status, t_last = land(m, d, s, own, run, h, x * h, advance_to)
@@ -297,7 +340,7 @@ def outputs(m, d, s, own, run, t_new, h, dense, advance_to):
     if stopped:
         return halt(m, d, s, run, t_last)
     if watched:
-        watch_on(m, d, s, run, t_new)
+        watch_all_on(m, d, s, run, t_new)
     if inside or watched:
         evaluate(m, d, s, t_new, run.trial, run.work_rate)  # the work space belongs to the end of the step again
     if output_until(run, t_new):

@@ -21,6 +21,7 @@ from .kinds import (
     COORDINATE,
     COORDINATE_RATE,
     GAP,
+    HOLDING,
     LEAN,
     OWN_STATE,
     PATH,
@@ -258,6 +259,8 @@ def measure(m, d, i, t) -> MeasureValue:
         return of_contact(m, d, p)
     if p.kind == REACTION_FORCE or p.kind == REACTION_MOMENT:
         return of_reaction(m, d, p)
+    if p.kind == HOLDING:
+        return -d.row[p.row].lam
     a, b, axis = d.body[p.body[0]], d.body[p.body[1]], vec(p.axis)
     sa, sb = arm(a, p.point[0]), arm(b, p.point[1])
     gap = sub(point(b, sb), point(a, sa))

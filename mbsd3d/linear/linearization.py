@@ -14,7 +14,7 @@ from ..base.errors import InputError
 from ..compiler.cache_folder import mark_warm
 from ..compiler.first_run import announce_compilation
 from ..constraints.poses.pose_equations import closed
-from ..equations.compiled import Compiled, Switches, compile_system
+from ..equations.compiled import Compiled, Switches, compile_system, modes_at
 from ..equations.jacobian import RANK_TOLERANCE, displacement_units
 from ..equations.tree import build_spanning_tree
 from ..mechanism.measures import Measure, check_members
@@ -168,7 +168,7 @@ def analyse(
     check_state(state, "linearize", needed=True)
     options = RunOptions(switches=switches)
     start = accelerations_at(system, state, options).state(0)  # refuses a state that does not meet the joints
-    compiled = compile_system(system, measures, options.switches)
+    compiled = compile_system(system, measures, options.switches, modes_at(system, start))
     announce_compilation("linearisation")
     field = Field(compiled, start, len(measures))
     at = field.at(field.t, field.y)

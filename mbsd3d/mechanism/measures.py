@@ -18,6 +18,7 @@ from .forces.springs import SpringDamper
 from .joints import Joint, coordinate_of
 from .mechanism import Mechanism
 from .primitives import ZERO, Coordinate, check_kind
+from .switching import is_switching
 
 MEASURES = {
     "coordinate": kinds.COORDINATE,
@@ -33,6 +34,7 @@ MEASURES = {
     "normal force": kinds.PRESS,
     "reaction force": kinds.REACTION_FORCE,
     "reaction moment": kinds.REACTION_MOMENT,
+    "holding load": kinds.HOLDING,
 }
 PARALLEL_SINE_MAX = 1e-6  # [1] sine of the angle below which two directions span no plane
 CONTACT_MEASURES = ("clearance", "normal force")
@@ -47,6 +49,7 @@ MEASURE_UNITS = {
     "coordinate": ("rad", "m"), "coordinate rate": ("rad/s", "m/s"), "position": ("m",), "velocity": ("m/s",),
     "omega": ("rad/s",), "lean": ("rad",), "lean rate": ("rad/s",), "distance": ("m",), "state": tuple(UNIT_EXPONENTS),
     "clearance": ("m",), "normal force": ("N",), "reaction force": ("N",), "reaction moment": ("N m",),
+    "holding load": ("N", "N m"),
 }  # fmt: skip
 
 
@@ -74,6 +77,7 @@ class Measure:
         fits = (self.coordinate is not None) == (self.kind in JOINT_MEASURES)
         own = 0 <= self.index < states if self.kind == "state" else self.part is None
         own = isinstance(self.part, Contact) if self.kind in CONTACT_MEASURES else own
+        own = is_switching(self.part) if self.kind == "holding load" else own
         own &= (self.joint is not None) == (self.kind in OF_REACTIONS)
         own &= self.joint is None or self.b is self.joint.b
         own &= all(np.shape(x) == (3,) for x in (self.point_a, self.point_b, self.axis))
@@ -116,6 +120,7 @@ class Condition:
 def check_members(system: Mechanism, measure: Measure, what: str) -> None:
     """Check that a measure speaks of bodies, joints and forces of this system."""
     members = {id(part) for part in (*system.bodies, *system.joints, *system.forces, GROUND)}
+    members |= {id(joint.held()) for joint in system.joints}
     for part in (measure.a, measure.b, measure.part or GROUND, measure.joint or GROUND):
         if id(part) not in members:
             kind = "force" if part is measure.part else "joint" if part is measure.joint else "body"

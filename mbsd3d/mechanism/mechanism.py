@@ -120,7 +120,7 @@ class Mechanism(Frozen):
         """Check that every joint and force acts on bodies of this system and refers to joints and forces of it."""
         members = {id(body) for body in self.bodies} | {id(GROUND)}
         parts: tuple[Joint | ForceElement, ...] = (*self.joints, *self.forces)
-        known = {id(part) for part in parts}
+        known = {id(part) for part in parts} | {id(part.held()) for part in self.joints}
         for part in parts:
             for body in part.bodies():
                 if id(body) not in members:
@@ -150,6 +150,9 @@ class Mechanism(Frozen):
         parts = getattr(self, kind)
         if isinstance(key, Body | Joint | ForceElement) and key in parts:
             return key
+        for part in parts if isinstance(key, Joint) else ():
+            if part.held() is key:
+                return part
         if isinstance(key, str):
             for part in parts:
                 if self.names[id(part)] == key:

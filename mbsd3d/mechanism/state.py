@@ -48,6 +48,8 @@ class State(Checked):
         are those of the system: of angles that only a condition or a stepper measures a state keeps no count.
     moved : mapping
         What assembling moved: body name -> (distance [m], angle [rad]) from the reference pose.
+    modes : mapping
+        Of parts that switch at events: name -> (mode, numbers); empty = as they are at the reference pose.
     notes : tuple of str
         Sentences on what assembling chose where what was asked for does not determine the pose or the way to it.
 
@@ -77,6 +79,7 @@ class State(Checked):
     coordinates: np.ndarray | None = None
     moved: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    modes: Mapping[str, tuple[str, tuple[float, ...]]] = field(default_factory=dict)
 
     def check(self, what: str) -> None:
         if self.q.size % 7 or self.v.size % 6 or self.q.size // 7 != self.v.size // 6:

@@ -210,7 +210,7 @@ def length_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -
 
 def energy_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
     """Return panels of kinetic, potential and total energy, and work."""
-    return [Panel("energy", "[J]", list(vars(solution.energy()).items()))]
+    return [Panel("energy", "[J]", list(solution.energy().shown().items()))]
 
 
 def momentum_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:

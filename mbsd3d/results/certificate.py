@@ -15,9 +15,9 @@ from ..constraints.singularity import INFINITESIMAL, describe_singularity
 from ..equations.plausibility import loose_bodies
 from ..mechanism.joints import Joint
 from ..mechanism.limits import Limit
-from .checks.balances import balance_checks, work_note
+from .checks.balances import BALANCES, balance_checks, work_note
 from .checks.between_stages import signal_checks, stage_notes, touch_checks
-from .checks.check import DRIFT_LIMIT_MAX, PASSED, Check, drift_limit
+from .checks.check import DRIFT_LIMIT_MAX, PASSED, Check, drift_limit, scales_of
 from .checks.equations import equation_checks, joint_checks, lost, residuals
 from .checks.rounding import rounding, rounding_checks, singular_notes
 from .checks.turns import turning_checks
@@ -131,7 +131,10 @@ def certificate_of(solution: RunResult) -> Certificate:
 def certify(solution: RunResult) -> Certificate:
     """Make all checks of a solution."""
     record, limit, remarks = solution.record, drift_limit(solution.record), notes(solution)
-    if solution.t.size:
+    if solution.pieces:
+        checks = [*worst_of_pieces(solution), *balance_checks(solution, limit, False)]
+        remarks += [text for piece in solution.pieces for text in certificate_of(piece).notes if text not in remarks]
+    elif solution.t.size:
         missed, opened = residuals(solution), rounding(solution)
         joints = joint_checks(solution, missed) + turning_checks(solution) + signal_checks(solution)
         joints += touch_checks(solution)
@@ -156,6 +159,18 @@ def certify(solution: RunResult) -> Certificate:
         turned=far_turn(record),
         notes=tuple(remarks),
     )
+
+
+def worst_of_pieces(solution: RunResult) -> list[Check]:
+    """Return every check of the pieces between events, but balances, of the piece that is nearest to failing it."""
+    worst: dict[str, Check] = {}
+    for piece in solution.pieces:
+        piece.derived["scales"] = scales_of(solution)
+        for check in certificate_of(piece).checks if piece.t.size else ():
+            known = worst.get(check.name)
+            if check.name not in BALANCES and (known is None or check.error * known.limit > known.error * check.limit):
+                worst[check.name] = check
+    return list(worst.values())
 
 
 def far_turn(record: Record) -> str:

@@ -63,6 +63,7 @@ QUANTITIES = {
     "potential": Quantity("J", "world", "potential energy of gravity and springs"),
     "total": Quantity("J", "world", "kinetic and potential energy"),
     "work": Quantity("J", "world", "work done by drivers and by forces that store no energy"),
+    "lost": Quantity("J", "world", "energy lost in impacts"),
     "linear_momentum": Quantity("kg m/s", "world", "momentum"),
     "angular_momentum": Quantity("kg m^2/s", "world", "angular momentum about the world origin"),
     "position_drift": Quantity("m or rad", "none", "largest residual of the joints"),
@@ -111,7 +112,7 @@ def columns(solution: RunResult) -> list[Column]:
     for force in system.forces:
         found += columns_of_force(solution, force)
         found += columns_of_states(solution, force)
-    for quantity, values in vars(solution.energy()).items():
+    for quantity, values in solution.energy().shown().items():
         add("", "energy", quantity, values)
     for owner in ("momentum", "drift"):
         for quantity, values in vars(getattr(solution, owner)()).items():

@@ -4,7 +4,7 @@ The kernel of all loads is called with a table that holds this element alone, wi
 body is the wrench of the element about O. No law is written a second time.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from ..base.checks import short_repr
 from ..base.errors import InputError
 from ..base.style import Sampled
 from ..dynamics.applied_forces import loads
+from ..dynamics.batch import joint_wrenches
 from ..equations.compiled import new_data
 from ..kernels.kinematics import kinematics
 from ..mechanism.bodies import Body, Ground
@@ -23,6 +24,7 @@ from ..mechanism.forces.custom import SavedForce
 from ..mechanism.forces.linear_actuator import LinearActuator
 from ..mechanism.forces.springs import SpringDamper
 from ..mechanism.forces.tyre import Tyre
+from ..mechanism.switching import is_switching
 from .result import RunResult
 
 
@@ -83,6 +85,8 @@ class TyreLoad(Load):
 
 def load_of(solution: RunResult, force: ForceElement | str, on: Body | Ground | str | None = None) -> Load:
     """Return the load of a force element; see `Solution.force`."""
+    if solution.pieces:
+        return joined_loads([load_of(piece, force, on) for piece in solution.pieces])
     system = solution.system
     part = system.part(force, "forces")
     if isinstance(part, SavedForce):
@@ -104,6 +108,18 @@ def load_of(solution: RunResult, force: ForceElement | str, on: Body | Ground | 
         return Load(**found)
     seen = dict(zip(part.shows, shown[:, 3:].T, strict=True))
     return TyreLoad(**found, **(seen | {"camber": np.arcsin(seen["camber"])}))
+
+
+def joined_loads(pieces: list[Load]) -> Load:
+    """Return the load of a run in pieces."""
+    found: dict[str, Any] = {}
+    for x in fields(pieces[0]):
+        values = [getattr(one, x.name) for one in pieces]
+        if isinstance(values[0], dict):
+            found[x.name] = {key: np.concatenate([one[key] for one in values]) for key in values[0]}
+        else:
+            found[x.name] = None if values[0] is None else np.concatenate(values)
+    return type(pieces[0])(**found)
 
 
 def acted_body(solution: RunResult, part: ForceElement, on: Body | Ground | str | None) -> Body | Ground:
@@ -151,6 +167,11 @@ def wrenches_about_O(
         wrench[i] = data.body["Q"][index]
         power[i] = np.sum(data.body["Q"][:-1] * arrays["v"][i])
         rates[i], shown[i] = data.state_rate[own], data.force["shown"][0]
+    if is_switching(part):
+        rows, held = compiled.rows[id(part)], np.zeros((1, samples, 6))
+        seen = map(np.ascontiguousarray, (solution.t, arrays["state"], arrays["coordinate"], arrays["lam"]))
+        joint_wrenches(compiled.model, compiled.data(), *seen, np.array([[rows.start, rows.stop, index]]), held)
+        wrench += held[0]
     return wrench, power, rates, shown
 
 

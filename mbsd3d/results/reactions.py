@@ -9,7 +9,7 @@ other rows.
 """
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -34,6 +34,9 @@ NOT_DETERMINED = (
 )
 ZERO_SHARE = 1e-9  # [1] of a vector: a determined part below it is none, as of the moment about a hinge's own axis
 REGULAR_MIN = 1e-6  # [1] least singular value over the largest: below it, N is wrong by more than 1e-16 / 1e-6
+
+
+SAMPLED = ("force", "moment", "point", "force_projector", "moment_projector")  # what a reaction has at every sample
 
 
 @dataclass(frozen=True, repr=False)
@@ -97,6 +100,17 @@ class Reaction(Sampled):
             return values, "all"
         known = np.abs(part).max(initial=0.0) > ZERO_SHARE * np.abs(values).max(initial=0.0)
         return (part, "part") if known else (values, "none")
+
+
+def joined_reactions(pieces: list[Reaction]) -> Reaction:
+    """Return the reaction of a run in pieces; it is unique where it is in all of them."""
+    whole: dict[str, Any] = {name: np.concatenate([getattr(one, name) for one in pieces]) for name in SAMPLED}
+    masks: dict[str, Any] = {
+        name: np.all([getattr(one, name) for one in pieces], axis=0) for name in ("unique_force", "unique_moment")
+    }
+    given = [one.margins for one in pieces if one.margins is not None]
+    margins = (np.concatenate([x for x, _ in given]), np.concatenate([x for _, x in given])) if given else None
+    return Reaction(**whole, **masks, unique=all(one.unique for one in pieces), margins=margins)
 
 
 class Determined(NamedTuple):

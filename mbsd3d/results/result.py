@@ -25,6 +25,7 @@ from ..mechanism.measures import Measure, check_members
 from ..mechanism.primitives import Coordinate
 from ..mechanism.state import State
 from .elastic_shares import Elasticity, PairsOfJoints, elastic_shares
+from .events import Event
 from .motion import Motion
 from .reactions import (
     NOT_DETERMINED,
@@ -37,6 +38,7 @@ from .reactions import (
     axes_of,
     group_of,
     is_unique,
+    joined_reactions,
 )
 from .record import Record
 
@@ -45,12 +47,17 @@ WRENCH_NUMBERS_MAX = 2**17  # [numbers] of the wrenches of all joints that a res
 
 @dataclass(frozen=True, repr=False)
 class Energy(Sampled):
-    """Energies [J] at the samples; ``work`` was done by drivers and by forces that store none."""
+    """Energies [J] at the samples; ``work`` was done by drivers and by forces that store none, ``lost`` in impacts."""
 
     kinetic: np.ndarray
     potential: np.ndarray
     total: np.ndarray
     work: np.ndarray
+    lost: np.ndarray
+
+    def shown(self) -> dict[str, np.ndarray]:
+        """Return the energies by name, for tables and curves; those lost in impacts only where there were any."""
+        return {name: values for name, values in vars(self).items() if name != "lost" or values.any()}
 
 
 @dataclass(frozen=True, repr=False)
@@ -92,6 +99,8 @@ class RunResult(Motion):
     final: State
     estimated: tuple[float | None, float | None, float | None] = (None, None, None)  # of the global error, `estimate`:
     # itself, its order, and the time in which it doubles [s]
+    pieces: tuple["RunResult", ...] = ()  # of a run with parts that switch, from one event to the next
+    events: tuple[Event, ...] = ()
     derived: dict[str, Any] = field(default_factory=dict, init=False)  # what is made of the samples once
 
     @classmethod
@@ -117,7 +126,7 @@ class RunResult(Motion):
         v = arrays["v"][-1] if at_end else world_velocities_of(y[None], n)[0]
         own = y[13 * n : 13 * n + compiled.model.z_work]
         coordinates = data.coordinate["value"][: compiled.own_coordinates].copy()
-        end = State(t, unit_quaternions(y[: 7 * n]), v.ravel(), own, coordinates)
+        end = State(t, unit_quaternions(y[: 7 * n]), v.ravel(), own, coordinates, modes=dict(compiled.modes))
         return cls(compiled, arrays, record, start, end)
 
     def velocity(self, body: Body | str) -> np.ndarray:
@@ -198,7 +207,9 @@ class RunResult(Motion):
             check_members(self.system, one, "solution.measure")
             if one.joint is not None and not self._is_unique([one.joint]):
                 raise InputError(f"solution.measure: {one.label} {NOT_DETERMINED}")
-        model = compile_system(self.system, wanted).model
+        if self.pieces and any(one.joint is not None for one in wanted):
+            return np.concatenate([piece.measure(measures) for piece in self.pieces])
+        model = compile_system(self.system, wanted, modes=self.compiled.modes).model
         data, known = new_data(model), len(tables_of(self.system).coordinate_index)
         values = np.empty((self.t.size, len(wanted)))
         for k, t in enumerate(self.t):
@@ -247,6 +258,8 @@ class RunResult(Motion):
 
     def _is_unique(self, parts: list[Joint]) -> bool:
         """Return whether all of the net wrench of joints is determined wherever the run was looked at first."""
+        if self.pieces:
+            return all(piece._is_unique(parts) for piece in self.pieces)
         return not self._probes or is_unique(self.compiled, self._probes, group_of(self.compiled, parts))
 
     @cached_property
@@ -318,6 +331,13 @@ class RunResult(Motion):
                     f"solution.reaction: '{system.name(part)}' acts on '{part.b.name}', "
                     f"'{system.name(parts[0])}' on '{body.name}'; net wrenches need one body b"
                 )
+        if self.pieces:
+            return joined_reactions(
+                [
+                    piece.reaction(*joints, axes=axes, shares=shares, stiffness=stiffness, tolerances=tolerances)
+                    for piece in self.pieces
+                ]
+            )
         turned = axes_of(self, parts[0], axes)
         apart = np.zeros((self.t.size, 6, 0))
         wrenches: Sequence[np.ndarray] | np.ndarray
@@ -377,6 +397,8 @@ class RunResult(Motion):
         part = self.system.part(driver, "joints")
         if not isinstance(part, Driver):
             raise InputError(f"'{self.system.name(part)}' ({type(part).__name__}) is not a driver; use reaction")
+        if self.pieces:
+            return np.concatenate([piece.effort(part) for piece in self.pieces])
         rows = self.compiled.rows[id(part)]
         lam = self.arrays["lam"] if self._is_unique([part]) else self._shares[0]
         effort = -lam[:, rows]
@@ -392,10 +414,19 @@ class RunResult(Motion):
             kinetic += 0.5 * body.mass * (v_com**2).sum(axis=1) + 0.5 * np.einsum("ti,ij,tj->t", w, body.inertia, w)
             potential -= body.mass * centre @ system.gravity
         work = self.arrays["z"][:, model.z_work : model.z_impulse].sum(axis=1)
-        return Energy(kinetic, potential, kinetic + potential, work)
+        return Energy(kinetic, potential, kinetic + potential, work, self._lost)
+
+    @cached_property
+    def _lost(self) -> np.ndarray:
+        """Return the energy [J] lost in impacts so far (samples,)."""
+        counts = [piece.t.size for piece in self.pieces] or [0]
+        counts[0] += self.t.size - sum(counts)  # the start, where it is put before the samples
+        lost = np.cumsum([0.0, *(event.lost for event in self.events)])
+        return np.repeat(lost[: len(counts)], counts)
 
     def energy(self) -> Energy:
-        """Return kinetic, potential (gravity, springs) and total energy, and work of drivers and other forces [J]."""
+        """Return kinetic, potential (gravity, springs) and total energy, work of drivers and other forces, and what
+        impacts have taken [J]."""
         return self._energy
 
     def work(self, part: Driver | ForceElement | str) -> np.ndarray:
@@ -463,7 +494,13 @@ class RunResult(Motion):
         a = self.arrays
         own, q = a["z"][sample, : self.compiled.model.z_work], unit_quaternions(a["q"][sample].ravel())
         coordinates = a["coordinate"][sample, : self.compiled.own_coordinates]
-        return State(float(self.t[sample]), q, a["v"][sample].ravel(), own, coordinates)
+        modes = dict(self.piece_at(sample).compiled.modes)
+        return State(float(self.t[sample]), q, a["v"][sample].ravel(), own, coordinates, modes=modes)
+
+    def piece_at(self, sample: int) -> "RunResult":
+        """Return the part of the run between two events that has a sample, or the run itself."""
+        ends = np.cumsum([piece.t.size for piece in self.pieces])
+        return self.pieces[int(np.searchsorted(ends, sample % self.t.size, side="right"))] if self.pieces else self
 
 
 def unit_quaternions(q: np.ndarray) -> np.ndarray:

@@ -36,9 +36,9 @@ def turns_of_signals(model: Model, t_start: float) -> np.ndarray:
 
 
 def armed_at_start(
-    compiled: Compiled, data: Data, tree: Tree, run: Run, stop_when: Condition
+    compiled: Compiled, data: Data, tree: Tree, run: Run, k: int, stop_when: Condition, may_hold: bool
 ) -> tuple[int, float, float]:
-    """Return (1 if the condition is false at the start or becomes so at once, else 0; slack of the value; hop time).
+    """Return (1 if condition k is false at the start or becomes so at once, else 0; slack of the value; hop time).
 
     A run may start where the measure has the value already, as one does that goes on after an event: then the sign of
     its rate says whether the condition becomes false or true there. Where it becomes true, or where nothing moves, the
@@ -48,13 +48,15 @@ def armed_at_start(
     Raises
     ------
     ValueError
-        If the condition holds already, by more than the slack.
+        If the condition holds already, by more than the slack, unless it ``may_hold``: then it is not armed.
     """
     length, speed = UNIT_EXPONENTS[stop_when.measure.unit]
     model, t = compiled.model, float(run.now.t)
     slack = EVENT_VALUE_TOLERANCE * max(abs(stop_when.value), model.length**length * float(run.now.speed) ** speed)
-    now = value_at(compiled, data, tree, t, run.y)
+    now = value_at(compiled, data, tree, t, run.y, k)
     gap = stop_when.direction * (now - stop_when.value)
+    if gap > slack and may_hold:
+        return 0, slack, 0.0
     if gap > slack:
         raise InputError(
             f"simulate: stop_when: {stop_when} holds already at the start ({now:.6g}); "
@@ -63,38 +65,38 @@ def armed_at_start(
     if gap < -slack:
         return 1, slack, 0.0
     soon = FIRST_STEP_SHARE * float(run.now.step)
-    rate = stop_when.direction * rate_of_measure(compiled, data, tree, t, run.y, run.dy, soon)
+    rate = stop_when.direction * rate_of_measure(compiled, data, tree, t, run.y, run.dy, soon, k)
     y, dy = run.y + FIRST_STEP_SHARE * run.now.step * run.dy, run.dy.copy()
     project_and_evaluate(model, data, tree, t + soon, y, dy, FACTOR_FROM_OTHER_POSE)
-    back = (stop_when.direction * rate_of_measure(compiled, data, tree, t + soon, y, dy, soon) - rate) / soon
+    back = (stop_when.direction * rate_of_measure(compiled, data, tree, t + soon, y, dy, soon, k) - rate) / soon
     low = rate < 0.0 < back and 0.5 * rate * rate < LOW * slack * back
     return int(rate < 0.0), slack, -2.0 * rate / back if low else 0.0
 
 
-def value_at(compiled: Compiled, data: Data, tree: Tree, t: float, y: np.ndarray) -> float:
-    """Return the measure at a state; for a reaction the equations are solved."""
+def value_at(compiled: Compiled, data: Data, tree: Tree, t: float, y: np.ndarray, k: int) -> float:
+    """Return measure k at a state; for a reaction the equations are solved."""
     model = compiled.model
-    if model.measure["rows"][0] > 0:
+    if model.measure["rows"][k] > 0:
         evaluate(model, data, tree, t, y, np.empty_like(y))
     else:
         kinematics(model, data, y)
-    return float(measure(model, data, 0, t))
+    return float(measure(model, data, k, t))
 
 
 def rate_of_measure(
-    compiled: Compiled, data: Data, tree: Tree, t: float, y: np.ndarray, dy: np.ndarray, apart: float
+    compiled: Compiled, data: Data, tree: Tree, t: float, y: np.ndarray, dy: np.ndarray, apart: float, k: int
 ) -> float:  # fmt: skip
-    """Return the rate of the measure at a state with its rate, exact to rounding: a complex step along the motion.
+    """Return the rate of measure k at a state with its rate, exact to rounding: a complex step along the motion.
 
     Of a reaction by a central difference over the time ``apart``, since its tree is one of real numbers.
     """
-    if compiled.model.measure["rows"][0] > 0:
-        ahead, behind = (value_at(compiled, data, tree, t + h, y + h * dy) for h in (apart, -apart))
+    if compiled.model.measure["rows"][k] > 0:
+        ahead, behind = (value_at(compiled, data, tree, t + h, y + h * dy, k) for h in (apart, -apart))
         return (ahead - behind) / (2.0 * apart)
     varied = compiled.data(complex)
     varied.coordinate[:], varied.unwrap_time[:] = data.coordinate, data.unwrap_time
     kinematics(compiled.model, varied, y + 1j * TINY * dy)
-    return float(np.imag(measure(compiled.model, varied, 0, t))) / TINY
+    return float(np.imag(measure(compiled.model, varied, k, t))) / TINY
 
 
 def rate_of_motion(v: np.ndarray, a: np.ndarray, length: float) -> float:

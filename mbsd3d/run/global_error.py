@@ -41,7 +41,12 @@ def estimate(solution: RunResult) -> Certificate:
         float(x.max(initial=0.0)) for x in (distances(solution, finest), distances(solution, finer), last)
     )
     order = float(np.log(first / second) / np.log(factor)) if 0.0 < second < first else None
-    known = replace(certificate_of(solution), error=error, order=order, doubling=doubling_time(solution.t, last))
+    known = replace(
+        certificate_of(solution),
+        error=error,
+        order=order,
+        doubling=doubling_time(np.intersect1d(finer.t, finest.t), last),
+    )
     unseen = unseen_parts(solution)
     missed = float(distances(solution, probed(solution)).max(initial=0.0)) if unseen else 0.0
     if not missed > max(SEEN * error, ROUNDING):
@@ -90,8 +95,12 @@ def probed(solution: RunResult) -> RunResult:
 
 
 def distances(one: RunResult, other: RunResult) -> np.ndarray:
-    """Return the largest difference of poses over the bodies (samples,): in model lengths and in radians."""
-    a, b = one.arrays["q"], other.arrays["q"]
+    """Return the largest difference of poses over the bodies (times,): in model lengths and in radians.
+
+    At the times that both have: runs with events have those of theirs besides.
+    """
+    _, i, j = np.intersect1d(one.t, other.t, return_indices=True)
+    a, b = one.arrays["q"][i], other.arrays["q"][j]
     shift = np.linalg.norm(a[..., :3] - b[..., :3], axis=-1) / one.compiled.model.length
     turn = 2.0 * np.minimum(
         np.linalg.norm(a[..., 3:] - b[..., 3:], axis=-1), np.linalg.norm(a[..., 3:] + b[..., 3:], axis=-1)

@@ -1,6 +1,7 @@
 """A run: the compiled time loop in chunks, the choice of rows between them, and the samples."""
 
 import time
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -28,7 +29,7 @@ from ..kernels.kinds import PROJECTION
 from ..kernels.layout import Tree
 from ..mechanism.drivers import SpeedDriver
 from ..mechanism.forces.custom import check_runnable
-from ..mechanism.measures import Measure
+from ..mechanism.measures import Condition, Measure
 from ..mechanism.state import State
 from ..results.reactions import NOT_DETERMINED, RunRows, group_of, is_unique
 from ..results.record import MOST_NUMBERS, Record, RunOptions, Samples, buffer_size
@@ -64,10 +65,13 @@ class Job:
     """A run: the compiled time loop is called in chunks; between them samples are collected."""
 
     tree: Tree  # of the equations; `eliminate` makes it
+    interrupted = False  # by Ctrl-C
 
     def __init__(
-        self, compiled: Compiled, start: State, t_end: float, times: np.ndarray | None, options: RunOptions
-    ) -> None:
+        self, compiled: Compiled, start: State, t_end: float, times: np.ndarray | None, options: RunOptions,
+        watched: Sequence[Condition] = (),
+    ) -> None:  # fmt: skip
+        self.conditions = ([] if options.stop_when is None else [options.stop_when]) + [*watched]
         self.compiled, self.model, self.start, self.options = compiled, compiled.model, start, options
         check_runnable(compiled.system)
         self.divergence = DivergenceWatch(compiled, start.t)
@@ -93,6 +97,7 @@ class Job:
             turns_of_signals(m, t),
             watched_gaps(self.compiled.system.forces),
             m.state.size - m.z_work,
+            len(self.conditions),
         )  # fmt: skip
         run = run._replace(turns=with_jumps(run.turns, self.compiled.system, t))
         task, now = run.task, run.now  # their fields by name: as attributes each takes a microsecond more
@@ -101,9 +106,12 @@ class Job:
         task["steps"] = 0 if method.dt is None else max(int(np.ceil((t_end - t) / method.dt - 1e-9)), 1)
         task["max_step"] = longest_step(method, self.compiled.system)
         task["every_step"], task["condition"] = times is None, -1
-        if (stop_when := self.options.stop_when) is not None:
-            task["condition"], task["stop"], task["direction"] = 0, stop_when.value, stop_when.direction
-        now["t"], now["fresh"], now["longest"] = t, 1, np.inf
+        for k, one in enumerate(self.conditions):
+            run.watch["measure"][k], run.watch["stop"][k], run.watch["direction"][k] = k, one.value, one.direction
+        if self.conditions:
+            first = self.conditions[0]
+            task["condition"], task["stop"], task["direction"] = 0, first.value, first.direction
+        now["t"], now["fresh"], now["fired"], now["longest"] = t, 1, -1, np.inf
         run.rows["pivot"], run.rows["lowest"], run.rows["ahead"] = 1.0, 1.0, np.inf
         run.stiffness["patience"] = method.patience
         return run
@@ -125,6 +133,7 @@ class Job:
                 mark_warm(loop)
                 mark_warm()
         except KeyboardInterrupt:
+            self.interrupted = True
             self.record.stopped_by = f"interrupted at t = {self.memory.now.t:.6g} s"
         self.record.seconds = time.perf_counter() - began
         return self.solution()
@@ -169,7 +178,7 @@ class Job:
                 check_forces(self.compiled, run.y, run.now.t, run.now.step, self.solution)
                 run.stiffness.patience = np.inf
             elif status == memory.STOPPED:
-                self.record.stopped_by = f"{self.options.stop_when} at t = {run.now.t:.9g} s"
+                self.record.stopped_by = f"{self.conditions[max(self.fired, 0)]} at t = {run.now.t:.9g} s"
                 return
             elif status == memory.DONE:
                 return
@@ -272,7 +281,8 @@ class Job:
             raise AssemblyError(
                 f"the state does not meet a joint ({unit})",
                 part=part, residual=size, time=self.start.t,
-                advice="start from system.assemble(); simulate parts out of line with as_built or stabilisation='none'",
+                advice="start from system.assemble(), or close a joint in a motion by system.engage(joint, state); "
+                "simulate parts out of line with as_built or stabilisation='none'",
             )  # fmt: skip
         if self.model.singular:
             check_spins(self.compiled, self.data)
@@ -281,12 +291,19 @@ class Job:
             raise clash.error()
 
     def check_condition(self) -> None:
-        """Arm the condition to stop, unless it just comes true at the start: then it waits until it has been false."""
-        if (stop_when := self.options.stop_when) is not None:
-            run = self.memory
-            self.check_determined(stop_when.measure, "simulate: stop_when")
-            found = armed_at_start(self.compiled, self.data, self.tree, run, stop_when)
-            run.now.armed, run.task.slack, run.now.hop = found
+        """Arm the conditions, unless one just comes true at the start: then it waits until it has been false."""
+        run, now, task = self.memory, self.memory.now, self.memory.task
+        for k in reversed(range(len(self.conditions))):
+            one, asked = self.conditions[k], self.conditions[k] is self.options.stop_when
+            self.check_determined(one.measure, "simulate: stop_when" if asked else "simulate")
+            found = armed_at_start(self.compiled, self.data, self.tree, run, k, one, not asked)
+            now.armed, task.slack, now.hop = found
+            run.watch["armed"][k], run.watch["slack"][k], run.watch["hop"][k] = found
+
+    @property
+    def fired(self) -> int:
+        """Return the number of the condition that ended the run, -1 for none."""
+        return int(self.memory.now["fired"])
 
     def check_determined(self, measure: Measure, what: str) -> None:
         """Raise an InputError for a reaction that the constraints do not determine at the start."""

@@ -16,7 +16,7 @@ from .simulation import check_end, check_state, output_times, run_to
 
 def options_to_repeat(run: RunResult) -> RunOptions:
     """Return the options of a run with its sample times as output, and without a condition to stop."""
-    return replace(run.record.options, output=run.t, stop_when=None, progress=None)
+    return replace(run.record.options, output=np.unique(run.t), stop_when=None, progress=None)
 
 
 def repeat(

@@ -14,13 +14,14 @@ from ..compiler.cache_folder import mark_warm
 from ..compiler.first_run import announce_compilation
 from ..dynamics.auditing import AUDITED_FIELDS
 from ..dynamics.state_rates import evaluate
-from ..equations.compiled import compile_system, set_input, starts, with_history, with_own_inputs
+from ..equations.compiled import compile_system, holders_of, set_input, starts, with_history, with_own_inputs
 from ..integrators.step_control import STEP_TIME_RATIO_MIN
 from ..kernels.coordinates import measure
 from ..mechanism.measures import Measure, check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.signals.signal import Input
 from ..mechanism.state import State
+from ..mechanism.switching import is_switching
 from ..results.record import Record, RunOptions, Samples
 from ..results.result import RunResult, unit_quaternions
 from .initial_checks import check_stops
@@ -84,6 +85,7 @@ class Segments(Job):
             if not isinstance(x, Measure):
                 raise InputError(f"Stepper: measures: {short_repr(x)} is not a measure; build one with mbsd3d.measures")
             check_members(system, x, "Stepper: measures")
+        check_no_switching(system)
         compiled = with_own_inputs(compile_system(system, tuple(measures), options.switches))
         self.inputs, self.keep, self.progress = starts(compiled), True, SILENT
         self.history = {name: [(start.t, value)] for name, value in self.inputs.items()}
@@ -227,6 +229,16 @@ class Segments(Job):
 def copied(history: dict[str, list[tuple[float, float]]]) -> dict[str, list[tuple[float, float]]]:
     """Return a history of inputs whose later changes leave this one as it is."""
     return {name: list(changes) for name, changes in history.items()}
+
+
+def check_no_switching(system: Mechanism) -> None:
+    """Refuse parts that switch at events: rows stay what they are in all segments."""
+    for part in holders_of(system):
+        if is_switching(part):
+            raise InputError(
+                f"Stepper: '{system.name(part)}' ({type(part).__name__}) switches at events, which a run in segments "
+                "does not look for; use simulate from state to state, or system.engage and release"
+            )
 
 
 def driver_of(system: Mechanism, name: str) -> str | None:

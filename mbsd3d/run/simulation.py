@@ -7,7 +7,7 @@ import numpy as np
 from ..base.checks import MAGNITUDE_MIN, floats, number, short_repr
 from ..base.errors import InputError
 from ..base.progress import Progress
-from ..equations.compiled import Compiled, compile_system
+from ..equations.compiled import Compiled, compile_system, modes_at
 from ..equations.tables import signals_of
 from ..integrators.method import Method
 from ..mechanism.measures import check_members
@@ -18,6 +18,7 @@ from ..results.record import MOST_NUMBERS, RunOptions
 from ..results.result import RunResult
 from .initial_checks import own_forces
 from .job import Job
+from .switched_run import SwitchedRun
 
 RUN_SHARE_MIN = 1e-12  # [1] of the time, the shortest run: a hundred of the shortest steps
 MOST_STEPS = 1e9  # of a run: days
@@ -31,10 +32,13 @@ def run_to(system: Mechanism, start: State, t_end: float, options: RunOptions) -
     stop_when = options.stop_when
     if stop_when is not None:
         check_members(system, stop_when.measure, "simulate: stop_when")
+    modes_at(system, start)  # refuses those of other parts
     compiled = compile_system(system, () if stop_when is None else (stop_when.measure,), options.switches)
     check_signals(compiled, start.t, t_end)
     width = 19 * len(system.bodies) + compiled.model.state.size + 2 * compiled.model.row.size
     times = output_times(options.output, start.t, t_end, options.method, width)
+    if compiled.modes:
+        return SwitchedRun(system, start, t_end, times, options).run()
     job = Job(compiled, start, t_end, times, options)
     return job.run(Progress(f"simulate to {t_end:g} s", start.t, t_end, options.progress))
 
@@ -121,5 +125,5 @@ def output_times(output: Any, t_start: float, t_end: float, method: Method, widt
 
 def accelerations_at(system: Mechanism, start: State, options: RunOptions) -> RunResult:
     """Return accelerations and reactions at one state, as a result with a single sample."""
-    compiled = compile_system(system, (), options.switches)
+    compiled = compile_system(system, (), options.switches, modes_at(system, start))
     return Job(compiled, start, start.t, np.array([start.t]), options).evaluate()

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from helpers.forces import EXAMPLES as FORCES
+from helpers.forces import LOCKS
 from helpers.models import EXAMPLES, all_joints_mechanism, direction, example_system, random_body
 from helpers.refused_models import FORMS, HOSTILE, check_refused
 
@@ -124,7 +125,7 @@ def test_every_signal_comes_back(tmp_path, form):
 
 
 def test_no_part_is_forgotten():
-    covered = {*EXAMPLES, *(type(under(name, 1).forces[0]) for name in FORCES), *map(type, SIGNALS)}
+    covered = {*EXAMPLES, *(type(under(name, 1).forces[0]) for name in FORCES), *map(type, SIGNALS)} | set(LOCKS)
     wanted = {kind for kind in types().values() if issubclass(kind, Joint | ForceElement | Signal)}
     assert {kind.__name__ for kind in wanted - covered} == {"SavedForce"}  # which has lost its function
 

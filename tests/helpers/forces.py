@@ -15,6 +15,7 @@ from mbsd3d import (
     Brake,
     Bushing,
     CentralGravity,
+    Clutch,
     ConeStop,
     Contact,
     CustomForce,
@@ -22,10 +23,12 @@ from mbsd3d import (
     Force,
     ForceBetween,
     ForceCurve,
+    Freewheel,
     JointFriction,
     LinearActuator,
     Polynomial,
     Prismatic,
+    Ratchet,
     Revolute,
     Spherical,
     SpringDamper,
@@ -148,6 +151,9 @@ def _actuator(rng, a, b, thrust, stroke):
     ends = dict(at_a=a.position + 0.3 * direction(rng), at_b=b.position + 0.3 * direction(rng))
     return [], LinearActuator(a, b, **ends, thrust=thrust, rate=9.0, stroke=stroke, **STOP)
 
+
+LOCKS = (Clutch, Freewheel, Ratchet)
+"""Elements without a load of their own before a run switches them; tests/run/test_clutches.py is about them."""
 
 EXAMPLES = {
     "Force in world axes": lambda rng, a, b: ([], Force(b, _signals(rng), at=b.position + direction(rng))),

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from helpers.forces import EXAMPLES
+from helpers.forces import EXAMPLES, LOCKS
 from helpers.models import (
     Evaluation,
     across,
@@ -75,7 +75,7 @@ def element(name, seed, ground=None):
 def test_every_force_element_has_an_example():
     rng = np.random.default_rng(0)
     bodies = [random_body(rng, "one"), random_body(rng, "two")]
-    covered = {type(make(rng, *bodies)[1]) for make in EXAMPLES.values()}
+    covered = {type(make(rng, *bodies)[1]) for make in EXAMPLES.values()} | set(LOCKS)
     assert covered == concrete_subclasses(ForceElement) - {SavedForce}  # which has lost its function
     assert covered == public_classes(ForceElement)
 

@@ -160,6 +160,13 @@ def _engaged(rng: Generator, a: Any, b: Any) -> list[mbsd3d.Joint]:
     return [mbsd3d.Engaged(hinge, shift=shift, turn=turn)]
 
 
+def _switched(rng: Generator, a: Any, b: Any) -> mbsd3d.Joint:
+    """Return a hinge that holds at the start and is let go far away."""
+    far = mbsd3d.measures.distance(a, b) > 1e3
+    hinge = mbsd3d.Revolute(a, b, at=middle(rng, a, b), axis=direction(rng))
+    return mbsd3d.Switched(hinge, release=far, engaged=True)
+
+
 Factory = Callable[..., list[mbsd3d.Joint]]
 
 JOINTS: dict[type, Factory] = {
@@ -199,6 +206,10 @@ EXAMPLES: dict[type, Factory] = {
     mbsd3d.SpeedDriver: lambda rng, a, b, c, d: [mbsd3d.SpeedDriver(a, b, axis=direction(rng), speed=signal(rng, 0.4))],
     mbsd3d.LengthDriver: lambda rng, a, b, c, d: [_length_driver(rng, a, b)],
     mbsd3d.Engaged: lambda rng, a, b, c, d: _engaged(rng, a, b),
+    mbsd3d.Switched: lambda rng, a, b, c, d: [_switched(rng, a, b)],
+    mbsd3d.Breaks: lambda rng, a, b, c, d: [
+        mbsd3d.Breaks(mbsd3d.Revolute(a, b, at=middle(rng, a, b), axis=direction(rng)), force=1e3)
+    ],
 }
 """The same of couplings, which use all four bodies, and drivers: lists of joints that end with one of the class."""
 

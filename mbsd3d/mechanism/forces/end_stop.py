@@ -14,7 +14,9 @@ from ...compiler.records import Parameters
 from ...kernels.coordinates import value_and_rate
 from ..force_element import ForceElement, ForceRecord, hinge_coordinate
 from ..joints import Joint, coordinate_of
+from ..lock import Lock
 from ..primitives import Coordinate
+from ..switching import Mode, Watch
 
 END_STOP = Parameters(
     stiffness="N m/rad or N/m", damping="N m s/rad or N s/m", lower="rad or m", upper="rad or m"
@@ -67,6 +69,9 @@ def end_stop_gap(m, d, p, limit, t, seen):
     range_gap(own.lower, own.upper, limit, x, rate, seen)
 
 
+LOWER, UPPER = "held at the lower limit", "held at the upper limit"
+
+
 class Stop(ForceElement):
     """Base class of stops that are watched between the stages of a step, as contacts are.
 
@@ -82,8 +87,10 @@ class Stop(ForceElement):
 
 
 @part_class()
-class EndStop(Stop):
+class EndStop(Lock, Stop):
     """End stops of a hinge or slide: beyond a limit of the coordinate x a load ``max(0, k d + c d_dot)`` presses back.
+
+    With ``restitution=`` instead of a stiffness it is rigid: see below.
 
     d is how far x is beyond ``lower`` or ``upper``. Angles count turns from the reference pose, so that a stop may
     stand at any number of them. It never pulls: what leaves faster than the spring can follow leaves without load.
@@ -93,6 +100,11 @@ class EndStop(Stop):
     ``pi sqrt(m / k)``. It comes back with ``e v``: e = 0.5 takes ``c = 0.511 sqrt(k m)``, 0.8 takes
     ``0.149 sqrt(k m)``. On a hinge m is the moment of inertia.
 
+    A rigid stop, ``restitution=e``, is struck at an event: with the rates v before and v' after it, counted away from
+    the stop, and the impulses P of all stops that are closed, ``0 <= P``, ``v' + e v >= 0``, one of both zero. Bounces
+    that grow too low to be seen end in rest: the stop holds by a row until its load changes sign. Impacts and the
+    energy they take stand in ``solution.events``.
+
     Parameters
     ----------
     joint : Joint
@@ -100,15 +112,18 @@ class EndStop(Stop):
     lower, upper : float or None
         Limits [rad or m], counted from the reference pose; None: no stop there.
     stiffness, damping : float
-        k > 0 [N m/rad or N/m], c >= 0 [N m s/rad or N s/m].
+        k > 0 [N m/rad or N/m], c >= 0 [N m s/rad or N s/m], of a stop that yields.
+    restitution : float
+        e of 0 ... 1, of a rigid stop, which has no stiffness.
     of : "angle", "slide" or None
         What is limited where a joint has both; None: the angle, else the slide.
 
     Raises
     ------
     ValueError
-        For a joint without the coordinate, no limit at all, or a lower limit that is not below the upper one. A run
-        that starts from the reference pose, and that beyond a limit, is refused at its start.
+        For a joint without the coordinate, no limit at all, a lower limit that is not below the upper one, or both
+        stiffness and restitution. A run that starts from the reference pose, and that beyond a limit, is refused at
+        its start, of rigid stops one that starts beyond a limit anywhere.
 
     Examples
     --------
@@ -123,19 +138,28 @@ class EndStop(Stop):
     """
 
     law, law_parameters = staticmethod(end_stop), END_STOP
+    leaves = "is left"
     gap, gaps = staticmethod(end_stop_gap), 2
 
     joint: Joint
     _: KW_ONLY
     lower: NumberOrNone = kept(default=None)
     upper: NumberOrNone = kept(default=None)
-    stiffness: Number = kept(positive=True)
+    stiffness: NumberOrNone = kept(default=None, positive=True)
     damping: Number = kept(default=0.0, minimum=0.0)
+    restitution: NumberOrNone = kept(default=None, minimum=0.0)
     of: str | None = None
 
     def check(self, what: str) -> None:
         check_choice(self.of, (None, "angle", "slide"), f"{what}: of")
         self.coordinate(what)
+        if (self.stiffness is None) == (self.restitution is None):
+            raise InputError(f"{what}: give either stiffness= of a stop that yields, or restitution= of a rigid one")
+        if self.restitution is not None and (self.restitution > 1.0 or self.damping):
+            raise InputError(
+                f"{what}: restitution = {self.restitution:g} with damping = {self.damping:g}; give 0 ... 1, and no "
+                "damping"
+            )
         if self.lower is None and self.upper is None:
             raise InputError(f"{what}: neither lower nor upper; give at least one limit")
         if self.lower is not None and self.upper is not None and not self.lower < self.upper:
@@ -143,7 +167,41 @@ class EndStop(Stop):
                 f"{what}: lower = {self.lower:g} is not below upper = {self.upper:g}; exchange them or set them apart"
             )
 
-    def coordinate(self, what: str) -> Coordinate:
+    @property
+    def switches(self) -> bool:
+        """Return whether it is rigid."""
+        return self.restitution is not None
+
+    @property
+    def bounce(self) -> float:
+        return self.restitution or 0.0
+
+    def through(self) -> Joint:
+        return self.joint
+
+    def sense(self, mode: Mode) -> float:
+        return -1.0 if mode.name == UPPER else 1.0
+
+    def depth(self, x: float) -> float:
+        lower, upper = self.limits
+        return max(lower - x, x - upper)
+
+    def touching(self, mode: Mode, x: float, rate: float, slack: float, slow: float) -> Mode | None:
+        if self.lower is not None and x <= self.lower + slack:
+            return Mode(LOWER, (self.lower,))
+        if self.upper is not None and x >= self.upper - slack:
+            return Mode(UPPER, (self.upper,))
+        return None
+
+    def watched(self, mode: Mode) -> list[Watch]:
+        if self.holds(mode):
+            return self.watch_load(mode)
+        found = [] if self.lower is None else [Watch(self.value_measure() < self.lower, "is struck at its lower limit")]
+        return found + (
+            [] if self.upper is None else [Watch(self.value_measure() > self.upper, "is struck at its upper limit")]
+        )
+
+    def coordinate(self, what: str = "") -> Coordinate:
         """Return the coordinate that is limited."""
         return hinge_coordinate(self.joint, what) if self.of is None else coordinate_of(self.joint, self.of, what)
 
@@ -157,8 +215,8 @@ class EndStop(Stop):
         return max(lower, -upper, 0.0)
 
     def record(self) -> ForceRecord:
-        x, (lower, upper) = self.coordinate(""), self.limits
-        return ForceRecord((x.a, x.b), parameters=self.read_by_law(lower=lower, upper=upper), coordinate=x)
-
-    def partners(self) -> tuple:
-        return (self.joint,)
+        x, (lower, upper), stiffness = self.coordinate(), self.limits, self.stiffness
+        if stiffness is None:  # a rigid one has no load of its own
+            lower, upper, stiffness = -np.inf, np.inf, 1.0
+        own = self.read_by_law(lower=lower, upper=upper, stiffness=stiffness)
+        return ForceRecord((x.a, x.b), parameters=own, coordinate=x)

@@ -43,7 +43,7 @@ def as_measures(value: Any, what: str, part: Any) -> tuple[Measure, ...]:
     for x in seen:
         if not isinstance(x, Measure):
             raise InputError(f"{what}: {x!r} is not a measure; build one with mbsd3d.measures")
-        if x.joint is not None:
+        if x.joint is not None or x.kind == "holding load":
             raise InputError(
                 f"{what}: the load would change {x.label}, which it reads at the same time; give measures of motion"
             )

@@ -88,6 +88,10 @@ class Joint(Part):
         """Return the notes that the certificate adds for this joint."""
         return []
 
+    def held(self) -> "Joint":
+        """Return the joint that the part stands for: itself, of a switched joint the one that it switches."""
+        return self
+
     def partners(self) -> list["Joint"]:
         """Return the other joints that this one acts through; they must be in the system too."""
         return []

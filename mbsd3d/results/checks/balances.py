@@ -15,6 +15,7 @@ from .check import DRIFT_LIMIT_MAX, Check, Scales, largest, longest, rounding_of
 
 QUADRATURE = 0.3  # of the momenta is what quadratures of fixed steps may leave open: of gears in steps of 1.6 rad,
 DETERMINED = 1.0  # and of all balances where drivers determine the motion: of Cardan shafts in steps of up to 3 rad
+BALANCES = ("energy balance", "momentum balance", "angular momentum")
 DIFFERENCES = 3.0  # times the difference of two quadratures is what one may err
 WORK_ROUNDING = 1e-6  # [1] of the energy: less work is rounding, also of poses near dead centres
 
@@ -55,9 +56,10 @@ def balances(whole: RunResult, scale: Scales) -> tuple[Balance, Balance, Balance
     impulse = change(whole.arrays["z"][:, model.z_impulse :])
     push, turn = impulse[:, :3], impulse[:, 3:]
     kinetic, carried = energy.kinetic, np.zeros(push.shape[0])
-    if mass and not (model.row["body"] == model.body.size).any():
+    held = any((part.compiled.model.row["body"] == model.body.size).any() for part in (whole, *whole.pieces))
+    if mass and not held:
         kinetic, carried = about.kinetic, ((about.velocity[0] + 0.5 * push / mass) * push).sum(axis=1)
-    gained = change(kinetic) + change(energy.potential) - change(energy.work) + carried
+    gained = change(kinetic) + change(energy.potential) - change(energy.work) + carried + change(energy.lost)
     moved, turned = mass * change(about.velocity) - push, change(about.angular) - turn
     shaken = scale.rate * model.length + scale.acceleration * float(whole.t[-1] - whole.t[0])
     spread = scale.speed * scale.angular_momentum / scale.momentum + shaken * scale.reach  # by places and by velocities
@@ -80,12 +82,14 @@ def balance_checks(solution: RunResult, limit: float, equations_met: bool) -> li
     whole, record, inertial = since_start(solution), solution.record, "an inertial term is missing"
     scale, rounding = scales_of(whole), rounding_of(record)
     kinds = (
-        ("energy balance", scale.energy, DRIFT_LIMIT_MAX, energy_meaning(record.method)),
-        ("momentum balance", scale.momentum, QUADRATURE, inertial),
-        ("angular momentum", scale.angular_momentum, QUADRATURE, inertial),
+        (scale.energy, DRIFT_LIMIT_MAX, energy_meaning(record.method)),
+        (scale.momentum, QUADRATURE, inertial),
+        (scale.angular_momentum, QUADRATURE, inertial),
     )
     checks = []
-    for (name, size, most, meaning), found, open_ in zip(kinds, balances(whole, scale), record.open_audit, strict=True):
+    for name, (size, most, meaning), found, open_ in zip(
+        BALANCES, kinds, balances(whole, scale), record.open_audit, strict=True
+    ):
         known = max(min(rounding * found.terms / size, DRIFT_LIMIT_MAX), min(DIFFERENCES * open_ / size, most))
         checks.append(Check(name, found.gap / size, max(limit, known), meaning))
     checks = checks if record.about_centre else checks[:2]

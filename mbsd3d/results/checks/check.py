@@ -75,7 +75,12 @@ class Scales:
 
 
 def scales_of(solution: RunResult) -> Scales:
-    """Return sizes from the run itself, with floors from gravity, so that a mechanism at rest has scales too."""
+    """Return sizes from the run itself, with floors from gravity, so that a mechanism at rest has scales too.
+
+    A piece between two events has those of the whole run.
+    """
+    if "scales" in solution.derived:
+        return solution.derived["scales"]
     arrays, system, length = solution.arrays, solution.system, solution.compiled.model.length
     about, spin, g = solution.about_centre, longest(arrays["v"][..., 3:]), float(np.linalg.norm(system.gravity))
     speed = max(about.fastest, length * spin, solution.record.speed)  # samples may all be of a machine at rest

@@ -72,7 +72,7 @@ def rounding_checks(solution: RunResult, found: Rounding) -> list[Check]:
     gap = gaping(solution.record)  # `solver` takes joints as closed
     checks = [Check("accelerations", largest(motion), max(KNOWN_MOTION, gap), meaning)]
     if joint_of.size:
-        joint = system.name(system.joints[joint_of[found.row[np.argmax(forces)]]])
+        joint = system.name(solution.compiled.holders[joint_of[found.row[np.argmax(forces)]]])
         meaning = f"rounding leaves the reactions of '{joint}' open; masses or lengths differ too much"
         checks.append(Check("reactions", largest(forces), max(KNOWN_FORCES, gap), meaning))
     return checks
