@@ -16,6 +16,7 @@ from ...mechanism.couplings import Gear, RackPinion
 from ...mechanism.drivers import AngleDriver, SlideDriver
 from ...mechanism.force_element import ForceElement
 from ...mechanism.forces.applied import Force
+from ...mechanism.forces.between import ForceBetween, TorqueBetween
 from ...mechanism.forces.brake import Brake
 from ...mechanism.forces.bushing import Bushing
 from ...mechanism.forces.springs import TorsionSpring
@@ -26,6 +27,7 @@ from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes.shape import Shape
 from ...mechanism.shapes.solids import Box, Capsule, Cylinder, Ellipsoid, MeshFile, Sphere
 from ...mechanism.shapes.triangles import MESH_SUFFIXES
+from ...mechanism.signals.signal import Input, Signal
 from .facts import Facts, carried, felt_inertia, length_of
 from .imported import Imported, NotBuilt, Point, grouped, judged
 from .joints import COINCIDENCE_ROUNDING, acts_along, check_independent, has_coordinate, joint_of
@@ -52,6 +54,7 @@ class Choices(NamedTuple):
     strict: bool = False
     inertia: str = "as given"
     geometry: str = "draw"
+    inputs: bool = False
 
 
 class Builder:
@@ -64,6 +67,8 @@ class Builder:
             for x in facts["foreign"]
         ]
         self.bodies: dict[int, Any] = {0: GROUND}
+        self.inputs: dict[str, tuple[float, float] | None] = {}
+        self.actuators = self.to_build() if choices.inputs else self.inactive_actuators()
         self.group = grouped(body["weld"] for body in facts["bodies"])  # what is welded to a body, itself first
         self.joints_of = grouped(joint["body"] for joint in facts["joints"])
         self.coupled = {k for e in facts["equalities"] if e["type"] == "joint" for k in e["joints"]}
@@ -99,6 +104,8 @@ class Builder:
         for equality in self.facts["equalities"]:
             self.close(equality)
         self.hold_weights()
+        for actuator in self.actuators:
+            self.actuate(actuator)
         if brakes := sum(isinstance(force, Brake) for force in self.forces):
             self.said.append(f"dry friction of {counted(brakes, 'joint')} yields by {BRAKE_YIELD:g} rad or m at rest")
         verdict = judged(self.not_built, self.choices.leave_out, self.choices.strict)
@@ -115,7 +122,7 @@ class Builder:
         idle = {kind: n for kind, n in self.facts["idle"].items() if n}
         return Imported(
             system, merged, self.renamed, verdict.dropped, idle, verdict.inactive, tuple(self.said),
-            tuple(dict.fromkeys(self.missing)), states, points,
+            tuple(dict.fromkeys(self.missing)), states, points, self.inputs,
         )  # fmt: skip
 
     def name(self, wanted: str, kind: str) -> str:
@@ -303,6 +310,53 @@ class Builder:
             self.forces.append(Bushing(a, b, at=at, stiffness=0.0, damping=c_line, turning_damping=c, name=name))
         else:
             self.foreign("passive", f"stiffness or damping of {part['type']} {part['name']}", "joint", part["name"])
+
+    def inactive_actuators(self) -> list[Facts]:
+        """Say that actuators do nothing; none of them is built."""
+        names = [actuator["name"] for actuator in self.facts.get("actuators", ())]
+        if names:
+            more = f" and {len(names) - 10} more" if len(names) > 10 else ""
+            self.not_built.append(NotBuilt("actuator", ", ".join(names[:10]) + more, number=len(names)))
+        return []
+
+    def to_build(self) -> list[Facts]:
+        """Return the actuators that are motors or servos of one joint, which then needs a coordinate; list the rest."""
+        found = []
+        for actuator in self.facts.get("actuators", ()):
+            if actuator["why"]:
+                self.foreign("input", f"{actuator['name']} {actuator['why']}", "actuator", actuator["name"])
+            else:
+                self.facts["joints"][actuator["joint"]]["actuated"] = True
+                found.append(actuator)
+        return found
+
+    def actuate(self, actuator: Facts) -> None:
+        """Build g u + c - k (x + x_0) - d x_dot on a coordinate, with the command u as an `Input` of its name.
+
+        A torque along the axis, or a force along it, between the bodies of the joint; the servo is a spring and damper.
+        """
+        name, part = actuator["name"], self.facts["joints"][actuator["joint"]]
+        joint, title = self.coordinate[actuator["joint"]], self.name(name, "actuator")
+        push = actuator["gain"] * Input(name)
+        if actuator["constant"]:
+            push = push + actuator["constant"]
+        axis = joint.a.local_axis(np.array(part["axis"]))
+        load: list[Signal | float] = [x * push if x else 0.0 for x in axis.tolist()]
+        ends = (joint.a, joint.b, load)
+        self.forces.append(
+            TorqueBetween(*ends, frame="a", name=title)
+            if part["type"] == "hinge"
+            else ForceBetween(*ends, frame="a", at=part["anchor"], name=title)
+        )
+        k, d = actuator["stiffness"], actuator["damping"]
+        if k or d:
+            servo = self.name(f"{name} servo", "spring")
+            values = {"stiffness": k, "damping": d, "angle": -actuator["origin"]}
+            self.forces.append(TorsionSpring(joint, **values, name=servo))
+        limits = actuator["range"]
+        self.inputs[name] = None if limits is None else (float(limits[0]), float(limits[1]))
+        if actuator["limited"]:
+            self.foreign("effort", f"range of {name}", "actuator", name)
 
     def hold_weights(self) -> None:
         """Build what balances weights: -g m G upwards at the centre of mass of a body of the file."""

@@ -155,12 +155,12 @@ Named = TypeVar("Named", Link, Connection)
 class Robot:
     """A URDF file; xacro is run where it is used."""
 
-    def __init__(self, path: Path, folders: Folders, floating: bool | None, timeout: float) -> None:
+    def __init__(self, path: Path, folders: Folders, floating: bool | None, timeout: float, inputs: bool) -> None:
         text = read_text(path, FILES_BYTES_MAX)
         root = tree_of(path, expanded(path, folders, timeout) if is_xacro(path, text) else text)
         if root.tag != "robot":
             raise InputError(f"'{path}': its root is <{root.tag}>, not <robot>; use the reader of its format")
-        self.root, self.folders, self.floating = root, folders, floating
+        self.root, self.folders, self.floating, self.inputs = root, folders, floating, inputs
         self.idle: Counter[str] = Counter()
         self.said: list[str] = []
         self.chosen: list[str] = []
@@ -188,6 +188,8 @@ class Robot:
         self.base(facts, order[0])
         places = self.list_joints(facts, number)
         self.list_mimics(facts, places)
+        if self.inputs:
+            facts["actuators"] = self.motors(places)
         self.list_contacts(bodies)
         for body in bodies:
             body["geoms"] = self.geoms(body.pop("link"))
@@ -456,6 +458,20 @@ class Robot:
             facts["equalities"].append(
                 {"name": title, "type": "joint", "joints": [place, leads], "polynomial": polynomial}
             )
+
+    def motors(self, places: dict[str, int]) -> list[Facts]:
+        """Return a motor of every hinge and slide that follows no other, as the format has no actuators of its own."""
+        found = []
+        for name, place in places.items():
+            joint = self.joints[name]
+            if joint.kind not in ("hinge", "slide") or self.leader(joint) is not None:
+                continue
+            limits = joint.node.one("limit")
+            effort = limits.number("effort", 0.0) if limits is not None else 0.0
+            plain = {"why": "", "gain": 1.0, "constant": 0.0, "stiffness": 0.0, "damping": 0.0, "origin": 0.0}
+            span = [-effort, effort] if effort > 0.0 else None
+            found.append({"name": name, "joint": place, "range": span, "limited": False} | plain)
+        return found
 
     def list_contacts(self, bodies: list[Facts]) -> None:
         """List bodies that could collide."""

@@ -225,11 +225,9 @@ class Facts:
     def list_foreign(self) -> None:
         """List everything that acts on the motion, always or at times, and is not among the facts."""
         m = self.model
-        for kind in ("actuator", "flex"):
-            count = getattr(m, f"n{kind}")
-            if count and not (kind == "actuator" and self.off("ACTUATION")):
-                names = [self.name(kind, i) for i in range(min(count, 10))]
-                self.add(kind, ", ".join(names) + (f" and {count - 10} more" if count > 10 else ""), count=count)
+        if m.nflex:
+            names = [self.name("flex", i) for i in range(min(m.nflex, 10))]
+            self.add("flex", ", ".join(names) + (f" and {m.nflex - 10} more" if m.nflex > 10 else ""), count=m.nflex)
         for i in range(m.ntendon):
             self.list_tendon(i)
         for i in range(m.njnt):
@@ -268,6 +266,50 @@ class Facts:
             self.add("armature", f"of {name}, an actuator of no single hinge or slide", ("actuator", name))
         if self.curved(0.0, (m.actuator_dampingpoly[i].any(), m.actuator_damping[i] and not single)):
             self.add("passive", f"damping of {name}, an actuator", ("actuator", name))
+
+    def actuators(self) -> list[dict[str, Any]]:
+        """Return what actuators do: gear (g u + b0 + b1 l + b2 l_dot) along a joint with l = gear q, u the command.
+
+        q counts as the file does, from ``origin`` at the reference pose.
+        """
+        m, found = self.model, []
+        for i in range(0 if self.off("ACTUATION") else m.nactuator):
+            joint, gear = int(m.actuator_trnid[i, 0]), float(m.actuator_gear[m.actuator_outadr[i], 0])
+            name, why = self.name("actuator", i), self.why_asked(i)
+            gain, (b0, b1, b2) = float(m.actuator_gainprm[i, 0]), m.actuator_biasprm[i, :3]
+            if m.actuator_biastype[i] == self.mujoco.mjtBias.mjBIAS_NONE:
+                b0 = b1 = b2 = 0.0
+            command = m.actuator_ctrladr[i]  # an actuator may have several, or none
+            span = m.actuator_ctrlrange[command] if not why and m.actuator_ctrllimited[command] else None
+            forced = m.actuator_forcelimited[i] or (not why and m.jnt_actfrclimited[joint])
+            found.append(
+                {
+                    "name": name, "joint": joint, "why": why, "gain": gear * gain, "constant": gear * b0,
+                    "stiffness": -(gear**2) * b1, "damping": -(gear**2) * b2,
+                    "origin": 0.0 if why else self.start[m.jnt_qposadr[joint]],
+                    "range": span, "limited": bool(span is not None or forced),
+                }
+            )  # fmt: skip
+        return found
+
+    def why_asked(self, i: int) -> str:
+        """Return why an actuator is no motor and no servo of a hinge or slide, "" if it is one."""
+        m, mujoco = self.model, self.mujoco
+        if m.actuator_trntype[i] not in self.gears or not self.is_single(m.actuator_trnid[i, 0]):
+            return "acts on no single hinge or slide"
+        if m.opt.disableactuator & (1 << max(int(m.actuator_group[i]), 0)):
+            return "is of a group that is switched off"
+        if m.actuator_dyntype[i] != mujoco.mjtDyn.mjDYN_NONE or m.actuator_delay[i] > 0.0:
+            return "has a state of its own"
+        fixed = m.actuator_gaintype[i] == mujoco.mjtGain.mjGAIN_FIXED
+        affine = m.actuator_gaintype[i] == mujoco.mjtGain.mjGAIN_AFFINE and not m.actuator_gainprm[i, 1:3].any()
+        if not (fixed or affine) or m.actuator_biastype[i] not in (
+            int(mujoco.mjtBias.mjBIAS_NONE), int(mujoco.mjtBias.mjBIAS_AFFINE),
+        ):  # fmt: skip
+            return "has a gain or bias that is not that of a motor or servo"
+        if m.actuator_biastype[i] != mujoco.mjtBias.mjBIAS_NONE and m.actuator_biasprm[i, 1:3].max() > 0.0:
+            return "pushes away from where it is, or along its motion"
+        return ""
 
     def list_tendon(self, i: int) -> None:
         """List a tendon that pulls always, or whose length is limited; others only measure."""
@@ -353,6 +395,7 @@ class Facts:
         self.list_foreign()
         facts: dict[str, Any] = {"bodies": self.bodies(), "joints": self.joints(), "equalities": self.equalities()}
         facts |= {"keys": self.keys(), "points": self.points(), "said": self.said, "missing": self.missing}
+        facts["actuators"] = self.actuators()
         idle = {kind: int(getattr(m, f"n{kind}")) for kind in ("sensor", "key", "cam", "light", "site", "geom")}
         gravity = np.zeros(3) if self.off("GRAVITY") else m.opt.gravity
         return facts | {"gravity": gravity, "foreign": self.foreign, "idle": idle}
