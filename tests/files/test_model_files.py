@@ -398,7 +398,7 @@ def test_check_and_run_take_models_of_mujoco(tmp_path):
         result = command("check", path, option, "limit,contact")
         assert result.exit_code == 0
         assert result.stderr == "mbsd3d: 1 joint, 1 body\nmbsd3d: left out limit: range of hinge\n"
-    path.write_text(path.read_text().replace("<worldbody>", '<option density="1.3" viscosity="0.1"/><worldbody>'))
+    path.write_text(path.read_text().replace("<worldbody>", '<option density="1.3" wind="1 0 0"/><worldbody>'))
     refused = command("check", path)
     assert refused.exit_code == 2 and re.search(r"cannot import fluid: .*; give --leave-out fluid, or", refused.stderr)
     assert command("check", path, "--leave-out", "fluid").exit_code == 0

@@ -19,6 +19,7 @@ from ...mechanism.forces.applied import Force
 from ...mechanism.forces.between import ForceBetween, TorqueBetween
 from ...mechanism.forces.brake import Brake
 from ...mechanism.forces.bushing import Bushing
+from ...mechanism.forces.fluid_drag import FluidDrag
 from ...mechanism.forces.springs import TorsionSpring
 from ...mechanism.joints import Joint
 from ...mechanism.joints.pairs import Fixed, Revolute, Spherical
@@ -104,6 +105,7 @@ class Builder:
         for equality in self.facts["equalities"]:
             self.close(equality)
         self.hold_weights()
+        self.drag()
         for actuator in self.actuators:
             self.actuate(actuator)
         if brakes := sum(isinstance(force, Brake) for force in self.forces):
@@ -366,6 +368,16 @@ class Builder:
                 up = -share * body["mass"] * np.array(self.facts["gravity"])
                 name = self.name(f"{body['name']} gravcomp", "force")
                 self.forces.append(Force(carrier, up, at=body["centre"], name=name))
+
+    def drag(self) -> None:
+        """Build the drag of a fluid on the box of the inertia of each body of the file."""
+        if "fluid" in self.choices.leave_out:
+            return
+        for i, body in enumerate(self.facts["bodies"]):
+            box, carrier = body.get("fluid"), self.carrier(i)
+            if box and carrier is not GROUND:
+                name = self.name(f"{body['name']} fluid", "force")
+                self.forces.append(FluidDrag(carrier, **box, at=body["centre"], name=name))
 
     def point(self, point: Facts) -> Point:
         """Return a point and its axes in those of the body that carries it."""

@@ -138,6 +138,7 @@ class Facts:
                     "centre": d.xipos[i],
                     "inertia": C @ np.diag(m.body_inertia[i]) @ C.T,
                     "gravcomp": m.body_gravcomp[i] if balanced else 0.0,
+                    "fluid": self.box(i),
                     "geoms": [self.geom(k) for k in range(m.body_geomadr[i], m.body_geomadr[i] + m.body_geomnum[i])],
                 }
             )
@@ -247,12 +248,36 @@ class Facts:
             self.add("mocap", self.name("body", i), ("body", self.name("body", i)))
         if m.nplastic:
             self.add("passive", f"{m.nplastic} plastic joints")
-        if self.passive and (m.opt.density or m.opt.viscosity):
-            self.add("fluid", f"density {m.opt.density:g}, viscosity {m.opt.viscosity:g}", ("option", ""))
+        if self.in_fluid:
+            self.list_fluid()
         if m.opt.enableflags & self.mujoco.mjtEnableBit.mjENBL_SLEEP:
             self.add("sleep", "of bodies at rest", ("option", ""), count=0)
         if not self.off("CONTACT"):
             self.list_contacts()
+
+    @property
+    def in_fluid(self) -> bool:
+        """Return whether a fluid acts on the bodies."""
+        return self.passive and bool(self.model.opt.density or self.model.opt.viscosity)
+
+    def list_fluid(self) -> None:
+        """List what a fluid does that a box of the inertia of a body in a fluid at rest does not."""
+        m = self.model
+        if m.opt.wind.any():
+            self.add("fluid", f"wind {' '.join(f'{x:g}' for x in m.opt.wind)}", ("option", ""))
+        for i in np.flatnonzero(m.geom_fluid[:, 0] > 0.0).tolist():
+            name = self.name("geom", i)
+            self.add("fluid", f"the ellipsoid model of {name}", ("geom", name))
+
+    def box(self, i: int) -> dict[str, Any] | None:
+        """Return the box of the inertia of a body, on which a fluid acts: edges L_i^2 = 6/m (I_j + I_k - I_i), and axes."""
+        m, mass, I = self.model, float(self.model.body_mass[i]), self.model.body_inertia[i]
+        if not self.in_fluid or mass < self.mujoco.mjMINVAL:
+            return None
+        quaternion = np.zeros(4)
+        self.mujoco.mju_mat2Quat(quaternion, self.data.ximat[i])
+        lengths = np.sqrt(np.maximum(I.sum() - 2.0 * I, 0.0) * 6.0 / mass)
+        return {"lengths": lengths, "axes": quaternion, "density": m.opt.density, "viscosity": m.opt.viscosity}
 
     def curved(self, stiffness: Any, damping: Any) -> bool:
         """Return whether coefficients of higher powers act."""
