@@ -270,7 +270,7 @@ class Facts:
             self.add("fluid", f"the ellipsoid model of {name}", ("geom", name))
 
     def box(self, i: int) -> dict[str, Any] | None:
-        """Return the box of the inertia of a body, on which a fluid acts: edges L_i^2 = 6/m (I_j + I_k - I_i), and axes."""
+        """Return the box of inertia of a body, on which a fluid acts: edges L_i^2 = 6/m (I_j + I_k - I_i), and axes."""
         m, mass, I = self.model, float(self.model.body_mass[i]), self.model.body_inertia[i]
         if not self.in_fluid or mass < self.mujoco.mjMINVAL:
             return None
