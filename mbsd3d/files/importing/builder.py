@@ -31,7 +31,7 @@ from ...mechanism.shapes.triangles import MESH_SUFFIXES
 from ...mechanism.signals.signal import Input, Signal
 from .facts import Facts, carried, felt_inertia, length_of
 from .imported import Imported, NotBuilt, Point, grouped, judged
-from .joints import COINCIDENCE_ROUNDING, acts_along, check_independent, has_coordinate, joint_of
+from .joints import acts_along, check_independent, has_coordinate, joint_of
 from .keyframes import Frame, state_of
 
 MOMENT_ROUNDING = 1e-12  # [m L^2] of mass and extent of the model: a negative principal moment that is rounding
@@ -395,10 +395,10 @@ class Builder:
             self.joints.append(made)
 
     def closure(self, equality: Facts, name: str) -> Joint | None:
-        """Keep two points together, or two bodies as they are at the reference pose."""
+        """Keep two points together, or two bodies as they are at the reference pose, in which loops are closed."""
         a, b = (self.carrier(k) for k in equality["bodies"])
         at, at_b = equality["points"]
-        if a is b or equality["turn"] > COINCIDENCE_ROUNDING:
+        if a is b:
             return None
         return (Fixed if equality["type"] == "weld" else Spherical)(a, b, at=at, at_b=at_b, name=name)
 

@@ -27,6 +27,7 @@ JOINT_KINDS = {
     "fixed": "fixed",
 }  # fmt: skip
 LINK_TAGS = ("inertial", "visual", "collision")
+INERTIAL_TAGS = ("mass", "inertia", "origin")
 JOINT_TAGS = ("parent", "child", "origin", "axis", "limit", "dynamics", "mimic", "safety_controller")
 READ_ATTRIBUTES = {
     "origin": ("xyz", "rpy"), "axis": ("xyz",), "mass": ("value",), "mimic": ("joint", "multiplier", "offset"),
@@ -174,6 +175,7 @@ class Robot:
 
     def facts(self) -> Facts:
         """Return bodies, joints and couplings for the builder."""
+        check_case(self.root, ("link", "joint"))
         self.idle.update(child.tag for child in self.root.children if child.tag not in ("link", "joint"))
         self.links = {link.name: link for link in self.read_links()}
         self.joints = {joint.name: joint for joint in once_each(self.root.all("joint"), self.joint)}
@@ -217,11 +219,13 @@ class Robot:
         """Read a link with its mass, and inertia about its centre of mass in its own axes."""
         link = Link(node.text("name"), node)
         self.places["body", link.name] = node.place
+        check_case(node, LINK_TAGS)
         self.idle.update(child.tag for child in node.children if child.tag != "inertial")
         inertial = node.one("inertial")
         if inertial is None:
             return link
-        mass, inertia, origin = (inertial.one(tag) for tag in ("mass", "inertia", "origin"))
+        check_case(inertial, INERTIAL_TAGS)
+        mass, inertia, origin = (inertial.one(tag) for tag in INERTIAL_TAGS)
         if mass is None or inertia is None:
             what = "mass" if mass is None else "inertia"
             raise InputError(f"{inertial.place} of link '{link.name}' has no <{what}>; give it, zeros for none")
@@ -240,6 +244,7 @@ class Robot:
         """Read a joint, between links that are there."""
         name, kind = node.text("name"), node.text("type")
         self.places["joint", name] = node.place
+        check_case(node, JOINT_TAGS)
         self.idle.update(child.tag for child in node.children if child.tag not in JOINT_TAGS)
         if kind not in JOINT_KINDS:
             have = ", ".join(JOINT_KINDS)
@@ -551,6 +556,13 @@ def once_each(nodes: Sequence[Node], read: Callable[[Node], Named]) -> list[Name
             raise InputError(f"{node.place}: a second {node.tag} is named '{part.name}'; give each its own name")
         found[part.name] = part
     return list(found.values())
+
+
+def check_case(node: Node, known: tuple[str, ...]) -> None:
+    """Refuse tags that are known but for their case, which readers pass over without a word."""
+    for child in node.children:
+        if child.tag not in known and child.tag.lower() in known:
+            raise InputError(f"{child.place}: is not read in this case; write <{child.tag.lower()}>")
 
 
 def is_idle(name: str, value: str) -> bool:

@@ -22,6 +22,11 @@ from .guarded import reply
 VISIBLE_GROUPS = 3  # [1] groups of geoms below this are shown by MuJoCo; contact shapes are usually in group 3
 POSES_MAX = 100_000  # [1] of bodies in all key frames
 RULE_ROUNDING = 1e-9  # [1] of the largest coordinate, by which equalities of one joint may differ: their digits
+CLOSING_ITERATIONS_MAX = 60  # [1] steps to close loops: half of them for turns by the largest step, then quadratic
+CLOSING_STEP_MAX = 0.2  # [rad, m] of a coordinate in a step
+CLOSING_ROUNDING = 1e-12  # [1] of the extent of the model, by which a closed loop gapes
+CLOSING_RANK = 1e-9  # [1] of the largest singular value, below which rows repeat each other
+LENGTH_MIN = 0.01  # [m] that a model has at least
 STAND_IN_RADIUS = 1e-3  # [m] of the ball that stands for a mesh that is not needed
 TENDON_LOADS = {
     "stiffness": "SPRING", "stiffnesspoly": "SPRING", "damping": "DAMPER", "dampingpoly": "DAMPER",
@@ -45,7 +50,7 @@ class Facts:
         self.missing = looks.missing
         self.gears = [int(getattr(mujoco.mjtTrn, f"mjTRN_{kind}")) for kind in ("JOINT", "JOINTINPARENT")]
         self.data = mujoco.MjData(self.model)
-        self.start = self.reference()
+        self.start = self.closed(self.reference())
         self.data.qpos[:] = self.start
         mujoco.mj_kinematics(self.model, self.data)
 
@@ -69,6 +74,43 @@ class Facts:
                 self.said.append(f"'{name}' counts from {start[y]:g}, where it starts")
         self.said = list(dict.fromkeys(self.said))
         return start
+
+    def closed(self, start: np.ndarray) -> np.ndarray:
+        """Return the pose near ``start`` in which all connections and couplings hold, by Newton's method; say so.
+
+        Steps are the least ones, in the velocities of MuJoCo, whose own residuals and Jacobian they use.
+        """
+        m, mujoco = self.model, self.mujoco
+        m.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+        d, q = mujoco.MjData(m), start.copy()
+        worst, gap, first, length = -1, 0.0, 0.0, LENGTH_MIN + float(m.stat.extent)
+        for iteration in range(CLOSING_ITERATIONS_MAX):
+            d.qpos[:] = q
+            mujoco.mj_fwdPosition(m, d)
+            rows = [k for k in range(d.nefc) if self.closes(d, k)]
+            if not rows:
+                return start
+            residual = d.efc_pos[rows]
+            worst, gap = int(d.efc_id[rows[int(np.abs(residual).argmax())]]), float(np.abs(residual).max())
+            first = first or gap
+            if gap <= CLOSING_ROUNDING * length:
+                break
+            step = -np.linalg.lstsq(d.efc_J.reshape(d.nefc, m.nv)[rows], residual, rcond=CLOSING_RANK)[0]
+            mujoco.mj_integratePos(m, q, step * min(1.0, CLOSING_STEP_MAX / np.abs(step).max()), 1.0)
+        else:
+            raise InputError(
+                f"equality '{self.name('equality', worst)}' stays open by {gap:.3g} m or rad; correct its points, or "
+                "the pose at the start (ref=)"
+            )
+        if iteration:
+            self.said.append(f"loops open by {first:.2g} m or rad are closed; joints count from the pose so found")
+        return q if iteration else start
+
+    def closes(self, d: Any, k: int) -> bool:
+        """Return whether a row of constraints is one of an equality that is built."""
+        kinds = self.mujoco.mjtEq
+        built = (int(kinds.mjEQ_CONNECT), int(kinds.mjEQ_WELD), int(kinds.mjEQ_JOINT))
+        return d.efc_type[k] == self.mujoco.mjtConstraint.mjCNSTR_EQUALITY and self.model.eq_type[d.efc_id[k]] in built
 
     def followed(self, i: int, q: np.ndarray) -> float:
         """Return where a joint equality puts its follower: y0 + a0 + a1 (x - x0), or y0 + a0 without a leader."""
@@ -199,29 +241,22 @@ class Facts:
             elif kind == "joint":
                 found.append({"name": name, "type": kind, "joints": parts, "polynomial": m.eq_data[i, :5]})
             elif kind in ("connect", "weld"):
+                loose = kind == "weld" and m.eq_data[i, 10] == 0.0  # its torque is scaled by 0: it holds points only
                 held = self.ends(i, kind)
-                if kind == "weld" and m.eq_data[i, 10] == 0.0:  # its torque is scaled by 0: it holds points only
-                    kind, held["turn"] = "connect", 0.0
-                found.append({"name": name, "type": kind, **held})
+                found.append({"name": name, "type": "connect" if loose else kind, **held})
             else:
                 self.add("equality", f"{name} ({kind})", element)
         return found
 
     def ends(self, i: int, kind: str) -> dict[str, Any]:
-        """Return bodies and world points of a connection, and by how much a weld is turned at qpos0."""
+        """Return bodies and world points of a connection, at the pose in which it holds."""
         m, d = self.model, self.data
         ids, data = (int(m.eq_obj1id[i]), int(m.eq_obj2id[i])), m.eq_data[i]
         if m.eq_objtype[i] == self.mujoco.mjtObj.mjOBJ_SITE:
-            bodies, points = [int(m.site_bodyid[k]) for k in ids], [d.site_xpos[k] for k in ids]
-            turn = np.abs(d.site_xmat[ids[0]] - d.site_xmat[ids[1]]).max()
-            return {"bodies": bodies, "points": points, "turn": turn}
+            return {"bodies": [int(m.site_bodyid[k]) for k in ids], "points": [d.site_xpos[k] for k in ids]}
         local = (data[0:3], data[3:6]) if kind == "connect" else (data[3:6], data[0:3])
         points = [d.xpos[k] + d.xmat[k].reshape(3, 3) @ x for k, x in zip(ids, local, strict=True)]
-        wanted, error = np.zeros(4), np.zeros(9)
-        self.mujoco.mju_mulQuat(wanted, d.xquat[ids[0]], data[6:10])
-        self.mujoco.mju_quat2Mat(error, wanted)
-        turn = np.abs(error - d.xmat[ids[1]]).max() if kind == "weld" else 0.0
-        return {"bodies": list(ids), "points": points, "turn": turn}
+        return {"bodies": list(ids), "points": points}
 
     def list_foreign(self) -> None:
         """List everything that acts on the motion, always or at times, and is not among the facts."""
@@ -389,9 +424,22 @@ class Facts:
                 self.mujoco.mj_objectVelocity(m, d, self.mujoco.mjtObj.mjOBJ_XBODY, i, twists[i], 0)
             poses, name = np.concatenate([d.xpos, d.xquat], axis=1), self.name("key", k)
             joints = [self.moved(d, i) for i in range(m.njnt)]
+            self.say_unread(k, name)
             found.append({"name": name, "time": m.key_time[k], "poses": poses, "joints": joints})
             found[-1]["twists"] = np.roll(twists, 3, axis=1)  # MuJoCo has (w, v)
         return found
+
+    def say_unread(self, k: int, name: str) -> None:
+        """Say what of a key frame is not among its state: mocap bodies that it moves, and states of actuators."""
+        m, d = self.model, self.mujoco.MjData(self.model)
+        moved = m.nmocap and not (
+            np.array_equal(m.key_mpos[k].ravel(), d.mocap_pos.ravel())
+            and np.array_equal(m.key_mquat[k].ravel(), d.mocap_quat.ravel())
+        )
+        if moved:
+            self.said.append(f"key frame '{name}' moves mocap bodies, which stay where they are")
+        if m.na and m.key_act[k].any():
+            self.said.append(f"key frame '{name}' sets states of actuators, which are inactive")
 
     def moved(self, d: Any, i: int) -> dict[str, Any]:
         """Return what a joint has moved since the start, and its rate."""
@@ -400,8 +448,16 @@ class Facts:
         slides, turns = (m.jnt_type[i] == getattr(self.mujoco.mjtJoint, f"mjJNT_{kind}") for kind in ("SLIDE", "HINGE"))
         return {
             "slides": bool(slides), "turns": bool(turns), "value": d.qpos[q] - self.start[q], "rate": d.qvel[v],
-            "axis": d.xaxis[i], "anchor": d.xanchor[i], "turn": d.qpos[q : q + 4], "spin": d.qvel[v : v + 3],
+            "axis": d.xaxis[i], "anchor": d.xanchor[i], "turn": self.turned(d, i), "spin": d.qvel[v : v + 3],
         }  # fmt: skip
+
+    def turned(self, d: Any, i: int) -> np.ndarray:
+        """Return the quaternion by which a ball has turned the body since the start, in the axes of the body."""
+        q, before, turn = self.model.jnt_qposadr[i], np.zeros(4), np.zeros(4)
+        if self.model.jnt_type[i] == self.mujoco.mjtJoint.mjJNT_BALL:
+            self.mujoco.mju_negQuat(before, self.start[q : q + 4])
+            self.mujoco.mju_mulQuat(turn, before, d.qpos[q : q + 4])
+        return turn
 
     def points(self) -> list[dict[str, Any]]:
         """Return sites at the reference pose."""
