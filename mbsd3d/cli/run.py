@@ -8,7 +8,7 @@ from ..base.errors import InputError
 from .interruption import INTERRUPT_EXIT_CODE
 from .support import (
     can_view,
-    drop_option,
+    import_options,
     keep,
     list_parameters,
     load_posed,
@@ -54,7 +54,7 @@ def method_of(name: str | None, dt: float | None, stiff: str | None) -> "Method"
 @click.option(
     "--report", "reported", is_flag=True, help="Also write a report (_report.html): certificate, tables, curves."
 )
-@drop_option
+@import_options
 @pose_option
 @set_option
 @parameters_option
@@ -77,9 +77,9 @@ def run(
 ) -> None:
     """Simulate a mechanism.
 
-    FILE is a model file (.json, .toml), a model of MuJoCo (.xml) or ROS (.urdf), or a Python file with build(), which
-    returns a System. Writes a solution (.npz, read by mbsd3d.load), a table (.csv) and a figure of the energies. Ctrl-C
-    keeps the samples so far. The exit code is 1 if the certificate fails.
+    FILE is a model file (.json, .toml), a model of MuJoCo (.xml, .mjcf) or ROS (.urdf, .xacro), or a Python file
+    with build(), which returns a System. Writes a solution (.npz, read by mbsd3d.load), a table (.csv) and a figure of
+    the energies. Ctrl-C keeps the samples so far. The exit code is 1 if the certificate fails.
     """
     can_view(needed=viewed)
     if help_parameters:

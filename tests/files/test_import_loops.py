@@ -11,7 +11,8 @@ from mbsd3d.rotations import matrix, multiply, rotation
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*inactive:UserWarning")
 
-ARM = f"""<body name="arm" pos="0.3 0.2 0.9" quat="0.8 0.3 -0.2 0.4"><joint name="hinge" axis="1 2 -1.5" pos="0.1 0 0.2"/>
+ARM = f"""<body name="arm" pos="0.3 0.2 0.9" quat="0.8 0.3 -0.2 0.4">
+  <joint name="hinge" axis="1 2 -1.5" pos="0.1 0 0.2"/>
   {INERTIAL.format(1.4)}{{}}</body>"""
 POSE = (0.3, -0.2, 0.4, *(np.array([0.5, -0.3, 0.6, 0.4]) / np.sqrt(0.86)))
 

@@ -540,7 +540,7 @@ WRONG = {
         r"passive: spring_stiffness of j, which is not read \(line 1, <joint>\); leave out with leave_out=\[.passive",
     ),
     "wrong case of an inertial": (
-        link("a", 1.0).replace("inertial>", "Inertial>"), "line 1, <Inertial>: is not read in this case; write <inertial>",
+        link("a", 1.0).replace("inertial>", "Inertial>"), "<Inertial>: is not read in this case; write <inertial>",
     ),
     "wrong case of an origin": (link("a", 1.0).replace("<origin", "<Origin"), "<Origin>: is not read in this case"),
     "wrong case of a link": (link("a", 1.0) + "<Link name='b'/>", "<Link>: is not read in this case; write <link>"),

@@ -27,7 +27,7 @@ from ...mechanism.limits import Limit
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes.shape import Shape
 from ...mechanism.shapes.solids import Box, Capsule, Cylinder, Ellipsoid, MeshFile, Sphere
-from ...mechanism.shapes.triangles import MESH_SUFFIXES
+from ...mechanism.shapes.triangles import MESH_SUFFIXES, check_mesh
 from ...mechanism.signals.signal import Input, Signal
 from .facts import Facts, carried, felt_inertia, length_of
 from .imported import Imported, NotBuilt, Point, grouped, judged
@@ -474,7 +474,7 @@ class Meshes:
                     "is of no kind that is drawn" if shape is None else f"exceeds {MESH_BYTES_MAX} bytes of all meshes"
                 )
                 raise InputError(f"'{path}' {why}")
-            shape.surface()
+            check_mesh(shape.path, f"MeshFile '{shape.path}'")
         except (InputError, OSError) as error:
             self.missing.append(str(error))
             return False

@@ -39,7 +39,7 @@ class Facts:
     """What the compiled model says."""
 
     def __init__(self, mujoco: Any, path: str, folders: Folders, whole: bool) -> None:
-        spec = mujoco.MjSpec.from_file(path)
+        spec = specification(mujoco, Path(path))
         spec.compiler.fusestatic = spec.compiler.discardvisual = 0  # merged here by name, not there in silence
         self.mujoco = mujoco
         self.foreign: list[dict[str, Any]] = []  # what acts and is not among the facts
@@ -84,7 +84,7 @@ class Facts:
         m.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
         d, q = mujoco.MjData(m), start.copy()
         worst, gap, first, length = -1, 0.0, 0.0, LENGTH_MIN + float(m.stat.extent)
-        for iteration in range(CLOSING_ITERATIONS_MAX):
+        for _ in range(CLOSING_ITERATIONS_MAX):
             d.qpos[:] = q
             mujoco.mj_fwdPosition(m, d)
             rows = [k for k in range(d.nefc) if self.closes(d, k)]
@@ -102,9 +102,9 @@ class Facts:
                 f"equality '{self.name('equality', worst)}' stays open by {gap:.3g} m or rad; correct its points, or "
                 "the pose at the start (ref=)"
             )
-        if iteration:
+        if first > CLOSING_ROUNDING * length:
             self.said.append(f"loops open by {first:.2g} m or rad are closed; joints count from the pose so found")
-        return q if iteration else start
+        return q
 
     def closes(self, d: Any, k: int) -> bool:
         """Return whether a row of constraints is one of an equality that is built."""
@@ -575,6 +575,15 @@ class Undressed:
         for kind in ("geoms", "sites", "tendons"):
             for part in getattr(self.spec, kind):
                 part.material = ""
+
+
+def specification(mujoco: Any, path: Path) -> Any:
+    """Return what MuJoCo reads of a file; it knows the suffix .xml only."""
+    if path.suffix == ".xml":
+        return mujoco.MjSpec.from_file(str(path))
+    spec = mujoco.MjSpec.from_string(path.read_text(encoding="utf-8-sig").lstrip())
+    spec.modelfiledir = str(path.parent)
+    return spec
 
 
 def plain(value: Any, what: str) -> Any:

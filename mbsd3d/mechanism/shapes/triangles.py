@@ -21,6 +21,7 @@ MESH_SUFFIXES = (".stl", ".obj", ".ply", ".3mf", ".glb", ".gltf")
 MESH_TRIANGLES_MAX = 20_000  # [triangles] of a mesh file: more make pages that open slowly
 MASS_TRIANGLES_MAX = 200_000  # [triangles] of a mesh that gives a mass: some seconds of checking
 MESH_BYTES_MAX = 100_000_000  # [bytes] of a mesh file: a larger one is not read
+STL_HEADER_BYTES, STL_TRIANGLE_BYTES = 84, 50  # [bytes] of a binary STL file
 SHARP_EDGE_ANGLE = np.radians(30)  # [rad] edges of mesh files that bend by more stay sharp
 SPHERE_SECTIONS, SPHERE_BANDS = 24, 12  # [1] about the axis and from pole to pole of a ball: 528 triangles
 CYLINDER_SECTIONS = 48  # [1] multiples of 4, so that sectors end at edges
@@ -145,16 +146,33 @@ def read_mesh(path: str, what: str) -> Mesh:
 
     ValueError for a file that is missing, too large, not a mesh, or has too many triangles, none, or some not finite.
     """
-    found, _ = load_mesh(path, what)
-    count = len(found.faces)
-    if count > MESH_TRIANGLES_MAX:
-        raise InputError(f"{what}: has {count} triangles, at most {MESH_TRIANGLES_MAX} are drawn; decimate it")
+    found = check_mesh(path, what)
     import trimesh
 
     found.merge_vertices(merge_tex=True, merge_norm=True)
     smooth = trimesh.graph.smooth_shade(found, angle=SHARP_EDGE_ANGLE)
     faces = np.array(smooth.faces, int)
     return Mesh(np.array(smooth.vertices, float), faces, np.zeros(len(faces), int))
+
+
+def check_mesh(path: str, what: str) -> Any:
+    """Return the triangles of a file that can be drawn, as trimesh has them; see `read_mesh` for its errors."""
+    found, _ = load_mesh(path, what)
+    count = len(found.faces)
+    if count > MESH_TRIANGLES_MAX:
+        raise InputError(f"{what}: has {count} triangles, at most {MESH_TRIANGLES_MAX} are drawn; decimate it")
+    return found
+
+
+def binary_stl(content: bytes) -> np.ndarray | None:
+    """Return corners (3 n, 3) of the triangles of a binary STL file, None for another file."""
+    count = int.from_bytes(content[80:84], "little")
+    if count == 0 or len(content) != STL_HEADER_BYTES + STL_TRIANGLE_BYTES * count:
+        return None
+    rows = np.frombuffer(
+        content, np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("of", "<u2")]), count, STL_HEADER_BYTES
+    )
+    return rows["corners"].reshape(-1, 3).astype(float)
 
 
 def load_mesh(path: str, what: str) -> tuple[Any, float | None]:
@@ -175,7 +193,10 @@ def load_mesh(path: str, what: str) -> tuple[Any, float | None]:
     unit = 1.0 if kind in ("glb", "gltf") else None
     logging.getLogger("trimesh").disabled = True  # it prints tracebacks of what it can do without
     try:  # from memory, so that a mesh cannot name further files
-        if kind == "3mf":
+        corners = binary_stl(content) if kind == "stl" else None
+        if corners is not None:
+            found = trimesh.Trimesh(corners, np.arange(len(corners)).reshape(-1, 3), process=False)
+        elif kind == "3mf":
             vertices, faces, unit = read_3mf(content, MESH_BYTES_MAX, MASS_TRIANGLES_MAX)
             found = trimesh.Trimesh(vertices, faces, process=False)
         else:
