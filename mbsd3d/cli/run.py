@@ -42,7 +42,7 @@ def method_of(name: str | None, dt: float | None, stiff: str | None) -> "Method"
 
 @click.command()
 @click.argument("file")
-@click.option("--t-end", type=float, help="End of the run [s]; required.")
+@click.option("--t-end", type=float, default=5.0, show_default=True, help="End of the run [s].")
 @click.option("--method", type=click.Choice(METHODS), help="Integration method; default: DOP853.")
 @click.option("--dt", type=float, help="Fixed step [s] of the method.")
 @click.option(
@@ -61,7 +61,7 @@ def method_of(name: str | None, dt: float | None, stiff: str | None) -> "Method"
 @click.option("--out", default="out", show_default=True, help="Folder for the results, or the name of the .npz file.")
 def run(
     file: str,
-    t_end: float | None,
+    t_end: float,
     method: str | None,
     dt: float | None,
     stiff: str | None,
@@ -84,8 +84,6 @@ def run(
     can_view(needed=viewed)
     if help_parameters:
         list_parameters(file)
-    if t_end is None:
-        raise click.UsageError("Missing option '--t-end', the end of the run [s].")
     chosen = method_of(method, dt, stiff)
     system, start = load_posed(file, drop, settings, pose)
     target = ready_target(file, out, ".npz")

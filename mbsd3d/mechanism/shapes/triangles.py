@@ -197,7 +197,7 @@ def load_mesh(path: str, what: str) -> tuple[Any, float | None]:
         if corners is not None:
             found = trimesh.Trimesh(corners, np.arange(len(corners)).reshape(-1, 3), process=False)
         elif kind == "3mf":
-            vertices, faces, unit = read_3mf(content, MESH_BYTES_MAX, MASS_TRIANGLES_MAX)
+            vertices, faces, unit = read_3mf(content, MASS_TRIANGLES_MAX)
             found = trimesh.Trimesh(vertices, faces, process=False)
         else:
             found = trimesh.load_mesh(BytesIO(content), file_type=kind, process=False, **options)
