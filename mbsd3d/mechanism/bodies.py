@@ -178,7 +178,10 @@ class Body(Frozen):
         check_name(name, "body")
         if wrong := set(start) - set(Start.__annotations__):
             raise InputError(f"body '{name}': {min(wrong)} is nothing to give for a mesh; leave it out")
-        file = os.fspath(path)
+        try:
+            file = os.fsdecode(path)
+        except TypeError:
+            raise InputError(f"body '{name}': mesh is {short_repr(path)}; give the name of a file") from None
         drawn = isinstance(shape, str) and shape == "mesh"
         what = f"body '{name}': mesh '{file}'"
         solid, metres = solid_of(file, density, unit, what, MESH_TRIANGLES_MAX if drawn else MASS_TRIANGLES_MAX)

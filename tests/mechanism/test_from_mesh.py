@@ -232,6 +232,11 @@ def test_wrong_calls_are_explained(tmp_path, name, given, message):
         Body.from_mesh("part", tmp_path / name, **given)
 
 
+def test_a_path_is_asked_for():
+    with pytest.raises(ValueError, match="body 'part': mesh is 3; give the name of a file"):
+        Body.from_mesh("part", 3, density=1.0)
+
+
 def test_3mf_builds_what_it_places_in_its_unit(tmp_path):
     """A block placed twice through an object of objects, once as a mirror image; both count, in centimetres."""
     vertices, faces = block((1.0, 2.0, 3.0), at=(0.0, 0.0, 0.0))

@@ -16,6 +16,7 @@ import numpy as np
 
 from ...base.checks import check_size
 from ...base.errors import InputError
+from .facts import LENGTH_MIN
 from .folders import Folders
 from .guarded import reply
 
@@ -26,7 +27,6 @@ CLOSING_ITERATIONS_MAX = 60  # [1] steps to close loops: half of them for turns 
 CLOSING_STEP_MAX = 0.2  # [rad, m] of a coordinate in a step
 CLOSING_ROUNDING = 1e-12  # [1] of the extent of the model, by which a closed loop gapes
 CLOSING_RANK = 1e-9  # [1] of the largest singular value, below which rows repeat each other
-LENGTH_MIN = 0.01  # [m] that a model has at least
 STAND_IN_RADIUS = 1e-3  # [m] of the ball that stands for a mesh that is not needed
 TENDON_LOADS = {
     "stiffness": "SPRING", "stiffnesspoly": "SPRING", "damping": "DAMPER", "dampingpoly": "DAMPER",
@@ -88,7 +88,7 @@ class Facts:
             d.qpos[:] = q
             mujoco.mj_fwdPosition(m, d)
             rows = [k for k in range(d.nefc) if self.closes(d, k)]
-            if not rows:
+            if not rows or m.nv == 0:
                 return start
             residual = d.efc_pos[rows]
             worst, gap = int(d.efc_id[rows[int(np.abs(residual).argmax())]]), float(np.abs(residual).max())
