@@ -71,6 +71,7 @@ from .mechanism.forces.contact import Contact as Contact
 from .mechanism.forces.custom import CustomForce as CustomForce
 from .mechanism.forces.end_stop import EndStop as EndStop
 from .mechanism.forces.feedback import StateFeedback as StateFeedback
+from .mechanism.forces.fluid_drag import FluidDrag as FluidDrag
 from .mechanism.forces.gravitation import CentralGravity as CentralGravity
 from .mechanism.forces.gravitation import Weight as Weight
 from .mechanism.forces.linear_actuator import LinearActuator as LinearActuator

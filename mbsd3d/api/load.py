@@ -42,6 +42,7 @@ def read_mjcf(
     strict: bool = False,
     geometry: str = "draw",
     inertia: str = "as given",
+    inputs: bool = False,
     package_paths: Sequence[str | Path] = (),
     timeout: float = 4.0,
 ) -> Imported:
@@ -69,6 +70,10 @@ def read_mjcf(
         "draw" what is found, or "ignore" it. A mesh is needed only where a mass follows from it.
     inertia : str
         "as given" takes moments that no body has and says so, "refuse" refuses them.
+    inputs : bool
+        Build motors, position and velocity servos of hinges and slides, each with an `Input` of its name for its
+        command, 0 at the start; other actuators are then refused. Without it actuators give no force, not even that
+        of a servo at command 0.
     package_paths : sequence of str or Path
         Further folders from which files may be read.
     timeout : float
@@ -100,7 +105,7 @@ def read_mjcf(
     ('hinge', 1)
     """
     chosen = {"leave_out": leave_out, "drop": drop, "strict": strict, "geometry": geometry, "inertia": inertia}
-    return with_system(read_mujoco(path, timeout, package_paths, **chosen))
+    return with_system(read_mujoco(path, timeout, package_paths, inputs=inputs, **chosen))
 
 
 @checks_arguments
@@ -113,6 +118,7 @@ def read_urdf(
     strict: bool = False,
     geometry: str = "draw",
     inertia: str = "as given",
+    inputs: bool = False,
     package_paths: Sequence[str | Path] = (),
     timeout: float = 4.0,
 ) -> Imported:
@@ -130,6 +136,8 @@ def read_urdf(
         of the last a warning tells.
     package_paths : sequence of str or Path
         Folders in which ``package://name/...`` is looked up, then upwards from the file.
+    inputs : bool
+        Build a motor with an `Input` of the name of its joint for every hinge and slide that follows no other [N m, N].
     leave_out, drop, strict, geometry, inertia, timeout
         See `read_mjcf`.
 
@@ -160,7 +168,7 @@ def read_urdf(
     ((Body('bob', mass=2),), 'hinge')
     """
     chosen = {"leave_out": leave_out, "drop": drop, "strict": strict, "geometry": geometry, "inertia": inertia}
-    return with_system(read_robot(path, timeout, package_paths, floating, **chosen))
+    return with_system(read_robot(path, timeout, package_paths, floating, inputs=inputs, **chosen))
 
 
 def with_system(found: Imported) -> Imported:

@@ -25,44 +25,72 @@ class Loaded(NamedTuple):
     states: Mapping[str, State] = {}  # noqa: RUF012 - nobody writes into it
 
 
-def load_model(file: str, drop: tuple[str, ...], settings: tuple[str, ...]) -> Loaded:
+IMPORTED_SUFFIXES = (".xml", ".mjcf", ".urdf", ".xacro")
+
+
+def load_model(
+    file: str,
+    drop: tuple[str, ...],
+    settings: tuple[str, ...],
+    *,
+    inputs: bool = False,
+    floating: bool | None = None,
+    package_paths: Sequence[str] = (),
+) -> Loaded:
     """Return the System of a model file, an imported model or ``build()`` of a Python file, and notes on an import.
 
     ``drop``: kinds to leave out, or several with commas between them. ``settings`` are texts NAME=VALUE, the parameters
-    of ``build()``. ValueError naming the file and the place in it.
+    of ``build()``. ``inputs``, ``floating``, ``package_paths``: see `read_urdf`. ValueError naming the file and the
+    place in it.
     """
     suffix = Path(file).suffix.lower()
     if settings and suffix != ".py":
         raise InputError(f"--set is for Python files with build(...), '{file}' is none; leave it out")
-    if suffix in (".xml", ".urdf"):
-        return imported(file, suffix, drop)
-    if drop:
-        raise InputError(f"--leave-out applies to imported models (.xml, .urdf) only; drop it for '{file}'")
+    if floating is not None and suffix not in (".urdf", ".xacro"):
+        option = "--floating" if floating else "--fixed"
+        raise InputError(f"{option} applies to robots (.urdf, .xacro) only; drop it for '{file}'")
+    if suffix in IMPORTED_SUFFIXES:
+        robot = {"floating": floating} if suffix in (".urdf", ".xacro") else {}
+        return imported(file, drop, inputs=inputs, package_paths=tuple(package_paths), **robot)
+    if drop or package_paths:
+        option, kinds = "--leave-out" if drop else "--package-path", ", ".join(IMPORTED_SUFFIXES)
+        raise InputError(f"{option} applies to imported models ({kinds}) only; drop it for '{file}'")
     if suffix in (".json", ".toml"):
         return Loaded(System.from_file(file))
     if suffix != ".py":
-        raise InputError(f"'{file}': give a model (.json, .toml, .xml, .urdf) or a Python file (.py) with build()")
+        kinds = ", ".join((".json", ".toml", *IMPORTED_SUFFIXES))
+        raise InputError(f"'{file}': give a model ({kinds}) or a Python file (.py) with build()")
     return Loaded(built_by(file, settings))
 
 
-def imported(file: str, suffix: str, drop: tuple[str, ...]) -> Loaded:
+def imported(file: str, drop: tuple[str, ...], **given: Any) -> Loaded:
     """Return the System of an MJCF or URDF file: a line on the whole, and what was left out, merged and renamed."""
     kinds = [kind for text in drop for kind in text.split(",") if kind]
     with warnings.catch_warnings(action="ignore"):  # the first line says it
         try:
-            found = (read_mjcf if suffix == ".xml" else read_urdf)(file, leave_out=kinds)
+            found = (read_urdf if "floating" in given else read_mjcf)(file, leave_out=kinds, **given)
         except InputError as error:
             raise InputError(in_options(str(error))) from error
-    lines = [str(found)] + [f"left out {part}" for part in found.dropped]
+    lines = [in_options(str(found))] + [f"left out {part}" for part in found.dropped]
     lines += [f"body '{name}' is part of '{whole}'" for name, whole in found.merged.items()]
     lines += [f"'{name}' was '{before}' in the file" for name, before in found.renamed.items()]
     return Loaded(cast(System, found.system), tuple(lines), found.states)
 
 
+OPTIONS = (
+    ("floating=True", "--floating"), ("floating=False", "--fixed"), ("package_paths", "--package-path"),
+    ("raise timeout", "read it in Python with a longer timeout="),
+)  # fmt: skip
+"""What messages of the readers call an argument, and the option of the commands."""
+
+
 def in_options(message: str) -> str:
-    """Return an error of an import in the syntax of the command line: leave_out=["fluid"] -> --leave-out fluid."""
+    """Return a message of an import in the syntax of the command line: leave_out=["fluid"] -> --leave-out fluid."""
     kinds = re.compile(r"leave out with leave_out=\[(.*?)\]")
-    return kinds.sub(lambda found: "give --leave-out " + re.sub(r"[\" ]", "", found[1]), message)
+    message = kinds.sub(lambda found: "give --leave-out " + re.sub(r"[\" ]", "", found[1]), message)
+    for argument, option in OPTIONS:
+        message = message.replace(argument, option)
+    return message
 
 
 def parameters_of(file: str) -> list[str]:

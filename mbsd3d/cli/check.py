@@ -2,19 +2,19 @@
 
 import click
 
-from .support import drop_option, load_system, parameters_option, set_option
+from .support import import_options, load_system, parameters_option, set_option
 
 
 @click.command()
 @click.argument("file")
-@drop_option
+@import_options
 @set_option
 @parameters_option
 def check(file: str, drop: tuple[str, ...], settings: tuple[str, ...], help_parameters: bool) -> None:
     """Find the degrees of freedom and redundant joints of a mechanism.
 
-    FILE is a model file (.json, .toml), a model of MuJoCo (.xml) or ROS (.urdf), or a Python file with build(), which
-    returns a System. The exit code is 1 if it is locked or cannot close.
+    FILE is a model file (.json, .toml), a model of MuJoCo (.xml, .mjcf) or ROS (.urdf, .xacro), or a Python file
+    with build(), which returns a System. The exit code is 1 if it is locked or cannot close.
     """
     diagnosis = load_system(file, drop, settings, help_parameters).check()
     click.echo(str(diagnosis))

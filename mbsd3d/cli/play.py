@@ -3,7 +3,7 @@
 import click
 
 from ..base.errors import InputError
-from .support import can_view, drop_option, load_system, parameters_option, set_option, watch
+from .support import can_view, import_options, load_system, parameters_option, set_option, watch
 
 port_option = click.option(
     "--port", type=click.IntRange(0, 65535), default=0, help="Port on this machine; default: any free one."
@@ -34,7 +34,7 @@ def ranges(given: tuple[str, ...]) -> dict[str, tuple[float, float]]:
 @click.option("--follow", metavar="BODY", help="The camera follows this body and turns with it.")
 @click.option("--rtol", type=float, default=1e-6, show_default=True, help="Tolerance: a step may err by a fifth of it.")
 @port_option
-@drop_option
+@import_options
 @set_option
 @parameters_option
 def play(
@@ -43,11 +43,12 @@ def play(
 ) -> None:  # fmt: skip
     """Simulate a mechanism in real time, in the browser, and change its inputs meanwhile.
 
-    FILE is a model file (.json, .toml), a model of MuJoCo (.xml) or ROS (.urdf), or a Python file with build(), which
-    returns a System. Forces, torques and references of controllers that are Input signals get sliders and keys. The
-    page is served on this machine only, to whoever has its address. Ctrl-C ends it.
+    FILE is a model file (.json, .toml), a model of MuJoCo (.xml, .mjcf) or ROS (.urdf, .xacro), or a Python file
+    with build(), which returns a System. Forces, torques and references of controllers that are Input signals get
+    sliders and keys, and with --input the motors and servos of an imported model. The page is served on this machine
+    only, to whoever has its address. Ctrl-C ends it.
     """
     can_view(needed=True)
     given = ranges(inputs)
-    system = load_system(file, drop, settings, help_parameters)
+    system = load_system(file, drop, settings, help_parameters, inputs=bool(given))
     watch(system.play(given, follow=follow, rtol=rtol, port=port))

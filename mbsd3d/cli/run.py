@@ -8,7 +8,7 @@ from ..base.errors import InputError
 from .interruption import INTERRUPT_EXIT_CODE
 from .support import (
     can_view,
-    drop_option,
+    import_options,
     keep,
     list_parameters,
     load_posed,
@@ -42,7 +42,7 @@ def method_of(name: str | None, dt: float | None, stiff: str | None) -> "Method"
 
 @click.command()
 @click.argument("file")
-@click.option("--t-end", type=float, help="End of the run [s]; required.")
+@click.option("--t-end", type=float, default=5.0, show_default=True, help="End of the run [s].")
 @click.option("--method", type=click.Choice(METHODS), help="Integration method; default: DOP853.")
 @click.option("--dt", type=float, help="Fixed step [s] of the method.")
 @click.option(
@@ -54,14 +54,14 @@ def method_of(name: str | None, dt: float | None, stiff: str | None) -> "Method"
 @click.option(
     "--report", "reported", is_flag=True, help="Also write a report (_report.html): certificate, tables, curves."
 )
-@drop_option
+@import_options
 @pose_option
 @set_option
 @parameters_option
 @click.option("--out", default="out", show_default=True, help="Folder for the results, or the name of the .npz file.")
 def run(
     file: str,
-    t_end: float | None,
+    t_end: float,
     method: str | None,
     dt: float | None,
     stiff: str | None,
@@ -77,15 +77,13 @@ def run(
 ) -> None:
     """Simulate a mechanism.
 
-    FILE is a model file (.json, .toml), a model of MuJoCo (.xml) or ROS (.urdf), or a Python file with build(), which
-    returns a System. Writes a solution (.npz, read by mbsd3d.load), a table (.csv) and a figure of the energies. Ctrl-C
-    keeps the samples so far. The exit code is 1 if the certificate fails.
+    FILE is a model file (.json, .toml), a model of MuJoCo (.xml, .mjcf) or ROS (.urdf, .xacro), or a Python file
+    with build(), which returns a System. Writes a solution (.npz, read by mbsd3d.load), a table (.csv) and a figure of
+    the energies. Ctrl-C keeps the samples so far. The exit code is 1 if the certificate fails.
     """
     can_view(needed=viewed)
     if help_parameters:
         list_parameters(file)
-    if t_end is None:
-        raise click.UsageError("Missing option '--t-end', the end of the run [s].")
     chosen = method_of(method, dt, stiff)
     system, start = load_posed(file, drop, settings, pose)
     target = ready_target(file, out, ".npz")

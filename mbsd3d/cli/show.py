@@ -4,7 +4,7 @@ import click
 
 from .support import (
     can_view,
-    drop_option,
+    import_options,
     list_parameters,
     load_posed,
     parameters_option,
@@ -16,7 +16,7 @@ from .support import (
 
 @click.command()
 @click.argument("file")
-@drop_option
+@import_options
 @pose_option
 @set_option
 @parameters_option
@@ -26,8 +26,8 @@ def show(
 ) -> None:
     """Draw a mechanism at its reference pose.
 
-    FILE is a model file (.json, .toml), a model of MuJoCo (.xml) or ROS (.urdf), or a Python file with build(), which
-    returns a System. Writes one page (.html) that needs no network.
+    FILE is a model file (.json, .toml), a model of MuJoCo (.xml, .mjcf) or ROS (.urdf, .xacro), or a Python file
+    with build(), which returns a System. Writes one page (.html) that needs no network.
     """
     can_view(needed=True)
     if help_parameters:

@@ -2,7 +2,7 @@
 
 import signal
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from importlib import metadata
 from pathlib import Path
@@ -27,10 +27,35 @@ IMPORT_ERRORS = (ImportError, AttributeError, SystemError)
 
 
 out_option = click.option("--out", default="out", show_default=True, help="Folder for the results; made if missing.")
-drop_option = click.option(
-    "--leave-out", "--drop", "drop", multiple=True, metavar="KIND,...",
-    help="Leave out what acts and cannot be imported (.xml, .urdf), e.g. fluid,tendon.",
-)  # fmt: skip
+READING = "mbsd3d.reading"
+"""Key under which a command keeps how an imported model is read."""
+
+
+def keep_reading(ctx: click.Context, option: click.Parameter, value: Any) -> None:
+    """Keep an option of the import for `load_posed`."""
+    ctx.meta.setdefault(READING, {})[option.name] = value
+
+
+def import_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options of imported models to a command, which itself is given ``drop`` only."""
+    for option in (
+        click.option(
+            "--package-path", "package_paths", multiple=True, metavar="FOLDER", expose_value=False,
+            callback=keep_reading, help="Folder in which packages and meshes of an imported model lie. Repeatable.",
+        ),
+        click.option(
+            "--floating/--fixed", default=None, expose_value=False, callback=keep_reading,
+            help="Whether the root of a robot (.urdf, .xacro) can move; default: as the file suggests.",
+        ),
+        click.option(
+            "--leave-out", "--drop", "drop", multiple=True, metavar="KIND,...",
+            help="Leave out what acts and cannot be imported (.xml, .urdf, ...), e.g. fluid,tendon.",
+        ),
+    ):  # fmt: skip
+        command = option(command)
+    return command
+
+
 pose_option = click.option("--pose", metavar="NAME", help="Start at this key frame of an imported model (.xml).")
 
 
@@ -149,20 +174,27 @@ def list_parameters(file: str) -> NoReturn:
     raise click.exceptions.Exit(0)
 
 
-def load_system(file: str, drop: tuple[str, ...], settings: tuple[str, ...] = (), show: bool = False) -> "System":
+def load_system(
+    file: str, drop: tuple[str, ...], settings: tuple[str, ...] = (), show: bool = False, inputs: bool = False
+) -> "System":
     """Load the System of a file of any kind; messages of an import go to stderr. ``show``: list parameters and end."""
     if show:
         list_parameters(file)
-    return load_posed(file, drop, settings, None)[0]
+    return load_posed(file, drop, settings, None, inputs)[0]
 
 
 def load_posed(
-    file: str, drop: tuple[str, ...], settings: tuple[str, ...], pose: str | None
+    file: str, drop: tuple[str, ...], settings: tuple[str, ...], pose: str | None, inputs: bool = False
 ) -> tuple["System", "State | None"]:
-    """Load the System of a file, and the state of the key frame that ``pose`` names."""
+    """Load the System of a file, and the state of the key frame that ``pose`` names.
+
+    ``inputs``: motors and servos of an imported model become inputs.
+    """
     from ..api.model_input import load_model
 
-    found = load_model(file, drop, settings)
+    context = click.get_current_context(silent=True)
+    reading = {} if context is None else context.meta.get(READING, {})
+    found = load_model(file, drop, settings, inputs=inputs, **reading)
     for note in found.notes:
         click.echo(f"mbsd3d: {note}", err=True)
     if pose is not None and pose not in found.states:

@@ -267,7 +267,9 @@ ALWAYS = [
      r"passive: damping of m, an actuator \(line 1, <motor>\)"),
     ('actuatorgravcomp="true"', '<body gravcomp="1"><geom size="0.1"/></body>', "",
      r"gravcomp: by the actuators of hinge, which are off or limited \(line 1, <joint>\)"),
-    ("", "", '<option density="1.2"/>', r"fluid: density 1.2, viscosity 0 \(line 1, <option>\)"),
+    ("", "", '<option density="1.2" wind="1 0 2"/>', r"fluid: wind 1 0 2 \(line 1, <option>\)"),
+    ("", '<geom name="fin" size="0.1" fluidshape="ellipsoid"/>', '<option viscosity="1.2"/>',
+     r"fluid: the ellipsoid model of fin \(line 1, <geom>\)"),
 ]  # fmt: skip
 AT_TIMES = [
     ("", '<geom name="a" size="0.1"/>', '<geom name="floor" type="plane" size="1 1 1"/>', "", "contact"),
@@ -417,6 +419,8 @@ QUIET = [  # what acts beside the joints and bodies themselves, without a comman
     ('<actuator><orientation joint="socket" kp="0"/><motor joint="a" armature="0.3" damping="2" gear="3"/>'
      '<motor jointinparent="b" armature="0.2" damping="0.4" gear="-2"/><motor joint="a" armature="0.1"/>'
      "</actuator>", ""),
+    # a fluid, on the box of the inertia of each body of the file, also of those that are welded to others
+    ('<option density="80" viscosity="3"/>', ""),
     # weights are not balanced where springs and dampers are off
     ('<option><flag spring="disable" damper="disable"/></option>', ""),
     # the mass of a body that cannot move is a share of the whole
@@ -431,7 +435,8 @@ def test_what_acts_without_command_is_that_of_mujoco(tmp_path, beside, body):
     text = f"""<mujoco><option gravity="0.7 -0.4 -9.6"/>{beside}<worldbody>{body}
       <body name="one" quat="0.5 0.1 0.7 0.3" gravcomp="0.6"><joint name="a" axis="0.2 1 0.3" pos="0.1 0.2 0"
       armature="0.2" damping="0.3"/>{INERTIAL.format(1.3)}<body name="two" pos="0.4 0.1 -0.5">
-      <joint name="b" type="slide" axis="1 0.1 -0.4"/>{INERTIAL.format(0.7)}</body></body>
+      <joint name="b" type="slide" axis="1 0.1 -0.4"/>{INERTIAL.format(0.7)}
+      <body name="tip" pos="0.1 0.2 0.1" quat="0.3 0.4 0.1 0.7">{INERTIAL.format(0.2)}</body></body></body>
       <body name="three" pos="3 0 0"><joint name="socket" type="ball"/>{INERTIAL.format(0.4)}</body></worldbody>
       {{keys}}</mujoco>"""
     text = with_keys(text, 1, angle=5.0)

@@ -399,10 +399,59 @@ def test_check_and_run_take_models_of_mujoco(tmp_path):
         result = command("check", path, option, "limit,contact")
         assert result.exit_code == 0
         assert result.stderr == "mbsd3d: 1 joint, 1 body\nmbsd3d: left out limit: range of hinge\n"
-    path.write_text(path.read_text().replace("<worldbody>", '<option density="1.3" viscosity="0.1"/><worldbody>'))
+    path.write_text(path.read_text().replace("<worldbody>", '<option density="1.3" wind="1 0 0"/><worldbody>'))
     refused = command("check", path)
     assert refused.exit_code == 2 and re.search(r"cannot import fluid: .*; give --leave-out fluid, or", refused.stderr)
     assert command("check", path, "--leave-out", "fluid").exit_code == 0
+
+
+ROBOT = """<robot name="r"><link name="base">{0}</link><link name="arm">{0}<visual><geometry>
+  <mesh filename="package://parts/a.stl"/></geometry></visual></link>
+  <joint name="hinge" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 1 0.2"/>
+  <limit lower="-1" upper="1" effort="5" velocity="1"/></joint></robot>""".format(
+    '<inertial><origin xyz="0.1 0 0.4"/><mass value="2"/><inertia ixx="0.1" iyy="0.2" izz="0.15"/></inertial>'
+)
+
+
+def test_robots_float_or_are_fixed_as_the_options_say(tmp_path):
+    """Messages are in the syntax of the shell."""
+    path = tmp_path / "arm.urdf"
+    path.write_text(ROBOT)
+    said = command("check", path)
+    assert "base is fixed; --floating frees it, --fixed says so" in said.stderr
+    assert "inactive: 1 limit (watched), 1 effort limit, 1 velocity limit;" in said.stderr
+    assert "no geometry (meshes missing)" in said.stderr
+    assert command("check", path, "--floating").stdout.count("mobility 7 ") == 1
+    fixed = command("check", path, "--fixed")
+    assert "mobility 1 " in fixed.stdout and "is fixed" not in fixed.stderr
+    wrong = command("check", tmp_path / "hand.toml", "--floating")
+    assert "--floating applies to robots (.urdf, .xacro) only" in wrong.stderr and wrong.exit_code == 2
+    path.write_text(ROBOT.replace('"base"', '"world"'))
+    refused = command("check", path, "--floating")
+    assert "--floating: the root 'world' is the fixed frame; give --fixed, or a root with a mass" in refused.stderr
+
+
+def test_packages_are_found_where_the_option_says(tmp_path):
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "robots").mkdir()
+    corners = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
+    (tmp_path / "parts" / "a.stl").write_text(corners + "endsolid a\n")
+    path = tmp_path / "robots" / "arm.urdf"
+    path.write_text(ROBOT)
+    assert "meshes missing" in command("check", path).stderr
+    found = command("check", path, "--package-path", tmp_path, "--fixed")
+    assert found.exit_code == 0 and "missing" not in found.stderr
+    wrong = command("check", path, "--package-path", tmp_path / "none")
+    assert wrong.exit_code == 2 and "--package-path: " in wrong.stderr and "is not a folder" in wrong.stderr
+
+
+def test_files_are_known_by_other_names_too(tmp_path):
+    inertial = '<inertial mass="2" pos="0 0 -0.6" diaginertia="0.1 0.1 0.02"/>'
+    text = f'<mujoco><worldbody><body name="bob"><joint axis="0 1 0"/>{inertial}</body></worldbody></mujoco>'
+    (tmp_path / "arm.mjcf").write_text(text)
+    assert "mobility 1 " in command("check", tmp_path / "arm.mjcf").stdout
+    (tmp_path / "arm.urdf.xacro").write_text(ROBOT)  # nothing in it needs xacro
+    assert "mobility 1 " in command("check", tmp_path / "arm.urdf.xacro", "--fixed").stdout
 
 
 def test_run_starts_at_a_key_frame(tmp_path, monkeypatch):

@@ -539,6 +539,15 @@ WRONG = {
         link("a", 1.0) + link("b", 1.0) + joint("j", "revolute", "a", "b", 1, '<dynamics spring_stiffness="3"/>'),
         r"passive: spring_stiffness of j, which is not read \(line 1, <joint>\); leave out with leave_out=\[.passive",
     ),
+    "wrong case of an inertial": (
+        link("a", 1.0).replace("inertial>", "Inertial>"), "<Inertial>: is not read in this case; write <inertial>",
+    ),
+    "wrong case of an origin": (link("a", 1.0).replace("<origin", "<Origin"), "<Origin>: is not read in this case"),
+    "wrong case of a link": (link("a", 1.0) + "<Link name='b'/>", "<Link>: is not read in this case; write <link>"),
+    "wrong case of a limit": (
+        link("a", 1.0) + link("b", 1.0) + joint("j", "revolute", "a", "b", 1, '<LIMIT lower="0" upper="1"/>'),
+        "<LIMIT>: is not read in this case; write <limit>",
+    ),
     "entities": ("&b;", "undefined entity|no XML"),
     "deep": ("<a>" * 30_000, "more than 20000 elements"),
     "many": ("<a/>" * 30_000, "more than 20000 elements"),

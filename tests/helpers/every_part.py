@@ -108,6 +108,13 @@ def parts():
         "stiffness": 3.0, "turning_stiffness": 1.0, "damping": 0.1, "turning_damping": 0.1, "axes": (1, 0, 0, 0)
     } | name  # fmt: skip
     yield m.AeroDrag, {"body": BAR, "drag_area": 0.3, "density": 1.2, "wind": (1, 0, 0)} | here | name
+    yield (
+        m.FluidDrag,
+        {"body": BAR, "lengths": (0.3, 0.1, 0.2), "density": 1.2, "viscosity": 0.1}
+        | here
+        | {"axes": (1, 0, 0, 0)}
+        | name,
+    )
     yield m.Weight, {"a": GROUND, "b": BAR, "acceleration": (0, 0, -1.6)} | name
     yield m.CentralGravity, {"a": GROUND, "b": BAR, "at": (0, 0, -50.0), "mu": 300.0} | name
     yield m.CustomForce, {

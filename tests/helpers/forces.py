@@ -20,6 +20,7 @@ from mbsd3d import (
     Contact,
     CustomForce,
     EndStop,
+    FluidDrag,
     Force,
     ForceBetween,
     ForceCurve,
@@ -209,6 +210,17 @@ EXAMPLES = {
     "Contact that creeps": lambda rng, a, b: _contact(rng, a, b, shapes.Sphere(0.6, at=(0.1, -0.2, 0.1)), **CREEPS),
     "Weight": lambda rng, a, b: ([], Weight(a, b, acceleration=rng.normal(size=3))),
     "CentralGravity": lambda rng, a, b: ([], CentralGravity(a, b, at=a.position + direction(rng), mu=2.3)),
+    "FluidDrag": lambda rng, a, b: (
+        [],
+        FluidDrag(
+            b,
+            lengths=(0.7, 0.5, 1.1),
+            density=3.0,
+            viscosity=0.6,
+            at=b.position + direction(rng),
+            axes=rotation(direction(rng), 0.8),
+        ),
+    ),
     "AeroDrag": lambda rng, a, b: ([], AeroDrag(b, drag_area=0.6, at=b.position + direction(rng), wind=_signals(rng))),
 }
 """Name -> factory(rng, a, b) of (joints it needs, element)."""

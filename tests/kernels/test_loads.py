@@ -21,6 +21,7 @@ from mbsd3d import (
     Body,
     Bushing,
     Cylindrical,
+    FluidDrag,
     Force,
     JointFriction,
     Prismatic,
@@ -234,6 +235,26 @@ def test_drag_opposes_the_velocity_relative_to_the_wind():
     force = -0.5 * 1.1 * 0.6 * np.linalg.norm(u) * u
     assert Q[0] == pytest.approx(np.concatenate([force, np.cross(s, force)]), abs=1e-13)
     assert power == pytest.approx(force @ (u + wind), abs=1e-13)
+
+
+def test_a_box_is_resisted_by_a_fluid():
+    """The numbers of the definition, and the same in a frame that is turned in a body about a point beside O."""
+    m, I, v, w = 0.4, np.array([0.004, 0.005, 0.006]), np.array([1.0, -2.0, 0.5]), np.array([3.0, -1.0, 2.0])
+    lengths = np.sqrt(6.0 / m * (I.sum() - 2.0 * I))
+    rng = np.random.default_rng(17)
+    body, turn = random_body(rng), matrix(random_orientation(rng))
+    at = body.position + direction(rng)
+    drag = FluidDrag(body, lengths=lengths, density=1.3, viscosity=0.02, at=at, axes=body.axes @ turn)
+    on = Loads(System(bodies=[body], forces=[drag], gravity=(0, 0, 0)))
+    q, _ = on.general(rng)
+    R = matrix(q[3:])
+    F, s = R @ turn, R @ body.local_point(at)
+    spin = F @ w
+    Q, _, power = on.at(q, np.concatenate([F @ v - np.cross(spin, s), spin]))
+    force, moment = np.array([-0.0886573, 0.28051187, -0.0398683]), np.array([-0.00416375, 0.00130945, -0.00276069])
+    assert F.T @ Q[0, :3] == pytest.approx(force, abs=1e-7)  # the digits of the numbers
+    assert F.T @ (Q[0, 3:] - np.cross(s, Q[0, :3])) == pytest.approx(moment, abs=1e-8)
+    assert power == pytest.approx(force @ v + moment @ w, abs=1e-6)
 
 
 def turned_about_hinge(cls, turn, advance, rng):

@@ -16,8 +16,10 @@ from ...mechanism.couplings import Gear, RackPinion
 from ...mechanism.drivers import AngleDriver, SlideDriver
 from ...mechanism.force_element import ForceElement
 from ...mechanism.forces.applied import Force
+from ...mechanism.forces.between import ForceBetween, TorqueBetween
 from ...mechanism.forces.brake import Brake
 from ...mechanism.forces.bushing import Bushing
+from ...mechanism.forces.fluid_drag import FluidDrag
 from ...mechanism.forces.springs import TorsionSpring
 from ...mechanism.joints import Joint
 from ...mechanism.joints.pairs import Fixed, Revolute, Spherical
@@ -25,10 +27,11 @@ from ...mechanism.limits import Limit
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes.shape import Shape
 from ...mechanism.shapes.solids import Box, Capsule, Cylinder, Ellipsoid, MeshFile, Sphere
-from ...mechanism.shapes.triangles import MESH_SUFFIXES
+from ...mechanism.shapes.triangles import MESH_SUFFIXES, check_mesh
+from ...mechanism.signals.signal import Input, Signal
 from .facts import Facts, carried, felt_inertia, length_of
 from .imported import Imported, NotBuilt, Point, grouped, judged
-from .joints import COINCIDENCE_ROUNDING, acts_along, check_independent, has_coordinate, joint_of
+from .joints import acts_along, check_independent, has_coordinate, joint_of
 from .keyframes import Frame, state_of
 
 MOMENT_ROUNDING = 1e-12  # [m L^2] of mass and extent of the model: a negative principal moment that is rounding
@@ -52,6 +55,7 @@ class Choices(NamedTuple):
     strict: bool = False
     inertia: str = "as given"
     geometry: str = "draw"
+    inputs: bool = False
 
 
 class Builder:
@@ -64,6 +68,8 @@ class Builder:
             for x in facts["foreign"]
         ]
         self.bodies: dict[int, Any] = {0: GROUND}
+        self.inputs: dict[str, tuple[float, float] | None] = {}
+        self.actuators = self.to_build() if choices.inputs else self.inactive_actuators()
         self.group = grouped(body["weld"] for body in facts["bodies"])  # what is welded to a body, itself first
         self.joints_of = grouped(joint["body"] for joint in facts["joints"])
         self.coupled = {k for e in facts["equalities"] if e["type"] == "joint" for k in e["joints"]}
@@ -99,6 +105,9 @@ class Builder:
         for equality in self.facts["equalities"]:
             self.close(equality)
         self.hold_weights()
+        self.drag()
+        for actuator in self.actuators:
+            self.actuate(actuator)
         if brakes := sum(isinstance(force, Brake) for force in self.forces):
             self.said.append(f"dry friction of {counted(brakes, 'joint')} yields by {BRAKE_YIELD:g} rad or m at rest")
         verdict = judged(self.not_built, self.choices.leave_out, self.choices.strict)
@@ -115,7 +124,7 @@ class Builder:
         idle = {kind: n for kind, n in self.facts["idle"].items() if n}
         return Imported(
             system, merged, self.renamed, verdict.dropped, idle, verdict.inactive, tuple(self.said),
-            tuple(dict.fromkeys(self.missing)), states, points,
+            tuple(dict.fromkeys(self.missing)), states, points, self.inputs,
         )  # fmt: skip
 
     def name(self, wanted: str, kind: str) -> str:
@@ -304,6 +313,53 @@ class Builder:
         else:
             self.foreign("passive", f"stiffness or damping of {part['type']} {part['name']}", "joint", part["name"])
 
+    def inactive_actuators(self) -> list[Facts]:
+        """Say that actuators do nothing; none of them is built."""
+        names = [actuator["name"] for actuator in self.facts.get("actuators", ())]
+        if names:
+            more = f" and {len(names) - 10} more" if len(names) > 10 else ""
+            self.not_built.append(NotBuilt("actuator", ", ".join(names[:10]) + more, number=len(names)))
+        return []
+
+    def to_build(self) -> list[Facts]:
+        """Return the actuators that are motors or servos of one joint, which then needs a coordinate; list the rest."""
+        found = []
+        for actuator in self.facts.get("actuators", ()):
+            if actuator["why"]:
+                self.foreign("input", f"{actuator['name']} {actuator['why']}", "actuator", actuator["name"])
+            else:
+                self.facts["joints"][actuator["joint"]]["actuated"] = True
+                found.append(actuator)
+        return found
+
+    def actuate(self, actuator: Facts) -> None:
+        """Build g u + c - k (x + x_0) - d x_dot on a coordinate, with the command u as an `Input` of its name.
+
+        A torque along the axis, or a force along it, between the bodies of the joint; the servo is a spring and damper.
+        """
+        name, part = actuator["name"], self.facts["joints"][actuator["joint"]]
+        joint, title = self.coordinate[actuator["joint"]], self.name(name, "actuator")
+        push = actuator["gain"] * Input(name)
+        if actuator["constant"]:
+            push = push + actuator["constant"]
+        axis = joint.a.local_axis(np.array(part["axis"]))
+        load: list[Signal | float] = [x * push if x else 0.0 for x in axis.tolist()]
+        ends = (joint.a, joint.b, load)
+        self.forces.append(
+            TorqueBetween(*ends, frame="a", name=title)
+            if part["type"] == "hinge"
+            else ForceBetween(*ends, frame="a", at=part["anchor"], name=title)
+        )
+        k, d = actuator["stiffness"], actuator["damping"]
+        if k or d:
+            servo = self.name(f"{name} servo", "spring")
+            values = {"stiffness": k, "damping": d, "angle": -actuator["origin"]}
+            self.forces.append(TorsionSpring(joint, **values, name=servo))
+        limits = actuator["range"]
+        self.inputs[name] = None if limits is None else (float(limits[0]), float(limits[1]))
+        if actuator["limited"]:
+            self.foreign("effort", f"range of {name}", "actuator", name)
+
     def hold_weights(self) -> None:
         """Build what balances weights: -g m G upwards at the centre of mass of a body of the file."""
         for i, body in enumerate(self.facts["bodies"]):
@@ -312,6 +368,16 @@ class Builder:
                 up = -share * body["mass"] * np.array(self.facts["gravity"])
                 name = self.name(f"{body['name']} gravcomp", "force")
                 self.forces.append(Force(carrier, up, at=body["centre"], name=name))
+
+    def drag(self) -> None:
+        """Build the drag of a fluid on the box of the inertia of each body of the file."""
+        if "fluid" in self.choices.leave_out:
+            return
+        for i, body in enumerate(self.facts["bodies"]):
+            box, carrier = body.get("fluid"), self.carrier(i)
+            if box and carrier is not GROUND:
+                name = self.name(f"{body['name']} fluid", "force")
+                self.forces.append(FluidDrag(carrier, **box, at=body["centre"], name=name))
 
     def point(self, point: Facts) -> Point:
         """Return a point and its axes in those of the body that carries it."""
@@ -329,10 +395,10 @@ class Builder:
             self.joints.append(made)
 
     def closure(self, equality: Facts, name: str) -> Joint | None:
-        """Keep two points together, or two bodies as they are at the reference pose."""
+        """Keep two points together, or two bodies as they are at the reference pose, in which loops are closed."""
         a, b = (self.carrier(k) for k in equality["bodies"])
         at, at_b = equality["points"]
-        if a is b or equality["turn"] > COINCIDENCE_ROUNDING:
+        if a is b:
             return None
         return (Fixed if equality["type"] == "weld" else Spherical)(a, b, at=at, at_b=at_b, name=name)
 
@@ -408,7 +474,7 @@ class Meshes:
                     "is of no kind that is drawn" if shape is None else f"exceeds {MESH_BYTES_MAX} bytes of all meshes"
                 )
                 raise InputError(f"'{path}' {why}")
-            shape.surface()
+            check_mesh(shape.path, f"MeshFile '{shape.path}'")
         except (InputError, OSError) as error:
             self.missing.append(str(error))
             return False

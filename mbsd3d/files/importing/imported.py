@@ -11,7 +11,8 @@ from ...mechanism.mechanism import Mechanism
 from ...mechanism.state import State
 
 ALWAYS_ACTING = (
-    "armature", "equality", "flex", "fluid", "frictionloss", "gravcomp", "inertial", "joints", "passive", "tendon",
+    "armature", "equality", "flex", "fluid", "frictionloss", "gravcomp", "inertial", "input", "joints", "passive",
+    "tendon",
 )  # fmt: skip
 """Kinds that act on every motion: built, or the file is refused."""
 ACTING_AT_TIMES = {
@@ -55,6 +56,7 @@ class Imported(NamedTuple):
     tags of vendors). ``inactive``: one line on what acts at times or on command (actuators, limits, contact), which
     does nothing here; the certificate of every run repeats it. ``said``: what the import had to choose. ``missing``:
     meshes that are not drawn. ``states``: key frames by name; ``points``: sites and frames by name.
+    ``inputs``: names of the `Input` signals that ``inputs=True`` asks for, each with the range of the file, or None.
 
     Examples
     --------
@@ -83,6 +85,7 @@ class Imported(NamedTuple):
     missing: tuple[str, ...] = ()
     states: dict[str, State] = {}  # noqa: RUF012 - given anew by every import
     points: dict[str, Point] = {}  # noqa: RUF012 - given anew by every import
+    inputs: dict[str, tuple[float, float] | None] = {}  # noqa: RUF012 - given anew by every import
 
     def __str__(self) -> str:
         system = self.system

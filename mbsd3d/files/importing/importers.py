@@ -47,7 +47,7 @@ def read_robot(path: str | Path, timeout: float, package_paths: Any, floating: b
     if floating is not None:
         true_or_false(floating, "floating", None)
     chosen, folders = chosen_of(path, **choices), Folders(path, as_folders(package_paths))
-    robot = Robot(path, folders, floating, timeout)
+    robot = Robot(path, folders, floating, timeout, chosen.inputs)
     return built(path, robot.facts, chosen, robot.place_of)
 
 
@@ -60,7 +60,14 @@ def as_timeout(value: Any) -> float:
 
 
 def chosen_of(
-    path: Path, *, leave_out: Sequence[str], drop: Sequence[str], strict: bool, geometry: str, inertia: str
+    path: Path,
+    *,
+    leave_out: Sequence[str],
+    drop: Sequence[str],
+    strict: bool,
+    geometry: str,
+    inertia: str,
+    inputs: bool,
 ) -> Choices:
     """Check the choices of a caller, and return them."""
     kinds: list[str] = []
@@ -72,7 +79,8 @@ def chosen_of(
         kinds += names
     check_choice(geometry, ("draw", "ignore"), "geometry")
     check_choice(inertia, ("as given", "refuse"), "inertia")
-    return Choices(tuple(kinds), true_or_false(strict, "strict", None), inertia, geometry)
+    strict, inputs = true_or_false(strict, "strict", None), true_or_false(inputs, "inputs", None)
+    return Choices(tuple(kinds), strict, inertia, geometry, inputs)
 
 
 def built(path: Path, facts: Callable[[], Facts], choices: Choices, place_of: Callable[[str, str], str]) -> Imported:

@@ -18,7 +18,8 @@ def acts_along(part: Facts) -> bool:
     """Return whether something acts on the coordinate of a joint, or watches it."""
     return bool(
         part["stiffness"] or part["damping"] or part["friction"] or part["armature"] or part["limit"] is not None
-    )
+        or part.get("actuated", False)
+    )  # fmt: skip
 
 
 def has_coordinate(joint: Joint, kind: str) -> bool:

@@ -27,6 +27,7 @@ JOINT_KINDS = {
     "fixed": "fixed",
 }  # fmt: skip
 LINK_TAGS = ("inertial", "visual", "collision")
+INERTIAL_TAGS = ("mass", "inertia", "origin")
 JOINT_TAGS = ("parent", "child", "origin", "axis", "limit", "dynamics", "mimic", "safety_controller")
 READ_ATTRIBUTES = {
     "origin": ("xyz", "rpy"), "axis": ("xyz",), "mass": ("value",), "mimic": ("joint", "multiplier", "offset"),
@@ -155,12 +156,12 @@ Named = TypeVar("Named", Link, Connection)
 class Robot:
     """A URDF file; xacro is run where it is used."""
 
-    def __init__(self, path: Path, folders: Folders, floating: bool | None, timeout: float) -> None:
+    def __init__(self, path: Path, folders: Folders, floating: bool | None, timeout: float, inputs: bool) -> None:
         text = read_text(path, FILES_BYTES_MAX)
         root = tree_of(path, expanded(path, folders, timeout) if is_xacro(path, text) else text)
         if root.tag != "robot":
             raise InputError(f"'{path}': its root is <{root.tag}>, not <robot>; use the reader of its format")
-        self.root, self.folders, self.floating = root, folders, floating
+        self.root, self.folders, self.floating, self.inputs = root, folders, floating, inputs
         self.idle: Counter[str] = Counter()
         self.said: list[str] = []
         self.chosen: list[str] = []
@@ -174,6 +175,7 @@ class Robot:
 
     def facts(self) -> Facts:
         """Return bodies, joints and couplings for the builder."""
+        check_case(self.root, ("link", "joint"))
         self.idle.update(child.tag for child in self.root.children if child.tag not in ("link", "joint"))
         self.links = {link.name: link for link in self.read_links()}
         self.joints = {joint.name: joint for joint in once_each(self.root.all("joint"), self.joint)}
@@ -188,6 +190,8 @@ class Robot:
         self.base(facts, order[0])
         places = self.list_joints(facts, number)
         self.list_mimics(facts, places)
+        if self.inputs:
+            facts["actuators"] = self.motors(places)
         self.list_contacts(bodies)
         for body in bodies:
             body["geoms"] = self.geoms(body.pop("link"))
@@ -215,11 +219,13 @@ class Robot:
         """Read a link with its mass, and inertia about its centre of mass in its own axes."""
         link = Link(node.text("name"), node)
         self.places["body", link.name] = node.place
+        check_case(node, LINK_TAGS)
         self.idle.update(child.tag for child in node.children if child.tag != "inertial")
         inertial = node.one("inertial")
         if inertial is None:
             return link
-        mass, inertia, origin = (inertial.one(tag) for tag in ("mass", "inertia", "origin"))
+        check_case(inertial, INERTIAL_TAGS)
+        mass, inertia, origin = (inertial.one(tag) for tag in INERTIAL_TAGS)
         if mass is None or inertia is None:
             what = "mass" if mass is None else "inertia"
             raise InputError(f"{inertial.place} of link '{link.name}' has no <{what}>; give it, zeros for none")
@@ -238,6 +244,7 @@ class Robot:
         """Read a joint, between links that are there."""
         name, kind = node.text("name"), node.text("type")
         self.places["joint", name] = node.place
+        check_case(node, JOINT_TAGS)
         self.idle.update(child.tag for child in node.children if child.tag not in JOINT_TAGS)
         if kind not in JOINT_KINDS:
             have = ", ".join(JOINT_KINDS)
@@ -457,6 +464,20 @@ class Robot:
                 {"name": title, "type": "joint", "joints": [place, leads], "polynomial": polynomial}
             )
 
+    def motors(self, places: dict[str, int]) -> list[Facts]:
+        """Return a motor of every hinge and slide that follows no other, as the format has no actuators of its own."""
+        found = []
+        for name, place in places.items():
+            joint = self.joints[name]
+            if joint.kind not in ("hinge", "slide") or self.leader(joint) is not None:
+                continue
+            limits = joint.node.one("limit")
+            effort = limits.number("effort", 0.0) if limits is not None else 0.0
+            plain = {"why": "", "gain": 1.0, "constant": 0.0, "stiffness": 0.0, "damping": 0.0, "origin": 0.0}
+            span = [-effort, effort] if effort > 0.0 else None
+            found.append({"name": name, "joint": place, "range": span, "limited": False} | plain)
+        return found
+
     def list_contacts(self, bodies: list[Facts]) -> None:
         """List bodies that could collide."""
         able = [b for b in bodies if b["link"] is not None and b["link"].node and b["link"].node.all("collision")]
@@ -535,6 +556,13 @@ def once_each(nodes: Sequence[Node], read: Callable[[Node], Named]) -> list[Name
             raise InputError(f"{node.place}: a second {node.tag} is named '{part.name}'; give each its own name")
         found[part.name] = part
     return list(found.values())
+
+
+def check_case(node: Node, known: tuple[str, ...]) -> None:
+    """Refuse tags that are known but for their case, which readers pass over without a word."""
+    for child in node.children:
+        if child.tag not in known and child.tag.lower() in known:
+            raise InputError(f"{child.place}: is not read in this case; write <{child.tag.lower()}>")
 
 
 def is_idle(name: str, value: str) -> bool:

@@ -16,12 +16,17 @@ import numpy as np
 
 from ...base.checks import check_size
 from ...base.errors import InputError
+from .facts import LENGTH_MIN
 from .folders import Folders
 from .guarded import reply
 
 VISIBLE_GROUPS = 3  # [1] groups of geoms below this are shown by MuJoCo; contact shapes are usually in group 3
 POSES_MAX = 100_000  # [1] of bodies in all key frames
 RULE_ROUNDING = 1e-9  # [1] of the largest coordinate, by which equalities of one joint may differ: their digits
+CLOSING_ITERATIONS_MAX = 60  # [1] steps to close loops: half of them for turns by the largest step, then quadratic
+CLOSING_STEP_MAX = 0.2  # [rad, m] of a coordinate in a step
+CLOSING_ROUNDING = 1e-12  # [1] of the extent of the model, by which a closed loop gapes
+CLOSING_RANK = 1e-9  # [1] of the largest singular value, below which rows repeat each other
 STAND_IN_RADIUS = 1e-3  # [m] of the ball that stands for a mesh that is not needed
 TENDON_LOADS = {
     "stiffness": "SPRING", "stiffnesspoly": "SPRING", "damping": "DAMPER", "dampingpoly": "DAMPER",
@@ -34,7 +39,7 @@ class Facts:
     """What the compiled model says."""
 
     def __init__(self, mujoco: Any, path: str, folders: Folders, whole: bool) -> None:
-        spec = mujoco.MjSpec.from_file(path)
+        spec = specification(mujoco, Path(path))
         spec.compiler.fusestatic = spec.compiler.discardvisual = 0  # merged here by name, not there in silence
         self.mujoco = mujoco
         self.foreign: list[dict[str, Any]] = []  # what acts and is not among the facts
@@ -45,7 +50,7 @@ class Facts:
         self.missing = looks.missing
         self.gears = [int(getattr(mujoco.mjtTrn, f"mjTRN_{kind}")) for kind in ("JOINT", "JOINTINPARENT")]
         self.data = mujoco.MjData(self.model)
-        self.start = self.reference()
+        self.start = self.closed(self.reference())
         self.data.qpos[:] = self.start
         mujoco.mj_kinematics(self.model, self.data)
 
@@ -69,6 +74,43 @@ class Facts:
                 self.said.append(f"'{name}' counts from {start[y]:g}, where it starts")
         self.said = list(dict.fromkeys(self.said))
         return start
+
+    def closed(self, start: np.ndarray) -> np.ndarray:
+        """Return the pose near ``start`` in which all connections and couplings hold, by Newton's method; say so.
+
+        Steps are the least ones, in the velocities of MuJoCo, whose own residuals and Jacobian they use.
+        """
+        m, mujoco = self.model, self.mujoco
+        m.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+        d, q = mujoco.MjData(m), start.copy()
+        worst, gap, first, length = -1, 0.0, 0.0, LENGTH_MIN + float(m.stat.extent)
+        for _ in range(CLOSING_ITERATIONS_MAX):
+            d.qpos[:] = q
+            mujoco.mj_fwdPosition(m, d)
+            rows = [k for k in range(d.nefc) if self.closes(d, k)]
+            if not rows or m.nv == 0:
+                return start
+            residual = d.efc_pos[rows]
+            worst, gap = int(d.efc_id[rows[int(np.abs(residual).argmax())]]), float(np.abs(residual).max())
+            first = first or gap
+            if gap <= CLOSING_ROUNDING * length:
+                break
+            step = -np.linalg.lstsq(d.efc_J.reshape(d.nefc, m.nv)[rows], residual, rcond=CLOSING_RANK)[0]
+            mujoco.mj_integratePos(m, q, step * min(1.0, CLOSING_STEP_MAX / np.abs(step).max()), 1.0)
+        else:
+            raise InputError(
+                f"equality '{self.name('equality', worst)}' stays open by {gap:.3g} m or rad; correct its points, or "
+                "the pose at the start (ref=)"
+            )
+        if first > CLOSING_ROUNDING * length:
+            self.said.append(f"loops open by {first:.2g} m or rad are closed; joints count from the pose so found")
+        return q
+
+    def closes(self, d: Any, k: int) -> bool:
+        """Return whether a row of constraints is one of an equality that is built."""
+        kinds = self.mujoco.mjtEq
+        built = (int(kinds.mjEQ_CONNECT), int(kinds.mjEQ_WELD), int(kinds.mjEQ_JOINT))
+        return d.efc_type[k] == self.mujoco.mjtConstraint.mjCNSTR_EQUALITY and self.model.eq_type[d.efc_id[k]] in built
 
     def followed(self, i: int, q: np.ndarray) -> float:
         """Return where a joint equality puts its follower: y0 + a0 + a1 (x - x0), or y0 + a0 without a leader."""
@@ -138,6 +180,7 @@ class Facts:
                     "centre": d.xipos[i],
                     "inertia": C @ np.diag(m.body_inertia[i]) @ C.T,
                     "gravcomp": m.body_gravcomp[i] if balanced else 0.0,
+                    "fluid": self.box(i),
                     "geoms": [self.geom(k) for k in range(m.body_geomadr[i], m.body_geomadr[i] + m.body_geomnum[i])],
                 }
             )
@@ -198,38 +241,29 @@ class Facts:
             elif kind == "joint":
                 found.append({"name": name, "type": kind, "joints": parts, "polynomial": m.eq_data[i, :5]})
             elif kind in ("connect", "weld"):
+                loose = kind == "weld" and m.eq_data[i, 10] == 0.0  # its torque is scaled by 0: it holds points only
                 held = self.ends(i, kind)
-                if kind == "weld" and m.eq_data[i, 10] == 0.0:  # its torque is scaled by 0: it holds points only
-                    kind, held["turn"] = "connect", 0.0
-                found.append({"name": name, "type": kind, **held})
+                found.append({"name": name, "type": "connect" if loose else kind, **held})
             else:
                 self.add("equality", f"{name} ({kind})", element)
         return found
 
     def ends(self, i: int, kind: str) -> dict[str, Any]:
-        """Return bodies and world points of a connection, and by how much a weld is turned at qpos0."""
+        """Return bodies and world points of a connection, at the pose in which it holds."""
         m, d = self.model, self.data
         ids, data = (int(m.eq_obj1id[i]), int(m.eq_obj2id[i])), m.eq_data[i]
         if m.eq_objtype[i] == self.mujoco.mjtObj.mjOBJ_SITE:
-            bodies, points = [int(m.site_bodyid[k]) for k in ids], [d.site_xpos[k] for k in ids]
-            turn = np.abs(d.site_xmat[ids[0]] - d.site_xmat[ids[1]]).max()
-            return {"bodies": bodies, "points": points, "turn": turn}
+            return {"bodies": [int(m.site_bodyid[k]) for k in ids], "points": [d.site_xpos[k] for k in ids]}
         local = (data[0:3], data[3:6]) if kind == "connect" else (data[3:6], data[0:3])
         points = [d.xpos[k] + d.xmat[k].reshape(3, 3) @ x for k, x in zip(ids, local, strict=True)]
-        wanted, error = np.zeros(4), np.zeros(9)
-        self.mujoco.mju_mulQuat(wanted, d.xquat[ids[0]], data[6:10])
-        self.mujoco.mju_quat2Mat(error, wanted)
-        turn = np.abs(error - d.xmat[ids[1]]).max() if kind == "weld" else 0.0
-        return {"bodies": list(ids), "points": points, "turn": turn}
+        return {"bodies": list(ids), "points": points}
 
     def list_foreign(self) -> None:
         """List everything that acts on the motion, always or at times, and is not among the facts."""
         m = self.model
-        for kind in ("actuator", "flex"):
-            count = getattr(m, f"n{kind}")
-            if count and not (kind == "actuator" and self.off("ACTUATION")):
-                names = [self.name(kind, i) for i in range(min(count, 10))]
-                self.add(kind, ", ".join(names) + (f" and {count - 10} more" if count > 10 else ""), count=count)
+        if m.nflex:
+            names = [self.name("flex", i) for i in range(min(m.nflex, 10))]
+            self.add("flex", ", ".join(names) + (f" and {m.nflex - 10} more" if m.nflex > 10 else ""), count=m.nflex)
         for i in range(m.ntendon):
             self.list_tendon(i)
         for i in range(m.njnt):
@@ -249,12 +283,36 @@ class Facts:
             self.add("mocap", self.name("body", i), ("body", self.name("body", i)))
         if m.nplastic:
             self.add("passive", f"{m.nplastic} plastic joints")
-        if self.passive and (m.opt.density or m.opt.viscosity):
-            self.add("fluid", f"density {m.opt.density:g}, viscosity {m.opt.viscosity:g}", ("option", ""))
+        if self.in_fluid:
+            self.list_fluid()
         if m.opt.enableflags & self.mujoco.mjtEnableBit.mjENBL_SLEEP:
             self.add("sleep", "of bodies at rest", ("option", ""), count=0)
         if not self.off("CONTACT"):
             self.list_contacts()
+
+    @property
+    def in_fluid(self) -> bool:
+        """Return whether a fluid acts on the bodies."""
+        return self.passive and bool(self.model.opt.density or self.model.opt.viscosity)
+
+    def list_fluid(self) -> None:
+        """List what a fluid does that a box of the inertia of a body in a fluid at rest does not."""
+        m = self.model
+        if m.opt.wind.any():
+            self.add("fluid", f"wind {' '.join(f'{x:g}' for x in m.opt.wind)}", ("option", ""))
+        for i in np.flatnonzero(m.geom_fluid[:, 0] > 0.0).tolist():
+            name = self.name("geom", i)
+            self.add("fluid", f"the ellipsoid model of {name}", ("geom", name))
+
+    def box(self, i: int) -> dict[str, Any] | None:
+        """Return the box of inertia of a body, on which a fluid acts: edges L_i^2 = 6/m (I_j + I_k - I_i), and axes."""
+        m, mass, I = self.model, float(self.model.body_mass[i]), self.model.body_inertia[i]
+        if not self.in_fluid or mass < self.mujoco.mjMINVAL:
+            return None
+        quaternion = np.zeros(4)
+        self.mujoco.mju_mat2Quat(quaternion, self.data.ximat[i])
+        lengths = np.sqrt(np.maximum(I.sum() - 2.0 * I, 0.0) * 6.0 / mass)
+        return {"lengths": lengths, "axes": quaternion, "density": m.opt.density, "viscosity": m.opt.viscosity}
 
     def curved(self, stiffness: Any, damping: Any) -> bool:
         """Return whether coefficients of higher powers act."""
@@ -268,6 +326,50 @@ class Facts:
             self.add("armature", f"of {name}, an actuator of no single hinge or slide", ("actuator", name))
         if self.curved(0.0, (m.actuator_dampingpoly[i].any(), m.actuator_damping[i] and not single)):
             self.add("passive", f"damping of {name}, an actuator", ("actuator", name))
+
+    def actuators(self) -> list[dict[str, Any]]:
+        """Return what actuators do: gear (g u + b0 + b1 l + b2 l_dot) along a joint with l = gear q, u the command.
+
+        q counts as the file does, from ``origin`` at the reference pose.
+        """
+        m, found = self.model, []
+        for i in range(0 if self.off("ACTUATION") else m.nactuator):
+            joint, gear = int(m.actuator_trnid[i, 0]), float(m.actuator_gear[m.actuator_outadr[i], 0])
+            name, why = self.name("actuator", i), self.why_asked(i)
+            gain, (b0, b1, b2) = float(m.actuator_gainprm[i, 0]), m.actuator_biasprm[i, :3]
+            if m.actuator_biastype[i] == self.mujoco.mjtBias.mjBIAS_NONE:
+                b0 = b1 = b2 = 0.0
+            command = m.actuator_ctrladr[i]  # an actuator may have several, or none
+            span = m.actuator_ctrlrange[command] if not why and m.actuator_ctrllimited[command] else None
+            forced = m.actuator_forcelimited[i] or (not why and m.jnt_actfrclimited[joint])
+            found.append(
+                {
+                    "name": name, "joint": joint, "why": why, "gain": gear * gain, "constant": gear * b0,
+                    "stiffness": -(gear**2) * b1, "damping": -(gear**2) * b2,
+                    "origin": 0.0 if why else self.start[m.jnt_qposadr[joint]],
+                    "range": span, "limited": bool(span is not None or forced),
+                }
+            )  # fmt: skip
+        return found
+
+    def why_asked(self, i: int) -> str:
+        """Return why an actuator is no motor and no servo of a hinge or slide, "" if it is one."""
+        m, mujoco = self.model, self.mujoco
+        if m.actuator_trntype[i] not in self.gears or not self.is_single(m.actuator_trnid[i, 0]):
+            return "acts on no single hinge or slide"
+        if m.opt.disableactuator & (1 << max(int(m.actuator_group[i]), 0)):
+            return "is of a group that is switched off"
+        if m.actuator_dyntype[i] != mujoco.mjtDyn.mjDYN_NONE or m.actuator_delay[i] > 0.0:
+            return "has a state of its own"
+        fixed = m.actuator_gaintype[i] == mujoco.mjtGain.mjGAIN_FIXED
+        affine = m.actuator_gaintype[i] == mujoco.mjtGain.mjGAIN_AFFINE and not m.actuator_gainprm[i, 1:3].any()
+        if not (fixed or affine) or m.actuator_biastype[i] not in (
+            int(mujoco.mjtBias.mjBIAS_NONE), int(mujoco.mjtBias.mjBIAS_AFFINE),
+        ):  # fmt: skip
+            return "has a gain or bias that is not that of a motor or servo"
+        if m.actuator_biastype[i] != mujoco.mjtBias.mjBIAS_NONE and m.actuator_biasprm[i, 1:3].max() > 0.0:
+            return "pushes away from where it is, or along its motion"
+        return ""
 
     def list_tendon(self, i: int) -> None:
         """List a tendon that pulls always, or whose length is limited; others only measure."""
@@ -322,9 +424,22 @@ class Facts:
                 self.mujoco.mj_objectVelocity(m, d, self.mujoco.mjtObj.mjOBJ_XBODY, i, twists[i], 0)
             poses, name = np.concatenate([d.xpos, d.xquat], axis=1), self.name("key", k)
             joints = [self.moved(d, i) for i in range(m.njnt)]
+            self.say_unread(k, name)
             found.append({"name": name, "time": m.key_time[k], "poses": poses, "joints": joints})
             found[-1]["twists"] = np.roll(twists, 3, axis=1)  # MuJoCo has (w, v)
         return found
+
+    def say_unread(self, k: int, name: str) -> None:
+        """Say what of a key frame is not among its state: mocap bodies that it moves, and states of actuators."""
+        m, d = self.model, self.mujoco.MjData(self.model)
+        moved = m.nmocap and not (
+            np.array_equal(m.key_mpos[k].ravel(), d.mocap_pos.ravel())
+            and np.array_equal(m.key_mquat[k].ravel(), d.mocap_quat.ravel())
+        )
+        if moved:
+            self.said.append(f"key frame '{name}' moves mocap bodies, which stay where they are")
+        if m.na and m.key_act[k].any():
+            self.said.append(f"key frame '{name}' sets states of actuators, which are inactive")
 
     def moved(self, d: Any, i: int) -> dict[str, Any]:
         """Return what a joint has moved since the start, and its rate."""
@@ -333,8 +448,16 @@ class Facts:
         slides, turns = (m.jnt_type[i] == getattr(self.mujoco.mjtJoint, f"mjJNT_{kind}") for kind in ("SLIDE", "HINGE"))
         return {
             "slides": bool(slides), "turns": bool(turns), "value": d.qpos[q] - self.start[q], "rate": d.qvel[v],
-            "axis": d.xaxis[i], "anchor": d.xanchor[i], "turn": d.qpos[q : q + 4], "spin": d.qvel[v : v + 3],
+            "axis": d.xaxis[i], "anchor": d.xanchor[i], "turn": self.turned(d, i), "spin": d.qvel[v : v + 3],
         }  # fmt: skip
+
+    def turned(self, d: Any, i: int) -> np.ndarray:
+        """Return the quaternion by which a ball has turned the body since the start, in the axes of the body."""
+        q, before, turn = self.model.jnt_qposadr[i], np.zeros(4), np.zeros(4)
+        if self.model.jnt_type[i] == self.mujoco.mjtJoint.mjJNT_BALL:
+            self.mujoco.mju_negQuat(before, self.start[q : q + 4])
+            self.mujoco.mju_mulQuat(turn, before, d.qpos[q : q + 4])
+        return turn
 
     def points(self) -> list[dict[str, Any]]:
         """Return sites at the reference pose."""
@@ -353,6 +476,7 @@ class Facts:
         self.list_foreign()
         facts: dict[str, Any] = {"bodies": self.bodies(), "joints": self.joints(), "equalities": self.equalities()}
         facts |= {"keys": self.keys(), "points": self.points(), "said": self.said, "missing": self.missing}
+        facts["actuators"] = self.actuators()
         idle = {kind: int(getattr(m, f"n{kind}")) for kind in ("sensor", "key", "cam", "light", "site", "geom")}
         gravity = np.zeros(3) if self.off("GRAVITY") else m.opt.gravity
         return facts | {"gravity": gravity, "foreign": self.foreign, "idle": idle}
@@ -451,6 +575,15 @@ class Undressed:
         for kind in ("geoms", "sites", "tendons"):
             for part in getattr(self.spec, kind):
                 part.material = ""
+
+
+def specification(mujoco: Any, path: Path) -> Any:
+    """Return what MuJoCo reads of a file; it knows the suffix .xml only."""
+    if path.suffix == ".xml":
+        return mujoco.MjSpec.from_file(str(path))
+    spec = mujoco.MjSpec.from_string(path.read_text(encoding="utf-8-sig").lstrip())
+    spec.modelfiledir = str(path.parent)
+    return spec
 
 
 def plain(value: Any, what: str) -> Any:

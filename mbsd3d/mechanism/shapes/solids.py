@@ -204,7 +204,7 @@ class Hull(Solid):
 
 @part_class()
 class MeshFile(Solid):
-    """Triangles of an STL, OBJ, PLY or GLB file times ``scale`` [m per unit of the file], from O or ``at``.
+    """Triangles of an STL, OBJ, PLY, 3MF or glTF file times ``scale`` [m per unit of the file], from O or ``at``.
 
     A relative path counts from the working folder; the file is read when the body is drawn, and
     refused if it has more than 20 000 triangles. Colours and materials of the file are not used.

@@ -15,10 +15,13 @@ from scipy.spatial import ConvexHull
 
 from ...base.errors import InputError
 from ...base.version import loading
+from .threemf import read_3mf
 
-MESH_SUFFIXES = (".stl", ".obj", ".ply", ".glb")
+MESH_SUFFIXES = (".stl", ".obj", ".ply", ".3mf", ".glb", ".gltf")
 MESH_TRIANGLES_MAX = 20_000  # [triangles] of a mesh file: more make pages that open slowly
+MASS_TRIANGLES_MAX = 200_000  # [triangles] of a mesh that gives a mass: some seconds of checking
 MESH_BYTES_MAX = 100_000_000  # [bytes] of a mesh file: a larger one is not read
+STL_HEADER_BYTES, STL_TRIANGLE_BYTES = 84, 50  # [bytes] of a binary STL file
 SHARP_EDGE_ANGLE = np.radians(30)  # [rad] edges of mesh files that bend by more stay sharp
 SPHERE_SECTIONS, SPHERE_BANDS = 24, 12  # [1] about the axis and from pole to pole of a ball: 528 triangles
 CYLINDER_SECTIONS = 48  # [1] multiples of 4, so that sectors end at edges
@@ -143,6 +146,37 @@ def read_mesh(path: str, what: str) -> Mesh:
 
     ValueError for a file that is missing, too large, not a mesh, or has too many triangles, none, or some not finite.
     """
+    found = check_mesh(path, what)
+    import trimesh
+
+    found.merge_vertices(merge_tex=True, merge_norm=True)
+    smooth = trimesh.graph.smooth_shade(found, angle=SHARP_EDGE_ANGLE)
+    faces = np.array(smooth.faces, int)
+    return Mesh(np.array(smooth.vertices, float), faces, np.zeros(len(faces), int))
+
+
+def check_mesh(path: str, what: str) -> Any:
+    """Return the triangles of a file that can be drawn, as trimesh has them; see `read_mesh` for its errors."""
+    found, _ = load_mesh(path, what)
+    count = len(found.faces)
+    if count > MESH_TRIANGLES_MAX:
+        raise InputError(f"{what}: has {count} triangles, at most {MESH_TRIANGLES_MAX} are drawn; decimate it")
+    return found
+
+
+def binary_stl(content: bytes) -> np.ndarray | None:
+    """Return corners (3 n, 3) of the triangles of a binary STL file, None for another file."""
+    count = int.from_bytes(content[80:84], "little")
+    if count == 0 or len(content) != STL_HEADER_BYTES + STL_TRIANGLE_BYTES * count:
+        return None
+    rows = np.frombuffer(
+        content, np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("of", "<u2")]), count, STL_HEADER_BYTES
+    )
+    return rows["corners"].reshape(-1, 3).astype(float)
+
+
+def load_mesh(path: str, what: str) -> tuple[Any, float | None]:
+    """Return the triangles of a file as trimesh has them, checked, and its unit [m]; None where its format has none."""
     with loading():
         import trimesh
 
@@ -150,36 +184,38 @@ def read_mesh(path: str, what: str) -> Mesh:
     try:
         state = file.stat()
         content = b"" if not stat.S_ISREG(state.st_mode) or state.st_size > MESH_BYTES_MAX else file.read_bytes()
-    except OSError as error:
-        raise InputError(f"{what}: cannot be read: {error.strerror}; give a file that exists") from error
+    except (OSError, ValueError) as error:
+        why = getattr(error, "strerror", None) or error
+        raise InputError(f"{what}: cannot be read: {why}; give a file that exists") from error
     if not content:
         raise InputError(f"{what}: is not a file, is empty or has more than {MESH_BYTES_MAX} bytes; give a mesh")
-    options = {"skip_materials": True} if kind in ("obj", "glb") else {}
+    options = {"skip_materials": True} if kind in ("obj", "glb", "gltf") else {}
+    unit = 1.0 if kind in ("glb", "gltf") else None
     logging.getLogger("trimesh").disabled = True  # it prints tracebacks of what it can do without
     try:  # from memory, so that a mesh cannot name further files
-        found = trimesh.load_mesh(BytesIO(content), file_type=kind, process=False, **options)
+        corners = binary_stl(content) if kind == "stl" else None
+        if corners is not None:
+            found = trimesh.Trimesh(corners, np.arange(len(corners)).reshape(-1, 3), process=False)
+        elif kind == "3mf":
+            vertices, faces, unit = read_3mf(content, MASS_TRIANGLES_MAX)
+            found = trimesh.Trimesh(vertices, faces, process=False)
+        else:
+            found = trimesh.load_mesh(BytesIO(content), file_type=kind, process=False, **options)
     except Exception as error:  # parsers of foreign data fail in their own ways
-        raise InputError(
-            f"{what}: is no {kind.upper()} ({' '.join(str(error).split())[:80]}); save the mesh again"
-        ) from error
-    return checked(found, what)
+        remedy = "save the mesh again"
+        if kind == "gltf":
+            remedy = "save it as .glb, which needs no further files"
+        raise InputError(f"{what}: is no {kind.upper()} ({' '.join(str(error).split())[:80]}); {remedy}") from error
+    check_triangles(found, what)
+    return found, unit
 
 
-def checked(found: Any, what: str) -> Mesh:
-    """Check the vertices and faces of a mesh of trimesh, and return them."""
-    import trimesh
-
-    count = len(getattr(found, "faces", ()))
-    if count == 0:
+def check_triangles(found: Any, what: str) -> None:
+    """Check the vertices and faces of a mesh of trimesh."""
+    if len(getattr(found, "faces", ())) == 0:
         raise InputError(f"{what}: has no triangles; give a mesh of a surface")
-    if count > MESH_TRIANGLES_MAX:
-        raise InputError(f"{what}: has {count} triangles, at most {MESH_TRIANGLES_MAX} are drawn; decimate it")
     corners, faces = np.asarray(found.vertices), np.asarray(found.faces)
     if corners.ndim != 2 or corners.shape[1] != 3 or faces.ndim != 2 or faces.shape[1] != 3:
         raise InputError(f"{what}: has corners of {corners.shape[1:]} numbers; give triangles in space")
     if not np.isfinite(corners).all() or faces.min() < 0 or faces.max() >= len(corners):
         raise InputError(f"{what}: has corners that are not finite or not there; repair it")
-    found.merge_vertices(merge_tex=True, merge_norm=True)
-    smooth = trimesh.graph.smooth_shade(found, angle=SHARP_EDGE_ANGLE)
-    faces = np.array(smooth.faces, int)
-    return Mesh(np.array(smooth.vertices, float), faces, np.zeros(len(faces), int))
