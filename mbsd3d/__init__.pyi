@@ -27,6 +27,7 @@ from .base.errors import IntegrationError as IntegrationError
 from .base.errors import SweepError as SweepError
 from .base.rotations import rotation as rotation
 from .base.version import __version__ as __version__
+from .files.exporting.exported import Exported as Exported
 from .files.importing.imported import Imported as Imported
 from .integrators.dop853 import DOP853 as DOP853
 from .integrators.driven import Kinematic as Kinematic

@@ -212,7 +212,7 @@ class Facts:
         ids, data = (int(m.eq_obj1id[i]), int(m.eq_obj2id[i])), m.eq_data[i]
         if m.eq_objtype[i] == self.mujoco.mjtObj.mjOBJ_SITE:
             bodies, points = [int(m.site_bodyid[k]) for k in ids], [d.site_xpos[k] for k in ids]
-            turn = np.abs(d.site_xmat[ids[0]] - d.site_xmat[ids[1]]).max()
+            turn = np.abs(d.site_xmat[ids[0]] - d.site_xmat[ids[1]]).max() if kind == "weld" else 0.0
             return {"bodies": bodies, "points": points, "turn": turn}
         local = (data[0:3], data[3:6]) if kind == "connect" else (data[3:6], data[0:3])
         points = [d.xpos[k] + d.xmat[k].reshape(3, 3) @ x for k, x in zip(ids, local, strict=True)]
