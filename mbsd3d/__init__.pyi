@@ -7,6 +7,7 @@ from . import shapes as shapes
 from . import signals as signals
 from .api.load import load as load
 from .api.load import read_mjcf as read_mjcf
+from .api.load import read_sdf as read_sdf
 from .api.load import read_urdf as read_urdf
 from .api.simulation import accelerations as accelerations
 from .api.simulation import simulate as simulate

@@ -378,6 +378,46 @@ class System(Drawable):
 
         return written(write_urdf(self, leave_out, massless), path, (".urdf",), replace)
 
+    def to_sdf(
+        self, path: str | Path | None = None, *, leave_out: Sequence[Joint | ForceElement | str] = (),
+        replace: bool = False,
+    ) -> "Exported":  # fmt: skip
+        """Write the system as SDF, the format of Gazebo: a world with its gravity and one model, at the reference pose.
+
+        `Revolute`, `Prismatic`, `Spherical`, `Universal`, `Screw` and `Fixed` have joints of their own there, in loops
+        too. A `Gear` is a gearbox where both hinges are on one body, and else, as a `RackPinion`, the mimic of a
+        coordinate. Springs, dampers and limits of hinges and sliders are written.
+
+        Parameters
+        ----------
+        path : str, Path or None
+            Ends in .sdf; None = only return the text.
+        leave_out, replace
+            See `to_mjcf`.
+
+        Returns
+        -------
+        Exported
+
+        Raises
+        ------
+        ValueError
+            Naming every joint and force that the format cannot hold, and joints whose parts do not meet at the
+            reference pose.
+
+        Examples
+        --------
+        >>> from mbsd3d import GROUND, Body, Revolute, System
+        >>> bob = Body("bob", mass=1.0, inertia=(0.1, 0.1, 0.02), position=(0, 0, -1))
+        >>> hinge = Revolute(GROUND, bob, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")
+        >>> System([bob], [hinge]).to_sdf().text.split()[1]
+        'version="1.11">'
+        """
+        from ..files.exporting.exported import written
+        from ..files.exporting.sdf import write_sdf
+
+        return written(write_sdf(self, leave_out), path, (".sdf",), replace)
+
     @classmethod
     def from_file(cls, path: str | Path) -> "System":
         """Read the system of a model file, written by `to_file` or by hand, checked by the constructors of its parts.

@@ -45,6 +45,7 @@ from mbsd3d import (
     TorsionSpring,
     Universal,
     read_mjcf,
+    read_sdf,
     read_urdf,
     rotation,
 )
@@ -232,6 +233,8 @@ def wheel(**more):
         ("to_mjcf", {"on": "edge"}, r"joint 'edge' \(KnifeEdge\): the format has no such element"),
         ("to_mjcf", {"force": "push"}, r"force 'push' \(Force\)"),
         ("to_mjcf", {"force": "brake"}, r"force 'brake' \(Brake\)"),
+        ("to_sdf", {"on": "roll"}, r"SDF cannot hold joint 'roll'"),
+        ("to_sdf", {"force": "brake"}, r"the format has springs and dampers of joints only"),
         ("to_urdf", {"on": "roll"}, r"URDF cannot hold joint 'roll' \(RollingDisc\).*leave_out=\[\"roll\"\]"),
         ("to_urdf", {"force": "spring"}, r"force 'spring' \(TorsionSpring\): the format has dampers of joints only"),
     ],
@@ -259,7 +262,7 @@ def test_a_body_without_mass_at_an_end_is_refused():
         System([tip], [Revolute(GROUND, tip, at=(0, 0, 0), axis=(1, 0, 0))]).to_mjcf()
 
 
-@pytest.mark.parametrize(("write", "suffix"), [("to_mjcf", ".xml"), ("to_urdf", ".urdf")])
+@pytest.mark.parametrize(("write", "suffix"), [("to_mjcf", ".xml"), ("to_urdf", ".urdf"), ("to_sdf", ".sdf")])
 def test_files_are_written_once_and_under_their_name(tmp_path, write, suffix):
     system = wheel()
     made = getattr(system, write)(tmp_path / f"model{suffix}")
@@ -333,6 +336,70 @@ def test_limits_and_dampers_of_urdf(tmp_path):
     ranges = {limit.called: (limit.lower, limit.upper) for limit in found.system.limits}
     assert {ranges[x.name] for x in tree.joints[:3]} == {(-0.3, 0.4)}
     assert sorted(force.damping for force in found.system.forces) == [0.4] * 5
+
+
+SDF_JOINTS = ("Revolute", "Prismatic", "Universal", "Spherical", "Fixed", "Screw")
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_trees_in_sdf_are_read_back(tmp_path, seed):
+    system = random_tree(seed, SDF_JOINTS[:-1], springs=True)
+    made = system.to_sdf(tmp_path / "model.sdf")
+    found = read_sdf(made.path)
+    assert found.said == () and found.inactive == ""
+    assert sorted(type(x).__name__ for x in found.system.joints) == sorted(
+        type(x).__name__ for x in system.joints if not isinstance(x, Fixed)
+    )
+    assert read_back(system, made, found.system) < TOLERANCE
+
+
+def test_loops_in_sdf_are_native(tmp_path):
+    system = spatial_loop()
+    made = system.to_sdf(tmp_path / "loop.sdf")
+    read = read_sdf(made.path).system
+    assert made.soft == () and read.check().mobility == 1
+    assert read_back_by_coordinates(system, made, read, ["drive"], reach=0.01) < TOLERANCE
+
+
+@pytest.mark.parametrize("coupling", ["screw", "gear", "rack"])
+def test_couplings_in_sdf_are_read_back(tmp_path, coupling):
+    system, driven = shafts(coupling)
+    made = system.to_sdf(tmp_path / "coupled.sdf")
+    assert {"screw": "screw_thread_pitch", "gear": "mimic", "rack": "mimic"}[coupling] in made.text
+    read = read_sdf(made.path).system
+    assert {type(x) for x in read.joints} == {type(x) for x in system.joints}
+    driven = [name.removesuffix(" turn 0") for name in driven]
+    assert read_back_by_coordinates(system, made, read, driven, count=5) < TOLERANCE
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_gear_on_one_body_is_a_gearbox(tmp_path, turned):
+    rng = np.random.default_rng(6)
+    carrier, one, two = (body(rng, name) for name in ("carrier", "one", "two"))
+    ends = (two, carrier) if turned else (carrier, two)
+    a = Revolute(carrier, one, at=rng.normal(size=3), axis=direction(rng), name="a")
+    b = Revolute(*ends, at=rng.normal(size=3), axis=direction(rng), name="b")
+    system = System([carrier, one, two], [a, b, Gear(a, b, ratio=1.7, name="teeth")])
+    made = system.to_sdf(tmp_path / "gear.sdf")
+    read = read_sdf(made.path).system
+    assert 'type="gearbox"' in made.text and read.check().mobility == 7
+    assert read_back_by_coordinates(system, made, read, ["a"], count=5) < TOLERANCE
+
+
+@pytest.mark.parametrize(
+    ("part", "message"),
+    [
+        (lambda b: Cylindrical(GROUND, b, at=(0, 0, 0), axis=(1, 0, 0), name="x"), "the format has no such joint"),
+        (
+            lambda b: Spherical(GROUND, b, at=(0, 0, 0), at_b=(0, 0, 1e-3), name="x"),
+            "its parts do not meet at the reference pose",
+        ),
+    ],
+)
+def test_what_sdf_cannot_hold_is_named(part, message):
+    bob = Body("bob", 1.0, (0.1, 0.1, 0.1))
+    with pytest.raises(ValueError, match=f"SDF cannot hold joint 'x' .*: {message}"):
+        System([bob], [part(bob)]).to_sdf()
 
 
 def test_another_gravity_is_said():

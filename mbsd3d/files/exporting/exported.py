@@ -11,9 +11,11 @@ from ...base.checks import as_tuple, short_repr
 from ...base.errors import InputError
 from ...base.paths import as_path, write_atomically
 from ...mechanism.joints import Joint
+from ...mechanism.limits import Limit
 from ...mechanism.mechanism import Mechanism
 from ..importing.imported import Point
 
+UNLIMITED_RANGE = 1e9  # [rad, m] of a coordinate without limits, where a format asks for some
 WHOLE = Point("", np.zeros(3), np.eye(3))  # a frame that is that of its body
 
 
@@ -89,6 +91,26 @@ def numbers(*values: Any) -> str:
 def add(parent: ElementTree.Element, tag: str, /, **attributes: str) -> ElementTree.Element:
     """Add an element to another; return it."""
     return ElementTree.SubElement(parent, tag, attributes)
+
+
+def range_of(limits: Sequence[Limit]) -> tuple[float, float] | None:
+    """Return the range that all limits leave, None without any."""
+    if not limits:
+        return None
+    lower = max(-UNLIMITED_RANGE if limit.lower is None else limit.lower for limit in limits)
+    return lower, min(UNLIMITED_RANGE if limit.upper is None else limit.upper for limit in limits)
+
+
+def roll_pitch_yaw(R: np.ndarray) -> np.ndarray:
+    """Return the angles of R = Rz(yaw) Ry(pitch) Rx(roll) [rad].
+
+    By atan2, where asin loses half the digits near 90 degrees; there roll is of no great meaning, and yaw follows from
+    R Rx(-roll), so that both together are right.
+    """
+    roll = np.arctan2(R[2, 1], R[2, 2])
+    s, c = np.sin(roll), np.cos(roll)
+    pitch = np.arctan2(-R[2, 0], np.hypot(R[2, 1], R[2, 2]))
+    return np.array([roll, pitch, np.arctan2(s * R[0, 2] - c * R[0, 1], c * R[1, 1] - s * R[1, 2])])
 
 
 def xml_text(root: ElementTree.Element) -> str:

@@ -14,17 +14,27 @@ from ...mechanism.bodies import Body
 from ...mechanism.forces.springs import JointFriction, TorsionSpring
 from ...mechanism.joints import Joint
 from ...mechanism.joints.pairs import Cylindrical, Fixed, Planar, Prismatic, Revolute, Spherical, Universal
-from ...mechanism.limits import Limit
 from ...mechanism.mechanism import Mechanism
 from ..importing.imported import Point
-from .exported import Exported, NotExportable, add, called, numbers, refuse, without, xml_text
+from .exported import (
+    UNLIMITED_RANGE,
+    Exported,
+    NotExportable,
+    add,
+    called,
+    numbers,
+    range_of,
+    refuse,
+    roll_pitch_yaw,
+    without,
+    xml_text,
+)
 from .layout import Layout, Piece, Placed, lay_out, spanning
 
 DIRECT = (Revolute, Prismatic, Fixed, Planar)
 BY_MASSLESS_LINKS = (Spherical, Universal, Cylindrical)
 URDF_KINDS = {"hinge": "continuous", "slide": "prismatic"}
 STANDARD_GRAVITY = np.array([0.0, 0.0, -9.81])  # [m/s^2] that readers of URDF take
-UNLIMITED_RANGE = 1e9  # [m] of a slide without limits: URDF asks for some
 BALL_AXES = np.eye(3)  # of the three hinges in a row that stand for a ball; they lock where the second turns by 90 deg
 
 
@@ -190,23 +200,3 @@ class UrdfTree(Placed):
                 element.set("type", "revolute")
             given = {"lower": numbers(ends[0]), "upper": numbers(ends[1])}
             add(element, "limit", effort=numbers(UNLIMITED_RANGE), velocity=numbers(UNLIMITED_RANGE), **given)
-
-
-def range_of(limits: Sequence[Limit]) -> tuple[float, float] | None:
-    """Return the range that all limits leave, None without any."""
-    if not limits:
-        return None
-    lower = max(-UNLIMITED_RANGE if limit.lower is None else limit.lower for limit in limits)
-    return lower, min(UNLIMITED_RANGE if limit.upper is None else limit.upper for limit in limits)
-
-
-def roll_pitch_yaw(R: np.ndarray) -> np.ndarray:
-    """Return the angles of R = Rz(yaw) Ry(pitch) Rx(roll) [rad].
-
-    By atan2, where asin loses half the digits near 90 degrees; there roll is of no great meaning, and yaw follows from
-    R Rx(-roll), so that both together are right.
-    """
-    roll = np.arctan2(R[2, 1], R[2, 2])
-    s, c = np.sin(roll), np.cos(roll)
-    pitch = np.arctan2(-R[2, 0], np.hypot(R[2, 1], R[2, 2]))
-    return np.array([roll, pitch, np.arctan2(s * R[0, 2] - c * R[0, 1], c * R[1, 1] - s * R[1, 2])])

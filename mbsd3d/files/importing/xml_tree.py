@@ -36,16 +36,20 @@ class Node:
         """Return the children of a tag."""
         return [child for child in self.children if child.tag == tag]
 
-    def one(self, tag: str) -> "Node | None":
+    def child(self, tag: str) -> "Node | None":
         """Return the only child of a tag, or None."""
         found = self.all(tag)
         if len(found) > 1:
             raise InputError(f"{found[1].place}: stands twice in <{self.tag}>; keep one")
-        for node in found:
-            if other := node.others(READ_ATTRIBUTES.get(tag, tuple(node.attributes))):
-                have = ", ".join(READ_ATTRIBUTES[tag])
-                raise InputError(f"{node.place}: {other[0]} is not read; give {have}, or remove it")
         return found[0] if found else None
+
+    def one(self, tag: str) -> "Node | None":
+        """Return the only child of a tag, or None; an attribute that would be passed over is refused."""
+        node = self.child(tag)
+        if node is not None and (other := node.others(READ_ATTRIBUTES.get(tag, tuple(node.attributes)))):
+            have = ", ".join(READ_ATTRIBUTES[tag])
+            raise InputError(f"{node.place}: {other[0]} is not read; give {have}, or remove it")
+        return node
 
     def others(self, known: tuple[str, ...]) -> list[str]:
         """Return the attributes beside those known, but for zeros and those of vendors, which have a prefix."""

@@ -1,0 +1,153 @@
+"""SDF of a system: links where the bodies are, joints between them in any graph, in a world with its gravity."""
+
+from collections.abc import Sequence
+from typing import Any
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from ...mechanism.bodies import GROUND, Body
+from ...mechanism.couplings import Gear, RackPinion
+from ...mechanism.forces.springs import JointFriction, TorsionSpring
+from ...mechanism.joints import Joint
+from ...mechanism.joints.pairs import Fixed, Prismatic, Revolute, Screw, Spherical, Universal
+from ...mechanism.mechanism import Mechanism
+from .exported import WHOLE, Exported, add, numbers, range_of, refuse, roll_pitch_yaw, without, xml_text
+
+VERSION = "1.11"  # the first one that has mimics; the rest is 1.7
+KINDS: dict[type, str] = {
+    Revolute: "revolute", Prismatic: "prismatic", Spherical: "ball", Universal: "universal", Screw: "screw",
+    Fixed: "fixed",
+}  # fmt: skip
+FIT_TOLERANCE = 1e-12  # [m, 1] by which a joint may be open at the reference pose: rounding
+
+
+def write_sdf(system: Mechanism, leave_out: Sequence[Any]) -> Exported:
+    """Return the SDF of a system."""
+    kept, gone = without(system, leave_out)
+    refuse(kept, foreign(kept), "SDF")
+    root = Element("sdf", version=VERSION)
+    title = kept.title or "mbsd3d"
+    world = add(root, "world", name=title)
+    put(world, "gravity", numbers(kept.gravity))
+    model = add(world, "model", name=title)
+    frames = {}
+    for body in kept.bodies:
+        frames[body.name] = WHOLE._replace(body=body.name)
+        write_link(model, body)
+    elements = {id(joint): write_joint(model, kept, joint) for joint in kept.joints if type(joint) in KINDS}
+    for joint in kept.joints:
+        if isinstance(joint, Gear | RackPinion):
+            couple(model, kept, joint, elements)
+    return Exported(xml_text(root), None, frames, (), gone, ())
+
+
+def foreign(system: Mechanism) -> list[tuple[Any, str]]:
+    """Return joints and forces that have no counterpart, with the reason."""
+    found: list[tuple[Any, str]] = []
+    for joint in system.joints:
+        if isinstance(joint, Gear | RackPinion):
+            if not all(isinstance(x, Revolute | Prismatic) for x in joint.partners()):
+                found.append((joint, "the format couples hinges and sliders only"))
+        elif type(joint) not in KINDS:
+            found.append((joint, "the format has no such joint"))
+        elif is_open(joint):
+            found.append((joint, "its parts do not meet at the reference pose, and the format has one frame for both"))
+    for force in system.forces:
+        damps = isinstance(force, TorsionSpring) or (isinstance(force, JointFriction) and force.coulomb == 0.0)
+        if not damps:
+            found.append((force, "the format has springs and dampers of joints only"))
+        elif not isinstance(force.hinge, Revolute | Prismatic):  # type: ignore[attr-defined]
+            found.append((force, "the format has springs and dampers of hinges and sliders only"))
+    return found
+
+
+def is_open(joint: Any) -> bool:
+    """Return whether points or axes of a joint differ on both bodies at the reference pose."""
+    gap = np.abs(joint.at - joint.at_b).max()
+    if isinstance(joint, Revolute | Prismatic | Screw):
+        gap = max(gap, np.abs(joint.axis - joint.axis_b).max())
+    return bool(gap > FIT_TOLERANCE)
+
+
+def put(parent: Element, tag: str, text: str, **attributes: str) -> Element:
+    """Add an element with a text; return it."""
+    made = add(parent, tag, **attributes)
+    made.text = text
+    return made
+
+
+def write_link(model: Element, body: Body) -> None:
+    """Write a link with its mass; its frame is that of the body."""
+    link = add(model, "link", name=body.name)
+    put(link, "pose", numbers(body.position, roll_pitch_yaw(body.axes)))
+    inertial = add(link, "inertial")
+    put(inertial, "pose", numbers(body.com, np.zeros(3)))
+    put(inertial, "mass", numbers(body.mass))
+    inertia = add(inertial, "inertia")
+    for a, b in ("xx", "xy", "xz", "yy", "yz", "zz"):
+        put(inertia, f"i{a}{b}", numbers(body.inertia["xyz".index(a), "xyz".index(b)]))
+
+
+def write_joint(model: Element, system: Mechanism, joint: Any) -> Element:
+    """Write a joint; the ground is never the child, so that both bodies and the sense of the axes may be exchanged."""
+    turned = joint.b is GROUND
+    a, b = (joint.b, joint.a) if turned else (joint.a, joint.b)
+    element = add(model, "joint", name=system.name(joint), type=KINDS[type(joint)])
+    put(element, "pose", numbers(joint.at, np.zeros(3)), relative_to="__model__")
+    put(element, "parent", "world" if a is GROUND else a.name)
+    put(element, "child", b.name)
+    axes = [joint.axis_a, joint.axis_b] if isinstance(joint, Universal) else []
+    axes += [joint.axis] if isinstance(joint, Revolute | Prismatic | Screw) else []
+    for tag, axis in zip(("axis", "axis2"), [-x for x in reversed(axes)] if turned else axes, strict=False):
+        put(add(element, tag), "xyz", numbers(axis))
+    if isinstance(joint, Screw):
+        put(element, "screw_thread_pitch", numbers(joint.pitch))
+    if isinstance(joint, Revolute | Prismatic):
+        load(axis_of(element), system, joint)
+    return element
+
+
+def axis_of(joint: Element) -> Element:
+    """Return the only axis of a joint."""
+    return next(child for child in joint if child.tag == "axis")
+
+
+def load(axis: Element, system: Mechanism, joint: Joint) -> None:
+    """Write springs, dampers and limits of an axis; -k1 (x - x1) - k2 (x - x2) is one spring."""
+    on = [x for x in system.forces if isinstance(x, TorsionSpring | JointFriction) and x.hinge is joint]
+    springs = [x for x in on if isinstance(x, TorsionSpring) and x.stiffness]
+    stiffness = sum(x.stiffness for x in springs)
+    values = {"damping": sum(x.viscous if isinstance(x, JointFriction) else x.damping for x in on)}
+    if springs:
+        rest = sum(x.stiffness * x.angle for x in springs) / stiffness
+        values |= {"spring_reference": rest, "spring_stiffness": stiffness}
+    if any(values.values()):
+        dynamics = add(axis, "dynamics")
+        for tag, value in values.items():
+            put(dynamics, tag, numbers(value))
+    ends = range_of([limit for limit in system.limits if limit.joint is joint])
+    if ends is not None:
+        limit = add(axis, "limit")
+        for tag, value in zip(("lower", "upper"), ends, strict=True):
+            put(limit, tag, numbers(value))
+
+
+def couple(model: Element, system: Mechanism, joint: Gear | RackPinion, elements: dict[int, Element]) -> None:
+    """Write a gearbox between two hinges on one body, else a mimic of the second coordinate."""
+    lead, follower = joint.partners()
+    ratio = joint.ratio if isinstance(joint, Gear) else joint.radius
+    common = [x for x in (lead.a, lead.b) if x in (follower.a, follower.b) and x is not GROUND]
+    hinges = isinstance(lead, Revolute) and isinstance(follower, Revolute)
+    if not hinges or not common or GROUND in (lead.a, lead.b, follower.a, follower.b):
+        mimic = add(axis_of(elements[id(follower)]), "mimic", joint=system.name(lead))
+        put(mimic, "multiplier", numbers(ratio))
+        return
+    gearbox = add(model, "joint", name=system.name(joint), type="gearbox")
+    for tag, hinge in (("parent", lead), ("child", follower)):
+        put(gearbox, tag, (hinge.b if hinge.a is common[0] else hinge.a).name)
+    for tag, hinge in (("axis", lead), ("axis2", follower)):
+        axis: Any = hinge.axis if hinge.a is common[0] else -hinge.axis  # type: ignore[attr-defined]
+        put(add(gearbox, tag), "xyz", numbers(axis), expressed_in="__model__")
+    put(gearbox, "gearbox_ratio", numbers(-ratio))
+    put(gearbox, "gearbox_reference_body", common[0].name)
