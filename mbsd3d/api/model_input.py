@@ -12,8 +12,9 @@ from types import ModuleType
 from typing import Any, NamedTuple, cast
 
 from ..base.errors import InputError, similar
+from ..files.importing.imported import Imported
 from ..mechanism.state import State
-from .load import read_mjcf, read_urdf
+from .load import read_mjcf, read_sdf, read_urdf
 from .system import System
 
 
@@ -25,6 +26,12 @@ class Loaded(NamedTuple):
     states: Mapping[str, State] = {}  # noqa: RUF012 - nobody writes into it
 
 
+READERS: Mapping[str, Callable[..., Imported]] = {
+    ".xml": read_mjcf, ".mjcf": read_mjcf, ".urdf": read_urdf, ".xacro": read_urdf, ".sdf": read_sdf,
+}  # fmt: skip
+"""Suffix of a model of another program -> its reader."""
+
+
 def load_model(file: str, drop: tuple[str, ...], settings: tuple[str, ...]) -> Loaded:
     """Return the System of a model file, an imported model or ``build()`` of a Python file, and notes on an import.
 
@@ -34,23 +41,24 @@ def load_model(file: str, drop: tuple[str, ...], settings: tuple[str, ...]) -> L
     suffix = Path(file).suffix.lower()
     if settings and suffix != ".py":
         raise InputError(f"--set is for Python files with build(...), '{file}' is none; leave it out")
-    if suffix in (".xml", ".urdf"):
+    if suffix in READERS:
         return imported(file, suffix, drop)
     if drop:
-        raise InputError(f"--leave-out applies to imported models (.xml, .urdf) only; drop it for '{file}'")
+        raise InputError(f"--leave-out applies to imported models ({', '.join(READERS)}) only; drop it for '{file}'")
     if suffix in (".json", ".toml"):
         return Loaded(System.from_file(file))
     if suffix != ".py":
-        raise InputError(f"'{file}': give a model (.json, .toml, .xml, .urdf) or a Python file (.py) with build()")
+        have = ", ".join((".json", ".toml", *READERS))
+        raise InputError(f"'{file}': give a model ({have}) or a Python file (.py) with build()")
     return Loaded(built_by(file, settings))
 
 
 def imported(file: str, suffix: str, drop: tuple[str, ...]) -> Loaded:
-    """Return the System of an MJCF or URDF file: a line on the whole, and what was left out, merged and renamed."""
+    """Return the System of a model of another program: a line on it, and what was left out, merged and renamed."""
     kinds = [kind for text in drop for kind in text.split(",") if kind]
     with warnings.catch_warnings(action="ignore"):  # the first line says it
         try:
-            found = (read_mjcf if suffix == ".xml" else read_urdf)(file, leave_out=kinds)
+            found = READERS[suffix](file, leave_out=kinds)
         except InputError as error:
             raise InputError(in_options(str(error))) from error
     lines = [str(found)] + [f"left out {part}" for part in found.dropped]
@@ -63,6 +71,35 @@ def in_options(message: str) -> str:
     """Return an error of an import in the syntax of the command line: leave_out=["fluid"] -> --leave-out fluid."""
     kinds = re.compile(r"leave out with leave_out=\[(.*?)\]")
     return kinds.sub(lambda found: "give --leave-out " + re.sub(r"[\" ]", "", found[1]), message)
+
+
+def write_as(system: System, target: str, omit: Sequence[str], massless: bool, replace: bool) -> str:
+    """Write a system in the format of the suffix of a file; return a line on it."""
+    suffix = Path(target).suffix.lower()
+    if massless and suffix != ".urdf":
+        raise InputError(f"--massless is for .urdf; leave it out for '{target}'")
+    if omit and suffix in (".toml", ".json"):
+        raise InputError(f"--omit is for formats of other programs; leave it out for '{target}'")
+    try:
+        match suffix:
+            case ".toml" | ".json":
+                return f"'{system.to_file(target, replace=replace)}'"
+            case ".xml" | ".mjcf":
+                return str(system.to_mjcf(target, leave_out=omit, replace=replace))
+            case ".urdf":
+                return str(system.to_urdf(target, massless=massless, leave_out=omit, replace=replace))
+            case ".sdf":
+                return str(system.to_sdf(target, leave_out=omit, replace=replace))
+    except InputError as error:
+        raise InputError(omitted(str(error))) from error
+    raise InputError(f"--to {target}: the name ends in no format; give .toml, .json, .xml, .urdf or .sdf")
+
+
+def omitted(message: str) -> str:
+    """Return an error of an export in the syntax of the command line: leave_out=["roll"] -> --omit roll."""
+    names = re.compile(r"leave (?:it )?out with leave_out=\[(.*?)\]")
+    given = names.sub(lambda found: "give " + re.sub(r'"(.*?)",?', r"--omit '\1'", found[1]), message)
+    return given.replace("massless=True", "--massless").replace("replace=True", "--replace")
 
 
 def parameters_of(file: str) -> list[str]:

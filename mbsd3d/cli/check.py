@@ -13,8 +13,8 @@ from .support import drop_option, load_system, parameters_option, set_option
 def check(file: str, drop: tuple[str, ...], settings: tuple[str, ...], help_parameters: bool) -> None:
     """Find the degrees of freedom and redundant joints of a mechanism.
 
-    FILE is a model file (.json, .toml), a model of MuJoCo (.xml) or ROS (.urdf), or a Python file with build(), which
-    returns a System. The exit code is 1 if it is locked or cannot close.
+    FILE is a model file (.json, .toml), a model of MuJoCo (.xml), ROS (.urdf) or Gazebo (.sdf), or a Python file with
+    build(), which returns a System. The exit code is 1 if it is locked or cannot close.
     """
     diagnosis = load_system(file, drop, settings, help_parameters).check()
     click.echo(str(diagnosis))

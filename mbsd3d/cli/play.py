@@ -43,9 +43,9 @@ def play(
 ) -> None:  # fmt: skip
     """Simulate a mechanism in real time, in the browser, and change its inputs meanwhile.
 
-    FILE is a model file (.json, .toml), a model of MuJoCo (.xml) or ROS (.urdf), or a Python file with build(), which
-    returns a System. Forces, torques and references of controllers that are Input signals get sliders and keys. The
-    page is served on this machine only, to whoever has its address. Ctrl-C ends it.
+    FILE is a model file (.json, .toml), a model of MuJoCo (.xml), ROS (.urdf) or Gazebo (.sdf), or a Python file with
+    build(), which returns a System. Forces, torques and references of controllers that are Input signals get sliders
+    and keys. The page is served on this machine only, to whoever has its address. Ctrl-C ends it.
     """
     can_view(needed=True)
     given = ranges(inputs)

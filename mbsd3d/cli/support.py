@@ -29,9 +29,9 @@ IMPORT_ERRORS = (ImportError, AttributeError, SystemError)
 out_option = click.option("--out", default="out", show_default=True, help="Folder for the results; made if missing.")
 drop_option = click.option(
     "--leave-out", "--drop", "drop", multiple=True, metavar="KIND,...",
-    help="Leave out what acts and cannot be imported (.xml, .urdf), e.g. fluid,tendon.",
+    help="Leave out what acts and cannot be imported (.xml, .urdf, .sdf), e.g. fluid,tendon.",
 )  # fmt: skip
-pose_option = click.option("--pose", metavar="NAME", help="Start at this key frame of an imported model (.xml).")
+pose_option = click.option("--pose", metavar="NAME", help="Start at this key frame (.xml) or state (.sdf) of a model.")
 
 
 class Failure(click.ClickException):

@@ -44,6 +44,7 @@ from mbsd3d import (
     System,
     TorsionSpring,
     Universal,
+    accelerations,
     read_mjcf,
     read_sdf,
     read_urdf,
@@ -384,6 +385,33 @@ def test_a_gear_on_one_body_is_a_gearbox(tmp_path, turned):
     read = read_sdf(made.path).system
     assert 'type="gearbox"' in made.text and read.check().mobility == 7
     assert read_back_by_coordinates(system, made, read, ["a"], count=5) < TOLERANCE
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_two_hinges_over_a_body_without_mass_are_one_joint_in_sdf(tmp_path, turned):
+    rng = np.random.default_rng(7)
+    one, cross = body(rng, "one"), Body("cross", 0.0, (0, 0, 0))
+    at = rng.normal(size=3)
+    pairs = [(GROUND, cross), (cross, one)]
+    ends = [pair[::-1] for pair in pairs[::-1]] if turned else pairs
+    hinges = [Revolute(*pair, at=at, axis=direction(rng), name=name) for pair, name in zip(ends, "ab", strict=True)]
+    springs = [TorsionSpring(hinges[1], stiffness=2.0, damping=0.3, angle=0.2)]
+    system = System([one, cross], hinges, springs, limits=[Limit(hinges[0], "angle", -1.0, 2.0)])
+    made = system.to_sdf(tmp_path / "cross.sdf")
+    assert 'type="revolute2"' in made.text and list(made.frames) == ["one"]
+    read = read_sdf(made.path).system
+    limit = read.limits[0]
+    assert (limit.lower, limit.upper) == (-1.0, 2.0)
+    names = [limit.joint.name, next(x.name for x in read.joints if x is not limit.joint)]  # of a and b there
+    for angles, rates in rng.normal(size=(3, 2, 2)):
+        state, there = (
+            some.assemble(angles=dict(zip(these, angles, strict=True)), rates=dict(zip(these, rates, strict=True)))
+            for some, these in ((system, "ab"), (read, names))
+        )
+        first, second = accelerations(system, state), accelerations(read, there)
+        assert np.abs(first.alpha("one") - second.alpha("one")).max() < TOLERANCE * np.abs(first.alpha("one")).max()
+    with pytest.raises(ValueError, match="body 'cross': its mass is 0, and SDF needs a positive one but between two"):
+        System([one, cross], [hinges[0]]).to_sdf()
 
 
 @pytest.mark.parametrize(

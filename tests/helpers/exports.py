@@ -51,7 +51,7 @@ def random_tree(seed, kinds=TREE_JOINTS, count=5, springs=False):
     for i, one in enumerate(bodies):
         before = bodies[rng.integers(i)] if i else GROUND
         if i or seed % 2 == 0:
-            joints.append(joint(rng, rng.choice(kinds), before, one, f"j{i}"))
+            joints.append(joint(rng, rng.choice(kinds) if i else "Revolute", before, one, f"j{i}"))
     hinges = [x for x in joints if isinstance(x, Revolute | Prismatic)]
     loads = [TorsionSpring(x, stiffness=springs * 3.0, damping=0.4, angle=0.3, name=f"{x.name} spring") for x in hinges]
     return System(bodies, joints, loads)

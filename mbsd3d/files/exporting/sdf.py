@@ -12,7 +12,7 @@ from ...mechanism.forces.springs import JointFriction, TorsionSpring
 from ...mechanism.joints import Joint
 from ...mechanism.joints.pairs import Fixed, Prismatic, Revolute, Screw, Spherical, Universal
 from ...mechanism.mechanism import Mechanism
-from .exported import WHOLE, Exported, add, numbers, range_of, refuse, roll_pitch_yaw, without, xml_text
+from .exported import WHOLE, Exported, NotExportable, add, numbers, range_of, refuse, roll_pitch_yaw, without, xml_text
 
 VERSION = "1.11"  # the first one that has mimics; the rest is 1.7
 KINDS: dict[type, str] = {
@@ -32,10 +32,17 @@ def write_sdf(system: Mechanism, leave_out: Sequence[Any]) -> Exported:
     put(world, "gravity", numbers(kept.gravity))
     model = add(world, "model", name=title)
     frames = {}
+    crosses = {id(body): cross_of(kept, body) for body in kept.bodies if not body.mass}
     for body in kept.bodies:
-        frames[body.name] = WHOLE._replace(body=body.name)
-        write_link(model, body)
-    elements = {id(joint): write_joint(model, kept, joint) for joint in kept.joints if type(joint) in KINDS}
+        if id(body) not in crosses:
+            frames[body.name] = WHOLE._replace(body=body.name)
+            write_link(model, body)
+    paired = {id(joint) for pair in crosses.values() for joint in pair}
+    single = [joint for joint in kept.joints if type(joint) in KINDS and id(joint) not in paired]
+    elements = {id(joint): write_joint(model, kept, joint) for joint in single}
+    for body in kept.bodies:
+        if id(body) in crosses:
+            write_cross(model, kept, body, *crosses[id(body)])
     for joint in kept.joints:
         if isinstance(joint, Gear | RackPinion):
             couple(model, kept, joint, elements)
@@ -68,6 +75,32 @@ def is_open(joint: Any) -> bool:
     if isinstance(joint, Revolute | Prismatic | Screw):
         gap = max(gap, np.abs(joint.axis - joint.axis_b).max())
     return bool(gap > FIT_TOLERANCE)
+
+
+def cross_of(system: Mechanism, body: Body) -> tuple[Revolute, Revolute]:
+    """Return the two hinges of a body without mass, through one point: a joint of two axes there."""
+    joints: list[Any] = [joint for joint in system.joints if body in joint.bodies()]
+    two = len(joints) == 2 and all(isinstance(joint, Revolute) for joint in joints)
+    if not two or np.abs(joints[0].at - joints[1].at).max() > FIT_TOLERANCE:
+        raise NotExportable(
+            f"body '{body.name}': its mass is 0, and SDF needs a positive one but between two hinges through one point"
+        )
+    return joints[0], joints[1]
+
+
+def write_cross(model: Element, system: Mechanism, body: Body, first: Revolute, second: Revolute) -> None:
+    """Write two hinges over a body without mass as one joint; the ground is never its child."""
+    if (second.b if second.a is body else second.a) is GROUND:
+        first, second = second, first
+    a, b = (hinge.b if hinge.a is body else hinge.a for hinge in (first, second))
+    element = add(model, "joint", name=system.name(first), type="revolute2")
+    put(element, "pose", numbers(first.at, np.zeros(3)), relative_to="__model__")
+    put(element, "parent", "world" if a is GROUND else a.name)
+    put(element, "child", b.name)
+    for tag, hinge, sense in (("axis", first, first.b is body), ("axis2", second, second.a is body)):
+        axis = add(element, tag)
+        put(axis, "xyz", numbers(hinge.axis if sense else -hinge.axis))
+        load(axis, system, hinge)
 
 
 def put(parent: Element, tag: str, text: str, **attributes: str) -> Element:

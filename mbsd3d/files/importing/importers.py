@@ -35,7 +35,7 @@ def read_mujoco(path: str | Path, timeout: float, package_paths: Any, **choices:
     scan.read(path)
     scan.check_named()
     if path.suffix not in (".xml", ".mjcf"):
-        raise InputError(f"'{path}': MuJoCo reads files by their name; give it one that ends in .xml")
+        raise InputError(f"'{path}': MuJoCo reads files by their name; give it one that ends in .xml or .mjcf")
     if scan.kind != "mujoco":
         other = "name it .urdf, read_urdf reads it" if scan.kind == "robot" else "give a model of MuJoCo"
         raise InputError(f"'{path}': its root is <{scan.kind}>, not <mujoco>; {other}")

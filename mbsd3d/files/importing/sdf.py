@@ -17,7 +17,6 @@ from ...base.paths import read_text
 from ...base.rotations import as_quaternion, matrix, multiply, quaternion_from_matrix, rotation
 from .facts import Facts
 from .folders import Folders
-from .imported import grouped
 from .urdf import unloaded
 from .xml_scan import FILES_BYTES_MAX
 from .xml_tree import Node, numbers_of, tree_of
@@ -428,7 +427,9 @@ class SdfModel:
         for link in self.links.values():
             if link.node and link.node.child("inertial") is None and self.group[link.name] != WORLD:
                 self.said.append(f"'{link.name}' has no <inertial>: 1 kg and 1 kg m^2, as the format says")
-        members = {key: [names[k] for k in places] for key, places in grouped(self.group.values()).items()}
+        members: dict[str, list[str]] = {}
+        for name in names:
+            members.setdefault(self.group[name], []).append(name)
         moving = [joint for joint in self.joints if JOINT_AXES[joint.kind]]
         touching: dict[str, list[Connection]] = {name: [] for name in members}
         for joint in moving:
@@ -617,6 +618,7 @@ class SdfModel:
     def geom(self, shape: Node) -> Facts | None:
         """Return kind and sizes of a visual; None, and the file missing, for what is not drawn."""
         radius = number_in(shape, "radius", 0.0)
+        geom: Facts
         match shape.tag:
             case "box" | "ellipsoid":
                 node = shape.child("size" if shape.tag == "box" else "radii")
@@ -679,7 +681,8 @@ class SdfModel:
 
 def moved(joint: Facts, bodies: list[Facts], home: list[np.ndarray], poses: list[np.ndarray]) -> Facts:
     """Return what a joint has moved since the file's pose: the turn about its axis, or the way along it."""
-    child, parent = joint["body"], joint.get("parent", bodies[joint["body"]]["parent"])
+    child = joint["body"]
+    parent = joint["parent"] if "loop" in joint else bodies[child]["parent"]
     first, now = ([(x[k][:3], matrix(x[k][3:])) for k in (parent, child)] for x in (home, poses))
     back = first[0][1] @ now[0][1].T  # axes of the parent now -> as they were
     found = {"turns": joint["type"] in ("hinge", "screw"), "slides": joint["type"] == "slide", "value": 0.0}

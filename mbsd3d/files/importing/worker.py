@@ -7,6 +7,7 @@ It holds limits on time and memory, and gives numbers and names only. Points and
 coordinates at the pose MuJoCo calls qpos0, with followers of joint equalities where these put them.
 """
 
+import os
 import sys
 from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
@@ -30,11 +31,19 @@ TENDON_LOADS = {
 """What makes a tendon pull always, and the flag that switches it off."""
 
 
+def specification(mujoco: Any, path: Path) -> Any:
+    """Return MuJoCo's specification of a file; by the suffix .mjcf it knows no format, so that it gets the text."""
+    if path.suffix != ".mjcf":
+        return mujoco.MjSpec.from_file(str(path))
+    os.chdir(path.parent)  # what a text names is looked for there
+    return mujoco.MjSpec.from_string(path.read_text(encoding="utf-8-sig").lstrip())
+
+
 class Facts:
     """What the compiled model says."""
 
     def __init__(self, mujoco: Any, path: str, folders: Folders, whole: bool) -> None:
-        spec = mujoco.MjSpec.from_file(path)
+        spec = specification(mujoco, Path(path))
         spec.compiler.fusestatic = spec.compiler.discardvisual = 0  # merged here by name, not there in silence
         self.mujoco = mujoco
         self.foreign: list[dict[str, Any]] = []  # what acts and is not among the facts
