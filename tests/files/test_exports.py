@@ -430,7 +430,54 @@ def test_what_sdf_cannot_hold_is_named(part, message):
         System([bob], [part(bob)]).to_sdf()
 
 
+def test_names_that_sdf_reserves_are_changed_and_mapped_back(tmp_path):
+    bodies = [Body(name, 1.0, (0.1, 0.1, 0.1)) for name in ("world", "arm::hand", "arm_hand")]
+    made = System(bodies, [Revolute(*bodies[:2], at=(0, 0, 0), axis=(0, 0, 1), name="arm::wrist")]).to_sdf(
+        tmp_path / "model.sdf"
+    )
+    assert {name: frame.body for name, frame in made.frames.items()} == {
+        "world_": "world", "arm_hand": "arm::hand", "arm_hand_": "arm_hand"
+    }  # fmt: skip
+    read = read_sdf(made.path).system
+    assert read.check().mobility == 13 and read.joints[0].name == "arm_wrist"
+
+
+def test_several_free_bodies_float_in_urdf(tmp_path):
+    bodies = [body(np.random.default_rng(k), f"b{k}") for k in range(3)]
+    system = System(bodies, [Revolute(GROUND, bodies[2], at=(0, 0, 0), axis=(1, 2, 0), name="hinge")])
+    made = system.to_urdf(tmp_path / "model.urdf")
+    assert "floating joints: b0 free, b1 free" in made.said
+    read = read_urdf(made.path).system
+    assert read.check().mobility == 13 and read_back(system, made, read, count=3) < TOLERANCE
+
+
 def test_another_gravity_is_said():
     system = wheel()
     moon = System(system.bodies, system.joints, gravity=(0, 0, -1.62))
     assert any("-1.62" in line for line in moon.to_urdf().said)
+
+
+@pytest.mark.parametrize("seed", [0, 2, 4])
+def test_trees_in_urdf_move_so_in_pinocchio(seed):
+    pinocchio = pytest.importorskip("pinocchio")
+    system = random_tree(seed, ("Revolute", "Prismatic"))
+    model = pinocchio.buildModelFromXML(system.to_urdf().text)
+    data, rng = model.createData(), np.random.default_rng(seed)
+    places = {x: model.joints[model.getJointId(x.name)].idx_v for x in system.joints}
+    for _ in range(20):
+        moved, rate = rng.normal(size=(2, model.nv))
+        q = pinocchio.integrate(model, pinocchio.neutral(model), moved)
+        rates_of_change = pinocchio.aba(model, data, q, rate, -0.4 * rate)  # dampers of joints are not applied there
+        pinocchio.forwardKinematics(model, data, q, rate, rates_of_change)
+        pinocchio.updateFramePlacements(model, data)
+        angles, slides = (
+            {x: moved[k] for x, k in places.items() if isinstance(x, kind)} for kind in (Revolute, Prismatic)
+        )
+        rates = {x: rate[k] for x, k in places.items()}
+        found = accelerations(system, system.assemble(angles=angles, slides=slides, rates=rates))
+        theirs = [
+            pinocchio.getFrameAcceleration(model, data, model.getFrameId(x.name), pinocchio.LOCAL_WORLD_ALIGNED).angular
+            for x in system.bodies
+        ]
+        ours = np.array([found.alpha(x)[0] for x in system.bodies])
+        assert np.abs(ours - theirs).max() < TOLERANCE * np.abs(ours).max()

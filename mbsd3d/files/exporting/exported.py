@@ -30,6 +30,15 @@ class Exported(NamedTuple):
     the system, and origin and axes of its frame in that body. ``soft``: joints that hold exactly here and by springs
     there. ``inactive``: what was left out for the caller, or does nothing here and is watched only. ``said``: what the
     export had to choose.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Gear, Revolute, System
+    >>> one, two = (Body(name, mass=1.0, inertia=(0.1, 0.1, 0.2)) for name in ("one", "two"))
+    >>> a, b = (Revolute(GROUND, x, at=(0, 0, 0), axis=(0, 0, 1), name=n) for x, n in ((one, "a"), (two, "b")))
+    >>> made = System([one, two], [a, b, Gear(a, b, ratio=-2, name="gear")]).to_mjcf()
+    >>> made.soft, made.frames["one"].body
+    (('gear',), 'one')
     """
 
     text: str
@@ -55,12 +64,15 @@ def without(system: Mechanism, leave_out: Sequence[Any]) -> tuple[Mechanism, tup
     """Return the system without the joints and forces that the caller leaves out, and their names."""
     given = (leave_out,) if isinstance(leave_out, str) else as_tuple(leave_out, "leave_out", "joints and forces")
     parts = [*system.joints, *system.forces]
-    gone = {id(part) for part in parts if part in given or system.name(part) in given}
-    known = {id(part) for part in parts} | {system.name(part) for part in parts}
+    known = {id(part): part for part in parts}
+    by_name = {system.name(part): part for part in parts}
+    gone: set[int] = set()
     for wanted in given:
-        if (wanted if isinstance(wanted, str) else id(wanted)) not in known:
-            have = ", ".join(f"'{system.name(part)}'" for part in parts) or "none"
+        part = by_name.get(wanted) if isinstance(wanted, str) else known.get(id(wanted))
+        if part is None:
+            have = ", ".join(f"'{name}'" for name in by_name) or "none"
             raise InputError(f"leave_out: {short_repr(wanted)} is no joint or force of the system; there are {have}")
+        gone.add(id(part))
     if not gone:
         return system, ()
     names = tuple(system.name(part) for part in parts if id(part) in gone)

@@ -31,22 +31,35 @@ def write_sdf(system: Mechanism, leave_out: Sequence[Any]) -> Exported:
     world = add(root, "world", name=title)
     put(world, "gravity", numbers(kept.gravity))
     model = add(world, "model", name=title)
-    frames = {}
+    frames, names = {}, names_of(kept)
     crosses = {id(body): cross_of(kept, body) for body in kept.bodies if not body.mass}
     for body in kept.bodies:
         if id(body) not in crosses:
-            frames[body.name] = WHOLE._replace(body=body.name)
-            write_link(model, body)
+            frames[names[id(body)]] = WHOLE._replace(body=body.name)
+            write_link(model, names[id(body)], body)
     paired = {id(joint) for pair in crosses.values() for joint in pair}
     single = [joint for joint in kept.joints if type(joint) in KINDS and id(joint) not in paired]
-    elements = {id(joint): write_joint(model, kept, joint) for joint in single}
+    elements = {id(joint): write_joint(model, kept, names, joint) for joint in single}
     for body in kept.bodies:
         if id(body) in crosses:
-            write_cross(model, kept, body, *crosses[id(body)])
+            write_cross(model, kept, names, body, crosses[id(body)])
     for joint in kept.joints:
         if isinstance(joint, Gear | RackPinion):
-            couple(model, kept, joint, elements)
+            couple(model, names, joint, elements)
     return Exported(xml_text(root), None, frames, (), gone, ())
+
+
+def names_of(system: Mechanism) -> dict[int, str]:
+    """Return the names of all parts: "::" is between names of models there, and some names are reserved."""
+    found: dict[int, str] = {id(GROUND): "world"}
+    taken = {"world", "__model__", "__root__"}
+    for part in (*system.bodies, *system.joints):
+        name = system.name(part).replace("::", "_")
+        while name in taken:
+            name += "_"
+        found[id(part)] = name
+        taken.add(name)
+    return found
 
 
 def foreign(system: Mechanism) -> list[tuple[Any, str]]:
@@ -88,15 +101,15 @@ def cross_of(system: Mechanism, body: Body) -> tuple[Revolute, Revolute]:
     return joints[0], joints[1]
 
 
-def write_cross(model: Element, system: Mechanism, body: Body, first: Revolute, second: Revolute) -> None:
+def write_cross(
+    model: Element, system: Mechanism, names: dict[int, str], body: Body, hinges: tuple[Revolute, Revolute]
+) -> None:
     """Write two hinges over a body without mass as one joint; the ground is never its child."""
+    first, second = hinges
     if (second.b if second.a is body else second.a) is GROUND:
         first, second = second, first
     a, b = (hinge.b if hinge.a is body else hinge.a for hinge in (first, second))
-    element = add(model, "joint", name=system.name(first), type="revolute2")
-    put(element, "pose", numbers(first.at, np.zeros(3)), relative_to="__model__")
-    put(element, "parent", "world" if a is GROUND else a.name)
-    put(element, "child", b.name)
+    element = begin(model, names, first, "revolute2", (a, b))
     for tag, hinge, sense in (("axis", first, first.b is body), ("axis2", second, second.a is body)):
         axis = add(element, tag)
         put(axis, "xyz", numbers(hinge.axis if sense else -hinge.axis))
@@ -110,9 +123,9 @@ def put(parent: Element, tag: str, text: str, **attributes: str) -> Element:
     return made
 
 
-def write_link(model: Element, body: Body) -> None:
+def write_link(model: Element, name: str, body: Body) -> None:
     """Write a link with its mass; its frame is that of the body."""
-    link = add(model, "link", name=body.name)
+    link = add(model, "link", name=name)
     put(link, "pose", numbers(body.position, roll_pitch_yaw(body.axes)))
     inertial = add(link, "inertial")
     put(inertial, "pose", numbers(body.com, np.zeros(3)))
@@ -122,14 +135,20 @@ def write_link(model: Element, body: Body) -> None:
         put(inertia, f"i{a}{b}", numbers(body.inertia["xyz".index(a), "xyz".index(b)]))
 
 
-def write_joint(model: Element, system: Mechanism, joint: Any) -> Element:
+def begin(model: Element, names: dict[int, str], joint: Any, kind: str, ends: tuple[Any, Any]) -> Element:
+    """Write the start of a joint between two bodies, in the axes of the world."""
+    element = add(model, "joint", name=names[id(joint)], type=kind)
+    put(element, "pose", numbers(joint.at, np.zeros(3)), relative_to="__model__")
+    for tag, body in zip(("parent", "child"), ends, strict=True):
+        put(element, tag, names[id(body)])
+    return element
+
+
+def write_joint(model: Element, system: Mechanism, names: dict[int, str], joint: Any) -> Element:
     """Write a joint; the ground is never the child, so that both bodies and the sense of the axes may be exchanged."""
     turned = joint.b is GROUND
     a, b = (joint.b, joint.a) if turned else (joint.a, joint.b)
-    element = add(model, "joint", name=system.name(joint), type=KINDS[type(joint)])
-    put(element, "pose", numbers(joint.at, np.zeros(3)), relative_to="__model__")
-    put(element, "parent", "world" if a is GROUND else a.name)
-    put(element, "child", b.name)
+    element = begin(model, names, joint, KINDS[type(joint)], (a, b))
     axes = [joint.axis_a, joint.axis_b] if isinstance(joint, Universal) else []
     axes += [joint.axis] if isinstance(joint, Revolute | Prismatic | Screw) else []
     for tag, axis in zip(("axis", "axis2"), [-x for x in reversed(axes)] if turned else axes, strict=False):
@@ -166,21 +185,21 @@ def load(axis: Element, system: Mechanism, joint: Joint) -> None:
             put(limit, tag, numbers(value))
 
 
-def couple(model: Element, system: Mechanism, joint: Gear | RackPinion, elements: dict[int, Element]) -> None:
+def couple(model: Element, names: dict[int, str], joint: Gear | RackPinion, elements: dict[int, Element]) -> None:
     """Write a gearbox between two hinges on one body, else a mimic of the second coordinate."""
     lead, follower = joint.partners()
     ratio = joint.ratio if isinstance(joint, Gear) else joint.radius
     common = [x for x in (lead.a, lead.b) if x in (follower.a, follower.b) and x is not GROUND]
     hinges = isinstance(lead, Revolute) and isinstance(follower, Revolute)
     if not hinges or not common or GROUND in (lead.a, lead.b, follower.a, follower.b):
-        mimic = add(axis_of(elements[id(follower)]), "mimic", joint=system.name(lead))
+        mimic = add(axis_of(elements[id(follower)]), "mimic", joint=names[id(lead)])
         put(mimic, "multiplier", numbers(ratio))
         return
-    gearbox = add(model, "joint", name=system.name(joint), type="gearbox")
+    gearbox = add(model, "joint", name=names[id(joint)], type="gearbox")
     for tag, hinge in (("parent", lead), ("child", follower)):
-        put(gearbox, tag, (hinge.b if hinge.a is common[0] else hinge.a).name)
+        put(gearbox, tag, names[id(hinge.b if hinge.a is common[0] else hinge.a)])
     for tag, hinge in (("axis", lead), ("axis2", follower)):
         axis: Any = hinge.axis if hinge.a is common[0] else -hinge.axis  # type: ignore[attr-defined]
         put(add(gearbox, tag), "xyz", numbers(axis), expressed_in="__model__")
     put(gearbox, "gearbox_ratio", numbers(-ratio))
-    put(gearbox, "gearbox_reference_body", common[0].name)
+    put(gearbox, "gearbox_reference_body", names[id(common[0])])
