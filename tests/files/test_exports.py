@@ -312,7 +312,7 @@ def test_joints_of_several_coordinates_take_massless_links(tmp_path, kind):
 
 def test_a_loop_is_refused_in_urdf_by_the_joint_that_closes_it():
     with pytest.raises(ValueError, match="joint 'ball' .Spherical. closes a loop, and URDF knows trees only"):
-        spatial_loop().to_urdf(massless=True)
+        spatial_loop().to_urdf()
 
 
 @pytest.mark.parametrize("pitch", [np.pi / 2, np.pi / 2 - 1e-9, -np.pi / 2 + 1e-12, 1.2, -0.3])

@@ -29,7 +29,7 @@ from .exported import (
     without,
     xml_text,
 )
-from .layout import Layout, Piece, Placed, lay_out, spanning
+from .layout import Layout, Piece, Placed, lay_out
 
 DIRECT = (Revolute, Prismatic, Fixed, Planar)
 BY_MASSLESS_LINKS = (Spherical, Universal, Cylindrical)
@@ -42,7 +42,7 @@ def write_urdf(system: Mechanism, leave_out: Sequence[Any], massless: bool) -> E
     """Return the URDF of a system."""
     true_or_false(massless, "massless", None)
     kept, gone = without(system, leave_out)
-    refuse(kept, [*foreign(kept, massless)], "URDF")
+    refuse(kept, foreign(kept), "URDF")
     layout = lay_out(kept, rods=False)
     if layout.closing or layout.extra:
         closes: Any = layout.closing[0] if layout.closing else layout.extra[0].joint
@@ -50,6 +50,9 @@ def write_urdf(system: Mechanism, leave_out: Sequence[Any], massless: bool) -> E
             f"{called(kept, closes)} closes a loop, and URDF knows trees only; leave it out with "
             f'leave_out=["{kept.name(closes)}"], or write SDF or MJCF'
         )
+    several = [piece.joint for piece in layout.pieces if type(piece.joint) in BY_MASSLESS_LINKS and not massless]
+    why = "it takes links without mass, which readers treat differently; give massless=True"
+    refuse(kept, [(joint, why) for joint in several], "URDF")
     tree = UrdfTree(layout)
     tree.build()
     said = list(tree.said)
@@ -60,14 +63,11 @@ def write_urdf(system: Mechanism, leave_out: Sequence[Any], massless: bool) -> E
     return Exported(xml_text(tree.root), None, tree.frames, (), gone, tuple(said))
 
 
-def foreign(system: Mechanism, massless: bool) -> list[tuple[Any, str]]:
+def foreign(system: Mechanism) -> list[tuple[Any, str]]:
     """Return joints and forces that have no counterpart, with the reason."""
     found: list[tuple[Any, str]] = []
-    tree = {id(joint) for joint in spanning(system.joints)}
     for joint in system.joints:
-        if type(joint) in BY_MASSLESS_LINKS and not massless and id(joint) in tree:
-            found.append((joint, "it takes links without mass, which readers treat differently; give massless=True"))
-        elif type(joint) not in DIRECT + BY_MASSLESS_LINKS:
+        if type(joint) not in DIRECT + BY_MASSLESS_LINKS:
             found.append((joint, "the format has no such joint"))
     for force in system.forces:
         damps = isinstance(force, TorsionSpring) and force.stiffness == 0.0
