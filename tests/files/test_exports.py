@@ -21,6 +21,7 @@ from helpers.mujoco_states import difference as from_mujoco
 
 from mbsd3d import (
     GROUND,
+    AngleDriver,
     Body,
     Brake,
     ConstantVelocity,
@@ -255,6 +256,19 @@ def test_what_acts_through_a_part_must_go_with_it():
     with pytest.raises(ValueError, match="joint 'teeth' .Gear. acts through 'b', which is left out"):
         system.to_mjcf(leave_out=["b"])
     assert system.to_mjcf(leave_out=["b", system.joints[3]]).inactive == ("b", "teeth")
+
+
+def test_a_driver_is_written_where_it_holds(tmp_path):
+    system, _ = shafts("gear")
+    held = AngleDriver(system.joints[0], 0.0, name="held")
+    system = System(system.bodies, [*system.joints, held])
+    made = system.to_mjcf(tmp_path / "held.xml")
+    read = read_mjcf(made.path).system
+    assert made.soft == ("teeth", "held") and isinstance(read.part("held", "joints"), AngleDriver)
+    assert read.check().mobility == system.check().mobility == 1
+    moving = System(system.bodies, [*system.joints[:-1], AngleDriver(system.joints[0], Sine(1.0, 2.0), name="motor")])
+    with pytest.raises(ValueError, match="joint 'motor' .AngleDriver.: it moves by a signal"):
+        moving.to_mjcf()
 
 
 def test_a_body_without_mass_at_an_end_is_refused():

@@ -377,6 +377,11 @@ HOSTILE = {
         "more than 200 models in each other",
     ),
     "chain": (f'<sdf version="1.9"><model name="m">{chained(5000)}</model></sdf>', "200 frames|itself; cut the chain"),
+    "circle": (
+        '<sdf version="1.9"><model name="m" placement_frame="a"><link name="a"><pose relative_to="world"/></link>'
+        "</model></sdf>",
+        "frame 'm' is placed in itself; cut the chain",
+    ),
     "many": (f'<sdf version="1.9"><model name="m">{"<link/>" * 30000}</model></sdf>', "more than 20000 elements"),
     "cut": ('<sdf version="1.9"><model name="m"><link', "no XML"),
     "other": ("<robot/>", "its root is <robot>, not <sdf>"),

@@ -204,7 +204,7 @@ def sum_of(placed: Placed, x: Coordinate, shown: str) -> dict[str, float]:
                 ways.append((other, terms | {key: sign * value for key, value in step.items()}))
     raise NotExportable(
         f"{shown}: no way from '{x.a.name}' to '{x.b.name}' leads through joints that are counted along its axis, so "
-        f"MuJoCo has no coordinate for its {x.kind}"
+        f"MuJoCo has no coordinate for its {x.kind}; leave the part out, or join the bodies along it"
     )
 
 

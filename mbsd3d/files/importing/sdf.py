@@ -125,7 +125,7 @@ class Model:
             scope = scope.inner[first]
         if rest in scope.inner:
             return scope, rest
-        if rest not in scope.frames and rest != ROOT and not (rest == WORLD):
+        if rest not in scope.frames and rest not in (ROOT, WORLD):
             raise InputError(f"{place}: '{name[:60]}' is no link, joint or frame; name one of this model")
         return scope, rest
 
@@ -143,7 +143,7 @@ class Model:
         if name == ROOT or (name == WORLD and self.parent is None):
             return AT_HOME
         if name == WORLD:
-            return inverse(self.in_world(place))
+            return inverse(self.in_world(place, seen))
         if name in self.placed:
             return self.placed[name]
         key = (id(self), name)
@@ -163,11 +163,11 @@ class Model:
         self.placed[name] = found
         return found
 
-    def in_world(self, place: str) -> Pose:
+    def in_world(self, place: str, seen: tuple[Any, ...] = ()) -> Pose:
         """Return the pose of the frame of this model in the world."""
         if self.parent is None:
             return AT_HOME
-        return after(self.parent.in_world(place), self.parent.own(self.key, place))
+        return after(self.parent.in_world(place, seen), self.parent.own(self.key, place, seen))
 
     def pose(self, name: str, place: str) -> Pose:
         """Return the pose of a frame in the world."""
@@ -178,7 +178,7 @@ class Model:
         if count > CHAIN_MAX:
             raise InputError(f"{place}: frame '{name}' is attached to itself; cut the chain")
         scope, inner = self.find(name, place)
-        if inner == WORLD and (WORLD not in scope.frames):
+        if inner == WORLD:
             return WORLD
         if inner in scope.inner:
             scope, inner = scope.inner[inner], ROOT
