@@ -12,7 +12,19 @@ from ...mechanism.forces.springs import JointFriction, TorsionSpring
 from ...mechanism.joints import Joint
 from ...mechanism.joints.pairs import Fixed, Prismatic, Revolute, Screw, Spherical, Universal
 from ...mechanism.mechanism import Mechanism
-from .exported import WHOLE, Exported, NotExportable, add, numbers, range_of, refuse, roll_pitch_yaw, without, xml_text
+from .exported import (
+    UNLIMITED_RANGE,
+    WHOLE,
+    Exported,
+    NotExportable,
+    add,
+    numbers,
+    range_of,
+    refuse,
+    roll_pitch_yaw,
+    without,
+    xml_text,
+)
 
 VERSION = "1.11"  # the first one that has mimics; the rest is 1.7
 KINDS: dict[type, str] = {
@@ -182,7 +194,8 @@ def load(axis: Element, system: Mechanism, joint: Joint) -> None:
     if ends is not None:
         limit = add(axis, "limit")
         for tag, value in zip(("lower", "upper"), ends, strict=True):
-            put(limit, tag, numbers(value))
+            if abs(value) < UNLIMITED_RANGE:  # what is not given is no limit there
+                put(limit, tag, numbers(value))
 
 
 def couple(model: Element, names: dict[int, str], joint: Gear | RackPinion, elements: dict[int, Element]) -> None:
