@@ -71,8 +71,10 @@ precision: $(READY)
 	$(BIN)/python -m validation.benchmark --part precision --out out/benchmark --pictures docs/pictures
 
 # Thousands of runs with known truth against what the certificate says of them; the table of docs/theory/certificate.md.
+# A thousand random mechanisms written in the formats of other programs and read back.
 calibrate: warm
 	$(BIN)/python -m validation.calibration --out out/calibration --docs
+	MBSD3D_TEST_EXPORTED_MODELS=1000 $(PYTEST) $(SPREAD) -m slow tests/slow/test_exported_models.py
 
 # Every picture and table of README.md and docs/ from measurement, on an idle machine: ten minutes.
 figures: pictures precision

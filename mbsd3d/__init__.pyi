@@ -7,6 +7,7 @@ from . import shapes as shapes
 from . import signals as signals
 from .api.load import load as load
 from .api.load import read_mjcf as read_mjcf
+from .api.load import read_sdf as read_sdf
 from .api.load import read_urdf as read_urdf
 from .api.pins import pin_stress as pin_stress
 from .api.simulation import accelerations as accelerations
@@ -32,6 +33,7 @@ from .base.errors import IntegrationError as IntegrationError
 from .base.errors import SweepError as SweepError
 from .base.rotations import rotation as rotation
 from .base.version import __version__ as __version__
+from .files.exporting.exported import Exported as Exported
 from .files.importing.imported import Imported as Imported
 from .integrators.dop853 import DOP853 as DOP853
 from .integrators.driven import Kinematic as Kinematic

@@ -21,7 +21,7 @@ STACK = (
     "extend",
 )  # fmt: skip
 PUBLIC_MODULES = ("errors", "inertia", "linkages", "measures", "rotations", "shapes", "signals")
-TOPICS = ("checks", "commands", "demos", "dynamics", "fields", "figures", "live")  # of mbsd3d.extend
+TOPICS = ("checks", "commands", "demos", "dynamics", "fields", "figures", "live", "trees")  # of mbsd3d.extend
 LATE = ("api", "cli")
 FACADES = ("validation.crosscheck.result", "mbsd3d.__main__", "mbsd3d.base.style")  # of matplotlib, the last
 SMALL, ARGUMENTS = 60, 8  # lines of a module that a single other one imports; arguments of a function

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ..base.errors import checks_arguments
 from ..files.importing.imported import Imported
-from ..files.importing.importers import read_mujoco, read_robot
+from ..files.importing.importers import read_mujoco, read_robot, read_simulation
 from ..files.solutions import read_run
 from .solution import Solution
 from .system import System
@@ -169,6 +169,65 @@ def read_urdf(
     """
     chosen = {"leave_out": leave_out, "drop": drop, "strict": strict, "geometry": geometry, "inertia": inertia}
     return with_system(read_robot(path, timeout, package_paths, floating, inputs=inputs, **chosen))
+
+
+@checks_arguments
+def read_sdf(
+    path: str | Path,
+    *,
+    leave_out: Sequence[str] = (),
+    strict: bool = False,
+    geometry: str = "draw",
+    inertia: str = "as given",
+    package_paths: Sequence[str | Path] = (),
+) -> Imported:
+    """Read the mechanism of an SDF file, version 1.7 and newer: one model, or one world of models; loops are closed.
+
+    What acts and what does not is told apart as by `read_mjcf`. Models float unless they are static or jointed to the
+    world. Links that are fixed to each other are one body; joints beyond a tree close loops. ``revolute2`` and
+    ``universal`` are a `Universal` where their axes are perpendicular and nothing acts along them, and else two hinges
+    over a body without mass; a ``gearbox`` is a `Gear` between the hinges of its two links on its reference body, a
+    ``screw`` a `Screw`. Poses and axes are resolved through ``relative_to``, ``attached_to``, ``expressed_in`` and
+    models in models, whose names stand before those of their parts. A link without <inertial> has 1 kg and 1 kg m^2, as
+    the format says; ``.said`` repeats it. A model without a world takes 9.81 m/s^2 along -z, a world without gravity
+    9.8.
+
+    Parameters
+    ----------
+    path : str or Path
+        At most 8 MB.
+    leave_out, strict, geometry, inertia, package_paths
+        See `read_mjcf`; ``model://name/...`` is looked up in ``package_paths``, then upwards from the file.
+
+    Returns
+    -------
+    Imported
+        ``.states`` of the states of a world (poses and velocities of links, world axes), ``.points`` of frames.
+
+    Raises
+    ------
+    ValueError
+        As `read_mjcf`, with the line of the element; for older versions, models that are included from other files,
+        kinematic links, and masses that follow from geometry.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from mbsd3d import read_sdf
+    >>> text = '''<sdf version="1.9"><model name="swing"><link name="bob"><inertial><pose>0 0 -0.6 0 0 0</pose>
+    ...   <mass>2</mass><inertia><ixx>0.1</ixx><iyy>0.1</iyy><izz>0.02</izz></inertia></inertial></link>
+    ...   <joint name="hinge" type="revolute"><parent>world</parent><child>bob</child>
+    ...   <axis><xyz>0 1 0</xyz></axis></joint></model></sdf>'''
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder, "swing.sdf")
+    ...     _ = path.write_text(text)
+    ...     found = read_sdf(path)
+    >>> found.system.bodies, found.system.joints[0].name
+    ((Body('bob', mass=2),), 'hinge')
+    """
+    chosen = {"leave_out": leave_out, "drop": (), "strict": strict, "geometry": geometry, "inertia": inertia}
+    return with_system(read_simulation(path, package_paths, **chosen))
 
 
 def with_system(found: Imported) -> Imported:

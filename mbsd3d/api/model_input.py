@@ -12,8 +12,9 @@ from types import ModuleType
 from typing import Any, NamedTuple, cast
 
 from ..base.errors import InputError, similar
+from ..files.importing.imported import Imported
 from ..mechanism.state import State
-from .load import read_mjcf, read_urdf
+from .load import read_mjcf, read_sdf, read_urdf
 from .system import System
 
 
@@ -25,7 +26,10 @@ class Loaded(NamedTuple):
     states: Mapping[str, State] = {}  # noqa: RUF012 - nobody writes into it
 
 
-IMPORTED_SUFFIXES = (".xml", ".mjcf", ".urdf", ".xacro")
+READERS: Mapping[str, Callable[..., Imported]] = {
+    ".xml": read_mjcf, ".mjcf": read_mjcf, ".urdf": read_urdf, ".xacro": read_urdf, ".sdf": read_sdf,
+}  # fmt: skip
+"""Suffix of a model of another program -> its reader."""
 
 
 def load_model(
@@ -49,26 +53,29 @@ def load_model(
     if floating is not None and suffix not in (".urdf", ".xacro"):
         option = "--floating" if floating else "--fixed"
         raise InputError(f"{option} applies to robots (.urdf, .xacro) only; drop it for '{file}'")
-    if suffix in IMPORTED_SUFFIXES:
-        robot = {"floating": floating} if suffix in (".urdf", ".xacro") else {}
-        return imported(file, drop, inputs=inputs, package_paths=tuple(package_paths), **robot)
+    if suffix in READERS:
+        if inputs and suffix == ".sdf":
+            raise InputError(f"--input takes motors of .xml and .urdf, '{file}' has none; leave it out")
+        given = {"floating": floating} if suffix in (".urdf", ".xacro") else {}
+        given |= {"inputs": True} if inputs else {}
+        return imported(file, suffix, drop, package_paths=tuple(package_paths), **given)
     if drop or package_paths:
-        option, kinds = "--leave-out" if drop else "--package-path", ", ".join(IMPORTED_SUFFIXES)
+        option, kinds = "--leave-out" if drop else "--package-path", ", ".join(READERS)
         raise InputError(f"{option} applies to imported models ({kinds}) only; drop it for '{file}'")
     if suffix in (".json", ".toml"):
         return Loaded(System.from_file(file))
     if suffix != ".py":
-        kinds = ", ".join((".json", ".toml", *IMPORTED_SUFFIXES))
+        kinds = ", ".join((".json", ".toml", *READERS))
         raise InputError(f"'{file}': give a model ({kinds}) or a Python file (.py) with build()")
     return Loaded(built_by(file, settings))
 
 
-def imported(file: str, drop: tuple[str, ...], **given: Any) -> Loaded:
-    """Return the System of an MJCF or URDF file: a line on the whole, and what was left out, merged and renamed."""
+def imported(file: str, suffix: str, drop: tuple[str, ...], **given: Any) -> Loaded:
+    """Return the System of a model of another program: a line on it, and what was left out, merged and renamed."""
     kinds = [kind for text in drop for kind in text.split(",") if kind]
     with warnings.catch_warnings(action="ignore"):  # the first line says it
         try:
-            found = (read_urdf if "floating" in given else read_mjcf)(file, leave_out=kinds, **given)
+            found = READERS[suffix](file, leave_out=kinds, **given)
         except InputError as error:
             raise InputError(in_options(str(error))) from error
     lines = [in_options(str(found))] + [f"left out {part}" for part in found.dropped]
@@ -91,6 +98,35 @@ def in_options(message: str) -> str:
     for argument, option in OPTIONS:
         message = message.replace(argument, option)
     return message
+
+
+def write_as(system: System, target: str, omit: Sequence[str], massless: bool, replace: bool) -> str:
+    """Write a system in the format of the suffix of a file; return a line on it."""
+    suffix = Path(target).suffix.lower()
+    if massless and suffix != ".urdf":
+        raise InputError(f"--massless is for .urdf; leave it out for '{target}'")
+    if omit and suffix in (".toml", ".json"):
+        raise InputError(f"--omit is for formats of other programs; leave it out for '{target}'")
+    try:
+        match suffix:
+            case ".toml" | ".json":
+                return f"'{system.to_file(target, replace=replace)}'"
+            case ".xml" | ".mjcf":
+                return str(system.to_mjcf(target, leave_out=omit, replace=replace))
+            case ".urdf":
+                return str(system.to_urdf(target, massless=massless, leave_out=omit, replace=replace))
+            case ".sdf":
+                return str(system.to_sdf(target, leave_out=omit, replace=replace))
+    except InputError as error:
+        raise InputError(omitted(str(error))) from error
+    raise InputError(f"--to {target}: the name ends in no format; give .toml, .json, .xml, .urdf or .sdf")
+
+
+def omitted(message: str) -> str:
+    """Return an error of an export in the syntax of the command line: leave_out=["roll"] -> --omit roll."""
+    names = re.compile(r"leave (?:it )?out with leave_out=\[(.*?)\]")
+    given = names.sub(lambda found: "give " + re.sub(r'"(.*?)",?', r"--omit '\1'", found[1]), message)
+    return given.replace("massless=True", "--massless").replace("replace=True", "--replace")
 
 
 def parameters_of(file: str) -> list[str]:

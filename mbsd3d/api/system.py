@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from ..constraints.engagement import Engagement
     from ..constraints.redundancy import Diagnosis
     from ..equations.compiled import Compiled
+    from ..files.exporting.exported import Exported
     from ..files.fmu import Outputs, Parameter
     from ..integrators.method import Method
     from ..linear.equilibrium import Equilibrium
@@ -347,6 +348,134 @@ class System(Drawable):
 
         options = RunOptions(DOP853() if method is None else method, rtol)
         return write_fmu(self, path, state, inputs, outputs, parameters, options, replace)
+
+    def to_mjcf(
+        self, path: str | Path | None = None, *, leave_out: Sequence[Joint | ForceElement | str] = (),
+        replace: bool = False,
+    ) -> "Exported":  # fmt: skip
+        """Write the system as MJCF, the XML of MuJoCo, at its reference pose.
+
+        Trees of joints move there as here. Loops are closed by equalities, and gears, racks, screws and shafts of
+        constant velocity couple coordinates by equalities: these are springs there, and ``soft`` names them. Springs
+        and dampers between points and along hinges and sliders are written; drivers only where they hold a value.
+        Limits are not, as MuJoCo would enforce them.
+
+        Parameters
+        ----------
+        path : str, Path or None
+            Ends in .xml or .mjcf; None = only return the text.
+        leave_out : sequence of parts or names
+            Joints and forces that are not written.
+        replace : bool
+            Replace an existing file.
+
+        Returns
+        -------
+        Exported
+            ``.text``, ``.path``, ``.frames``, ``.soft``, ``.inactive``, ``.said``.
+
+        Raises
+        ------
+        ValueError
+            Naming every joint and force that the format cannot hold and that is not left out: rolling, knife edges,
+            tyres, forces with functions or internal states, signals of time; a body without mass at the end of a tree.
+
+        Examples
+        --------
+        >>> from mbsd3d import GROUND, Body, Revolute, System
+        >>> bob = Body("bob", mass=1.0, inertia=(0.1, 0.1, 0.02), position=(0, 0, -1))
+        >>> hinge = Revolute(GROUND, bob, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")
+        >>> made = System([bob], [hinge]).to_mjcf()
+        >>> print(*made.text.splitlines()[5:7], sep="\n")
+              <inertial pos="0.0 0.0 0.0" quat="1.0 0.0 0.0 0.0" mass="1.0" diaginertia="0.1 0.1 0.02" />
+              <joint name="hinge" type="hinge" pos="0.0 0.0 1.0" axis="0.0 1.0 0.0" />
+        """
+        from ..files.exporting.exported import written
+        from ..files.exporting.mujoco import write_mjcf
+
+        return written(write_mjcf(self, leave_out), path, (".xml", ".mjcf"), replace)
+
+    def to_urdf(
+        self, path: str | Path | None = None, *, massless: bool = False,
+        leave_out: Sequence[Joint | ForceElement | str] = (), replace: bool = False,
+    ) -> "Exported":  # fmt: skip
+        """Write the system as URDF: a tree of `Revolute`, `Prismatic`, `Planar` and `Fixed`, at its reference pose.
+
+        The frame of a link is that of its joint: its origin is the point of the joint, its axes are those of the body;
+        ``frames`` maps it back. Dampers and limits of hinges and sliders are written. Gravity has no place in the
+        format, and a root that is free floats only where the reader is told so: ``said`` repeats it.
+
+        Parameters
+        ----------
+        path : str, Path or None
+            Ends in .urdf; None = only return the text.
+        massless : bool
+            Write `Spherical`, `Universal` and `Cylindrical` as joints in a row over links without mass, which not all
+            readers take.
+        leave_out, replace
+            See `to_mjcf`.
+
+        Returns
+        -------
+        Exported
+
+        Raises
+        ------
+        ValueError
+            Naming the joint that closes a loop, and every joint and force that the format cannot hold.
+
+        Examples
+        --------
+        >>> from mbsd3d import GROUND, Body, Revolute, System
+        >>> bob = Body("bob", mass=1.0, inertia=(0.1, 0.1, 0.02), position=(0, 0, -1))
+        >>> hinge = Revolute(GROUND, bob, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")
+        >>> print(System([bob], [hinge]).to_urdf().frames["bob"].position)  # of the link, from O of the body
+        [0. 0. 1.]
+        """
+        from ..files.exporting.exported import written
+        from ..files.exporting.urdf import write_urdf
+
+        return written(write_urdf(self, leave_out, massless), path, (".urdf",), replace)
+
+    def to_sdf(
+        self, path: str | Path | None = None, *, leave_out: Sequence[Joint | ForceElement | str] = (),
+        replace: bool = False,
+    ) -> "Exported":  # fmt: skip
+        """Write the system as SDF, the format of Gazebo: a world with its gravity and one model, at the reference pose.
+
+        `Revolute`, `Prismatic`, `Spherical`, `Universal`, `Screw` and `Fixed` have joints of their own there, in loops
+        too. A `Gear` is a gearbox where both hinges are on one body, and else, as a `RackPinion`, the mimic of a
+        coordinate. Springs, dampers and limits of hinges and sliders are written.
+
+        Parameters
+        ----------
+        path : str, Path or None
+            Ends in .sdf; None = only return the text.
+        leave_out, replace
+            See `to_mjcf`.
+
+        Returns
+        -------
+        Exported
+
+        Raises
+        ------
+        ValueError
+            Naming every joint and force that the format cannot hold, and joints whose parts do not meet at the
+            reference pose.
+
+        Examples
+        --------
+        >>> from mbsd3d import GROUND, Body, Revolute, System
+        >>> bob = Body("bob", mass=1.0, inertia=(0.1, 0.1, 0.02), position=(0, 0, -1))
+        >>> hinge = Revolute(GROUND, bob, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")
+        >>> System([bob], [hinge]).to_sdf().text.split()[1]
+        'version="1.11">'
+        """
+        from ..files.exporting.exported import written
+        from ..files.exporting.sdf import write_sdf
+
+        return written(write_sdf(self, leave_out), path, (".sdf",), replace)
 
     @classmethod
     def from_file(cls, path: str | Path) -> "System":

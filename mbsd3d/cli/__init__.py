@@ -4,6 +4,7 @@ import click
 
 from ..base.version import __version__
 from .check import check
+from .convert import convert
 from .demo import demo
 from .doctor import doctor
 from .fmu import fmu
@@ -27,5 +28,5 @@ def version() -> None:
     click.echo(f"mbsd3d {__version__}")
 
 
-for command in (check, demo, doctor, fmu, gallery, play, run, show, warmup):
+for command in (check, convert, demo, doctor, fmu, gallery, play, run, show, warmup):
     main.add_command(command)

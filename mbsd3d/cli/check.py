@@ -13,8 +13,8 @@ from .support import import_options, load_system, parameters_option, set_option
 def check(file: str, drop: tuple[str, ...], settings: tuple[str, ...], help_parameters: bool) -> None:
     """Find the degrees of freedom and redundant joints of a mechanism.
 
-    FILE is a model file (.json, .toml), a model of MuJoCo (.xml, .mjcf) or ROS (.urdf, .xacro), or a Python file
-    with build(), which returns a System. The exit code is 1 if it is locked or cannot close.
+    FILE is a model file (.json, .toml), a model of MuJoCo (.xml, .mjcf), ROS (.urdf, .xacro) or Gazebo (.sdf), or a
+    Python file with build(), which returns a System. The exit code is 1 if it is locked or cannot close.
     """
     diagnosis = load_system(file, drop, settings, help_parameters).check()
     click.echo(str(diagnosis))

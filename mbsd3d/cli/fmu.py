@@ -5,7 +5,15 @@ from pathlib import Path
 import click
 
 from .run import METHODS, method_of
-from .support import drop_option, list_parameters, load_posed, parameters_option, pose_option, ready_folder, set_option
+from .support import (
+    import_options,
+    list_parameters,
+    load_posed,
+    parameters_option,
+    pose_option,
+    ready_folder,
+    set_option,
+)
 
 
 @click.command()
@@ -20,7 +28,7 @@ from .support import drop_option, list_parameters, load_posed, parameters_option
 @click.option("--dt", type=float, help="Fixed step [s] of the method.")
 @click.option("--rtol", type=float, default=1e-8, show_default=True, help="Tolerance: a step may err by a fifth of it.")
 @click.option("--replace", is_flag=True, help="Replace an existing file.")
-@drop_option
+@import_options
 @pose_option
 @set_option
 @parameters_option
@@ -31,8 +39,9 @@ def fmu(
 ) -> None:  # fmt: skip
     """Write a mechanism as an FMU (FMI 3.0, co-simulation).
 
-    FILE is a model file (.json, .toml), a model of MuJoCo (.xml) or ROS (.urdf), or a Python file with build(), which
-    returns a System. The FMU runs where the host is Python with mbsd3d installed, as with FMPy. Needs the extra fmu.
+    FILE is a model file (.json, .toml), a model of MuJoCo (.xml, .mjcf), ROS (.urdf, .xacro) or Gazebo (.sdf), or a
+    Python file with build(), which returns a System. The FMU runs where the host is Python with mbsd3d installed, as
+    with FMPy. Needs the extra fmu.
     """
     if help_parameters:
         list_parameters(file)

@@ -43,10 +43,10 @@ def play(
 ) -> None:  # fmt: skip
     """Simulate a mechanism in real time, in the browser, and change its inputs meanwhile.
 
-    FILE is a model file (.json, .toml), a model of MuJoCo (.xml, .mjcf) or ROS (.urdf, .xacro), or a Python file
-    with build(), which returns a System. Forces, torques and references of controllers that are Input signals get
-    sliders and keys, and with --input the motors and servos of an imported model. The page is served on this machine
-    only, to whoever has its address. Ctrl-C ends it.
+    FILE is a model file (.json, .toml), a model of MuJoCo (.xml, .mjcf), ROS (.urdf, .xacro) or Gazebo (.sdf), or a
+    Python file with build(), which returns a System. Forces, torques and references of controllers that are Input
+    signals get sliders and keys, and with --input the motors and servos of an imported model. The page is served on
+    this machine only, to whoever has its address. Ctrl-C ends it.
     """
     can_view(needed=True)
     given = ranges(inputs)

@@ -77,9 +77,9 @@ def run(
 ) -> None:
     """Simulate a mechanism.
 
-    FILE is a model file (.json, .toml), a model of MuJoCo (.xml, .mjcf) or ROS (.urdf, .xacro), or a Python file
-    with build(), which returns a System. Writes a solution (.npz, read by mbsd3d.load), a table (.csv) and a figure of
-    the energies. Ctrl-C keeps the samples so far. The exit code is 1 if the certificate fails.
+    FILE is a model file (.json, .toml), a model of MuJoCo (.xml, .mjcf), ROS (.urdf, .xacro) or Gazebo (.sdf), or a
+    Python file with build(), which returns a System. Writes a solution (.npz, read by mbsd3d.load), a table (.csv) and
+    a figure of the energies. Ctrl-C keeps the samples so far. The exit code is 1 if the certificate fails.
     """
     can_view(needed=viewed)
     if help_parameters:

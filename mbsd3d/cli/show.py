@@ -26,8 +26,8 @@ def show(
 ) -> None:
     """Draw a mechanism at its reference pose.
 
-    FILE is a model file (.json, .toml), a model of MuJoCo (.xml, .mjcf) or ROS (.urdf, .xacro), or a Python file
-    with build(), which returns a System. Writes one page (.html) that needs no network.
+    FILE is a model file (.json, .toml), a model of MuJoCo (.xml, .mjcf), ROS (.urdf, .xacro) or Gazebo (.sdf), or a
+    Python file with build(), which returns a System. Writes one page (.html) that needs no network.
     """
     can_view(needed=True)
     if help_parameters:

@@ -49,14 +49,14 @@ def import_options(command: Callable[..., Any]) -> Callable[..., Any]:
         ),
         click.option(
             "--leave-out", "--drop", "drop", multiple=True, metavar="KIND,...",
-            help="Leave out what acts and cannot be imported (.xml, .urdf, ...), e.g. fluid,tendon.",
+            help="Leave out what acts and cannot be imported (.xml, .urdf, .sdf, ...), e.g. fluid,tendon.",
         ),
     ):  # fmt: skip
         command = option(command)
     return command
 
 
-pose_option = click.option("--pose", metavar="NAME", help="Start at this key frame of an imported model (.xml).")
+pose_option = click.option("--pose", metavar="NAME", help="Start at this key frame (.xml) or state (.sdf) of a model.")
 
 
 class Failure(click.ClickException):

@@ -5,6 +5,7 @@ from . import dynamics as dynamics
 from . import fields as fields
 from . import figures as figures
 from . import live as live
+from . import trees as trees
 from .checks import *
 from .commands import *
 from .demos import *
@@ -12,3 +13,4 @@ from .dynamics import *
 from .fields import *
 from .figures import *
 from .live import *
+from .trees import *

@@ -12,7 +12,7 @@ from engines.nvh.cabin.table import read_modes
 from engines.nvh.excitation.presets import preset
 from engines.nvh.mounts.mounts import car
 from engines.nvh.road.measured import LENGTH_MAX, POINTS_MAX, read_road
-from mbsd3d import System, read_mjcf, shapes
+from mbsd3d import System, read_mjcf, read_sdf, shapes
 from mbsd3d.files.description import PARTS_MAX
 from mbsd3d.files.importing import guarded, xml_scan
 from mbsd3d.mechanism.shapes import triangles
@@ -36,7 +36,8 @@ ROWS = {row.split("|")[1].split(" (")[0].strip(): row for row in SECURITY.splitl
     [
         ("model files", 0, "a.json", System.from_file),
         ("model files", 1, "a.toml", System.from_file),
-        ("MJCF, URDF", 0, "a.xml", read_mjcf),
+        ("MJCF, URDF, SDF", 0, "a.xml", read_mjcf),
+        ("MJCF, URDF, SDF", 0, "a.sdf", read_sdf),
         ("meshes", 0, "a.stl", lambda path: shapes.MeshFile(path).surface()),
         ("bicycle parameters", 0, "a.txt", read_values),
         ("bicycle parameters", 1, "a.yml", read_values),
@@ -60,8 +61,8 @@ def test_a_file_is_refused_for_its_size_above_what_the_page_says(tmp_path, row, 
 
 def test_counts_are_those_of_the_code():
     assert f"{number(PARTS_MAX)} parts;" in ROWS["model files"]
-    assert f"{number(xml_scan.EXPANDED_ELEMENTS_MAX)} elements" in ROWS["MJCF, URDF"]
-    assert f"{guarded.MEMORY_BYTES_MAX >> 30} GB" in ROWS["MJCF, URDF"]
+    assert f"{number(xml_scan.EXPANDED_ELEMENTS_MAX)} elements" in ROWS["MJCF, URDF, SDF"]
+    assert f"{guarded.MEMORY_BYTES_MAX >> 30} GB" in ROWS["MJCF, URDF, SDF"]
     assert f"{number(triangles.MESH_TRIANGLES_MAX)} triangles;" in ROWS["meshes"]
     road = f"{number(POINTS_MAX)} points and {LENGTH_MAX / 1000:g} km of a road"
     assert f"{CYLINDERS_MAX} cylinders; {road}" in ROWS["engines, cars"]

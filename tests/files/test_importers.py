@@ -647,3 +647,11 @@ def test_files_in_the_folder_are_included(tmp_path):
     found = read_mjcf(written(tmp_path, text))
     assert [body.name for body in found.system.bodies] == ["arm"] and found.idle == {"cam": 1}
     assert sorted(path.name for path in tmp_path.iterdir()) == ["model.xml", "parts"]  # no log beside the model
+
+
+def test_files_in_the_folder_are_included_by_any_suffix(tmp_path):
+    """MuJoCo itself knows no .mjcf."""
+    inner = '<mujoco><worldbody><body name="arm"><joint name="hinge"/><geom size="0.1"/></body></worldbody></mujoco>'
+    (tmp_path / "arm.xml").write_text(inner)
+    (tmp_path / "model.mjcf").write_text('<mujoco><include file="arm.xml"/></mujoco>')
+    assert [x.name for x in read_mjcf(tmp_path / "model.mjcf").system.joints] == ["hinge"]

@@ -37,6 +37,7 @@ def files(folder):
     """That calls read."""
     (folder / "model.xml").write_text(hostile_files.MJCF)
     (folder / "model.urdf").write_text(hostile_files.URDF)
+    (folder / "model.sdf").write_text(hostile_files.SDF)
     build().to_file(folder / "model.json")
     m.simulate(SYSTEM, 0.03, method=m.RK4(0.01), progress=False).save(folder / "run")
 
@@ -59,6 +60,10 @@ def questions(folder):
         "tolerance": 1e3,
     }  # fmt: skip
     yield m.load, {"path": folder / "run.npz"}
+    yield m.read_sdf, {
+        "path": folder / "model.sdf", "leave_out": ["fluid"], "strict": False, "geometry": "draw",
+        "inertia": "as given", "package_paths": [folder],
+    }  # fmt: skip
     for read, name in ((m.read_mjcf, "model.xml"), (m.read_urdf, "model.urdf")):
         given = {"leave_out": ["fluid"], "strict": False, "geometry": "draw", "inertia": "as given"}
         given |= {"floating": None} if read is m.read_urdf else {}
@@ -81,6 +86,10 @@ def questions(folder):
     }  # fmt: skip
     yield SYSTEM.part, {"key": "hinge", "kind": "joints"}
     yield SYSTEM.to_file, {"path": folder / "model.json", "replace": True}
+    swing = build()
+    yield swing.to_mjcf, {"path": folder / "made.xml", "leave_out": ["hinge"], "replace": True}
+    yield swing.to_urdf, {"path": folder / "made.urdf", "massless": False, "leave_out": (), "replace": True}
+    yield swing.to_sdf, {"path": folder / "made.sdf", "leave_out": list(swing.joints), "replace": True}
     yield m.System.from_file, {"path": folder / "model.json"}
     yield SYSTEM.export_glb, {"path": folder / "model.glb"}
     yield (

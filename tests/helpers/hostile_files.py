@@ -44,7 +44,7 @@ TEXTS = (
 )
 KINDS = (
     "json", "toml", "npz", "mjcf", "urdf", "txt", "yaml", "ledger", "stl", "obj", "ply", "engine", "car", "shell",
-    "road",
+    "road", "sdf",
 )  # fmt: skip
 SUFFIX = {"mjcf": "xml", "ledger": "db", "engine": "json", "car": "json", "shell": "csv", "road": "csv"}
 
@@ -68,6 +68,16 @@ damping="0.2"/><inertial mass="2" pos="0 0 -0.6" diaginertia="0.1 0.1 0.02"/><ge
 URDF = """<robot name="swing"><link name="frame"/><link name="bob"><inertial><origin xyz="0 0 -0.6"/><mass value="2"/>
 <inertia ixx="0.1" iyy="0.1" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <joint name="hinge" type="continuous"><parent link="frame"/><child link="bob"/><axis xyz="0 1 0"/></joint></robot>"""
+SDF = """<sdf version="1.9"><world name="w"><gravity>0 0 -9.8</gravity><model name="m">
+<link name="frame"><pose>0 0 1 0.1 0.2 0.3</pose></link>
+<frame name="f" attached_to="frame"><pose relative_to="bob">1 2 3 0 0 0</pose></frame>
+<link name="bob"><inertial><pose>0 0 -0.6 0 0 0</pose><mass>2</mass>
+<inertia><ixx>0.1</ixx><iyy>0.1</iyy><izz>0.02</izz></inertia></inertial></link>
+<joint name="hinge" type="revolute"><parent>frame</parent><child>bob</child><axis><xyz expressed_in="f">0 1 0</xyz>
+<dynamics><damping>0.1</damping></dynamics></axis></joint>
+<model name="n"><link name="l"/></model><joint name="cross" type="universal"><parent>n::l</parent><child>bob</child>
+<axis><xyz>1 0 0</xyz></axis><axis2><xyz>0 1 0</xyz></axis2></joint></model><state world_name="s"><model name="m">
+<link name="bob"><pose>1 0 0 0 0 0</pose><velocity>1 0 0 0 0 0</velocity></link></model></state></world></sdf>"""
 OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 2 3 4\nf 1 3 4\n"
 PLY = (
     "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 2\n"
@@ -86,7 +96,7 @@ class Samples:
             system.to_file(self.folder / f"sound.{kind}", replace=True)
         mbsd3d.accelerations(system).save(self.folder / "sound.npz")
         self.content = {kind: (self.folder / f"sound.{kind}").read_bytes() for kind in ("json", "toml", "npz")}
-        texts = {"mjcf": MJCF, "urdf": URDF, "obj": OBJ, "ply": PLY, "stl": STL}
+        texts = {"mjcf": MJCF, "urdf": URDF, "sdf": SDF, "obj": OBJ, "ply": PLY, "stl": STL}
         texts["txt"] = "w = 1.02\nc = 0.08\nlam = 0.31 +/- 0.01\ng = 9.81\n"
         texts["yaml"] = "parameterization: benchmark\nvalues:\n  w: 1.02\n  c: 0.08\n  lam: 0.314\n  mB: 85.0\n"
         engine = {key: value for key, value in data("engines")["engines"]["inline_4"].items() if key != "layout"}
@@ -283,6 +293,7 @@ def broken(seed, samples):
         9,
         5,
         5,
+        9,
     ]  # MuJoCo reads in a process of its own, which takes half a second
     kind = KINDS[rng.choice(len(KINDS), p=np.array(share) / sum(share))]
     path = samples.folder / f"broken.{SUFFIX.get(kind, kind)}"
@@ -299,7 +310,7 @@ def broken(seed, samples):
     readers = {
         "json": System.from_file, "toml": System.from_file, "npz": mbsd3d.load, "txt": read_values, "yaml": read_values,
         "mjcf": mbsd3d.read_mjcf, "urdf": mbsd3d.read_urdf, "engine": read_engine, "car": read_car, "shell": read_modes,
-        "road": read_road,
+        "road": read_road, "sdf": mbsd3d.read_sdf,
     }  # fmt: skip
     if kind in readers:
         return kind, lambda: readers[kind](path)

@@ -4,7 +4,7 @@ Every twin checks its start and its runs in the same way.
 """
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from numbers import Real
 from typing import Any, NamedTuple, Protocol
@@ -73,25 +73,6 @@ def speed_of(driver: SpeedDriver, what: str, engine: str) -> Coordinate:
     if driver.joint is None:
         raise NotExpressible(f"{what}: moves a point that no slider leads; {engine} gives speeds to hinges and slides")
     return slide_of(driver.joint)
-
-
-def spanning(joints: Iterable[Joint]) -> list[Joint]:
-    """Return the joints that connect bodies not yet connected by those before."""
-    group: dict[int, int] = {}
-
-    def root(i: int) -> int:
-        while group.setdefault(i, i) != i:
-            group[i] = group[group[i]]
-            i = group[i]
-        return i
-
-    tree = []
-    for joint in joints:
-        a, b = root(id(joint.a)), root(id(joint.b))
-        if a != b:
-            group[a] = b
-            tree.append(joint)
-    return tree
 
 
 class Load(NamedTuple):

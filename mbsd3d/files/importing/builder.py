@@ -71,7 +71,7 @@ class Builder:
         self.inputs: dict[str, tuple[float, float] | None] = {}
         self.actuators = self.to_build() if choices.inputs else self.inactive_actuators()
         self.group = grouped(body["weld"] for body in facts["bodies"])  # what is welded to a body, itself first
-        self.joints_of = grouped(joint["body"] for joint in facts["joints"])
+        self.joints_of = grouped(joint.get("loop", joint["body"]) for joint in facts["joints"])
         self.coupled = {k for e in facts["equalities"] if e["type"] == "joint" for k in e["joints"]}
         self.length = length_of(facts)
         self.names: set[str] = {GROUND.name}
@@ -102,6 +102,9 @@ class Builder:
                 merged[body["name"]] = self.bodies[body["weld"]].name
         for i in list(self.bodies)[1:]:
             self.join(i, self.joints_of.get(i, []))
+        for loop, places in self.joints_of.items():
+            if loop < 0:  # of joints beside the tree
+                self.join(self.facts["joints"][places[0]]["body"], places)
         for equality in self.facts["equalities"]:
             self.close(equality)
         self.hold_weights()
@@ -196,10 +199,14 @@ class Builder:
         """Return the body that carries body i."""
         return self.carrier(self.facts["bodies"][i]["parent"])
 
+    def before(self, i: int, part: Facts) -> Any:
+        """Return the body before a joint of body i: its parent, but for joints that close loops."""
+        return self.carrier(part["parent"]) if "loop" in part else self.parent(i)
+
     def join(self, i: int, places: list[int]) -> None:
         """Build the joints between a body and its parent, with their springs, friction and limits."""
         parts = [self.facts["joints"][k] for k in places]
-        frames = [Frame(self.bodies[i], i, ())]
+        frames = [Frame(self.carrier(i), i, ())]
         if not parts or parts[0]["type"] == "free":
             self.frames += frames
         else:
@@ -209,7 +216,7 @@ class Builder:
             else:
                 self.joints.append(made)
                 self.made |= dict.fromkeys(places, made)
-            self.frames += frames
+            self.frames += frames[:-1] if "loop" in parts[0] else frames
             self.coordinate |= {
                 k: self.made[k]
                 for k, part in zip(places, parts, strict=True)
@@ -220,19 +227,19 @@ class Builder:
 
     def whole_joint(self, i: int, places: list[int], parts: list[Facts]) -> Joint | None:
         """Return one joint for all those of a body; None if there is none, or a load needs a coordinate of its own."""
-        made = joint_of(self.parent(i), self.bodies[i], parts, "-".join(part["name"] for part in parts))
+        a, b = self.before(i, parts[0]), self.carrier(i)
+        made = joint_of(a, b, parts, parts[0].get("title") or "-".join(part["name"] for part in parts))
         if made is None or any(
             (k in self.coupled or acts_along(part)) and not has_coordinate(made, part["type"])
             for k, part in zip(places, parts, strict=True)
             if part["type"] in ("hinge", "slide")
         ):
             return None
-        name = self.name(str(made.name), "joint")
-        return joint_of(self.parent(i), self.bodies[i], parts, name)
+        return joint_of(a, b, parts, self.name(str(made.name), "joint"))
 
     def chain(self, i: int, places: list[int], parts: list[Facts]) -> list[Frame]:
         """Build the joints of a body one after the other, in the order of the file, over bodies without mass."""
-        body, inner = self.bodies[i], self.parent(i)
+        body, inner = self.carrier(i), self.before(i, parts[0])
         check_independent(parts, body.name, self.called(body.name))
         frames = []
         for n, (k, part) in enumerate(zip(places, parts, strict=True)):
@@ -274,7 +281,7 @@ class Builder:
             if joint is not None and "limit" not in self.choices.leave_out:
                 name = part["name"] if part["name"] != joint.name else ""
                 lower, upper = part["limit"]
-                self.limits.append(Limit(joint, "angle" if kind == "hinge" else "slide", lower, upper, name))
+                self.limits.append(Limit(joint, "slide" if kind == "slide" else "angle", lower, upper, name))
 
     def rotor(self, k: int, part: Facts, joint: Joint) -> None:
         """Build an armature, T = I x_dot^2 / 2 on a coordinate x: a rotor on the ground that turns as x does.
@@ -406,7 +413,7 @@ class Builder:
         """Build y = a1 x of two coordinates from the reference pose, where a0 has put y; without x, y stays there."""
         y, x = equality["joints"]
         _, a1, *rest = equality["polynomial"]
-        kinds = [self.facts["joints"][k]["type"] for k in (y, x) if k >= 0]
+        kinds = [self.facts["joints"][k]["type"].replace("screw", "hinge") for k in (y, x) if k >= 0]
         if y not in self.coordinate or (x >= 0 and x not in self.coordinate):
             return None
         follower = self.coordinate[y]

@@ -1,4 +1,4 @@
-"""Models of other programs: MJCF, read by MuJoCo in a separate process, and URDF.
+"""Models of other programs: MJCF, read by MuJoCo in a separate process, URDF and SDF.
 
 What acts on every motion is built, or the file is refused; it is left out only if the caller names its kind. What acts
 at times or on command is inactive, and said.
@@ -19,6 +19,7 @@ from .facts import Facts
 from .folders import Folders, as_folders
 from .guarded import answer_of
 from .imported import KINDS, Imported
+from .sdf import SdfModel
 from .urdf import Robot
 from .xml_scan import Scan
 
@@ -34,7 +35,7 @@ def read_mujoco(path: str | Path, timeout: float, package_paths: Any, **choices:
     scan.read(path)
     scan.check_named()
     if path.suffix not in (".xml", ".mjcf"):
-        raise InputError(f"'{path}': MuJoCo reads files by their name; give it one that ends in .xml")
+        raise InputError(f"'{path}': MuJoCo reads files by their name; give it one that ends in .xml or .mjcf")
     if scan.kind != "mujoco":
         other = "name it .urdf, read_urdf reads it" if scan.kind == "robot" else "give a model of MuJoCo"
         raise InputError(f"'{path}': its root is <{scan.kind}>, not <mujoco>; {other}")
@@ -49,6 +50,19 @@ def read_robot(path: str | Path, timeout: float, package_paths: Any, floating: b
     chosen, folders = chosen_of(path, **choices), Folders(path, as_folders(package_paths))
     robot = Robot(path, folders, floating, timeout, chosen.inputs)
     return built(path, robot.facts, chosen, robot.place_of)
+
+
+def read_simulation(path: str | Path, package_paths: Any, **choices: Any) -> Imported:
+    """Read an SDF file, build."""
+    path = as_path(path, "model.sdf")
+    chosen, folders = chosen_of(path, **choices), Folders(path, as_folders(package_paths))
+    models: list[SdfModel] = []
+
+    def facts() -> Facts:
+        models.append(SdfModel(path, folders))
+        return models[0].facts()
+
+    return built(path, facts, chosen, lambda tag, name: models[0].place_of(tag, name))
 
 
 def as_timeout(value: Any) -> float:

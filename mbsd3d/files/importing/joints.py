@@ -7,7 +7,7 @@ import numpy as np
 
 from ...base.errors import InputError
 from ...mechanism.joints import Joint
-from ...mechanism.joints.pairs import Cylindrical, Planar, Prismatic, Revolute, Spherical, Universal
+from ...mechanism.joints.pairs import Cylindrical, Planar, Prismatic, Revolute, Screw, Spherical, Universal
 from .facts import Facts
 
 COINCIDENCE_ROUNDING = 1e-9  # [1, m] by which axes and points that are taken as one may differ
@@ -24,7 +24,7 @@ def acts_along(part: Facts) -> bool:
 
 def has_coordinate(joint: Joint, kind: str) -> bool:
     """Return whether a joint has the coordinate of a hinge or slide, on which springs and couplings act."""
-    if kind == "hinge":
+    if kind in ("hinge", "screw"):
         return joint.angle() is not None
     return kind == "slide" and joint.slide() is not None and joint.angle() is None
 
@@ -54,6 +54,8 @@ def joint_of(a: Any, b: Any, parts: Sequence[Facts], name: str) -> Joint | None:
     first = parts[0]
     if first["type"] == "ball":
         return Spherical(a, b, at=first["anchor"], name=name) if len(parts) == 1 else None
+    if first["type"] == "screw":
+        return Screw(a, b, at=first["anchor"], axis=first["axis"], pitch=first["pitch"], name=name)
     if first["type"] == "planar":
         return Planar(a, b, at=first["anchor"], normal=first["axis"], name=name)
     if len(hinges) + len(slides) < len(parts):

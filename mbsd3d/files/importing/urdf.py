@@ -7,20 +7,19 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import isfinite
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 
-from ...base.checks import check_size
 from ...base.errors import InputError
 from ...base.paths import read_text
 from ...base.rotations import matrix, multiply, rotation
 from .facts import Facts, carried, felt_inertia, length_of
 from .folders import Folders
 from .xacro import expanded, is_xacro
-from .xml_scan import EXPANDED_ELEMENTS_MAX, FILES_BYTES_MAX, Parser
+from .xml_scan import FILES_BYTES_MAX
+from .xml_tree import Node, tree_of
 
 JOINT_KINDS = {
     "revolute": "hinge", "continuous": "hinge", "prismatic": "slide", "planar": "planar", "floating": "free",
@@ -29,97 +28,8 @@ JOINT_KINDS = {
 LINK_TAGS = ("inertial", "visual", "collision")
 INERTIAL_TAGS = ("mass", "inertia", "origin")
 JOINT_TAGS = ("parent", "child", "origin", "axis", "limit", "dynamics", "mimic", "safety_controller")
-READ_ATTRIBUTES = {
-    "origin": ("xyz", "rpy"), "axis": ("xyz",), "mass": ("value",), "mimic": ("joint", "multiplier", "offset"),
-    "inertia": ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"),
-}  # fmt: skip
-"""Elements of which another attribute would mean another motion, as quat_xyzw of an origin does."""
 WORLD = "world"  # a link of this name at the root is the ground, declared or not
 HELD_INERTIA_ROUNDING = 1e-12  # [m L^2] of mass and extent of the model: what a hinge turns, if it turns nothing
-
-
-@dataclass
-class Node:
-    """An element, with the line it starts in."""
-
-    tag: str
-    attributes: dict[str, str]
-    line: int
-    children: list["Node"] = field(default_factory=list)
-
-    @property
-    def place(self) -> str:
-        """Return line and element, for messages."""
-        return f"line {self.line}, <{self.tag}>"
-
-    def all(self, tag: str) -> list["Node"]:
-        """Return the children of a tag."""
-        return [child for child in self.children if child.tag == tag]
-
-    def one(self, tag: str) -> "Node | None":
-        """Return the only child of a tag, or None."""
-        found = self.all(tag)
-        if len(found) > 1:
-            raise InputError(f"{found[1].place}: stands twice in <{self.tag}>; keep one")
-        for node in found:
-            if other := node.others(READ_ATTRIBUTES.get(tag, tuple(node.attributes))):
-                have = ", ".join(READ_ATTRIBUTES[tag])
-                raise InputError(f"{node.place}: {other[0]} is not read; give {have}, or remove it")
-        return found[0] if found else None
-
-    def others(self, known: tuple[str, ...]) -> list[str]:
-        """Return the attributes beside those known, but for zeros and those of vendors, which have a prefix."""
-        return [name for name, value in self.attributes.items() if name not in known and not is_idle(name, value)]
-
-    def text(self, name: str) -> str:
-        """Return an attribute that must be there."""
-        value = self.attributes.get(name, "").strip()
-        if not value:
-            raise InputError(f"{self.place}: has no {name}; give {name}=")
-        return value
-
-    def numbers(self, name: str, count: int, default: tuple[float, ...] | None = None) -> np.ndarray:
-        """Return an attribute of finite numbers; commas between those of a vector are passed over."""
-        text = self.attributes.get(name)
-        if text is None and default is not None:
-            return np.array(default)
-        words = self.text(name).replace(",", " ").split()
-        try:
-            values = [float(word) for word in words if "_" not in word]
-        except ValueError:
-            values = []
-        if len(values) != count or len(words) != count or not all(map(isfinite, values)):
-            wanted = "a finite number" if count == 1 else f"{count} finite numbers"
-            raise InputError(f"{self.place}: {name}='{str(text)[:60]}' is not {wanted}; correct it")
-        found = np.array(values)
-        check_size(found, f"{self.place}: {name}")
-        return found
-
-    def number(self, name: str, default: float | None = None) -> float:
-        """Return an attribute of one number."""
-        return float(self.numbers(name, 1, None if default is None else (default,))[0])
-
-
-def tree_of(path: Path, text: str) -> Node:
-    """Return the root element of a text, with all below it."""
-    root, count, parser = Node("", {}, 0), 0, Parser(path)
-    stack = [root]
-
-    def start(name: str, attributes: dict[str, str]) -> None:
-        nonlocal count
-        count += 1
-        if count > EXPANDED_ELEMENTS_MAX:
-            raise InputError(
-                f"{parser.place(f'<{name}>')} is one of more than {EXPANDED_ELEMENTS_MAX} elements; use fewer"
-            )
-        stack.append(Node(name, attributes, parser.line))
-        stack[-2].children.append(stack[-1])
-
-    def end(name: str) -> None:
-        stack.pop()
-
-    parser.parse(text, start, end)
-    return root.children[0]
 
 
 @dataclass
@@ -563,14 +473,6 @@ def check_case(node: Node, known: tuple[str, ...]) -> None:
     for child in node.children:
         if child.tag not in known and child.tag.lower() in known:
             raise InputError(f"{child.place}: is not read in this case; write <{child.tag.lower()}>")
-
-
-def is_idle(name: str, value: str) -> bool:
-    """Return whether an attribute has a prefix, or is nothing but zeros."""
-    try:
-        return ":" in name or not any(float(word) for word in value.split())
-    except ValueError:
-        return False
 
 
 def mimic_of(joint: Connection) -> tuple[float, float]:

@@ -32,11 +32,18 @@ class Parser:
     def __init__(self, path: Path) -> None:
         self.path, self.above = path, 0
 
-    def parse(self, text: str, start: Callable[..., None], end: Callable[..., None]) -> None:
-        """Call ``start(name, attributes)`` and ``end(name)`` for the elements of a text; blank lines may come first."""
+    def parse(
+        self, text: str, start: Callable[..., None], end: Callable[..., None], words: Callable[..., None] | None = None
+    ) -> None:
+        """Call ``start(name, attributes)`` and ``end(name)`` for the elements of a text, ``words(text)`` inside.
+
+        Blank lines may come first.
+        """
         self.parser = expat.ParserCreate("utf-8")
         self.parser.StartElementHandler, self.parser.EndElementHandler = start, end
         self.parser.EntityDeclHandler = self.entity
+        if words is not None:
+            self.parser.CharacterDataHandler, self.parser.buffer_text = words, True
         content = text.lstrip("\ufeff \t\r\n")
         self.above = text[: len(text) - len(content)].count("\n")
         try:

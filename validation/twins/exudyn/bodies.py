@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mbsd3d import GROUND, Body, Joint, State, System
-from mbsd3d.extend import Coupling, Ground, matrix, multiply, one_thread
-from validation.twins.base import Array, Kinetic, Load, Motion, NotExpressible, check_run, spanning
+from mbsd3d.extend import Coupling, Ground, matrix, multiply, one_thread, spanning
+from validation.twins.base import Array, Kinetic, Load, Motion, NotExpressible, check_run
 from validation.twins.exudyn.assembly import Assembly, Equations
 from validation.twins.exudyn.joints import add_force_element, add_joint
 from validation.twins.exudyn.solvers import SOLVERS, Scheme, check_samples, march, opened, quiet

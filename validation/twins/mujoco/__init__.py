@@ -11,11 +11,10 @@ from typing import Any
 import mbsd3d
 from mbsd3d import State, System
 from mbsd3d.errors import InputError
-from mbsd3d.extend import number
+from mbsd3d.extend import TABLE, lay_out, number
 from validation.twins.base import NotExpressible, refused, release, start_of
 from validation.twins.mujoco.build import sketch
 from validation.twins.mujoco.couplings import Motors, couple
-from validation.twins.mujoco.layout import TABLE, lay_out
 from validation.twins.mujoco.loads import load_all
 from validation.twins.mujoco.reactions import Reactions
 from validation.twins.mujoco.rods import add_tendons, set_lengths

@@ -10,11 +10,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d import ConstantVelocity, Fixed, GearMesh, Joint, PositionDriver, Prismatic, Screw, Signal, SpeedDriver
-from mbsd3d.extend import Coordinate, kinds
+from mbsd3d import ConstantVelocity, GearMesh, Joint, PositionDriver, Screw, Signal, SpeedDriver
+from mbsd3d.extend import Coordinate, NotExportable, along_the_teeth, kinds, sum_of
 from validation.twins.base import NotExpressible, label, speed_of
-from validation.twins.mujoco.build import Sketch, slide_name, turn_name
-from validation.twins.mujoco.layout import PARALLEL_TOLERANCE, Piece, Z
+from validation.twins.mujoco.build import Sketch
 
 GENERATOR_INERTIA_RATIO = 1e12  # [1] of mass and inertia of all bodies, so that they do not move a generator
 POLYNOMIAL_DEGREE_MAX = 4  # [1] degree of the polynomials of MuJoCo's equalities
@@ -121,25 +120,13 @@ def couple(made: Sketch, motors: Motors) -> list[Coupling]:
                 found.append(hold(made, motors, joint, [(x, 1.0)], row.signal, adrift=True))
     for piece in made.layout.pieces:
         if isinstance(piece.joint, ConstantVelocity):
-            terms = {turn_name(piece, 0): 1.0, turn_name(piece, 2): 1.0}
+            terms = {piece.named("turn", 0): 1.0, piece.named("turn", 2): 1.0}
             found.append(hold_tendon(made, motors, piece.joint, made.system.name(piece.joint), terms, None))
         elif isinstance(piece.joint, PositionDriver):
             for k, signal in enumerate(piece.joint.signal):
                 if signal is not None:
-                    name, terms = f"{made.system.name(piece.joint)} {'xyz'[k]}", {slide_name(piece, k): 1.0}
+                    name, terms = f"{made.system.name(piece.joint)} {'xyz'[k]}", {piece.named("slide", k): 1.0}
                     found.append(hold_tendon(made, motors, piece.joint, name, terms, signal))
-    return found
-
-
-def along_the_teeth(mesh: GearMesh) -> list[tuple[Coordinate, float]]:
-    """Return the contribution of sliding gears to a helical mesh: n . u of their slides, n the line of action."""
-    n = mesh.direction()
-    found: list[tuple[Coordinate, float]] = []
-    for sign, hinge in ((-1.0, mesh.hinge_a), (1.0, mesh.hinge_b)):
-        x = hinge.slide()
-        if x is not None:
-            factor = sign * float(n @ x.axis) * (1.0 if mesh.gear(hinge) is hinge.b else -1.0)
-            found += [(x, factor)] if factor else []
     return found
 
 
@@ -150,7 +137,7 @@ def hold(
     name = made.system.name(joint)
     terms: dict[Any, float] = {}
     for x, factor in pairs:
-        for key, sign in sum_of(made, x, label(made.system, joint)).items():
+        for key, sign in terms_of(made, x, label(made.system, joint)).items():
             terms[key] = terms.get(key, 0.0) + factor * sign
     held = hold_tendon(made, motors, joint, name, terms, signal, adrift)
     held.coordinates = pairs
@@ -178,46 +165,12 @@ def add_tendon(made: Sketch, name: str, terms: dict[str, float]) -> str:
     return name
 
 
-def sum_of(made: Sketch, x: Coordinate, shown: str) -> dict[str, float]:
-    """Return joint coordinates of MuJoCo and their signs, whose sum is the coordinate.
-
-    The way from body a to body b goes through joints that turn about its axis only, or not at all; a slide is one joint
-    and what is fixed to it.
-    """
-    ways: list[tuple[Any, dict[str, float]]] = [(x.a, {})]
-    seen = {id(x.a)}
-    while ways:
-        body, terms = ways.pop(0)
-        if body is x.b:
-            return terms
-        for piece in made.layout.pieces:
-            if piece.joint is None or body not in (piece.joint.a, piece.joint.b):
-                continue
-            other, sign = (piece.joint.b, 1.0) if body is piece.joint.a else (piece.joint.a, -1.0)
-            step = None if id(other) in seen else step_of(made, piece, piece.joint, x)
-            if step is not None:
-                seen.add(id(other))
-                ways.append((other, terms | {key: sign * value for key, value in step.items()}))
-    raise NotExpressible(
-        f"{shown}: no way from '{x.a.name}' to '{x.b.name}' leads through joints that are counted along its axis, so "
-        f"MuJoCo has no coordinate for its {x.kind}"
-    )
-
-
-def step_of(made: Sketch, piece: Piece, joint: Joint, x: Coordinate) -> dict[str, float] | None:
-    """Return the contribution of a joint to the coordinate, None if it has none."""
-    free = made.joints[piece.number]
-    if isinstance(joint, Fixed):
-        return {}
-    if x.kind == "slide":
-        own = joint.slide()
-        along = 0.0 if own is None else float(own.axis @ x.axis)
-        return {slide_name(piece, Z): np.sign(along)} if abs(abs(along) - 1.0) < PARALLEL_TOLERANCE else None
-    if isinstance(joint, Prismatic):
-        return {}
-    axis = free.turn_axis()
-    along = 0.0 if axis is None else float(axis @ x.axis)
-    return {turn_name(piece, 0): np.sign(along)} if abs(abs(along) - 1.0) < PARALLEL_TOLERANCE else None
+def terms_of(made: Sketch, x: Coordinate, shown: str) -> dict[str, float]:
+    """Return joint coordinates of MuJoCo and their signs, whose sum is the coordinate."""
+    try:
+        return sum_of(made.tree, x, shown)
+    except NotExportable as error:
+        raise NotExpressible(str(error)) from None
 
 
 def loads_of(joint: Joint) -> bool:

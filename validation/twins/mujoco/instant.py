@@ -7,11 +7,18 @@ import scipy.linalg
 
 from mbsd3d import Distance, Joint, State
 from mbsd3d.errors import InputError
-from mbsd3d.extend import driven_coordinates, key_of, matrix, quaternion_from_matrix
+from mbsd3d.extend import (
+    Piece,
+    driven_coordinates,
+    key_of,
+    local_axes,
+    matrix,
+    quaternion_from_matrix,
+    rod_ends,
+)
 from validation.twins.base import Kinetic
 from validation.twins.mujoco import rods
-from validation.twins.mujoco.build import Sketch, local_axes, slide_name, turn_name
-from validation.twins.mujoco.layout import Piece
+from validation.twins.mujoco.build import Sketch
 
 JOINT_MISFIT_MAX = 1e-7  # [1] of its size: a state that its joints miss by more is not on the tree of MuJoCo
 
@@ -31,29 +38,29 @@ def coordinates(made: Sketch, model: Any, state: State) -> np.ndarray:
 
     for piece in made.layout.pieces:
         if piece.joint is None:
-            put(f"{piece.number} free", q[index[id(piece.body)]])
+            put(piece.title, q[index[id(piece.body)]])
             continue
         free, joint = made.joints[piece.number], piece.joint
         (r_a, R_a), (r_b, R_b) = pose(joint.a), pose(joint.b)
         if isinstance(joint, Distance):
             span = r_b + R_b @ joint.b.local_point(joint.at_b) - r_a - R_a @ joint.a.local_point(joint.at_a)
             R_near, rod = (R_a, span) if piece.is_b else (R_b, -span)
-            q1, q2 = rods.angles(piece, (R_near @ local_axes(rods.ends(piece)[0], np.eye(3))).T @ rod)
+            q1, q2 = rods.angles(piece, (R_near @ local_axes(rod_ends(piece)[0], np.eye(3))).T @ rod)
             put(rods.swing_name(piece, 0), q1)
             put(rods.swing_name(piece, 1), q2)
-            put(f"{piece.number} ball", quaternion_from_matrix(ball(made, piece, R_a, R_b, rods.swing(piece, q1, q2))))
+            put(piece.named("ball"), quaternion_from_matrix(ball(made, piece, R_a, R_b, rods.swing(piece, q1, q2))))
             continue
         A = R_a @ local_axes(joint.a, free.A)
         s = A.T @ (r_b + R_b @ joint.b.local_point(free.at_b) - r_a - R_a @ joint.a.local_point(free.at_a))
         for k in free.slides:
-            put(slide_name(piece, k), s[k])
+            put(piece.named("slide", k), s[k])
         R = A.T @ R_b @ local_axes(joint.b, free.B)
         if free.turns is None:
-            put(f"{piece.number} ball", quaternion_from_matrix(ball(made, piece, R_a, R_b)))
+            put(piece.named("ball"), quaternion_from_matrix(ball(made, piece, R_a, R_b)))
             continue
         turns = counted(made, joint, state, free.angles(R))
         for k, angle in enumerate(turns):
-            put(turn_name(piece, k), angle)
+            put(piece.named("turn", k), angle)
     return qpos
 
 
@@ -65,7 +72,7 @@ def ball(made: Sketch, piece: Piece, R_a: np.ndarray, R_b: np.ndarray, turn: np.
     R0_parent = np.eye(3) if piece.parent is None else made.poses[piece.parent.number][1]
     at_rest = made.poses[piece.number][1]
     if turn is not None:
-        parent = rods.ends(piece)[0]
+        parent = rod_ends(piece)[0]
         F = R0_parent @ local_axes(parent, np.eye(3))
         at_rest = F @ turn @ F.T @ at_rest
     return (R_parent @ R0_parent.T @ at_rest).T @ R

@@ -10,7 +10,7 @@ import mbsd3d
 from mbsd3d.extend import hinge_coordinate
 from validation.twins.base import NotExpressible, label, refused
 from validation.twins.mujoco.build import Sketch
-from validation.twins.mujoco.couplings import add_tendon, sum_of
+from validation.twins.mujoco.couplings import add_tendon, terms_of
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def turning(made: Sketch, loads: Loads, force: Any, name: str, stiffness: float,
     reversed.
     """
     sense, shown = -1.0 if rest < 0.0 else 1.0, label(made.system, force)
-    terms = {key: sense * sign for key, sign in sum_of(made, hinge_coordinate(force.hinge, shown), shown).items()}
+    terms = {key: sense * sign for key, sign in terms_of(made, hinge_coordinate(force.hinge, shown), shown).items()}
     tendon = made.spec.tendon(add_tendon(made, f"spring {name}", terms))
     tendon.springlength[:] = abs(rest)
     tendon.stiffness[0], tendon.damping[0] = stiffness, damping

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import GROUND, GearMesh, Joint, Torque
-from validation.twins.mujoco.build import Sketch, slide_name, turn_name
+from mbsd3d.extend import Piece
+from validation.twins.mujoco.build import Sketch
 from validation.twins.mujoco.couplings import Coupling, loads_of
-from validation.twins.mujoco.layout import Piece
 from validation.twins.mujoco.loads import Loads
 
 Wrench = tuple[np.ndarray, np.ndarray]
@@ -140,10 +140,10 @@ class Reactions:
         at = self.point(data, joint.b, joint.point())
         moment, force = sense * np.split(data.cfrc_int[k], 2)[0], sense * data.cfrc_int[k, 3:]
         moment = moment + np.cross(data.subtree_com[self.model.body_rootid[k]] - at, force)
-        for name in [slide_name(piece, c) for c in free.slides]:
+        for name in [piece.named("slide", c) for c in free.slides]:
             if along.get(name):
                 force = force - sense * along[name] * data.xaxis[self.model.joint(name).id]
-        for name in [turn_name(piece, c) for c in range(0 if free.turns is None else len(free.turns))]:
+        for name in [piece.named("turn", c) for c in range(0 if free.turns is None else len(free.turns))]:
             if along.get(name):
                 moment = moment - sense * along[name] * data.xaxis[self.model.joint(name).id]
         return force, moment

@@ -12,70 +12,27 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import Distance
-from mbsd3d.errors import InputError
-from mbsd3d.extend import perpendiculars
+from mbsd3d.extend import Piece, rod_axes
 from validation.twins.base import EngineFailed
-from validation.twins.mujoco.layout import Piece
 
 SECOND_HINGE_COSINE_MIN = 0.1  # [1] cos q2 below which the second hinge multiplies errors by more than ten
 
 
-def rod_of(piece: Piece) -> Distance:
-    """Return the joint of a piece that hangs on a rod."""
-    if not isinstance(piece.joint, Distance):
-        raise InputError(f"{piece.name} hangs on no rod; give one whose joint is a Distance")
-    return piece.joint
-
-
-def ends(piece: Piece) -> tuple[Any, np.ndarray, np.ndarray]:
-    """Return the parent, its point and the child's, world at the reference pose."""
-    rod = rod_of(piece)
-    return (rod.a, rod.at_a, rod.at_b) if piece.is_b else (rod.b, rod.at_b, rod.at_a)
-
-
-def axes(piece: Piece) -> np.ndarray:
-    """Return E, world at the reference pose: z along the rod, to the child."""
-    _, near, far = ends(piece)
-    z = (far - near) / np.linalg.norm(far - near)
-    return np.column_stack([*perpendiculars(z), z])
-
-
-def rest_pose(piece: Piece, origin: np.ndarray, F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return (r, R) of the child with both angles zero; the parent has its O at ``origin``, and F rotates it from the
-    pose.
-    """
-    parent, near, far = ends(piece)
-    R = F @ piece.body.axes
-    tip = origin + F @ (near - parent.position + rod_of(piece).length * axes(piece)[:, 2])
-    return tip - R @ piece.body.local_point(far), R
-
-
-def add_joints(mujoco: Any, child: Any, piece: Piece) -> None:
-    """Add the hinges and the ball."""
-    _, _, far = ends(piece)
-    E, kinds = axes(piece), mujoco.mjtJoint
-    far, near = piece.body.local_point(far), piece.body.local_point(far - rod_of(piece).length * E[:, 2])
-    for k in range(2):
-        axis = piece.body.local_axis(E[:, k])
-        child.add_joint(name=swing_name(piece, k), type=kinds.mjJNT_HINGE, pos=near, axis=axis)
-    child.add_joint(name=f"{piece.number} ball", type=kinds.mjJNT_BALL, pos=far)
-
-
 def swing_name(piece: Piece, k: int) -> str:
     """Return the name of hinge k at the parent's end."""
-    return f"{piece.number} swing {k}"
+    return piece.named("swing", k)
 
 
 def angles(piece: Piece, rod: np.ndarray) -> tuple[float, float]:
     """Return q1, q2 of the rod, a vector to the child rotated back to the reference pose of the parent."""
-    x, y, z = axes(piece).T @ rod / np.linalg.norm(rod)
+    x, y, z = rod_axes(piece).T @ rod / np.linalg.norm(rod)
     return np.arctan2(-y, z), np.arcsin(np.clip(x, -1.0, 1.0))
 
 
 def swing(piece: Piece, q1: float, q2: float) -> np.ndarray:
     """Return E Rx(q1) Ry(q2) E', the rotation of the rod, in world axes of the reference pose of the parent."""
     s1, c1, s2, c2 = np.sin(q1), np.cos(q1), np.sin(q2), np.cos(q2)
-    E = axes(piece)
+    E = rod_axes(piece)
     return E @ np.array([[1, 0, 0], [0, c1, -s1], [0, s1, c1]]) @ np.array([[c2, 0, s2], [0, 1, 0], [-s2, 0, c2]]) @ E.T
 
 

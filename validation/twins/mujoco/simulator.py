@@ -10,7 +10,7 @@ import numpy as np
 
 from mbsd3d import Distance, State
 from mbsd3d.errors import InputError
-from mbsd3d.extend import evaluate, loading, matrix
+from mbsd3d.extend import Piece, evaluate, loading, matrix
 from validation.twins.base import (
     EngineFailed,
     EngineMissing,
@@ -26,7 +26,6 @@ from validation.twins.base import (
 from validation.twins.mujoco.build import Sketch
 from validation.twins.mujoco.couplings import Coupling, Motors
 from validation.twins.mujoco.instant import JOINT_MISFIT_MAX, coordinates, mass_matrix, start_accelerations, velocities
-from validation.twins.mujoco.layout import Piece
 from validation.twins.mujoco.loads import Loads
 from validation.twins.mujoco.reactions import Reactions
 from validation.twins.mujoco.rods import check as check_rods

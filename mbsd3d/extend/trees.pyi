@@ -1,0 +1,16 @@
+from ..files.exporting.exported import NotExportable as NotExportable
+from ..files.exporting.layout import PARALLEL_TOLERANCE as PARALLEL_TOLERANCE
+from ..files.exporting.layout import TABLE as TABLE
+from ..files.exporting.layout import Layout as Layout
+from ..files.exporting.layout import Piece as Piece
+from ..files.exporting.layout import lay_out as lay_out
+from ..files.exporting.layout import local_axes as local_axes
+from ..files.exporting.layout import rod_axes as rod_axes
+from ..files.exporting.layout import rod_ends as rod_ends
+from ..files.exporting.layout import spanning as spanning
+from ..files.exporting.mujoco import LOCKED_SOLIMP as LOCKED_SOLIMP
+from ..files.exporting.mujoco import MujocoTree as MujocoTree
+from ..files.exporting.mujoco import along_the_teeth as along_the_teeth
+from ..files.exporting.mujoco import mujoco_tree as mujoco_tree
+from ..files.exporting.mujoco import sum_of as sum_of
+from ..files.exporting.mujoco import text_of as text_of
