@@ -279,6 +279,21 @@ def test_hostile_3mf_files_are_refused(tmp_path, resources, build, message):
         Body.from_mesh("part", tmp_path / "bad.3mf", density=1.0)
 
 
+def test_gltf_files_without_data_are_not_filled_with_zeros(tmp_path):
+    primitive = {"attributes": {"POSITION": 0}}
+    whole = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+             "meshes": [{"primitives": [primitive]}],
+             "accessors": [{"componentType": 5126, "count": 300_000_000, "type": "VEC3"}]}  # fmt: skip
+    text = json.dumps(whole).encode()
+    (tmp_path / "a.gltf").write_bytes(text)
+    text += b" " * (-len(text) % 4)
+    head = struct.pack("<4sIIII", b"glTF", 2, 20 + len(text), len(text), 0x4E4F534A)
+    (tmp_path / "a.glb").write_bytes(head + text)
+    for name in ("a.gltf", "a.glb"):
+        with pytest.raises(ValueError, match="accessors of more numbers than the file"):
+            Body.from_mesh("part", tmp_path / name, density=1.0)
+
+
 def test_3mf_declares_no_entities(tmp_path):
     with zipfile.ZipFile(tmp_path / "bad.3mf", "w") as archive:
         archive.writestr("_rels/.rels", "<!DOCTYPE a [<!ENTITY b SYSTEM 'file:///etc/passwd'>]><a>&b;</a>")

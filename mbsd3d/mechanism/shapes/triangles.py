@@ -3,6 +3,7 @@
 Vertices are shared across smooth edges only, so that `normals` shade a round side round and leave a rim sharp.
 """
 
+import json
 import logging
 import stat
 from functools import cache
@@ -175,6 +176,15 @@ def binary_stl(content: bytes) -> np.ndarray | None:
     return rows["corners"].reshape(-1, 3).astype(float)
 
 
+def check_gltf(content: bytes) -> None:
+    """Refuse a glTF or GLB file whose accessors without data, which are filled with zeros, exceed the file."""
+    binary = content[:4] == b"glTF"
+    text = content[20 : 20 + int.from_bytes(content[12:16], "little")] if binary else content
+    empty = [accessor for accessor in json.loads(text).get("accessors", ()) if "bufferView" not in accessor]
+    if sum(int(accessor["count"]) for accessor in empty) > len(content):
+        raise InputError("has accessors of more numbers than the file")
+
+
 def load_mesh(path: str, what: str) -> tuple[Any, float | None]:
     """Return the triangles of a file as trimesh has them, checked, and its unit [m]; None where its format has none."""
     with loading():
@@ -193,6 +203,8 @@ def load_mesh(path: str, what: str) -> tuple[Any, float | None]:
     unit = 1.0 if kind in ("glb", "gltf") else None
     logging.getLogger("trimesh").disabled = True  # it prints tracebacks of what it can do without
     try:  # from memory, so that a mesh cannot name further files
+        if kind in ("glb", "gltf"):
+            check_gltf(content)
         corners = binary_stl(content) if kind == "stl" else None
         if corners is not None:
             found = trimesh.Trimesh(corners, np.arange(len(corners)).reshape(-1, 3), process=False)
