@@ -55,7 +55,7 @@ def read_robot(path: str | Path, timeout: float, package_paths: Any, floating: b
 def read_simulation(path: str | Path, package_paths: Any, **choices: Any) -> Imported:
     """Read an SDF file, build."""
     path = as_path(path, "model.sdf")
-    chosen, folders = chosen_of(path, **choices), Folders(path, as_folders(package_paths))
+    chosen, folders = chosen_of(path, inputs=False, **choices), Folders(path, as_folders(package_paths))
     models: list[SdfModel] = []
 
     def facts() -> Facts:
