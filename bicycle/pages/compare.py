@@ -36,7 +36,7 @@ from ..linear.tyre_equations import Affine, required_equations
 from ..linear.variants import NO_RANGE, plot_ranges
 from ..model.mechanism import whipple
 from ..output import collected, write_table
-from ..parameters import Meijaard2007, Parameters, entry_of, find, machines, named, names
+from ..parameters import Meijaard2007, Parameters, entry_of, machines, named, names
 from . import ideal_or_tyres
 from .side_view import side_view
 
@@ -168,7 +168,7 @@ def to_csv(found: Sequence[Entry], path: str | Path) -> Path:
 def chosen(wanted: Sequence[str], unphysical: bool) -> tuple[list[Parameters], list[str]]:
     """Return bicycles by name or file, all sets if none is named, and why others were left out."""
     if wanted:
-        return [find(text, unphysical=unphysical) for text in wanted], []
+        return [named(text, unphysical=unphysical) for text in wanted], []
     found, left_out = [Meijaard2007()], []
     for name in names():
         try:

@@ -323,7 +323,8 @@ def test_speeds_that_some_samples_do_not_have_are_counted():
     [
         (None, {}, "no standard deviations; give them by symbol"),
         ({"cc": 0.1}, {}, "deviation of 'cc': no such parameter"),
-        ({"c": -0.1}, {}, "deviation of c: -0.1 is not positive"),
+        ({"c": -0.1}, {}, "deviation of c: -0.1"),
+        ({"tR": 0.01}, {}, "deviation of tR: samples are solved for knife-edge wheels; leave it out"),
         ({"c": "much"}, {}, "deviation of c: expected a number, got 'much'"),
         ({"rF": 0.3}, {}, "a sample has rF = -.*give a smaller deviation of rF"),
         ({"lam": 0.5}, {}, "a sample has lam = .*give a smaller deviation of lam"),
@@ -720,11 +721,18 @@ def test_a_map_needs_no_critical_speeds(tmp_path):
 
 
 def test_deviations_of_a_file_are_used(tmp_path):
+    def of(found):
+        return found.quantiles("weave speed")
+
     lines = [f"{key} = {value!r}" for key, value in BENCHMARK.values().items() if key not in ("tR", "tF")]
     text = "\n".join(lines).replace("c = 0.08", "c = 0.08 +/- 0.001")
     (tmp_path / "mine.txt").write_text(text)
     result = run("sensitivity", tmp_path / "mine.txt", "--samples", 40, "--out", tmp_path)
     assert result.exit_code == 0 and "40 samples of mine" in result.output, result.output
+    mine = named(tmp_path / "mine.txt")
+    found = sensitivity.monte_carlo(mine, n=40)
+    assert np.array_equal(of(found), of(sensitivity.monte_carlo(BENCHMARK, {"c": 0.001}, n=40)))
+    assert f"weave speed          {of(found)[0]:9.4f}" in result.output
     assert run("compare", "--list").output.splitlines()[0] == "Meijaard2007"
 
 
