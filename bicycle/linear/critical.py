@@ -237,13 +237,21 @@ def decays(q: Quartic, v: Array) -> Array:
 
 def ranges(q: Quartic) -> list[Range]:
     """Return all self-stable ranges of one bicycle, by rising speed."""
-    edges, stable = intervals(q)
+    return ranges_between(*intervals(q))
+
+
+def ranges_between(edges: Array, stable: Array) -> list[Range]:
+    """Return the self-stable ranges of one bicycle from its `intervals`."""
     return [Range(float(low), float(high)) for low, high in zip(edges[:-1][stable], edges[1:][stable], strict=True)]
 
 
 def first_range(q: Quartic) -> tuple[Array, Array]:
     """Return (low, high) [m/s] (...) of the self-stable range at the lowest speeds; NaN if no speed is stable."""
-    edges, stable = intervals(q)
+    return first_between(*intervals(q))
+
+
+def first_between(edges: Array, stable: Array) -> tuple[Array, Array]:
+    """Return (low, high) [m/s] (...) of the first self-stable range of `intervals`; NaN for none."""
     k = np.argmax(stable, axis=-1)[..., None]
     low, high = (np.take_along_axis(edges, k + i, -1)[..., 0] for i in (0, 1))
     some = stable.any(-1)

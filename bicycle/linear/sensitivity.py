@@ -24,15 +24,15 @@ from ..parameters import MEANING, SYMBOL, SYMBOLS, TYRES, UNIT, Parameters, chec
 from . import critical
 from .critical import Quartic, double_roots, value
 from .general import Build
-from .maps import StableMap, plot_map, stable_map
+from .maps import StableMap, StableSpeeds, plot_map, plot_speeds, stable_map, stable_speeds
 from .uncertainty import MonteCarlo, Sobol, monte_carlo, plot_uncertainty, sobol
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = [
-    "Derivatives", "MonteCarlo", "NoSpeedsError", "Sobol", "StableMap", "derivatives", "monte_carlo",
-    "plot_derivatives", "plot_map", "plot_uncertainty", "sobol", "stable_map",
+    "Derivatives", "MonteCarlo", "NoSpeedsError", "Sobol", "StableMap", "StableSpeeds", "derivatives", "monte_carlo",
+    "plot_derivatives", "plot_map", "plot_speeds", "plot_uncertainty", "sobol", "stable_map", "stable_speeds",
 ]  # fmt: skip
 
 DIFFERENCES = {  # of fourth order: multiples of the step, and their weights

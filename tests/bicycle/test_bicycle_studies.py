@@ -35,7 +35,7 @@ def growth(linear, speed):
     return linear.eigenvalues([speed]).real.max()
 
 
-@pytest.mark.parametrize("module", ["sensitivity", "why", "frequency"])
+@pytest.mark.parametrize("module", ["sensitivity", "maps", "why", "frequency"])
 def test_examples_print_what_they_say(module):
     found = doctest.testmod(import_module(f"bicycle.linear.{module}"))
     assert found.attempted and not found.failed
@@ -361,6 +361,74 @@ def test_a_map_holds_the_ranges_of_its_cells_both_ways(tmp_path):
         "lowest self-stable speed",
         "width of the self-stable range",
     ]
+
+
+@pytest.mark.parametrize("name", ["c", "mB", "lam"])
+def test_stable_speeds_over_one_parameter_end_where_growth_changes_its_sign(name):
+    values = getattr(BENCHMARK, name) * np.array([1.3, 0.6, 1.0])
+    found = sensitivity.stable_speeds(BENCHMARK, name, values)
+    assert np.array_equal(found.values, np.sort(values)) and np.isfinite(found.low).all()
+    for k, value in enumerate(found.values):
+        linear = canonical(replace(BENCHMARK, **{name: value}))
+        for speed, inside in ((found.low[k], 1.0), (found.high[k], -1.0)):
+            root = brentq(lambda v, linear=linear: growth(linear, v), speed - 0.01, speed + 0.01, xtol=1e-13)
+            assert abs(root - speed) < 1e-8  # [m/s] growth has rounding errors of some 1e-13 1/s and a slope of order 1
+            assert growth(linear, speed + 1e-4 * inside) < 0.0 < growth(linear, speed - 1e-4 * inside)
+        assert found.ranges(k)[0] == (found.low[k], found.high[k])
+    assert found.weave[1] == found.low[1] and found.capsize[1] == found.high[1]
+
+
+def test_stable_speeds_of_the_general_model_with_round_tyres(tmp_path):
+    values = [0.04, 0.06, 0.09]
+    model = sensitivity.stable_speeds(BENCHMARK, "c", values, whipple)
+    closed = sensitivity.stable_speeds(BENCHMARK, "c", values)
+    assert np.allclose([model.low, model.high], [closed.low, closed.high], rtol=0, atol=1e-10)  # as maps
+    crowns = sensitivity.stable_speeds(ROUND, "tF", [0.0, 0.03], whipple)
+    assert crowns.ranges(1) == critical.critical_speeds(ROUND, whipple).stable
+    rows = closed.to_csv(tmp_path / "trail").read_text().splitlines()
+    assert rows[0] == "c [m],weave [m/s],capsize [m/s],low [m/s],high [m/s]" and len(rows) == 4
+    assert float(rows[2].split(",")[3]) == closed.low[1]
+
+
+def test_stable_speeds_show_where_there_are_none():
+    found = sensitivity.stable_speeds(BENCHMARK, "c", np.linspace(-0.05, 0.1, 31))
+    none = np.isnan(found.low)
+    assert none[0] and not none[-1] and found.ranges(0) == [] and np.array_equal(none, ~found.stable.any(axis=1))
+    assert "c = -0.05 m: stable at no speed" in str(found) and f"for {np.sum(~none)} values" in str(found)
+    (axes,) = found.figure().axes
+    assert axes.get_xlabel() == "trail c [m]"
+    assert [line.get_label() for line in axes.lines] == ["weave", "capsize", "as built"]
+    skate = sensitivity.stable_speeds(two_mass_skate(), "mB", [8.0, 10.0])  # nothing ends its range
+    assert np.isinf(skate.high).all() and skate.figure(dark=True).axes[0].get_ylim()[1] < 100.0
+
+
+def test_stable_speeds_keep_what_was_computed_before_ctrl_c():
+    calls = []
+
+    def interrupted(parameters, speed):
+        calls.append(speed)
+        if len(calls) > 3:
+            raise KeyboardInterrupt
+        return whipple(parameters, speed)
+
+    found = sensitivity.stable_speeds(BENCHMARK, "c", [0.04, 0.06, 0.08, 0.1], interrupted)
+    done = 4 - found.missing
+    assert 1 <= done < 4 and np.isnan(found.low[done:]).all() and np.isfinite(found.low[:done]).all()
+    assert f"{found.missing} left out by Ctrl-C" in str(found)
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "message"),
+    [
+        ("cc", [0.1, 0.2], "stable_speeds of 'Meijaard2007': there is no parameter 'cc'"),
+        ("c", [0.1], "one value of c; give two or more"),
+        ("w", [1.0, -1.0], "wheelbase w: -1.0 is not positive"),
+        ("tR", [0.0, 0.1], "closed form has no crown radius"),
+    ],
+)
+def test_impossible_values_of_one_parameter_are_refused(name, values, message):
+    with pytest.raises(ValueError, match=message):
+        sensitivity.stable_speeds(BENCHMARK, name, values)
 
 
 def test_a_map_keeps_what_was_computed_before_ctrl_c():
