@@ -24,6 +24,7 @@ from numpy.polynomial.polynomial import polyder, polyval
 from mbsd3d.errors import InputError
 
 from ..model.mechanism import whipple
+from ..output import Result
 from ..parameters import Parameters
 from .equations import Canonical, canonical
 from .general import Build, required_equations
@@ -273,8 +274,8 @@ def typical_speed(found: list[Range]) -> float:
     return min((found[0].low + found[0].high) / 2.0, found[0].low + 1.0) if found else 5.0
 
 
-@dataclass(frozen=True)
-class CriticalSpeeds:
+@dataclass(frozen=True, repr=False)
+class CriticalSpeeds(Result):
     """Critical speeds of one bicycle [m/s], NaN for those it does not have.
 
     Above ``weave`` the weave no longer grows, ``weave_rate`` is its omega there [rad/s]; at ``capsize`` one eigenvalue

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from mbsd3d.errors import InputError
 from mbsd3d.extend import GRID_WIDTH_POINTS, LINE_WIDTH_POINTS, Theme, new_figure, style_axes
 
-from ..output import collected, write_table
+from ..output import Result, collected, write_table
 from ..parameters import MEANING, SYMBOL, TYRES, UNIT, Parameters, check_set
 from . import critical
 from .equations import checked_list
@@ -27,8 +27,8 @@ FRAME_SHARE = 0.95  # [1] quantile of the critical speeds in a figure: those tha
 FRAME_MARGIN = 1.2  # [1] of that speed: the frame ends above it
 
 
-@dataclass(frozen=True, eq=False)
-class StableMap:
+@dataclass(frozen=True, eq=False, repr=False)
+class StableMap(Result):
     """Self-stable range at the lowest speeds, by cell."""
 
     parameters: Parameters
@@ -43,6 +43,21 @@ class StableMap:
         head = [*(f"{key} [{UNIT[key]}]" for key in self.names), "low [m/s]", "high [m/s]"]
         x, y = (axis.ravel() for axis in np.meshgrid(*self.values, indexing="ij"))
         return write_table(path, head, zip(x, y, self.low.ravel(), self.high.ravel(), strict=True))
+
+    def __str__(self) -> str:
+        axes = [
+            f"{key} = {x.min():g} ... {x.max():g} {UNIT[key]} ({x.size})"
+            for key, x in zip(self.names, self.values, strict=True)
+        ]
+        found = ~np.isnan(self.low)
+        lines = [f"{self.parameters.name}: {', '.join(axes)}"]
+        if found.any():
+            i, j = np.unravel_index(np.nanargmin(self.low), self.low.shape)
+            place = f"{self.names[0]} = {self.values[0][i]:g}, {self.names[1]} = {self.values[1][j]:g}"
+            lines.append(f"  lowest stable speed {self.low[i, j]:.6g} m/s at {place}")
+        missing = f"; {self.missing} left out by Ctrl-C" if self.missing else ""
+        lines.append(f"  self-stable at some speed in {found.sum()} of {found.size} cells{missing}")
+        return "\n".join(lines)
 
 
 def stable_map(
@@ -89,8 +104,8 @@ def polynomials(
     return q, n - len(found)
 
 
-@dataclass(frozen=True, eq=False)
-class StableSpeeds:
+@dataclass(frozen=True, eq=False, repr=False)
+class StableSpeeds(Result):
     """Critical speeds and self-stable ranges of a bicycle over one of its parameters, as `stable_speeds` finds them."""
 
     parameters: Parameters

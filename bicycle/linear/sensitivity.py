@@ -19,7 +19,7 @@ import numpy as np
 from mbsd3d.errors import InputError
 from mbsd3d.extend import new_figure, style_axes
 
-from ..output import write_table
+from ..output import Result, write_table
 from ..parameters import MEANING, SYMBOL, SYMBOLS, TYRES, UNIT, Parameters, check_set
 from . import critical
 from .critical import Quartic, double_roots, value
@@ -54,8 +54,8 @@ class NoSpeedsError(InputError):
     """Error for a bicycle without any critical speed."""
 
 
-@dataclass(frozen=True, eq=False)
-class Derivatives:
+@dataclass(frozen=True, eq=False, repr=False)
+class Derivatives(Result):
     """Derivatives of the critical speeds of a bicycle: ``by[speed][symbol]`` [m/s per unit of the parameter]."""
 
     parameters: Parameters

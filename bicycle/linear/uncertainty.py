@@ -17,7 +17,7 @@ import scipy
 from mbsd3d.errors import InputError
 from mbsd3d.extend import LINE_WIDTH_POINTS, new_figure, style_axes, whole
 
-from ..output import write_table
+from ..output import Result, write_table
 from ..parameters import NOT_NEGATIVE, POSITIVE, SYMBOL, TYRES, Parameters, check_set, checked_deviations
 from . import critical
 
@@ -29,8 +29,8 @@ OUTPUTS = ("weave speed", "capsize speed", "lowest stable speed", "stable width"
 FIGURE_PARAMETERS = 14  # [1] parameters of a figure: those that matter most
 
 
-@dataclass(frozen=True, eq=False)
-class MonteCarlo:
+@dataclass(frozen=True, eq=False, repr=False)
+class MonteCarlo(Result):
     """Samples of a bicycle whose parameters have standard deviations.
 
     Samples in which frame or fork has an inertia that no rigid body has are kept and counted: without them the
@@ -68,8 +68,8 @@ class MonteCarlo:
         return "\n".join(lines)
 
 
-@dataclass(frozen=True, eq=False)
-class Sobol:
+@dataclass(frozen=True, eq=False, repr=False)
+class Sobol(Result):
     """Shares of the variance of each output that the k parameters ``names`` cause."""
 
     names: tuple[str, ...]
@@ -81,6 +81,12 @@ class Sobol:
         head = ["parameter", *(f"{kind} of {name}" for name in self.first for kind in ("first order", "total"))]
         columns = [x[name] for name in self.first for x in (self.first, self.total)]
         return write_table(path, head, ([key, *row] for key, *row in zip(self.names, *columns, strict=True)))
+
+    def __str__(self) -> str:
+        lines = [f"total indices [1]{'':8}{'  '.join(f'{name:>19}' for name in self.total)}"]
+        for k in np.argsort(-np.nan_to_num(np.array([*self.total.values()])).max(axis=0)):
+            lines.append(f"{self.names[k]:25}" + "  ".join(f"{x[k]:19.4f}" for x in self.total.values()))
+        return "\n".join(lines)
 
 
 def variants(parameters: Parameters, names: tuple[str, ...], x: np.ndarray) -> SimpleNamespace:

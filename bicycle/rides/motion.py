@@ -12,7 +12,7 @@ from mbsd3d import Solution
 from mbsd3d.extend import LINE_WIDTH_POINTS, ForceElement, Theme, new_figure, style_axes
 
 from ..model.kinematics import X, Y, Z
-from ..output import write_table
+from ..output import Result, write_table
 from ..parameters import Parameters
 
 if TYPE_CHECKING:
@@ -69,8 +69,8 @@ class Contact(NamedTuple):
         return np.divide(horizontal, self.normal, out=np.where(horizontal, np.inf, 0.0), where=self.normal > 0.0)
 
 
-@dataclass(frozen=True, eq=False)
-class Ride:
+@dataclass(frozen=True, eq=False, repr=False)
+class Ride(Result):
     """Run of the Whipple bicycle. Arrays over time (n,); lean, steer and heading are positive to the right [rad]."""
 
     parameters: Parameters

@@ -2,17 +2,34 @@
 
 import doctest
 import json
-from dataclasses import replace
+from dataclasses import is_dataclass, replace
 from functools import partial
 from importlib import import_module
 from pathlib import Path
+from pkgutil import walk_packages
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
 from scipy.optimize import brentq
 
-from bicycle import TYPICAL, Meijaard2007, compare, critical, frequency, general, named, ride, sensitivity, whipple, why
+import bicycle
+from bicycle import (
+    TYPICAL,
+    Meijaard2007,
+    circles,
+    compare,
+    critical,
+    frequency,
+    general,
+    handling,
+    named,
+    ride,
+    sensitivity,
+    stability,
+    whipple,
+    why,
+)  # fmt: skip
 from bicycle.linear.critical import double_roots
 from bicycle.linear.equations import canonical
 from bicycle.linear.tyre_equations import eigenvalues
@@ -21,6 +38,8 @@ from bicycle.pages import ideal_or_tyres
 from bicycle.pages.compare import write_page
 from bicycle.pages.side_view import semi_axes, side_view
 from bicycle.parameters import library, names
+from bicycle.turns import on_tyres as turns_on_tyres
+from bicycle.turns.families import Family
 from mbsd3d import Sine, Torque, simulate
 from mbsd3d.extend import main
 
@@ -825,3 +844,54 @@ def test_bad_input_ends_with_one_line_and_exit_code_2(arguments, message, tmp_pa
     result = run(*arguments, "--out", tmp_path)
     assert result.exit_code == 2 and message in result.output
     assert result.output.count("\n") == 1 and result.output.startswith("mbsd3d: ")
+
+
+# --- results in a console and in a notebook ---------------------------------------------------------------------------
+
+MINE = replace(named("Rigid"), name="<mine>")
+
+
+def family(turns):
+    return Family(tuple(turns), ("a wheel is unloaded", "straight ahead"), (("largest lean", turns[-1]),))
+
+
+RESULTS = {
+    "stability": lambda: stability.study(MINE),
+    "on tyres": lambda: stability.study(MINE, [4.0, 5.0, 6.0], tyres=TYPICAL),
+    "critical speeds": lambda: stability.critical_speeds(MINE),
+    "equations": lambda: canonical(MINE),
+    "response": lambda: frequency.response(MINE, np.linspace(1.0, 9.0, 33), [0.1, 1.0], None),
+    "derivatives": lambda: sensitivity.derivatives(MINE),
+    "samples": lambda: sensitivity.monte_carlo(MINE, n=100),
+    "indices": lambda: sensitivity.sobol(MINE, n=64),
+    "map": lambda: sensitivity.stable_map(MINE, AXES),
+    "stable speeds": lambda: sensitivity.stable_speeds(MINE, "c", np.linspace(0.0, 0.1, 1001)),
+    "why": lambda: why.ablations(MINE, None),
+    "variant": lambda: why.ablations(MINE, None).rows[0],
+    "handling": lambda: handling.study(MINE, [4.0, 6.0]),
+    "ride": lambda: ride.run(MINE, 0.1, speed=5.0),
+    "turn": lambda: circles.turn(MINE, lean=0.3, steer=0.2),
+    "turn on tyres": lambda: turns_on_tyres.turn(MINE, TYPICAL, speed=5.0, lean=0.2),
+    "family": lambda: family([circles.turn(MINE, lean, 0.2) for lean in (0.3, 0.4)]),
+    "entry": lambda: compare.entry(MINE),
+}
+
+
+@pytest.mark.parametrize("study", RESULTS)
+def test_a_result_fits_a_console_and_a_notebook(study):
+    found = RESULTS[study]()
+    lines = repr(found).splitlines()
+    assert 1 <= len(lines) <= 12 and max(map(len, lines)) <= 200  # a console of half a screen
+    whole = str(found).splitlines()
+    assert lines == whole or (lines[:11] == whole[:11] and f"{len(whole) - 11} more lines" in lines[11])
+    page = found._repr_html_()
+    assert "max-height" in page and "<mine>" not in page and len(page) < 8000
+
+
+def test_every_dataclass_of_the_studies_prints_as_a_result():
+    inputs = {"Parameters", "Course", "Manoeuvre", "Bicycle", "PublishedBody", "Curve", "Search"}
+    modules = [import_module(x.name) for x in walk_packages(bicycle.__path__, "bicycle.") if ".commands" not in x.name]
+    kinds = {x for module in modules for x in vars(module).values() if isinstance(x, type) and is_dataclass(x)}
+    own = {x for x in kinds if x.__module__.startswith("bicycle.") and x.__name__ not in inputs}
+    assert len(own) >= 18
+    assert {x.__name__ for x in own if not hasattr(x, "_repr_html_") or "__repr__" in vars(x)} == set()
