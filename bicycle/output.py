@@ -1,7 +1,11 @@
-"""Shared output of the studies: tables as CSV files, work with a progress bar, figures in the common style."""
+"""Shared output of the studies: results as text, tables as CSV files, work with a progress bar, figures in the common
+style.
+"""
 
 import csv
+import html
 import io
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,6 +20,27 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 T = TypeVar("T")
+REPR_LINES_MAX = 12  # [1] lines of a result in a console
+BOX_HEIGHT = "24em"  # of a result in a notebook: half a screen, the rest is scrolled
+
+
+class Result(ABC):
+    """Base of results: `str` says what was found, a console shows its first lines, a notebook a box to scroll."""
+
+    @abstractmethod
+    def __str__(self) -> str:
+        """Return what was found, line by line."""
+
+    def __repr__(self) -> str:
+        lines = str(self).splitlines()
+        if len(lines) > REPR_LINES_MAX:
+            kept = REPR_LINES_MAX - 1
+            lines[kept:] = [f"  ... {len(lines) - kept} more lines: print() shows all"]
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        """Return the text for a notebook."""
+        return f'<pre style="max-height:{BOX_HEIGHT};overflow:auto">{html.escape(str(self))}</pre>'
 
 
 def write_table(path: str | Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> Path:

@@ -59,9 +59,9 @@ def bicycle_argument(function: Callable[..., None]) -> Callable[..., None]:
 
     @wraps(function)
     def with_parameters(bicycle: str, unphysical: bool, **rest: Any) -> None:
-        from ..parameters import find
+        from ..parameters import named
 
-        function(parameters=find(bicycle, unphysical=unphysical), **rest)
+        function(parameters=named(bicycle, unphysical=unphysical), **rest)
 
     return click.argument("bicycle", default="Meijaard2007")(unphysical_option(with_parameters))
 

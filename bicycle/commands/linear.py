@@ -139,17 +139,13 @@ def number_of(text: str, what: str) -> float:
 
 def deviations_of(parameters: "Parameters", given: tuple[str, ...]) -> dict[str, float]:
     """Return the standard deviations of the command line, else those of the file or of the published set."""
-    from ..linear.uncertainty import checked_deviations, published_deviations
-    from ..parameters import is_file, read_values
+    from ..linear.uncertainty import known_deviations
 
     if given:
         pairs = [text.partition("=") for text in given]
         found = [(key, number_of(right, f"--deviation {key}")) for key, _, right in pairs]
-        return checked_deviations(parameters, once(found, "--deviation"))
-    asked = click.get_current_context().params["bicycle"]
-    if is_file(asked):
-        return {key: std for key, std in read_values(asked)[1].items() if std}
-    return published_deviations(parameters)
+        return known_deviations(parameters, once(found, "--deviation"))
+    return dict(parameters.deviations)
 
 
 @click.command()

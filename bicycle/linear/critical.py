@@ -24,6 +24,7 @@ from numpy.polynomial.polynomial import polyder, polyval
 from mbsd3d.errors import InputError
 
 from ..model.mechanism import whipple
+from ..output import Result
 from ..parameters import Parameters
 from .equations import Canonical, canonical
 from .general import Build, required_equations
@@ -237,13 +238,21 @@ def decays(q: Quartic, v: Array) -> Array:
 
 def ranges(q: Quartic) -> list[Range]:
     """Return all self-stable ranges of one bicycle, by rising speed."""
-    edges, stable = intervals(q)
+    return ranges_between(*intervals(q))
+
+
+def ranges_between(edges: Array, stable: Array) -> list[Range]:
+    """Return the self-stable ranges of one bicycle from its `intervals`."""
     return [Range(float(low), float(high)) for low, high in zip(edges[:-1][stable], edges[1:][stable], strict=True)]
 
 
 def first_range(q: Quartic) -> tuple[Array, Array]:
     """Return (low, high) [m/s] (...) of the self-stable range at the lowest speeds; NaN if no speed is stable."""
-    edges, stable = intervals(q)
+    return first_between(*intervals(q))
+
+
+def first_between(edges: Array, stable: Array) -> tuple[Array, Array]:
+    """Return (low, high) [m/s] (...) of the first self-stable range of `intervals`; NaN for none."""
     k = np.argmax(stable, axis=-1)[..., None]
     low, high = (np.take_along_axis(edges, k + i, -1)[..., 0] for i in (0, 1))
     some = stable.any(-1)
@@ -265,8 +274,8 @@ def typical_speed(found: list[Range]) -> float:
     return min((found[0].low + found[0].high) / 2.0, found[0].low + 1.0) if found else 5.0
 
 
-@dataclass(frozen=True)
-class CriticalSpeeds:
+@dataclass(frozen=True, repr=False)
+class CriticalSpeeds(Result):
     """Critical speeds of one bicycle [m/s], NaN for those it does not have.
 
     Above ``weave`` the weave no longer grows, ``weave_rate`` is its omega there [rad/s]; at ``capsize`` one eigenvalue

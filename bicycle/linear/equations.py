@@ -20,6 +20,7 @@ from scipy.optimize import linear_sum_assignment
 
 from mbsd3d.errors import InputError
 
+from ..output import Result
 from ..parameters import Parameters, check_set
 
 MODES = ("weave", "capsize", "castering")
@@ -28,8 +29,8 @@ BRANCH_STEP_MIN = 1e-6  # [m/s] smallest step of a branch
 MODE_CHANGE_MAX = 0.05  # [1] largest change of a mode in one step, see `changes`
 
 
-@dataclass(frozen=True, eq=False)
-class Canonical:
+@dataclass(frozen=True, eq=False, repr=False)
+class Canonical(Result):
     """Linear equations ``M q'' + v C1 q' + (g K0 + v^2 K2) q = f``, q = (lean, steer) [rad], f their torques [N m]."""
 
     M: np.ndarray  # (2, 2) [kg m^2]
@@ -56,6 +57,14 @@ class Canonical:
     def eigenvalues(self, speeds: ArrayLike) -> np.ndarray:
         """Return the eigenvalues [1/s] at n speeds [m/s], each row by real part, conjugates together, shape (n, 4)."""
         return np.sort_complex(np.linalg.eigvals(self.A(checked_speeds(speeds))))
+
+    def __str__(self) -> str:
+        units = {"M": "kg m^2", "C1": "kg m", "K0": "kg m", "K2": "kg"}
+        lines = [f"M q'' + v C1 q' + (g K0 + v^2 K2) q = f, q = (lean, steer), g = {self.g} m/s^2"]
+        for name, unit in units.items():
+            first, *rest = np.array_str(getattr(self, name), precision=6, suppress_small=True).splitlines()
+            lines += [f"{name:2} [{unit:6}]  {first}", *(f"{'':12}{line}" for line in rest)]
+        return "\n".join(lines)
 
 
 def checked_list(values: ArrayLike, what: str, remedy: str) -> np.ndarray:

@@ -27,7 +27,7 @@ from mbsd3d.extend import (
 
 from ..model.mechanism import outputs, whipple
 from ..model.tyres import Tyres
-from ..output import write_table
+from ..output import Result, write_table
 from ..parameters import Parameters
 from .equations import canonical, checked_list, checked_speeds
 from .general import Build
@@ -40,8 +40,8 @@ if TYPE_CHECKING:
 TORQUES = ("lean torque", "steer torque")
 
 
-@dataclass(frozen=True, eq=False)
-class Response:
+@dataclass(frozen=True, eq=False, repr=False)
+class Response(Result):
     """Frequency response ``H[speed, frequency, (lean, steer), (lean torque, steer torque)]`` of a bicycle [rad/(N m)].
 
     Where the fastest ``growth`` is positive there is no steady state: the response matters to a rider's control, but
@@ -66,6 +66,15 @@ class Response:
             for j, omega in enumerate(self.frequencies)
         ]
         return write_table(path, ["speed [m/s]", "omega [rad/s]", *columns], rows)
+
+    def __str__(self) -> str:
+        w = self.frequencies
+        lines = [f"{self.parameters.name}: response at {w.size} frequencies {w.min():g} ... {w.max():g} rad/s"]
+        for v, grows, H in zip(self.speeds, self.growth, np.abs(self.H[:, :, 1, 1]), strict=True):
+            state = "falls" if grows > 0.0 else "self-stable"
+            most = f"{self.outputs[1]} / {self.inputs[1]} up to {H.max():.4g} rad/(N m) at {w[H.argmax()]:.4g} rad/s"
+            lines.append(f"  {v:g} m/s: {state}, growth {grows:.6g} 1/s; {most}")
+        return "\n".join(lines)
 
 
 def response(

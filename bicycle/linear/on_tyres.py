@@ -16,7 +16,7 @@ from mbsd3d import Mode, linearize
 from mbsd3d.errors import InputError
 from mbsd3d.extend import GRID_WIDTH_POINTS, LINE_WIDTH_POINTS
 
-from ..output import modes_figure, write_modes
+from ..output import Result, modes_figure, write_modes
 from ..parameters import Parameters, machines
 from .critical import Range
 from .equations import walk
@@ -40,8 +40,8 @@ FOOT_LENGTH = 0.3048
 """[m]"""
 
 
-@dataclass(frozen=True, eq=False)
-class TyreStability:
+@dataclass(frozen=True, eq=False, repr=False)
+class TyreStability(Result):
     """Lateral modes of a bicycle on tyres over the speed, as `study` finds them; a column of ``values`` per mode."""
 
     build: Build

@@ -19,20 +19,20 @@ import numpy as np
 from mbsd3d.errors import InputError
 from mbsd3d.extend import new_figure, style_axes
 
-from ..output import write_table
+from ..output import Result, write_table
 from ..parameters import MEANING, SYMBOL, SYMBOLS, TYRES, UNIT, Parameters, check_set
 from . import critical
 from .critical import Quartic, double_roots, value
 from .general import Build
-from .maps import StableMap, plot_map, stable_map
+from .maps import StableMap, StableSpeeds, plot_map, plot_speeds, stable_map, stable_speeds
 from .uncertainty import MonteCarlo, Sobol, monte_carlo, plot_uncertainty, sobol
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = [
-    "Derivatives", "MonteCarlo", "NoSpeedsError", "Sobol", "StableMap", "derivatives", "monte_carlo",
-    "plot_derivatives", "plot_map", "plot_uncertainty", "sobol", "stable_map",
+    "Derivatives", "MonteCarlo", "NoSpeedsError", "Sobol", "StableMap", "StableSpeeds", "derivatives", "monte_carlo",
+    "plot_derivatives", "plot_map", "plot_speeds", "plot_uncertainty", "sobol", "stable_map", "stable_speeds",
 ]  # fmt: skip
 
 DIFFERENCES = {  # of fourth order: multiples of the step, and their weights
@@ -54,8 +54,8 @@ class NoSpeedsError(InputError):
     """Error for a bicycle without any critical speed."""
 
 
-@dataclass(frozen=True, eq=False)
-class Derivatives:
+@dataclass(frozen=True, eq=False, repr=False)
+class Derivatives(Result):
     """Derivatives of the critical speeds of a bicycle: ``by[speed][symbol]`` [m/s per unit of the parameter]."""
 
     parameters: Parameters

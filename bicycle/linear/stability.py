@@ -15,7 +15,7 @@ from mbsd3d.extend import GRID_WIDTH_POINTS, LINE_WIDTH_POINTS, Theme, checks_ar
 
 from ..model.mechanism import whipple
 from ..model.tyres import Tyres
-from ..output import modes_figure, write_modes
+from ..output import Result, modes_figure, write_modes
 from ..parameters import Parameters
 from . import on_tyres
 from .critical import CriticalSpeeds, critical_speeds, speeds_of
@@ -33,8 +33,8 @@ DOT_COUNT = 34  # [1] dots of the closed form, so that the lines are seen betwee
 FIGURE_MODES = (0, 2, 3)  # weave (its conjugate is the mirrored line), capsize, castering
 
 
-@dataclass(frozen=True, eq=False)
-class Stability:
+@dataclass(frozen=True, eq=False, repr=False)
+class Stability(Result):
     """Modes of a bicycle over the speed, as `study` finds them; a column of ``values`` per mode, see ``names``."""
 
     build: Build
@@ -74,6 +74,13 @@ class Stability:
     def to_csv(self, path: str | Path) -> Path:
         """Write the eigenvalues by mode [1/s] over the speed [m/s]."""
         return write_modes(path, self.names, self.speeds, self.values)
+
+    def __str__(self) -> str:
+        speeds = f"{self.speeds.size} speeds {self.speeds.min():g} ... {self.speeds.max():g} m/s"
+        lines = [f"{self.parameters.name}: modes at {speeds}", str(self.critical)]
+        if self.closed is not None:
+            lines.append(f"general model and closed form differ by {self.difference:.1e} 1/s")
+        return "\n".join(lines)
 
 
 def check_mode(name: str) -> None:

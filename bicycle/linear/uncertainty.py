@@ -15,11 +15,10 @@ import numpy as np
 import scipy
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE_WIDTH_POINTS, new_figure, number, style_axes, whole
+from mbsd3d.extend import LINE_WIDTH_POINTS, new_figure, style_axes, whole
 
-from .. import parameters as published
-from ..output import write_table
-from ..parameters import NOT_NEGATIVE, POSITIVE, SYMBOL, SYMBOLS, Parameters, check_set
+from ..output import Result, write_table
+from ..parameters import NOT_NEGATIVE, POSITIVE, SYMBOL, TYRES, Parameters, check_set, checked_deviations
 from . import critical
 
 if TYPE_CHECKING:
@@ -30,8 +29,8 @@ OUTPUTS = ("weave speed", "capsize speed", "lowest stable speed", "stable width"
 FIGURE_PARAMETERS = 14  # [1] parameters of a figure: those that matter most
 
 
-@dataclass(frozen=True, eq=False)
-class MonteCarlo:
+@dataclass(frozen=True, eq=False, repr=False)
+class MonteCarlo(Result):
     """Samples of a bicycle whose parameters have standard deviations.
 
     Samples in which frame or fork has an inertia that no rigid body has are kept and counted: without them the
@@ -69,8 +68,8 @@ class MonteCarlo:
         return "\n".join(lines)
 
 
-@dataclass(frozen=True, eq=False)
-class Sobol:
+@dataclass(frozen=True, eq=False, repr=False)
+class Sobol(Result):
     """Shares of the variance of each output that the k parameters ``names`` cause."""
 
     names: tuple[str, ...]
@@ -82,6 +81,12 @@ class Sobol:
         head = ["parameter", *(f"{kind} of {name}" for name in self.first for kind in ("first order", "total"))]
         columns = [x[name] for name in self.first for x in (self.first, self.total)]
         return write_table(path, head, ([key, *row] for key, *row in zip(self.names, *columns, strict=True)))
+
+    def __str__(self) -> str:
+        lines = [f"total indices [1]{'':8}{'  '.join(f'{name:>19}' for name in self.total)}"]
+        for k in np.argsort(-np.nan_to_num(np.array([*self.total.values()])).max(axis=0)):
+            lines.append(f"{self.names[k]:25}" + "  ".join(f"{x[k]:19.4f}" for x in self.total.values()))
+        return "\n".join(lines)
 
 
 def variants(parameters: Parameters, names: tuple[str, ...], x: np.ndarray) -> SimpleNamespace:
@@ -97,22 +102,15 @@ def speeds_of(variant: SimpleNamespace) -> dict[str, np.ndarray]:
     return dict(zip(OUTPUTS, (critical.weave(q), critical.capsize(q), low, width), strict=True))
 
 
-def published_deviations(parameters: Parameters) -> dict[str, float]:
-    """Return standard deviations published with the set of this name; empty for other names."""
-    return published.deviations(parameters.name) if parameters.name in published.names() else {}
-
-
-def checked_deviations(parameters: Parameters, given: Mapping[str, float] | None) -> dict[str, float]:
-    """Return standard deviations as given or as published with the set, none of them zero."""
+def known_deviations(parameters: Parameters, given: Mapping[str, float] | None) -> dict[str, float]:
+    """Return standard deviations as given or as measured with the set, none of them zero."""
     check_set(parameters, "deviations")
-    given = published_deviations(parameters) if given is None else given
-    found, what = {key: std for key, std in given.items() if std != 0.0}, f"bicycle '{parameters.name}'"
+    what = f"bicycle '{parameters.name}'"
+    found = checked_deviations(parameters.deviations if given is None else given, what)
     if not found:
         raise InputError(f"{what}: no standard deviations; give them by symbol, e.g. {{'c': 0.01}}")
-    for key, std in found.items():
-        if key not in SYMBOLS:
-            raise InputError(f"{what}: deviation of '{key}': no such parameter; there are {', '.join(SYMBOLS)}")
-        found[key] = number(std, f"{what}: deviation of {key}", positive=True)
+    if crowns := [key for key in TYRES if key in found]:
+        raise InputError(f"{what}: deviation of {crowns[0]}: samples are solved for knife-edge wheels; leave it out")
     return found
 
 
@@ -126,7 +124,7 @@ def monte_carlo(
     parameters : Parameters
         Mean values.
     deviations : mapping, optional
-        Standard deviation by symbol, SI units; None = those published with the set.
+        Standard deviation by symbol, SI units; None = ``parameters.deviations``, of a file or published.
     n : int
         Samples.
     seed : int
@@ -137,7 +135,7 @@ def monte_carlo(
     ValueError
         For unknown symbols, no deviations, or deviations so large that a sample is impossible.
     """
-    known = checked_deviations(parameters, deviations)
+    known = known_deviations(parameters, deviations)
     n, random = whole(n, "monte_carlo: n", 2), np.random.default_rng(whole(seed, "monte_carlo: seed", 0))
     keys = tuple(known)
     mean = np.array([getattr(parameters, key) for key in keys])
@@ -175,7 +173,7 @@ def sobol(
     """Compute Sobol indices of the critical speeds by n (k + 2) samples, n a power of two; the rest as in
     `monte_carlo`.
     """
-    known = checked_deviations(parameters, deviations)
+    known = known_deviations(parameters, deviations)
     n, seed = whole(n, "sobol: n", 2), whole(seed, "sobol: seed", 0)
     if n & (n - 1):
         raise InputError(f"sobol: n = {n}; give a power of two, e.g. 2048")

@@ -12,7 +12,7 @@ from mbsd3d import AngleDriver, Constant, System
 from mbsd3d.errors import InputError
 from mbsd3d.extend import Theme, new_figure, style_axes
 
-from ..output import write_table
+from ..output import Result, write_table
 from ..parameters import Parameters
 from . import critical
 from .critical import Range
@@ -63,8 +63,8 @@ def lock(bicycle: System) -> System:
     return replace(bicycle, joints=[*bicycle.joints, driver])
 
 
-@dataclass(frozen=True)
-class Ablation:
+@dataclass(frozen=True, repr=False)
+class Ablation(Result):
     """Changed bicycle, and the speeds at which it is self-stable."""
 
     name: str  # of the change
@@ -83,9 +83,12 @@ class Ablation:
         """
         return float("nan") if self.model is None else critical.difference(self.ranges, self.model)
 
+    def __str__(self) -> str:
+        return f"{self.name}: {self.problem or critical.listed(self.ranges)}"
 
-@dataclass(frozen=True)
-class Ablations:
+
+@dataclass(frozen=True, repr=False)
+class Ablations(Result):
     """Result of `ablations`; growths are those at ``speed`` [m/s]; ``missing`` counts the rows lost to Ctrl-C."""
 
     parameters: Parameters

@@ -35,8 +35,8 @@ from ..linear.general import eigenvalues
 from ..linear.tyre_equations import Affine, required_equations
 from ..linear.variants import NO_RANGE, plot_ranges
 from ..model.mechanism import whipple
-from ..output import collected, write_table
-from ..parameters import Meijaard2007, Parameters, entry_of, find, machines, named, names
+from ..output import Result, collected, write_table
+from ..parameters import Meijaard2007, Parameters, entry_of, machines, named, names
 from . import ideal_or_tyres
 from .side_view import side_view
 
@@ -52,8 +52,8 @@ FIGURE_SPEED_MAX, FIGURE_GROWTH_MIN, FIGURE_GROWTH_MAX = (
 SPEED_TOLERANCE = 1e-6  # [m/s] largest difference of critical speeds that counts as the same
 
 
-@dataclass(frozen=True, eq=False)
-class Entry:
+@dataclass(frozen=True, eq=False, repr=False)
+class Entry(Result):
     """Bicycle of the page."""
 
     parameters: Parameters
@@ -94,6 +94,9 @@ class Entry:
     def file(self) -> str:
         """Return the file name of the page of the bicycle."""
         return file_of(self.parameters.name)
+
+    def __str__(self) -> str:
+        return f"{self.parameters.name}\n{self.critical}"
 
 
 def check_names(bicycles: Sequence[Parameters]) -> None:
@@ -168,7 +171,7 @@ def to_csv(found: Sequence[Entry], path: str | Path) -> Path:
 def chosen(wanted: Sequence[str], unphysical: bool) -> tuple[list[Parameters], list[str]]:
     """Return bicycles by name or file, all sets if none is named, and why others were left out."""
     if wanted:
-        return [find(text, unphysical=unphysical) for text in wanted], []
+        return [named(text, unphysical=unphysical) for text in wanted], []
     found, left_out = [Meijaard2007()], []
     for name in names():
         try:

@@ -13,13 +13,24 @@ import numpy as np
 from mbsd3d.errors import InputError
 from mbsd3d.extend import similar
 
-from .definition import MEANING, NOT_NEGATIVE, POSITIVE, SYMBOL, SYMBOLS, TYRES, UNIT, Parameters, check_set
+from .definition import (
+    MEANING,
+    NOT_NEGATIVE,
+    POSITIVE,
+    SYMBOL,
+    SYMBOLS,
+    TYRES,
+    UNIT,
+    Parameters,
+    check_set,
+    checked_deviations,
+)  # fmt: skip
 from .files import is_file, read_values
 
 __all__ = [
     "MEANING", "NOT_NEGATIVE", "POSITIVE", "SYMBOL", "SYMBOLS", "TYRES", "UNIT", "Meijaard2007", "Parameters",
-    "check_set", "deviations", "entry_of", "find", "fittings", "is_file", "library", "machines", "named", "names",
-    "read_values",
+    "check_set", "checked_deviations", "deviations", "entry_of", "fittings", "is_file", "library", "machines", "named",
+    "names", "read_values",
 ]  # fmt: skip
 
 DATA = Path(__file__).parent / "published.json"
@@ -73,23 +84,30 @@ def entry_of(name: str) -> dict[str, Any]:
     raise InputError(f"there is no bicycle '{name}'; {hint}")
 
 
-def named(name: str, *, unphysical: bool = False) -> Parameters:
-    """Return a published set: measured bicycles with and without rider, and optimised ones.
+def named(name: str | Path, *, unphysical: bool = False) -> Parameters:
+    """Return a published set, measured bicycles with and without rider and optimised ones, or that of a parameter file.
 
     Values are as published, also where copies contradict each other: APPDATA_Benchmark_ROUNDED is the benchmark with
     rounded values, and HC_Browser and HC_Pista have I_Rxx and I_Fxx exchanged against Browser and Pista.
 
     Parameters
     ----------
-    name : str
-        One of `names`, "Meijaard2007", or a machine on tyres: "Sharp1971".
+    name : str or Path
+        One of `names`, "Meijaard2007", a machine on tyres: "Sharp1971", or a parameter file (.txt, .yml, .yaml),
+        read by `Parameters.from_file`.
     unphysical : bool
         Accept moments of inertia that no rigid body has; a few sets need it.
 
     Returns
     -------
     Parameters
-        Skates (radius 0) get massless wheels of radius `SKATE_RADIUS`, which do not change their motion.
+        With published standard deviations as `deviations`. Skates (radius 0) get massless wheels of radius
+        `SKATE_RADIUS`, which do not change their motion.
+
+    Raises
+    ------
+    ValueError
+        For a name that is unknown, and as `Parameters` and `Parameters.from_file` do.
 
     Examples
     --------
@@ -97,6 +115,9 @@ def named(name: str, *, unphysical: bool = False) -> Parameters:
     >>> named("Browserins").w
     1.121
     """
+    if is_file(str(name)):
+        return Parameters.from_file(name, unphysical=unphysical)
+    name = str(name)
     if name == "Meijaard2007":
         return Meijaard2007()
     if name in machines():
@@ -105,14 +126,9 @@ def named(name: str, *, unphysical: bool = False) -> Parameters:
     for wheel in "RF":
         skate = not any(values[key] for key in (f"r{wheel}", f"m{wheel}", f"I{wheel}xx", f"I{wheel}yy"))
         values[f"r{wheel}"] = SKATE_RADIUS if skate else values[f"r{wheel}"]
-    return Parameters(**values, name=name, unphysical=unphysical)
+    return Parameters(**values, name=name, unphysical=unphysical, deviations=deviations(name))
 
 
 def deviations(name: str) -> dict[str, float]:
     """Return published standard deviations of a measured set by symbol [SI units], without those that are zero."""
     return {key: std for key, std in (entry_of(name).get("std") or {}).items() if std}
-
-
-def find(text: str, *, unphysical: bool = False) -> Parameters:
-    """Return the bicycle of a command line: the name of a set, or a parameter file."""
-    return Parameters.from_file(text, unphysical=unphysical) if is_file(text) else named(text, unphysical=unphysical)

@@ -2,6 +2,7 @@
 
 # ruff: noqa: N815 -- the symbols are those of the paper
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from types import SimpleNamespace
@@ -40,6 +41,8 @@ class Parameters(metaclass=ChecksArguments):
         Shown in messages and figures.
     unphysical : bool
         Accept moments of inertia that no rigid body has: some published sets break the triangle rule.
+    deviations : mapping of str to float
+        Measured standard deviations by symbol, in the unit of the parameter; those left out are zero.
 
     Raises
     ------
@@ -87,6 +90,7 @@ class Parameters(metaclass=ChecksArguments):
     tF: float = quantity("t_F", "m", "crown radius of the front tyre", default=0.0)
     name: str = "bicycle"
     unphysical: bool = False
+    deviations: Mapping[str, float] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
         what = f"bicycle '{self.name}'"
@@ -94,6 +98,7 @@ class Parameters(metaclass=ChecksArguments):
             minimum = 0.0 if key in NOT_NEGATIVE else None
             value = number(getattr(self, key), f"{what}: {meaning} {key}", positive=key in POSITIVE, minimum=minimum)
             object.__setattr__(self, key, value)
+        object.__setattr__(self, "deviations", checked_deviations(self.deviations, what))
         if not abs(self.lam) < np.pi / 2:
             raise InputError(f"{what}: steer axis tilt lam = {self.lam} rad; give one between -pi/2 and pi/2")
         for wheel in "RF":
@@ -129,14 +134,27 @@ class Parameters(metaclass=ChecksArguments):
 
     @classmethod
     def from_file(cls, path: str | Path, *, unphysical: bool = False) -> "Parameters":
-        """Read a parameter file of BicycleParameters (.txt, .yml, .yaml); see `bicycle.parameters.read_values`.
+        """Read a parameter file of BicycleParameters (.txt, .yml, .yaml), with its standard deviations.
+
+        Parameters
+        ----------
+        path : str or Path
+            ``.txt``: lines ``symbol = value``, ``symbol = value +/- deviation``, or several of these separated by
+            commas, which are averaged; ``#`` starts a comment. ``.yml``, ``.yaml``: numbers below ``values:``.
+        unphysical : bool
+            Accept moments of inertia that no rigid body has.
+
+        Returns
+        -------
+        Parameters
+            Called as the file, without its ending.
 
         Raises
         ------
         ValueError
             Naming the file and the line or symbol: unknown, missing, given twice, or not a number.
         """
-        values, _ = read_values(path)
+        values, deviations = read_values(path)
         unknown = [key for key in values if key not in MEANING]
         missing = [key for key in SYMBOLS if key not in values]
         if unknown:
@@ -146,7 +164,7 @@ class Parameters(metaclass=ChecksArguments):
             raise InputError(f"'{path}': holds {found} of the {len(SYMBOLS)} numbers of a bicycle; give {symbols}")
         if missing:
             raise InputError(f"'{path}': {', '.join(missing)} missing; a bicycle needs {len(SYMBOLS)} numbers")
-        return cls(**values, name=Path(path).stem, unphysical=unphysical)
+        return cls(**values, name=Path(path).stem, unphysical=unphysical, deviations=deviations)
 
 
 AXES = ("xx", "yy", "zz", "xz")
@@ -158,6 +176,18 @@ TYRES = ("tR", "tF")
 SYMBOLS = tuple(key for key in MEANING if key not in TYRES)  # The 25 parameters of the paper and g
 POSITIVE = ("w", "rR", "rF")
 NOT_NEGATIVE = ("g", "mR", "mB", "mH", "mF", "tR", "tF")
+
+
+def checked_deviations(given: Mapping[str, float], what: str) -> dict[str, float]:
+    """Return standard deviations by symbol, none of them zero; ValueError for unknown symbols and negative values."""
+    if not isinstance(given, Mapping):
+        raise InputError(f"{what}: deviations = {given!r:.80}; give them by symbol, e.g. {{'c': 0.01}}")
+    found = {}
+    for key, std in given.items():
+        if key not in MEANING:
+            raise InputError(f"{what}: deviation of '{key}': no such parameter; there are {', '.join(MEANING)}")
+        found[key] = number(std, f"{what}: deviation of {key}", minimum=0.0)
+    return {key: std for key, std in found.items() if std}
 
 
 def check_body(parameters: Parameters, part: str, what: str) -> None:

@@ -19,7 +19,7 @@ from mbsd3d.errors import InputError
 from mbsd3d.extend import GRID_WIDTH_POINTS, LINE_WIDTH_POINTS, new_figure, style_axes
 
 from ..linear.equations import checked_speeds
-from ..output import collected, write_table
+from ..output import Result, collected, write_table
 from ..parameters import Parameters
 from .rider import Gains, by_rule, checked_gains, closed_loops, eigenvalues, gains_of, spans
 
@@ -84,8 +84,8 @@ def peak(parameters: Parameters, speed: float, gains: Gains | None = None) -> Pe
     return Peak(float(-found.fun), float(found.x))
 
 
-@dataclass(frozen=True, eq=False)
-class Handling:
+@dataclass(frozen=True, eq=False, repr=False)
+class Handling(Result):
     """Peaks over the speed; NaN where the rule finds no gains, or none that balance the bicycle."""
 
     parameters: Parameters

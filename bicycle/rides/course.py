@@ -13,7 +13,7 @@ from mbsd3d.extend import LINE_WIDTH_POINTS, new_figure, number, style_axes
 from ..model.kinematics import steer_axis
 from ..model.mechanism import Bicycle, whipple
 from ..model.tyres import Tyres
-from ..output import write_table
+from ..output import Result, write_table
 from ..parameters import Parameters
 from ..riders.rider import MUSCLES, Gains, checked_gains, gains_of
 from .manoeuvres import FALLEN
@@ -97,8 +97,8 @@ def ridden(parameters: Parameters, speed: float, course: Course, gains: Gains, *
     return replace(system, forces=[*system.forces, rider], start=start)
 
 
-@dataclass(frozen=True, eq=False)
-class RiddenCourse:
+@dataclass(frozen=True, eq=False, repr=False)
+class RiddenCourse(Result):
     """Run over a course; lean, steer, heading and deviation to the right."""
 
     ride: Ride

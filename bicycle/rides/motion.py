@@ -12,12 +12,13 @@ from mbsd3d import Solution
 from mbsd3d.extend import LINE_WIDTH_POINTS, ForceElement, Theme, new_figure, style_axes
 
 from ..model.kinematics import X, Y, Z
-from ..output import write_table
+from ..output import Result, write_table
 from ..parameters import Parameters
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from pandas import DataFrame
 
 WHEELS = ("rear", "front")
 FRICTION_MAX = 2.0  # [1] coefficient of friction that no tyre reaches on any road
@@ -68,8 +69,8 @@ class Contact(NamedTuple):
         return np.divide(horizontal, self.normal, out=np.where(horizontal, np.inf, 0.0), where=self.normal > 0.0)
 
 
-@dataclass(frozen=True, eq=False)
-class Ride:
+@dataclass(frozen=True, eq=False, repr=False)
+class Ride(Result):
     """Run of the Whipple bicycle. Arrays over time (n,); lean, steer and heading are positive to the right [rad]."""
 
     parameters: Parameters
@@ -181,7 +182,7 @@ class Ride:
         return float(np.abs(gap).max() / abs(energy.total[0]))
 
     def columns(self) -> dict[str, np.ndarray]:
-        """Return the table that `to_csv` writes: header with unit -> (n,) values."""
+        """Return the table of `to_csv` and `to_dataframe`: header with unit -> (n,) values."""
         table = {"t [s]": self.t}
         for name in ("lean", "steer", "heading", "pitch"):
             table[f"{name} [rad]"] = getattr(self, name)
@@ -198,6 +199,12 @@ class Ride:
         """Write `columns`, one line per sample, all digits; ".csv" is appended if it is missing."""
         table = self.columns()
         return write_table(path, [*table], np.column_stack([*table.values()]))
+
+    def to_dataframe(self) -> "DataFrame":
+        """Return `columns` as a pandas DataFrame, one row a sample, indexed by the time [s]."""
+        import pandas
+
+        return pandas.DataFrame(self.columns()).set_index("t [s]")
 
     def __str__(self) -> str:
         checks = self.solution.certificate

@@ -8,6 +8,7 @@ from scipy.optimize import brentq
 
 from mbsd3d.errors import InputError
 
+from ..output import Result
 from ..parameters import Parameters
 from .turning import Turn, TurnSolver
 
@@ -22,8 +23,8 @@ CORRECTION_TOLERANCE = 1e-9  # [1] error of x before the last correction
 STEP_TURN_MAX = 0.3  # [rad] turn of a step from the tangent before it; its arc is 0.25 of that as high as it is long
 
 
-@dataclass(frozen=True, eq=False)
-class Family:
+@dataclass(frozen=True, eq=False, repr=False)
+class Family(Result):
     """Hands-free circles along one curve of lean and steer, both wheels pressed to the ground."""
 
     turns: tuple[Turn, ...]  # from one end to the other
@@ -33,6 +34,16 @@ class Family:
     def values(self, name: str) -> np.ndarray:
         """Return a quantity of all turns, e.g. "lean", "speed", "radius", "stable", shape (n,)."""
         return np.array([getattr(turn, name) for turn in self.turns])
+
+    def __str__(self) -> str:
+        (lean, steer, speed) = (self.values(name) for name in ("lean", "steer", "speed"))
+        lines = [
+            f"{len(self.turns)} hands-free circles: lean {lean.min():.4f} ... {lean.max():.4f} rad, "
+            f"steer {steer.min():.4f} ... {steer.max():.4f} rad, speed {speed.min():.4f} ... {speed.max():.4f} m/s",
+            f"  ends: {self.ends[0]}; {self.ends[1]}",
+        ]
+        lines += [f"  {what}: {turn}" for what, turn in self.special]
+        return "\n".join(lines)
 
 
 def across(along: np.ndarray) -> np.ndarray:

@@ -38,7 +38,7 @@ RESIDUAL_MAX = 1e-8
 """Largest acceleration left over [m/s^2, rad/s^2], and rate of a deflection; rounding leaves 1e-12."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class TyreTurn(SteadyTurn):
     """Steady turn; angles, yaw rate and torques are positive to the right, drive ahead."""
 
@@ -99,6 +99,13 @@ class TyreTurn(SteadyTurn):
             found |= {f"{wheel} load [N]": load.normal[0], f"{wheel} slip angle [rad]": -load.slip_angle[0]}
             found[f"{wheel} saturation [-]"] = load.saturation[0]
         return found
+
+    def __str__(self) -> str:
+        return (
+            f"{self.parameters.name} on tyres: steady turn at {self.speed:.6g} m/s, lean {self.lean:.6g} rad, steer "
+            f"{self.steer:.6g} rad, radius {self.radius:.6g} m, steer torque {self.steer_torque:.6g} N m, "
+            f"{100 * self.saturation:.3g} % of the grip"
+        )
 
 
 class Balance:

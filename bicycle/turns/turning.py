@@ -10,7 +10,7 @@ is constant too, since the motion reversed in time is a motion as well. The rear
 along x.
 """
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -24,6 +24,7 @@ from mbsd3d.extend import DenseEquations, saddle_matrix
 
 from ..model.kinematics import Height, Pose, X, Y, Z, foot, placed, pose_of, steer_axis
 from ..model.mechanism import Bicycle, outputs, steer_torque, whipple
+from ..output import Result
 from ..parameters import Parameters
 from ..rides.motion import Ride
 
@@ -188,7 +189,7 @@ class TurnSolver:
         return Turn(self.p, float(lean), float(steer), square, torque, system, state, direction, smooth)
 
 
-class SteadyTurn(ABC):
+class SteadyTurn(Result):
     """Base of turns on ideal wheels and on tyres: a bicycle, its state, and a constant yaw rate."""
 
     parameters: Parameters
@@ -208,7 +209,7 @@ class SteadyTurn(ABC):
         return Ride(self.parameters, simulate(self.system, end, state=self.state, **settings))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Turn(SteadyTurn):
     """Steady turn; angles, rates and torque are positive to the right."""
 
@@ -281,3 +282,9 @@ class Turn(SteadyTurn):
     def stable(self) -> bool:
         """Return whether small disturbances decay, except for a shift along the family of turns."""
         return self.growth < 0.0
+
+    def __str__(self) -> str:
+        return (
+            f"{self.parameters.name}: steady turn at {self.speed:.6g} m/s, lean {self.lean:.6g} rad, "
+            f"steer {self.steer:.6g} rad, radius {self.radius:.6g} m, steer torque {self.torque:.6g} N m"
+        )

@@ -1,6 +1,7 @@
 """Parameters and models of bicycles: published figures, a second formulation, symmetries, and what is refused."""
 
 import doctest
+import pickle
 from dataclasses import fields, replace
 from importlib import import_module
 
@@ -61,7 +62,7 @@ def test_a_typo_is_an_error():
     with pytest.raises(ValueError, match="'meijaard2008'; did you mean Meijaard2007"):
         named("meijaard2008")
     with pytest.raises(ValueError, match="'mine.json'; .*--list shows all, and parameter files end in .txt"):
-        parameters.find("mine.json")
+        parameters.named("mine.json")
 
 
 @pytest.mark.parametrize(
@@ -129,6 +130,32 @@ def test_text_files_with_deviations(tmp_path):
     assert p.mH == pytest.approx(3.1, rel=1e-15)
     spread = read_values(path)[1]
     assert spread == {"rF": 0.0002, "mH": pytest.approx(np.hypot(0.1, 0.2) / 2), "IHzz": pytest.approx(2e-4)}
+    assert p.deviations == spread
+    assert parameters.named(path) == parameters.named(str(path)) == p
+
+
+def test_deviations_stay_with_their_set():
+    rigid = parameters.named("Rigid")
+    assert rigid.deviations == deviations("Rigid") and BENCHMARK.deviations == {}
+    assert replace(rigid, c=0.1, name="more trail").deviations == rigid.deviations
+    assert pickle.loads(pickle.dumps(rigid)) == rigid and hash(rigid) == hash(replace(rigid, deviations={}))
+    given = {"c": 0.01, "w": 0.0}
+    mine = replace(BENCHMARK, deviations=given)
+    given["c"] = 1.0
+    assert mine.deviations == {"c": 0.01}
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"cc": 0.1}, "bicycle 'Meijaard2007': deviation of 'cc': no such parameter"),
+        ({"c": -0.1}, "deviation of c: -0.1"),
+        ([0.1], "deviations = .0.1.; give them by symbol"),
+    ],
+)
+def test_impossible_deviations_of_a_set_are_refused(given, message):
+    with pytest.raises(ValueError, match=message):
+        replace(BENCHMARK, deviations=given)
 
 
 def test_yaml_files(tmp_path):
@@ -144,7 +171,7 @@ def test_files_of_other_editors_and_programs(tmp_path):
     upper.write_text(lines("mH") + "\nmH = 3.5,4.5", newline="\r\n")
     powers.write_text("values:\n  " + lines("IHzz").replace(" = ", ": ").replace("\n", "\n  ") + "\n  IHzz: 7e-3\n")
     assert Parameters.from_file(marked).values() == BENCHMARK.values()
-    assert parameters.find(str(upper)).values() == BENCHMARK.values()
+    assert parameters.named(str(upper)).values() == BENCHMARK.values()
     assert Parameters.from_file(powers).IHzz == 7e-3  # which YAML takes for a text
 
 

@@ -222,6 +222,9 @@ def test_run_that_breaks_down_after_a_wheel_lifted_still_ends_with_that_event(mo
 def test_table_has_a_column_with_a_unit_for_everything(tmp_path):
     found = ride.run(replace(BENCHMARK, name="b"), 0.5, speed=5.0, lean_rate=0.1, output=6)
     path = found.to_csv(tmp_path / "ride.csv")
+    frame = found.to_dataframe()
+    assert [frame.index.name, *frame.columns] == path.read_text().splitlines()[0].split(",")
+    assert np.array_equal(frame["steer [rad]"], found.steer) and np.array_equal(frame.index, found.t)
     assert found.to_csv(tmp_path / "ride.v2").name == "ride.v2.csv"
     header, *rows = path.read_text(encoding="utf-8").splitlines()
     values = np.array([row.split(",") for row in rows], dtype=float)

@@ -2,17 +2,34 @@
 
 import doctest
 import json
-from dataclasses import replace
+from dataclasses import is_dataclass, replace
 from functools import partial
 from importlib import import_module
 from pathlib import Path
+from pkgutil import walk_packages
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
 from scipy.optimize import brentq
 
-from bicycle import TYPICAL, Meijaard2007, compare, critical, frequency, general, named, ride, sensitivity, whipple, why
+import bicycle
+from bicycle import (
+    TYPICAL,
+    Meijaard2007,
+    circles,
+    compare,
+    critical,
+    frequency,
+    general,
+    handling,
+    named,
+    ride,
+    sensitivity,
+    stability,
+    whipple,
+    why,
+)  # fmt: skip
 from bicycle.linear.critical import double_roots
 from bicycle.linear.equations import canonical
 from bicycle.linear.tyre_equations import eigenvalues
@@ -21,6 +38,8 @@ from bicycle.pages import ideal_or_tyres
 from bicycle.pages.compare import write_page
 from bicycle.pages.side_view import semi_axes, side_view
 from bicycle.parameters import library, names
+from bicycle.turns import on_tyres as turns_on_tyres
+from bicycle.turns.families import Family
 from mbsd3d import Sine, Torque, simulate
 from mbsd3d.extend import main
 
@@ -35,7 +54,7 @@ def growth(linear, speed):
     return linear.eigenvalues([speed]).real.max()
 
 
-@pytest.mark.parametrize("module", ["sensitivity", "why", "frequency"])
+@pytest.mark.parametrize("module", ["sensitivity", "maps", "why", "frequency"])
 def test_examples_print_what_they_say(module):
     found = doctest.testmod(import_module(f"bicycle.linear.{module}"))
     assert found.attempted and not found.failed
@@ -323,7 +342,8 @@ def test_speeds_that_some_samples_do_not_have_are_counted():
     [
         (None, {}, "no standard deviations; give them by symbol"),
         ({"cc": 0.1}, {}, "deviation of 'cc': no such parameter"),
-        ({"c": -0.1}, {}, "deviation of c: -0.1 is not positive"),
+        ({"c": -0.1}, {}, "deviation of c: -0.1"),
+        ({"tR": 0.01}, {}, "deviation of tR: samples are solved for knife-edge wheels; leave it out"),
         ({"c": "much"}, {}, "deviation of c: expected a number, got 'much'"),
         ({"rF": 0.3}, {}, "a sample has rF = -.*give a smaller deviation of rF"),
         ({"lam": 0.5}, {}, "a sample has lam = .*give a smaller deviation of lam"),
@@ -360,6 +380,74 @@ def test_a_map_holds_the_ranges_of_its_cells_both_ways(tmp_path):
         "lowest self-stable speed",
         "width of the self-stable range",
     ]
+
+
+@pytest.mark.parametrize("name", ["c", "mB", "lam"])
+def test_stable_speeds_over_one_parameter_end_where_growth_changes_its_sign(name):
+    values = getattr(BENCHMARK, name) * np.array([1.3, 0.6, 1.0])
+    found = sensitivity.stable_speeds(BENCHMARK, name, values)
+    assert np.array_equal(found.values, np.sort(values)) and np.isfinite(found.low).all()
+    for k, value in enumerate(found.values):
+        linear = canonical(replace(BENCHMARK, **{name: value}))
+        for speed, inside in ((found.low[k], 1.0), (found.high[k], -1.0)):
+            root = brentq(lambda v, linear=linear: growth(linear, v), speed - 0.01, speed + 0.01, xtol=1e-13)
+            assert abs(root - speed) < 1e-8  # [m/s] growth has rounding errors of some 1e-13 1/s and a slope of order 1
+            assert growth(linear, speed + 1e-4 * inside) < 0.0 < growth(linear, speed - 1e-4 * inside)
+        assert found.ranges(k)[0] == (found.low[k], found.high[k])
+    assert found.weave[1] == found.low[1] and found.capsize[1] == found.high[1]
+
+
+def test_stable_speeds_of_the_general_model_with_round_tyres(tmp_path):
+    values = [0.04, 0.06, 0.09]
+    model = sensitivity.stable_speeds(BENCHMARK, "c", values, whipple)
+    closed = sensitivity.stable_speeds(BENCHMARK, "c", values)
+    assert np.allclose([model.low, model.high], [closed.low, closed.high], rtol=0, atol=1e-10)  # as maps
+    crowns = sensitivity.stable_speeds(ROUND, "tF", [0.0, 0.03], whipple)
+    assert crowns.ranges(1) == critical.critical_speeds(ROUND, whipple).stable
+    rows = closed.to_csv(tmp_path / "trail").read_text().splitlines()
+    assert rows[0] == "c [m],weave [m/s],capsize [m/s],low [m/s],high [m/s]" and len(rows) == 4
+    assert float(rows[2].split(",")[3]) == closed.low[1]
+
+
+def test_stable_speeds_show_where_there_are_none():
+    found = sensitivity.stable_speeds(BENCHMARK, "c", np.linspace(-0.05, 0.1, 31))
+    none = np.isnan(found.low)
+    assert none[0] and not none[-1] and found.ranges(0) == [] and np.array_equal(none, ~found.stable.any(axis=1))
+    assert "c = -0.05 m: stable at no speed" in str(found) and f"for {np.sum(~none)} values" in str(found)
+    (axes,) = found.figure().axes
+    assert axes.get_xlabel() == "trail c [m]"
+    assert [line.get_label() for line in axes.lines] == ["weave", "capsize", "as built"]
+    skate = sensitivity.stable_speeds(two_mass_skate(), "mB", [8.0, 10.0])  # nothing ends its range
+    assert np.isinf(skate.high).all() and skate.figure(dark=True).axes[0].get_ylim()[1] < 100.0
+
+
+def test_stable_speeds_keep_what_was_computed_before_ctrl_c():
+    calls = []
+
+    def interrupted(parameters, speed):
+        calls.append(speed)
+        if len(calls) > 3:
+            raise KeyboardInterrupt
+        return whipple(parameters, speed)
+
+    found = sensitivity.stable_speeds(BENCHMARK, "c", [0.04, 0.06, 0.08, 0.1], interrupted)
+    done = 4 - found.missing
+    assert 1 <= done < 4 and np.isnan(found.low[done:]).all() and np.isfinite(found.low[:done]).all()
+    assert f"{found.missing} left out by Ctrl-C" in str(found)
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "message"),
+    [
+        ("cc", [0.1, 0.2], "stable_speeds of 'Meijaard2007': there is no parameter 'cc'"),
+        ("c", [0.1], "one value of c; give two or more"),
+        ("w", [1.0, -1.0], "wheelbase w: -1.0 is not positive"),
+        ("tR", [0.0, 0.1], "closed form has no crown radius"),
+    ],
+)
+def test_impossible_values_of_one_parameter_are_refused(name, values, message):
+    with pytest.raises(ValueError, match=message):
+        sensitivity.stable_speeds(BENCHMARK, name, values)
 
 
 def test_a_map_keeps_what_was_computed_before_ctrl_c():
@@ -720,11 +808,18 @@ def test_a_map_needs_no_critical_speeds(tmp_path):
 
 
 def test_deviations_of_a_file_are_used(tmp_path):
+    def of(found):
+        return found.quantiles("weave speed")
+
     lines = [f"{key} = {value!r}" for key, value in BENCHMARK.values().items() if key not in ("tR", "tF")]
     text = "\n".join(lines).replace("c = 0.08", "c = 0.08 +/- 0.001")
     (tmp_path / "mine.txt").write_text(text)
     result = run("sensitivity", tmp_path / "mine.txt", "--samples", 40, "--out", tmp_path)
     assert result.exit_code == 0 and "40 samples of mine" in result.output, result.output
+    mine = named(tmp_path / "mine.txt")
+    found = sensitivity.monte_carlo(mine, n=40)
+    assert np.array_equal(of(found), of(sensitivity.monte_carlo(BENCHMARK, {"c": 0.001}, n=40)))
+    assert f"weave speed          {of(found)[0]:9.4f}" in result.output
     assert run("compare", "--list").output.splitlines()[0] == "Meijaard2007"
 
 
@@ -749,3 +844,54 @@ def test_bad_input_ends_with_one_line_and_exit_code_2(arguments, message, tmp_pa
     result = run(*arguments, "--out", tmp_path)
     assert result.exit_code == 2 and message in result.output
     assert result.output.count("\n") == 1 and result.output.startswith("mbsd3d: ")
+
+
+# --- results in a console and in a notebook ---------------------------------------------------------------------------
+
+MINE = replace(named("Rigid"), name="<mine>")
+
+
+def family(turns):
+    return Family(tuple(turns), ("a wheel is unloaded", "straight ahead"), (("largest lean", turns[-1]),))
+
+
+RESULTS = {
+    "stability": lambda: stability.study(MINE),
+    "on tyres": lambda: stability.study(MINE, [4.0, 5.0, 6.0], tyres=TYPICAL),
+    "critical speeds": lambda: stability.critical_speeds(MINE),
+    "equations": lambda: canonical(MINE),
+    "response": lambda: frequency.response(MINE, np.linspace(1.0, 9.0, 33), [0.1, 1.0], None),
+    "derivatives": lambda: sensitivity.derivatives(MINE),
+    "samples": lambda: sensitivity.monte_carlo(MINE, n=100),
+    "indices": lambda: sensitivity.sobol(MINE, n=64),
+    "map": lambda: sensitivity.stable_map(MINE, AXES),
+    "stable speeds": lambda: sensitivity.stable_speeds(MINE, "c", np.linspace(0.0, 0.1, 1001)),
+    "why": lambda: why.ablations(MINE, None),
+    "variant": lambda: why.ablations(MINE, None).rows[0],
+    "handling": lambda: handling.study(MINE, [4.0, 6.0]),
+    "ride": lambda: ride.run(MINE, 0.1, speed=5.0),
+    "turn": lambda: circles.turn(MINE, lean=0.3, steer=0.2),
+    "turn on tyres": lambda: turns_on_tyres.turn(MINE, TYPICAL, speed=5.0, lean=0.2),
+    "family": lambda: family([circles.turn(MINE, lean, 0.2) for lean in (0.3, 0.4)]),
+    "entry": lambda: compare.entry(MINE),
+}
+
+
+@pytest.mark.parametrize("study", RESULTS)
+def test_a_result_fits_a_console_and_a_notebook(study):
+    found = RESULTS[study]()
+    lines = repr(found).splitlines()
+    assert 1 <= len(lines) <= 12 and max(map(len, lines)) <= 200  # a console of half a screen
+    whole = str(found).splitlines()
+    assert lines == whole or (lines[:11] == whole[:11] and f"{len(whole) - 11} more lines" in lines[11])
+    page = found._repr_html_()
+    assert "max-height" in page and "<mine>" not in page and len(page) < 8000
+
+
+def test_every_dataclass_of_the_studies_prints_as_a_result():
+    inputs = {"Parameters", "Course", "Manoeuvre", "Bicycle", "PublishedBody", "Curve", "Search"}
+    modules = [import_module(x.name) for x in walk_packages(bicycle.__path__, "bicycle.") if ".commands" not in x.name]
+    kinds = {x for module in modules for x in vars(module).values() if isinstance(x, type) and is_dataclass(x)}
+    own = {x for x in kinds if x.__module__.startswith("bicycle.") and x.__name__ not in inputs}
+    assert len(own) >= 18
+    assert {x.__name__ for x in own if not hasattr(x, "_repr_html_") or "__repr__" in vars(x)} == set()
