@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from helpers.models import across, direction, random_body
 from scipy.linalg import null_space
 
 from mbsd3d import GROUND, Revolute, SpeedDriver, Spherical, System, Universal
 from mbsd3d.extend import DenseEquations
-from validation.cases.examples import across, direction, random_body
 from validation.cases.inline_four import inline_four
 
 ROUNDING = 1e-12  # of velocities of order one: 1e-16 times the condition of the rows, some hundreds

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from helpers.sweep_models import shafts
 
 from bicycle import Meijaard2007, whipple
 from mbsd3d import GROUND, Body, Cylindrical, Kinematic, Revolute, Spherical, SpringDamper, System, simulate, sweep
-from mbsd3d.demos.shafts.cardan import mechanism
 from validation.cases.inline_four import CRANK_RATE, inline_four, orders
 
 
@@ -42,7 +42,7 @@ CELLS = {
         lambda x: inline_four(0.5 + 0.3 * x, 1.5 + 2.0 * x),
         {"t_end": np.pi / CRANK_RATE, "method": Kinematic(), "output": 13},
     ),
-    "cardan": (lambda x: mechanism(bend_deg=5.0 + 50.0 * x), {"t_end": 0.3, "rtol": 1e-6, "output": 17}),
+    "cardan": (lambda x: shafts(0.1 + 0.9 * x, 1.0)[0], {"t_end": 0.3, "rtol": 1e-6, "output": 17}),
     "four-bar": (four_bar, {"t_end": 0.4, "rtol": 1e-6, "output": 11}),
     "bicycle": (
         lambda x: whipple(replace(Meijaard2007(), c=0.07 + 0.02 * x), 4.6, lean_rate=0.1),
