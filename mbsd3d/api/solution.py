@@ -53,6 +53,9 @@ CHANGEABLE_ARGUMENTS = Signature(
 class Solution(RunResult, Viewable):
     """Samples of a run. Parts are given as objects or by name; vectors are (samples, 3) in world axes.
 
+    ``events`` are those of parts that switch during the run: each has ``t`` [s], ``what``, the energy ``lost`` [J], the
+    ``work`` of drivers [J], ``impulses`` by part, and ``rest`` [s] where bounces ended.
+
     Examples
     --------
     >>> from mbsd3d import Body, System, simulate

@@ -149,12 +149,18 @@ def first_modes(system: Mechanism) -> dict[str, Mode]:
 
 
 def modes_at(system: Mechanism, state: State) -> dict[str, Mode]:
-    """Return the modes at a state of all parts that switch, by name; ValueError for modes of other parts."""
-    modes = first_modes(system)
-    for name, (mode, numbers) in state.modes.items():
+    """Return the modes at a state of all parts that switch, by name; ValueError for others."""
+    modes, parts = first_modes(system), {system.name(x): x for x in holders_of(system)}
+    for name, given in state.modes.items():
         if name not in modes:
             raise InputError(f"state: modes: '{name}' does not switch in this system; give a state of this system")
-        modes[name] = Mode(mode, tuple(numbers))
+        try:
+            modes[name] = Mode(str(given[0]), tuple(map(float, given[1])))
+            rows_in(parts[name], modes, name)
+        except (IndexError, TypeError, ValueError) as error:
+            raise InputError(
+                f"state: modes: '{name}' has no mode {short_repr(given)}; give a state of a run of this system"
+            ) from error
     return modes
 
 

@@ -29,7 +29,6 @@ from mbsd3d import (
     rotation,
     simulate,
 )  # fmt: skip
-from mbsd3d.errors import IntegrationError
 from mbsd3d.rotations import matrix
 
 R = matrix(rotation((0.3, -0.5, 0.8), 1.1))  # of whole cases, so that nothing lies along an axis
@@ -206,18 +205,21 @@ def test_what_cannot_switch_is_refused():
     fallen = simulate(System([a], [pin]), 0.1).final
     with pytest.raises(ValueError, match="'gone' does not switch in this system"):
         simulate(System([a], [pin]), 1.0,
-                 state=type(fallen)(0.0, fallen.q, fallen.v, modes={"gone": ("open", ())}))  # fmt: skip
+                 state=replace(fallen, t=0.0, modes={"gone": ("open", ())}))  # fmt: skip
+    with pytest.raises(ValueError, match=r"'gear' has no mode \('engaged', \(1\.0,\)\)"):
+        simulate(system, 1.0, state=replace(start, modes={"gear": ("engaged", (1.0,))}))
 
 
-def test_conditions_that_undo_each_other_are_refused():
+def test_a_condition_that_has_just_come_true_acts_when_it_comes_true_again():
+    """The value at which a gear engages also lets it go: not at once, but at the next rise through it."""
     bodies = [Body(name, 1.0, (1, 1, 1), com=(0.3, 0, 0)) for name in "ab"]
     hinges = [Revolute(GROUND, x, at=(0, 0, 0), axis=(0, 0.4, 1), name=x.name + " hinge") for x in bodies]
-    apart = measures.angle(hinges[0])
-    coupling = Switched(Gear(*hinges, ratio=-1.0), engage=apart > 0.1, release=apart > 0.1, name="coupling")
-    system = System(bodies, [*hinges, coupling])
-    try:
-        run = simulate(system, 2.0, state=system.assemble(rates={hinges[0]: 1.0}))
-    except IntegrationError as error:
-        assert "'coupling'" in str(error)
-    else:
-        assert len(run.events) < 10
+    rise = measures.angle(hinges[0]) > 0.1
+    coupling = Switched(Gear(*hinges, ratio=-1.0), engage=rise, release=rise, name="coupling")
+    system = System(bodies, [*hinges, coupling], [TorsionSpring(hinges[0], stiffness=20.0)], gravity=(0, 0, 0))
+    run = simulate(system, 6.0, state=system.assemble(rates={hinges[0]: 1.0}))
+    assert [event.action for event in run.events] == ["engages", "is released"] * (len(run.events) // 2)
+    assert len(run.events) >= 2 and run.events[1].t - run.events[0].t > 0.5
+    angle, t = run.angle(hinges[0]), run.t
+    rises = t[1:][(angle[:-1] < 0.1 - 1e-9) & (angle[1:] >= 0.1 - 1e-9)]  # events lie on the value to rounding
+    assert rises.tolist() == [event.t for event in run.events] and run.certificate.passed
