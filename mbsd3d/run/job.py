@@ -44,6 +44,7 @@ from .failure_causes import (
     singular_start,
     singular_there,
 )
+from .friction import check_friction_loads, find_held_friction
 from .initial_checks import (
     MemoryWatch,
     check_balance,
@@ -116,6 +117,7 @@ class Job:
                 self.check_start()
                 check_stops(self.compiled, self.data, self.memory.y)
                 self.eliminate()
+                check_friction_loads(self.rows_at_start())
                 self.check_driven()
                 self.first_step()
                 self.check_condition()
@@ -131,6 +133,7 @@ class Job:
         """Evaluate one sample at the start, without integrating."""
         self.check_start()
         self.eliminate()
+        check_friction_loads(self.rows_at_start())
         model, data, run, t = self.model, self.data, self.memory, self.start.t
         projected, solved = project_and_evaluate(model, data, self.tree, t, run.y, run.dy, FACTOR_FROM_OTHER_POSE)
         run.now.evaluations += 1
@@ -271,12 +274,15 @@ class Job:
         """Raise an InputError for a reaction that the constraints do not determine at the start."""
         if measure.joint is None:
             return
-        start = RunRows(
+        if not is_unique(self.compiled, self.rows_at_start().probes(), group_of(self.compiled, [measure.joint])):
+            raise InputError(f"{what}: {measure.label} {NOT_DETERMINED}")
+
+    def rows_at_start(self) -> RunRows:
+        """Return the rows at the start."""
+        return RunRows(
             self.compiled, np.array([self.start.t]), self.memory.y[None], self.data.coordinate["value"][None].copy(),
             self.record,
         )  # fmt: skip
-        if not is_unique(self.compiled, start.probes(), group_of(self.compiled, [measure.joint])):
-            raise InputError(f"{what}: {measure.label} {NOT_DETERMINED}")
 
     def drain(self) -> None:
         """Copy the samples out of the full buffer and empty it."""
@@ -308,9 +314,12 @@ class Job:
         blamed, clash = find_nonfinite_part(*here, self.memory.dy), contradiction(*here)
         part = blamed.part if blamed else None
         what, advice = FAILURES[status]
+        held = find_held_friction(self.compiled, self.data, self.memory.y, t)
         ended = at_end_of_curve(self.compiled, self.data, float(self.memory.now.step))
         if ended:
             part, what, advice = ended, "the contact comes to the end of its curve", "give a longer one, or end the run"
+        elif held is not None:
+            part, what, advice = held
         elif part is None and clash is not None:
             part, what, advice = clash.who, f"contradictory drivers: they {clash.what}", clash.advice
         elif part is None and (singular := singular_start(self.compiled, self.start, t, self.memory.task.t_end)):
