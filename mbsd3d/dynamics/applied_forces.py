@@ -14,7 +14,7 @@ from ..compiler.decorators import inner_kernel, kernel
 from ..compiler.late import late_choice
 from ..kernels.coordinates import coordinate
 from ..kernels.force_laws import apply_along_gradient
-from ..kernels.vectors import add, add6, cross, dot, mat, pair, put, put6, rotate, scale, sub, turning, vec
+from ..kernels.vectors import add, cross, dot, mat, pair, put, put6, rotate, scale, sub, turning, vec
 from ..mechanism import forces
 from ..mechanism.force_element import ForceElement
 

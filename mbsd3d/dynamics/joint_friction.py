@@ -99,6 +99,44 @@ def equations_of_friction(m, numbers, presses, columns, change, w, missed, D):
                 D[i, j] += mu * dot(y, vec(columns[j, i, 1])) / long_y
 
 
+@inner_kernel
+def eliminate(D, x):
+    """Solve x := (1 - D)^-1 x, with row exchanges; D is lost, and x is not finite where the matrix is singular."""
+    n = x.shape[0]
+    for i in range(n):
+        for j in range(n):
+            D[i, j] = (1.0 if i == j else 0.0) - D[i, j]
+    for k in range(n):
+        p = k
+        for i in range(k + 1, n):
+            if abs(D[i, k].real) > abs(D[p, k].real):
+                p = i
+        for j in range(n):
+            D[k, j], D[p, j] = D[p, j], D[k, j]
+        x[k], x[p] = x[p], x[k]
+        for i in range(k + 1, n):
+            f = D[i, k] / D[k, k]
+            x[i] -= f * x[k]
+            for j in range(k + 1, n):
+                D[i, j] -= f * D[k, j]
+    for i in range(n - 1, -1, -1):
+        for j in range(i + 1, n):
+            x[i] -= D[i, j] * x[j]
+        x[i] /= D[i, i]
+
+
+@inner_kernel
+def feedback_bound(D, w):
+    """Return a bound of the spectral radius of D: its largest row sum in units of w."""
+    bound = 0.0
+    for i in range(w.shape[0]):
+        total = 0.0
+        for j in range(w.shape[0]):
+            total += abs(D[i, j].real) * w[j].real
+        bound = max(bound, total / w[i].real if w[i].real > 0.0 else np.inf)
+    return bound
+
+
 @allocating_kernel
 def spectral_radius(D):
     """Return the spectral radius of D by its powers."""
@@ -146,7 +184,7 @@ def solve_by_columns(m, d, s, numbers):
     """
     count, dtype = numbers.shape[0], d.row["lam"].dtype
     presses, columns = np.zeros((count, 2, 3), dtype), np.zeros((count, count, 2, 3), dtype)
-    D, unit = np.zeros((count, count), dtype), np.eye(count).astype(dtype)
+    D = np.zeros((count, count), dtype)
     missed, w, change = np.zeros(count, dtype), np.zeros(count, dtype), np.zeros(count, dtype)
     for i in range(count):
         w[i] = d.force[numbers[i]].load
@@ -155,16 +193,17 @@ def solve_by_columns(m, d, s, numbers):
         return status
     for _ in range(NEWTON_STEPS_MAX):
         equations_of_friction(m, numbers, presses, columns, change, w, missed, D)
-        try:
-            step = np.linalg.solve(unit - D, missed)
-        except Exception:  # singular: the edge of what friction holds
-            return HOLDS_ITSELF
-        w -= step
-        change -= step
+        eliminate(D, missed)
+        for i in range(count):
+            w[i] -= missed[i]
+            change[i] -= missed[i]
         if last:
             break
-        last = settled(step, w)
-    if not last or not spectral_radius(D) < 1.0:
+        last = settled(missed, w)
+    if not last:
+        return HOLDS_ITSELF
+    equations_of_friction(m, numbers, presses, columns, change, w, missed, D)
+    if not (feedback_bound(D, w) < 1.0 or spectral_radius(D) < 1.0):
         return HOLDS_ITSELF
     for i in range(count):
         apply_friction(m, d, numbers[i], w[i])

@@ -44,7 +44,7 @@ from .failure_causes import (
     singular_start,
     singular_there,
 )
-from .friction import check_friction_loads, find_held_friction
+from .friction import RestWatch, check_friction_loads, check_slipping, find_held_friction
 from .initial_checks import (
     MemoryWatch,
     check_balance,
@@ -71,6 +71,7 @@ class Job:
         self.compiled, self.model, self.start, self.options = compiled, compiled.model, start, options
         check_runnable(compiled.system)
         self.divergence = DivergenceWatch(compiled, start.t)
+        self.rests = RestWatch(compiled, options.method.dt)
         self.data = compiled.data()
         as_built = 0.0 if options.as_built is None else options.as_built / self.model.length
         self.record = Record(options, as_built, about_centre=True)
@@ -134,6 +135,7 @@ class Job:
         self.check_start()
         self.eliminate()
         check_friction_loads(self.rows_at_start())
+        check_slipping(self.compiled, self.data, self.memory.y, self.start.t, "accelerations")
         model, data, run, t = self.model, self.data, self.memory, self.start.t
         projected, solved = project_and_evaluate(model, data, self.tree, t, run.y, run.dy, FACTOR_FROM_OTHER_POSE)
         run.now.evaluations += 1
@@ -157,6 +159,7 @@ class Job:
             progress.update(run.now.t)
             self.divergence.check(run, self.data, self.solution)
             self.functions.check(float(run.now.t), self.solution)
+            self.rests.check(run, self.data, self.tree, status == memory.DONE, self.solution)
             if status == memory.RUNNING:
                 budget = int(np.clip(budget * CHUNK_SECONDS / max(spent, 1e-6), budget / 4, 4 * budget)) or 1
             elif status == memory.FULL:

@@ -30,7 +30,7 @@ from ...kernels.vectors import (
 from ..bodies import describe_part
 from ..couplings import GearMesh
 from ..force_element import ForceElement, ForceRecord
-from ..joints import Joint
+from ..joints import AxisJoint, Joint
 from ..joints.pairs import Cylindrical, Prismatic, Revolute, Screw, Spherical
 
 PIN, GUIDE, BALL, THREAD, TEETH = range(5)  # what presses, and how it slips
@@ -212,29 +212,29 @@ def settling_time(friction: "DryFriction") -> float:
 class DryFriction(ForceElement):
     """Dry friction of a joint by its own reaction: a load w = mu R |F| against the slip, F the reaction with w acting.
 
-    ========================== =============================================================== ========================
-    joint                      w                                                               against
-    ========================== =============================================================== ========================
-    `Revolute`                 ``mu (R_pin |F_across| + R_collar |F_along| + R_pin P)`` [N m]  the rate of its angle
-    `Prismatic`                ``mu (|N/2 + k x M/L| + |N/2 - k x M/L| + P)`` [N]              the rate of its slide
-    `Cylindrical`              the same                                                        the slip (s', R_pin th')
-    `Spherical`                ``mu R_ball (|F| + P)`` [N m]                                   the relative omega
-    `Screw`                    ``mu (|W| / (cos lam cos beta) + P)`` [N]                       the slip along the thread
-    `GearMesh` of crossed axes ``mu (|F| + P)`` [N]                                            the slip at the pitch point
-    ========================== =============================================================== ========================
+    ============= =============================================================== ==========================
+    joint         w                                                               against
+    ============= =============================================================== ==========================
+    `Revolute`    ``mu (R_pin |F_across| + R_collar |F_along| + R_pin P)`` [N m]  the rate of its angle
+    `Prismatic`   ``mu (|N/2 + k x M/L| + |N/2 - k x M/L| + P)`` [N]              the rate of its slide
+    `Cylindrical` the same                                                        the slip (s', R_pin theta')
+    `Spherical`   ``mu R_ball (|F| + P)`` [N m]                                   the relative omega
+    `Screw`       ``mu (|W| + P) / (cos lam cos beta)`` [N]                       the slip along the thread
+    `GearMesh`    ``mu (|F| + P)`` [N], of crossed axes                           the slip at the pitch point
+    ============= =============================================================== ==========================
 
     N is the force across the axis k and M the moment at the joint's point on b, carried by two pads at +-L/2; in a
     plane that is ``mu max(|N|, 2 |M| / L)``. W is the axial force of a thread with the lead angle
     ``tan lam = pitch / (2 pi R)``: with the friction it needs ``W R tan(lam +- phi)``, ``tan phi = mu / cos beta``.
 
     w acts on the reaction, and the reaction on w: both are solved together in every evaluation, to rounding. The gain
-    is the spectral radius of dw/dw, by how much friction comes back on itself; from 1 on there is no motion that
-    meets the law, or more than one, and the run ends with an error.
+    of friction on itself is the spectral radius of dg/dw, w = g(reaction under w). From 1 on there is no motion that
+    meets the law, or more than one, and the run ends with an error. The certificate has the greatest gain of a run.
 
     Without ``yields`` friction acts as long as the joint slips. It has no direction at rest, so a joint that comes to
-    rest and stays there ends the run with an error. With ``yields = y`` it holds at rest, by an elastic slip z, an
-    internal state: w s with ``s = (z + tau v) / y``, cut to length 1, and ``tau z' = y s - z``. It then holds without
-    creep, and turns back by y at most when it lets go; the error of a motion falls with y.
+    rest and stays there ends the run with an error; one that turns back goes on. With ``yields = y`` it holds at rest,
+    by an elastic slip z, an internal state: w s with ``s = (z + tau v) / y``, cut to length 1, and
+    ``tau z' = y s - z``. It holds without creep; where it comes to rest errs by a few y, so it falls with y.
 
     Exact journals (friction circles) have ``mu / sqrt(1 + mu^2)`` in place of mu, as F is the whole reaction here.
 
@@ -263,7 +263,7 @@ class DryFriction(ForceElement):
     ValueError
         For a joint without such a law, a size that it does not use or that is missing, mu_static < mu or without
         ``yields``, teeth that do not slip at the pitch point; at the start of a run where the joints do not determine
-        what presses.
+        what presses; of accelerations and linearisations of a joint at rest without ``yields``.
 
     Examples
     --------
@@ -309,15 +309,15 @@ class DryFriction(ForceElement):
             raise InputError(f"{what}: mu_static = {self.mu_static:g} is below mu = {self.mu:g}; give at least mu")
         if self.mu_static is not None and self.mu_static > self.mu and (self.yields is None or self.mu == 0.0):
             raise InputError(
-                f"{what}: mu_static = {self.mu_static:g} acts at rest, where friction takes yields= and mu > 0; give both"
+                f"{what}: mu_static = {self.mu_static:g} acts at rest, which takes yields= and mu > 0; give both"
             )
         if (self.yields is None) != (self.settles == 0.0):
             remedy = "give yields= too" if self.yields is None else "give a time > 0, or leave it out"
             raise InputError(f"{what}: settles = {self.settles:g} s is the time of an elastic slip; {remedy}")
         if isinstance(self.joint, GearMesh) and not slips(self.joint):
             raise InputError(
-                f"{what}: the teeth of {describe_part(self.joint)} roll at the pitch point, without slip; give a mesh of "
-                "crossed axes, as of a worm, or a Brake on a hinge for the loss"
+                f"{what}: the teeth of {describe_part(self.joint)} roll at the pitch point, without slip; give a mesh "
+                "of crossed axes, as of a worm, or a Brake on a hinge for the loss"
             )
 
     def surface(self, what: str) -> Surface:
@@ -343,22 +343,20 @@ class DryFriction(ForceElement):
             lever = 1.0 / float(np.cos(lam) * np.cos(beta))
             return {"lever": lever, "slide": float(np.sin(lam)), "turn": R * float(np.cos(lam)), "spin": 0.0}
         turns = isinstance(self.joint, Revolute)
-        lever = self.pin_radius if turns else self.ball_radius
+        radius = self.pin_radius if turns else self.ball_radius
         spin = 0.0 if turns else self.pin_radius or 0.0
-        return {"lever": lever or 1.0, "slide": 0.0 if turns else 1.0, "turn": 1.0 if turns else 0.0, "spin": spin}
+        return {"lever": radius or 1.0, "slide": 0.0 if turns else 1.0, "turn": 1.0 if turns else 0.0, "spin": spin}
 
     def record(self) -> ForceRecord:
         joint, surface = self.joint, self.surface("")
-        frame, bodies, points = np.eye(3), (joint.a, joint.b), (joint.point(), joint.point())
-        if isinstance(joint, GearMesh):
-            bodies, points = (*bodies, joint.support()), (joint.at,) * 3
-        elif not isinstance(joint, Spherical):
-            frame = np.column_stack([*joint.across, joint.axis])
+        frame = np.column_stack([*joint.across, joint.axis]) if isinstance(joint, AxisJoint) else np.eye(3)
+        holders = (joint.support(),) if isinstance(joint, GearMesh) else ()
+        bodies = (joint.a, joint.b, *holders)
         excess = 0.0 if self.mu_static is None or self.mu == 0.0 else self.mu_static / self.mu - 1.0
         states = 0 if self.yields is None else surface.states
         given = {"collar": self.collar_radius or 0.0, "length": self.guide_length or 0.0, "excess": excess}
         return ForceRecord(
-            bodies, points, frame, option=surface.law, joint=joint,
+            bodies, (joint.point(),) * len(bodies), frame, option=surface.law, joint=joint,
             parameters=self.read_by_law(**given, **self.arms(), yields=self.yields or 0.0),
             states=(0.0,) * states, scales=((self.yields, 0.0, 0.0),) * states,
         )  # fmt: skip

@@ -45,18 +45,16 @@ def friction_notes(solution: RunResult) -> list[str]:
     compiled, arrays, t = solution.compiled, solution.arrays, solution.t
     if not compiled.model.frictions or not t.size:
         return []
-    data, greatest = compiled.data(), None
+    data, tree, found = compiled.data(), None, []
     samples = np.unique(np.linspace(0, t.size - 1, min(t.size, GAIN_SAMPLES)).astype(int))
     for k in samples.tolist():
         known = arrays["state"][k], arrays["coordinate"][k], arrays["lam"][k]
         loads_of_sample(compiled.model, data, t[k], *known)
-        if greatest is None or tree.state.worn == 1:
+        if tree is None or tree.state.worn == 1:
             tree = tree_over_rows(compiled.model, data, solution.record.tolerance)
         factor(compiled.model, data, tree)
-        found = gain_at(compiled, data, tree)
-        if greatest is None or found.value > greatest[0].value:
-            greatest = found, float(t[k])
-    (gain, friction), at = greatest
+        found.append((gain_at(compiled, data, tree), float(t[k])))
+    (gain, friction), at = max(found, key=lambda each: each[0].value)
     text = f"friction: greatest gain on itself {gain:.2g} at t = {at:.4g} s ('{solution.system.name(friction.joint)}')"
     if gain >= GAIN_WARNED:
         text += f"; it jams from 1 on, and loads err by {1.0 / (1.0 - gain):.2g} times what mu errs by"
