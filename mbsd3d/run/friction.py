@@ -27,7 +27,7 @@ from ..solver.saddle_point import SOLVED
 
 STEPS_TO_REST = 3.0  # [steps] within which a joint comes to rest that is watched
 STEPS_LOOKED_AHEAD = 100.0  # [steps] within which those may come to rest whose friction is turned round for the test
-SLOPE_SHARE = 1e-3  # [1] of the time to rest: step of the difference that gives the rate of a slip speed
+SLOPE_SHARE = 1e-3  # [1] of a step: over which the difference goes that gives the rate of a slip speed
 HELD_GAIN = 0.99  # [1] at the last state before friction holds itself, which a run does not reach
 
 

@@ -321,7 +321,7 @@ class Job:
         ended = at_end_of_curve(self.compiled, self.data, float(self.memory.now.step))
         if ended:
             part, what, advice = ended, "the contact comes to the end of its curve", "give a longer one, or end the run"
-        elif held is not None:
+        elif part is None and held is not None:
             part, what, advice = held
         elif part is None and clash is not None:
             part, what, advice = clash.who, f"contradictory drivers: they {clash.what}", clash.advice

@@ -18,7 +18,7 @@ GAIN_WARNED = 0.5  # [1] from which the loads depend on mu out of proportion: w 
 
 
 class Gain(NamedTuple):
-    """Spectral radius of dw/dw, and the friction that takes most part in its mode."""
+    """Spectral radius of dg/dw, w = g(reaction under w), and the friction that takes most part in its mode."""
 
     value: float
     friction: DryFriction
@@ -28,16 +28,16 @@ def gain_at(compiled: Compiled, data: Data, tree: Tree) -> Gain:
     """Return the gain with the rows, loads, multipliers and factor at hand."""
     numbers = np.flatnonzero(compiled.model.force["rows"])
     k = numbers.size
-    work = np.zeros((k, 2, 3)), np.zeros((k, k, 2, 3)), np.zeros(k), np.zeros(k), (D := np.zeros((k, k)))
-    friction_feedback(compiled.model, data, tree, numbers, *work)
+    D, presses, columns, none, missed = (np.zeros(x) for x in ((k, k), (k, 2, 3), (k, k, 2, 3), k, k))
+    friction_feedback(compiled.model, data, tree, numbers, presses, columns, none, missed, D)
     if not np.isfinite(D).all():
         return Gain(np.nan, compiled.system.forces[numbers[0]])
     values, right = np.linalg.eig(D)
     left = np.linalg.eig(D.T)
-    k = int(np.argmax(np.abs(values)))
-    other = int(np.argmin(np.abs(left[0] - values[k])))
-    share = np.abs(right[:, k] * left[1][:, other])  # whatever the units of the loads
-    return Gain(float(np.abs(values[k])), compiled.system.forces[numbers[int(np.argmax(share))]])
+    most = int(np.argmax(np.abs(values)))
+    same = int(np.argmin(np.abs(left[0] - values[most])))
+    share = np.abs(right[:, most] * left[1][:, same])  # whatever the units of the loads
+    return Gain(float(np.abs(values[most])), compiled.system.forces[numbers[int(np.argmax(share))]])
 
 
 def friction_notes(solution: RunResult) -> list[str]:
