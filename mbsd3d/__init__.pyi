@@ -71,6 +71,7 @@ from .mechanism.forces.clutches import Ratchet as Ratchet
 from .mechanism.forces.cone_stop import ConeStop as ConeStop
 from .mechanism.forces.contact import Contact as Contact
 from .mechanism.forces.custom import CustomForce as CustomForce
+from .mechanism.forces.dry_friction import DryFriction as DryFriction
 from .mechanism.forces.end_stop import EndStop as EndStop
 from .mechanism.forces.feedback import StateFeedback as StateFeedback
 from .mechanism.forces.fluid_drag import FluidDrag as FluidDrag

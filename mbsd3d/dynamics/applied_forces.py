@@ -13,7 +13,8 @@ from ..base.errors import InputError
 from ..compiler.decorators import inner_kernel, kernel
 from ..compiler.late import late_choice
 from ..kernels.coordinates import coordinate
-from ..kernels.vectors import add, add6, cross, dot, mat, put, put6, rotate, scale, turning, vec
+from ..kernels.force_laws import apply_along_gradient
+from ..kernels.vectors import add, cross, dot, mat, pair, put, put6, rotate, scale, sub, turning, vec
 from ..mechanism import forces
 from ..mechanism.force_element import ForceElement
 
@@ -87,9 +88,21 @@ def evaluate_coordinate(m, d, p, out, t):
 @inner_kernel
 def apply_coordinate_load(m, d, p, out):
     """Add the load of an element along its hinge coordinate to Q."""
-    a, b = d.body[m.coordinate[p.coordinate].body[0]], d.body[m.coordinate[p.coordinate].body[1]]
-    add6(a.Q, scale(out.load, vec(out.gradient[0])), scale(out.load, vec(out.gradient[1])))
-    add6(b.Q, scale(out.load, vec(out.gradient[2])), scale(out.load, vec(out.gradient[3])))
+    apply_along_gradient(d, m.coordinate[p.coordinate].body, out)
+
+
+@inner_kernel
+def right_sides(m, d):
+    """Set Q - h and gamma at the current rows and loads as the right side of the saddle point."""
+    for i in range(m.body.shape[0]):
+        body = d.body[i]
+        force, moment = pair(body.Q)
+        pull, _ = pair(body.h)
+        force = sub(force, pull)  # the gyroscopic part of h goes in body axes, the rest about O
+        put6(body.top, force, sub(moment, cross(vec(body.s), pull)))
+        put(body.turn, scale(-1.0, vec(body.spin)))
+    for k in range(m.row.shape[0]):
+        d.row[k].bottom = d.row[k].gamma
 
 
 @kernel

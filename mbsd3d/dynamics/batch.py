@@ -20,18 +20,42 @@ from ..kernels.vectors import (
     vec,
 )
 from ..solver.saddle_point import factor, solve, subtract_known
-from .applied_forces import loads
-from .state_rates import right_sides
+from .applied_forces import loads, right_sides
+
+
+@inner_kernel
+def coordinates_of_sample(m, d, t, coordinates):
+    """Set the hinge coordinates that angles count turns from, and curves are searched from."""
+    for i in range(m.coordinate.shape[0]):
+        d.coordinate[i].value = coordinates[i]
+    d.unwrap_time[0] = t
 
 
 @inner_kernel
 def rows_of_sample(m, d, t, state, coordinates):
     """Evaluate kinematics and rows at a sample; hinge coordinates count turns, curves are searched from them."""
-    for i in range(m.coordinate.shape[0]):
-        d.coordinate[i].value = coordinates[i]
-    d.unwrap_time[0] = t
+    coordinates_of_sample(m, d, t, coordinates)
     kinematics(m, d, state)
     rows(m, d, t)
+
+
+@inner_kernel
+def hold_multipliers(m, d, lam):
+    """Set the multipliers, which laws of friction read."""
+    for k in range(m.row.shape[0]):
+        d.row[k].lam = lam[k]
+
+
+@kernel
+def loads_of_sample(m, d, t, state, coordinates, lam):
+    """Evaluate kinematics and loads at a sample; rows where friction reads them."""
+    if m.frictions > 0:
+        rows_of_sample(m, d, t, state, coordinates)
+        hold_multipliers(m, d, lam)
+    else:
+        coordinates_of_sample(m, d, t, coordinates)
+        kinematics(m, d, state)
+    loads(m, d, t)
 
 
 @kernel
@@ -124,6 +148,7 @@ def row_defects(m, d, acceleration, out):
 @inner_kernel
 def newton_euler(m, d, t, acceleration, lam, out):
     """Set out (n, 4) = `body_residual` of every body under its loads and the forces -J' lam of its joints."""
+    hold_multipliers(m, d, lam)
     loads(m, d, t)
     for k in range(m.row.shape[0]):
         for slot in range(4):
@@ -158,7 +183,9 @@ def refinements(m, d, s, instants, states, coordinates, accelerations, lam, firs
         factor(m, d, s)
         if s.state.worn == 1 and k > first:
             return k
-        right_sides(m, d, instants[k])
+        hold_multipliers(m, d, lam[k])
+        loads(m, d, instants[k])
+        right_sides(m, d)
         subtract_known(m, d, accelerations[k], lam[k])
         solve(m, d, s)
         size[k, 0], size[k, 1], size[k, 2] = 0.0, 0.0, s.state.pivot

@@ -15,8 +15,9 @@ from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace, kinematics, normalise, push_velocities, rates
 from ..kernels.rows import row_speed, rows
 from ..kernels.vectors import add, add6, cross, pair, put, put6, scale, sub, vec
-from ..solver.saddle_point import SOLVED, factor, refine, solve
-from .applied_forces import loads
+from ..solver.saddle_point import SOLVED, factor, solve, solve_refined
+from .applied_forces import loads, right_sides
+from .joint_friction import settle_friction
 
 PROJECTED, NOT_CLOSED, UNSOLVED = 0, 1, 2
 SINGULAR_PIVOT = 1e-4  # [1] pivot of a loop row below which the row may be released
@@ -66,27 +67,19 @@ def audit_rates(m, d, dy):
         add6(impulse, force, add(moment, cross(sub(vec(d.body[i].r), centre), force)))
 
 
-@inner_kernel
-def right_sides(m, d, t):
-    """Set Q - h and gamma at the current rows as the right side of the saddle point."""
-    loads(m, d, t)
-    for i in range(m.body.shape[0]):
-        body = d.body[i]
-        force, moment = pair(body.Q)
-        pull, _ = pair(body.h)
-        force = sub(force, pull)  # the gyroscopic part of h goes in body axes, the rest about O
-        put6(body.top, force, sub(moment, cross(vec(body.s), pull)))
-        put(body.turn, scale(-1.0, vec(body.spin)))
-    for k in range(m.row.shape[0]):
-        d.row[k].bottom = d.row[k].gamma
-
-
 @kernel
 def accelerate(m, d, s, t):
     """Solve for v_dot and lam with the current rows, loads and factorisation."""
-    right_sides(m, d, t)
-    status = solve(m, d, s)
-    return refine(m, d, s) if status == SOLVED and s.state.graded == 1 else status
+    loads(m, d, t)
+    return solve_for_loads(m, d, s)
+
+
+@kernel
+def solve_for_loads(m, d, s):
+    """Solve for v_dot and lam with the loads in Q, and for the friction that depends on lam."""
+    right_sides(m, d)
+    status = solve_refined(m, d, s)
+    return settle_friction(m, d, s) if status == SOLVED and m.frictions > 0 else status
 
 
 @inner_kernel

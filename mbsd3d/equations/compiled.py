@@ -105,12 +105,18 @@ class Compiled:
 
     def forces_alone(self, which: slice | np.ndarray) -> Model:
         """Return the tables with some of the force elements, by their places, and no other load."""
-        return self.model._replace(force=self.model.force[which], gravity=np.zeros(3))
+        force = self.model.force[which]
+        return self.model._replace(force=force, frictions=reading_multipliers(force), gravity=np.zeros(3))
 
     def data(self, dtype: type = float) -> Data:
         """Return a new work space; the functions of custom forces are compiled for ``dtype`` here."""
         link(self.system, self.model, dtype)
         return new_data(self.model, dtype)
+
+
+def reading_multipliers(forces: np.ndarray) -> int:
+    """Return how many forces of a table have laws that read multipliers."""
+    return int((forces["rows"] > 0).sum())
 
 
 def link(system: Mechanism, model: Model, dtype: type) -> None:
@@ -204,17 +210,17 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches, 
     where = {key_of(x): i for i, x in enumerate(coordinates)}
     bodies, singular, gyration = body_table(system)
     signals, length = Signals(), own_length(system, records, frames, gyration)
-    forces = force_table(system, records, parameters, index, where, signals, len(measures))
-    places = {id(force): (i, int(forces["state"][i])) for i, force in enumerate(system.forces)}
-    numbers = tuple([tuple([where[key_of(x)] for x in row.coordinates]) for row in primitives])
-    driven = [signals.add(row.signal) for row in primitives if row.signal is not None]
-    rows_table, per_row = row_tables(primitives, numbers, driven, frames, length)
     counts = [sum(row.n_rows for row in rows) for rows in rows_of_joint]
     ends = np.cumsum([0, *counts])
     row_joint = np.repeat(np.arange(len(counts)), counts)
     slices = [slice(int(i), int(j)) for i, j in zip(ends[:-1], ends[1:], strict=True)]
     rows = {id(x): part for x, part in zip(holders, slices, strict=True)}
     rows |= {id(x.held()): rows[id(x)] for x in system.joints}
+    forces = force_table(system, records, parameters, index, where, signals, len(measures), rows)
+    places = {id(force): (i, int(forces["state"][i])) for i, force in enumerate(system.forces)}
+    numbers = tuple([tuple([where[key_of(x)] for x in row.coordinates]) for row in primitives])
+    driven = [signals.add(row.signal) for row in primitives if row.signal is not None]
+    rows_table, per_row = row_tables(primitives, numbers, driven, frames, length)
     if modes:
         number_drives(per_row, np.array([is_switching(x) for x in holders])[row_joint])
     signal, term, term_data = signals.arrays()
@@ -233,6 +239,7 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches, 
         gravity=np.array(system.gravity, float),
         length=length,
         singular=int(singular),
+        frictions=reading_multipliers(forces),
         **switch_fields(switches),
     )
     drives = [int(k) for k in np.flatnonzero(per_row["drive"] >= 0)]

@@ -191,8 +191,12 @@ def force_table(
     where: dict[tuple, int],
     signals: Signals,
     first_measure: int,
+    rows: dict[int, slice],
 ) -> np.ndarray:
-    """Return the table of force elements with these parameters; measures they read stand from ``first_measure`` on."""
+    """Return the table of force elements with these parameters; measures they read stand from ``first_measure`` on.
+
+    ``rows``: those of each joint by its id.
+    """
     out = table(FORCE, len(records))
     for name, counts in (("state", "states"), ("measure", "measures")):
         out[counts] = [len(getattr(r, counts)) for r in records]
@@ -207,6 +211,9 @@ def force_table(
         out["signal"][i] = [signals.add(s) for s in r.signals]
         out["coordinate"][i] = -1 if r.coordinate is None else where[key_of(r.coordinate)]
         out["option"][i] = r.option
+        if r.joint is not None:
+            own = rows[id(r.joint)]
+            out["row"][i], out["rows"][i] = own.start, own.stop - own.start
         for slot, (body, point) in enumerate(zip(r.bodies, r.points, strict=bool(r.points))):
             out["point"][i, slot] = body.local_point(point)
         for slot, body in enumerate(r.bodies[:2]):

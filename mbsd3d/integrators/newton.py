@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..compiler.arguments import by_reference
-from ..compiler.decorators import inner_kernel, kernel
+from ..compiler.decorators import inner_kernel, kernel, late_kernel
 from ..dynamics.applied_forces import loads
 from ..dynamics.state_rates import correction
 from ..kernels.kinds import PROJECTION
@@ -66,6 +66,8 @@ def residual(m, d, s, t, y, rate, lam, h_v, r):
     """Evaluate r at (t, y) for the given rates and multipliers; leave kinematics, rows and loads in d."""
     kinematics(m, d, y)
     rows(m, d, t)
+    for k in range(m.row.shape[0]):
+        d.row[k].lam = lam[k]  # friction reads them
     loads(m, d, t)
     n, nz = m.body.shape[0], m.z_work
     for i in range(n):
@@ -137,6 +139,26 @@ def push_pose(m, d, s, w, j, h_q):
             w.y_c[q + 3 + k] += 1j * COMPLEX_STEP * e_dot[k]
 
 
+@late_kernel
+def add_friction_of_multipliers(m, s, w, t, y):
+    """Add to A what the multipliers change of the loads: those of friction by reactions."""
+    n, d = m.body.shape[0], w.data
+    for k in range(y.shape[0]):
+        w.y_c[k] = y[k]
+    kinematics(m, d, w.y_c)
+    rows(m, d, t)
+    for k in range(m.row.shape[0]):
+        d.row[k].lam = w.lam[k]
+    for i in range(s.used.shape[0]):
+        row = d.row[s.used[i]]
+        row.lam += 1j * COMPLEX_STEP
+        loads(m, d, t)
+        row.lam -= 1j * COMPLEX_STEP
+        for b in range(n):
+            for j in range(6):
+                w.A[6 * b + j, 6 * n + m.z_work + i] -= d.body[b].Q[j].imag / COMPLEX_STEP
+
+
 @inner_kernel
 def same_branch(d, data):
     """Make the complex work space unwrap its angles against the same accepted state."""
@@ -176,6 +198,8 @@ def fill_matrix(m, d, s, w, t, y, h_q, h_v):
             if 0 <= b < n:
                 for j in range(6):
                     w.A[6 * b + j, column] += d.row[k].J[slot, j]
+    if m.frictions > 0:
+        add_friction_of_multipliers(m, s, w, t, y)
 
 
 @inner_kernel

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..compiler.decorators import inner_kernel, merged_kernel
 from .signals import signal
-from .vectors import add6, arm, cross, dot, point, point_velocity, scale, sub
+from .vectors import add6, arm, cross, dot, point, point_velocity, scale, sub, vec
 
 TANH_SATURATION = 20.0  # [1] argument from which on tanh is 1 to rounding
 
@@ -36,6 +36,14 @@ def add_force(body, force, s):
 def add_moment(body, moment):
     """Add a moment to a body."""
     add6(body.Q, scale(0.0, moment), moment)
+
+
+@inner_kernel
+def apply_along_gradient(d, bodies, out):
+    """Add the load of an element along its gradient to Q of two bodies."""
+    a, b = d.body[bodies[0]], d.body[bodies[1]]
+    add6(a.Q, scale(out.load, vec(out.gradient[0])), scale(out.load, vec(out.gradient[1])))
+    add6(b.Q, scale(out.load, vec(out.gradient[2])), scale(out.load, vec(out.gradient[3])))
 
 
 @inner_kernel

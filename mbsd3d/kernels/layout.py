@@ -69,6 +69,8 @@ FORCE = [
     ("named", int),  # how many have a name
     ("option", int),  # choice that its law knows, as between world and body axes
     ("address", ADDRESS, 2),  # of a custom function, for real and for complex numbers; 0 = none
+    ("row", int),  # first row of the joint whose reaction its law reads,
+    ("rows", int),  # and their number, 0 = it reads none
 ]
 SIGNAL = [("first", int), ("end", int)]  # its terms
 TERM = [("kind", int), ("first", int), ("end", int)]  # its numbers in term_data: see signals.Term
@@ -107,6 +109,7 @@ class Model(NamedTuple):
     z_impulse: int
     length: float  # m, the model's own length: scale of errors and of the rank decision
     singular: int  # 1: a body without mass or with a singular inertia
+    frictions: int  # number of forces whose laws read multipliers
     gyroscopic: float  # 1, or 0 to drop w x I_G w
     centripetal: float  # 1, or 0 to drop m w x (w x s)
     gamma: float  # 1, or 0 to drop -J_dot v

@@ -21,6 +21,7 @@ import scipy.linalg
 from ..base.checks import as_tuple, short_repr
 from ..base.errors import AssemblyError, InputError
 from ..constraints.rank import choose_rows
+from ..dynamics.state_rates import solve_for_loads
 from ..equations.at_state import load_rows
 from ..equations.compiled import Compiled, set_input, with_own_inputs
 from ..equations.jacobian import RANK_TOLERANCE, displacement_units
@@ -37,8 +38,7 @@ from ..mechanism.measures import Measure, check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.signals.signal import Input
 from ..results.result import RunResult
-from ..solver.saddle_point import SOLVED, refine
-from ..solver.saddle_point import solve as solve_saddle_point
+from ..solver.saddle_point import SOLVED
 from .variations import COMPLEX_STEP, Field, Tangent, Variations, directions, loads_and_rates, solve, values
 
 DIFFERENCE_WEIGHTS = (4 / 5, -1 / 5, 4 / 105, -1 / 280)  # [1] of f(u + k h) - f(u - k h), k = 1 ... 4: error O(h^8)
@@ -416,21 +416,20 @@ def forced_columns(
     """Return tables of bodies and rows (3 k, ...) whose imaginary parts are what unit u, u', u'' change at once."""
     model, data, n = field.compiled.model, field.data, field.compiled.model.body.size
     solve(model, data, tree, t, y.astype(complex))
-    body, row, found = data.body.copy(), data.row.copy(), []
+    body, row, force, found = data.body.copy(), data.row.copy(), data.force.copy(), []
     k = effects.load.shape[0]
     nothing, still = np.zeros((k, n, 6)), np.zeros((row.size, k))
     for load, gamma in ((effects.load, still), (nothing, effects.speed), (nothing, effects.motion)):
         for j in range(k):
-            data.body["top"][:n], data.body["turn"][:n], data.row["bottom"] = load[j], 0.0, gamma[:, j]
-            status = solve_saddle_point(model, data, tree)
-            if status == SOLVED and tree.state.graded == 1:
-                status = refine(model, data, tree)
-            if status != SOLVED:
+            data.body[:], data.row[:], data.force[:] = body, row, force
+            data.body["Q"][:n] += 1j * COMPLEX_STEP * load[j]
+            data.row["gamma"] += 1j * COMPLEX_STEP * gamma[:, j]
+            if solve_for_loads(model, data, tree) != SOLVED:
                 raise AssemblyError("state_space: the equations of motion have no solution", time=t,
                                     advice="see system.check()")  # fmt: skip
             bodies, rows = body.copy(), row.copy()
-            bodies["acceleration"][:n] += 1j * COMPLEX_STEP * data.body["acceleration"][:n].real
-            rows["lam"] += 1j * COMPLEX_STEP * data.row["lam"].real
+            bodies["acceleration"][:n] = data.body["acceleration"][:n]
+            rows["lam"] = data.row["lam"]
             found.append((bodies, rows))
     return np.array([x for x, _ in found]), np.array([x for _, x in found])
 

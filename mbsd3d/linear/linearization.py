@@ -21,6 +21,7 @@ from ..mechanism.measures import Measure, check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from ..results.record import RunOptions
+from ..run.friction import check_slipping
 from ..run.simulation import accelerations_at, check_state, check_system
 from .steady_motion import Generator, Units, check_signals, find_generator, natural_units
 from .variations import (
@@ -171,6 +172,7 @@ def analyse(
     compiled = compile_system(system, measures, options.switches, modes_at(system, start))
     announce_compilation("linearisation")
     field = Field(compiled, start, len(measures))
+    check_slipping(compiled, field.real, field.y, start.t, "linearize")
     at = field.at(field.t, field.y)
     space = tangent_space(compiled, at)
     if not space.E.shape[1]:

@@ -31,6 +31,7 @@ class ForceRecord:
     series: tuple = ()  # sequences of numbers, as many as its law asks for: gains and references
     states: tuple = ()  # initial values of its internal states
     scales: tuple = ()  # of their errors: (unit, k, j) is unit length^k speed^j
+    joint: Joint | None = None  # whose reaction its law reads
 
 
 @part_class()

@@ -19,6 +19,7 @@ from .checks.balances import BALANCES, balance_checks, work_note
 from .checks.between_stages import signal_checks, stage_notes, touch_checks
 from .checks.check import DRIFT_LIMIT_MAX, PASSED, Check, drift_limit, scales_of
 from .checks.equations import equation_checks, joint_checks, lost, residuals
+from .checks.friction import friction_notes
 from .checks.rounding import rounding, rounding_checks, singular_notes
 from .checks.turns import turning_checks
 from .record import HasOptions, RankEvent, Record, RunOptions
@@ -197,7 +198,7 @@ def notes(solution: RunResult) -> list[str]:
         found.append(f"the run passes a singular position; it goes on along the tangent of the motion; {inexact}")
     watched: tuple[Joint | Limit, ...] = (*solution.system.joints, *solution.system.limits)
     found += [text for part in watched for text in part.notes(solution)]
-    found += stage_notes(solution)
+    found += stage_notes(solution) + friction_notes(solution)
     if solution.record.never_armed:
         never = "it just came true at the start, and has not been false since"
         found.append(f"stop_when: {solution.record.never_armed} was never armed: {never}")

@@ -12,10 +12,8 @@ import numpy as np
 from ..base.checks import short_repr
 from ..base.errors import InputError
 from ..base.style import Sampled
-from ..dynamics.applied_forces import loads
-from ..dynamics.batch import joint_wrenches
+from ..dynamics.batch import joint_wrenches, loads_of_sample
 from ..equations.compiled import new_data
-from ..kernels.kinematics import kinematics
 from ..mechanism.bodies import Body, Ground
 from ..mechanism.force_element import ForceElement
 from ..mechanism.forces.by_table import ForceCurve
@@ -161,9 +159,7 @@ def wrenches_about_O(
     own = slice(int(alone.force["state"][0]), int(alone.force["state"][0] + alone.force["states"][0]))
     rates = np.empty((samples, own.stop - own.start))
     for i in range(samples):
-        data.coordinate["value"], data.unwrap_time[0] = arrays["coordinate"][i], solution.t[i]  # angles count turns
-        kinematics(alone, data, arrays["state"][i])
-        loads(alone, data, solution.t[i])
+        loads_of_sample(alone, data, solution.t[i], arrays["state"][i], arrays["coordinate"][i], arrays["lam"][i])
         wrench[i] = data.body["Q"][index]
         power[i] = np.sum(data.body["Q"][:-1] * arrays["v"][i])
         rates[i], shown[i] = data.state_rate[own], data.force["shown"][0]

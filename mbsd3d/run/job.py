@@ -46,6 +46,7 @@ from .failure_causes import (
     singular_start,
     singular_there,
 )
+from .friction import RestWatch, check_friction_loads, check_slipping, find_held_friction
 from .initial_checks import (
     MemoryWatch,
     check_balance,
@@ -75,6 +76,7 @@ class Job:
         self.compiled, self.model, self.start, self.options = compiled, compiled.model, start, options
         check_runnable(compiled.system)
         self.divergence = DivergenceWatch(compiled, start.t)
+        self.rests = RestWatch(compiled, options.method.dt)
         self.data = compiled.data()
         as_built = 0.0 if options.as_built is None else options.as_built / self.model.length
         self.record = Record(options, as_built, about_centre=True)
@@ -125,6 +127,7 @@ class Job:
                 self.check_start()
                 check_stops(self.compiled, self.data, self.memory.y)
                 self.eliminate()
+                check_friction_loads(self.rows_at_start())
                 self.accelerate()
                 self.check_driven()
                 self.first_step()
@@ -142,6 +145,8 @@ class Job:
         """Evaluate one sample at the start, without integrating."""
         self.check_start()
         self.eliminate()
+        check_friction_loads(self.rows_at_start())
+        check_slipping(self.compiled, self.data, self.memory.y, self.start.t, "accelerations")
         model, data, run, t = self.model, self.data, self.memory, self.start.t
         projected, solved = project_and_evaluate(model, data, self.tree, t, run.y, run.dy, FACTOR_FROM_OTHER_POSE)
         run.now.evaluations += 1
@@ -166,6 +171,7 @@ class Job:
             progress.update(run.now.t)
             self.divergence.check(run, self.data, self.solution)
             self.functions.check(float(run.now.t), self.solution)
+            self.rests.check(run, self.data, self.tree, status == memory.DONE, self.solution)
             if status == memory.RUNNING:
                 budget = int(np.clip(budget * CHUNK_SECONDS / max(spent, 1e-6), budget / 4, 4 * budget)) or 1
             elif status == memory.FULL:
@@ -309,12 +315,15 @@ class Job:
         """Raise an InputError for a reaction that the constraints do not determine at the start."""
         if measure.joint is None:
             return
-        start = RunRows(
+        if not is_unique(self.compiled, self.rows_at_start().probes(), group_of(self.compiled, [measure.joint])):
+            raise InputError(f"{what}: {measure.label} {NOT_DETERMINED}")
+
+    def rows_at_start(self) -> RunRows:
+        """Return the rows at the start."""
+        return RunRows(
             self.compiled, np.array([self.start.t]), self.memory.y[None], self.data.coordinate["value"][None].copy(),
             self.record,
         )  # fmt: skip
-        if not is_unique(self.compiled, start.probes(), group_of(self.compiled, [measure.joint])):
-            raise InputError(f"{what}: {measure.label} {NOT_DETERMINED}")
 
     def drain(self) -> None:
         """Copy the samples out of the full buffer and empty it."""
@@ -346,9 +355,12 @@ class Job:
         blamed, clash = find_nonfinite_part(*here, self.memory.dy), contradiction(*here)
         part = blamed.part if blamed else None
         what, advice = FAILURES[status]
+        held = find_held_friction(self.compiled, self.data, self.memory.y, t)
         ended = at_end_of_curve(self.compiled, self.data, float(self.memory.now.step))
         if ended:
             part, what, advice = ended, "the contact comes to the end of its curve", "give a longer one, or end the run"
+        elif part is None and held is not None:
+            part, what, advice = held
         elif part is None and clash is not None:
             part, what, advice = clash.who, f"contradictory drivers: they {clash.what}", clash.advice
         elif part is None and (singular := singular_start(self.compiled, self.start, t, self.memory.task.t_end)):

@@ -46,6 +46,13 @@ def solve(m, d, s):
 
 
 @inner_kernel
+def solve_refined(m, d, s):
+    """Solve as `solve` does; with a correction by the residual where S has too few digits."""
+    status = solve(m, d, s)
+    return refine(m, d, s) if status == SOLVED and s.state.graded == 1 else status
+
+
+@inner_kernel
 def fill_dense(m, d, s, K, rhs):
     """Fill K0 = [M / w  J'; J  0] over the rows in use and the right side [top / w; bottom], w the heaviest inertia.
 

@@ -19,6 +19,7 @@ from mbsd3d import (
     ConeStop,
     Contact,
     CustomForce,
+    DryFriction,
     EndStop,
     FluidDrag,
     Force,
@@ -133,6 +134,7 @@ def _tyre(rng, a, b, **given):
     return Tyre(a, b, axis=(0.3, 1.0, -0.2), plane=plane, centre=b.position + 0.2 * direction(rng), **numbers, **more)
 
 
+PRESSED = dict(mu=0.3, preload=9.0)
 STOP = dict(stiffness=3.0, damping=0.4)
 BENT = [(-9.0, 4.0), (-1.0, 2.5), (0.3, 0.7), (1.5, -0.9), (4.0, -1.7), (9.0, -6.0)]
 
@@ -177,6 +179,15 @@ EXAMPLES = {
     ),
     "Brake that holds": lambda rng, a, b: _on(_hinge(rng, a, b), Brake, torque=90.0 + signal(rng, 1.0), **LINING),
     "Brake that slips": lambda rng, a, b: _on(_slider(rng, a, b), Brake, torque=Polynomial((0.3, 0.1)), **LINING),
+    "DryFriction of a hinge": lambda rng, a, b: _on(
+        _hinge(rng, a, b), DryFriction, pin_radius=0.4, yields=0.05, **PRESSED
+    ),
+    "DryFriction of a slide": lambda rng, a, b: _on(
+        _slider(rng, a, b), DryFriction, guide_length=0.3, yields=0.1, **PRESSED
+    ),
+    "DryFriction of a ball": lambda rng, a, b: _on(
+        Spherical(a, b, at=middle(rng, a, b)), DryFriction, ball_radius=0.5, yields=0.2, **PRESSED
+    ),
     "EndStop of a hinge": lambda rng, a, b: _on(_hinge(rng, a, b), EndStop, upper=-4.0, **STOP),
     "EndStop of a slide": lambda rng, a, b: _on(_slider(rng, a, b), EndStop, lower=7.0, upper=8.0, **STOP),
     "ConeStop of the swing": lambda rng, a, b: _cone(rng, a, b, half_angle=0.05),

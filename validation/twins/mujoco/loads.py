@@ -116,6 +116,7 @@ REFUSED: dict[type, str] = {
     mbsd3d.AeroDrag: "the drag of MuJoCo is one of boxes and ellipsoids in a medium, not of an area",
     mbsd3d.CustomForce: "it is a function of the user's; MuJoCo has it only if it is written again for it",
     mbsd3d.Brake: "MuJoCo's dry friction is a soft row that creeps; a brake holds by a spring with a state of its own",
+    mbsd3d.DryFriction: "the friction loss of MuJoCo does not follow the load of its joint",
     mbsd3d.Contact: "the contacts of MuJoCo are soft rows with a law of their own",
     mbsd3d.Tyre: "MuJoCo has no tyre",
     mbsd3d.StateFeedback: "MuJoCo has no feedback through a filter on measures",
