@@ -39,6 +39,7 @@ from .mechanism.bodies import Body as Body
 from .mechanism.contacts import KnifeEdge as KnifeEdge
 from .mechanism.contacts import Rolling as Rolling
 from .mechanism.contacts import RollingDisc as RollingDisc
+from .mechanism.couplings import Coupler as Coupler
 from .mechanism.couplings import Gear as Gear
 from .mechanism.couplings import GearMesh as GearMesh
 from .mechanism.couplings import RackPinion as RackPinion

@@ -163,7 +163,8 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
     places = {id(force): (i, int(forces["state"][i])) for i, force in enumerate(system.forces)}
     numbers = tuple([tuple([where[key_of(x)] for x in row.coordinates]) for row in primitives])
     driven = [signals.add(row.signal) for row in primitives if row.signal is not None]
-    rows_table, per_row = row_tables(primitives, numbers, driven, frames, length)
+    curves = np.concatenate([given, *(x.numbers for x in coordinates)])
+    rows_table, per_row = row_tables(primitives, numbers, driven, frames, length, curves.size)
     counts = [sum(row.n_rows for row in rows) for rows in rows_of_joint]
     ends = np.cumsum([0, *counts])
     row_joint = np.repeat(np.arange(len(counts)), counts)
@@ -177,7 +178,7 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
         coordinate=coordinate_table(coordinates, frames, given.size),
         force=forces,
         measure=measure_table([*measures, *read], index, where, places, rows),
-        number=np.concatenate([given, *(x.numbers for x in coordinates)]),
+        number=np.concatenate([curves, *(np.array(row.numbers, float) for row in primitives if row.numbers)]),
         signal=signal,
         term=term,
         term_data=term_data,

@@ -35,7 +35,9 @@ PRIMITIVE = [
     ("axis", float, (4, 3)),  # a unit vector in each slot's body, body axes
     ("second_axis", float, (4, 3)),  # a second one
     ("value", float, 4),  # scalars: distance, ratios, radii
-    ("coordinate", int, 2),  # hinge coordinates of a ratio, -1 = unused
+    ("coordinate", int, 4),  # hinge coordinates of a ratio or coupler, -1 = unused
+    ("number", int),  # first of its numbers in Model.number
+    ("numbers", int),  # how many there are
     ("signal", int),  # prescribed motion, -1 = none
 ]
 ROW = [
@@ -99,7 +101,7 @@ class Model(NamedTuple):
     term: np.ndarray  # TERM
     term_data: np.ndarray
     measure: np.ndarray  # MEASURE: those of the caller first, then those the forces read
-    number: np.ndarray  # gains, references, parameters of forces; curves
+    number: np.ndarray  # gains, references, parameters of forces; curves; polynomials of couplers
     state: np.ndarray  # STATE, layout of z: [states of force elements | work of forces | work of drivers | impulse (6)]
     gravity: np.ndarray  # (3,) m/s^2
     z_work: int

@@ -68,6 +68,10 @@ def parts():
         "pressure_angle": 0.3, "helix_angle": 0.0, "flank": 1, "carrier": None,
     } | name  # fmt: skip
     yield m.RackPinion, {"pinion": HINGE, "rack": SLIDER, "radius": 0.1} | name
+    yield m.Coupler, {
+        "x": (HINGE,), "y": SLIDER, "coefficients": (0.1, 0.2, -0.3), "x_weights": (2.0,), "y_weights": (1.0,),
+        "x_of": "angle", "y_of": ("slide",),
+    } | name  # fmt: skip
     yield m.KnifeEdge, pair | here | {"lateral": (0, 1, 0)} | name
     yield m.KnifeEdge, pair | here | {"heading": (1, 0, 0)} | name
     yield (
