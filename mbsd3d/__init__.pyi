@@ -67,9 +67,11 @@ from .mechanism.forces.feedback import StateFeedback as StateFeedback
 from .mechanism.forces.gravitation import CentralGravity as CentralGravity
 from .mechanism.forces.gravitation import Weight as Weight
 from .mechanism.forces.linear_actuator import LinearActuator as LinearActuator
+from .mechanism.forces.rotation_spring import RotationSpring as RotationSpring
 from .mechanism.forces.springs import JointFriction as JointFriction
 from .mechanism.forces.springs import SpringDamper as SpringDamper
 from .mechanism.forces.springs import TorsionSpring as TorsionSpring
+from .mechanism.forces.sum_spring import SumSpring as SumSpring
 from .mechanism.forces.tyre import Tyre as Tyre
 from .mechanism.joints.conditions import ConstantVelocity as ConstantVelocity
 from .mechanism.joints.conditions import Distance as Distance

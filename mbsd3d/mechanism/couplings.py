@@ -1,19 +1,18 @@
 """Couplings: rows on the angles and slides of other joints."""
 
-from collections.abc import Sequence
 from dataclasses import KW_ONLY
-from typing import Any
 
 import numpy as np
 
-from ..base.checks import as_tuple, check_choice, short_repr
+from ..base.checks import check_choice, short_repr
 from ..base.errors import InputError
-from ..base.fields import Number, Numbers, Stored, Vector, as_numbers, kept, or_none, part_class
+from ..base.fields import Number, Numbers, Vector, kept, part_class
 from ..kernels import kinds
 from .bodies import GROUND, Body, Ground
 from .joints import AxisJoint, Joint, angle_of, coordinate_of, slide_of
 from .motion_protocols import LoadedMotion, Motion
 from .primitives import ZERO, Coordinate, Primitive, ratio
+from .sums import Joints, KindsOrNone, NumbersOrOnes, places_of, weighted
 from .tooth_contact import Axle, line_of_action
 
 SLOTS_COUNT = 4  # [bodies] of a row
@@ -269,40 +268,6 @@ class GearMesh(Coupling):
         ]  # fmt: skip
 
 
-def as_joints(value: Any, what: str, part: Any) -> tuple[Joint, ...]:
-    """Convert a joint, or a sequence of joints, to a tuple."""
-    return (value,) if isinstance(value, Joint) else as_tuple(value, what, "a joint or a list of joints")
-
-
-class Joints(Stored[Joint | Sequence[Joint], tuple[Joint, ...]]):
-    """Joints; one may stand alone."""
-
-    accepts, role, file_type = "Joint | Sequence[Joint]", "joint", str | dict | list[str | dict]
-    convert = staticmethod(as_joints)
-
-
-def as_kinds(value: Any, what: str, part: Any) -> tuple[str | None, ...]:
-    """Convert "angle", "slide" or None, or one of them for each joint, to a tuple."""
-    kinds_given = (value,) if isinstance(value, str) else as_tuple(value, what, "one of 'angle' and 'slide' a joint")
-    for kind in kinds_given:
-        check_choice(kind, ("angle", "slide", None), what)
-    return kinds_given
-
-
-class KindsOrNone(Stored[str | Sequence[str | None] | None, tuple[str | None, ...] | None]):
-    """Which coordinate of each joint, or None."""
-
-    accepts, file_type = "str | Sequence[str] | None", str | list[str | None] | None
-    convert = staticmethod(or_none(as_kinds))
-
-
-class NumbersOrOnes(Stored[Sequence[float] | None, tuple[float, ...] | None]):
-    """Finite numbers, or None for ones."""
-
-    accepts, file_type = "Sequence[float] | None", list[float] | None
-    convert = staticmethod(or_none(as_numbers))
-
-
 @part_class()
 class Coupler(Coupling):
     """An angle or slide y is a polynomial of another one (1 row): y = c0 + c1 x + c2 x^2 + ..., both counted in turns.
@@ -367,16 +332,10 @@ class Coupler(Coupling):
         if not self.coefficients or (not self.x and len(self.coefficients) > 1):
             given = f"{len(self.coefficients)} coefficients for {len(self.x)} joints of x"
             raise InputError(f"{what}: {given}; give c0, c1, ..., and without x only c0")
-        for side, joints, weights in (("x", self.x, self.x_weights), ("y", self.y, self.y_weights)):
-            if weights is not None and (len(weights) != len(joints) or 0.0 in weights):
-                raise InputError(
-                    f"{what}: {side}_weights = {short_repr(weights)} for {len(joints)} joints; give one a joint, none 0"
-                )
         places = [*self.places("y", what), *self.places("x", what)]
         for place in places:
             if places.count(place) > 1:
-                joint, kind = place
-                raise InputError(f"{what}: the {kind} of '{joint.name}' stands twice; name it once, with one weight")
+                raise InputError(f"{what}: the {place[1]} of '{place[0].name}' stands twice; name it once")
         bodies = self.bodies()
         if len(bodies) > SLOTS_COUNT:
             names = ", ".join(f"'{body.name}'" for body in bodies)
@@ -387,24 +346,15 @@ class Coupler(Coupling):
 
     def places(self, side: str, what: str) -> list[tuple[Joint, str]]:
         """Return (joint, "angle" or "slide") of each coordinate of a side."""
-        joints, chosen = (self.y, self.y_of) if side == "y" else (self.x, self.x_of)
-        if chosen is not None and len(chosen) == 1:
-            chosen = chosen * len(joints)
-        if chosen is not None and len(chosen) != len(joints):
-            raise InputError(f"{what}: {side}_of = {chosen} for {len(joints)} joints; give one, or one a joint")
-        found = []
-        for joint, kind in zip(joints, chosen or (None,) * len(joints), strict=True):
-            kind = kind or ("angle" if isinstance(joint, Joint) and joint.angle() is not None else "slide")
-            coordinate_of(joint, kind, f"{what}: {side}")
-            found.append((joint, kind))
-        return found
+        return places_of(*self.of_side(side), side, what)
 
     def sum_of(self, side: str) -> list[tuple[Coordinate, float]]:
         """Return the coordinates of a side with their weights."""
-        weights = self.y_weights if side == "y" else self.x_weights
-        places = self.places(side, "")
-        coordinates = [coordinate_of(joint, kind, "") for joint, kind in places]
-        return list(zip(coordinates, weights or (1.0,) * len(places), strict=True))
+        return weighted(*self.of_side(side))
+
+    def of_side(self, side: str) -> tuple[tuple[Joint, ...], tuple[float, ...] | None, tuple[str | None, ...] | None]:
+        """Return joints, weights and kinds of coordinates of "x" or "y"."""
+        return (self.y, self.y_weights, self.y_of) if side == "y" else (self.x, self.x_weights, self.x_of)
 
     def rows(self) -> list[Primitive]:
         y, x = self.sum_of("y"), self.sum_of("x")

@@ -90,6 +90,9 @@ def parts():
         "at_a": (0, 0, 0), "at_b": (0, 0, 1), "stiffness": 3.0, "damping": 1.0, "length": 0.5
     } | name  # fmt: skip
     yield m.TorsionSpring, {"hinge": HINGE, "stiffness": 3.0, "damping": 0.1, "angle": 0.2} | name
+    yield m.SumSpring, {"joints": (HINGE, SLIDER), "weights": (2.0, -1.0), "of": ("angle", "slide"), "stiffness": 3.0,
+                        "damping": 0.1, "rest": (0.1, 0.2)} | name  # fmt: skip
+    yield m.RotationSpring, pair | {"stiffness": 3.0, "damping": 0.1} | name
     yield (
         m.Brake,
         {"hinge": HINGE, "torque": m.Pulse(3.0, start=0.2, edge=0.1), "stiffness": 900.0, "damping": 20.0} | name,

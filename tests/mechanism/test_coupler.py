@@ -172,9 +172,9 @@ WRONG = {
     "twice": (lambda: Coupler(HINGE, (RAIL, HINGE), coefficients=(0, 1.0)), "the angle of 'hinge' stands twice"),
     "kind": (lambda: Coupler(HINGE, RAIL, y_of="angle", coefficients=(0, 1.0)), "'rail'.* has no angle"),
     "unknown": (lambda: Coupler(HINGE, RAIL, y_of="turn", coefficients=(0, 1.0)), "y_of.*'turn'"),
-    "kinds": (lambda: Coupler(HINGE, RAIL, y_of=("slide", "slide"), coefficients=(0, 1.0)), "for 1 joints; give one"),
-    "weights": (lambda: Coupler(HINGE, RAIL, y_weights=(1.0, 2.0), coefficients=(0, 1.0)), "y_weights.*one a joint"),
-    "weight 0": (lambda: Coupler(HINGE, RAIL, x_weights=(0.0,), coefficients=(0, 1.0)), "x_weights.*none 0"),
+    "kinds": (lambda: Coupler(HINGE, RAIL, y_of=("slide", "slide"), coefficients=(0, 1.0)), "2 coordinates for"),
+    "weights": (lambda: Coupler(HINGE, RAIL, y_weights=(1.0, 2.0), coefficients=(0, 1.0)), "weights of y.*one a joint"),
+    "weight 0": (lambda: Coupler(HINGE, RAIL, x_weights=(0.0,), coefficients=(0, 1.0)), "weights of x.*none 0"),
     "a body": (lambda: Coupler(A, RAIL, coefficients=(0, 1.0)), "a joint or a list of joints"),
     "bodies": (lambda: Coupler(HINGE, (RAIL, LAST, FOURTH), coefficients=(0, 1.0)), "5 bodies, .*give at most 4"),
 }  # fmt: skip

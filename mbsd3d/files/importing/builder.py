@@ -1,6 +1,6 @@
 """A system from the facts of a model, whichever format they come from, and what of them has no counterpart here."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -12,13 +12,15 @@ from ...base.mass_properties import TRIANGLE_RULE_TOLERANCE, MassProperties, put
 from ...base.rotations import conjugate, matrix, multiply
 from ...base.style import counted
 from ...mechanism.bodies import GROUND, Body
-from ...mechanism.couplings import Gear, RackPinion
+from ...mechanism.couplings import SLOTS_COUNT, Coupler, Gear, RackPinion
 from ...mechanism.drivers import AngleDriver, SlideDriver
 from ...mechanism.force_element import ForceElement
 from ...mechanism.forces.applied import Force
 from ...mechanism.forces.brake import Brake
 from ...mechanism.forces.bushing import Bushing
+from ...mechanism.forces.rotation_spring import RotationSpring
 from ...mechanism.forces.springs import TorsionSpring
+from ...mechanism.forces.sum_spring import SumSpring
 from ...mechanism.joints import Joint
 from ...mechanism.joints.pairs import Fixed, Revolute, Spherical
 from ...mechanism.limits import Limit
@@ -66,7 +68,8 @@ class Builder:
         self.bodies: dict[int, Any] = {0: GROUND}
         self.group = grouped(body["weld"] for body in facts["bodies"])  # what is welded to a body, itself first
         self.joints_of = grouped(joint["body"] for joint in facts["joints"])
-        self.coupled = {k for e in facts["equalities"] if e["type"] == "joint" for k in e["joints"]}
+        self.coupled = {k for e in facts["equalities"] for k in joints_in(e)}
+        self.coupled |= {k for tendon in facts.get("tendons", ()) for k in tendon["joints"]}
         self.length = length_of(facts)
         self.names: set[str] = {GROUND.name}
         self.renamed: dict[str, str] = {}
@@ -98,6 +101,8 @@ class Builder:
             self.join(i, self.joints_of.get(i, []))
         for equality in self.facts["equalities"]:
             self.close(equality)
+        for tendon in self.facts.get("tendons", ()):
+            self.pull(tendon)
         self.hold_weights()
         if brakes := sum(isinstance(force, Brake) for force in self.forces):
             self.said.append(f"dry friction of {counted(brakes, 'joint')} yields by {BRAKE_YIELD:g} rad or m at rest")
@@ -288,19 +293,21 @@ class Builder:
         self.joints += [axle, gear]
 
     def spring(self, i: int, k: int, part: Facts) -> None:
-        """Build -k (x - x0) - c x_dot on a coordinate from the reference pose; -c w or -c v without a coordinate.
+        """Build -k (x - x0) - c x_dot on a coordinate; of a ball -k theta - c w, of a free joint -k r - c v besides.
 
-        The damping of a free joint acts at the origin of the body.
+        What is free of a joint is held at the origin of the body. All is counted from the reference pose.
         """
         name, joint = self.name(f"{part['name']} spring", "spring"), self.coordinate.get(k)
         if joint is not None:
             values = {"stiffness": part["stiffness"], "damping": part["damping"], "angle": part["rest"]}
             self.forces.append(TorsionSpring(joint, **values, name=name))
-        elif part["stiffness"] == 0.0 and part["type"] in ("ball", "free"):
-            c, free = part["damping"], part["type"] == "free"
+        elif part["type"] in ("ball", "free"):
+            stiffness, damping, free = part["stiffness"], part["damping"], part["type"] == "free"
             a, b = (GROUND, self.bodies[i]) if free else (self.made[k].a, self.made[k].b)
-            at, c_line = (b.position, c) if free else (part["anchor"], 0.0)
-            self.forces.append(Bushing(a, b, at=at, stiffness=0.0, damping=c_line, turning_damping=c, name=name))
+            self.forces.append(RotationSpring(a, b, stiffness=stiffness, damping=damping, name=name))
+            if free:
+                line = self.name(f"{part['name']} spring along", "spring")
+                self.forces.append(Bushing(a, b, at=b.position, stiffness=stiffness, damping=damping, name=line))
         else:
             self.foreign("passive", f"stiffness or damping of {part['type']} {part['name']}", "joint", part["name"])
 
@@ -322,9 +329,11 @@ class Builder:
     def close(self, equality: Facts) -> None:
         """Build a loop closure or a coupling."""
         name = self.name(equality["name"], "equality")
-        made = self.coupling(equality, name) if equality["type"] == "joint" else self.closure(equality, name)
+        build = {"joint": self.coupling, "tendon": self.tied}.get(equality["type"], self.closure)
+        made = build(equality, name)
         if made is None:
-            self.foreign("equality", f"{equality['name']} ({equality['type']})", "equality", equality["name"])
+            what = f"{equality['name']} ({equality['type']}){self.why_not(equality)}"
+            self.foreign("equality", what, "equality", equality["name"])
         else:
             self.joints.append(made)
 
@@ -337,35 +346,71 @@ class Builder:
         return (Fixed if equality["type"] == "weld" else Spherical)(a, b, at=at, at_b=at_b, name=name)
 
     def coupling(self, equality: Facts, name: str) -> Joint | None:
-        """Build y = a1 x of two coordinates from the reference pose, where a0 has put y; without x, y stays there."""
+        """Build y = a1 x + ... + a4 x^4 from the reference pose, where a0 has put y; without x, y stays there."""
         y, x = equality["joints"]
-        _, a1, *rest = equality["polynomial"]
+        a1, *rest = (*equality["polynomial"], 0.0)[1:]
         kinds = [self.facts["joints"][k]["type"] for k in (y, x) if k >= 0]
         if y not in self.coordinate or (x >= 0 and x not in self.coordinate):
             return None
         follower = self.coordinate[y]
-        if x >= 0 and any(rest):
-            return None
-        if x < 0 or a1 == 0.0:
+        if x < 0 or not any((a1, *rest)):
             driver = AngleDriver if kinds[0] == "hinge" else SlideDriver
             return driver(follower, 0.0, name=name)
         leader = self.coordinate[x]
-        match kinds:
-            case ["hinge", "hinge"]:
+        match kinds, any(rest):
+            case ["hinge", "hinge"], False:
                 return Gear(leader, follower, ratio=a1, name=name)
-            case ["slide", "hinge"]:
+            case ["slide", "hinge"], False:
                 return RackPinion(leader, follower, radius=a1, name=name)
-            case ["hinge", "slide"]:
+            case ["hinge", "slide"], False:
                 return RackPinion(follower, leader, radius=1.0 / a1, name=name)
-        return self.racks(leader, x, follower, a1, name)
+        return Coupler(leader, follower, coefficients=without_zeros((0.0, a1, *rest)), name=name)
 
-    def racks(self, leader: Joint, place: int, follower: Joint, ratio: float, name: str) -> Joint:
-        """Build two slides in a fixed ratio: racks on a pinion without mass; ``place`` is the number of the leader."""
-        pinion = Body(self.name(f"{name} pinion", "body"), 0.0, np.zeros(3))
-        axle = Revolute(GROUND, pinion, at=(0, 0, 0), axis=(0, 0, 1), name=self.name(f"{name} axle", "joint"))
-        self.rotors.append(Frame(pinion, 0, (), place))
-        self.joints += [axle, RackPinion(axle, leader, radius=1.0, name=self.name(f"{name} rack", "joint"))]
-        return RackPinion(axle, follower, radius=ratio, name=name)
+    def tied(self, equality: Facts, name: str) -> Joint | None:
+        """Build y = a0 + a1 x + ... of two sums of coordinates, or y = a0 of one; None where it does not fit a row."""
+        (y, y_weights), (x, x_weights) = equality["sums"]
+        if not {*y, *x} <= set(self.coordinate):
+            return None
+        leaders, followers = ([self.coordinate[k] for k in side] for side in (x, y))
+        if self.ends((*x, *y)) > SLOTS_COUNT:
+            return None
+        weights = {"x_weights": x_weights or None, "y_weights": y_weights}
+        return Coupler(
+            leaders, followers, coefficients=without_zeros(equality["polynomial"]), **weights, name=name
+        )  # fmt: skip
+
+    def ends(self, joints: Sequence[int]) -> int:
+        """Return the number of bodies, the ground included, between which joints with a coordinate are."""
+        return len({id(body) for k in joints for body in (self.coordinate[k].a, self.coordinate[k].b)})
+
+    def why_not(self, equality: Facts) -> str:
+        """Return why an equality of tendons is not built, to follow its name."""
+        joints = joints_in(equality) if equality["type"] == "tendon" else []
+        if not joints or not set(joints) <= set(self.coordinate):
+            return ""
+        return f", between {self.ends(joints)} bodies where a row has at most {SLOTS_COUNT}"
+
+    def pull(self, tendon: Facts) -> None:
+        """Build spring and damper of a fixed tendon, on the weighted sum of its joints."""
+        if not set(tendon["joints"]) <= set(self.coordinate):
+            self.foreign("tendon", f"{tendon['name']}, on a joint without a coordinate", "tendon", tendon["name"])
+            return
+        joints = [self.coordinate[k] for k in tendon["joints"]]
+        values = {name: tendon[name] for name in ("weights", "stiffness", "damping", "rest")}
+        self.forces.append(SumSpring(joints, **values, name=self.name(tendon["name"], "tendon")))
+
+
+def joints_in(equality: Facts) -> list[int]:
+    """Return the numbers of joints on whose coordinates an equality acts."""
+    if equality["type"] == "tendon":
+        return [k for joints, _ in equality["sums"] for k in joints]
+    return list(equality["joints"]) if equality["type"] == "joint" else []
+
+
+def without_zeros(polynomial: Sequence[float]) -> list[float]:
+    """Return coefficients without the highest ones that are zero."""
+    last = max((k for k, c in enumerate(polynomial) if c), default=0)
+    return list(polynomial[: last + 1])
 
 
 def drawn(geoms: list[Facts], r: np.ndarray, e: np.ndarray, R: np.ndarray, meshes: "Meshes") -> list[Shape] | None:
