@@ -3,8 +3,8 @@
 from ..compiler.decorators import inner_kernel, kernel
 from ..kernels.kinematics import kinematics
 from ..kernels.rows import row_speed, rows
-from ..kernels.vectors import add, clear, cross, dot, mat, pair, rotate, rotate_back, scale, sub, turning, vec
-from ..solver.saddle_point import factor, solve, subtract_known
+from ..kernels.vectors import add, add_scaled, clear, cross, dot, mat, pair, rotate, rotate_back, scale, sub, turning, vec
+from ..solver.saddle_point import factor, reflected_acceleration, solve, subtract_known
 from .applied_forces import loads
 from .state_rates import right_sides
 
@@ -87,7 +87,7 @@ def row_defects(m, d, acceleration, out):
 
 @inner_kernel
 def newton_euler(m, d, t, acceleration, lam, out):
-    """Set out (n, 4) = `body_residual` of every body under its loads and the forces -J' lam of its joints."""
+    """Set out (n, 4) = `body_residual` of every body under its loads, and its joints' -J' lam and reflected inertias."""
     loads(m, d, t)
     for k in range(m.row.shape[0]):
         for slot in range(4):
@@ -95,6 +95,10 @@ def newton_euler(m, d, t, acceleration, lam, out):
             if i >= 0:
                 for j in range(6):
                     d.body[i].Q[j] -= d.row[k].J[slot, j] * lam[k]
+    for i in range(m.reflected.shape[0]):
+        load = m.reflected[i].inertia * (d.reflected[i].bias + reflected_acceleration(m, d, i, acceleration))
+        for end in range(2):
+            add_scaled(d.body[m.coordinate[m.reflected[i].coordinate].body[end]].Q, -load, d.reflected[i].J[end])
     for i in range(m.body.shape[0]):
         body_residual(m.body[i], d.body[i], acceleration[i], out[i])
 

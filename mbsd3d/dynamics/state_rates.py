@@ -14,8 +14,8 @@ from ..compiler.late import late
 from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace, kinematics, normalise, push_velocities, rates
 from ..kernels.rows import row_speed, rows
-from ..kernels.vectors import add, add6, cross, pair, put, put6, scale, sub, vec
-from ..solver.saddle_point import SOLVED, factor, refine, solve
+from ..kernels.vectors import add, add6, add_scaled, cross, pair, put, put6, scale, sub, vec
+from ..solver.saddle_point import SOLVED, factor, refine, reflected_acceleration, solve
 from .applied_forces import loads
 
 PROJECTED, NOT_CLOSED, UNSOLVED = 0, 1, 2
@@ -59,6 +59,11 @@ def audit_rates(m, d, dy):
             if m.row[k].body[slot] == ground:
                 for j in range(6):
                     impulse[j] += d.row[k].J[slot, j] * d.row[k].lam
+    for i in range(m.reflected.shape[0]):
+        load = m.reflected[i].inertia * (d.reflected[i].bias + reflected_acceleration(m, d, i, d.body["acceleration"]))
+        for end in range(2):
+            if m.coordinate[m.reflected[i].coordinate].body[end] == ground:
+                add_scaled(impulse, load, d.reflected[i].J[end])
     force, moment = pair(impulse)
     put6(impulse, force, sub(moment, cross(centre, force)))
     for i in range(ground):
@@ -77,6 +82,12 @@ def right_sides(m, d, t):
         force = sub(force, pull)  # the gyroscopic part of h goes in body axes, the rest about O
         put6(body.top, force, sub(moment, cross(vec(body.s), pull)))
         put(body.turn, scale(-1.0, vec(body.spin)))
+    for i in range(m.reflected.shape[0]):
+        load = m.reflected[i].inertia * d.reflected[i].bias
+        for end in range(2):
+            b = m.coordinate[m.reflected[i].coordinate].body[end]
+            if b < m.body.shape[0]:
+                add_scaled(d.body[b].top, -load, d.reflected[i].J[end])
     for k in range(m.row.shape[0]):
         d.row[k].bottom = d.row[k].gamma
 

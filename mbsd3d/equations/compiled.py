@@ -12,7 +12,7 @@ from ..base.errors import InputError
 from ..compiler.first_run import announce_compilation
 from ..kernels import kinds
 from ..kernels.kinds import SPLINE
-from ..kernels.layout import CUSTOM_FORCE_BODIES_MAX, Data, Model, data_records, table
+from ..kernels.layout import CUSTOM_FORCE_BODIES_MAX, REFLECTED, Data, Model, data_records, table
 from ..mechanism.drivers import Driver
 from ..mechanism.force_element import ForceRecord
 from ..mechanism.forces.custom import FunctionForce
@@ -170,12 +170,16 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
     row_joint = np.repeat(np.arange(len(counts)), counts)
     slices = [slice(int(i), int(j)) for i, j in zip(ends[:-1], ends[1:], strict=True)]
     rows = {id(joint): part for joint, part in zip(system.joints, slices, strict=True)}
+    held = [(where[key_of(x)], inertia) for joint in system.joints for x, inertia in joint.reflected()]
+    reflected = table(REFLECTED, len(held))
+    reflected[:] = held
     signal, term, term_data = signals.arrays()
     model = Model(
         body=bodies,
         primitive=rows_table,
         row=per_row,
         coordinate=coordinate_table(coordinates, frames, given.size),
+        reflected=reflected,
         force=forces,
         measure=measure_table([*measures, *read], index, where, places, rows),
         number=np.concatenate([curves, *(np.array(row.numbers, float) for row in primitives if row.numbers)]),
@@ -218,6 +222,7 @@ def new_data(model: Model, dtype: type = float) -> Data:
     data = Data(
         body=np.zeros(model.body.size + 1, types["body"]),
         row=np.zeros(model.row.size, types["row"]),
+        reflected=np.zeros(model.reflected.size, types["reflected"]),
         force=np.zeros(model.force.size, types["force"]),
         coordinate=np.zeros(model.coordinate.size, types["coordinate"]),
         unwrap_time=np.zeros(1),

@@ -332,9 +332,21 @@ def fill(m, d, p, t):
         roll(d, p, a, b)
 
 
+@late_kernel
+def reflected_rates(m, d, t):
+    """Fill the rates of the coordinates that have a reflected inertia: x_dot = J v, and the bias J_dot v."""
+    for i in range(m.reflected.shape[0]):
+        out = d.reflected[i]
+        _, out.bias, la, ta, lb, tb = coordinate(m, d, m.reflected[i].coordinate, t)
+        put6(out.J[0], la, ta)
+        put6(out.J[1], lb, tb)
+
+
 @kernel
 def rows(m, d, t):
-    """Fill c, J, b, gamma of all rows; needs kinematics."""
+    """Fill c, J, b, gamma of all rows, and the rates of reflected inertias; needs kinematics."""
+    if m.reflected.shape[0] > 0:
+        reflected_rates(m, d, t)
     for i in range(m.primitive.shape[0]):
         p = m.primitive[i]
         fill(m, d, p, t)

@@ -71,6 +71,10 @@ class Joint(Part):
         """Return the displacement of b relative to a along the joint's axis, if it has one."""
         return None
 
+    def reflected(self) -> list[tuple[Coordinate, float]]:
+        """Return coordinates x of the joint with their I [kg m^2 or kg]: kinetic energy I x_dot^2 / 2 besides bodies."""
+        return []
+
     def point(self) -> np.ndarray:
         """Return the point of body b at which the reaction is given (world, reference pose)."""
         return self.b.position

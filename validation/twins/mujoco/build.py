@@ -172,7 +172,8 @@ def add_joints(made: Sketch, child: Any, piece: Piece, free: Freedoms) -> None:
     else:
         parts += [(turn_name(piece, k), kinds.mjJNT_HINGE, axis) for k, axis in enumerate(free.turns)]
     for name, kind, axis in parts if piece.is_b else parts[::-1]:
-        child.add_joint(name=name, type=kind, pos=point, axis=sense * (own @ back @ axis))
+        made_joint = child.add_joint(name=name, type=kind, pos=point, axis=sense * (own @ back @ axis))
+        made_joint.armature = sum(inertia for _, inertia in piece.joint.reflected()) if piece.joint else 0.0
 
 
 def slide_name(piece: Piece, k: int) -> str:
