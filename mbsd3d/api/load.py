@@ -42,6 +42,7 @@ def read_mjcf(
     strict: bool = False,
     geometry: str = "draw",
     inertia: str = "as given",
+    limits: str = "watched",
     package_paths: Sequence[str | Path] = (),
     timeout: float = 4.0,
 ) -> Imported:
@@ -69,6 +70,8 @@ def read_mjcf(
         "draw" what is found, or "ignore" it. A mesh is needed only where a mass follows from it.
     inertia : str
         "as given" takes moments that no body has and says so, "refuse" refuses them.
+    limits : str
+        Of hinges and slides: "watched" lets them be passed and says so, "stop" builds an `EndStop` for each.
     package_paths : sequence of str or Path
         Further folders from which files may be read.
     timeout : float
@@ -100,6 +103,7 @@ def read_mjcf(
     ('hinge', 1)
     """
     chosen = {"leave_out": leave_out, "drop": drop, "strict": strict, "geometry": geometry, "inertia": inertia}
+    chosen |= {"limits": limits}
     return with_system(read_mujoco(path, timeout, package_paths, **chosen))
 
 
@@ -113,6 +117,7 @@ def read_urdf(
     strict: bool = False,
     geometry: str = "draw",
     inertia: str = "as given",
+    limits: str = "watched",
     package_paths: Sequence[str | Path] = (),
     timeout: float = 4.0,
 ) -> Imported:
@@ -130,7 +135,7 @@ def read_urdf(
         of the last a warning tells.
     package_paths : sequence of str or Path
         Folders in which ``package://name/...`` is looked up, then upwards from the file.
-    leave_out, drop, strict, geometry, inertia, timeout
+    leave_out, drop, strict, geometry, inertia, limits, timeout
         See `read_mjcf`.
 
     Returns
@@ -160,6 +165,7 @@ def read_urdf(
     ((Body('bob', mass=2),), 'hinge')
     """
     chosen = {"leave_out": leave_out, "drop": drop, "strict": strict, "geometry": geometry, "inertia": inertia}
+    chosen |= {"limits": limits}
     return with_system(read_robot(path, timeout, package_paths, floating, **chosen))
 
 

@@ -3,7 +3,21 @@
 from ..compiler.decorators import inner_kernel, kernel
 from ..kernels.kinematics import kinematics
 from ..kernels.rows import row_speed, rows
-from ..kernels.vectors import add, add_scaled, clear, cross, dot, mat, pair, rotate, rotate_back, scale, sub, turning, vec
+from ..kernels.vectors import (
+    add,
+    add_scaled,
+    clear,
+    cross,
+    dot,
+    mat,
+    pair,
+    rotate,
+    rotate_back,
+    scale,
+    sub,
+    turning,
+    vec,
+)
 from ..solver.saddle_point import factor, reflected_acceleration, solve, subtract_known
 from .applied_forces import loads
 from .state_rates import right_sides
@@ -87,7 +101,7 @@ def row_defects(m, d, acceleration, out):
 
 @inner_kernel
 def newton_euler(m, d, t, acceleration, lam, out):
-    """Set out (n, 4) = `body_residual` of every body under its loads, and its joints' -J' lam and reflected inertias."""
+    """Set out (n, 4) = `body_residual` of every body under its loads, and its joints' -J' lam and rotors."""
     loads(m, d, t)
     for k in range(m.row.shape[0]):
         for slot in range(4):

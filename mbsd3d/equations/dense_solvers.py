@@ -54,7 +54,7 @@ def mass_matrix_of(model: Model, data: Data, pose: State, dense: bool) -> np.nda
 
 
 def reflected_rows(model: Model, data: Data) -> BlockRows:
-    """Return the rates of the coordinates with a reflected inertia, as rows of the velocities at the state in ``data``."""
+    """Return the rates of the coordinates with a reflected inertia as rows of the velocities, from ``data``."""
     k = model.reflected.size
     body, J = np.full((k, 4), -1), np.zeros((k, 4, 6), data.reflected["J"].dtype)
     body[:, :2], J[:, :2] = model.coordinate["body"][model.reflected["coordinate"]], data.reflected["J"]

@@ -171,6 +171,32 @@ def test_springs_of_balls_and_free_bodies_are_those_of_mujoco(tmp_path):
     assert sum(isinstance(force, RotationSpring) for force in found.system.forces) == 3
 
 
+def test_armatures_on_moving_parents_are_those_of_mujoco(tmp_path):
+    """Two oblique hinges on a floating base, a slide, joints on one axis; the base has an armature of its own."""
+    text = f"""<mujoco><compiler angle="radian"/><option gravity="0.7 -0.4 -9.6"/><worldbody>
+      <body name="base" pos="0.3 0.2 0.9" quat="0.8 0.3 -0.2 0.4">
+        <joint type="free" name="float" armature="{{}}"/>{INERTIAL.format(3.1)}
+        <body name="a" pos="0.3 0.1 -0.2" quat="0.5 0.1 0.7 0.3">
+          <joint name="p" axis="1 2 3" pos="0.1 0 0" armature="0.6"/>{INERTIAL.format(1.4)}
+          <body name="b" pos="-0.3 0.1 0.2" quat="0.5 0.6 0.7 0.3">
+            <joint name="q" axis="2 -1 0.4" pos="0 0.1 0" armature="0.3"/>{INERTIAL.format(1.1)}</body>
+        </body>
+        <body name="c" pos="-0.3 0.1 0.2"><joint name="r" type="slide" axis="0.1 1 0.3" armature="2.5"/>
+          <joint name="s" axis="0.1 1 0.3" armature="0.2"/>{INERTIAL.format(0.7)}</body>
+      </body></worldbody></mujoco>"""
+    rng = np.random.default_rng(5)
+    for own in (0, 0.8):
+        for _ in range(3):
+            qpos = rng.normal(size=11)
+            qpos[3:7] /= np.linalg.norm(qpos[3:7])
+            given = with_key(tmp_path, text.format(own), qpos, 4.0 * rng.normal(size=10))
+            found, state, model, data = given
+            mujoco.mj_rnePostConstraint(model, data)
+            assert difference(found.system, state, model, data, ["base", "a", "b", "c"]) < 1e-12
+        run = simulate(found.system, 0.2, state=state)
+        assert run.certificate.passed, run.certificate
+
+
 def test_mimics_of_slides_with_an_offset(tmp_path):
     """Two fingers: the second one starts at its offset and moves by its multiplier."""
     link = '<link name="{}"><inertial><mass value="{}"/><inertia ixx="0.1" iyy="0.1" izz="0.1"/></inertial></link>'
@@ -187,3 +213,27 @@ def test_mimics_of_slides_with_an_offset(tmp_path):
     assert run.position("right")[0] == pytest.approx([0.2, 0, 0])
     assert run.slide("one")[-1] == pytest.approx(0.5 * 9.81 / (1 + 2 * 0.25) * 0.36, rel=1e-8)
     assert np.allclose(run.slide("two"), -0.5 * run.slide("one"), atol=1e-13)
+
+
+LIMITED = f"""<mujoco><compiler angle="radian"/><worldbody><body name="arm">
+  <joint name="elbow" axis="0.3 1 0.2" ref="0.5" range="-1 1.2"/>{INERTIAL.format(1)}</body>
+  <body name="ram" pos="2 0 0"><joint name="rail" type="slide" axis="0 0 1" range="-0.4 0.4"/>{INERTIAL.format(2)}
+  </body>
+  </worldbody></mujoco>"""
+
+
+def test_limits_become_stops(tmp_path):
+    """The ram falls onto its stop and rests there, sunk in by g / rate^2; the arm does not pass its limit."""
+    path = tmp_path / "model.xml"
+    path.write_text(LIMITED)
+    found = read_mjcf(path, limits="stop")
+    assert not found.system.limits and not found.inactive and any("2 stops" in x for x in found.said)
+    run = simulate(found.system, 3.0, state=found.system.assemble(rates={"elbow": 5.0}), output=601)
+    assert run.angle("elbow").max() > 0.69 and run.angle("elbow").max() < 0.7 + 10.0 / 300.0
+    assert run.slide("rail")[-1] == pytest.approx(-0.4 - 9.81 / 300.0**2, rel=1e-9)
+    assert run.slide("rail").min() > -0.4 - 3.0 / 300.0 and run.certificate.passed
+    with pytest.warns(UserWarning, match="2 limits"):
+        watched = read_mjcf(path)
+    assert len(watched.system.limits) == 2
+    with pytest.raises(ValueError, match="limits"):
+        read_mjcf(path, limits="hard")

@@ -12,7 +12,19 @@ import pytest
 from helpers.mujoco_states import TOLERANCE, difference, general_motion, state_of
 from scipy.spatial.transform import Rotation
 
-from mbsd3d import GROUND, Brake, Coupler, Gear, Planar, Prismatic, RackPinion, Revolute, accelerations, read_urdf, simulate
+from mbsd3d import (
+    GROUND,
+    Brake,
+    Coupler,
+    Gear,
+    Planar,
+    Prismatic,
+    RackPinion,
+    Revolute,
+    accelerations,
+    read_urdf,
+    simulate,
+)
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*(inactive|is fixed):UserWarning")
 

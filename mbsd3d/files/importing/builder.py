@@ -18,11 +18,12 @@ from ...mechanism.force_element import ForceElement
 from ...mechanism.forces.applied import Force
 from ...mechanism.forces.brake import Brake
 from ...mechanism.forces.bushing import Bushing
+from ...mechanism.forces.end_stop import EndStop
 from ...mechanism.forces.rotation_spring import RotationSpring
 from ...mechanism.forces.springs import TorsionSpring
 from ...mechanism.forces.sum_spring import SumSpring
 from ...mechanism.joints import Joint
-from ...mechanism.joints.pairs import Fixed, Revolute, Spherical
+from ...mechanism.joints.pairs import Fixed, Spherical
 from ...mechanism.limits import Limit
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes.shape import Shape
@@ -34,9 +35,9 @@ from .joints import COINCIDENCE_ROUNDING, acts_along, check_independent, has_coo
 from .keyframes import Frame, state_of
 
 MOMENT_ROUNDING = 1e-12  # [m L^2] of mass and extent of the model: a negative principal moment that is rounding
-ROTOR_MASS_SHARE = 1e-9  # [1] of the whole mass, for a rotor that stands for an armature: a body with inertia needs one
 MESH_BYTES_MAX = 50_000_000  # [bytes] of all mesh files that are drawn: some seconds
 BRAKE_YIELD = 1e-3  # [rad, m] that a brake for dry friction yields before it slips
+STOP_RATE = 300.0  # [rad/s] of what a stop holds, damped critically: a contact of some 10 ms
 SHAPES_BY_KIND: dict[str, tuple[type[Shape], Callable[[float, float, float], tuple[Any, ...]]]] = {
     "box": (Box, lambda a, b, c: ((2 * a, 2 * b, 2 * c),)),
     "sphere": (Sphere, lambda a, b, c: (a,)),
@@ -54,6 +55,7 @@ class Choices(NamedTuple):
     strict: bool = False
     inertia: str = "as given"
     geometry: str = "draw"
+    limits: str = "watched"
 
 
 class Builder:
@@ -77,7 +79,6 @@ class Builder:
         self.missing: list[str] = list(facts.get("missing", ())) if choices.geometry == "draw" else []
         self.meshes = Meshes(self.missing)
         self.frames: list[Frame] = []  # of all bodies, in their order
-        self.rotors: list[Frame] = []  # on the ground, which turn as a joint of the file moves
         self.joints: list[Joint] = []
         self.forces: list[ForceElement] = []
         self.limits: list[Limit] = []
@@ -106,10 +107,11 @@ class Builder:
         self.hold_weights()
         if brakes := sum(isinstance(force, Brake) for force in self.forces):
             self.said.append(f"dry friction of {counted(brakes, 'joint')} yields by {BRAKE_YIELD:g} rad or m at rest")
+        if stops := sum(isinstance(force, EndStop) for force in self.forces):
+            self.said.append(f"{counted(stops, 'stop')}, which a speed v enters by v / {STOP_RATE:g} s or less")
         verdict = judged(self.not_built, self.choices.leave_out, self.choices.strict)
         if len(self.bodies) == 1:
             raise InputError("no body of it can move; give one a joint")
-        self.frames += self.rotors
         bodies = [frame.made for frame in self.frames]
         given = (bodies, self.joints, self.forces, self.facts["gravity"])
         system = Mechanism(*given, limits=self.limits, notes=verdict.notes)
@@ -195,6 +197,10 @@ class Builder:
     def join(self, i: int, places: list[int]) -> None:
         """Build the joints between a body and its parent, with their springs, friction and limits."""
         parts = [self.facts["joints"][k] for k in places]
+        for part in parts:
+            for load in ("stiffness", "damping", "friction", "armature"):
+                if part[load] < 0.0:
+                    raise InputError(f"{self.called(part['name'], 'joint')}: {load} {part[load]:g} < 0; give >= 0")
         frames = [Frame(self.bodies[i], i, ())]
         if not parts or parts[0]["type"] == "free":
             self.frames += frames
@@ -247,50 +253,51 @@ class Builder:
 
     def load(self, i: int, k: int, part: Facts) -> None:
         """Build what acts on a joint: springs, dampers, dry friction, limits."""
-        joint, kind, what = self.coordinate.get(k), part["type"], f"{part['type']} {part['name']}"
-        for load in ("stiffness", "damping", "friction", "armature"):
-            if part[load] < 0.0:
-                raise InputError(f"{self.called(part['name'], 'joint')}: {load} {part[load]:g} < 0; give >= 0")
+        joint, what = self.coordinate.get(k), f"{part['type']} {part['name']}"
         if part["stiffness"] or part["damping"]:
             self.spring(i, k, part)
-        if part["armature"] and joint is not None:
-            self.rotor(k, part, joint)
+        if part["armature"] and part["type"] == "free":
+            self.heavier(i, part)
         if part["friction"]:
             if joint is None:
                 self.foreign("frictionloss", what, "joint", part["name"])
             else:
                 stiffness = part["friction"] / BRAKE_YIELD
-                felt = felt_inertia(self.carried[part["body"]], part) + part["armature"]
-                damping = np.sqrt(stiffness * max(felt, MOMENT_ROUNDING))
+                damping = np.sqrt(stiffness * self.felt(part))
                 values = {"torque": part["friction"], "stiffness": stiffness, "damping": damping}
                 self.forces.append(Brake(joint, **values, name=self.name(f"{part['name']} friction", "friction")))
         if part["limit"] is not None:
-            watched = joint is not None
-            self.foreign("limit", f"range of {part['name']}", "joint", part["name"], watched=watched)
-            if joint is not None and "limit" not in self.choices.leave_out:
-                name = part["name"] if part["name"] != joint.name else ""
-                lower, upper = part["limit"]
-                self.limits.append(Limit(joint, "angle" if kind == "hinge" else "slide", lower, upper, name))
+            self.limit(part, joint)
 
-    def rotor(self, k: int, part: Facts, joint: Joint) -> None:
-        """Build an armature, T = I x_dot^2 / 2 on a coordinate x: a rotor on the ground that turns as x does.
+    def limit(self, part: Facts, joint: Joint | None) -> None:
+        """Build a stop for the limits of a joint, or watch them; a stop needs a lower limit below the upper one."""
+        lower, upper = part["limit"]
+        kind, left_out = "angle" if part["type"] == "hinge" else "slide", "limit" in self.choices.leave_out
+        if joint is not None and self.choices.limits == "stop" and lower < upper and not left_out:
+            felt = self.felt(part)
+            laws = {"stiffness": felt * STOP_RATE**2, "damping": 2.0 * felt * STOP_RATE, "of": kind}
+            name = self.name(f"{part['name']} stop", "stop")
+            self.forces.append(EndStop(joint, lower=lower, upper=upper, **laws, name=name))
+            return
+        self.foreign("limit", f"range of {part['name']}", "joint", part["name"], watched=joint is not None)
+        if joint is not None and not left_out:
+            name = part["name"] if part["name"] != joint.name else ""
+            self.limits.append(Limit(joint, kind, lower, upper, name))
 
-        A rotor that the parent carries would feel its turning too; the ground takes nothing but the rotor's own torque.
-        """
-        title, I = f"{part['name']} armature", part["armature"]
-        mass = ROTOR_MASS_SHARE * self.carried[0].mass
+    def felt(self, part: Facts) -> float:
+        """Return what a hinge or slide turns or moves at the reference pose [kg m^2 or kg], above 0."""
+        return max(felt_inertia(self.carried[part["body"]], part) + part["armature"], MOMENT_ROUNDING)
+
+    def heavier(self, i: int, part: Facts) -> None:
+        """Build the armature of a free joint: mass without weight, and isotropic inertia, at the origin of the body."""
+        title, I, carrier = f"{part['name']} armature", part["armature"], self.bodies[i]
         look = Sphere(BRAKE_YIELD * self.length)
-        at = np.array(part["anchor"])
-        rotor = Body(self.name(title, "body"), mass, (I, I, I), position=at, shape=look)
-        axle = Revolute(GROUND, rotor, at=at, axis=(0, 0, 1), name=self.name(f"{title} axle", "joint"))
-        name = self.name(f"{title} gear", "joint")
-        gear = (
-            Gear(axle, joint, ratio=1.0, name=name)
-            if part["type"] == "hinge"
-            else RackPinion(axle, joint, radius=1.0, name=name)
-        )
-        self.rotors.append(Frame(rotor, 0, (), k))
-        self.joints += [axle, gear]
+        at = {"position": carrier.position, "orientation": carrier.orientation}
+        added = Body(self.name(title, "body"), I, (I, I, I), shape=look, **at)
+        self.frames.append(Frame(added, i, ()))
+        self.joints.append(Fixed(carrier, added, at=carrier.position, name=self.name(f"{title} seat", "joint")))
+        lift = -I * np.array(self.facts["gravity"])
+        self.forces.append(Force(added, lift, at=carrier.position, name=self.name(f"{title} lift", "force")))
 
     def spring(self, i: int, k: int, part: Facts) -> None:
         """Build -k (x - x0) - c x_dot on a coordinate; of a ball -k theta - c w, of a free joint -k r - c v besides.

@@ -60,7 +60,7 @@ def as_timeout(value: Any) -> float:
 
 
 def chosen_of(
-    path: Path, *, leave_out: Sequence[str], drop: Sequence[str], strict: bool, geometry: str, inertia: str
+    path: Path, *, leave_out: Sequence[str], drop: Sequence[str], strict: bool, geometry: str, inertia: str, limits: str
 ) -> Choices:
     """Check the choices of a caller, and return them."""
     kinds: list[str] = []
@@ -72,7 +72,8 @@ def chosen_of(
         kinds += names
     check_choice(geometry, ("draw", "ignore"), "geometry")
     check_choice(inertia, ("as given", "refuse"), "inertia")
-    return Choices(tuple(kinds), true_or_false(strict, "strict", None), inertia, geometry)
+    check_choice(limits, ("watched", "stop"), "limits")
+    return Choices(tuple(kinds), true_or_false(strict, "strict", None), inertia, geometry, limits)
 
 
 def built(path: Path, facts: Callable[[], Facts], choices: Choices, place_of: Callable[[str, str], str]) -> Imported:

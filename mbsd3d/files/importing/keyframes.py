@@ -15,15 +15,11 @@ from .facts import Facts
 
 
 class Frame(NamedTuple):
-    """A body of the system: that of the file numbered ``body``, as it stands before the joints ``after`` have moved it.
-
-    ``turned_by``: number of the joint whose coordinate is its angle, for a rotor or pinion on the ground.
-    """
+    """A body of the system: number ``body`` of the file, as it stands before the joints ``after`` have moved it."""
 
     made: Body
     body: int
     after: tuple[int, ...]
-    turned_by: int | None = None
 
 
 def state_of(system: Mechanism, frames: Sequence[Frame], coordinate: Mapping[int, Joint], key: Facts) -> State:
@@ -37,12 +33,6 @@ def state_of(system: Mechanism, frames: Sequence[Frame], coordinate: Mapping[int
         joint_key = key["joints"][k]
         kind = "angle" if joint_key["turns"] else "slide"
         known[compiled.coordinate(coordinate_of(joint, kind, "key frame"))] = joint_key["value"]
-    axles = {id(joint.b): joint for joint in reversed(system.joints)}  # the first joint that carries a rotor
-    for frame in frames:
-        if frame.turned_by is not None:
-            axle = axles[id(frame.made)]
-            place = compiled.coordinate(coordinate_of(axle, "angle", "key frame"))
-            known[place] = key["joints"][frame.turned_by]["value"]
     return State(key["time"], q, v, coordinates=known)
 
 
@@ -51,10 +41,6 @@ def motion_of(frame: Frame, key: Facts) -> tuple[np.ndarray, np.ndarray, np.ndar
 
     Twists are those of the point of the body at the origin: v_0 = r_dot - w x r.
     """
-    if frame.turned_by is not None:
-        joint = key["joints"][frame.turned_by]
-        z = np.array([0.0, 0.0, 1.0])
-        return frame.made.position, rotation("z", joint["value"]), np.zeros(3), joint["rate"] * z
     pose, twist = np.array(key["poses"][frame.body]), np.array(key["twists"][frame.body])
     r, e, w = pose[:3], pose[3:], twist[3:]
     v = twist[:3] - np.cross(w, r)

@@ -195,7 +195,7 @@ class Facts:
                     "axis": d.xaxis[i],
                     "stiffness": m.jnt_stiffness.ravel()[i] if springs else 0.0,
                     "damping": m.dof_damping.ravel()[v] + single * self.geared(i, "damping") if dampers else 0.0,
-                    "armature": m.dof_armature[v] + self.geared(i, "armature") if single else 0.0,
+                    "armature": m.dof_armature[v] + self.geared(i, "armature") if single else m.dof_armature[v],
                     "friction": 0.0 if self.off("FRICTIONLOSS") else m.dof_frictionloss[v],
                     "rest": m.qpos_spring[q] - self.start[q] if single else 0.0,
                     "limit": m.jnt_range[i] - self.start[q] if limited else None,
@@ -286,7 +286,7 @@ class Facts:
             v, name = slice(m.jnt_dofadr[i], m.jnt_dofadr[i] + (6, 3, 1, 1)[m.jnt_type[i]]), self.name("joint", i)
             if m.jnt_limited[i] and m.jnt_type[i] == self.mujoco.mjtJoint.mjJNT_BALL and not self.off("LIMIT"):
                 self.add("limit", f"range of {name}", ("joint", name))
-            if m.dof_armature[v].any() and v.stop - v.start > 1:
+            if m.dof_armature[v].any() and m.jnt_type[i] == self.mujoco.mjtJoint.mjJNT_BALL:
                 self.add("armature", name, ("joint", name))
             if self.curved(m.jnt_stiffnesspoly[i], m.dof_dampingpoly[v]):
                 self.add("passive", f"polynomial stiffness or damping of {name}", ("joint", name))

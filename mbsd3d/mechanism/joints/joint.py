@@ -72,7 +72,7 @@ class Joint(Part):
         return None
 
     def reflected(self) -> list[tuple[Coordinate, float]]:
-        """Return coordinates x of the joint with their I [kg m^2 or kg]: kinetic energy I x_dot^2 / 2 besides bodies."""
+        """Return coordinates x of the joint with I [kg m^2 or kg] of their own kinetic energies I x_dot^2 / 2."""
         return []
 
     def point(self) -> np.ndarray:
