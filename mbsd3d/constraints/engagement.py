@@ -218,10 +218,10 @@ def impact(compiled: Compiled, data: Data, pose: State, joint: Joint) -> Engagem
     """Return the motion after the joint has engaged at a pose, which is loaded in ``data``."""
     model = compiled.model
     rows, few = block_rows(model, data), model.body.size < SMALL_SYSTEM_BODIES_MAX
-    J, M = rows.dense() if few else rows.sparse(), mass_matrix_of(model, data, pose, few)
+    J, M = rows.dense() if few else rows.sparse(), mass_matrix_of(model, data, few)
     free = np.full(6 * model.body.size, np.nan)
     with one_thread():
-        u = least_energy(compiled, data, pose, J, data.row["b"].copy(), free, pose.v, [], 1e-8)
+        u = least_energy(compiled, data, J, data.row["b"].copy(), free, pose.v, [], 1e-8)
         change = M @ (u - pose.v)
         lam = multipliers(compiled, rows, change)
     lost = 0.5 * float((u - pose.v) @ change)

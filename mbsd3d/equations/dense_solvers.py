@@ -34,14 +34,14 @@ def inertia_about_origin(e: np.ndarray, com: np.ndarray, mass: float | np.ndarra
     return block
 
 
-def mass_matrix_of(model: Model, data: Data, pose: State, dense: bool) -> np.ndarray | csr_array:
-    """Return the mass matrix (6 n, 6 n) at a pose, loaded in ``data`` with its rows: dense or sparse.
+def mass_matrix_of(model: Model, data: Data, dense: bool) -> np.ndarray | csr_array:
+    """Return the mass matrix (6 n, 6 n) at the pose that is loaded in ``data`` with its rows, dense or sparse.
 
     Blocks of the bodies about their reference points, and I j'j of reflected inertias, j the rates of coordinates.
     """
     n, body = model.body.size, model.body
     inertia = body["inertia"].reshape(n, 3, 3)
-    blocks = inertia_about_origin(pose.q.reshape(n, 7)[:, 3:], body["com"], body["mass"], inertia)
+    blocks = inertia_about_origin(data.body["e"][:n], body["com"], body["mass"], inertia)
     held = reflected_rows(model, data)
     if dense:
         M, i = np.zeros((n, 6, n, 6)), np.arange(n)
@@ -103,7 +103,7 @@ class DenseEquations:
     def mass_matrix(self, state: State) -> np.ndarray:
         """Return the mass matrix (6 n, 6 n): blocks of the bodies, and I j'j of reflected inertias."""
         load_state(self.compiled, self.data, state)
-        M = mass_matrix_of(self.compiled.model, self.data, state, dense=True)
+        M = mass_matrix_of(self.compiled.model, self.data, dense=True)
         assert isinstance(M, np.ndarray)
         return M
 

@@ -132,8 +132,11 @@ def _coupler(rng: Generator, a: Any, b: Any, c: Any, d: Any) -> list[mbsd3d.Join
     """Draw a slide that follows a polynomial of a weighted sum of angle and slide of another joint."""
     leader = mbsd3d.Cylindrical(a, b, at=middle(rng, a, b), axis=direction(rng))
     follower = mbsd3d.Prismatic(c, d, at=middle(rng, c, d), axis=direction(rng))
-    sums = {"x_weights": (0.8, -0.5), "x_of": ("angle", "slide"), "y_weights": (1.3,)}
-    return [leader, follower, mbsd3d.Coupler((leader, leader), follower, coefficients=(0, 0.7, -0.3, 0.2), **sums)]
+    coupler = mbsd3d.Coupler(
+        (leader, leader), follower, coefficients=(0, 0.7, -0.3, 0.2), x_weights=(0.8, -0.5), x_of=("angle", "slide"),
+        y_weights=(1.3,),
+    )  # fmt: skip
+    return [leader, follower, coupler]
 
 
 def _angle_driver(rng: Generator, a: Any, b: Any) -> list[mbsd3d.Joint]:

@@ -29,10 +29,9 @@ from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes.shape import Shape
 from ...mechanism.shapes.solids import Box, Capsule, Cylinder, Ellipsoid, MeshFile, Sphere
 from ...mechanism.shapes.triangles import MESH_SUFFIXES
-from .facts import Facts, carried, felt_inertia, length_of
+from .facts import Facts, Frame, carried, felt_inertia, length_of, state_of
 from .imported import Imported, NotBuilt, Point, grouped, judged
 from .joints import COINCIDENCE_ROUNDING, acts_along, check_independent, has_coordinate, joint_of
-from .keyframes import Frame, state_of
 
 MOMENT_ROUNDING = 1e-12  # [m L^2] of mass and extent of the model: a negative principal moment that is rounding
 MESH_BYTES_MAX = 50_000_000  # [bytes] of all mesh files that are drawn: some seconds
@@ -275,9 +274,9 @@ class Builder:
         kind, left_out = "angle" if part["type"] == "hinge" else "slide", "limit" in self.choices.leave_out
         if joint is not None and self.choices.limits == "stop" and lower < upper and not left_out:
             felt = self.felt(part)
-            laws = {"stiffness": felt * STOP_RATE**2, "damping": 2.0 * felt * STOP_RATE, "of": kind}
-            name = self.name(f"{part['name']} stop", "stop")
-            self.forces.append(EndStop(joint, lower=lower, upper=upper, **laws, name=name))
+            k, c, name = felt * STOP_RATE**2, 2.0 * felt * STOP_RATE, self.name(f"{part['name']} stop", "stop")
+            stop = EndStop(joint, lower=lower, upper=upper, stiffness=k, damping=c, of=kind, name=name)
+            self.forces.append(stop)
             return
         self.foreign("limit", f"range of {part['name']}", "joint", part["name"], watched=joint is not None)
         if joint is not None and not left_out:

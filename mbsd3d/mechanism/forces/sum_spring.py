@@ -93,7 +93,7 @@ class SumSpring(ForceElement):
     Examples
     --------
     >>> from mbsd3d import GROUND, Body, Revolute, SumSpring, System, accelerations
-    >>> one, two = (Body(name, mass=1.0, inertia=(0.1, 0.1, 0.5)) for name in ("one", "two"))
+    >>> one, two = (Body(name, mass=1.0, inertia=(0.3, 0.3, 0.5)) for name in ("one", "two"))
     >>> first, second = (Revolute(GROUND, body, at=(0, 0, 0), axis=(0, 0, 1)) for body in (one, two))
     >>> tendon = SumSpring((first, second), weights=(0.02, -0.01), stiffness=500.0, rest=0.3)
     >>> seen = accelerations(System([one, two], [first, second], [tendon]))
