@@ -16,6 +16,7 @@ from .sums import Joints, KindsOrNone, NumbersOrOnes, places_of, weighted
 from .tooth_contact import Axle, line_of_action
 
 SLOTS_COUNT = 4  # [bodies] of a row
+COORDINATES_COUNT = 4  # [coordinates] of a row
 
 
 @part_class()
@@ -280,7 +281,7 @@ class Coupler(Coupling):
     ----------
     x, y : Joint, or sequence of Joint
         Leader and follower, with an angle or a slide; several are summed. Without a leader, ``()``, y = c0. All
-        coordinates together are between at most four bodies, the ground included.
+        coordinates together, four at most, are between at most four bodies, the ground included.
     coefficients : sequence of float
         c0, c1, ... of any degree [rad or m by powers of rad or m].
     x_weights, y_weights : sequence of float or None
@@ -297,7 +298,7 @@ class Coupler(Coupling):
     ------
     ValueError
         For a joint without the coordinate, one that stands twice, weights that are 0 or not one a joint, no
-        coefficient, or more than four bodies.
+        coefficient, or more than four bodies or coordinates.
 
     Examples
     --------
@@ -336,6 +337,8 @@ class Coupler(Coupling):
         for place in places:
             if places.count(place) > 1:
                 raise InputError(f"{what}: the {place[1]} of '{place[0].name}' stands twice; name it once")
+        if len(places) > COORDINATES_COUNT:
+            raise InputError(f"{what}: {len(places)} coordinates; give at most {COORDINATES_COUNT}")
         bodies = self.bodies()
         if len(bodies) > SLOTS_COUNT:
             names = ", ".join(f"'{body.name}'" for body in bodies)

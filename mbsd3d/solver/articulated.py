@@ -11,8 +11,8 @@ between heavy ones cost no digits. One free direction after the other is taken o
 The rows themselves are lam = Z'(p - G' mu - I a). Featherstone, Rigid Body Dynamics Algorithms, chapter 7.
 
 A reflected inertia R of the joint's coordinate, whose rate is j (v - X v_p), adds R (j N)(j N)' to D, takes
-R (j N)(j y) from the load along N and R (j (a - X a_p)) Z'j from lam; it never adds to I. The load that is left of p
-then lacks u R (j N)(j N x) / D, which N'(p - I a) = R (j N)(j (a - X a_p)) is not zero by: `held_back`.
+R (j N)(j y) from the load along N and R (j (a - X a_p)) Z'j from lam; it never adds to I. With it N'(p - I a) is not
+zero, and the load that was handed down is p - I a less I N R (j N)(j N x) / D: `held_back`.
 """
 
 from ..compiler.decorators import fused_kernel, inner_kernel

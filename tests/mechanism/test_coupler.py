@@ -163,6 +163,7 @@ A, B, C = (Body(name, 1.0, (0.1, 0.1, 0.1), position=(k, 0, 0)) for k, name in e
 HINGE = Revolute(GROUND, A, at=(0, 0, 0), axis=(0, 0, 1), name="hinge")
 RAIL = Prismatic(A, B, at=(1, 0, 0), axis=(1, 0, 0), name="rail")
 LAST = Revolute(B, C, at=(2, 0, 0), axis=(0, 0, 1), name="last")
+ROD = Cylindrical(A, C, at=(2, 0, 0), axis=(1, 0, 0), name="rod")
 D = Body("d", 1.0, (0.1, 0.1, 0.1), position=(3, 0, 0))
 FOURTH = Revolute(C, D, at=(3, 0, 0), axis=(0, 0, 1), name="fourth")
 WRONG = {
@@ -176,6 +177,10 @@ WRONG = {
     "weights": (lambda: Coupler(HINGE, RAIL, y_weights=(1.0, 2.0), coefficients=(0, 1.0)), "weights of y.*one a joint"),
     "weight 0": (lambda: Coupler(HINGE, RAIL, x_weights=(0.0,), coefficients=(0, 1.0)), "weights of x.*none 0"),
     "a body": (lambda: Coupler(A, RAIL, coefficients=(0, 1.0)), "a joint or a list of joints"),
+    "coordinates": (
+        lambda: Coupler((ROD, ROD), (HINGE, RAIL, LAST), x_of=("angle", "slide"), coefficients=(0, 1.0)),
+        "5 coordinates; give at most 4",
+    ),
     "bodies": (lambda: Coupler(HINGE, (RAIL, LAST, FOURTH), coefficients=(0, 1.0)), "5 bodies, .*give at most 4"),
 }  # fmt: skip
 

@@ -12,7 +12,7 @@ from ...base.mass_properties import TRIANGLE_RULE_TOLERANCE, MassProperties, put
 from ...base.rotations import conjugate, matrix, multiply
 from ...base.style import counted
 from ...mechanism.bodies import GROUND, Body
-from ...mechanism.couplings import SLOTS_COUNT, Coupler, Gear, RackPinion
+from ...mechanism.couplings import COORDINATES_COUNT, SLOTS_COUNT, Coupler, Gear, RackPinion
 from ...mechanism.drivers import AngleDriver, SlideDriver
 from ...mechanism.force_element import ForceElement
 from ...mechanism.forces.applied import Force
@@ -378,7 +378,7 @@ class Builder:
         if not {*y, *x} <= set(self.coordinate):
             return None
         leaders, followers = ([self.coordinate[k] for k in side] for side in (x, y))
-        if self.ends((*x, *y)) > SLOTS_COUNT:
+        if self.ends((*x, *y)) > SLOTS_COUNT or len(x) + len(y) > COORDINATES_COUNT:
             return None
         weights = {"x_weights": x_weights or None, "y_weights": y_weights}
         return Coupler(
@@ -394,7 +394,8 @@ class Builder:
         joints = joints_in(equality) if equality["type"] == "tendon" else []
         if not joints or not set(joints) <= set(self.coordinate):
             return ""
-        return f", between {self.ends(joints)} bodies where a row has at most {SLOTS_COUNT}"
+        given = f"{self.ends(joints)} bodies and of {len(joints)} joints"
+        return f", between {given}, where a row has at most {SLOTS_COUNT} of each"
 
     def pull(self, tendon: Facts) -> None:
         """Build spring and damper of a fixed tendon, on the weighted sum of its joints."""
