@@ -46,6 +46,7 @@ from .mechanism.bodies import Body as Body
 from .mechanism.contacts import KnifeEdge as KnifeEdge
 from .mechanism.contacts import Rolling as Rolling
 from .mechanism.contacts import RollingDisc as RollingDisc
+from .mechanism.couplings import Coupler as Coupler
 from .mechanism.couplings import Gear as Gear
 from .mechanism.couplings import GearMesh as GearMesh
 from .mechanism.couplings import RackPinion as RackPinion
@@ -78,9 +79,11 @@ from .mechanism.forces.fluid_drag import FluidDrag as FluidDrag
 from .mechanism.forces.gravitation import CentralGravity as CentralGravity
 from .mechanism.forces.gravitation import Weight as Weight
 from .mechanism.forces.linear_actuator import LinearActuator as LinearActuator
+from .mechanism.forces.rotation_spring import RotationSpring as RotationSpring
 from .mechanism.forces.springs import JointFriction as JointFriction
 from .mechanism.forces.springs import SpringDamper as SpringDamper
 from .mechanism.forces.springs import TorsionSpring as TorsionSpring
+from .mechanism.forces.sum_spring import SumSpring as SumSpring
 from .mechanism.forces.tyre import Tyre as Tyre
 from .mechanism.joints.conditions import ConstantVelocity as ConstantVelocity
 from .mechanism.joints.conditions import Distance as Distance

@@ -43,6 +43,7 @@ def read_mjcf(
     geometry: str = "draw",
     inertia: str = "as given",
     inputs: bool = False,
+    limits: str = "watched",
     package_paths: Sequence[str | Path] = (),
     timeout: float = 4.0,
 ) -> Imported:
@@ -74,6 +75,8 @@ def read_mjcf(
         Build motors, position and velocity servos of hinges and slides, each with an `Input` of its name for its
         command, 0 at the start; other actuators are then refused. Without it actuators give no force, not even that
         of a servo at command 0.
+    limits : str
+        Of hinges and slides: "watched" lets them be passed and says so, "stop" builds an `EndStop` for each.
     package_paths : sequence of str or Path
         Further folders from which files may be read.
     timeout : float
@@ -105,7 +108,8 @@ def read_mjcf(
     ('hinge', 1)
     """
     chosen = {"leave_out": leave_out, "drop": drop, "strict": strict, "geometry": geometry, "inertia": inertia}
-    return with_system(read_mujoco(path, timeout, package_paths, inputs=inputs, **chosen))
+    chosen |= {"limits": limits, "inputs": inputs}
+    return with_system(read_mujoco(path, timeout, package_paths, **chosen))
 
 
 @checks_arguments
@@ -119,6 +123,7 @@ def read_urdf(
     geometry: str = "draw",
     inertia: str = "as given",
     inputs: bool = False,
+    limits: str = "watched",
     package_paths: Sequence[str | Path] = (),
     timeout: float = 4.0,
 ) -> Imported:
@@ -138,7 +143,7 @@ def read_urdf(
         Folders in which ``package://name/...`` is looked up, then upwards from the file.
     inputs : bool
         Build a motor with an `Input` of the name of its joint for every hinge and slide that follows no other [N m, N].
-    leave_out, drop, strict, geometry, inertia, timeout
+    leave_out, drop, strict, geometry, inertia, limits, timeout
         See `read_mjcf`.
 
     Returns
@@ -168,7 +173,8 @@ def read_urdf(
     ((Body('bob', mass=2),), 'hinge')
     """
     chosen = {"leave_out": leave_out, "drop": drop, "strict": strict, "geometry": geometry, "inertia": inertia}
-    return with_system(read_robot(path, timeout, package_paths, floating, inputs=inputs, **chosen))
+    chosen |= {"limits": limits, "inputs": inputs}
+    return with_system(read_robot(path, timeout, package_paths, floating, **chosen))
 
 
 @checks_arguments

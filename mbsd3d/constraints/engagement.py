@@ -244,13 +244,13 @@ def strike(
     """
     model, row = compiled.model, data.row
     rows, few = block_rows(model, data), model.body.size < SMALL_SYSTEM_BODIES_MAX
-    J, M = rows.dense() if few else rows.sparse(), mass_matrix_of(model, pose, few)
+    J, M = rows.dense() if few else rows.sparse(), mass_matrix_of(model, data, few)
     which = np.arange(row.size) if active is None else np.flatnonzero(active)
     b = row["b"].copy() if goal is None else goal
     free = np.full(6 * model.body.size, np.nan)
     lam = np.zeros(row.size)
     with one_thread():
-        u = least_energy(compiled, pose, J[which], b[which], free, pose.v, [], 1e-8)
+        u = least_energy(compiled, data, J[which], b[which], free, pose.v, [], 1e-8)
         change = M @ (u - pose.v)
         lam[which] = multipliers(model, J[which], model.row["scale"][which], change)
     driven = model.row["drive"] >= 0

@@ -100,7 +100,7 @@ def with_velocities(
         given[k : k + 6] = 0.0
     with one_thread(), reporting_linalg_errors("velocities at the start"):
         try:
-            v = least_energy(compiled, pose, J[0], b, given, start, asked, tolerance)
+            v = least_energy(compiled, data, J[0], b, given, start, asked, tolerance)
         except AssemblyError as error:
             clash = find_contradiction(compiled, data, pose.t, pose.t)
             raise (clash.error() if clash else error) from None
@@ -133,12 +133,13 @@ def velocities_by_tree(compiled: Compiled, data: Data, pose: State) -> np.ndarra
 
 
 def least_energy(
-    compiled: Compiled, pose: State, J: Matrix, b: np.ndarray, given: np.ndarray, start: np.ndarray,
+    compiled: Compiled, data: Data, J: Matrix, b: np.ndarray, given: np.ndarray, start: np.ndarray,
     asked: list[str], tolerance: float,
 ) -> np.ndarray:  # fmt: skip
     """Minimise (v - start)'M (v - start) / 2 subject to J v = b and the given entries of v.
 
-    Errors name the joint or the massless body. ``asked``: what the rows beyond those of the joints are.
+    The pose is loaded in ``data``. Errors name the joint or the massless body. ``asked``: what the rows beyond those of
+    the joints are.
     """
     model = compiled.model
     known = ~np.isnan(given)
@@ -147,7 +148,7 @@ def least_energy(
     A = scaled(J, np.ones(J.shape[0]), scale)
     unit_rows = 1.0 / np.maximum(largest_in_rows(A), 1e-300)
     A = scaled(A, unit_rows, np.ones(known.size))
-    M = scaled(mass_matrix_of(model, pose, isinstance(J, np.ndarray)), scale, scale)
+    M = scaled(mass_matrix_of(model, data, isinstance(J, np.ndarray)), scale, scale)
     M = M / max(abs(M).max(), 1e-300)
     free = np.flatnonzero(~known)
     if model.singular:
@@ -170,7 +171,7 @@ def least_energy(
             advice = "two of them ask for different motions: take one out, or give drivers the same speed at the start"
         raise AssemblyError(
             f"{what} (J v - b in m/s or rad/s)", part=part_of(compiled, asked, k), residual=float(residual[k]),
-            time=pose.t, advice=advice,
+            time=float(data.unwrap_time[0]), advice=advice,
         )  # fmt: skip
     return v
 

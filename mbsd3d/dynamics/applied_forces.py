@@ -14,7 +14,7 @@ from ..compiler.decorators import inner_kernel, kernel
 from ..compiler.late import late_choice
 from ..kernels.coordinates import coordinate
 from ..kernels.force_laws import apply_along_gradient
-from ..kernels.vectors import add, cross, dot, mat, pair, put, put6, rotate, scale, sub, turning, vec
+from ..kernels.vectors import add, add_scaled, cross, dot, mat, pair, put, put6, rotate, scale, sub, turning, vec
 from ..mechanism import forces
 from ..mechanism.force_element import ForceElement
 
@@ -101,6 +101,12 @@ def right_sides(m, d):
         force = sub(force, pull)  # the gyroscopic part of h goes in body axes, the rest about O
         put6(body.top, force, sub(moment, cross(vec(body.s), pull)))
         put(body.turn, scale(-1.0, vec(body.spin)))
+    for i in range(m.reflected.shape[0]):
+        load = m.reflected[i].inertia * d.reflected[i].bias
+        for end in range(2):
+            b = m.coordinate[m.reflected[i].coordinate].body[end]
+            if b < m.body.shape[0]:
+                add_scaled(d.body[b].top, -load, d.reflected[i].J[end])
     for k in range(m.row.shape[0]):
         d.row[k].bottom = d.row[k].gamma
 

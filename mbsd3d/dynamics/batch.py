@@ -5,6 +5,7 @@ from ..kernels.kinematics import kinematics, rotation_matrix
 from ..kernels.rows import row_speed, rows
 from ..kernels.vectors import (
     add,
+    add_scaled,
     clear,
     cross,
     dot,
@@ -19,7 +20,7 @@ from ..kernels.vectors import (
     turning,
     vec,
 )
-from ..solver.saddle_point import factor, solve, subtract_known
+from ..solver.saddle_point import factor, reflected_acceleration, solve, subtract_known
 from .applied_forces import loads, right_sides
 
 
@@ -147,7 +148,7 @@ def row_defects(m, d, acceleration, out):
 
 @inner_kernel
 def newton_euler(m, d, t, acceleration, lam, out):
-    """Set out (n, 4) = `body_residual` of every body under its loads and the forces -J' lam of its joints."""
+    """Set out (n, 4) = `body_residual` of every body under its loads, and its joints' -J' lam and rotors."""
     hold_multipliers(m, d, lam)
     loads(m, d, t)
     for k in range(m.row.shape[0]):
@@ -156,6 +157,10 @@ def newton_euler(m, d, t, acceleration, lam, out):
             if i >= 0:
                 for j in range(6):
                     d.body[i].Q[j] -= d.row[k].J[slot, j] * lam[k]
+    for i in range(m.reflected.shape[0]):
+        load = m.reflected[i].inertia * (d.reflected[i].bias + reflected_acceleration(m, d, i, acceleration))
+        for end in range(2):
+            add_scaled(d.body[m.coordinate[m.reflected[i].coordinate].body[end]].Q, -load, d.reflected[i].J[end])
     for i in range(m.body.shape[0]):
         body_residual(m.body[i], d.body[i], acceleration[i], out[i])
 

@@ -14,8 +14,8 @@ from ..compiler.late import late
 from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace, kinematics, normalise, push_velocities, rates
 from ..kernels.rows import row_speed, rows
-from ..kernels.vectors import add, add6, cross, pair, put, put6, scale, sub, vec
-from ..solver.saddle_point import SOLVED, factor, solve, solve_refined
+from ..kernels.vectors import add, add6, add_scaled, cross, pair, put, put6, scale, sub, vec
+from ..solver.saddle_point import SOLVED, factor, reflected_acceleration, solve, solve_refined
 from .applied_forces import loads, right_sides
 from .joint_friction import settle_friction
 
@@ -60,6 +60,11 @@ def audit_rates(m, d, dy):
             if m.row[k].body[slot] == ground:
                 for j in range(6):
                     impulse[j] += d.row[k].J[slot, j] * d.row[k].lam
+    for i in range(m.reflected.shape[0]):
+        load = m.reflected[i].inertia * (d.reflected[i].bias + reflected_acceleration(m, d, i, d.body["acceleration"]))
+        for end in range(2):
+            if m.coordinate[m.reflected[i].coordinate].body[end] == ground:
+                add_scaled(impulse, load, d.reflected[i].J[end])
     force, moment = pair(impulse)
     put6(impulse, force, sub(moment, cross(centre, force)))
     for i in range(ground):

@@ -12,7 +12,7 @@ from ..base.errors import InputError
 from ..compiler.first_run import announce_compilation
 from ..kernels import kinds
 from ..kernels.kinds import SPLINE
-from ..kernels.layout import CUSTOM_FORCE_BODIES_MAX, Data, Model, data_records, table
+from ..kernels.layout import CUSTOM_FORCE_BODIES_MAX, REFLECTED, Data, Model, data_records, table
 from ..mechanism.drivers import Driver
 from ..mechanism.force_element import ForceElement, ForceRecord
 from ..mechanism.forces.custom import FunctionForce
@@ -220,18 +220,23 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches, 
     places = {id(force): (i, int(forces["state"][i])) for i, force in enumerate(system.forces)}
     numbers = tuple([tuple([where[key_of(x)] for x in row.coordinates]) for row in primitives])
     driven = [signals.add(row.signal) for row in primitives if row.signal is not None]
-    rows_table, per_row = row_tables(primitives, numbers, driven, frames, length)
+    curves = np.concatenate([given, *(x.numbers for x in coordinates)])
+    rows_table, per_row = row_tables(primitives, numbers, driven, frames, length, curves.size)
     if modes:
         number_drives(per_row, np.array([is_switching(x) for x in holders])[row_joint])
+    held = [(where[key_of(x)], inertia) for joint in system.joints for x, inertia in joint.reflected()]
+    reflected = table(REFLECTED, len(held))
+    reflected[:] = held
     signal, term, term_data = signals.arrays()
     model = Model(
         body=bodies,
         primitive=rows_table,
         row=per_row,
         coordinate=coordinate_table(coordinates, frames, given.size),
+        reflected=reflected,
         force=forces,
         measure=measure_table([*measures, *read], index, where, places, rows),
-        number=np.concatenate([given, *(x.numbers for x in coordinates)]),
+        number=np.concatenate([curves, *(np.array(row.numbers, float) for row in primitives if row.numbers)]),
         signal=signal,
         term=term,
         term_data=term_data,
@@ -289,6 +294,7 @@ def new_data(model: Model, dtype: type = float) -> Data:
     data = Data(
         body=np.zeros(model.body.size + 1, types["body"]),
         row=np.zeros(model.row.size, types["row"]),
+        reflected=np.zeros(model.reflected.size, types["reflected"]),
         force=np.zeros(model.force.size, types["force"]),
         coordinate=np.zeros(model.coordinate.size, types["coordinate"]),
         unwrap_time=np.zeros(1),

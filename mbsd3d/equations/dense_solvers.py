@@ -10,16 +10,16 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
-from scipy.sparse import bsr_array, csr_array
+from scipy.sparse import bsr_array, csr_array, diags_array
 
 from ..base.rotations import matrix, skew
 from ..dynamics.applied_forces import loads
-from ..kernels.layout import Model
+from ..kernels.layout import Data, Model
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .at_state import load_state
 from .compiled import Compiled, compile_system
-from .jacobian import RANK_TOLERANCE, block_rows, displacement_units
+from .jacobian import RANK_TOLERANCE, BlockRows, block_rows, displacement_units
 
 
 def inertia_about_origin(e: np.ndarray, com: np.ndarray, mass: float | np.ndarray, inertia: np.ndarray) -> np.ndarray:
@@ -34,16 +34,31 @@ def inertia_about_origin(e: np.ndarray, com: np.ndarray, mass: float | np.ndarra
     return block
 
 
-def mass_matrix_of(model: Model, pose: State, dense: bool) -> np.ndarray | csr_array:
-    """Return the block diagonal (6 n, 6 n) of the reference-point mass matrices, dense or sparse."""
+def mass_matrix_of(model: Model, data: Data, dense: bool) -> np.ndarray | csr_array:
+    """Return the mass matrix (6 n, 6 n) at the pose that is loaded in ``data`` with its rows, dense or sparse.
+
+    Blocks of the bodies about their reference points, and I j'j of reflected inertias, j the rates of coordinates.
+    """
     n, body = model.body.size, model.body
     inertia = body["inertia"].reshape(n, 3, 3)
-    blocks = inertia_about_origin(pose.q.reshape(n, 7)[:, 3:], body["com"], body["mass"], inertia)
+    blocks = inertia_about_origin(data.body["e"][:n], body["com"], body["mass"], inertia)
+    held = reflected_rows(model, data)
     if dense:
         M, i = np.zeros((n, 6, n, 6)), np.arange(n)
         M[i, :, i] = blocks
-        return M.reshape(6 * n, 6 * n)
-    return csr_array(bsr_array((blocks, np.arange(n), np.arange(n + 1)), shape=(6 * n, 6 * n)))
+        J = held.dense()
+        return M.reshape(6 * n, 6 * n) + J.T @ (model.reflected["inertia"][:, None] * J)
+    M = csr_array(bsr_array((blocks, np.arange(n), np.arange(n + 1)), shape=(6 * n, 6 * n)))
+    J = held.sparse()
+    return csr_array(M + J.T @ diags_array(model.reflected["inertia"]) @ J) if model.reflected.size else M
+
+
+def reflected_rows(model: Model, data: Data) -> BlockRows:
+    """Return the rates of the coordinates with a reflected inertia as rows of the velocities, from ``data``."""
+    k = model.reflected.size
+    body, J = np.full((k, 4), -1), np.zeros((k, 4, 6), data.reflected["J"].dtype)
+    body[:, :2], J[:, :2] = model.coordinate["body"][model.reflected["coordinate"]], data.reflected["J"]
+    return BlockRows(body, J, model.body.size)
 
 
 class Terms(NamedTuple):
@@ -86,21 +101,24 @@ class DenseEquations:
         return Terms(self.mass_matrix(state), Q, self.quadratic_term(state), J, gamma)
 
     def mass_matrix(self, state: State) -> np.ndarray:
-        """Return the block-diagonal mass matrix (6 n, 6 n)."""
-        n = self.mass.size
-        M = np.zeros((n, 6, n, 6))
-        blocks = inertia_about_origin(state.q.reshape(n, 7)[:, 3:], self.com, self.mass, self.inertia)
-        M[np.arange(n), :, np.arange(n)] = blocks
-        return M.reshape(6 * n, 6 * n)
+        """Return the mass matrix (6 n, 6 n): blocks of the bodies, and I j'j of reflected inertias."""
+        load_state(self.compiled, self.data, state)
+        M = mass_matrix_of(self.compiled.model, self.data, dense=True)
+        assert isinstance(M, np.ndarray)
+        return M
 
     def quadratic_term(self, state: State) -> np.ndarray:
-        """Return h (6 n,), per body (m w x (w x s), w x I_G w + m s x (w x (w x s)))."""
+        """Return h (6 n,), per body (m w x (w x s), w x I_G w + m s x (w x (w x s))), and I (J_dot v) j."""
+        load_state(self.compiled, self.data, state)
+        model, held = self.compiled.model, self.data.reflected
+        j = reflected_rows(model, self.data).dense()
         n = self.mass.size
         R, w = matrix(state.q.reshape(n, 7)[:, 3:]), state.v.reshape(n, 6)[:, 3:]
         s, spin = np.einsum("bij,bj->bi", R, self.com), np.einsum("bji,bj->bi", R, w)
         momentum = np.einsum("bij,bjk,bk->bi", R, self.inertia, spin)
         pull = self.mass[:, None] * np.cross(w, np.cross(w, s))
-        return np.hstack([pull, np.cross(w, momentum) + np.cross(s, pull)]).ravel()
+        h = np.hstack([pull, np.cross(w, momentum) + np.cross(s, pull)]).ravel()
+        return h + j.T @ (model.reflected["inertia"] * held["bias"])
 
 
 def mass_matrix(system: Mechanism, state: State) -> np.ndarray:

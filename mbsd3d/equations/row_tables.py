@@ -99,12 +99,12 @@ def places(counts: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def row_tables(
-    primitives: list[Primitive], coordinates: Lists, signals: list[int], frames: Frames, length: float
+    primitives: list[Primitive], coordinates: Lists, signals: list[int], frames: Frames, length: float, first: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return (table of primitives, table of rows).
 
     ``coordinates``: numbers of the hinge coordinates of each primitive; ``signals``: of the signals of those that have
-    one; ``length``: of the model [m].
+    one; ``length``: of the model [m]; ``first``: place of their numbers, which follow each other.
     """
     index = frames.index
     plan = row_plan(
@@ -117,6 +117,8 @@ def row_tables(
     )
     out, row = (np.frombuffer(bytearray(lines), kind) for lines, kind in (plan.primitive, plan.row))
     out["signal"][plan.driven] = signals
+    out["numbers"] = [len(x.numbers) for x in primitives]
+    out["number"] = first + np.cumsum(out["numbers"]) - out["numbers"]
     fill(out, "value", [x.values for x in primitives])
     fill(out, "point", [x.points for x in primitives], frames.points)
     fill(out, "axis", [x.axes for x in primitives], frames.axes)

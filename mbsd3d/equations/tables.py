@@ -8,7 +8,17 @@ import numpy as np
 from ..base.errors import InputError
 from ..base.rotations import cross, matched_perpendiculars, perpendiculars
 from ..dynamics.applied_forces import number_of_law
-from ..kernels.layout import BODY, COORDINATE, FORCE, MEASURE, SIGNAL, STATE, TERM, table
+from ..kernels.layout import (
+    BODY,
+    COORDINATE,
+    CUSTOM_FORCE_BODIES_MAX,
+    FORCE,
+    MEASURE,
+    SIGNAL,
+    STATE,
+    TERM,
+    table,
+)
 from ..mechanism.bodies import GROUND, Part
 from ..mechanism.force_element import ForceRecord
 from ..mechanism.measures import MEASURES, Measure
@@ -206,8 +216,9 @@ def force_table(
     out["measure"] += first_measure
     for i, r in enumerate(records):
         out["kind"][i] = number_of_law(system.forces[i], system.name(system.forces[i]))
-        out["bodies"][i] = len(r.bodies)
-        out["body"][i, : len(r.bodies)] = [index[id(b)] for b in r.bodies]
+        held = r.bodies[:CUSTOM_FORCE_BODIES_MAX]  # a spring of a sum, which may have more, acts by its coordinates
+        out["bodies"][i] = len(held)
+        out["body"][i, : len(held)] = [index[id(b)] for b in held]
         out["signal"][i] = [signals.add(s) for s in r.signals]
         out["coordinate"][i] = -1 if r.coordinate is None else where[key_of(r.coordinate)]
         out["option"][i] = r.option

@@ -50,6 +50,7 @@ def build_spanning_tree(model: Model, data: Data, rows: np.ndarray | None = None
     state.soft = PIVOT_UNKNOWN
     if loop.size:
         loop["mu"] = PROXIMAL_FACTOR / heaviest_in_loops(plan, inertias) / model.row["scale"][loop["row"]] ** 2
+    state.apart = reflected_on_links(model, tables["link"])
     ready = model.body["inv_mass"][tables["link"]["body"]] > 0.0
     tables["link"]["alone"] = np.where(ready, tables["link"]["alone"], 0)
     size = int((np.arange(loop.size) - loop["first"] + 1).sum())
@@ -85,6 +86,18 @@ def tree_at_start(compiled: Compiled, data: Data, q: np.ndarray, t: float) -> Tr
 def copied(x: Any) -> Any:
     """Return a copy of a table, by its bytes where it is large: numpy copies records field by field."""
     return np.frombuffer(bytearray(x.tobytes()), x.dtype) if isinstance(x, np.ndarray) and x.dtype.names else x.copy()
+
+
+def reflected_on_links(model: Model, link: np.ndarray) -> int:
+    """Give each reflected inertia to the link whose joint it is in; return 1 if one is in no link, or two in one."""
+    n, link["reflected"] = model.body.size, -1
+    parent = np.append(link["body"], n)[link["up"]]  # -1 takes the last one, the ground
+    for i, on in enumerate(model.coordinate["body"][model.reflected["coordinate"]]):
+        for side in range(2):
+            own = (link["body"] == on[side]) & (parent == on[1 - side]) & (link["rows"] >= 5)
+            link["side"][own & (link["reflected"] < 0)] = side
+            link["reflected"][own & (link["reflected"] < 0)] = i
+    return int(np.unique(link["reflected"][link["reflected"] >= 0]).size < model.reflected.size)
 
 
 @lru_cache(maxsize=32)

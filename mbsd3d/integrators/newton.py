@@ -61,6 +61,22 @@ def inertia_force(fixed, body, linear, alpha):
     return force, add(cross(s, force), rotate(R, rotate(mat(fixed.inertia), alpha)))
 
 
+@inner_kernel
+def add_reflected_force(m, d, i, rate, r):
+    """Add the inertia force of reflected inertia i to the residuals of its bodies."""
+    own, on, n = d.reflected[i], m.coordinate[m.reflected[i].coordinate].body, m.body.shape[0]
+    total = own.bias + 0.0 * rate[0]
+    for end in range(2):
+        if on[end] < n:
+            u, (linear, angular) = 7 * n + 6 * on[end], pair(own.J[end])
+            alpha = rotate(mat(d.body[on[end]].R), (rate[u + 3], rate[u + 4], rate[u + 5]))
+            total += dot(linear, (rate[u], rate[u + 1], rate[u + 2])) + dot(angular, alpha)
+    for end in range(2):
+        if on[end] < n:
+            for j in range(6):
+                r[6 * on[end] + j] += m.reflected[i].inertia * total * own.J[end, j]
+
+
 @kernel
 def residual(m, d, s, t, y, rate, lam, h_v, r):
     """Evaluate r at (t, y) for the given rates and multipliers; leave kinematics, rows and loads in d."""
@@ -77,6 +93,8 @@ def residual(m, d, s, t, y, rate, lam, h_v, r):
         pull, pull_moment = pair(body.h)
         load, load_moment = pair(body.Q)
         put6(r[6 * i : 6 * i + 6], sub(add(force, pull), load), sub(add(moment, pull_moment), load_moment))
+    for i in range(m.reflected.shape[0]):
+        add_reflected_force(m, d, i, rate, r)
     for j in range(nz):
         r[6 * n + j] = rate[13 * n + j] - d.state_rate[j]
     for i in range(s.used.shape[0]):

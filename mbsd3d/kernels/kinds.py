@@ -1,8 +1,8 @@
 """Numbers of the kinds that kernels switch on. Importing this module compiles nothing."""
 
 COINCIDE, DOT, DOT_DIFFERENCE, IN_PLANE, DISTANCE, RATIO, TURN_RATE, NO_SIDESLIP, ROLL, MESH = range(10)
-ON_CURVE, ON_FACE = 10, 11
-ROWS_OF = (3, 1, 1, 1, 1, 1, 1, 1, 3, 1, 1, 1)
+ON_CURVE, ON_FACE, COUPLE = 10, 11, 12
+ROWS_OF = (3, 1, 1, 1, 1, 1, 1, 1, 3, 1, 1, 1, 1)
 
 ANGLE, SLIDE, PATH, FACE_CONTACT = range(4)
 

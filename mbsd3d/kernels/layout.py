@@ -35,7 +35,9 @@ PRIMITIVE = [
     ("axis", float, (4, 3)),  # a unit vector in each slot's body, body axes
     ("second_axis", float, (4, 3)),  # a second one
     ("value", float, 4),  # scalars: distance, ratios, radii
-    ("coordinate", int, 2),  # hinge coordinates of a ratio, -1 = unused
+    ("coordinate", int, 4),  # hinge coordinates of a ratio or coupler, -1 = unused
+    ("number", int),  # first of its numbers in Model.number
+    ("numbers", int),  # how many there are
     ("signal", int),  # prescribed motion, -1 = none
 ]
 ROW = [
@@ -51,6 +53,10 @@ COORDINATE = [
     ("point", float, (2, 3)),  # m, body axes
     ("axis", float, (3, 3)),  # angle: x_a, y_a in a, x_b in b; slide: direction in a; touch: normal in b; body axes
     ("number", int),  # first of the numbers of the curve in Model.number: see surfaces.py
+]
+REFLECTED = [
+    ("coordinate", int),  # hinge coordinate x of a joint that has
+    ("inertia", float),  # kg m^2 or kg, I of the kinetic energy I x_dot^2 / 2
 ]
 FORCE = [
     ("kind", int),  # number of its law
@@ -96,12 +102,13 @@ class Model(NamedTuple):
     primitive: np.ndarray  # (p,) PRIMITIVE
     row: np.ndarray  # (m,) ROW
     coordinate: np.ndarray  # COORDINATE
+    reflected: np.ndarray  # REFLECTED
     force: np.ndarray  # FORCE
     signal: np.ndarray  # SIGNAL
     term: np.ndarray  # TERM
     term_data: np.ndarray
     measure: np.ndarray  # MEASURE: those of the caller first, then those the forces read
-    number: np.ndarray  # gains, references, parameters of forces; curves
+    number: np.ndarray  # gains, references, parameters of forces; curves; polynomials of couplers
     state: np.ndarray  # STATE, layout of z: [states of force elements | work of forces | work of drivers | impulse (6)]
     gravity: np.ndarray  # (3,) m/s^2
     z_work: int
@@ -164,6 +171,10 @@ def data_records(dtype: type) -> dict[str, list]:
             ("velocity", dtype, 3),
             ("w", dtype, 3),
         ],
+        "reflected": [
+            ("J", dtype, (2, 6)),  # rate of the coordinate by the velocities of its bodies a and b,
+            ("bias", dtype),  # and J_dot v: computed by rows
+        ],
         "coordinate": [("value", float), ("rate", float)],  # at the last accepted state, to unwrap against: real
     }
 
@@ -174,6 +185,7 @@ class Data(NamedTuple):
 
     body: np.ndarray  # (n + 1,)
     row: np.ndarray  # (m,)
+    reflected: np.ndarray
     force: np.ndarray
     coordinate: np.ndarray
     unwrap_time: np.ndarray  # (1,) s, time of the last accepted state
@@ -206,6 +218,7 @@ class Tree(NamedTuple):
 TREE_STATE = [
     ("mu", float),  # 1/kg of a row in radians and metres of the model: what keeps S regular where rows repeat others
     ("dense", int),  # 1: a pivot of a link has vanished (bodies without inertia): the dense matrix at this state
+    ("apart", int),  # 1: a reflected inertia is on no link, so that bodies share inertia across loops: dense always
     ("graded", int),  # 1: pivots of the loop rows differ so much that S loses digits: solutions are refined
     ("weak", int),  # 1: some loop rows are nearly dependent on others
     ("soft", int),  # 1: some resist so little at the end of the last step that one sweep does not take mu away again
@@ -228,6 +241,8 @@ def tree_records(dtype: type) -> dict[str, list]:
             ("alone", int),  # 1: a free body that nothing touches
             ("lines", int),  # rows that come first since they do not only turn the body; -1: not to be told apart
             ("point", int),  # 1: the first three make two points coincide
+            ("reflected", int),  # reflected inertia of the joint to the parent, -1 = none,
+            ("side", int),  # and whether the body is a (0) or b (1) of its coordinate
             ("d", dtype, 3),  # m, from the parent's O to its own
             ("A", dtype, 9),  # articulated inertia [A B; B' C]: of the body and of all beyond it,
             ("B", dtype, 9),  # after the factorisation without what its own degrees of freedom take up

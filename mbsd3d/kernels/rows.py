@@ -9,10 +9,11 @@ A new primitive is one function here and one line in `rows`.
 import numpy as np
 
 from ..compiler.decorators import inner_kernel, kernel, late_kernel
-from .coordinates import coordinate, slide_along
+from .coordinates import coordinate, slide_along, value_and_rate
 from .kinds import (
     BAUMGARTE,
     COINCIDE,
+    COUPLE,
     DISTANCE,
     DOT,
     DOT_DIFFERENCE,
@@ -24,9 +25,25 @@ from .kinds import (
     RATIO,
     TURN_RATE,
 )
-from .signals import signal
+from .signals import polynomial, signal
 from .surfaces import GROUP_NUMBERS_COUNT, contact_row, group, highest, lowest, lowest_rate, nearest
-from .vectors import add, add6, arm, cross, dot, mat, point, point_velocity, put6, rotate, scale, sub, turning, vec
+from .vectors import (
+    add,
+    add6,
+    arm,
+    clear,
+    cross,
+    dot,
+    mat,
+    point,
+    point_velocity,
+    put6,
+    rotate,
+    scale,
+    sub,
+    turning,
+    vec,
+)
 
 
 @inner_kernel
@@ -117,6 +134,38 @@ def ratio(m, d, row, p, t):
             row.gamma -= f * rest
             put6(row.J[2 * i], scale(f, la), scale(f, ta))
             put6(row.J[2 * i + 1], scale(f, lb), scale(f, tb))
+
+
+@late_kernel
+def couple(m, d, row, p, t):
+    """Fill c = y - f(x) for sums y and x of v_i times a hinge coordinate, f a polynomial: gamma has f'' x_dot^2.
+
+    The numbers are how many coordinates y has, which stand first, then the coefficients of f. A body has one slot.
+    """
+    x, x_dot, of_y = 0.0, 0.0, int(m.number[p.number])
+    for i in range(of_y, 4):
+        if p.coordinate[i] >= 0:
+            value, rate = value_and_rate(m, d, p.coordinate[i], t)
+            x += p.value[i] * value
+            x_dot += p.value[i] * rate
+    f, slope, bend = polynomial(m.number, p.number + 1, p.numbers - 1, x)
+    row.c = -f
+    row.gamma = bend * x_dot * x_dot
+    for slot in range(4):
+        clear(row.J[slot])
+    for i in range(4):
+        k = p.coordinate[i]
+        if k >= 0:
+            factor = p.value[i] if i < of_y else -slope * p.value[i]
+            value, rest, la, ta, lb, tb = coordinate(m, d, k, t)
+            if i < of_y:
+                row.c += factor * value
+            row.gamma -= factor * rest
+            for slot in range(4):
+                if p.body[slot] == m.coordinate[k].body[0]:
+                    add6(row.J[slot], scale(factor, la), scale(factor, ta))
+                if p.body[slot] == m.coordinate[k].body[1]:
+                    add6(row.J[slot], scale(factor, lb), scale(factor, tb))
 
 
 @late_kernel
@@ -269,6 +318,8 @@ def fill(m, d, p, t):
         ratio(m, d, row, p, t)
     elif p.kind == MESH:
         mesh(m, d, row, p, t)
+    elif p.kind == COUPLE:
+        couple(m, d, row, p, t)
     elif p.kind == TURN_RATE:
         turn_rate(row, p, a, b)
     elif p.kind == NO_SIDESLIP:
@@ -281,9 +332,21 @@ def fill(m, d, p, t):
         roll(d, p, a, b)
 
 
+@late_kernel
+def reflected_rates(m, d, t):
+    """Fill the rates of the coordinates that have a reflected inertia: x_dot = J v, and the bias J_dot v."""
+    for i in range(m.reflected.shape[0]):
+        out = d.reflected[i]
+        _, out.bias, la, ta, lb, tb = coordinate(m, d, m.reflected[i].coordinate, t)
+        put6(out.J[0], la, ta)
+        put6(out.J[1], lb, tb)
+
+
 @kernel
 def rows(m, d, t):
-    """Fill c, J, b, gamma of all rows; needs kinematics."""
+    """Fill c, J, b, gamma of all rows, and the rates of reflected inertias; needs kinematics."""
+    if m.reflected.shape[0] > 0:
+        reflected_rates(m, d, t)
     for i in range(m.primitive.shape[0]):
         p = m.primitive[i]
         fill(m, d, p, t)

@@ -6,13 +6,17 @@ import numpy as np
 
 from ..base.checks import check_choice, short_repr
 from ..base.errors import InputError
-from ..base.fields import Number, Vector, kept, part_class
+from ..base.fields import Number, Numbers, Vector, kept, part_class
 from ..kernels import kinds
 from .bodies import GROUND, Body, Ground
 from .joints import AxisJoint, Joint, angle_of, coordinate_of, slide_of
 from .motion_protocols import LoadedMotion, Motion
 from .primitives import ZERO, Coordinate, Primitive, ratio
+from .sums import Joints, KindsOrNone, NumbersOrOnes, places_of, weighted
 from .tooth_contact import Axle, line_of_action
+
+SLOTS_COUNT = 4  # [bodies] of a row
+COORDINATES_COUNT = 4  # [coordinates] of a row
 
 
 @part_class()
@@ -261,5 +265,107 @@ class GearMesh(Coupling):
             Primitive(
                 kinds.MESH, tuple(bodies), points=tuple(points), axes=tuple(axes), second_axes=tuple(tilts),
                 values=tuple(levers), coordinates=tuple(angles),
+            )
+        ]  # fmt: skip
+
+
+@part_class()
+class Coupler(Coupling):
+    """An angle or slide y is a polynomial of another one (1 row): y = c0 + c1 x + c2 x^2 + ..., both counted in turns.
+
+    x and y may be weighted sums of coordinates: sum_i w_i y_i = c(sum_j v_j x_j). The row is y - c(x) = 0, and its
+    acceleration y_ddot - c' x_ddot = c'' x_dot^2. Where c' = 0 y stands still, and x is not held. The reaction is the
+    load R along y, [N m] or [N], on body b of the joint of y, with -c' R along x.
+
+    Parameters
+    ----------
+    x, y : Joint, or sequence of Joint
+        Leader and follower, with an angle or a slide; several are summed. Without a leader, ``()``, y = c0. All
+        coordinates together, four at most, are between at most four bodies, the ground included.
+    coefficients : sequence of float
+        c0, c1, ... of any degree [rad or m by powers of rad or m].
+    x_weights, y_weights : sequence of float or None
+        v_j and w_i, one a joint; None = ones.
+    x_of, y_of : "angle", "slide", a sequence of them, or None
+        Coordinate of joints that have both; None = the angle where there is one, else the slide.
+
+    Notes
+    -----
+    Coordinates are zero at the reference pose: with c0 other than 0 it does not close, and a run starts from
+    ``system.assemble()``.
+
+    Raises
+    ------
+    ValueError
+        For a joint without the coordinate, one that stands twice, weights that are 0 or not one a joint, no
+        coefficient, or more than four bodies or coordinates.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Coupler, Prismatic, Revolute, System
+    >>> cam, tappet = (Body(name, mass=1.0, inertia=(0.1, 0.1, 0.2)) for name in ("cam", "tappet"))
+    >>> axle = Revolute(GROUND, cam, at=(0, 0, 0), axis=(0, 1, 0))
+    >>> guide = Prismatic(GROUND, tappet, at=(0, 0, 0.2), axis=(0, 0, 1))
+    >>> lift = Coupler(axle, guide, coefficients=(0, 0, 0.01))
+    >>> system = System([cam, tappet], [axle, guide, lift])
+    >>> round(float(system.assemble(angles={axle: 10.0}).q[9]), 12)  # 0.01 * 10^2
+    1.0
+    """
+
+    x: Joints = kept()
+    y: Joints = kept()
+    _: KW_ONLY
+    coefficients: Numbers = kept()
+    x_weights: NumbersOrOnes = kept(default=None)
+    y_weights: NumbersOrOnes = kept(default=None)
+    x_of: KindsOrNone = kept(default=None)
+    y_of: KindsOrNone = kept(default=None)
+
+    def through(self) -> Joint:
+        return self.y[0]
+
+    def partners(self) -> list[Joint]:
+        return list(dict.fromkeys((*self.x, *self.y)))
+
+    def check(self, what: str) -> None:
+        if not self.y:
+            raise InputError(f"{what}: y has no joint; give the joint that follows")
+        if not self.coefficients or (not self.x and len(self.coefficients) > 1):
+            given = f"{len(self.coefficients)} coefficients for {len(self.x)} joints of x"
+            raise InputError(f"{what}: {given}; give c0, c1, ..., and without x only c0")
+        places = [*self.places("y", what), *self.places("x", what)]
+        for place in places:
+            if places.count(place) > 1:
+                raise InputError(f"{what}: the {place[1]} of '{place[0].name}' stands twice; name it once")
+        if len(places) > COORDINATES_COUNT:
+            raise InputError(f"{what}: {len(places)} coordinates; give at most {COORDINATES_COUNT}")
+        bodies = self.bodies()
+        if len(bodies) > SLOTS_COUNT:
+            names = ", ".join(f"'{body.name}'" for body in bodies)
+            raise InputError(
+                f"{what}: its coordinates are between {len(bodies)} bodies, {names}; give at most {SLOTS_COUNT}, the "
+                "ground included"
+            )
+
+    def places(self, side: str, what: str) -> list[tuple[Joint, str]]:
+        """Return (joint, "angle" or "slide") of each coordinate of a side."""
+        return places_of(*self.of_side(side), side, what)
+
+    def sum_of(self, side: str) -> list[tuple[Coordinate, float]]:
+        """Return the coordinates of a side with their weights."""
+        return weighted(*self.of_side(side))
+
+    def of_side(self, side: str) -> tuple[tuple[Joint, ...], tuple[float, ...] | None, tuple[str | None, ...] | None]:
+        """Return joints, weights and kinds of coordinates of "x" or "y"."""
+        return (self.y, self.y_weights, self.y_of) if side == "y" else (self.x, self.x_weights, self.x_of)
+
+    def rows(self) -> list[Primitive]:
+        y, x = self.sum_of("y"), self.sum_of("x")
+        coordinates, weights = zip(*y, *x, strict=True)
+        bodies = {id(body): body for one in coordinates for body in (one.a, one.b)}
+        return [
+            Primitive(
+                kinds.COUPLE, tuple(bodies.values()), values=weights, coordinates=coordinates,
+                numbers=(float(len(y)), *self.coefficients), in_metres=coordinates[0].kind != "angle",
             )
         ]  # fmt: skip

@@ -111,6 +111,9 @@ class Engaged(Joint):
         found = self.joint.slide()
         return None if found is None else self.moved_coordinate(found)
 
+    def reflected(self) -> list[tuple[Coordinate, float]]:
+        return [(self.moved_coordinate(x), inertia) for x, inertia in self.joint.reflected()]
+
     def point(self) -> np.ndarray:
         return self.moved_point(self.joint.point())
 

@@ -88,7 +88,7 @@ def is_curve(x: np.ndarray) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Primitive:
-    """Rows between up to four bodies: kind, bodies of the slots, points, axes, scalars; see kernels/rows.py."""
+    """Rows between up to four bodies: kind, bodies of the slots, points, axes, numbers; see kernels/rows.py."""
 
     kind: int
     bodies: tuple[Any, ...]
@@ -97,6 +97,7 @@ class Primitive:
     second_axes: tuple[Any, ...] = ()
     values: tuple[Any, ...] = ()
     coordinates: tuple[Coordinate, ...] = ()
+    numbers: tuple[float, ...] = ()
     signal: Signal | None = None
     in_metres: bool = True
 

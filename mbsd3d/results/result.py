@@ -404,10 +404,15 @@ class RunResult(Motion):
         effort = -lam[:, rows]
         return effort[:, 0] if effort.shape[1] == 1 else effort
 
+    def _reflected_energy(self) -> np.ndarray:
+        """Return the kinetic energy (samples,) of the reflected inertias of joints [J]."""
+        held = [pair for joint in self.system.joints for pair in joint.reflected()]
+        return sum((0.5 * inertia * self._coordinate_rate(x) ** 2 for x, inertia in held), np.zeros(self.t.size))
+
     @cached_property
     def _energy(self) -> Energy:
         model, system = self.compiled.model, self.system
-        kinetic, potential = np.zeros(self.t.size), self.arrays["potential"].sum(axis=1)
+        kinetic, potential = self._reflected_energy(), self.arrays["potential"].sum(axis=1)
         for body in system.bodies:
             centre, v_com = self._carried(body, body.com)
             w = self.omega_body(body)
@@ -461,7 +466,7 @@ class RunResult(Motion):
         middle, v = self.arrays["q"][..., :3].mean(axis=1), self.arrays["v"][..., :3]
         mean = v.mean(axis=(0, 1)) if self.t.size else np.zeros(3)
         place, velocity, angular = np.zeros((3, self.t.size, 3))
-        kinetic, farthest, fastest = np.zeros(self.t.size), 0.0, 0.0
+        kinetic, farthest, fastest = self._reflected_energy(), 0.0, 0.0
         for body in self.system.bodies:
             centre, v_com = self._carried(body, body.com)
             s, v, w = centre - middle, v_com - mean, self.omega_body(body)

@@ -190,7 +190,7 @@ class SwitchedRun:
 
     def check_energy(self, found: Touching, hit: Strike) -> None:
         """Refuse an impact that gives energy, as Newton's law may with several stops of different restitution."""
-        kinetic = 0.5 * float(hit.v @ (mass_matrix_of(found.compiled.model, found.pose, False) @ hit.v))
+        kinetic = 0.5 * float(hit.v @ (mass_matrix_of(found.compiled.model, found.data, False) @ hit.v))
         if hit.lost < -ENERGY_ROUNDING * kinetic:
             names = ", ".join(f"'{self.system.name(x)}'" for x in found.locks)
             raise IntegrationError(

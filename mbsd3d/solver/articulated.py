@@ -9,6 +9,10 @@ I a + J' lam + G' mu = p, G the loop rows it feels, loses lam along N:
 so the parent sees I_p + X' P' I P X, P = 1 - N D^-1 N' I, and never an inverse of the body's own inertia: light bodies
 between heavy ones cost no digits. One free direction after the other is taken out, as in a Cholesky factorisation.
 The rows themselves are lam = Z'(p - G' mu - I a). Featherstone, Rigid Body Dynamics Algorithms, chapter 7.
+
+A reflected inertia R of the joint's coordinate, whose rate is j (v - X v_p), adds R (j N)(j N)' to D, takes
+R (j N)(j y) from the load along N and R (j (a - X a_p)) Z'j from lam; it never adds to I. With it N'(p - I a) is not
+zero, and the load that was handed down is p - I a less I N R (j N)(j N x) / D: `held_back`.
 """
 
 from ..compiler.decorators import fused_kernel, inner_kernel
@@ -51,15 +55,45 @@ def body_inertia(fixed, body):
     return A, B, sub9(C, (-yy - zz, xy, zx, xy, -xx - zz, yz, zx, yz, -xx - yy))
 
 
+@inner_kernel
+def reflected_share(m, d, link, n, x):
+    """Return R (j n)(j x) of the reflected inertia R of the joint of a link, 0 without one."""
+    if link.reflected < 0:
+        return 0.0 * n[0][0]
+    j = pair(d.reflected[link.reflected].J[link.side])
+    return m.reflected[link.reflected].inertia * dot6(j, n) * dot6(j, x)
+
+
+@inner_kernel
+def held_back(m, d, link, x):
+    """Return u R (j N)(j x) / D: the load of a link that its reflected inertia keeps from N in a motion x along N."""
+    load = scale(0.0, x[0]), scale(0.0, x[1])
+    for k in range(link.rows, 6):
+        share = reflected_share(m, d, link, pair(link.basis[k]), x) * link.inverse[k]
+        load = along6(load, share, pair(link.u[k]))
+    return load
+
+
+@inner_kernel
+def less_rotor(m, d, s, link, f, a):
+    """Return what of the load f of a link, which moves at a, its joint carries beside its reflected inertia."""
+    if link.up >= 0:
+        carried = moved_motion(pair(s.link[link.up].a), vec(link.d))
+        a = sub(a[0], carried[0]), sub(a[1], carried[1])
+    f = along6(f, 1.0, held_back(m, d, link, along6(a, -1.0, pair(link.y))))
+    j = pair(d.reflected[link.reflected].J[link.side])
+    return along6(f, -m.reflected[link.reflected].inertia * dot6(j, a), j)
+
+
 @fused_kernel
-def take_out(m, s, link):
+def take_out(m, d, s, link):
     """Factor the free directions and take what they yield out of inertia and loop rows; False for a zero pivot."""
     A, B, C = mat(link.A), mat(link.B), mat(link.C)
     size = abs((A[0] + A[4] + A[8]).real) + abs((C[0] + C[4] + C[8]).real) / m.length**2
     for k in range(link.rows, 6):
         n = pair(link.basis[k])
         u = times(A, B, C, n)
-        pivot = dot6(n, u)
+        pivot = dot6(n, u) + reflected_share(m, d, link, n, n)
         if not pivot.real > ROUNDING * size * (dot(n[0], n[0]) + m.length**2 * dot(n[1], n[1])).real:
             return False
         inverse = 1.0 / pivot
@@ -142,7 +176,7 @@ def factor_links(m, d, s):
             s.state.worn = 1
             s.state.dense = 1
             return
-        if not take_out(m, s, link):
+        if not take_out(m, d, s, link):
             s.state.dense = 1
             return
         hand_down(s, link)
@@ -158,7 +192,7 @@ def prescribed(d, s, link):
 
 
 @inner_kernel
-def load_links(d, s):
+def load_links(m, d, s):
     """Carry the loads of all links from the leaves to the roots, and form the right side of the loop rows."""
     for i in range(s.link.shape[0]):
         for j in range(6):
@@ -173,7 +207,8 @@ def load_links(d, s):
         p = add(p[0], force), add(p[1], add(moment, rotate(mat(body.R), vec(body.turn))))
         y = prescribed(d, s, link)
         for k in range(link.rows, 6):
-            share = dot6(pair(link.basis[k]), p) * link.inverse[k]
+            n = pair(link.basis[k])
+            share = (dot6(n, p) - reflected_share(m, d, link, n, y)) * link.inverse[k]
             link.e[k] = share
             p = along6(p, -share, pair(link.u[k]))
         put6(link.p, p[0], p[1])
@@ -232,5 +267,7 @@ def move_links(m, d, s):
         put(body.alpha, rotate_back(mat(body.R), a[1]))
         if link.rows > 0:
             f = along6(p, -1.0, times(mat(link.A), mat(link.B), mat(link.C), a))
+            if link.reflected >= 0:
+                f = less_rotor(m, d, s, link, f, a)
             for j in range(link.rows):
                 d.row[s.joint[link.joint + j].row].lam = dot6(pair(link.basis[j]), f)

@@ -22,6 +22,9 @@ DENSE_REFINEMENT_STEPS = 3  # [steps] of iterative refinement of the dense matri
 def factor(m, d, s):
     """Factorise the saddle-point matrix for the rows at the current state."""
     s.state.dense, s.state.worn, s.state.graded, s.state.weak, s.state.pivot = 0, 0, 0, 0, 1.0
+    if s.state.apart == 1:
+        s.state.dense = 1
+        return
     factor_links(m, d, s)
     if s.state.dense == 0 and s.loop.shape[0] > 0:
         factor_loops(s)
@@ -36,7 +39,7 @@ def solve(m, d, s):
         return solve_dense(m, d, s)
     for i in range(s.loop.shape[0]):
         s.vector[0, i] = -d.row[s.loop[i].row].bottom
-    load_links(d, s)
+    load_links(m, d, s)
     if s.loop.shape[0] > 0:
         solve_loops(s)
     for i in range(s.loop.shape[0]):
@@ -72,6 +75,15 @@ def fill_dense(m, d, s, K, rhs):
                 K[6 * i + j, 6 * i + 3 + k] = per_weight * B[3 * j + k]
                 K[6 * i + 3 + k, 6 * i + j] = per_weight * B[3 * j + k]
                 K[6 * i + 3 + j, 6 * i + 3 + k] = per_weight * C[3 * j + k]
+    for i in range(m.reflected.shape[0]):
+        on = m.coordinate[m.reflected[i].coordinate].body
+        for one in range(2):
+            for other in range(2):
+                if on[one] < m.body.shape[0] and on[other] < m.body.shape[0]:
+                    for j in range(6):
+                        share = per_weight * m.reflected[i].inertia * d.reflected[i].J[one, j]
+                        for k in range(6):
+                            K[6 * on[one] + j, 6 * on[other] + k] += share * d.reflected[i].J[other, k]
     for i in range(c):
         k = s.used[i]
         rhs[n + i] = d.row[k].bottom
@@ -116,6 +128,17 @@ def solve_dense(m, d, s) -> int:
 
 
 @inner_kernel
+def reflected_acceleration(m, d, i, acceleration):
+    """Return J a, the acceleration of the coordinate of reflected inertia i without its bias, for a (n, 6)."""
+    on, total = m.coordinate[m.reflected[i].coordinate].body, 0.0 * d.reflected[i].bias
+    for end in range(2):
+        if on[end] < m.body.shape[0]:
+            for j in range(6):
+                total += d.reflected[i].J[end, j] * acceleration[on[end], j]
+    return total
+
+
+@inner_kernel
 def subtract_known(m, d, acceleration, lam):
     """Subtract [top; bottom] -= [M J'; J 0] [acceleration; lam]."""
     n = m.body.shape[0]
@@ -125,6 +148,12 @@ def subtract_known(m, d, acceleration, lam):
         inertial, turning_part = times(A, B, C, pair(acceleration[i]))
         force, moment = pair(body.top)
         put6(body.top, sub(force, inertial), sub(moment, turning_part))
+    for i in range(m.reflected.shape[0]):
+        load = m.reflected[i].inertia * reflected_acceleration(m, d, i, acceleration)
+        for end in range(2):
+            b = m.coordinate[m.reflected[i].coordinate].body[end]
+            for j in range(6 if b < n else 0):
+                d.body[b].top[j] -= load * d.reflected[i].J[end, j]
     for k in range(m.row.shape[0]):
         row = d.row[k]
         for slot in range(4):

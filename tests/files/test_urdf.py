@@ -12,7 +12,19 @@ import pytest
 from helpers.mujoco_states import TOLERANCE, difference, general_motion, state_of
 from scipy.spatial.transform import Rotation
 
-from mbsd3d import GROUND, Brake, Gear, Planar, Prismatic, RackPinion, Revolute, accelerations, read_urdf, simulate
+from mbsd3d import (
+    GROUND,
+    Brake,
+    Coupler,
+    Gear,
+    Planar,
+    Prismatic,
+    RackPinion,
+    Revolute,
+    accelerations,
+    read_urdf,
+    simulate,
+)
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*(inactive|is fixed):UserWarning")
 
@@ -232,7 +244,7 @@ def test_mimics_have_the_accelerations_of_reduced_equations(tmp_path):
     )
     found = read_urdf(path)
     assert found.system.check().mobility == 1
-    assert {type(part) for part in found.system.joints} == {Revolute, Prismatic, Gear, RackPinion}
+    assert {type(part) for part in found.system.joints} == {Revolute, Prismatic, Gear, RackPinion, Coupler}
     T, values = {"a": 1.0}, {"a": 4.2}  # most of a turn
     for name, (leader, m, o) in rules.items():
         T[name], values[name] = m * T[leader], m * values[leader] + o

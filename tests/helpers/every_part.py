@@ -68,6 +68,10 @@ def parts():
         "pressure_angle": 0.3, "helix_angle": 0.0, "flank": 1, "carrier": None,
     } | name  # fmt: skip
     yield m.RackPinion, {"pinion": HINGE, "rack": SLIDER, "radius": 0.1} | name
+    yield m.Coupler, {
+        "x": (HINGE,), "y": SLIDER, "coefficients": (0.1, 0.2, -0.3), "x_weights": (2.0,), "y_weights": (1.0,),
+        "x_of": "angle", "y_of": ("slide",),
+    } | name  # fmt: skip
     yield m.KnifeEdge, pair | here | {"lateral": (0, 1, 0)} | name
     yield m.KnifeEdge, pair | here | {"heading": (1, 0, 0)} | name
     yield (
@@ -86,6 +90,9 @@ def parts():
         "at_a": (0, 0, 0), "at_b": (0, 0, 1), "stiffness": 3.0, "damping": 1.0, "length": 0.5
     } | name  # fmt: skip
     yield m.TorsionSpring, {"hinge": HINGE, "stiffness": 3.0, "damping": 0.1, "angle": 0.2} | name
+    yield m.SumSpring, {"joints": (HINGE, SLIDER), "weights": (2.0, -1.0), "of": ("angle", "slide"), "stiffness": 3.0,
+                        "damping": 0.1, "rest": (0.1, 0.2)} | name  # fmt: skip
+    yield m.RotationSpring, pair | {"stiffness": 3.0, "damping": 0.1} | name
     yield (
         m.Brake,
         {"hinge": HINGE, "torque": m.Pulse(3.0, start=0.2, edge=0.1), "stiffness": 900.0, "damping": 20.0} | name,

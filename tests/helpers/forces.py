@@ -19,6 +19,7 @@ from mbsd3d import (
     ConeStop,
     Contact,
     CustomForce,
+    Cylindrical,
     DryFriction,
     EndStop,
     FluidDrag,
@@ -32,9 +33,11 @@ from mbsd3d import (
     Prismatic,
     Ratchet,
     Revolute,
+    RotationSpring,
     Spherical,
     SpringDamper,
     StateFeedback,
+    SumSpring,
     Torque,
     TorqueBetween,
     TorqueCurve,
@@ -53,6 +56,12 @@ def _hinge(rng, a, b):
 
 def _slider(rng, a, b):
     return Prismatic(a, b, at=middle(rng, a, b), axis=direction(rng))
+
+
+def _summed(rng, a, b, **rest):
+    guide = Cylindrical(a, b, at=middle(rng, a, b), axis=direction(rng))
+    sums = dict(weights=(0.9, -0.6), of=("angle", "slide"))
+    return [guide], SumSpring((guide, guide), **sums, stiffness=3.0, damping=0.7, **rest)
 
 
 def _signals(rng):
@@ -177,6 +186,9 @@ EXAMPLES = {
     "JointFriction in a slider": lambda rng, a, b: _on(
         _slider(rng, a, b), JointFriction, coulomb=0.8, viscous=0.3, transition=0.5
     ),
+    "SumSpring of angle and slide": lambda rng, a, b: _summed(rng, a, b, rest=0.4),
+    "SumSpring beyond its slack": lambda rng, a, b: _summed(rng, a, b, rest=(20.0, 30.0)),
+    "RotationSpring": lambda rng, a, b: ([], RotationSpring(a, b, stiffness=3.0, damping=0.7)),
     "Brake that holds": lambda rng, a, b: _on(_hinge(rng, a, b), Brake, torque=90.0 + signal(rng, 1.0), **LINING),
     "Brake that slips": lambda rng, a, b: _on(_slider(rng, a, b), Brake, torque=Polynomial((0.3, 0.1)), **LINING),
     "DryFriction of a hinge": lambda rng, a, b: _on(

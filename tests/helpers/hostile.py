@@ -125,6 +125,7 @@ class Model:
                 lambda: m.SpeedDriver(old, self.signal(), name=name),
                 lambda: m.Gear(old, other, ratio=self.number(-2, 2), name=name),
                 lambda: m.RackPinion(old, other, radius=self.number(), name=name),
+                lambda: m.Coupler(old, other, coefficients=self.vector(), name=name),
                 lambda: m.GearMesh(old, other, at=at, pressure_angle=self.number(), helix_angle=self.number()),
             ]  # fmt: skip
         return self.pick(made)()

@@ -6,6 +6,7 @@ import pytest
 from helpers.models import EXAMPLES, across, consistent_state, direction, middle, random_body
 from mbsd3d import (
     GROUND,
+    Coupler,
     Cylindrical,
     Force,
     Gear,
@@ -46,7 +47,7 @@ def tree(cls, seed=5):
     rng, (first, second, third, last) = bodies_of(seed)
     if cls is GearMesh:
         joints = EXAMPLES[cls](rng, first, second, third, None)
-    elif cls in (Gear, RackPinion):
+    elif cls in (Coupler, Gear, RackPinion):
         joints = EXAMPLES[cls](rng, GROUND, first, first, second)
     else:
         joints = EXAMPLES[cls](rng, GROUND, first, None, None)

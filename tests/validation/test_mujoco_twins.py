@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from helpers.models import EXAMPLES, across, direction, middle, random_loops
+from helpers.models import EXAMPLES, across, direction, middle, random_body, random_loops
 from helpers.mujoco_pairs import GRAVITY, LEFT, SETTLED, Pair, bodies_of, instant, loaded, loop, tree
 
 from mbsd3d import (
@@ -36,6 +36,7 @@ from mbsd3d import (
     System,
     TorsionSpring,
     Universal,
+    accelerations,
     simulate,
 )
 from validation.twins.base import EngineFailed
@@ -375,3 +376,20 @@ def test_a_loop_of_bodies_that_are_rigid_to_each_other_has_no_rows():
     assert pair.twin.model.neq == 3
     assert instant(pair)[1] < 1e-10
     assert pair.errors(128)[:2].max() < 1e-6
+
+
+def test_a_reflected_inertia_is_an_armature():
+    """Hinge and slide on a moving body, taken from either side; accelerations of a tree are exact in MuJoCo."""
+    rng = np.random.default_rng(6)
+    first, second, third = (random_body(rng, f"body {k}", position=[0.9 * k, 0.3 * k, 0.1]) for k in range(3))
+    joints = [
+        Revolute(GROUND, first, at=(0.1, 0, 0.2), axis=(1, 2, 2), reflected_inertia=0.7),
+        Prismatic(second, first, at=second.position, axis=(0, 1, 2), reflected_mass=3.0),
+        Revolute(second, third, at=third.position, axis=(2, 1, 0), reflected_inertia=0.4),
+    ]
+    system = System([first, second, third], joints, gravity=GRAVITY)
+    state = system.assemble(rates=dict(zip(joints, (2.0, -1.0, 3.0), strict=True)))
+    ours, theirs = accelerations(system, state), twin(system, state=state).accelerations()
+    for k, body in enumerate(system.bodies):
+        assert np.allclose(theirs[k, :3], ours.acceleration(body)[0], rtol=1e-10, atol=1e-10)
+        assert np.allclose(theirs[k, 3:], ours.alpha(body)[0], rtol=1e-10, atol=1e-10)

@@ -128,6 +128,17 @@ def _rack(rng: Generator, a: Any, b: Any, c: Any, d: Any) -> list[mbsd3d.Joint]:
     return [pinion, rack, mbsd3d.RackPinion(pinion, rack, radius=0.37)]
 
 
+def _coupler(rng: Generator, a: Any, b: Any, c: Any, d: Any) -> list[mbsd3d.Joint]:
+    """Draw a slide that follows a polynomial of a weighted sum of angle and slide of another joint."""
+    leader = mbsd3d.Cylindrical(a, b, at=middle(rng, a, b), axis=direction(rng))
+    follower = mbsd3d.Prismatic(c, d, at=middle(rng, c, d), axis=direction(rng))
+    coupler = mbsd3d.Coupler(
+        (leader, leader), follower, coefficients=(0, 0.7, -0.3, 0.2), x_weights=(0.8, -0.5), x_of=("angle", "slide"),
+        y_weights=(1.3,),
+    )  # fmt: skip
+    return [leader, follower, coupler]
+
+
 def _angle_driver(rng: Generator, a: Any, b: Any) -> list[mbsd3d.Joint]:
     hinge = mbsd3d.Revolute(a, b, at=middle(rng, a, b), axis=direction(rng))
     return [hinge, mbsd3d.AngleDriver(hinge, signal(rng))]
@@ -198,6 +209,7 @@ JOINTS: dict[type, Factory] = {
 EXAMPLES: dict[type, Factory] = {
     **JOINTS,
     mbsd3d.Gear: _gear,
+    mbsd3d.Coupler: _coupler,
     mbsd3d.GearMesh: lambda rng, a, b, c, d: _mesh(rng, a, b, c),
     mbsd3d.RackPinion: _rack,
     mbsd3d.AngleDriver: lambda rng, a, b, c, d: _angle_driver(rng, a, b),

@@ -53,6 +53,12 @@ def label(system: System, part: Any) -> str:
     return f"{kind} '{system.name(part)}' ({type(part).__name__})"
 
 
+def refuse_reflected(system: System, joint: Joint) -> None:
+    """Raise NotExpressible for a joint with a reflected inertia."""
+    if joint.reflected():
+        raise NotExpressible(f"{label(system, joint)}: no reflected inertia is written for it")
+
+
 def refused(system: System, part: Any, reasons: Mapping[type, str], otherwise: str) -> NotExpressible:
     """Return the error for a part that no table of an engine has: its known reason, or what holds for any new class."""
     return NotExpressible(f"{label(system, part)}: {reasons.get(type(part), otherwise)}")

@@ -106,6 +106,8 @@ class MujocoTree(Placed):
             r, R = self.relative(each, piece)
             for x in self.coordinates(each):
                 place = {"pos": numbers(r + R @ x.at)} | ({} if x.kind == "ball" else {"axis": numbers(R @ x.axis)})
+                rotor = sum(inertia for _, inertia in each.joint.reflected()) if each.joint else 0.0
+                place |= {"armature": numbers(rotor)} if rotor else {}
                 self.elements[f"joint {x.name}"] = add(child, "joint", name=x.name, type=x.kind, **place)
 
     def weigh(self, child: Element, body: Body) -> None:

@@ -1,6 +1,6 @@
 """A system from the facts of a model, whichever format they come from, and what of them has no counterpart here."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -12,32 +12,34 @@ from ...base.mass_properties import TRIANGLE_RULE_TOLERANCE, MassProperties, put
 from ...base.rotations import conjugate, matrix, multiply
 from ...base.style import counted
 from ...mechanism.bodies import GROUND, Body
-from ...mechanism.couplings import Gear, RackPinion
+from ...mechanism.couplings import COORDINATES_COUNT, SLOTS_COUNT, Coupler, Gear, RackPinion
 from ...mechanism.drivers import AngleDriver, SlideDriver
 from ...mechanism.force_element import ForceElement
 from ...mechanism.forces.applied import Force
 from ...mechanism.forces.between import ForceBetween, TorqueBetween
 from ...mechanism.forces.brake import Brake
 from ...mechanism.forces.bushing import Bushing
+from ...mechanism.forces.end_stop import EndStop
 from ...mechanism.forces.fluid_drag import FluidDrag
+from ...mechanism.forces.rotation_spring import RotationSpring
 from ...mechanism.forces.springs import TorsionSpring
+from ...mechanism.forces.sum_spring import SumSpring
 from ...mechanism.joints import Joint
-from ...mechanism.joints.pairs import Fixed, Revolute, Spherical
+from ...mechanism.joints.pairs import Fixed, Spherical
 from ...mechanism.limits import Limit
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes.shape import Shape
 from ...mechanism.shapes.solids import Box, Capsule, Cylinder, Ellipsoid, MeshFile, Sphere
 from ...mechanism.shapes.triangles import MESH_SUFFIXES, check_mesh
 from ...mechanism.signals.signal import Input, Signal
-from .facts import Facts, carried, felt_inertia, length_of
+from .facts import Facts, Frame, carried, felt_inertia, length_of, state_of
 from .imported import Imported, NotBuilt, Point, grouped, judged
 from .joints import acts_along, check_independent, has_coordinate, joint_of
-from .keyframes import Frame, state_of
 
 MOMENT_ROUNDING = 1e-12  # [m L^2] of mass and extent of the model: a negative principal moment that is rounding
-ROTOR_MASS_SHARE = 1e-9  # [1] of the whole mass, for a rotor that stands for an armature: a body with inertia needs one
 MESH_BYTES_MAX = 50_000_000  # [bytes] of all mesh files that are drawn: some seconds
 BRAKE_YIELD = 1e-3  # [rad, m] that a brake for dry friction yields before it slips
+STOP_RATE = 300.0  # [rad/s] of what a stop holds, damped critically: a contact of some 10 ms
 SHAPES_BY_KIND: dict[str, tuple[type[Shape], Callable[[float, float, float], tuple[Any, ...]]]] = {
     "box": (Box, lambda a, b, c: ((2 * a, 2 * b, 2 * c),)),
     "sphere": (Sphere, lambda a, b, c: (a,)),
@@ -56,6 +58,7 @@ class Choices(NamedTuple):
     inertia: str = "as given"
     geometry: str = "draw"
     inputs: bool = False
+    limits: str = "watched"
 
 
 class Builder:
@@ -72,7 +75,8 @@ class Builder:
         self.actuators = self.to_build() if choices.inputs else self.inactive_actuators()
         self.group = grouped(body["weld"] for body in facts["bodies"])  # what is welded to a body, itself first
         self.joints_of = grouped(joint.get("loop", joint["body"]) for joint in facts["joints"])
-        self.coupled = {k for e in facts["equalities"] if e["type"] == "joint" for k in e["joints"]}
+        self.coupled = {k for e in facts["equalities"] for k in joints_in(e)}
+        self.coupled |= {k for tendon in facts.get("tendons", ()) for k in tendon["joints"]}
         self.length = length_of(facts)
         self.names: set[str] = {GROUND.name}
         self.renamed: dict[str, str] = {}
@@ -80,7 +84,6 @@ class Builder:
         self.missing: list[str] = list(facts.get("missing", ())) if choices.geometry == "draw" else []
         self.meshes = Meshes(self.missing)
         self.frames: list[Frame] = []  # of all bodies, in their order
-        self.rotors: list[Frame] = []  # on the ground, which turn as a joint of the file moves
         self.joints: list[Joint] = []
         self.forces: list[ForceElement] = []
         self.limits: list[Limit] = []
@@ -107,16 +110,19 @@ class Builder:
                 self.join(self.facts["joints"][places[0]]["body"], places)
         for equality in self.facts["equalities"]:
             self.close(equality)
+        for tendon in self.facts.get("tendons", ()):
+            self.pull(tendon)
         self.hold_weights()
         self.drag()
         for actuator in self.actuators:
             self.actuate(actuator)
         if brakes := sum(isinstance(force, Brake) for force in self.forces):
             self.said.append(f"dry friction of {counted(brakes, 'joint')} yields by {BRAKE_YIELD:g} rad or m at rest")
+        if stops := sum(isinstance(force, EndStop) for force in self.forces):
+            self.said.append(f"{counted(stops, 'stop')}, which a speed v enters by v / {STOP_RATE:g} s or less")
         verdict = judged(self.not_built, self.choices.leave_out, self.choices.strict)
         if len(self.bodies) == 1:
             raise InputError("no body of it can move; give one a joint")
-        self.frames += self.rotors
         bodies = [frame.made for frame in self.frames]
         given = (bodies, self.joints, self.forces, self.facts["gravity"])
         system = Mechanism(*given, limits=self.limits, notes=verdict.notes)
@@ -206,6 +212,10 @@ class Builder:
     def join(self, i: int, places: list[int]) -> None:
         """Build the joints between a body and its parent, with their springs, friction and limits."""
         parts = [self.facts["joints"][k] for k in places]
+        for part in parts:
+            for load in ("stiffness", "damping", "friction", "armature"):
+                if part[load] < 0.0:
+                    raise InputError(f"{self.called(part['name'], 'joint')}: {load} {part[load]:g} < 0; give >= 0")
         frames = [Frame(self.carrier(i), i, ())]
         if not parts or parts[0]["type"] == "free":
             self.frames += frames
@@ -258,65 +268,68 @@ class Builder:
 
     def load(self, i: int, k: int, part: Facts) -> None:
         """Build what acts on a joint: springs, dampers, dry friction, limits."""
-        joint, kind, what = self.coordinate.get(k), part["type"], f"{part['type']} {part['name']}"
-        for load in ("stiffness", "damping", "friction", "armature"):
-            if part[load] < 0.0:
-                raise InputError(f"{self.called(part['name'], 'joint')}: {load} {part[load]:g} < 0; give >= 0")
+        joint, what = self.coordinate.get(k), f"{part['type']} {part['name']}"
         if part["stiffness"] or part["damping"]:
             self.spring(i, k, part)
-        if part["armature"] and joint is not None:
-            self.rotor(k, part, joint)
+        if part["armature"] and part["type"] == "free":
+            self.heavier(i, part)
         if part["friction"]:
             if joint is None:
                 self.foreign("frictionloss", what, "joint", part["name"])
             else:
                 stiffness = part["friction"] / BRAKE_YIELD
-                felt = felt_inertia(self.carried[part["body"]], part) + part["armature"]
-                damping = np.sqrt(stiffness * max(felt, MOMENT_ROUNDING))
+                damping = np.sqrt(stiffness * self.felt(part))
                 values = {"torque": part["friction"], "stiffness": stiffness, "damping": damping}
                 self.forces.append(Brake(joint, **values, name=self.name(f"{part['name']} friction", "friction")))
         if part["limit"] is not None:
-            watched = joint is not None
-            self.foreign("limit", f"range of {part['name']}", "joint", part["name"], watched=watched)
-            if joint is not None and "limit" not in self.choices.leave_out:
-                name = part["name"] if part["name"] != joint.name else ""
-                lower, upper = part["limit"]
-                self.limits.append(Limit(joint, "slide" if kind == "slide" else "angle", lower, upper, name))
+            self.limit(part, joint)
 
-    def rotor(self, k: int, part: Facts, joint: Joint) -> None:
-        """Build an armature, T = I x_dot^2 / 2 on a coordinate x: a rotor on the ground that turns as x does.
+    def limit(self, part: Facts, joint: Joint | None) -> None:
+        """Build a stop for the limits of a joint, or watch them; a stop needs a lower limit below the upper one."""
+        lower, upper = part["limit"]
+        kind, left_out = "angle" if part["type"] == "hinge" else "slide", "limit" in self.choices.leave_out
+        if joint is not None and self.choices.limits == "stop" and lower < upper and not left_out:
+            felt = self.felt(part)
+            k, c, name = felt * STOP_RATE**2, 2.0 * felt * STOP_RATE, self.name(f"{part['name']} stop", "stop")
+            stop = EndStop(joint, lower=lower, upper=upper, stiffness=k, damping=c, of=kind, name=name)
+            self.forces.append(stop)
+            return
+        self.foreign("limit", f"range of {part['name']}", "joint", part["name"], watched=joint is not None)
+        if joint is not None and not left_out:
+            name = part["name"] if part["name"] != joint.name else ""
+            self.limits.append(Limit(joint, kind, lower, upper, name))
 
-        A rotor that the parent carries would feel its turning too; the ground takes nothing but the rotor's own torque.
-        """
-        title, I = f"{part['name']} armature", part["armature"]
-        mass = ROTOR_MASS_SHARE * self.carried[0].mass
+    def felt(self, part: Facts) -> float:
+        """Return what a hinge or slide turns or moves at the reference pose [kg m^2 or kg], above 0."""
+        return max(felt_inertia(self.carried[part["body"]], part) + part["armature"], MOMENT_ROUNDING)
+
+    def heavier(self, i: int, part: Facts) -> None:
+        """Build the armature of a free joint: mass without weight, and isotropic inertia, at the origin of the body."""
+        title, I, carrier = f"{part['name']} armature", part["armature"], self.bodies[i]
         look = Sphere(BRAKE_YIELD * self.length)
-        at = np.array(part["anchor"])
-        rotor = Body(self.name(title, "body"), mass, (I, I, I), position=at, shape=look)
-        axle = Revolute(GROUND, rotor, at=at, axis=(0, 0, 1), name=self.name(f"{title} axle", "joint"))
-        name = self.name(f"{title} gear", "joint")
-        gear = (
-            Gear(axle, joint, ratio=1.0, name=name)
-            if part["type"] == "hinge"
-            else RackPinion(axle, joint, radius=1.0, name=name)
-        )
-        self.rotors.append(Frame(rotor, 0, (), k))
-        self.joints += [axle, gear]
+        at = {"position": carrier.position, "orientation": carrier.orientation}
+        added = Body(self.name(title, "body"), I, (I, I, I), shape=look, **at)
+        self.frames.append(Frame(added, i, ()))
+        self.joints.append(Fixed(carrier, added, at=carrier.position, name=self.name(f"{title} seat", "joint")))
+        lift = -I * np.array(self.facts["gravity"])
+        self.forces.append(Force(added, lift, at=carrier.position, name=self.name(f"{title} lift", "force")))
 
     def spring(self, i: int, k: int, part: Facts) -> None:
-        """Build -k (x - x0) - c x_dot on a coordinate from the reference pose; -c w or -c v without a coordinate.
+        """Build -k (x - x0) - c x_dot on a coordinate; of a ball -k theta - c w, of a free joint -k r - c v besides.
 
-        The damping of a free joint acts at the origin of the body.
+        What is free of a joint is held at the origin of the body. All is counted from the reference pose.
         """
         name, joint = self.name(f"{part['name']} spring", "spring"), self.coordinate.get(k)
         if joint is not None:
             values = {"stiffness": part["stiffness"], "damping": part["damping"], "angle": part["rest"]}
             self.forces.append(TorsionSpring(joint, **values, name=name))
-        elif part["stiffness"] == 0.0 and part["type"] in ("ball", "free"):
-            c, free = part["damping"], part["type"] == "free"
+        elif part["type"] in ("ball", "free"):
+            stiffness, damping, free = part["stiffness"], part["damping"], part["type"] == "free"
             a, b = (GROUND, self.bodies[i]) if free else (self.made[k].a, self.made[k].b)
-            at, c_line = (b.position, c) if free else (part["anchor"], 0.0)
-            self.forces.append(Bushing(a, b, at=at, stiffness=0.0, damping=c_line, turning_damping=c, name=name))
+            self.forces.append(RotationSpring(a, b, stiffness=stiffness, damping=damping, name=name))
+            if free:
+                line = self.name(f"{part['name']} spring along", "spring")
+                self.forces.append(Bushing(a, b, at=b.position, stiffness=stiffness, damping=damping, name=line))
         else:
             self.foreign("passive", f"stiffness or damping of {part['type']} {part['name']}", "joint", part["name"])
 
@@ -395,9 +408,11 @@ class Builder:
     def close(self, equality: Facts) -> None:
         """Build a loop closure or a coupling."""
         name = self.name(equality["name"], "equality")
-        made = self.coupling(equality, name) if equality["type"] == "joint" else self.closure(equality, name)
+        build = {"joint": self.coupling, "tendon": self.tied}.get(equality["type"], self.closure)
+        made = build(equality, name)
         if made is None:
-            self.foreign("equality", f"{equality['name']} ({equality['type']})", "equality", equality["name"])
+            what = f"{equality['name']} ({equality['type']}){self.why_not(equality)}"
+            self.foreign("equality", what, "equality", equality["name"])
         else:
             self.joints.append(made)
 
@@ -410,35 +425,72 @@ class Builder:
         return (Fixed if equality["type"] == "weld" else Spherical)(a, b, at=at, at_b=at_b, name=name)
 
     def coupling(self, equality: Facts, name: str) -> Joint | None:
-        """Build y = a1 x of two coordinates from the reference pose, where a0 has put y; without x, y stays there."""
+        """Build y = a1 x + ... + a4 x^4 from the reference pose, where a0 has put y; without x, y stays there."""
         y, x = equality["joints"]
-        _, a1, *rest = equality["polynomial"]
+        a1, *rest = (*equality["polynomial"], 0.0)[1:]
         kinds = [self.facts["joints"][k]["type"].replace("screw", "hinge") for k in (y, x) if k >= 0]
         if y not in self.coordinate or (x >= 0 and x not in self.coordinate):
             return None
         follower = self.coordinate[y]
-        if x >= 0 and any(rest):
-            return None
-        if x < 0 or a1 == 0.0:
+        if x < 0 or not any((a1, *rest)):
             driver = AngleDriver if kinds[0] == "hinge" else SlideDriver
             return driver(follower, 0.0, name=name)
         leader = self.coordinate[x]
-        match kinds:
-            case ["hinge", "hinge"]:
+        match kinds, any(rest):
+            case ["hinge", "hinge"], False:
                 return Gear(leader, follower, ratio=a1, name=name)
-            case ["slide", "hinge"]:
+            case ["slide", "hinge"], False:
                 return RackPinion(leader, follower, radius=a1, name=name)
-            case ["hinge", "slide"]:
+            case ["hinge", "slide"], False:
                 return RackPinion(follower, leader, radius=1.0 / a1, name=name)
-        return self.racks(leader, x, follower, a1, name)
+        return Coupler(leader, follower, coefficients=without_zeros((0.0, a1, *rest)), name=name)
 
-    def racks(self, leader: Joint, place: int, follower: Joint, ratio: float, name: str) -> Joint:
-        """Build two slides in a fixed ratio: racks on a pinion without mass; ``place`` is the number of the leader."""
-        pinion = Body(self.name(f"{name} pinion", "body"), 0.0, np.zeros(3))
-        axle = Revolute(GROUND, pinion, at=(0, 0, 0), axis=(0, 0, 1), name=self.name(f"{name} axle", "joint"))
-        self.rotors.append(Frame(pinion, 0, (), place))
-        self.joints += [axle, RackPinion(axle, leader, radius=1.0, name=self.name(f"{name} rack", "joint"))]
-        return RackPinion(axle, follower, radius=ratio, name=name)
+    def tied(self, equality: Facts, name: str) -> Joint | None:
+        """Build y = a0 + a1 x + ... of two sums of coordinates, or y = a0 of one; None where it does not fit a row."""
+        (y, y_weights), (x, x_weights) = equality["sums"]
+        if not {*y, *x} <= set(self.coordinate):
+            return None
+        leaders, followers = ([self.coordinate[k] for k in side] for side in (x, y))
+        if self.ends((*x, *y)) > SLOTS_COUNT or len(x) + len(y) > COORDINATES_COUNT:
+            return None
+        weights = {"x_weights": x_weights or None, "y_weights": y_weights}
+        return Coupler(
+            leaders, followers, coefficients=without_zeros(equality["polynomial"]), **weights, name=name
+        )  # fmt: skip
+
+    def ends(self, joints: Sequence[int]) -> int:
+        """Return the number of bodies, the ground included, between which joints with a coordinate are."""
+        return len({id(body) for k in joints for body in (self.coordinate[k].a, self.coordinate[k].b)})
+
+    def why_not(self, equality: Facts) -> str:
+        """Return why an equality of tendons is not built, to follow its name."""
+        joints = joints_in(equality) if equality["type"] == "tendon" else []
+        if not joints or not set(joints) <= set(self.coordinate):
+            return ""
+        given = f"{self.ends(joints)} bodies and of {len(joints)} joints"
+        return f", between {given}, where a row has at most {SLOTS_COUNT} of each"
+
+    def pull(self, tendon: Facts) -> None:
+        """Build spring and damper of a fixed tendon, on the weighted sum of its joints."""
+        if not set(tendon["joints"]) <= set(self.coordinate):
+            self.foreign("tendon", f"{tendon['name']}, on a joint without a coordinate", "tendon", tendon["name"])
+            return
+        joints = [self.coordinate[k] for k in tendon["joints"]]
+        values = {name: tendon[name] for name in ("weights", "stiffness", "damping", "rest")}
+        self.forces.append(SumSpring(joints, **values, name=self.name(tendon["name"], "tendon")))
+
+
+def joints_in(equality: Facts) -> list[int]:
+    """Return the numbers of joints on whose coordinates an equality acts."""
+    if equality["type"] == "tendon":
+        return [k for joints, _ in equality["sums"] for k in joints]
+    return list(equality["joints"]) if equality["type"] == "joint" else []
+
+
+def without_zeros(polynomial: Sequence[float]) -> list[float]:
+    """Return coefficients without the highest ones that are zero."""
+    last = max((k for k, c in enumerate(polynomial) if c), default=0)
+    return list(polynomial[: last + 1])
 
 
 def drawn(geoms: list[Facts], r: np.ndarray, e: np.ndarray, R: np.ndarray, meshes: "Meshes") -> list[Shape] | None:

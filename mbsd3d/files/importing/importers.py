@@ -55,7 +55,10 @@ def read_robot(path: str | Path, timeout: float, package_paths: Any, floating: b
 def read_simulation(path: str | Path, package_paths: Any, **choices: Any) -> Imported:
     """Read an SDF file, build."""
     path = as_path(path, "model.sdf")
-    chosen, folders = chosen_of(path, inputs=False, **choices), Folders(path, as_folders(package_paths))
+    chosen, folders = (
+        chosen_of(path, inputs=False, limits="watched", **choices),
+        Folders(path, as_folders(package_paths)),
+    )
     models: list[SdfModel] = []
 
     def facts() -> Facts:
@@ -82,6 +85,7 @@ def chosen_of(
     geometry: str,
     inertia: str,
     inputs: bool,
+    limits: str,
 ) -> Choices:
     """Check the choices of a caller, and return them."""
     kinds: list[str] = []
@@ -93,8 +97,9 @@ def chosen_of(
         kinds += names
     check_choice(geometry, ("draw", "ignore"), "geometry")
     check_choice(inertia, ("as given", "refuse"), "inertia")
+    check_choice(limits, ("watched", "stop"), "limits")
     strict, inputs = true_or_false(strict, "strict", None), true_or_false(inputs, "inputs", None)
-    return Choices(tuple(kinds), strict, inertia, geometry, inputs)
+    return Choices(tuple(kinds), strict, inertia, geometry, inputs, limits)
 
 
 def built(path: Path, facts: Callable[[], Facts], choices: Choices, place_of: Callable[[str, str], str]) -> Imported:

@@ -61,13 +61,15 @@ def joint_of(a: Any, b: Any, parts: Sequence[Facts], name: str) -> Joint | None:
     if len(hinges) + len(slides) < len(parts):
         return None
     at = (hinges or parts)[0]["anchor"]
-    axes = np.array([part["axis"] for part in (*hinges, *slides)])
+    axes, armature = np.array([part["axis"] for part in (*hinges, *slides)]), first["armature"]
+    if len(parts) > 1 and any(part["armature"] for part in parts):
+        return None  # each on a joint of its own
     meet = all(np.linalg.norm(np.subtract(part["anchor"], at)) < COINCIDENCE_ROUNDING for part in hinges)
     match len(hinges), len(slides):
         case 1, 0:
-            return Revolute(a, b, at=at, axis=axes[0], name=name)
+            return Revolute(a, b, at=at, axis=axes[0], reflected_inertia=armature, name=name)
         case 0, 1:
-            return Prismatic(a, b, at=at, axis=axes[0], name=name)
+            return Prismatic(a, b, at=at, axis=axes[0], reflected_mass=armature, name=name)
         case 1, 1 if np.linalg.norm(axes[0] - axes[1]) < COINCIDENCE_ROUNDING:
             return Cylindrical(a, b, at=at, axis=axes[0], name=name)
         case 2, 0 if meet and abs(axes[0] @ axes[1]) < COINCIDENCE_ROUNDING:

@@ -9,10 +9,12 @@ coordinates at the pose MuJoCo calls qpos0, with followers of joint equalities w
 
 import sys
 from collections.abc import Iterator
+from math import factorial
 from pathlib import Path, PurePosixPath
 from typing import Any
 
 import numpy as np
+from numpy.polynomial.polynomial import polyder, polyval
 
 from ...base.checks import check_size
 from ...base.errors import InputError
@@ -33,6 +35,8 @@ TENDON_LOADS = {
     "frictionloss": "FRICTIONLOSS", "armature": "",
 }  # fmt: skip
 """What makes a tendon pull always, and the flag that switches it off."""
+LINEAR_LOADS = ("stiffness", "damping")
+"""Those of a fixed tendon that are built."""
 
 
 class Facts:
@@ -58,7 +62,6 @@ class Facts:
         """Return the reference pose: qpos0, with followers of joint equalities where these put them."""
         m, start = self.model, self.model.qpos0.copy()
         rules = [i for i in self.active_equalities() if m.eq_type[i] == self.mujoco.mjtEq.mjEQ_JOINT]
-        rules = [i for i in rules if m.eq_obj2id[i] < 0 or not m.eq_data[i, 2:5].any()]  # others are not built
         followers = {i: m.jnt_qposadr[m.eq_obj1id[i]] for i in rules}
         for _ in rules:  # a follower may lead another
             for i, y in followers.items():
@@ -113,11 +116,27 @@ class Facts:
         return d.efc_type[k] == self.mujoco.mjtConstraint.mjCNSTR_EQUALITY and self.model.eq_type[d.efc_id[k]] in built
 
     def followed(self, i: int, q: np.ndarray) -> float:
-        """Return where a joint equality puts its follower: y0 + a0 + a1 (x - x0), or y0 + a0 without a leader."""
-        m, (a0, a1) = self.model, self.model.eq_data[i, :2]
+        """Return where a joint equality puts its follower: y0 + a0 + a1 (x - x0) + ... + a4 (x - x0)^4.
+
+        Without a leader it is y0 + a0.
+        """
+        m = self.model
         y, x = m.jnt_qposadr[m.eq_obj1id[i]], m.jnt_qposadr[m.eq_obj2id[i]]
-        led = a1 * (q[x] - m.qpos0[x]) if m.eq_obj2id[i] >= 0 else 0.0
-        return float(m.qpos0[y] + a0 + led)
+        led = q[x] - m.qpos0[x] if m.eq_obj2id[i] >= 0 else 0.0
+        return float(m.qpos0[y] + polyval(led, m.eq_data[i, :5]))
+
+    def moved_length(self, i: int) -> float:
+        """Return the length of a fixed tendon at the start, less that at qpos0."""
+        joints, weights = self.wrapped(i)
+        places = self.model.jnt_qposadr[joints]
+        return float(weights @ (self.start[places] - self.model.qpos0[places]))
+
+    def wrapped(self, i: int) -> tuple[list[int], np.ndarray]:
+        """Return joints and coefficients of a fixed tendon; none of a spatial one."""
+        m = self.model
+        own = slice(m.tendon_adr[i], m.tendon_adr[i] + m.tendon_num[i])
+        fixed = m.wrap_type[own.start] == self.mujoco.mjtWrap.mjWRAP_JOINT
+        return (m.wrap_objid[own].tolist(), m.wrap_prm[own]) if fixed else ([], np.zeros(0))
 
     def active_equalities(self) -> list[int]:
         """Return the numbers of the equalities that hold at the start."""
@@ -219,7 +238,7 @@ class Facts:
                     "axis": d.xaxis[i],
                     "stiffness": m.jnt_stiffness.ravel()[i] if springs else 0.0,
                     "damping": m.dof_damping.ravel()[v] + single * self.geared(i, "damping") if dampers else 0.0,
-                    "armature": m.dof_armature[v] + self.geared(i, "armature") if single else 0.0,
+                    "armature": m.dof_armature[v] + self.geared(i, "armature") if single else m.dof_armature[v],
                     "friction": 0.0 if self.off("FRICTIONLOSS") else m.dof_frictionloss[v],
                     "rest": m.qpos_spring[q] - self.start[q] if single else 0.0,
                     "limit": m.jnt_range[i] - self.start[q] if limited else None,
@@ -239,13 +258,44 @@ class Facts:
             if i not in active:
                 self.add("switched-off", name, element)
             elif kind == "joint":
-                found.append({"name": name, "type": kind, "joints": parts, "polynomial": m.eq_data[i, :5]})
+                shift = 0.0 if parts[1] < 0 else self.start[m.jnt_qposadr[parts[1]]] - m.qpos0[m.jnt_qposadr[parts[1]]]
+                given = m.eq_data[i, :5] if parts[1] >= 0 else m.eq_data[i, :1]
+                polynomial = [0.0, *shifted(given, shift)[1:]]  # the start meets it
+                found.append({"name": name, "type": kind, "joints": parts, "polynomial": polynomial})
+            elif kind == "tendon" and (sums := self.tied(i)):
+                found.append({"name": name, "type": kind, **sums})
             elif kind in ("connect", "weld"):
                 loose = kind == "weld" and m.eq_data[i, 10] == 0.0  # its torque is scaled by 0: it holds points only
                 held = self.ends(i, kind)
                 found.append({"name": name, "type": "connect" if loose else kind, **held})
             else:
                 self.add("equality", f"{name} ({kind})", element)
+        return found
+
+    def tied(self, i: int) -> dict[str, Any]:
+        """Return the sums y and x of a tendon equality, and its polynomial of x from the start; {} of spatial ones."""
+        m = self.model
+        y, x = int(m.eq_obj1id[i]), int(m.eq_obj2id[i])
+        sums = [self.wrapped(k) if k >= 0 else ([], np.zeros(0)) for k in (y, x)]
+        if not sums[0][0] or (x >= 0 and not sums[1][0]):
+            return {}
+        polynomial = shifted(m.eq_data[i, :5], self.moved_length(x)) if x >= 0 else m.eq_data[i, :1].copy()
+        polynomial[0] -= self.moved_length(y)
+        return {"sums": sums, "polynomial": polynomial}
+
+    def tendons(self) -> list[dict[str, Any]]:
+        """Return fixed tendons with a spring or damper, their rest lengths counted from the start."""
+        m, found = self.model, []
+        for i in range(m.ntendon):
+            joints, weights = self.wrapped(i)
+            k = 0.0 if self.off("SPRING") else float(np.ravel(m.tendon_stiffness[i])[0])
+            c = 0.0 if self.off("DAMPER") else float(np.ravel(m.tendon_damping[i])[0])
+            if joints and (k or c):
+                rest = m.tendon_lengthspring[i] - weights @ self.start[m.jnt_qposadr[joints]]
+                found.append({
+                    "name": self.name("tendon", i), "joints": joints, "weights": weights, "stiffness": k, "damping": c,
+                    "rest": rest,
+                })  # fmt: skip
         return found
 
     def ends(self, i: int, kind: str) -> dict[str, Any]:
@@ -270,7 +320,7 @@ class Facts:
             v, name = slice(m.jnt_dofadr[i], m.jnt_dofadr[i] + (6, 3, 1, 1)[m.jnt_type[i]]), self.name("joint", i)
             if m.jnt_limited[i] and m.jnt_type[i] == self.mujoco.mjtJoint.mjJNT_BALL and not self.off("LIMIT"):
                 self.add("limit", f"range of {name}", ("joint", name))
-            if m.dof_armature[v].any() and v.stop - v.start > 1:
+            if m.dof_armature[v].any() and m.jnt_type[i] == self.mujoco.mjtJoint.mjJNT_BALL:
                 self.add("armature", name, ("joint", name))
             if self.curved(m.jnt_stiffnesspoly[i], m.dof_dampingpoly[v]):
                 self.add("passive", f"polynomial stiffness or damping of {name}", ("joint", name))
@@ -374,10 +424,11 @@ class Facts:
     def list_tendon(self, i: int) -> None:
         """List a tendon that pulls always, or whose length is limited; others only measure."""
         m, name = self.model, self.name("tendon", i)
+        built = LINEAR_LOADS if self.wrapped(i)[0] else ()
         acts = [
             load.removesuffix("poly")
             for load, flag in TENDON_LOADS.items()
-            if np.any(getattr(m, f"tendon_{load}")[i]) and not (flag and self.off(flag))
+            if load not in built and np.any(getattr(m, f"tendon_{load}")[i]) and not (flag and self.off(flag))
         ]
         if acts:
             self.add("tendon", f"{name}, which has {' and '.join(dict.fromkeys(acts))}", ("tendon", name))
@@ -475,6 +526,7 @@ class Facts:
         m = self.model
         self.list_foreign()
         facts: dict[str, Any] = {"bodies": self.bodies(), "joints": self.joints(), "equalities": self.equalities()}
+        facts |= {"tendons": self.tendons()}
         facts |= {"keys": self.keys(), "points": self.points(), "said": self.said, "missing": self.missing}
         facts["actuators"] = self.actuators()
         idle = {kind: int(getattr(m, f"n{kind}")) for kind in ("sensor", "key", "cam", "light", "site", "geom")}
@@ -584,6 +636,11 @@ def specification(mujoco: Any, path: Path) -> Any:
     spec = mujoco.MjSpec.from_string(path.read_text(encoding="utf-8-sig").lstrip())
     spec.modelfiledir = str(path.parent)
     return spec
+
+
+def shifted(polynomial: np.ndarray, by: float) -> np.ndarray:
+    """Return the coefficients of p(x + by)."""
+    return np.array([polyval(by, polyder(polynomial, k)) / factorial(k) for k in range(polynomial.size)])
 
 
 def plain(value: Any, what: str) -> Any:

@@ -76,6 +76,10 @@ class Joint(Part):
         """Return the displacement of b relative to a along the joint's axis, if it has one."""
         return None
 
+    def reflected(self) -> list[tuple[Coordinate, float]]:
+        """Return coordinates x of the joint with I [kg m^2 or kg] of their own kinetic energies I x_dot^2 / 2."""
+        return []
+
     def point(self) -> np.ndarray:
         """Return the point of body b at which the reaction is given (world, reference pose)."""
         return self.b.position

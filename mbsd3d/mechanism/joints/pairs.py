@@ -25,8 +25,14 @@ class Spherical(PointJoint):
         return [coincide(self.a, self.b, self.at, self.at_b)]
 
 
+@part_class()
 class Revolute(AxisJoint):
     """A hinge: the points coincide and the axes are parallel (5 rows).
+
+    With ``reflected_inertia`` I [kg m^2] its angle has a kinetic energy I angle_dot^2 / 2 of its own: that of a fast,
+    light rotor behind a gear of ratio N, I = N^2 times its inertia ("armature" in MuJoCo). What such a rotor feels of
+    the turning of body a is left out: its torque is -I angle_ddot on b and the opposite one on a. It is no body: energy
+    counts it, momentum does not.
 
     >>> from mbsd3d import GROUND, Body, Revolute
     >>> door = Body("door", mass=20.0, inertia=(8.0, 9.0, 1.0), position=(0.45, 0.0, 1.0))
@@ -34,11 +40,17 @@ class Revolute(AxisJoint):
     5
     """
 
+    _: KW_ONLY
+    reflected_inertia: Number = kept(default=0.0, minimum=0.0)
+
     def rows(self) -> list[Primitive]:
         return [coincide(self.a, self.b, self.at, self.at_b), *self.parallel_rows()]
 
     def slide(self) -> None:
         return None
+
+    def reflected(self) -> list[tuple[Coordinate, float]]:
+        return [(angle_of(self), self.reflected_inertia)] if self.reflected_inertia else []
 
 
 def square_to_axis_a(value: Any, what: str, part: Any) -> np.ndarray:
@@ -74,8 +86,11 @@ class Universal(PointJoint):
         return [coincide(self.a, self.b, self.at, self.at_b), perpendicular(self.a, self.b, self.axis_a, self.axis_b)]
 
 
+@part_class()
 class Prismatic(AxisJoint):
     """b slides along the axis without turning (5 rows).
+
+    With ``reflected_mass`` m [kg] its slide has a kinetic energy m slide_dot^2 / 2 of its own: see `Revolute`.
 
     >>> from mbsd3d import GROUND, Body, Prismatic
     >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
@@ -83,11 +98,17 @@ class Prismatic(AxisJoint):
     5
     """
 
+    _: KW_ONLY
+    reflected_mass: Number = kept(default=0.0, minimum=0.0)
+
     def rows(self) -> list[Primitive]:
         return [*self.line_rows(), *self.parallel_rows(), self.no_turn_row()]
 
     def angle(self) -> None:
         return None
+
+    def reflected(self) -> list[tuple[Coordinate, float]]:
+        return [(slide_of(self), self.reflected_mass)] if self.reflected_mass else []
 
 
 class Cylindrical(AxisJoint):

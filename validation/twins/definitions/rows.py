@@ -13,7 +13,7 @@ import numpy as np
 
 import mbsd3d
 from mbsd3d import GROUND, Joint, State, System
-from validation.twins.base import refused
+from validation.twins.base import refuse_reflected, refused
 from validation.twins.definitions.series import Array, Series, arctan2, cross, dot, series, sqrt
 
 
@@ -264,6 +264,7 @@ TURNS: dict[type, Callable] = {
 
 def law_of(system: System, joint: Joint) -> tuple[int, Callable]:
     """Return (1 for c or 0 for s, the function); raise NotExpressible for a class without a definition."""
+    refuse_reflected(system, joint)
     for order, table in ((1, GEOMETRY), (0, VELOCITY)):
         if type(joint) in table:
             return order, table[type(joint)]

@@ -23,7 +23,7 @@ from mbsd3d.extend import (
     slide_of,
 )
 from mbsd3d.extend import hinge_coordinate as coordinate_of
-from validation.twins.base import Array, label, refused
+from validation.twins.base import Array, label, refuse_reflected, refused
 from validation.twins.exudyn.assembly import Assembly, ForceModel
 from validation.twins.exudyn.couplings import (
     COUPLINGS,
@@ -250,6 +250,7 @@ JOINTS: dict[type, Add] = {  # of a GenericJoint: which of three shifts and thre
 
 def add_joint(model: Assembly, joint: mbsd3d.Joint) -> None:
     """Add a joint; raise NotExpressible with its name if Exudyn has none."""
+    refuse_reflected(model.system, joint)
     if type(joint) not in JOINTS:
         raise refused(model.system, joint, {}, "Exudyn has no element for it")
     JOINTS[type(joint)](model, joint, label(model.system, joint))

@@ -21,7 +21,7 @@ from mbsd3d.extend import (
     perpendiculars,
     slide_of,
 )
-from validation.twins.base import Array, NotExpressible, label
+from validation.twins.base import Array, NotExpressible, label, refuse_reflected
 
 TURN, SHIFT = "RevoluteZ", "PrismaticZ"
 
@@ -144,6 +144,8 @@ def links_of(system: System, state: State) -> tuple[list[Link], dict[tuple, int]
     links: list[Link] = []
     numbers: dict[tuple, int] = {}
     waiting = list(system.joints)
+    for joint in waiting:
+        refuse_reflected(system, joint)
     for joint in waiting:
         if type(joint) not in TREE_JOINTS:
             known = ", ".join(kind.__name__ for kind in TREE_JOINTS)

@@ -21,7 +21,7 @@ from validation.twins.mujoco.rods import add_tendons, set_lengths
 from validation.twins.mujoco.simulator import SPARSE_BUG_VERSION, MujocoTwin, require
 
 EXPRESSES = (
-    *TABLE, mbsd3d.ConstantVelocity, mbsd3d.Distance, mbsd3d.Gear, mbsd3d.RackPinion, mbsd3d.GearMesh,
+    *TABLE, mbsd3d.ConstantVelocity, mbsd3d.Coupler, mbsd3d.Distance, mbsd3d.Gear, mbsd3d.RackPinion, mbsd3d.GearMesh,
     mbsd3d.AngleDriver, mbsd3d.SlideDriver, mbsd3d.SpeedDriver,
 )  # fmt: skip
 """Joint classes: of `TABLE` by joints of MuJoCo, couplings and drivers by sums of their coordinates (no Table)."""

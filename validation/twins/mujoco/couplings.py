@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d import ConstantVelocity, GearMesh, Joint, PositionDriver, Screw, Signal, SpeedDriver
+from mbsd3d import ConstantVelocity, Coupler, Engaged, GearMesh, Joint, PositionDriver, Screw, Signal, SpeedDriver
 from mbsd3d.extend import Coordinate, NotExportable, along_the_teeth, kinds, sum_of
 from validation.twins.base import NotExpressible, label, speed_of
 from validation.twins.mujoco.build import Sketch
@@ -96,7 +96,10 @@ def added(first: np.ndarray, second: np.ndarray, integrated: bool) -> np.ndarray
 
 @dataclass(eq=False)
 class Coupling:
-    """Row on joint coordinates: a tendon of length sum(coefficient coordinate), held at a polynomial of time."""
+    """Row on joint coordinates: a tendon of length sum(coefficient coordinate), held at a polynomial of time.
+
+    A coupler is held at a polynomial of another tendon, its leader.
+    """
 
     part: Any
     tendon: str
@@ -104,6 +107,16 @@ class Coupling:
     terms: dict[str, float]
     coordinates: list[tuple[Coordinate, float]] = field(default_factory=list)
     adrift: bool = False  # only its speed is given: where it is at the start is where it begins
+    leader: "Coupling | None" = None
+    coefficients: tuple[float, ...] = ()
+
+    def parts(self, data: Any, model: Any) -> list[tuple["Coupling", float]]:
+        """Return the sums of the row with their slopes: its own 1, the leader's less that of the polynomial."""
+        if self.leader is None:
+            return [(self, 1.0)]
+        x = float(data.ten_length[model.tendon(self.leader.tendon).id])
+        slope = np.polynomial.polynomial.polyval(x, np.polynomial.polynomial.polyder(self.coefficients))
+        return [(self, 1.0), (self.leader, -float(slope))]
 
 
 def couple(made: Sketch, motors: Motors) -> list[Coupling]:
@@ -115,6 +128,8 @@ def couple(made: Sketch, motors: Motors) -> list[Coupling]:
                 pairs = list(zip(row.coordinates, row.values, strict=False))
                 pairs += along_the_teeth(joint) if isinstance(joint, GearMesh) else []
                 found.append(hold(made, motors, joint, pairs, row.signal))
+            elif row.kind == kinds.COUPLE:
+                found.append(follow(made, joint))
             elif isinstance(joint, SpeedDriver):
                 x = speed_of(joint, label(made.system, joint), "MuJoCo")
                 found.append(hold(made, motors, joint, [(x, 1.0)], row.signal, adrift=True))
@@ -142,6 +157,37 @@ def hold(
     held = hold_tendon(made, motors, joint, name, terms, signal, adrift)
     held.coordinates = pairs
     return held
+
+
+def follow(made: Sketch, joint: Joint) -> Coupling:
+    """Hold the sum of the followers of a coupler at the polynomial of the sum of its leaders."""
+    name, shown = made.system.name(joint), label(made.system, joint)
+    own = joint.joint if isinstance(joint, Engaged) else joint
+    assert isinstance(own, Coupler)
+    if len(own.coefficients) > POLYNOMIAL_DEGREE_MAX + 1:
+        raise NotExpressible(
+            f"{shown}: its polynomial has the degree {len(own.coefficients) - 1}; MuJoCo's equalities have "
+            f"{POLYNOMIAL_DEGREE_MAX} at most"
+        )
+    offset = joint.offset if isinstance(joint, Engaged) else 0.0
+    coefficients = (own.coefficients[0] + offset, *own.coefficients[1:])
+    sums = [
+        summed(made, joint, f"{side} {name}", own.sum_of(kind)) for side, kind in (("held", "y"), ("leads", "x"))
+        if own.sum_of(kind)
+    ]  # fmt: skip
+    sums[0].coefficients, sums[0].leader = coefficients, sums[1] if len(sums) > 1 else None
+    names = (sums[0].tendon, sums[1].tendon if len(sums) > 1 else "")
+    sums[0].equality = made.equality("TENDON", joint, f"held {name}", names, "TENDON", (*coefficients, 0, 0, 0, 0)[:5])
+    return sums[0]
+
+
+def summed(made: Sketch, joint: Joint, name: str, pairs: list[tuple[Coordinate, float]]) -> Coupling:
+    """Return a tendon whose length is the sum of factor coordinate."""
+    terms: dict[Any, float] = {}
+    for x, factor in pairs:
+        for key, sign in terms_of(made, x, label(made.system, joint)).items():
+            terms[key] = terms.get(key, 0.0) + factor * sign
+    return Coupling(joint, add_tendon(made, name, terms), "", terms, pairs)
 
 
 def hold_tendon(

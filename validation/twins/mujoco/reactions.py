@@ -123,7 +123,10 @@ class Reactions:
     def along_coordinates(self, data: Any) -> dict[str, float]:
         """Return the generalised force of springs and couplings along each joint coordinate [N or N m]."""
         total: dict[str, float] = {}
-        pulls = [(c.terms, self.tension(data, c.equality)) for c in self.along]
+        pulls = [
+            (part.terms, slope * self.tension(data, c.equality))
+            for c in self.along for part, slope in c.parts(data, self.model)
+        ]  # fmt: skip
         for tendon, terms, stiffness, damping in self.loads.turning:
             k = self.model.tendon(tendon).id
             rest = self.model.tendon_lengthspring[k, 0]
@@ -164,8 +167,9 @@ class Reactions:
         body.
         """
         tension, force, moment = self.tension(data, coupling.equality), np.zeros(3), np.zeros(3)
-        for x, factor in coupling.coordinates:
-            sense = float(x.b is coupling.part.b) - float(x.a is coupling.part.b)
-            load = sense * factor * tension * self.axis(data, x.a, x.axis)
-            force, moment = (force + load, moment) if x.kind == "slide" else (force, moment + load)
+        for part, slope in coupling.parts(data, self.model):
+            for x, factor in part.coordinates:
+                sense = float(x.b is coupling.part.b) - float(x.a is coupling.part.b)
+                load = sense * slope * factor * tension * self.axis(data, x.a, x.axis)
+                force, moment = (force + load, moment) if x.kind == "slide" else (force, moment + load)
         return force, moment
