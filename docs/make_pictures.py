@@ -69,14 +69,22 @@ def sheet(names: Sequence[str], columns: int) -> bytes:
 def make(folder: Path) -> list[Path]:
     """Write the pictures of the README into a folder that exists."""
     flip = np.linspace(0.6, 2.76, 10)
-    handle, top = t_handle(), simulate(heavy_top.mechanism(), 1.53, output=601)
+    handle, top = t_handle(), simulate(heavy_top.mechanism(), 4.77, output=1201)  # once round, in five cusps
     joint = cardan.one_turn(cardan.mechanism(bend_deg=40.0), 10.0)
     tip = [("T-handle", (0.0, 0.0, 0.09))]
     strip = handle.picture(flip, traces=tip, size=(9.0, 2.6), view=(-70, 14), hidden=BARE)
     arrows = ["reaction force", "reaction moment"]
     forces = joint.picture(0.05, traces=(), shown=arrows, size=(6.4, 3.6), view=(-70, 26))
     return [
-        top.export_gif(folder / "heavy_top.gif", width=400, height=320, traces=[("top", (0, 1.25, 0))], hidden=NAMES),
+        top.export_gif(
+            folder / "heavy_top.gif",
+            width=400,
+            height=320,
+            traces=heavy_top.show(l=1.0, tilt_deg=60.0)["traces"],
+            hidden=NAMES,
+            view=(-60, 35),
+            fps=20,
+        ),
         write_atomically(folder / "dzhanibekov.png", png(strip)),
         write_atomically(folder / "cardan.png", png(forces)),
     ]

@@ -11,9 +11,10 @@ from ..results.record import RunOptions
 from ..run.live_model import Playable
 from ..run.live_run import Playing
 from ..view.page.recorder import import_viser
-from ..view.page.show import check_options, number_of, page_layers
+from ..view.page.show import check_options, page_layers
 from ..view.play import play
 from ..view.play.play_page import Look
+from ..view.scene.camera import number_of
 from ..view.scene.drawing import Layers, title_of
 from .solution import Solution
 from .viewable import LayerNames

@@ -124,6 +124,7 @@ class Viewable(Motion):
         traces: "Points | None" = None,
         shown: LayerNames = (),
         hidden: LayerNames = (),
+        follow: "Body | Ground | str | None" = None,
         view: Sequence[float] | None = None,
         size: Sequence[float] = (6.4, 4.8),
         dark: bool = False,
@@ -144,6 +145,9 @@ class Viewable(Motion):
             Added to and removed from the usual layers, see `mbsd3d.api.viewable`; names appear if there are at most 14.
             Arrows are to scale within a kind, of which the legend gives the longest; shares that the constraints leave
             open are pale.
+        follow : Body, str or GROUND, optional
+            Body that the camera goes along with, as in `animate`, of several times to the last one; paths are cut off
+            then. None with several times = the picture holds all.
         view, size, dark
             See `System.picture`.
         """
@@ -151,7 +155,7 @@ class Viewable(Motion):
         from ..view.scene.drawing import Layers
 
         return picture_of_solution(
-            self, t, traces=traces, layers=Layers(shown, hidden), view=view, size=size, dark=dark
+            self, t, traces=traces, layers=Layers(shown, hidden), view=view, size=size, dark=dark, follow=follow
         )
 
     def export_gif(
@@ -166,6 +170,7 @@ class Viewable(Motion):
         traces: "Points | None" = None,
         shown: LayerNames = (),
         hidden: LayerNames = (),
+        follow: "Body | Ground | str | None" = None,
         view: Sequence[float] | None = None,
         dark: bool = False,
     ) -> Path:
@@ -185,6 +190,8 @@ class Viewable(Motion):
             Of the scene [pixel]; height None = 3/4 of the width; curves come below.
         curves : list, optional
             Below the scene, as in `animate`; None = the most telling ones; () = none.
+        follow : Body, str or GROUND, optional
+            Body that the camera goes along with, as in `animate`.
         traces, shown, hidden, view, dark
             See `picture`.
         """
@@ -193,7 +200,7 @@ class Viewable(Motion):
 
         return export_gif(
             self, path, fps=fps, speed=speed, width=width, height=height, curves=curves, traces=traces,
-            layers=Layers(shown, hidden), view=view, dark=dark,
+            layers=Layers(shown, hidden), view=view, dark=dark, follow=follow,
         )  # fmt: skip
 
     def export_mp4(
@@ -208,6 +215,7 @@ class Viewable(Motion):
         traces: "Points | None" = None,
         shown: LayerNames = (),
         hidden: LayerNames = (),
+        follow: "Body | Ground | str | None" = None,
         view: Sequence[float] | None = None,
         dark: bool = False,
     ) -> Path:
@@ -221,7 +229,7 @@ class Viewable(Motion):
 
         return export_mp4(
             self, path, fps=fps, speed=speed, width=width, height=height, curves=curves, traces=traces,
-            layers=Layers(shown, hidden), view=view, dark=dark,
+            layers=Layers(shown, hidden), view=view, dark=dark, follow=follow,
         )  # fmt: skip
 
     def export_glb(self, path: str | Path, *, frames: int | None = None, traces: "Points | None" = None) -> Path:

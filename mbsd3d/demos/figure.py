@@ -67,6 +67,7 @@ class Curve(Drawn):
     more: Sequence[Line] = ()
     logarithmic: bool = False
     equal: bool = False  # both axes to the same scale: a path seen from above
+    colours: Sequence[int] = ()  # places in the palette of the lines, as those of the bodies they tell of; () = in turn
 
     @property
     def lines(self) -> list[tuple[ArrayLike, Line]]:
@@ -85,12 +86,13 @@ class Curve(Drawn):
         label: str | None = "theory"
         dashed: list[Line2D] = []
         for k, (x, line) in enumerate(self.lines):
-            axes.plot(x, line.y, color=COLOURS[k], label=line.name)
+            own = COLOURS[self.colours[k] if self.colours else k]
+            axes.plot(x, line.y, color=own, label=line.name)
             if k < len(others):
                 other_x, beside = others[k]
                 if not (alike(x, other_x) and alike(line.y, beside.y)):
                     locked = still(other_x, x) and still(beside.y, line.y)  # a single point
-                    style, tint = "x" if locked else "--", COLOURS[k if self.more else 1]
+                    style, tint = "x" if locked else "--", own if self.more else COLOURS[1]
                     dashed += axes.plot(other_x, beside.y, style, color=tint, label=None if self.more else ablated)
             if line.theory is not None:
                 where, known = (np.atleast_1d(np.asarray(values, float)) for values in line.theory)
@@ -149,6 +151,7 @@ class Path(Drawn):
     box: Sequence[float] = (1.0, 1.0, 1.0)
     heights: tuple[float, float] = (-1.0, 1.0)  # least and greatest third coordinate
     globe: bool = False  # on the unit sphere, whose far side is not seen
+    colours: Sequence[int] = ()  # as of a `Curve`
 
     @property
     def values(self) -> list[ArrayLike]:
@@ -165,8 +168,9 @@ class Path(Drawn):
         for grey in self.net:
             axes.plot(*shown(grey).T, color=LIGHT.grid, linewidth=0.8)
         for k, line in enumerate([Line(self.name, self.y), *self.more]):
-            axes.plot(*shown(line.y).T, color=COLOURS[k], linewidth=1.8, label=line.name)
-            axes.plot(*np.asarray(line.y)[:1].T, "o", color=COLOURS[k])
+            own = COLOURS[self.colours[k] if self.colours else k]
+            axes.plot(*shown(line.y).T, color=own, linewidth=1.8, label=line.name)
+            axes.plot(*np.asarray(line.y)[:1].T, "o", color=own)
         if other is not None:
             axes.plot(*shown(other.y).T, "--", color=COLOURS[len(self.more) + 1], label=ablated)
         space(axes, self.labels, self.box)

@@ -96,7 +96,7 @@ class Demo:
     ablation: Ablation
     against: Against | None = None
     alone: str = ""  # why its run is not compared with that of other engines; "" = it is
-    show: AnimateOptions = field(default_factory=AnimateOptions)
+    show: AnimateOptions | Callable[..., AnimateOptions] = field(default_factory=AnimateOptions)  # by the parameters
     ranges: Mapping[str, Sequence | None] = field(default_factory=dict)  # see `varied`
     may_vanish: Sequence[str] = ()  # parameters, besides those that the ablation takes away
 
@@ -200,6 +200,10 @@ class Demo:
         changed, _ = self.without(self.ablation.term, values)
         return self.call(self.ablation.values, values) if self.ablation.values else self.expected(changed)
 
+    def shown(self, values: Values) -> AnimateOptions:
+        """Return the options of the first run's page with these parameters."""
+        return self.call(self.show, values) if callable(self.show) else self.show
+
     def run(self, without: str | None = None, /, **changes: object) -> Outcome:
         """Compute with some parameters changed, and perhaps without a term; theory is that of the whole effect."""
         values = checked(self.name, self.parameters, changes, self.vanishing)
@@ -214,7 +218,8 @@ class Demo:
         stem = self.name if without is None else f"{self.name}_without_{without}"
         stems = [stem, *(f"{stem}_{k + 2}" for k in range(len(found.solutions)))]
         solutions = dict(zip(stems, found.solutions, strict=False))
-        views = {stem: Show(found.solutions[0], {"hidden": ["joint names"], **self.show})} if found.solutions else {}
+        options: AnimateOptions = {"hidden": ["joint names"], **self.shown(values)}
+        views = {stem: Show(found.solutions[0], options)} if found.solutions else {}
         views |= {f"{stem}_{name}": view for name, view in found.views.items()}
         drawn = partial(self.panels, values, found, without)
 

@@ -167,6 +167,7 @@ def picture(outcome: Outcome, path: Path) -> None:
             figure = solution.picture(
                 solution.t[len(solution.t) // 3], size=(4.8, 3.6), hidden=hidden(options),
                 traces=options.get("traces"), shown=options.get("shown", ()), view=options.get("view"),
+                follow=options.get("follow"),
             )  # fmt: skip
         else:
             figure = outcome.figure
@@ -191,6 +192,7 @@ def film(outcome: Outcome, path: Path) -> None:
         solution.export_gif(
             path, fps=FILM_RATE, speed=speed, width=FILM_WIDTH, hidden=hidden(options),
             traces=options.get("traces"), shown=options.get("shown", ()), view=options.get("view"),
+            follow=options.get("follow"),
         )  # fmt: skip
 
 

@@ -56,13 +56,13 @@ def legend_below(axes: Axes, columns: int) -> None:
     )
 
 
-def lower_net() -> list[np.ndarray]:
-    """Return parallels and meridians of the lower half of the unit sphere, (points, 3) each."""
+def sphere_net() -> list[np.ndarray]:
+    """Return parallels and meridians of the unit sphere, (points, 3) each."""
     turn, lines = np.linspace(0, 2 * np.pi, 73), []
-    for z in np.sin(np.radians([-60, -30, 0])):
+    for z in np.sin(np.radians([-60, -30, 0, 30, 60])):
         radius = np.sqrt(1 - z * z)
         lines.append(np.stack([radius * np.cos(turn), radius * np.sin(turn), 0 * turn + z], axis=1))
-    rise = np.linspace(-0.5 * np.pi, 0.0, 37)
+    rise = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 73)
     for phi in np.arange(0, 2 * np.pi, np.pi / 6):
         lines.append(np.stack([np.cos(rise) * np.cos(phi), np.cos(rise) * np.sin(phi), np.sin(rise)], axis=1))
     return lines

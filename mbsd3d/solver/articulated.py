@@ -16,7 +16,7 @@ zero, and the load that was handed down is p - I a less I N R (j N)(j N x) / D: 
 """
 
 from ..compiler.decorators import fused_kernel, inner_kernel
-from ..kernels.vectors import add, cross, dot, mat, pair, put, put6, rotate, rotate_back, scale, vec
+from ..kernels.vectors import add, cross, dot, mat, pair, put, put6, rotate, rotate_back, scale, sub, vec
 from .joint_basis import hold, row_on_body
 from .spatial_inertia import (
     along6,

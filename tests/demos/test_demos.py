@@ -13,6 +13,7 @@ import pytest
 from helpers.closed_forms import cardan as shafts
 from helpers.closed_forms import rotations
 from helpers.demo_checks import small
+from matplotlib.colors import to_hex
 from scipy.integrate import solve_ivp
 
 import mbsd3d
@@ -26,7 +27,7 @@ from mbsd3d.demos.shafts import cardan, crank
 from mbsd3d.demos.terms import wall
 from mbsd3d.demos.tops import heavy_top
 from mbsd3d.errors import InputError
-from mbsd3d.extend import Quantity, discover
+from mbsd3d.extend import Quantity, discover, theme
 from validation import theory
 
 REFERENCES = Path(__file__).parents[2] / "validation" / "references"
@@ -51,7 +52,6 @@ def outcome(name):
         ("crank", "along_6x_N", 0.02382),
         ("crank", "along_1x_without_centripetal_N", 9.870),
         ("dzhanibekov", "flip_interval_s", 6.6212239803),
-        ("heavy_top", "fall_s", 0.37260347381),
         ("wall", "crank_1x_N", 9.870),
         ("wall", "hinge_gap_m", 3.14159),
         ("wall", "quaternion_deg", 144.686),
@@ -69,9 +69,18 @@ def defaults(name):
     return demo.parameters, demo.expected(demo.parameters)
 
 
+PUBLISHED_TOP = {"spin": 150.0, "precession": -4.61538, "tilt_deg": 90.0, "t": 2.0}
+
+
+def test_the_published_top_runs_as_published():
+    assert own_demos()["heavy_top"].run(**PUBLISHED_TOP).passed
+
+
 def test_theory_of_the_top_agrees_with_validation():
     case = json.loads((REFERENCES / "heavy_top_fast.json").read_text())["reference"]["values"][-1]
-    p, known = defaults("heavy_top")
+    p = defaults("heavy_top")[0] | PUBLISHED_TOP
+    known = own_demos()["heavy_top"].expected(p)
+    assert known["fall_s"] == pytest.approx(0.37260347381, rel=1e-11)  # published digits
     # own equations at 3e-14 a step beside a Taylor series of 80 bits; the top passes the lowest point three times
     assert [known[f"{axis}_m"] for axis in "xyz"] == pytest.approx([case[f"com_{axis}"] for axis in "xyz"], abs=1e-11)
     a, c, weight = p["It"] + p["m"] * p["l"] ** 2, p["I3"], p["m"] * heavy_top.G * p["l"]
@@ -376,3 +385,18 @@ def test_the_top_meets_its_theory_from_any_tilt():
         assert own_demos()["heavy_top"].run(tilt_deg=tilt).passed
     with pytest.raises(InputError, match="does not lie between 0 and 180"):
         own_demos()["heavy_top"].run(tilt_deg=0)
+
+
+def test_curves_of_the_handles_have_their_colours():
+    """In the scene a body has the palette's colour of its place."""
+    axes = outcome("dzhanibekov").figure.axes[-1]
+    found = {line.get_label(): to_hex(line.get_color()) for line in axes.lines}
+    for place, name in enumerate(dzhanibekov.NAMES):
+        assert found[name] == theme(False).colour(place).lower()
+
+
+def test_the_path_of_the_top_is_that_of_its_tip_at_any_tilt():
+    for changes in ({}, {"tilt_deg": 70.0, "l": 0.9}):
+        run, options = own_demos()["heavy_top"].run(**changes).views["heavy_top"]
+        _, tip = options["traces"][0]
+        assert tip == pytest.approx(1.25 * run.com("top")[0], abs=1e-12)  # the stem ends a quarter beyond the disc

@@ -5,9 +5,8 @@ import pytest
 
 from mbsd3d import GROUND, Body, Revolute, System, simulate
 from mbsd3d.shapes import Lines
-from mbsd3d.view.page.show import followed_body
 from mbsd3d.view.scene.artist import draw_system
-from mbsd3d.view.scene.camera import directions, frame_camera, sight
+from mbsd3d.view.scene.camera import directions, followed_body, frame_camera, sight
 from mbsd3d.view.scene.drawing import bounds
 
 

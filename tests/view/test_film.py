@@ -11,10 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.double_pendulum import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from PIL import Image
 
-from mbsd3d import GROUND, Body, Revolute, System, accelerations, linearize, simulate
+from mbsd3d import GROUND, Body, Fixed, Revolute, System, accelerations, linearize, shapes, simulate
 from mbsd3d.extend import theme
 from mbsd3d.view.film import film
 from mbsd3d.view.film.images import FilmFrames
@@ -53,6 +54,53 @@ def test_every_frame_of_the_gif_is_another_picture(solution, tmp_path):
     # GIF counts in 1/100 s: 30 frames per second are 3 and 4 of them in turn, and none is lost
     assert set(durations) == {30, 40} and sum(durations) == round(25 / 30 * 100) * 10
     assert np.all(images[0][60, 0] == 255)  # the paper keeps its colour
+
+
+def inked(image) -> float:
+    """The share of an image that is darker than the lines of the ground."""
+    return float((np.asarray(image).min(axis=2) < 150).mean())
+
+
+@pytest.fixture(scope="module")
+def far():
+    """A spinning sled that drives away, 60 m aside and up a slope of 1 in 12, past a post."""
+    post = Body("post", 1.0, (1, 1, 1), position=(0.9, 0.4, 0.2), shape=shapes.Box((0.2, 0.2, 0.9)))
+    sled = Body(
+        "sled", 2.0, (0.1, 0.2, 0.3), com=(0.1, 0, 0.05), velocity=(24.0, -18.0, 2.5), omega=(0, 0, 3.0),
+        shape=shapes.Box((1.2, 0.5, 0.3), at=(0.1, 0, 0)),
+    )  # fmt: skip
+    return simulate(System([post, sled], [Fixed(GROUND, post, at=(0.9, 0.4, 0.2))], gravity=(0, 0, 0)), 2.0, output=41)
+
+
+def test_a_film_goes_along_with_what_drives_away(far):
+    """Its body stays at one place of the paper and is as large at the end as at first; the ground passes below."""
+    options = {"fps": 5, "width": 240, "layers": Layers(hidden=["body names", "joint names"])}
+    reel = FilmFrames(far, follow="sled", **options)
+    for k in (0, 4, len(reel) - 1):
+        O = reel.painter.gone(reel.way[k]).on_paper(far.position("sled")[4 * k])  # a frame is 0.2 s, a sample 0.05 s
+        # interpolation of the film beside samples of the run: both are the sample here
+        np.testing.assert_allclose(O, reel.painter.on_paper(far.position("sled")[0]), rtol=0, atol=1e-6)
+    shares = [inked(reel.frame(k)) for k in (0, len(reel) // 2, len(reel) - 1)]
+    assert min(shares) > 0.08  # of the whole box of the sled and the post, which is soon passed
+    assert inked(FilmFrames(far, follow=GROUND, **options).frame(len(reel) - 1)) < 0.03  # letters mostly
+    assert len({float(reel.painter.gone(way).floor) for way in reel.way}) == 1
+    with pytest.raises(ValueError, match="'nobody' is not one of the bodies"):
+        FilmFrames(far, follow="nobody", **options)
+
+
+def test_a_picture_holds_what_it_follows(far):
+    """The paper is that of the mechanism at its time; of several times it holds all unless a body is given."""
+
+    def share(t, **options):
+        figure = far.picture(t, size=(2.4, 1.8), hidden=["body names", "joint names"], **options)
+        canvas = FigureCanvasAgg(figure)
+        canvas.draw()
+        return inked(np.asarray(canvas.buffer_rgba())[..., :3])
+
+    assert share(2.0) > 0.08 and share([1.0, 2.0], follow="sled") > 0.08  # 60 m are 50 sizes
+    assert share(2.0, follow=GROUND) < 0.03 and share([1.0, 2.0]) < 0.03  # letters mostly
+    with pytest.raises(ValueError, match="'nobody' is not one of the bodies"):
+        far.picture(follow="nobody")
 
 
 @pytest.mark.slow

@@ -12,6 +12,7 @@ from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 from ..panel_drawing import rim
 
 NAMES, SAMPLES = ("least moment", "middle moment", "greatest moment"), 1501
+COLOUR_PLACES = (1, 0, 2)  # of the middle, least and greatest handle among the bodies, whose colours lines have
 UPRIGHT_ORIENTATIONS = (rotation("y", -np.pi / 2), rotation("x", np.pi / 2), rotation("z", 0.0))
 MIDDLE_NAME = NAMES[1]
 
@@ -111,11 +112,14 @@ def measure(build, terms, *, m, I, spin, off, t=30.0) -> Measured:
     spins_of = [Line(f"about axis {k + 1}", rates[1][:, k]) for k in (0, 2)]
     curves = [
         Curve("angular velocity, body axes [rad/s]", run.t, rates[1][:, 1], (known, 0 * known) if known.size else None,
-              title="spun about the middle axis; theory: when it flips", name="about axis 2", more=spins_of),
+              title="spun about the middle axis; theory: when it flips", name="about axis 2", more=spins_of,
+              colours=COLOUR_PLACES),
         Path([f"L{k} / L [-]" for k in (1, 2, 3)], seen[1], "angular momentum seen from the body", "axis 2",
-             [Line("axis 1", seen[0]), Line("axis 3", seen[2])], [rim(), *polhodes(I)], globe=True),
+             [Line("axis 1", seen[0]), Line("axis 3", seen[2])], [rim(), *polhodes(I)], globe=True,
+             colours=COLOUR_PLACES),
         Curve("spin axis to angular momentum [deg]", run.t, tilts[1], title="only the middle axis turns over",
-              name="middle moment", more=[Line("least moment", tilts[0]), Line("greatest moment", tilts[2])]),
+              name="middle moment", more=[Line("least moment", tilts[0]), Line("greatest moment", tilts[2])],
+              colours=COLOUR_PLACES),
     ]  # fmt: skip
     return Measured(values, [run], curves)
 

@@ -4,6 +4,7 @@ import numpy as np
 
 from mbsd3d import Body, System, shapes, simulate
 
+from ..figure import Line
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 
 ROUNDS_MAX = 20  # [1] of the wobble; the samples resolve each one
@@ -43,8 +44,15 @@ def measure(build, terms, *, A, C, w3, wt) -> Measured:
         "cone_angle_deg": np.degrees(np.arctan2(np.linalg.norm(np.cross(axis, L), axis=1), cosine)).mean(),
     }
     expected = wt * np.cos((C - A) / A * w3 * run.t)
-    curve = Curve("rate across the axis, in the body [rad/s]", run.t, w[:, 0], (run.t, expected))
-    return Measured(values, [run], [curve])
+    space, body = (np.degrees(angle - angle[0]) for angle in (phase, body_phase))
+    known = [np.degrees(rate * run.t) for rate in (np.hypot(A * wt, C * w3) / A, (C - A) / A * w3)]
+    curves = [
+        Curve("rate across the axis, in the body [rad/s]", run.t, w[:, 0], (run.t, expected)),
+        Curve("turn about the cone [deg]", run.t, space, (run.t, known[0]), name="axis about L, in space",
+              more=[Line("w about the axis, in the body", body, theory=(run.t, known[1]))],
+              title=f"in the body w goes round {'with' if C > A else 'against'} the spin"),
+    ]  # fmt: skip
+    return Measured(values, [run], curves)
 
 
 demo = Demo(

@@ -110,7 +110,7 @@ def measure(build, terms, *, bend_deg, rate, J) -> Measured:
         Curve("motor torque [N m]", degrees, torque, (degrees, motor_torque(angle, b, rate, J)), along,
               "torque that an even input takes"),
     ]  # fmt: skip
-    options: AnimateOptions = {**demo.show, "title": "two Cardan joints: an even ratio again"}
+    options: AnimateOptions = {**demo.shown(demo.parameters), "title": "two Cardan joints: an even ratio again"}
     return Measured(dict(zip(names, values, strict=True)), [single, double], curves, {"double": Show(double, options)})
 
 

@@ -12,11 +12,13 @@ from ...base.checks import number, whole
 from ...base.errors import InputError
 from ...base.figure import Figure
 from ...base.style import Theme, figure_style, style_axes, theme
+from ...mechanism.bodies import Body, Ground
 from ...plotting.panels import Wanted
 from ...results.motion import Motion
 from ..picture.painter import new_sheet
 from ..picture.picture import painter_of, picture_layers
 from ..picture.shading import pointers_of
+from ..scene.camera import followed_body
 from ..scene.drawing import ARROWS, USUAL_LAYERS, Layers
 from ..scene.frames import FILM_SECONDS, REAL_TIME_SECONDS_MAX, frames_of, sensible_speed
 from ..scene.overlays import Curve, Points, arrows_of, curves_of, traces_of
@@ -41,6 +43,7 @@ class FilmOptions(TypedDict, total=False):
     layers: Layers
     view: Sequence[float] | None
     dark: bool
+    follow: Body | Ground | str | None
 
 
 def paced(t: np.ndarray, fps: float, speed: float | None, usual: tuple[float, float]) -> tuple[float, float, int]:
@@ -77,6 +80,7 @@ class FilmFrames:
         layers: Layers = USUAL_LAYERS,
         view: Sequence[float] | None = None,
         dark: bool = False,
+        follow: Body | Ground | str | None = None,
         usual: tuple[float, float] = (REAL_TIME_SECONDS_MAX, FILM_SECONDS),
     ) -> None:
         self.fps, self.speed, count = paced(motion.t, fps, speed, usual)
@@ -93,10 +97,12 @@ class FilmFrames:
         self.vectors = [x for x in arrows_of(motion, self.frames) if x.kind in kinds] if kinds else []
         some = np.unique(np.linspace(0, count - 1, EXTENT_POSES_COUNT).astype(int))
         r, e = self.frames.r[some], self.frames.e[some]
+        followed = followed_body(motion, follow)
+        self.way = self.frames.r[:, followed] - self.frames.r[0, followed]  # of the camera; -1 is the ground
         inches = (self.width / self.dpi, rows / self.dpi)
         self.painter, self.reach = painter_of(
             motion.system, r, e, inches, paths=self.traces, vectors=self.vectors, layers=visible, view=view, dark=dark,
-            fine=max(0.03, TRIANGLE_PIXELS_MAX / self.width),
+            fine=max(0.03, TRIANGLE_PIXELS_MAX / self.width), near=followed >= 0,
         )  # fmt: skip
         found = curves_of(motion, self.frames, curves)
         if found and self.width < PLOT_WIDTH_MIN:
@@ -115,13 +121,14 @@ class FilmFrames:
         with figure_style(self.sheet):
             figure, axes = new_sheet(self.painter.inches, self.sheet)
             figure.set_dpi(self.dpi)
-            self.painter.paint(
+            painter = self.painter.gone(self.way[k])
+            painter.paint(
                 axes,
                 [(self.frames.r[k], self.frames.e[k])],
                 traces=[trace._replace(points=trace.points[: self.finer * k + 1]) for trace in self.traces],
-                arrows=[pointers_of(x, k, self.reach, self.painter.lens) for x in self.vectors],
+                arrows=[pointers_of(x, k, self.reach, painter.lens) for x in self.vectors],
             )
-            self.painter.write_note(axes, self.clock(k))
+            painter.write_note(axes, self.clock(k))
             scene = pixels(figure)
         return scene if self.strip is None else np.concatenate([scene, self.strip.at(k)])
 

@@ -11,13 +11,13 @@ from ...base.checks import short_repr as shown_text
 from ...base.errors import InputError
 from ...base.paths import ready_path
 from ...base.progress import Progress
-from ...mechanism.bodies import GROUND, Body, Ground
+from ...mechanism.bodies import Body, Ground
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.state import State
 from ...plotting.panels import Wanted
 from ...results.motion import Motion
 from ..scene.artist import draw_system
-from ..scene.camera import directions
+from ..scene.camera import directions, followed_body
 from ..scene.drawing import DEFAULT_LAYERS, Layers, poses_of, title_of
 from ..scene.frames import Frames, frames_of, sensible_speed
 from ..scene.overlays import Points, arrows_of, curves_of, nearby, traces_of
@@ -27,7 +27,6 @@ from .live import LiveView
 from .stage import Reach, boxes
 
 MOTION_BYTES_MAX = 7e6  # [characters] of the motion in a page for which no number of frames was asked
-FOLLOW_CAMERA_TRAVEL = 20.0  # [sizes of the mechanism] it travels by before the camera follows by itself
 # [bodies] whose names do not hide the scene, and [sizes of the mechanism] between two names
 NAMED_BODIES_MAX, NAME_DISTANCE_MIN = 12, 0.05
 
@@ -110,29 +109,6 @@ def reach_of(motion: Motion, frames: int | None, layers: Sequence[str], axes: np
     at = frames_of(motion, frames)
     drawing, near, _, _ = nearby(draw_system(motion.system)._replace(origin=origin), at)
     return Reach(*boxes(drawing, near, layers, axes), {kind.kind: kind.longest for kind in arrows_of(motion, at)})
-
-
-def followed_body(motion: Motion, follow: Body | Ground | str | None, live: bool) -> int:
-    """Return the number of the body that the camera follows, or -1; None = the heaviest of those that travel."""
-    system = motion.system
-    if isinstance(follow, Ground) or follow == GROUND.name or (follow is None and live):
-        return -1
-    if follow is None:
-        heaviest = max(range(len(system.bodies)), key=lambda i: system.bodies[i].mass)
-        joined = (point for joint in system.joints for row in joint.primitives for point in row.points)
-        start = np.array([*(body.centre for body in system.bodies), *joined])
-        size = max(motion.compiled.model.length, float(np.ptp(start, axis=0).max()))
-        way = float(np.ptp(motion.com(system.bodies[heaviest]), axis=0).max(initial=0.0)) if motion.t.size else 0.0
-        return heaviest if way > FOLLOW_CAMERA_TRAVEL * size else -1
-    if live:
-        raise InputError(f"follow = {follow!r}: the camera of a live view does not go along; leave follow out")
-    return number_of(system, follow)
-
-
-def number_of(system: Mechanism, body: Body | str) -> int:
-    """Return the place of a body, given as such or by name, among the bodies."""
-    found = system.part(body)
-    return next(i for i, other in enumerate(system.bodies) if other is found)
 
 
 def page_layers(system: Mechanism, layers: Layers) -> tuple[str, ...]:

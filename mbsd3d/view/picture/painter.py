@@ -3,7 +3,9 @@
 Everything is split into small triangles and strokes, which are painted from far to near.
 """
 
+import copy
 from collections.abc import Collection, Sequence
+from typing import Self
 
 import numpy as np
 from matplotlib.artist import Artist, allow_rasterization
@@ -16,7 +18,7 @@ from matplotlib.transforms import IdentityTransform
 from ...base.figure import Figure
 from ...base.rotations import matrix
 from ...base.style import LIGHT, Theme, channels
-from ..scene.camera import NEAR_PLANE_SHARE, Lens, length_text, round_down, window
+from ..scene.camera import Lens, length_text, round_down, window
 from ..scene.drawing import DEFAULT_LAYERS, Drawing, Tag
 from ..scene.overlays import Trace
 from .shading import SEAM_WIDTH, Items, Pointers, Solids, join, outlines, split_strokes, strokes_as_items
@@ -83,6 +85,7 @@ class Painter:
         layers: Collection[str] = DEFAULT_LAYERS,  # "ground grid" is the floor with its grid and the shadows
         also: np.ndarray = NONE,  # (k, 3) more points that must fit, world [m]: paths, tips of arrows
         fine: float = TRIANGLE_SIZE_MAX,  # longest triangle or stroke, of the size of all that is seen
+        floor: float | None = None,  # height of the ground [m]; None = that of the lowest point
     ) -> None:
         self.lens, self.sheet, self.inches, self.ground = lens, sheet, inches, "ground grid" in layers
         hues = dict(zip(LIGHT.lines, sheet.lines, strict=True))
@@ -99,9 +102,10 @@ class Painter:
         cloud = np.concatenate([*points, r.reshape(-1, 3)[:1]])
         cloud = cloud[np.isfinite(cloud).all(axis=1)]
         self.low, self.high = cloud.min(axis=0), cloud.max(axis=0)
+        self.floor = self.low[2] if floor is None else floor
         self.size = float((self.high - self.low).max()) or drawing.size or 1.0
         if self.ground:  # the shadows belong to the picture
-            cloud = np.concatenate([cloud, cloud * (1.0, 1.0, 0.0) + (0.0, 0.0, self.low[2])])
+            cloud = np.concatenate([cloud, cloud * (1.0, 1.0, 0.0) + (0.0, 0.0, self.floor)])
         self.longest = fine * self.size
         self.solids = Solids(pieces, self.longest)
         self.corner, opposite = window(lens.project(cloud)[0], inches)
@@ -109,6 +113,13 @@ class Painter:
             POINTS_PER_INCH * inches[0] / (opposite - self.corner)[0]
         )  # points of the paper per unit of the projection
         self.cell = round_down(0.22 * self.size)
+
+    def gone(self, way: np.ndarray) -> Self:
+        """Return the painter whose eye has gone a way (3,) [m]; the ground stays where it is."""
+        other = copy.copy(self)
+        other.lens = self.lens._replace(eye=self.lens.eye + way)
+        other.low, other.high = self.low + way, self.high + way
+        return other
 
     def on_paper(self, points: np.ndarray) -> np.ndarray:
         """Return world points (..., 3) as points of the paper (..., 2), 1/72 inch from the lower left corner."""
@@ -151,7 +162,7 @@ class Painter:
         for items in (arrow.items(self.longest) for arrow in arrows):
             found.append(items._replace(lift=items.lift + ARROW_LIFT * self.size))
         if self.ground:
-            shadows = [self.solids.shadow(r, matrix(e), self.low[2]) for r, e in poses]
+            shadows = [self.solids.shadow(r, matrix(e), self.floor) for r, e in poses]
             self.paint_ground(axes, np.concatenate(shadows))
         for trace in traces:
             strokes = np.stack([trace.points[:-1], trace.points[1:]], axis=1)
@@ -164,7 +175,9 @@ class Painter:
             axes.text(width - 8, height - 8 - 11 * k, legend, ha="right", va="top", fontsize=8, color=tint)
 
     def paint_items(self, axes: Axes, items: Items) -> None:
-        """Paint items from far to near."""
+        """Paint the items before the eye, from far to near."""
+        seen = self.lens.before(items.corners)
+        items = Items(*(field[seen] for field in items))
         depth = self.lens.project(items.corners)[1].mean(axis=1) - items.lift
         order = np.argsort(-depth, kind="stable")
         pen = items.width[order] > 0.0
@@ -182,11 +195,11 @@ class Painter:
 
     def paint_ground(self, axes: Axes, shadows: np.ndarray) -> None:
         """Paint a grid that fades into the paper, the size of its cells, and shadows under a high sun."""
-        floor, paper, grid = self.low[2], tone(self.sheet.paper), tone(self.sheet.grid)
+        floor, paper, grid = self.floor, tone(self.sheet.paper), tone(self.sheet.grid)
         shade = shadow_on(self.sheet)
         axes.add_collection(
             PolyCollection(
-                self.on_paper(shadows),  # type: ignore[arg-type]  # as above
+                self.on_paper(shadows[self.lens.before(shadows)]),  # type: ignore[arg-type]  # as above
                 facecolors=[shade], edgecolors=[shade], linewidths=0.4, zorder=1,
             ),
             autolim=False,
@@ -201,7 +214,7 @@ class Painter:
                 strokes.append(line)
         short, _ = split_strokes(np.array(strokes), 0.25 * self.cell)
         far = np.linalg.norm(short.mean(axis=1)[:, :2] - middle, axis=1) / reach
-        seen = (far < 1.0) & (self.lens.project(short)[1] > NEAR_PLANE_SHARE * self.lens.distance).all(axis=1)
+        seen = (far < 1.0) & self.lens.before(short)
         short, far = short[seen], far[seen]
         tints = grid + (paper - grid) * np.clip(1.6 * far - 0.6, 0.0, 1.0)[:, None]
         axes.add_collection(
@@ -223,11 +236,18 @@ class Painter:
             axes.text(x, y, name, ha="center", va="center", fontsize=7.5, color=self.sheet.muted, zorder=5)
 
     def write_names(self, axes: Axes, r: np.ndarray, e: np.ndarray) -> None:
-        """Write names of bodies above their points and of joints below them; those at one point share a line."""
+        """Write names of bodies above their points and of joints below them; those at one point share a line.
+
+        Points that are not on the paper have none: the camera follows another body.
+        """
         R = matrix(e)
+        paper = POINTS_PER_INCH * np.array(self.inches)
         lines: list[tuple[Tag, np.ndarray, list[str]]] = []
         for tag in self.tags:
-            point = self.on_paper(R[tag.body] @ tag.point + r[tag.body])
+            place = R[tag.body] @ tag.point + r[tag.body]
+            point = self.on_paper(place)
+            if not (self.lens.before(place[None]) and (point > 0.0).all() and (point < paper).all()):
+                continue
             same = [texts for first, at, texts in lines if first.layer == tag.layer and np.abs(at - point).max() < SIZE]
             if same:
                 same[0].append(tag.text)

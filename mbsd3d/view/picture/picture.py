@@ -10,11 +10,21 @@ from numpy.typing import ArrayLike
 from ...base.checks import number, short_repr
 from ...base.errors import InputError
 from ...base.style import figure_style, theme
+from ...mechanism.bodies import Body, Ground
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.state import State
 from ...results.motion import Motion
 from ..scene.artist import draw_system
-from ..scene.camera import frame_camera, lens_of, pair, seen_from, stood_back
+from ..scene.camera import (
+    directions,
+    followed_body,
+    frame_camera,
+    lens_of,
+    pair,
+    seen_from,
+    stood_back,
+    turning_box,
+)
 from ..scene.drawing import ARROWS, DEFAULT_LAYERS, MARKS, NAMES, USUAL_LAYERS, Layers, bounds, poses_of
 from ..scene.frames import Frames, frames_at, frames_of
 from ..scene.overlays import Arrows, Points, Trace, arrows_of, traces_of
@@ -56,18 +66,26 @@ def painter_of(
     dark: bool,
     fine: float = TRIANGLE_SIZE_MAX,
     drawn: slice = slice(None),
+    near: bool = False,
 ) -> tuple[Painter, float]:
     """Return a painter whose paper holds all poses, paths and arrows, and the length of the longest arrow [m].
 
-    ``drawn``: the frames of the arrows that are shown; their scale is that of all.
+    ``drawn``: the frames of the arrows that are shown; their scale is that of all. ``near``: the paper holds the first
+    pose with room to turn; paths and arrows may leave it.
     """
-    drawing = draw_system(system)
+    drawing, floor = draw_system(system), None
+    if near:
+        floor = float(bounds(drawing, r, e, layers)[0][2])
+        r, e = r[:1], e[:1]
+        axes = directions(view)
+        also = turning_box(*bounds(drawing, r, e, layers, axes), axes)
     low, high = bounds(drawing, r, e, layers)
     reach = REACH * float((high - low).max())
-    also = np.concatenate([NONE, *(x.points for x in paths), *(tips_of(x, reach, drawn) for x in vectors)])
+    if not near:
+        also = np.concatenate([NONE, *(x.points for x in paths), *(tips_of(x, reach, drawn) for x in vectors)])
     camera = stood_back(seen_from(frame_camera(low, high), view), also)
     lens, sheet = lens_of(camera), theme(dark)
-    return Painter(drawing, lens, r, e, inches, sheet=sheet, layers=layers, fine=fine, also=also), reach
+    return Painter(drawing, lens, r, e, inches, sheet=sheet, layers=layers, fine=fine, also=also, floor=floor), reach
 
 
 def paper_size(size: Sequence[float]) -> tuple[float, float]:
@@ -106,6 +124,7 @@ def picture_of_solution(
     view: Sequence[float] | None = None,
     size: Sequence[float],
     dark: bool = False,
+    follow: Body | Ground | str | None = None,
 ) -> Figure:
     """Draw a motion; see `Solution.picture`."""
     visible, inches = picture_layers(motion.system, layers, moving=True), paper_size(size)
@@ -115,10 +134,14 @@ def picture_of_solution(
     kinds = set(ARROWS) & set(visible)
     both = Frames(*(np.concatenate(pair) for pair in zip(run, now, strict=True)))  # one scale for every moment
     vectors = [x for x in arrows_of(motion, both) if x.kind in kinds] if kinds else []
+    followed = followed_body(motion, follow) if now.t.size == 1 or follow is not None else -1
+    way = now.r[-1, followed] - run.r[0, followed]  # of the camera; -1 is the ground
+    held = now if followed < 0 else Frames(*(np.concatenate([a[:1], b]) for a, b in zip(run, now, strict=True)))
     painter, reach = painter_of(
-        motion.system, now.r, now.e, inches, paths=paths, vectors=vectors, layers=visible, view=view, dark=dark,
-        drawn=slice(run.t.size, None),
+        motion.system, held.r, held.e, inches, paths=paths, vectors=vectors, layers=visible, view=view, dark=dark,
+        drawn=slice(run.t.size, None), near=followed >= 0,
     )  # fmt: skip
+    painter = painter.gone(way)
     with figure_style(painter.sheet):
         figure, axes = new_sheet(inches, painter.sheet)
         pointers = [pointers_of(x, k, reach, painter.lens) for x in vectors for k in range(run.t.size, both.t.size)]

@@ -1,4 +1,4 @@
-"""Camera: position of the eye, perspective, and round lengths for the ground grid."""
+"""Camera: position of the eye, what it follows, perspective, and round lengths for the ground grid."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -7,10 +7,14 @@ import numpy as np
 
 from ...base.checks import number, short_repr
 from ...base.errors import InputError
+from ...mechanism.bodies import GROUND, Body, Ground
+from ...mechanism.mechanism import Mechanism
+from ...results.motion import Motion
 
 FRAMING_FACTOR = 1.12  # [1] of the box that is seen: margin around it
 NEAR_PLANE_SHARE = 0.02  # [camera distances] from the eye within which nothing is drawn
 VIEW_TANGENT_MAX = 2.0  # [1] tangent of the angle from the middle of the view up to which a path is seen well
+FOLLOW_CAMERA_TRAVEL = 20.0  # [sizes of the mechanism] it travels by before the camera follows by itself
 FOLLOW_HEIGHT_FACTOR = 1.4  # [1] of the height of a mechanism that the camera follows; it may rise and tip over
 WINDOW_MARGIN = 0.06  # [1] of a window, on every side
 CAMERA_AZIMUTH, CAMERA_ELEVATION = np.radians((-58.0, 22.0))  # [rad] of the camera, seen from the middle
@@ -75,9 +79,21 @@ def sight(low: np.ndarray, high: np.ndarray, axes: np.ndarray, fov: float, *, tu
     """
     middle, half = axes.T @ (0.5 * (low + high)), 0.5 * (high - low)
     half = half if half.any() else np.full(3, 0.5)
-    depth, right, up = (*np.full(2, half[:2].max()), FOLLOW_HEIGHT_FACTOR * half[2]) if turns else half
+    depth, right, up = turning(half) if turns else half
     per_metre = FRAMING_FACTOR / np.tan(0.5 * fov)
     return Sight(axes, middle, float(depth), float(per_metre * right), float(per_metre * up))
+
+
+def turning(half: np.ndarray) -> np.ndarray:
+    """Return half a box along a view (3,) that still holds its content when this turns about the vertical and tips."""
+    return np.array([*np.full(2, half[:2].max()), FOLLOW_HEIGHT_FACTOR * half[2]])
+
+
+def turning_box(low: np.ndarray, high: np.ndarray, axes: np.ndarray) -> np.ndarray:
+    """Return the corners (8, 3) of the box for what turns, world [m]; the lowest and highest are along ``axes``."""
+    middle, half = 0.5 * (low + high), turning(0.5 * (high - low))
+    signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    return np.asarray((middle + signs * half) @ axes)
 
 
 def directions(view: Sequence[float] | None) -> np.ndarray:
@@ -128,6 +144,29 @@ def pair(value: Sequence[float], what: str) -> tuple[float, float]:
     return number(value[0], what), number(value[1], what)
 
 
+def followed_body(motion: Motion, follow: Body | Ground | str | None, live: bool = False) -> int:
+    """Return the number of the body that the camera follows, or -1; None = the heaviest of those that travel."""
+    system = motion.system
+    if isinstance(follow, Ground) or follow == GROUND.name or (follow is None and live):
+        return -1
+    if follow is None:
+        heaviest = max(range(len(system.bodies)), key=lambda i: system.bodies[i].mass)
+        joined = (point for joint in system.joints for row in joint.primitives for point in row.points)
+        start = np.array([*(body.centre for body in system.bodies), *joined])
+        size = max(motion.compiled.model.length, float(np.ptp(start, axis=0).max()))
+        way = float(np.ptp(motion.com(system.bodies[heaviest]), axis=0).max(initial=0.0)) if motion.t.size else 0.0
+        return heaviest if way > FOLLOW_CAMERA_TRAVEL * size else -1
+    if live:
+        raise InputError(f"follow = {follow!r}: the camera of a live view does not go along; leave follow out")
+    return number_of(system, follow)
+
+
+def number_of(system: Mechanism, body: Body | str) -> int:
+    """Return the place of a body, given as such or by name, among the bodies."""
+    found = system.part(body)
+    return next(i for i, other in enumerate(system.bodies) if other is found)
+
+
 class Lens(NamedTuple):
     """Eye, and the directions right, up and forward as rows."""
 
@@ -143,6 +182,10 @@ class Lens(NamedTuple):
         seen = (points - self.eye) @ self.axes.T
         depth = seen[..., 2]
         return seen[..., :2] / np.maximum(depth, NEAR_PLANE_SHARE * self.distance)[..., None], depth
+
+    def before(self, polygons: np.ndarray) -> np.ndarray:
+        """Return for polygons (..., k, 3), world, whether all of their corners are before the eye."""
+        return np.asarray((self.project(polygons)[1] > NEAR_PLANE_SHARE * self.distance).all(axis=-1))
 
 
 def lens_of(camera: Camera) -> Lens:
