@@ -353,7 +353,7 @@ class System(Drawable):
         self, path: str | Path | None = None, *, leave_out: Sequence[Joint | ForceElement | str] = (),
         replace: bool = False,
     ) -> "Exported":  # fmt: skip
-        """Write the system as MJCF, the XML of MuJoCo, at its reference pose.
+        r"""Write the system as MJCF, the XML of MuJoCo, at its reference pose.
 
         Trees of joints move there as here. Loops are closed by equalities, and gears, racks, screws and shafts of
         constant velocity couple coordinates by equalities: these are springs there, and ``soft`` names them. Springs

@@ -73,10 +73,10 @@ def surely_regular(tree: Tree) -> bool:
 def tree_at_start(compiled: Compiled, data: Data, q: np.ndarray, t: float) -> Tree:
     """Return a new tree over all rows at a start loaded in ``data``; one built there before is copied.
 
-    A start is asked for its velocities and then run from. ``q`` (7 n,): its poses, ``t`` [s].
+    A start is asked for its velocities and then run from. ``q`` (7 n,): its poses, ``t`` [s]. Modes choose the rows.
     """
     derived, own = compiled.system.derived, data.coordinate["value"][: compiled.own_coordinates]
-    start = (q.tobytes(), t, own.tobytes())
+    start = (q.tobytes(), t, own.tobytes(), tuple(compiled.modes.items()))
     known = derived.get("tree")
     if known is None or known[0] != start:
         known = derived["tree"] = (start, build_spanning_tree(compiled.model, data))

@@ -7,6 +7,7 @@ It holds limits on time and memory, and gives numbers and names only. Points and
 coordinates at the pose MuJoCo calls qpos0, with followers of joint equalities where these put them.
 """
 
+import os
 import sys
 from collections.abc import Iterator
 from math import factorial
@@ -633,6 +634,7 @@ def specification(mujoco: Any, path: Path) -> Any:
     """Return what MuJoCo reads of a file; it knows the suffix .xml only."""
     if path.suffix == ".xml":
         return mujoco.MjSpec.from_file(str(path))
+    os.chdir(path.parent)  # where it looks for what a text includes
     spec = mujoco.MjSpec.from_string(path.read_text(encoding="utf-8-sig").lstrip())
     spec.modelfiledir = str(path.parent)
     return spec
