@@ -14,7 +14,7 @@ from ..run.repeat import has_changed_inputs
 from .solution import Solution
 
 PARTS_PER_STEP = 4  # [parts] of a step of the run: a step of order 8 may hold a turn back and forth
-VARIATION_TOLERANCE = 1e-5  # [1] of the way that all fibres go up and down: what another run may still add to it
+VARIATION_TOLERANCE = 1e-5  # [1] of the way that fibres and load go up and down: what another run may still add to it
 RUNS_MAX = 8  # [runs]
 TURNING_SAMPLES_MAX = 1_000_000  # [samples]
 SAME_TIME = 1e-10  # [1] of the run: times nearer to each other are one
@@ -83,8 +83,12 @@ def pin_stress(
     def read(run: Solution) -> PinStress:
         return stress_of(pin, loads_across(run, joint, axis, holder, "pin_stress"), holder, run.record.rtol)
 
+    def turning(run: Solution) -> np.ndarray:
+        stress = read(run)
+        return np.column_stack([stress.fibres, stress.bending])  # the load peaks between the peaks of two fibres
+
     stress = read(solution)
-    return stress if solution.t.size < 2 else read(at_turning_points(solution, lambda run: read(run).fibres))
+    return stress if solution.t.size < 2 else read(at_turning_points(solution, turning))
 
 
 def at_turning_points(solution: Solution, read: Callable[[Solution], np.ndarray]) -> Solution:

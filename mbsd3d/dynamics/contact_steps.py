@@ -4,9 +4,9 @@ The stages of a step see none of it if they lie before and after. So a step betw
 a surface by more than a radian, unless it looks the same all the time; and where the clearance falls and rises again so
 that it may vanish, the step is tried anew up to where it is least.
 
-The load of a contact jumps or kinks where bodies touch and lift off. Adaptive steps find that by their error. Fixed
-steps would lose their order there: explicit ones are split at that time; implicit ones, which have no solution with an
-end at a jump, are not, and the certificate judges by how much the load changed.
+The load of a contact jumps or kinks where bodies touch and lift off, and where damping ends it before that. Adaptive
+steps find that by their error. Fixed steps would lose their order there: explicit ones are split at that time; implicit
+ones, which have no solution with an end at a jump, are not, and the certificate judges by how much the load changed.
 """
 
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ import numpy as np
 
 from ..compiler.decorators import inner_kernel, late_kernel
 from ..compiler.late import late_choice
-from ..kernels.surfaces import contact_parameters, meeting
+from ..kernels.surfaces import contact_parameters, meeting, pressure
 from ..kernels.vectors import arm, columns, cross, dot, sub, vec
 from ..mechanism.force_element import ForceElement
 from ..mechanism.forces.contact import Contact
@@ -27,6 +27,7 @@ TURN_PER_STEP_MAX = 1.0  # [rad] of a surface in a step between two moments with
 TURN_ROUNDING = 1e-6  # [1] of the turn: rounding of it, which changes no clearance
 CLEARANCE_DIP_SHARE = 0.25  # [1] of the depth of a dip: a cubic errs by a twelfth of it if a surface turns by a radian
 LANDING_SHARE_MIN = 1e-6  # [1] of a fixed step: it is split no nearer to its start
+LANDING_MISS_SHARE = 1e-4  # [1] of a step: it ends that far behind the end of a load, whose kink then counts its square
 LANDING_TRIES_MAX = 10  # [1] for the place where a fixed step is split; each errs by the fourth power of the one before
 OF_CONTACT = -1  # in place of the number of a gap
 GAPS = kernels_of_all_forces("gap")
@@ -70,16 +71,23 @@ def changing_turn(m, d, p, normal):
 
 @inner_kernel
 def watch_contacts(m, d, run, end, t):
-    """Store clearance, its rate and `changing_turn` of contacts and stops at the state in d: an end of a step."""
+    """Store clearance, its rate, `changing_turn` and load of contacts and stops at the state in d: an end of a step."""
     for k in range(run.contacts.shape[0]):
         p, gap_of, seen = m.force[run.contacts[k, 0]], run.contacts[k, 1], run.gaps[k, end]
         if gap_of != OF_CONTACT:
             store_gap(gap_of, m, d, p, run.contacts[k, 2], t, seen)
             continue
-        plane, _, _, gap, velocity = meeting(
-            contact_parameters(m.number, p.number), p, d.body[p.body[0]], d.body[p.body[1]]
-        )
-        seen[0], seen[1], seen[2] = gap, dot(plane[2], velocity), changing_turn(m, d, p, plane[2])
+        own = contact_parameters(m.number, p.number)
+        plane, _, _, gap, velocity = meeting(own, p, d.body[p.body[0]], d.body[p.body[1]])
+        rate = dot(plane[2], velocity)
+        seen[0], seen[1], seen[2], seen[3] = gap, rate, changing_turn(m, d, p, plane[2]), pulling(own, gap, -rate)
+
+
+@inner_kernel
+def pulling(own, gap, speed):
+    """Return the normal force [N] of a contact as it would be if it could pull."""
+    _, elastic, _ = pressure(own, gap, speed)
+    return elastic * (1.0 + own.loss * speed) + own.damping * speed
 
 
 @inner_kernel
@@ -106,7 +114,7 @@ def start_watching(m, d, run):
 def advance_contact_watch(run):
     """Make the end of a step the start of the next one."""
     for k in range(run.contacts.shape[0]):
-        for j in range(3):
+        for j in range(4):
             run.gaps[k, 0, j] = run.gaps[k, 1, j]
     begin_step(run)
 
@@ -155,9 +163,21 @@ def fraction_to_level(start, end, h, level):
     return high
 
 
+@inner_kernel
+def fraction_of_load(start, end):
+    """Return the fraction of a step that ends in touch, up to behind where the load begins or ends; 1 if it does not.
+
+    It is found as if the load changed evenly, so that a few tries come to it.
+    """
+    before, after = start[3], end[3]
+    if before * after >= 0.0:
+        return 1.0
+    return min(1.0, before / (before - after) + LANDING_MISS_SHARE)
+
+
 @late_kernel
 def landing_fraction(m, d, run, h) -> float:
-    """Return the fraction of the fixed step h, whose end is in d, up to where bodies touch or lift off; 1 if none do.
+    """Return the fraction of the fixed step h, whose end is in d, up to where a load begins or ends; 1 if none does.
 
     The load jumps as bodies touch. So that no stage lies on the wrong side, one step ends less than rtol lengths before
     that, and the next one, which is short, as close behind it.
@@ -171,7 +191,9 @@ def landing_fraction(m, d, run, h) -> float:
             part = min(part, fraction_to_level(start, end, h, -0.5 * slack))
         elif start[0] <= 0.0 and end[0] > slack:
             part = min(part, fraction_to_level(start, end, h, 0.5 * slack))
-        elif start[0] > 0.0 and end[0] > 0.0 and start[1] < 0.0 and end[1] > 0.0:
+        elif start[0] <= 0.0:
+            part = min(part, fraction_of_load(start, end))
+        elif end[0] > 0.0 and start[1] < 0.0 and end[1] > 0.0:
             x, least = least_of_cubic(start, end, h)
             if least < CLEARANCE_DIP_SHARE * (min(start[0], end[0]) - least) - slack:
                 part = min(part, x)

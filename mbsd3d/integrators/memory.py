@@ -115,7 +115,8 @@ class Run(NamedTuple):
     turns: np.ndarray  # (k, 2) where signals turn: the time [s] at which a step ends, and from which the next one goes
     # on, a rounding later where a second derivative jumps
     contacts: np.ndarray  # (k, 3) forces that touch and lift off: see `contact_steps.watched_gaps`
-    gaps: np.ndarray  # (k, 2, 3) at both ends of the step: clearance [m], its rate, angular velocity that counts
+    gaps: np.ndarray  # (k, 2, 4) at both ends of the step: clearance [m], its rate, angular velocity that counts, and
+    # the load that there would be if it could pull
     out: np.ndarray  # (capacity, width) samples: t, y, accelerations (6n), lam (m), hinge coordinates, potential and
     # power of the forces, largest |c| and |J v - b| over all rows
     audit: np.ndarray  # (6, audit states) of fixed steps: integrals, errors of theirs, last rates: auditing.py
@@ -134,7 +135,7 @@ def allocate_run(
         F=np.zeros((terms, y.size)),
         task=single(TASK), now=single(NOW), rows=single(ROWS), watch=table(WATCH, conditions),
         stiffness=single(STIFFNESS),
-        times=times, turns=turns, contacts=contacts, gaps=np.zeros((len(contacts), 2, 3)),
+        times=times, turns=turns, contacts=contacts, gaps=np.zeros((len(contacts), 2, 4)),
         out=np.zeros((capacity, width)), audit=np.zeros((6, audits)),
     )  # fmt: skip
 

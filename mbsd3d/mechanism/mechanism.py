@@ -150,7 +150,7 @@ class Mechanism(Frozen):
         parts = getattr(self, kind)
         if isinstance(key, Body | Joint | ForceElement) and key in parts:
             return key
-        for part in parts if isinstance(key, Joint) else ():
+        for part in parts if kind == "joints" and isinstance(key, Joint) else ():
             if part.held() is key:
                 return part
         if isinstance(key, str):

@@ -12,6 +12,8 @@ from ..linear.state_space import FrequencyResponse
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+OUTPUT_STYLES = ("-", "--", ":", "-.")  # of outputs, one after the other as the colours begin anew
+BODE_RATIO_MIN = 1e-16  # [1] of the largest magnitude: rounding lies below
 LINE_STYLES = {"forward": "-", "backward": "--", "planar": "-.", "mixed": ":"}  # by the sense of the whirl
 
 
@@ -26,7 +28,10 @@ def plot_bode(response: FrequencyResponse, *, dark: bool = False) -> "Figure":
         panels = figure.subplots(2, inputs, sharex=True, squeeze=False, height_ratios=(1.5, 1.0))
         for column, (size, phase) in enumerate(panels.T):
             for row, (name, unit) in enumerate(zip(response.outputs, response.output_units, strict=True)):
-                H, style = response.H[:, row, column], {"color": look.colour(row)}
+                H, rounds = response.H[:, row, column], row // len(look.lines)
+                style: dict[str, Any] = {
+                    "color": look.colour(row), "linestyle": OUTPUT_STYLES[rounds % len(OUTPUT_STYLES)],
+                }  # fmt: skip
                 H = np.where(np.isfinite(H) & (H != 0.0), H, np.nan)
                 size.semilogx(response.w, np.abs(H), label=f"{name} [{unit}]", **style)
                 phase.semilogx(response.w, unwrapped_degrees(H), **style)
@@ -34,6 +39,11 @@ def plot_bode(response: FrequencyResponse, *, dark: bool = False) -> "Figure":
                 style_axes(axes, look)
             if response.H[:, :, column].any():
                 size.set_yscale("log")
+                sizes = np.abs(response.H[:, :, column])
+                sizes = sizes[np.isfinite(sizes)]
+                seen = sizes[sizes > BODE_RATIO_MIN * sizes.max(initial=0.0)]
+                if seen.size:
+                    size.set_ylim(bottom=0.5 * seen.min())
                 label_decades(size.yaxis)
             label_decades(phase.xaxis)
             label_quarter_turns(phase)

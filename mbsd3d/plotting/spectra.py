@@ -56,6 +56,9 @@ def plot_density(density: Density, *, dark: bool = False) -> "Figure":
             axes.set_yscale("log")
             axes.set_ylim(bottom=max(values.max() * DENSITY_RATIO_MIN, axes.get_ylim()[0]))
             label_decades(axes.yaxis)
+        else:
+            axes.set_ylim(0.0, 1.0)
+        axes.set_xlim(density.hertz[0], density.hertz[-1])
         axes.set_xlabel("frequency [Hz]")
         labelled(axes, look, f"density of {density.name}", density.unit)
     return figure

@@ -21,7 +21,7 @@ from ..base.checks import as_tuple, check_choice, number, short_repr
 from ..base.errors import InputError
 from ..equations.compiled import Compiled
 from ..mechanism.joints import Joint
-from .reactions import Group, Open, RunRows
+from .reactions import Group, Open, RunRows, tolerance_of
 
 SHARES = ("least norm", "elastic", "range")
 PAIRS = {  # what is given of a joint: units, remedy
@@ -100,7 +100,7 @@ def elastic_shares(
     for k in range(run.t.size):
         found, J = run.probe(k, data)
         for island in (island for island in found if np.isin(group.rows, island.rows).any()):
-            own = island.rows[np.abs(island.N).max(axis=1) > 0.0]
+            own = island.rows[np.abs(island.N).max(axis=1) > tolerance_of([island])]
             check_given(compiled, own, given)
             unit = gradients(compiled, J, own)
             G = stiff_combinations(island, own, scale, unit, given)

@@ -125,7 +125,8 @@ class SNCurve(Checked):
 
     def __call__(self, amplitude: ArrayLike) -> np.ndarray:
         """Return the cycles to failure at amplitudes [Pa]; infinite at 0, and below the knee of one with a limit."""
-        ratio = np.abs(np.asarray(amplitude, float)) / self.amplitude
+        given = floats(amplitude, "SNCurve: amplitudes", "finite numbers [Pa]")
+        ratio = np.abs(given) / self.amplitude
         below = self.slope if self.slope_below is None else self.slope_below
         with np.errstate(divide="ignore"):
             N = self.cycles * np.where(ratio < 1.0, ratio**-below, ratio**-self.slope)

@@ -175,7 +175,8 @@ class PinStress(Sampled):
 
     def cycles(self, fibre: int) -> Cycles:
         """Return the cycles of a fibre, 0 ... 35, without ranges below the error of the run."""
-        if not (isinstance(fibre, int | np.integer) and 0 <= fibre < FIBRES):
+        whole_number = isinstance(fibre, int | np.integer) and not isinstance(fibre, bool)
+        if not (whole_number and 0 <= fibre < FIBRES):
             raise InputError(f"pin_stress: '{self.name}' has no fibre {fibre!r}; give 0 ... {FIBRES - 1}")
         return rainflow(self.fibres[:, fibre]).at_least(self.rtol * 2.0 * float(self.bending.max()))
 

@@ -5,7 +5,19 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from mbsd3d import DOP853, GROUND, Body, Contact, GeneralizedAlpha, RadauIIA, Revolute, System, shapes, simulate
+from mbsd3d import (
+    DOP853,
+    GROUND,
+    RK4,
+    Body,
+    Contact,
+    GeneralizedAlpha,
+    RadauIIA,
+    Revolute,
+    System,
+    shapes,
+    simulate,
+)
 
 TILT = Rotation.from_rotvec((0.4, -0.3, 0.7)).as_matrix()
 BALL, STIFFNESS, LOSS = 0.05, 5e7, 2.0
@@ -68,3 +80,24 @@ def test_a_spinning_ball_flies_in_few_steps():
     flight = simulate(System([ball], [], [floor]), 1.0, output=2)
     alone = simulate(System([ball]), 1.0, output=2)
     assert flight.certificate.steps <= alone.certificate.steps + 2
+
+
+@pytest.mark.parametrize(
+    ("method", "off"), [(RK4(dt=0.0043), 7e-5), (DOP853(dt=0.0043), 2e-7), (DOP853(dt=0.02), 1e-5)]
+)
+def test_fixed_steps_are_split_where_a_damped_contact_lets_go(method, off):
+    """It presses with k d + c d_dot until that vanishes, while the ball is still below the plane: m = 0.2, 3 m/s."""
+    k, c, normal = 500.0, 4.0, TILT[:, 2]
+    ball = Body("ball", 0.2, (1e-3, 2e-3, 2.5e-3), position=(0.3 + BALL) * normal, velocity=-3.0 * normal)
+    floor = Contact(GROUND, ball, shapes.Sphere(BALL), stiffness=k, damping=c, plane=((0, 0, 0), normal))
+
+    def lets_go(_, y):
+        return k * y[0] + c * y[1]
+
+    lets_go.terminal, lets_go.direction = True, -1
+    own = solve_ivp(
+        lambda t, y: (y[1], -lets_go(t, y) / 0.2), (0, 1), (0.0, 3.0), events=lets_go, rtol=1e-11, atol=1e-13
+    )
+    run = simulate(System([ball], forces=[floor], gravity=(0, 0, 0)), 0.6, method=method)
+    assert run.certificate.passed
+    assert run.velocity("ball")[-1] @ normal == pytest.approx(-own.y[1, -1], rel=off)  # of the order of the method

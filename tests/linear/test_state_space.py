@@ -495,6 +495,21 @@ def test_step_and_other_packages():
     assert [axes.get_xlabel() for axes in figure.axes] == ["", "frequency ω [rad/s]"]
 
 
+def test_a_bode_plot_of_loads_tells_lines_apart_and_leaves_rounding_out():
+    """The moments of a spring about its own point are rounding; six colours begin anew with dashes."""
+    block = Body("block", 2.0, (0.1, 0.2, 0.3), com=(0.1, -0.2, 0.05), orientation=rotation((1, 2, 3), 0.7))
+    mount = Bushing(GROUND, block, at=(0.1, 0.2, 0.3), stiffness=(2e3, 3e3, 4e3), turning_stiffness=300.0, name="mount")
+    strut = SpringDamper(GROUND, block, at_a=(-1, 0.3, 0.7), at_b=(0.3, 0.1, 0.2), stiffness=200.0, name="strut")
+    system = System([block], [], [mount, strut, Force(block, (Input("push"), 0, 0))])
+    rest = system.equilibrium().state
+    model = state_space(system, rest, outputs=[("force", mount), ("force", strut)])
+    figure = model.bode()
+    size = np.abs(model.frequency_response(figure.axes[0].lines[0].get_xdata()).H)
+    assert figure.axes[0].get_ylim()[0] > 1e-16 * size.max()
+    looks = [(line.get_color(), line.get_linestyle()) for line in figure.axes[0].lines]
+    assert len(looks) == len(set(looks)) == 12
+
+
 def test_python_control(monkeypatch):
     system, rail, *_ = cart_pole(False)
     model = state_space(system, outputs=[measures.slide(rail)])
@@ -622,6 +637,8 @@ def test_forces_of_elements_are_outputs():
     assert model.output_units[-3:] == ("N m",) * 3
     with pytest.raises(ValueError, match="'rubber' is not one of the forces"):
         state_space(system, rest, outputs=[("force", "rubber")])
+    with pytest.raises(ValueError, match="'pin' is not one of the forces"):
+        state_space(system, rest, outputs=[("force", pin)])
 
 
 SHAKEN = 0.004  # [1] of the natural size; what is left is of its square

@@ -130,11 +130,15 @@ def test_small_motions_on_the_stop_have_its_stiffness_and_damping():
 @pytest.mark.parametrize("method", [RK4, DOP853])
 @pytest.mark.parametrize("dt", [0.00031, 0.0011, 0.0043])
 def test_explicit_fixed_steps_are_split_where_the_stop_is_touched(method, dt):
-    """Closed form of the rebound. Order 2 is left, where the stop lets go while it is pressed in; unsplit it is 1."""
+    """Closed form of the rebound, where the stop lets go while it is still pressed in.
+
+    Steps keep their order, but for the place of a landing, which counts by its square, and rtol; unsplit it is 1.
+    """
     inertia, w0, k, c, limit = 0.2, 3.0, 500.0, 4.0, 2.0 * np.pi * 0.2
     system = drum(inertia, w0, stiffness=k, damping=c, upper=limit)
     run = simulate(system, limit / w0 + 0.5, method=method(dt=dt))
-    assert run.rate("hinge")[-1] == pytest.approx(-1.7152200827543305, rel=60.0 * dt**2)  # twice the worst
+    off = 2e-7 + (2e5 * dt**4 if method is RK4 else 0.0)  # twice the worst
+    assert run.rate("hinge")[-1] == pytest.approx(-1.7152200827543305, rel=off)
 
 
 def test_implicit_fixed_steps_that_a_touch_falls_into_do_not_pass():

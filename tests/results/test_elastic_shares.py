@@ -7,10 +7,12 @@ import pytest
 
 from mbsd3d import (
     GROUND,
+    AngleDriver,
     Body,
     Bushing,
     ConstantVelocity,
     Fixed,
+    Ramp,
     Revolute,
     Spherical,
     SpringDamper,
@@ -271,3 +273,18 @@ def test_what_is_missing_or_wrong_is_named(given, said):
     with pytest.raises(ValueError) as caught:
         run.reaction("top", **given)
     assert said in str(caught.value)
+
+
+def test_rounding_makes_no_joint_share_loads():
+    """A leaf on three joints of a table that a motor turns: the table's own hinge shares nothing, at any pose."""
+    table, leaf = part("table", 0.3, -0.2, 5.0), part("leaf", 0.5, 0.1, 3.0)
+    turn = Revolute(GROUND, table, at=at(0.05, 0.02), axis=R[:, 1], name="turn")
+    joints = [Revolute(table, leaf, at=at(0, 0, z), axis=AXIS, name=f"hinge {z}") for z in (-0.4, 0.13)]
+    joints.append(Spherical(table, leaf, at=at(0, 0, 0.55), name="ball"))
+    system = System([table, leaf], [turn, AngleDriver(turn, Ramp(2.0), name="motor"), *joints])
+    run = simulate(system, 3.0, state=system.assemble(rates={joints[0]: 7.0}), output=13)
+    given = {joint: (1e7, 1e3) for joint in joints}
+    found = [run.reaction(joint, shares="elastic", stiffness=given) for joint in joints]
+    whole = run.reaction(*joints)
+    assert whole.unique
+    np.testing.assert_allclose(sum(x.force for x in found), whole.force, atol=1e-9 * np.abs(whole.force).max())

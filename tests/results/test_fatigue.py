@@ -97,6 +97,8 @@ def test_refusals_name_the_remedy():
         (lambda: rainflow([[1.0, 2.0]]), r"rainflow: history: give finite numbers \(samples,\)"),
         (lambda: rainflow([0.0, np.nan]), "rainflow: history"),
         (lambda: rainflow([]), "rainflow: history"),
+        (lambda: STEEL("high"), "SNCurve: amplitudes: 'high' is not numeric"),
+        (lambda: STEEL([np.nan, 1e8]), "is not finite"),
         (lambda: SNCurve(amplitude=-1.0, cycles=2e6, slope=5), "SNCurve: amplitude: -1.0 is not positive"),
         (lambda: SNCurve(amplitude=1.0, cycles=2e6, slope=5, slope_below=9, limit=True), "leave slope_below out"),
         (lambda: SNCurve(amplitude=1.0, cycles=2e6, slope=5, limit="yes"), "limit 'yes'; give True or False"),

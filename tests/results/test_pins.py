@@ -159,6 +159,18 @@ def test_turning_points_are_met_however_few_samples_the_run_has():
     assert [pin.cycles(k).range.max() for k in range(36)] == pytest.approx(np.ptp(pin.fibres, axis=0), rel=1e-12)
 
 
+def test_the_greatest_load_is_met_between_two_fibres():
+    """A load along a line halfway between two fibres peaks where they do, one that turns past its peak does not."""
+    bob = Body("bob", 2.0, (0.01, 0.02, 0.03), com=(0.7, 0.1, -0.1))
+    axis = np.array([0.3, -0.5, 0.8]) / np.sqrt(0.98)
+    pin = Revolute(GROUND, bob, at=(0, 0, 0), axis=axis, name="pin")
+    system = System([bob], [pin])
+    start = system.assemble(angles={pin: 0.0}, rates={pin: 4.0})
+    across = simulate(system, 2.0, state=start, output=20001).reaction(pin).force @ (np.eye(3) - np.outer(axis, axis))
+    stress = pin_stress(simulate(system, 2.0, state=start, output=41), pin, **FORK)
+    assert stress.load.max() == pytest.approx(np.linalg.norm(across, axis=1).max(), rel=1e-6)  # the search misses 1e-7
+
+
 def test_a_pulse_between_samples_is_found():
     """A push of 40 ms that no sample of the run shows."""
     jib = Body("jib", 100.0, (9.0, 8.0, 7.0))

@@ -18,7 +18,7 @@ from ..force_element import ForceRecord
 from ..joints import Joint
 from ..joints.conditions import ConstantVelocity
 from ..joints.pairs import Spherical, Universal
-from .end_stop import Stop, stop_load
+from .end_stop import Stop, see_gap, stop_load
 
 OPPOSITE_COSINE = -1.0 + 1e-12  # [1] of axes that are opposite to 1e-6 rad: a swing between them has no axis
 SWINGING_JOINTS = (Spherical, Universal, ConstantVelocity)
@@ -78,17 +78,18 @@ def cone_stop(m, d, p, out, t):
 
 @inner_kernel
 def cone_stop_gap(m, d, p, limit, t, seen):
-    """Store how far the limit of the swing (0), or that of the lower (1) or upper twist, is away, and the rate."""
+    """See how far the limit of the swing (0), or that of the lower (1) or upper twist, is away."""
     own = cone_stop_parameters(m.number, p.number)
     a, b = d.body[p.body[0]], d.body[p.body[1]]
     A, B, w = columns(a, p.frame[0]), columns(b, p.frame[1]), sub(vec(b.w), vec(a.w))
     if limit == 0:
         angle, axis = swing(A, B)
-        seen[0], seen[1] = own.half_angle - angle, -dot(axis, w)
+        gap, rate = own.half_angle - angle, -dot(axis, w)
     else:
         angle, axis = twist(A, B, own.middle_twist)
         way = 1.0 if limit == 1 else -1.0
-        seen[0], seen[1] = own.half_twist + way * angle, way * dot(axis, w)
+        gap, rate = own.half_twist + way * angle, way * dot(axis, w)
+    see_gap(own.stiffness, own.damping, gap, rate, seen)
 
 
 def as_range(value: Any, what: str, part: Any) -> tuple[float, float]:

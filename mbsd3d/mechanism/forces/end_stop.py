@@ -45,12 +45,16 @@ def range_load(k, c, lower, upper, x, rate):
 
 
 @inner_kernel
-def range_gap(lower, upper, limit, x, rate, seen):
-    """Store how far x is from the lower (0) or the upper limit (1), and the rate of that, in ``seen``."""
-    if limit == 0:
-        seen[0], seen[1] = x - lower, rate
-    else:
-        seen[0], seen[1] = upper - x, -rate
+def see_gap(k, c, gap, rate, seen):
+    """Store how far a limit is away, the rate of that, and k d + c d_dot, below 0 too, in ``seen``."""
+    seen[0], seen[1], seen[3] = gap, rate, -(k * gap + c * rate)
+
+
+@inner_kernel
+def range_gap(own, lower, upper, limit, x, rate, seen):
+    """See how far x is from the lower (0) or the upper limit (1)."""
+    gap, away = (x - lower, rate) if limit == 0 else (upper - x, -rate)
+    see_gap(own.stiffness, own.damping, gap, away, seen)
 
 
 @inner_kernel
@@ -63,10 +67,10 @@ def end_stop(m, d, p, out, t):
 
 @inner_kernel
 def end_stop_gap(m, d, p, limit, t, seen):
-    """Store how far the lower (0) or the upper stop (1) is away [rad or m], and the rate of that."""
+    """See how far the lower (0) or the upper stop (1) is away [rad or m]."""
     own = end_stop_parameters(m.number, p.number)
     x, rate = value_and_rate(m, d, p.coordinate, t)
-    range_gap(own.lower, own.upper, limit, x, rate, seen)
+    range_gap(own, own.lower, own.upper, limit, x, rate, seen)
 
 
 LOWER, UPPER = "held at the lower limit", "held at the upper limit"
@@ -75,7 +79,8 @@ LOWER, UPPER = "held at the lower limit", "held at the upper limit"
 class Stop(ForceElement):
     """Base class of stops that are watched between the stages of a step, as contacts are.
 
-    ``gap(m, d, p, limit, t, seen)`` is a kernel that stores how far a limit is away, and the rate of that, in ``seen``.
+    ``gap(m, d, p, limit, t, seen)`` is a kernel that stores how far a limit is away, the rate of that, and the load
+    that it would have if it could pull, in numbers 0, 1 and 3 of ``seen``: see `see_gap`.
     """
 
     gap: ClassVar[Callable | None] = None

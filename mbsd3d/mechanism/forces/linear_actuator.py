@@ -48,10 +48,10 @@ def linear_actuator(m, d, p, out, t):
 
 @inner_kernel
 def actuator_gap(m, d, p, limit, t, seen):
-    """Store how far the length is from its least (0) or its greatest (1), and the rate of that."""
+    """See how far the length is from its least (0) or its greatest (1)."""
     own = actuator_parameters(m.number, p.number)
     length, rate, _, _, _ = line_between(d, p)
-    range_gap(own.shortest, own.longest, limit, length, rate, seen)
+    range_gap(own, own.shortest, own.longest, limit, length, rate, seen)
 
 
 @part_class()
