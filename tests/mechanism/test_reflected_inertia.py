@@ -100,7 +100,7 @@ def test_it_is_a_rotor_on_the_ground(floating):
         assert np.allclose(pair[0].force, pair[1].force, rtol=1e-9, atol=1e-9)
         assert np.allclose(pair[0].moment, pair[1].moment, rtol=1e-9, atol=1e-9)
     assert one.certificate.passed
-    assert np.isclose(one.energy().kinetic[0], two.energy().kinetic[0], rtol=1e-9)
+    assert np.isclose(one.energy().kinetic[0], two.energy().kinetic[0], rtol=1e-9, atol=0)
 
 
 def test_a_driven_hinge_carries_its_rotor():
@@ -110,7 +110,7 @@ def test_a_driven_hinge_carries_its_rotor():
         simulate(each, 0.3, state=each.assemble(), rtol=1e-10, output=5) for each in (system, with_rotors(system))
     )
     assert np.allclose(one.effort("motor"), two.effort("motor"), rtol=1e-6, atol=1e-7)
-    assert np.allclose(one.position(system.bodies[3]), two.position(system.bodies[3]), atol=1e-8)
+    assert np.allclose(one.position(system.bodies[3]), two.position(system.bodies[3]), rtol=0, atol=1e-8)
     assert one.certificate.passed and two.certificate.passed
     b = bodies(1)
     hinge = Revolute(GROUND, b[0], at=b[0].centre, axis=(0, 0, 1), reflected_inertia=2.0)
@@ -153,7 +153,7 @@ def test_loops_may_be_closed_by_such_a_joint():
         simulate(each, 0.5, state=each.assemble(rates={"h0": 2.0}), rtol=1e-10, output=11) for each in (system, other)
     ]
     for name in ("h0", "h1", "h2", "h3"):
-        assert np.allclose(runs[0].angle(name), runs[1].angle(name), atol=1e-8)
+        assert np.allclose(runs[0].angle(name), runs[1].angle(name), rtol=0, atol=1e-8)
     assert runs[0].certificate.passed, runs[0].certificate
 
 
@@ -164,9 +164,9 @@ def test_small_motions_know_it():
     system = System([bob], [hinge])
     w = np.sqrt(2.0 * 9.81 * 0.4 / (0.2 + 2.0 * 0.16 + 0.7))
     found = linearize(system).eigenvalues
-    assert np.allclose(np.sort(np.abs(found.imag)), [w, w], rtol=1e-12)
+    assert np.allclose(np.sort(np.abs(found.imag)), [w, w], rtol=1e-12, atol=0)
     run = simulate(system, 2.0, state=system.assemble(rates={"hinge": 1e-4}), rtol=1e-10)
-    assert np.allclose(run.angle(hinge), 1e-4 / w * np.sin(w * run.t), atol=1e-11)
+    assert np.allclose(run.angle(hinge), 1e-4 / w * np.sin(w * run.t), rtol=0, atol=1e-11)
 
 
 def test_the_start_and_the_impact_of_a_joint_count_it():
