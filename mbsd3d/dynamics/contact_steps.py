@@ -203,7 +203,7 @@ def landing_fraction(m, d, run, h) -> float:
 
 @inner_kernel
 def note_jump(m, run, h):
-    """Keep the largest change of acceleration times h, per greatest velocity, over a step in which bodies touch."""
+    """Add up the changes of acceleration times h, per greatest velocity, of all steps in which bodies touch."""
     touching = -1
     for k in range(run.contacts.shape[0]):
         if run.gaps[k, 0, 0] > 0.0 and run.gaps[k, 1, 0] < -run.task.rtol * m.length:
@@ -216,8 +216,9 @@ def note_jump(m, run, h):
         for j in range(3):
             linear, angular = run.trial_rate[u + j] - run.dy[u + j], run.trial_rate[u + 3 + j] - run.dy[u + 3 + j]
             most = max(most, abs(linear) / run.now.speed, abs(angular) / run.now.turn)
-    if h * most > run.now.jump:
-        run.now.jump, run.now.jump_by = h * most, touching
+    run.now.jump += h * most
+    if h * most > run.now.jump_most:
+        run.now.jump_most, run.now.jump_by = h * most, touching
 
 
 @inner_kernel

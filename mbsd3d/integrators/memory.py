@@ -49,8 +49,9 @@ NOW = [
     ("rejected", int),
     ("evaluations", int),
     ("longest", float),  # s, of the next step, where contacts in the air turn, touch or lift off: contact_steps.py
-    ("jump", float),  # the most that velocities change in a fixed step, relative to the greatest, as bodies touch,
-    ("jump_by", int),  # and the force
+    ("jump", float),  # what velocities change in fixed steps in which bodies touch, over the greatest, added up,
+    ("jump_most", float),  # the most in one of them,
+    ("jump_by", int),  # and its force
     ("fresh", int),  # nothing has been evaluated since: 1, the tree is new; 2, a signal has jumped
     ("forced", int),  # 1: the step at hand has the least length, as over a jump of a force; 2: the last one had
     ("retried", int),  # 1: the step at hand has been rejected before: it may not grow

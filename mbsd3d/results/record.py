@@ -92,8 +92,8 @@ class Record(HasOptions):
     missed_by: str = ""  # that body
     farthest: float = 0.0  # rad, the farthest a body turned in a step
     farthest_by: str = ""  # that body
-    jump: float = 0.0  # the most that velocities change in a fixed step, relative to the greatest, as bodies touch
-    jump_by: str = ""  # the contact or stop
+    jump: float = 0.0  # what velocities change in fixed steps in which bodies touch, over the greatest, added up
+    jump_by: str = ""  # the contact or stop of the most
     stopped_by: str | None = None
     never_armed: str | None = None  # the condition to stop that has not been false since the start
     inputs: History = field(default_factory=dict)

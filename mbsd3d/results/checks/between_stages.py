@@ -11,7 +11,7 @@ from ..result import RunResult
 from .check import Check
 
 STEPS_PER_PERIOD_MIN = 10  # [1] fixed steps in a period of a sine, for a resolved one
-TOUCH_CHANGE_MAX = 0.01  # [1] of the velocities in a fixed step in which bodies touch: when is open by up to a step
+TOUCH_CHANGE_MAX = 0.01  # [1] of the velocities, in all fixed steps in which bodies touch: when is open by up to a step
 PERIODS_PER_STEP_MAX = 0.5  # [1] of a sine in a fixed step: beyond, the stages may all see one phase (Nyquist)
 
 
