@@ -2,6 +2,8 @@
 
 import json
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import mujoco
@@ -629,6 +631,12 @@ open(sys.argv[1] + ".limits", "w").write(str(limits))
     done = subprocess.run([sys.executable, "-c", probe, str(path)], capture_output=True, timeout=60)
     assert json.loads(done.stdout)["facts"]["bodies"][1]["name"] == "arm"
     assert (tmp_path / "model.xml.limits").read_text() == str([4 << 30, 7])
+
+
+def test_the_guarded_process_loads_no_compiler():
+    """A file takes a sixth of a second so, and a second with numba and scipy."""
+    code = "import sys, mbsd3d.files.importing.worker; sys.exit(bool({'numba', 'scipy', 'trimesh'} & set(sys.modules)))"
+    subprocess.run([sys.executable, "-c", code], check=True)
 
 
 def test_files_in_the_folder_are_included(tmp_path):

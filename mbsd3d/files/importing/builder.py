@@ -32,9 +32,9 @@ from ...mechanism.shapes.shape import Shape
 from ...mechanism.shapes.solids import Box, Capsule, Cylinder, Ellipsoid, MeshFile, Sphere
 from ...mechanism.shapes.triangles import MESH_SUFFIXES, check_mesh
 from ...mechanism.signals.signal import Input, Signal
-from .facts import Facts, Frame, carried, felt_inertia, length_of, state_of
+from .facts import Facts, carried, felt_inertia, length_of
 from .imported import Imported, NotBuilt, Point, grouped, judged
-from .joints import acts_along, check_independent, has_coordinate, joint_of
+from .joints import Frame, acts_along, check_independent, has_coordinate, joint_of, state_of
 
 MOMENT_ROUNDING = 1e-12  # [m L^2] of mass and extent of the model: a negative principal moment that is rounding
 MESH_BYTES_MAX = 50_000_000  # [bytes] of all mesh files that are drawn: some seconds

@@ -1,13 +1,18 @@
-"""Joints of a body in a file as joints of this package, and what each can carry."""
+"""Joints of a body in a file as joints of this package, what each can carry, and where key frames put them."""
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...base.errors import InputError
-from ...mechanism.joints import Joint
+from ...base.rotations import conjugate, matrix, multiply, rotation
+from ...equations.compiled import compile_system
+from ...mechanism.bodies import Body
+from ...mechanism.joints import Joint, coordinate_of
 from ...mechanism.joints.pairs import Cylindrical, Planar, Prismatic, Revolute, Screw, Spherical, Universal
+from ...mechanism.mechanism import Mechanism
+from ...mechanism.state import State
 from .facts import Facts
 
 COINCIDENCE_ROUNDING = 1e-9  # [1, m] by which axes and points that are taken as one may differ
@@ -81,3 +86,48 @@ def joint_of(a: Any, b: Any, parts: Sequence[Facts], name: str) -> Joint | None:
         ):
             return Planar(a, b, at=at, normal=axes[0], name=name)
     return None
+
+
+class Frame(NamedTuple):
+    """A body of the system: number ``body`` of the file, as it stands before the joints ``after`` have moved it."""
+
+    made: Body
+    body: int
+    after: tuple[int, ...]
+
+
+def state_of(system: Mechanism, frames: Sequence[Frame], coordinate: Mapping[int, Joint], key: Facts) -> State:
+    """Return the state of a key frame; hinges count their turns from the reference pose."""
+    motions = [motion_of(frame, key) for frame in frames]
+    q = np.concatenate([np.concatenate(motion[:2]) for motion in motions])
+    v = np.concatenate([np.concatenate(motion[2:]) for motion in motions])
+    compiled = compile_system(system)
+    known = np.zeros(len(compiled.coordinate_index))
+    for k, joint in coordinate.items():
+        joint_key = key["joints"][k]
+        kind = "angle" if joint_key["turns"] else "slide"
+        known[compiled.coordinate(coordinate_of(joint, kind, "key frame"))] = joint_key["value"]
+    return State(key["time"], q, v, coordinates=known)
+
+
+def motion_of(frame: Frame, key: Facts) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return r, e, r_dot and w of a body: joints turn b about an anchor, and are taken back from the last to the first.
+
+    Twists are those of the point of the body at the origin: v_0 = r_dot - w x r.
+    """
+    pose, twist = np.array(key["poses"][frame.body]), np.array(key["twists"][frame.body])
+    r, e, w = pose[:3], pose[3:], twist[3:]
+    v = twist[:3] - np.cross(w, r)
+    for k in reversed(frame.after):
+        joint = key["joints"][k]
+        axis, anchor = np.array(joint["axis"]), np.array(joint["anchor"])
+        if joint["slides"]:
+            r, v = r - joint["value"] * axis, v - joint["rate"] * axis
+            continue
+        back, spin = rotation(axis, -joint["value"]), joint["rate"] * axis
+        if not joint["turns"]:  # a ball: its quaternion and spin are in the axes of the body it moves
+            spin = matrix(e) @ np.array(joint["spin"])
+            back = multiply(multiply(e, conjugate(np.array(joint["turn"]))), conjugate(e))
+        r, e = anchor + matrix(back) @ (r - anchor), multiply(back, e)
+        w, v = w - spin, v - np.cross(anchor, spin)
+    return r, e / np.linalg.norm(e), v + np.cross(w, r), w
