@@ -54,7 +54,7 @@ def test_two_slides_move_as_energy_says(c):
     way, speed = run.slide(x), run.rate(x)
     slope, bend = (poly.polyval(way, poly.polyder(c, k)) for k in (1, 2))
     inertia = m1 + m2 * slope**2
-    assert np.allclose(speed, np.sqrt(2 * m1 * g * np.maximum(way, 0.0) / inertia), rtol=1e-8, atol=1e-9)  # of the integration
+    assert np.allclose(speed, np.sqrt(2 * m1 * g * np.maximum(way, 0.0) / inertia), rtol=1e-8, atol=1e-9)
     a = (m1 * g - m2 * slope * bend * speed**2) / inertia  # Lagrange
     assert np.allclose(run.slide(y), poly.polyval(way, c), rtol=0, atol=1e-13)
     force = run.reaction("link").force @ np.array([0.6, 0.8, 0.0])
