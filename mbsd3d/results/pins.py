@@ -178,11 +178,16 @@ class PinStress(Sampled):
         whole_number = isinstance(fibre, int | np.integer) and not isinstance(fibre, bool)
         if not (whole_number and 0 <= fibre < FIBRES):
             raise InputError(f"pin_stress: '{self.name}' has no fibre {fibre!r}; give 0 ... {FIBRES - 1}")
-        return rainflow(self.fibres[:, fibre]).at_least(self.rtol * 2.0 * float(self.bending.max()))
+        return self._cycles_of(self.fibres[:, [fibre]])[0]
+
+    def _cycles_of(self, stresses: np.ndarray) -> list[Cycles]:
+        """Return the cycles of each column of stresses (samples, k), without ranges below the error of the run."""
+        least = self.rtol * 2.0 * float(self.bending.max())
+        return [rainflow(column).at_least(least) for column in stresses.T]
 
     def life(self, life: Life, *, strength: float | None = None) -> PinLife:
         """Return the damage of all fibres by `miner`, with its arguments: ``life`` and ``strength`` as there."""
-        damage = np.array([miner(self.cycles(k), life, strength=strength) for k in range(FIBRES)])
+        damage = np.array([miner(cycles, life, strength=strength) for cycles in self._cycles_of(self.fibres)])
         return PinLife(damage, self.angles, float(self.t[-1] - self.t[0]), self.name)
 
     def __repr__(self) -> str:
