@@ -366,16 +366,21 @@ def matrices(
     G = np.zeros((ORDERS, N, k))
     G[:, 6 * n : 12 * n] = forced_change(values(model, *forced)["acceleration"], k)
     G[0, 12 * n :] = effects.z_rate.T
+    tables: dict[
+        int | None, tuple[np.ndarray, np.ndarray]
+    ] = {}  # of bodies, moved and forced: of all or of one element
+    if table:
+        tables[None] = table["body"], forced[0]
+    for element in dict.fromkeys(x.element for x in outputs if x.element is not None):
+        moved = element_columns(field, element, t, y[:, None] + 1j * COMPLEX_STEP * moves)
+        tables[element] = moved, forced_element(field, element, t, y, names)
     Y, Z = [], []
     for x in outputs:
         p = len(x.names)
-        if x.element is not None and x.read:
-            bodies = element_columns(field, x.element, t, y[:, None] + 1j * COMPLEX_STEP * moves)
+        if x.read:
+            bodies, forced_bodies = tables[x.element]
             Y.append(x.read(bodies, table["row"]).imag.T / COMPLEX_STEP)
-            Z.append(forced_change(x.read(forced_element(field, x.element, t, y, names), forced[1]), k))
-        elif x.read:
-            Y.append(x.read(table["body"], table["row"]).imag.T / COMPLEX_STEP)
-            Z.append(forced_change(x.read(*forced), k))
+            Z.append(forced_change(x.read(forced_bodies, forced[1]), k))
         else:
             Y.append(at.L[[x.measure]])
             Z.append(np.zeros((ORDERS, p, k)))
