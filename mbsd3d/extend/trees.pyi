@@ -12,5 +12,5 @@ from ..files.exporting.mujoco import LOCKED_SOLIMP as LOCKED_SOLIMP
 from ..files.exporting.mujoco import MujocoTree as MujocoTree
 from ..files.exporting.mujoco import along_the_teeth as along_the_teeth
 from ..files.exporting.mujoco import mujoco_tree as mujoco_tree
-from ..files.exporting.mujoco import sum_of as sum_of
 from ..files.exporting.mujoco import text_of as text_of
+from ..files.exporting.mujoco import weighted_sum as weighted_sum

@@ -406,3 +406,12 @@ def test_meshes_are_not_opened_outside(tmp_path):
     for uri in ("../mesh.stl", f"file://{outside}", str(outside)):
         found = read_sdf(written(inside, link("a", 1.0, more=look.format(uri))))
         assert found.missing == (f"{uri}: not found",)
+
+
+@pytest.mark.parametrize("case", ["cut", "other", "digits"])
+def test_errors_name_the_file_once(tmp_path, case):
+    path = tmp_path / "model.sdf"
+    path.write_text(HOSTILE[case][0])
+    with pytest.raises(ValueError) as caught:
+        read_sdf(path)
+    assert str(caught.value).count(f"'{path}'") == 1

@@ -3,7 +3,7 @@
 The frame of a body there is the frame of the body here: its ``xpos`` is O, its ``xquat`` the orientation.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 from xml.etree.ElementTree import Element, tostring
@@ -210,6 +210,15 @@ def sum_of(placed: Placed, x: Coordinate, shown: str) -> dict[str, float]:
     )
 
 
+def weighted_sum(placed: Placed, pairs: Iterable[tuple[Coordinate, float]], shown: str) -> dict[str, float]:
+    """Return coordinates of pieces and their factors, whose sum is that of factor coordinate."""
+    found: dict[str, float] = {}
+    for x, factor in pairs:
+        for key, sign in sum_of(placed, x, shown).items():
+            found[key] = found.get(key, 0.0) + factor * sign
+    return found
+
+
 def step_of(placed: Placed, piece: Piece, joint: Joint, x: Coordinate) -> dict[str, float] | None:
     """Return the contribution of a joint to the coordinate, None if it has none."""
     if isinstance(joint, Fixed):
@@ -293,18 +302,11 @@ class Couplings:
                     pairs = list(zip(row.coordinates, row.values, strict=False))
                     pairs += along_the_teeth(joint) if isinstance(joint, GearMesh) else []
                     value = 0.0 if row.signal is None else float(row.signal(0.0))
-                    self.hold(joint, self.terms(joint, pairs), value)
+                    terms = weighted_sum(tree, pairs, called(tree.system, joint))
+                    self.hold(joint, {key: factor for key, factor in terms.items() if factor}, value)
         for piece in tree.layout.pieces:
             if isinstance(piece.joint, ConstantVelocity):
                 self.hold(piece.joint, {piece.named("turn", 0): 1.0, piece.named("turn", 2): 1.0}, 0.0)
-
-    def terms(self, joint: Joint, pairs: list[tuple[Coordinate, float]]) -> dict[str, float]:
-        """Return a sum of coordinates as one of coordinates of MuJoCo."""
-        found: dict[str, float] = {}
-        for x, factor in pairs:
-            for key, sign in sum_of(self.tree, x, called(self.tree.system, joint)).items():
-                found[key] = found.get(key, 0.0) + factor * sign
-        return {key: factor for key, factor in found.items() if factor}
 
     def hold(self, joint: Joint, terms: dict[str, float], value: float) -> None:
         """Keep a sum at a value: the last coordinate follows the first, or a tendon is the sum."""

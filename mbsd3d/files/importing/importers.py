@@ -55,17 +55,9 @@ def read_robot(path: str | Path, timeout: float, package_paths: Any, floating: b
 def read_simulation(path: str | Path, package_paths: Any, **choices: Any) -> Imported:
     """Read an SDF file, build."""
     path = as_path(path, "model.sdf")
-    chosen, folders = (
-        chosen_of(path, inputs=False, limits="watched", **choices),
-        Folders(path, as_folders(package_paths)),
-    )
-    models: list[SdfModel] = []
-
-    def facts() -> Facts:
-        models.append(SdfModel(path, folders))
-        return models[0].facts()
-
-    return built(path, facts, chosen, lambda tag, name: models[0].place_of(tag, name))
+    chosen = chosen_of(path, inputs=False, limits="watched", **choices)
+    model = SdfModel(path, Folders(path, as_folders(package_paths)))
+    return built(path, model.facts, chosen, model.place_of)
 
 
 def as_timeout(value: Any) -> float:

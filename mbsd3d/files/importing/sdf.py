@@ -239,22 +239,27 @@ class SdfModel:
     """An SDF file."""
 
     def __init__(self, path: Path, folders: Folders) -> None:
-        root = tree_of(path, read_text(path, FILES_BYTES_MAX))
-        if root.tag != "sdf":
-            raise InputError(f"its root is <{root.tag}>, not <sdf>; use the reader of its format")
-        version = root.text("version")
-        numbers = numbers_of(version.replace(".", " ", 1), 2, f"{root.place}: version")
-        if tuple(numbers) < VERSION_MIN:
-            raise InputError(
-                f"{root.place}: version {version[:20]} places poses and axes in other frames than 1.7 and newer; "
-                "convert it, e.g. by: gz sdf -p FILE"
-            )
-        self.folders = folders
+        self.root, self.folders = tree_of(path, read_text(path, FILES_BYTES_MAX)), folders
+        if self.root.tag != "sdf":
+            raise InputError(f"'{path}': its root is <{self.root.tag}>, not <sdf>; use the reader of its format")
         self.idle: Counter[str] = Counter()
         self.said: list[str] = []
         self.missing: list[str] = []
         self.foreign: list[Facts] = []
         self.places: dict[tuple[str, str], str] = {}
+
+    def place_of(self, tag: str, name: str) -> str:
+        """Return line and element of a link ("body"), joint, or coupling ("equality")."""
+        return self.places.get((tag, name), "")
+
+    def read_world(self) -> Model:
+        """Read the frames of the only world or model of the file."""
+        root, version = self.root, self.root.text("version")
+        if tuple(numbers_of(version.replace(".", " ", 1), 2, f"{root.place}: version")) < VERSION_MIN:
+            raise InputError(
+                f"{root.place}: version {version[:20]} places poses and axes in other frames than 1.7 and newer; "
+                "convert it, e.g. by: gz sdf -p FILE"
+            )
         tops = [child for child in root.children if child.tag in ("world", "model")]
         if len(tops) != 1:
             have = ", ".join(f"'{child.attributes.get('name', '')}'" for child in tops[:5]) or "none"
@@ -263,11 +268,7 @@ class SdfModel:
         models = self.top.all("model") if self.top.tag == "world" else tops
         self.only = models[0] if len(models) == 1 else None  # whose name is not repeated before those of its parts
         world = self.top if self.top.tag == "world" else Node("world", {}, root.line, [self.top])
-        self.world = self.read_model(world, "", "", None, False, 0)
-
-    def place_of(self, tag: str, name: str) -> str:
-        """Return line and element of a link ("body"), joint, or coupling ("equality")."""
-        return self.places.get((tag, name), "")
+        return self.read_model(world, "", "", None, False, 0)
 
     def read_model(self, node: Node, key: str, name: str, parent: Model | None, static: bool, depth: int) -> Model:
         """Read the frames of a model, and the models in it."""
@@ -298,6 +299,7 @@ class SdfModel:
 
     def facts(self) -> Facts:
         """Return bodies, joints, loops and couplings for the builder."""
+        self.world = self.read_world()
         models = list(self.world.all_models())
         self.links = {WORLD: Link(WORLD, None, None, AT_HOME)}
         for model in models:

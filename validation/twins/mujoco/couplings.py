@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbsd3d import ConstantVelocity, Coupler, Engaged, GearMesh, Joint, PositionDriver, Screw, Signal, SpeedDriver
-from mbsd3d.extend import Coordinate, NotExportable, along_the_teeth, kinds, sum_of
+from mbsd3d.extend import Coordinate, NotExportable, along_the_teeth, kinds, weighted_sum
 from validation.twins.base import NotExpressible, label, speed_of
 from validation.twins.mujoco.build import Sketch
 
@@ -128,8 +128,10 @@ def couple(made: Sketch, motors: Motors) -> list[Coupling]:
                 pairs = list(zip(row.coordinates, row.values, strict=False))
                 pairs += along_the_teeth(joint) if isinstance(joint, GearMesh) else []
                 found.append(hold(made, motors, joint, pairs, row.signal))
-            elif row.kind == kinds.COUPLE:
-                found.append(follow(made, joint))
+            elif isinstance(joint, Coupler):
+                found.append(follow(made, joint, joint, 0.0))
+            elif isinstance(joint, Engaged) and isinstance(joint.joint, Coupler):
+                found.append(follow(made, joint, joint.joint, joint.offset))
             elif isinstance(joint, SpeedDriver):
                 x = speed_of(joint, label(made.system, joint), "MuJoCo")
                 found.append(hold(made, motors, joint, [(x, 1.0)], row.signal, adrift=True))
@@ -149,27 +151,20 @@ def hold(
     made: Sketch, motors: Motors, joint: Joint, pairs: list[tuple[Coordinate, float]], signal: Any, adrift: bool = False
 ) -> Coupling:
     """Set the sum of factor coordinate = signal, 0 without one; with ``adrift`` the signal is the rate of the sum."""
-    name = made.system.name(joint)
-    terms: dict[Any, float] = {}
-    for x, factor in pairs:
-        for key, sign in terms_of(made, x, label(made.system, joint)).items():
-            terms[key] = terms.get(key, 0.0) + factor * sign
-    held = hold_tendon(made, motors, joint, name, terms, signal, adrift)
+    terms = terms_of(made, pairs, label(made.system, joint))
+    held = hold_tendon(made, motors, joint, made.system.name(joint), terms, signal, adrift)
     held.coordinates = pairs
     return held
 
 
-def follow(made: Sketch, joint: Joint) -> Coupling:
-    """Hold the sum of the followers of a coupler at the polynomial of the sum of its leaders."""
+def follow(made: Sketch, joint: Joint, own: Coupler, offset: float) -> Coupling:
+    """Hold the sum of the followers of a coupler at the polynomial of the sum of its leaders, and an offset."""
     name, shown = made.system.name(joint), label(made.system, joint)
-    own = joint.joint if isinstance(joint, Engaged) else joint
-    assert isinstance(own, Coupler)
     if len(own.coefficients) > POLYNOMIAL_DEGREE_MAX + 1:
         raise NotExpressible(
             f"{shown}: its polynomial has the degree {len(own.coefficients) - 1}; MuJoCo's equalities have "
             f"{POLYNOMIAL_DEGREE_MAX} at most"
         )
-    offset = joint.offset if isinstance(joint, Engaged) else 0.0
     coefficients = (own.coefficients[0] + offset, *own.coefficients[1:])
     sums = [
         summed(made, joint, f"{side} {name}", own.sum_of(kind)) for side, kind in (("held", "y"), ("leads", "x"))
@@ -183,10 +178,7 @@ def follow(made: Sketch, joint: Joint) -> Coupling:
 
 def summed(made: Sketch, joint: Joint, name: str, pairs: list[tuple[Coordinate, float]]) -> Coupling:
     """Return a tendon whose length is the sum of factor coordinate."""
-    terms: dict[Any, float] = {}
-    for x, factor in pairs:
-        for key, sign in terms_of(made, x, label(made.system, joint)).items():
-            terms[key] = terms.get(key, 0.0) + factor * sign
+    terms = terms_of(made, pairs, label(made.system, joint))
     return Coupling(joint, add_tendon(made, name, terms), "", terms, pairs)
 
 
@@ -211,10 +203,10 @@ def add_tendon(made: Sketch, name: str, terms: dict[str, float]) -> str:
     return name
 
 
-def terms_of(made: Sketch, x: Coordinate, shown: str) -> dict[str, float]:
-    """Return joint coordinates of MuJoCo and their signs, whose sum is the coordinate."""
+def terms_of(made: Sketch, pairs: list[tuple[Coordinate, float]], shown: str) -> dict[str, float]:
+    """Return joint coordinates of MuJoCo and their factors, whose sum is that of factor coordinate."""
     try:
-        return sum_of(made.tree, x, shown)
+        return weighted_sum(made.tree, pairs, shown)
     except NotExportable as error:
         raise NotExpressible(str(error)) from None
 

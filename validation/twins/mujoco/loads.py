@@ -67,7 +67,7 @@ def turning(made: Sketch, loads: Loads, force: Any, name: str, stiffness: float,
     reversed.
     """
     sense, shown = -1.0 if rest < 0.0 else 1.0, label(made.system, force)
-    terms = {key: sense * sign for key, sign in terms_of(made, hinge_coordinate(force.hinge, shown), shown).items()}
+    terms = terms_of(made, [(hinge_coordinate(force.hinge, shown), sense)], shown)
     tendon = made.spec.tendon(add_tendon(made, f"spring {name}", terms))
     tendon.springlength[:] = abs(rest)
     tendon.stiffness[0], tendon.damping[0] = stiffness, damping
