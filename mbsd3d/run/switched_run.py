@@ -287,7 +287,7 @@ class SwitchedRun:
         """Return accelerations and loads at the state in some modes."""
         compiled = compile_system(self.system, (), self.options.switches, modes)
         pose = replace(self.state, modes=modes, notes=())
-        options = RunOptions(rtol=self.options.rtol, switches=self.options.switches)
+        options = replace(self.options, stop_when=None)
         return Job(compiled, pose, pose.t, np.array([pose.t]), options).evaluate()
 
     def motion_of(self, compiled: Compiled, data: Data, pose: State, part: Lock) -> tuple[float, float]:

@@ -7,6 +7,7 @@ import pytest
 
 from mbsd3d import (
     GROUND,
+    RK4,
     AngleDriver,
     Body,
     EndStop,
@@ -226,3 +227,11 @@ def test_a_condition_that_has_not_been_false_since_the_start_waits_through_an_im
     run = simulate(system, 20.0, rtol=1e-11, stop_when=measures.angle(hinge) > 0.0)
     # to 6 at 5, back to -3 at 2.5, and to 0 again at 1.25 rad/s
     assert abs(run.t[-1] - (6 / 5 + 9 / 2.5 + 3 / 1.25)) < 1e-10 and abs(run.angle(hinge)[-1]) < 1e-10
+
+
+def test_a_run_that_is_struck_at_its_start_keeps_its_options():
+    drum = Body("drum", 2.0, R @ np.diag([0.3, 0.4, 0.5]) @ R.T, position=PLACE, omega=5.0 * R[:, 2])
+    hinge = Revolute(GROUND, drum, at=PLACE, axis=R[:, 2], name="hinge")
+    system = System([drum], [hinge], [EndStop(hinge, upper=6.0, restitution=0.5)])
+    run = simulate(system, 0.5, state=system.assemble(angles={hinge: 6.0}), method=RK4(dt=0.01))
+    assert len(run.events) == 1 and run.record.method == RK4(dt=0.01)
