@@ -50,9 +50,8 @@ def armed_at_start(
     ValueError
         If the condition holds already, by more than the slack, unless it ``may_hold``: then it is not armed.
     """
-    length, speed = UNIT_EXPONENTS[stop_when.measure.unit]
     model, t = compiled.model, float(run.now.t)
-    slack = EVENT_VALUE_TOLERANCE * max(abs(stop_when.value), model.length**length * float(run.now.speed) ** speed)
+    slack = slack_of(stop_when, model.length, float(run.now.speed))
     now = value_at(compiled, data, tree, t, run.y, k)
     gap = stop_when.direction * (now - stop_when.value)
     if gap > slack and may_hold:
@@ -71,6 +70,12 @@ def armed_at_start(
     back = (stop_when.direction * rate_of_measure(compiled, data, tree, t + soon, y, dy, soon, k) - rate) / soon
     low = rate < 0.0 < back and 0.5 * rate * rate < LOW * slack * back
     return int(rate < 0.0), slack, -2.0 * rate / back if low else 0.0
+
+
+def slack_of(condition: Condition, length: float, speed: float) -> float:
+    """Return within what a measure has the value of its condition, of a model of a length [m] at a speed [m/s]."""
+    of_length, of_speed = UNIT_EXPONENTS[condition.measure.unit]
+    return EVENT_VALUE_TOLERANCE * max(abs(condition.value), length**of_length * speed**of_speed)
 
 
 def value_at(compiled: Compiled, data: Data, tree: Tree, t: float, y: np.ndarray, k: int) -> float:

@@ -67,6 +67,7 @@ class Job:
 
     tree: Tree  # of the equations; `eliminate` makes it
     interrupted = False  # by Ctrl-C
+    goes_on = False  # from an event: the condition to stop may hold there, if it has not been false before
 
     def __init__(
         self, compiled: Compiled, start: State, t_end: float, times: np.ndarray | None, options: RunOptions,
@@ -302,7 +303,7 @@ class Job:
         for k in reversed(range(len(self.conditions))):
             one, asked = self.conditions[k], self.conditions[k] is self.options.stop_when
             self.check_determined(one.measure, "simulate: stop_when" if asked else "simulate")
-            found = armed_at_start(self.compiled, self.data, self.tree, run, k, one, not asked)
+            found = armed_at_start(self.compiled, self.data, self.tree, run, k, one, self.goes_on or not asked)
             now.armed, task.slack, now.hop = found
             run.watch["armed"][k], run.watch["slack"][k], run.watch["hop"][k] = found
 

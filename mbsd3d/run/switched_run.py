@@ -24,7 +24,7 @@ from ..results.joined import Jump, joined
 from ..results.record import RunOptions
 from ..results.result import RunResult
 from .closed_stops import Touching, at_rest, struck
-from .events import EVENT_VALUE_TOLERANCE
+from .events import EVENT_VALUE_TOLERANCE, slack_of
 from .job import Job
 
 HOP_SLACKS = 10.0  # [1] times what counts as no distance: lower hops end in rest
@@ -66,7 +66,7 @@ class SwitchedRun:
         """Integrate from event to event until the end, a stop, an error or Ctrl-C."""
         self.begin()
         title = f"simulate to {self.t_end:g} s"
-        while True:
+        while not self.stopped_by_jump():
             job, watched = self.job()
             try:
                 piece = job.run(Progress(title, self.start.t, self.t_end, self.options.progress))
@@ -84,6 +84,21 @@ class SwitchedRun:
             self.state, self.speed = piece.final, max(self.speed, piece.record.speed)
             self.count(watched[number])
             self.jumps.append(self.jump(watched[number]))
+        return joined(self.pieces, self.jumps)
+
+    def stopped_by_jump(self) -> bool:
+        """Return whether the last jump made the condition to stop come true; the run ends behind the jump then."""
+        stop = self.options.stop_when
+        if stop is None or not self.jumps:
+            return False
+        last, after = self.pieces[-1], self.evaluate(self.modes)
+        before = replace(last, arrays={name: array[-1:] for name, array in last.arrays.items()})
+        gaps = [stop.direction * (float(x.measure(stop.measure)[0]) - stop.value) for x in (before, after)]
+        found = gaps[0] < 0.0 and gaps[1] > slack_of(stop, self.compiled.model.length, self.speed)
+        if found:
+            after.record.stopped_by = f"{stop} at t = {self.state.t:.9g} s"
+            self.pieces.append(after)
+        return found
 
     def begin(self) -> None:
         """Set the modes of locks at the start, with the impact if the motion starts against a stop."""
@@ -122,7 +137,9 @@ class SwitchedRun:
             first = [self.state.t] if self.pieces else []
             times = np.array([*first, *times[times > self.state.t]]) if self.pieces else times
         conditions = [one.watch.condition for one in watched]
-        return Job(compiled, self.state, self.t_end, times, self.options, conditions), watched
+        job = Job(compiled, self.state, self.t_end, times, self.options, conditions)
+        job.goes_on = self.state.t > self.start.t
+        return job, watched
 
     def plain(self, piece: RunResult) -> RunResult:
         """Return a piece read by tables without the measures that were watched."""
@@ -270,7 +287,7 @@ class SwitchedRun:
         """Return accelerations and loads at the state in some modes."""
         compiled = compile_system(self.system, (), self.options.switches, modes)
         pose = replace(self.state, modes=modes, notes=())
-        options = RunOptions(rtol=self.options.rtol, switches=self.options.switches)
+        options = replace(self.options, stop_when=None)
         return Job(compiled, pose, pose.t, np.array([pose.t]), options).evaluate()
 
     def motion_of(self, compiled: Compiled, data: Data, pose: State, part: Lock) -> tuple[float, float]:

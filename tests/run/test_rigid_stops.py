@@ -7,6 +7,7 @@ import pytest
 
 from mbsd3d import (
     GROUND,
+    RK4,
     AngleDriver,
     Body,
     EndStop,
@@ -17,6 +18,7 @@ from mbsd3d import (
     System,
     Torque,
     load,
+    measures,
     rotation,
     simulate,
 )  # fmt: skip
@@ -199,3 +201,37 @@ def test_what_is_refused():
     driver = AngleDriver(hinge, Polynomial((0.0, 2.0)), name="driver")
     with pytest.raises(AssemblyError, match="two of them ask for different motions"):
         simulate(System([disc], [hinge, driver], system.forces), 1.0)
+
+
+def test_a_run_ends_behind_an_impact_that_makes_its_condition_come_true(tmp_path):
+    drum = Body("drum", 2.0, R @ np.diag([0.3, 0.4, 0.5]) @ R.T, position=PLACE, omega=5.0 * R[:, 2])
+    hinge = Revolute(GROUND, drum, at=PLACE, axis=R[:, 2], name="hinge")
+    stop = EndStop(hinge, upper=6.0, restitution=0.5, name="stop")
+    system = System([drum], [hinge], [stop])
+    run = simulate(system, 8.0, rtol=1e-11, stop_when=measures.rate(hinge) < 0.0)
+    assert abs(run.t[-1] - 1.2) < 1e-10 and abs(run.rate(hinge)[-1] + 2.5) < 1e-10
+    assert abs(run.rate(hinge)[-2] - 5.0) < 1e-10 and len(run.events) == 1
+    assert "rate of hinge < 0" in run.record.stopped_by
+    assert run.certificate.passed
+    other = load(run.save(tmp_path / "run"))
+    assert str(other.certificate) == str(run.certificate) and other.t.size == run.t.size
+    # struck at the start
+    first = simulate(system, 8.0, state=system.assemble(angles={hinge: 6.0}), stop_when=measures.rate(hinge) < 0.0)
+    assert first.t.tolist() == [0.0, 0.0] and abs(first.rate(hinge)[-1] + 2.5) < 1e-12
+
+
+def test_a_condition_that_has_not_been_false_since_the_start_waits_through_an_impact():
+    drum = Body("drum", 2.0, R @ np.diag([0.3, 0.4, 0.5]) @ R.T, position=PLACE, omega=5.0 * R[:, 2])
+    hinge = Revolute(GROUND, drum, at=PLACE, axis=R[:, 2], name="hinge")
+    system = System([drum], [hinge], [EndStop(hinge, lower=-3.0, upper=6.0, restitution=0.5)])
+    run = simulate(system, 20.0, rtol=1e-11, stop_when=measures.angle(hinge) > 0.0)
+    # to 6 at 5, back to -3 at 2.5, and to 0 again at 1.25 rad/s
+    assert abs(run.t[-1] - (6 / 5 + 9 / 2.5 + 3 / 1.25)) < 1e-10 and abs(run.angle(hinge)[-1]) < 1e-10
+
+
+def test_a_run_that_is_struck_at_its_start_keeps_its_options():
+    drum = Body("drum", 2.0, R @ np.diag([0.3, 0.4, 0.5]) @ R.T, position=PLACE, omega=5.0 * R[:, 2])
+    hinge = Revolute(GROUND, drum, at=PLACE, axis=R[:, 2], name="hinge")
+    system = System([drum], [hinge], [EndStop(hinge, upper=6.0, restitution=0.5)])
+    run = simulate(system, 0.5, state=system.assemble(angles={hinge: 6.0}), method=RK4(dt=0.01))
+    assert len(run.events) == 1 and run.record.method == RK4(dt=0.01)
