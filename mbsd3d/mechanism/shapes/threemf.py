@@ -3,12 +3,14 @@
 import zipfile
 from collections.abc import Iterator
 from io import BytesIO
-from xml.etree import ElementTree
-from xml.etree.ElementTree import Element
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...base.errors import InputError
+
+if TYPE_CHECKING:
+    from xml.etree.ElementTree import Element
 
 METRES = {"micron": 1e-6, "millimeter": 1e-3, "centimeter": 1e-2, "inch": 0.0254, "foot": 0.3048, "meter": 1.0}
 """Units of a 3MF file [m]; without one it is in millimetres."""
@@ -54,28 +56,30 @@ def model_name(archive: zipfile.ZipFile) -> str:
     raise InputError("names no model")
 
 
-def xml_of(archive: zipfile.ZipFile, name: str) -> Element:
+def xml_of(archive: zipfile.ZipFile, name: str) -> "Element":
     """Return the root of an XML file of the archive that declares nothing: no entities grow, and no file is opened."""
     if archive.getinfo(name).file_size > XML_BYTES_MAX:
         raise InputError(f"has more than {XML_BYTES_MAX} bytes unpacked")
     plain = archive.read(name).decode("utf-8-sig")
     if "<!DOCTYPE" in plain or "<!ENTITY" in plain:
         raise InputError("declares entities")
+    from xml.etree import ElementTree  # takes a few milliseconds, of every start
+
     return ElementTree.fromstring(plain)
 
 
-def tag(element: Element) -> str:
+def tag(element: "Element") -> str:
     """Return the name of an element without its name space."""
     return element.tag.rpartition("}")[2]
 
 
-def numbers(mesh: Element, name: str, keys: tuple[str, ...]) -> np.ndarray:
+def numbers(mesh: "Element", name: str, keys: tuple[str, ...]) -> np.ndarray:
     """Return (k, 3) numbers of the elements of a name."""
     rows = [[float(part.attrib[key]) for key in keys] for part in mesh.iter() if tag(part) == name]
     return np.array(rows, float).reshape(-1, 3)
 
 
-def placed_meshes(root: Element, objects: dict[str | None, Element]) -> Iterator[tuple[Element, np.ndarray]]:
+def placed_meshes(root: "Element", objects: "dict[str | None, Element]") -> "Iterator[tuple[Element, np.ndarray]]":
     """Yield each mesh that is built, with its place (4, 3): rows of a point (x, y, z, 1) times it are the point."""
     waiting = [(item, np.eye(4, 3), 0) for part in root.iter() if tag(part) == "build" for item in part][::-1]
     visited = 0
