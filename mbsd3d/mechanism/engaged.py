@@ -16,7 +16,33 @@ from .signals import Constant
 
 
 @part_class()
-class Engaged(Joint):
+class JointOfAnother(Joint):
+    """Base class of joints that hold the bodies of another one, which is not itself part of the system."""
+
+    joint: Joint
+
+    @property
+    def a(self) -> Body | Ground:
+        """Return body a of the joint."""
+        return self.joint.a
+
+    @property
+    def b(self) -> Body | Ground:
+        """Return body b of the joint."""
+        return self.joint.b
+
+    def reaction_points(self, solution: Motion) -> np.ndarray:
+        return solution.body_point(self.b, self.point())
+
+    def notes(self, solution: LoadedMotion) -> list[str]:
+        return []
+
+    def partners(self) -> list[Joint]:
+        return self.joint.partners()
+
+
+@part_class()
+class Engaged(JointOfAnother):
     """A joint that engaged at another pose than the reference pose; `System.engage` makes it.
 
     Points and axes of the joint rest in body a as they were given. In body b they are where they met body b when the
@@ -47,7 +73,6 @@ class Engaged(Joint):
     ('Engaged', 0.428571429)
     """
 
-    joint: Joint
     _: KW_ONLY
     shift: Vector = kept(default=(0.0, 0.0, 0.0))
     turn: Orientation = kept(default=(1.0, 0.0, 0.0, 0.0))
@@ -56,16 +81,6 @@ class Engaged(Joint):
 
     def check(self, what: str) -> None:
         """Check nothing: joint and bodies were checked when the joint was made."""
-
-    @property
-    def a(self) -> Body | Ground:
-        """Return body a of the joint."""
-        return self.joint.a
-
-    @property
-    def b(self) -> Body | Ground:
-        """Return body b of the joint."""
-        return self.joint.b
 
     def moved_point(self, point: np.ndarray) -> np.ndarray:
         """Return a point of b [m, world at the reference pose]."""
@@ -116,12 +131,3 @@ class Engaged(Joint):
 
     def point(self) -> np.ndarray:
         return self.moved_point(self.joint.point())
-
-    def reaction_points(self, solution: Motion) -> np.ndarray:
-        return solution.body_point(self.b, self.point())
-
-    def notes(self, solution: LoadedMotion) -> list[str]:
-        return []
-
-    def partners(self) -> list[Joint]:
-        return self.joint.partners()

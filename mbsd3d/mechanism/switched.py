@@ -12,11 +12,10 @@ from ..base.fields import Number, Truth, kept, part_class
 from .bodies import Body, Ground
 from .couplings import Coupling
 from .drivers import Driver
-from .engaged import Engaged
+from .engaged import Engaged, JointOfAnother
 from .joints import Joint
 from .joints.pairs import Screw
 from .measures import Condition, reaction
-from .motion_protocols import LoadedMotion, Motion
 from .primitives import Coordinate, Primitive
 from .switching import OPEN, Mode, Switching, Watch
 
@@ -31,10 +30,8 @@ def as_condition(value: Any, what: str, part: Any) -> Condition | None:
 
 
 @part_class()
-class SwitchedJoint(Switching, Joint):
-    """Base class of joints that are not there all the time; the joint itself is not part of the system."""
-
-    joint: Joint
+class SwitchedJoint(Switching, JointOfAnother):
+    """Base class of joints that are not there all the time."""
 
     def check(self, what: str) -> None:
         if not isinstance(self.joint, Joint) or isinstance(self.joint, Driver | Screw | SwitchedJoint | Engaged):
@@ -42,16 +39,11 @@ class SwitchedJoint(Switching, Joint):
             if isinstance(self.joint, Screw):
                 remedy = "end the run and use system.engage"
             raise InputError(f"{what}: {short_repr(self.joint)} cannot be switched; {remedy}")
-
-    @property
-    def a(self) -> Body | Ground:
-        """Return body a of the joint."""
-        return self.joint.a
-
-    @property
-    def b(self) -> Body | Ground:
-        """Return body b of the joint."""
-        return self.joint.b
+        if self.joint.reflected():
+            raise InputError(
+                f"{what}: {short_repr(self.joint)} has a reflected inertia, which would come and go with the joint; "
+                "give it to a hinge or slide that stays"
+            )
 
     def bodies(self) -> tuple[Body | Ground, ...]:
         return self.joint.bodies()
@@ -84,15 +76,6 @@ class SwitchedJoint(Switching, Joint):
 
     def point(self) -> np.ndarray:
         return self.joint.point()
-
-    def reaction_points(self, solution: Motion) -> np.ndarray:
-        return solution.body_point(self.b, self.point())
-
-    def notes(self, solution: LoadedMotion) -> list[str]:
-        return []
-
-    def partners(self) -> list[Joint]:
-        return self.joint.partners()
 
     def held(self) -> Joint:
         return self.joint

@@ -16,7 +16,7 @@ from ..equations.plausibility import loose_bodies
 from ..mechanism.joints import Joint
 from ..mechanism.limits import Limit
 from .checks.balances import BALANCES, balance_checks, work_note
-from .checks.between_stages import signal_checks, stage_notes, touch_checks
+from .checks.between_stages import TOUCHES, signal_checks, stage_notes, touch_checks
 from .checks.check import DRIFT_LIMIT_MAX, PASSED, Check, drift_limit, scales_of
 from .checks.equations import equation_checks, joint_checks, lost, residuals
 from .checks.friction import friction_notes
@@ -133,7 +133,7 @@ def certify(solution: RunResult) -> Certificate:
     """Make all checks of a solution."""
     record, limit, remarks = solution.record, drift_limit(solution.record), notes(solution)
     if solution.pieces:
-        checks = [*worst_of_pieces(solution), *balance_checks(solution, limit, False)]
+        checks = [*worst_of_pieces(solution), *touch_checks(solution), *balance_checks(solution, limit, False)]
         remarks += [text for piece in solution.pieces for text in certificate_of(piece).notes if text not in remarks]
     elif solution.t.size:
         missed, opened = residuals(solution), rounding(solution)
@@ -163,13 +163,18 @@ def certify(solution: RunResult) -> Certificate:
 
 
 def worst_of_pieces(solution: RunResult) -> list[Check]:
-    """Return every check of the pieces between events, but balances, of the piece that is nearest to failing it."""
+    """Return every check of the pieces between events, of the piece that is nearest to failing it.
+
+    Balances and what touches change add up over the run: they are judged of the whole.
+    """
     worst: dict[str, Check] = {}
     for piece in solution.pieces:
         piece.derived["scales"] = scales_of(solution)
         for check in certificate_of(piece).checks if piece.t.size else ():
             known = worst.get(check.name)
-            if check.name not in BALANCES and (known is None or check.error * known.limit > known.error * check.limit):
+            if check.name not in (*BALANCES, TOUCHES) and (
+                known is None or check.error * known.limit > known.error * check.limit
+            ):
                 worst[check.name] = check
     return list(worst.values())
 

@@ -9,7 +9,7 @@ from .events import Event
 from .record import Record
 from .result import RunResult
 
-ADDED = ("steps", "rejected", "evaluations", "svd_calls", "seconds", "loop_seconds")  # over the pieces
+ADDED = ("steps", "rejected", "evaluations", "svd_calls", "seconds", "loop_seconds", "jump")  # over the pieces
 GREATEST = ("speed", "missed", "farthest")
 
 
@@ -65,7 +65,7 @@ def in_pieces(whole: RunResult, pieces: list[RunResult], counts: list[int]) -> R
 def joined_record(pieces: list[RunResult]) -> Record:
     """Return the record of a whole run: sums and extremes over its pieces."""
     records = [piece.record for piece in pieces]
-    farthest, missed = (max(records, key=attrgetter(name)) for name in ("farthest", "missed"))
+    farthest, missed, jump = (max(records, key=attrgetter(name)) for name in ("farthest", "missed", "jump"))
     sums = {name: sum(getattr(x, name) for x in records) for name in ADDED}
     miscounts = [x.miscount for x in records if x.miscount is not None]
     return replace(
@@ -73,5 +73,6 @@ def joined_record(pieces: list[RunResult]) -> Record:
         rank_events=[event for x in records for event in x.rank_events], nearest=min(x.nearest for x in records),
         open_audit=tuple(np.sum([x.open_audit for x in records], axis=0).tolist()),
         miscount=max(miscounts, default=None), missed_by=missed.missed_by, farthest_by=farthest.farthest_by,
+        jump_by=jump.jump_by,
         stopped_by=records[-1].stopped_by, never_armed=records[-1].never_armed,
     )  # fmt: skip

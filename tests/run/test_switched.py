@@ -10,12 +10,14 @@ from mbsd3d import (
     RK4,
     Body,
     Breaks,
+    EndStop,
     Fixed,
     Gear,
     GeneralizedAlpha,
     JointFriction,
     Kinematic,
     PointOnLine,
+    Prismatic,
     RadauIIA,
     Revolute,
     Screw,
@@ -185,6 +187,21 @@ def test_methods_land_at_the_same_events(method, error):
     assert max(abs(a.t - b.t) for a, b in zip(run.events, exact.events, strict=True)) < error
 
 
+def test_what_touches_change_adds_up_over_the_pieces():
+    """A block drops onto a damped stop; a light one that it takes along as it is deepest makes an event in between."""
+    block, load = (Body(name, m, (m, m, m), position=PLACE) for name, m in (("block", 1.0), ("load", 0.01)))
+    rail = Prismatic(GROUND, block, at=PLACE, axis=R[:, 2], name="rail")
+    taken = Switched(Fixed(block, load, at=PLACE), engage=measures.slide(rail) < -0.3, name="taken")
+    beside = Prismatic(GROUND, load, at=PLACE, axis=R[:, 2])
+    stop = EndStop(rail, lower=-0.2, stiffness=300.0, damping=2.0, name="stop")
+    system = System([block, load], [rail, beside, taken], [stop], gravity=9.81 * DOWN)
+    run = simulate(system, 1.5, method=GeneralizedAlpha(dt=1e-3))
+    changes = [piece.record.jump for piece in run.pieces]
+    assert len(changes) == 2 and min(changes) > 0.0
+    assert run.certificate["contacts"].error == pytest.approx(sum(changes), rel=1e-12)
+    assert "'stop'" in run.certificate["contacts"].meaning
+
+
 def test_what_cannot_switch_is_refused():
     system, start = geared()
     with pytest.raises(ValueError, match="Kinematic finds poses from drivers alone, and 'gear' switches"):
@@ -195,6 +212,9 @@ def test_what_cannot_switch_is_refused():
     pin = Revolute(GROUND, a, at=(0, 0, 0), axis=(0, 0, 1))
     with pytest.raises(ValueError, match=r"cannot be switched; end the run and use system\.engage"):
         Switched(Screw(a, b, at=(0, 0, 0), axis=(0, 0, 1), pitch=0.1), engage=measures.angle(pin) > 1.0)
+    geared_motor = Revolute(GROUND, b, at=(0, 0, 0), axis=(0, 0, 1), reflected_inertia=0.2)
+    with pytest.raises(ValueError, match="has a reflected inertia, which would come and go"):
+        Breaks(geared_motor, force=9.0)
     with pytest.raises(ValueError, match="never engages; give engage="):
         Switched(Fixed(a, b, at=(0, 0, 0)), release=measures.angle(pin) > 1.0)
     with pytest.raises(ValueError, match="is not a condition; write e.g."):

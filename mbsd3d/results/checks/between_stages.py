@@ -10,6 +10,7 @@ from ...mechanism.signals.terms import SINE
 from ..result import RunResult
 from .check import Check
 
+TOUCHES = "contacts"  # the check of them
 STEPS_PER_PERIOD_MIN = 10  # [1] fixed steps in a period of a sine, for a resolved one
 TOUCH_CHANGE_MAX = 0.01  # [1] of the velocities, in all fixed steps in which bodies touch: when is open by up to a step
 PERIODS_PER_STEP_MAX = 0.5  # [1] of a sine in a fixed step: beyond, the stages may all see one phase (Nyquist)
@@ -60,7 +61,7 @@ def touch_checks(solution: RunResult) -> list[Check]:
     if record.jump == 0.0:
         return []
     meaning = f"'{record.jump_by}' presses from somewhere within a step on; shorten dt, or use adaptive steps"
-    return [Check("contacts", record.jump, TOUCH_CHANGE_MAX, meaning)]
+    return [Check(TOUCHES, record.jump, TOUCH_CHANGE_MAX, meaning)]
 
 
 def unseen_parts(solution: RunResult) -> list[str]:
